@@ -1,0 +1,18 @@
+//! What is asked of servoscope and what it answers: plain data, no solver.
+//!
+//! `store` and `report` know these types and nothing of how they were computed.
+//! Their JSON form is the wire format of the service and of `--json`.
+
+mod identification;
+mod progress;
+mod request;
+
+pub use identification::{
+    Correlations, Fit, Identification, NoiseSource, OrderCandidate, OrderChoice, ParameterEstimate,
+    Provenance, Stage, TransferFunction,
+};
+pub use progress::{ConvergenceRow, Progress};
+pub use request::{
+    ColonyOptions, ColonyVariant, IdentifyOptions, InvalidOptions, JobKind, Method, NetworkOptions,
+    PlantRequest,
+};

@@ -1,0 +1,199 @@
+//! What a job asks for.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// Kind of job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum JobKind {
+    /// Fit the base model.
+    Identify,
+}
+
+/// How parameters are estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+pub enum Method {
+    /// A neural network proposes, an artificial bee colony searches,
+    /// Levenberg–Marquardt refines.
+    #[default]
+    #[serde(rename = "abc-ann")]
+    AbcAnn,
+}
+
+impl Method {
+    /// Every method, in the order they are listed to a user.
+    pub const ALL: &[Method] = &[Method::AbcAnn];
+
+    /// The name used on the wire and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::AbcAnn => "abc-ann",
+        }
+    }
+}
+
+impl std::str::FromStr for Method {
+    type Err = InvalidOptions;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Method::ALL.iter().copied().find(|method| method.name() == text).ok_or_else(|| {
+            InvalidOptions {
+                option: "method",
+                reason: format!(
+                    "`{text}` is not a method; known: {}",
+                    Method::ALL.iter().map(|m| m.name()).collect::<Vec<_>>().join(", ")
+                ),
+            }
+        })
+    }
+}
+
+/// What is known of the plant beforehand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlantRequest {
+    /// Order of the actuator in front of the mechanics: 0, 1 or 2.
+    #[schema(minimum = 0, maximum = 2)]
+    pub actuator_order: u8,
+}
+
+/// Which bee colony searches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ColonyVariant {
+    /// Several dimensions a step (modification rate 0.5), drawn towards the
+    /// best source.
+    #[default]
+    GlobalBest,
+    /// One dimension a step, as the paper prints it.
+    Literal,
+}
+
+/// The network that proposes parameters from measured features.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct NetworkOptions {
+    /// Whether it is used at all.
+    pub enabled: bool,
+    /// Neurons of the hidden layer.
+    pub hidden_neurons: usize,
+    /// Simulated plants it is trained on.
+    pub training_plants: usize,
+    /// Passes of back-propagation over them.
+    pub epochs: usize,
+}
+
+impl Default for NetworkOptions {
+    fn default() -> Self {
+        // 20 hidden neurons: the paper, Table I.
+        Self { enabled: true, hidden_neurons: 20, training_plants: 400, epochs: 60 }
+    }
+}
+
+/// The artificial bee colony.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ColonyOptions {
+    /// Whether it is used at all.
+    pub enabled: bool,
+    /// Which variant.
+    pub variant: ColonyVariant,
+    /// Food sources (as many employed bees and as many onlookers).
+    pub food_sources: usize,
+    /// Cycles of employed, onlooker and scout phase.
+    pub cycles: usize,
+    /// Failed trials after which a source is abandoned; null: food sources ×
+    /// parameters, the customary choice.
+    pub abandonment_limit: Option<usize>,
+}
+
+impl Default for ColonyOptions {
+    fn default() -> Self {
+        // 10 sources and 50 cycles: the paper, Table I.
+        Self {
+            enabled: true,
+            variant: ColonyVariant::GlobalBest,
+            food_sources: 10,
+            cycles: 50,
+            abandonment_limit: None,
+        }
+    }
+}
+
+/// Every option of an identification, all with defaults.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct IdentifyOptions {
+    /// Seed of every random choice; the same seed gives the same bits.
+    pub seed: u64,
+    /// Standard deviation of re and im of every harmonic, in response units,
+    /// for data that carries neither deviations nor repeats.
+    pub noise_std: Option<f64>,
+    /// Whether a closed-form start is computed where the data allows it.
+    pub closed_form_start: bool,
+    /// The network stage.
+    pub network: NetworkOptions,
+    /// The colony stage.
+    pub colony: ColonyOptions,
+    /// Whether the best source is refined by Levenberg–Marquardt.
+    pub refine: bool,
+}
+
+impl Default for IdentifyOptions {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            noise_std: None,
+            closed_form_start: true,
+            network: NetworkOptions::default(),
+            colony: ColonyOptions::default(),
+            refine: true,
+        }
+    }
+}
+
+/// An option has a value that no computation can use.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("option {option}: {reason}")]
+pub struct InvalidOptions {
+    /// Name of the option.
+    pub option: &'static str,
+    /// What is wrong and what would be right.
+    pub reason: String,
+}
+
+impl IdentifyOptions {
+    /// Checks every value against what is usable and what ends in bounded time.
+    ///
+    /// # Errors
+    /// The first option out of range, with its range.
+    pub fn validate(&self) -> Result<(), InvalidOptions> {
+        let within = |option, value: usize, low: usize, high: usize| {
+            if (low..=high).contains(&value) {
+                Ok(())
+            } else {
+                let reason = format!("{value} is outside {low} to {high}");
+                Err(InvalidOptions { option, reason })
+            }
+        };
+        within("network.hidden_neurons", self.network.hidden_neurons, 1, 200)?;
+        within("network.training_plants", self.network.training_plants, 10, 20_000)?;
+        within("network.epochs", self.network.epochs, 1, 5_000)?;
+        within("colony.food_sources", self.colony.food_sources, 2, 1_000)?;
+        within("colony.cycles", self.colony.cycles, 1, 10_000)?;
+        within(
+            "colony.abandonment_limit",
+            self.colony.abandonment_limit.unwrap_or(1),
+            1,
+            1_000_000,
+        )?;
+        match self.noise_std {
+            Some(std) if !(std.is_finite() && std > 0.0) => Err(InvalidOptions {
+                option: "noise_std",
+                reason: format!("{std} is not a positive number of response units"),
+            }),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! servoscope: from the measured frequency response of a servo axis to its
+//! transfer function and friction.
+//!
+//! Layers, each knowing only those below it (a test enforces it):
+//!
+//! ```text
+//!   http      cli      worker        the outside: requests, arguments, threads
+//!     └────────┼─────────┘
+//!           service                  use cases: joins storage and numerics
+//!     ┌────────┼─────────┐
+//!   store   report    diagnose       rows · text and figures · causes
+//!     │        │         │
+//!     │        │      identify       data → parameters with intervals
+//!     │        │         │
+//!     │        │      simulate       parameters → periodic response
+//!     │        │         │
+//!     │        │      effects        what a base model may lack
+//!     └────────┴─────────┤
+//!   answers      plant · measurement what is asked, fitted and measured
+//! ```
+//!
+//! `benchmark` stands beside them: it draws machines, simulates them with a
+//! simulator of its own and asks the public interface what it sees.
+//!
+//! The numeric core (`diagnose` and below) is pure and synchronous: data, seed
+//! and [`observer::Observer`] in, values out; the same seed gives the same bits
+//! at any number of threads.
+
+pub mod answers;
+pub mod benchmark;
+pub mod effects;
+pub mod identify;
+pub mod measurement;
+pub mod observer;
+pub mod plant;
+pub mod simulate;

@@ -1,0 +1,2 @@
+//! servoscope
+fn main() {}

@@ -1,0 +1,101 @@
+//! One periodic input and its response.
+
+use super::Complex;
+
+/// One harmonic of a response.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Harmonic {
+    /// 0 = mean, 1 = fundamental, 2 …
+    pub order: usize,
+    /// Peak amplitude Yₖ, response units, as in y(t) = Re Σ Yₖ exp(jkωt).
+    pub value: Complex,
+    /// Standard deviation of each of re and im (of re alone at order 0),
+    /// response units, where the upload gives one.
+    pub std: Option<f64>,
+}
+
+/// How one repeat of an experiment, or one period of a record, deviates from
+/// the mean over all of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Repeat {
+    /// Deviation of Uₖ, aligned with [`Experiment::input`]; empty where the
+    /// input was not measured.
+    pub input: Vec<Complex>,
+    /// Deviation of Yₖ, aligned with [`Experiment::response`].
+    pub response: Vec<Complex>,
+}
+
+/// One periodic input, its response, and what belongs to them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    /// Half the peak-to-peak value of the input, input units.
+    pub magnitude: f64,
+    /// Fundamental angular frequency, rad/s.
+    pub omega_rad_s: f64,
+    /// Uₖ for k = 0, 1, 2 …, input units: u(t) = Re Σ Uₖ exp(jkωt).
+    /// A pure cosine is `[0, m]`.
+    pub input: Vec<Complex>,
+    /// Whether the mean of the input (U₀) was measured, rather than assumed 0.
+    pub input_mean_measured: bool,
+    /// Yₖ in ascending order, no order twice: the mean over the repeats.
+    pub response: Vec<Harmonic>,
+    /// Position in the order of acquisition, where known.
+    pub run: Option<f64>,
+    /// Deviations of the repeats or periods from their mean; none or at least 2.
+    pub repeats: Vec<Repeat>,
+    /// Whether `repeats` are periods of one record.
+    pub from_record: bool,
+}
+
+impl Experiment {
+    /// Highest harmonic of the response.
+    pub fn highest_harmonic(&self) -> usize {
+        self.response.last().map_or(0, |harmonic| harmonic.order)
+    }
+
+    /// The input's amplitude and phase when its fundamental is all there is.
+    pub fn pure_cosine(&self) -> Option<Complex> {
+        let others_vanish =
+            self.input.iter().enumerate().all(|(k, u)| k == 1 || *u == Complex::new(0.0, 0.0));
+        (others_vanish && self.input.len() > 1).then(|| self.input[1])
+    }
+
+    pub(super) fn check(&self) -> Result<(), String> {
+        let finite = |z: &Complex| z.re.is_finite() && z.im.is_finite();
+        if !(self.magnitude.is_finite() && self.magnitude >= 0.0) {
+            return Err(format!("magnitude {} is not a finite number ≥ 0", self.magnitude));
+        }
+        if !(self.omega_rad_s.is_finite() && self.omega_rad_s > 0.0) {
+            return Err(format!("frequency {} rad/s is not positive", self.omega_rad_s));
+        }
+        if !self.input.iter().all(finite) {
+            return Err("an input harmonic is not finite".into());
+        }
+        if self.response.is_empty() {
+            return Err("there is no response".into());
+        }
+        if !self.response.iter().all(|harmonic| finite(&harmonic.value)) {
+            return Err("a response harmonic is not finite".into());
+        }
+        if self.response.windows(2).any(|pair| pair[0].order >= pair[1].order) {
+            return Err("response harmonics are not in ascending order".into());
+        }
+        if let Some(std) = self
+            .response
+            .iter()
+            .filter_map(|harmonic| harmonic.std)
+            .find(|s| !(*s > 0.0 && s.is_finite()))
+        {
+            return Err(format!("standard deviation {std} is not positive"));
+        }
+        let aligned = |repeat: &Repeat| {
+            repeat.response.len() == self.response.len()
+                && (repeat.input.is_empty() || repeat.input.len() == self.input.len())
+                && repeat.response.iter().chain(&repeat.input).all(finite)
+        };
+        if self.repeats.len() == 1 || !self.repeats.iter().all(aligned) {
+            return Err("the repeats do not fit the data they deviate from".into());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,87 @@
+//! What was measured: a list of experiments, each with one periodic input.
+//!
+//! Text becomes a [`Measurement`] in [`formats`], and a `Measurement` cannot be
+//! invalid: its fields are private and [`Measurement::new`] checks them.
+
+mod experiment;
+pub mod formats;
+mod metadata;
+
+pub use experiment::{Experiment, Harmonic, Repeat};
+pub use metadata::{Loop, Metadata, Quantity, ResponseKind};
+
+/// Complex number; angles in radians.
+pub type Complex = nalgebra::Complex<f64>;
+
+/// A measured response: what was done, what came back, and how certain it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    metadata: Metadata,
+    experiments: Vec<Experiment>,
+    /// Remarks of the reader for the user: unknown columns, dropped periods, …
+    notes: Vec<String>,
+    sha256: String,
+}
+
+/// A measurement that cannot be used, whatever text it came from.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum InvalidMeasurement {
+    /// No experiment at all.
+    #[error("the measurement has no experiment")]
+    Empty,
+    /// A value of one experiment is unusable.
+    #[error("experiment {experiment}: {reason}")]
+    Experiment {
+        /// Index of the experiment, from 0.
+        experiment: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+impl Measurement {
+    /// Joins experiments to a measurement.
+    ///
+    /// `sha256` is the hexadecimal digest of the bytes it was read from.
+    ///
+    /// # Errors
+    /// When there is no experiment, or a value is not finite, a magnitude
+    /// negative, a frequency or deviation not positive, or a repeat not aligned
+    /// with the data it deviates from.
+    pub fn new(
+        metadata: Metadata,
+        experiments: Vec<Experiment>,
+        notes: Vec<String>,
+        sha256: String,
+    ) -> Result<Self, InvalidMeasurement> {
+        if experiments.is_empty() {
+            return Err(InvalidMeasurement::Empty);
+        }
+        for (index, experiment) in experiments.iter().enumerate() {
+            experiment
+                .check()
+                .map_err(|reason| InvalidMeasurement::Experiment { experiment: index, reason })?;
+        }
+        Ok(Self { metadata, experiments, notes, sha256 })
+    }
+
+    /// What the upload says of itself.
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
+    }
+
+    /// The experiments, in the order of the upload.
+    pub fn experiments(&self) -> &[Experiment] {
+        &self.experiments
+    }
+
+    /// Remarks of the reader for the user.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Hexadecimal SHA-256 of the bytes it was read from.
+    pub fn sha256(&self) -> &str {
+        &self.sha256
+    }
+}

@@ -1,1 +1,3 @@
-//! Integration tests.
+//! Integration tests: everything through the public interface.
+
+mod simulation;

@@ -1,0 +1,162 @@
+use super::*;
+use crate::plant::{Actuator, Friction};
+
+fn plant(actuator: Actuator, friction: Friction) -> Plant {
+    Plant { viscous_rate_rad_s: 10.0, constant: 10.0, actuator, friction }
+}
+
+const RESONANT: Actuator =
+    Actuator::SecondOrder { natural_frequency_rad_s: 31.6, damping_ratio: 0.08 };
+
+/// The same input, taken through the general path: the mean is not quite zero.
+fn as_general(omega: f64, magnitude: f64) -> Excitation {
+    let tiny = Complex::new(f64::MIN_POSITIVE, 0.0);
+    Excitation::new(omega, vec![tiny, Complex::new(magnitude, 0.0)])
+}
+
+fn largest_difference(left: &[Complex], right: &[Complex]) -> f64 {
+    left.iter().zip(right).map(|(l, r)| (l - r).norm()).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_two_paths_agree_on_a_cosine() {
+    let frictions = [
+        Friction::coulomb(0.5, 0.4),
+        Friction::coulomb(0.0, 0.0),
+        Friction::coulomb(0.9, 0.2),
+        Friction { fc_plus: 0.5, fc_minus: 0.4, fs_plus: 0.8, fs_minus: 0.6 },
+    ];
+    for friction in frictions {
+        for actuator in [Actuator::Direct, RESONANT] {
+            for omega in [0.5, 3.0, 17.0, 60.0] {
+                for magnitude in [0.7, 1.0, 1.7, 4.0] {
+                    let plant = plant(actuator, friction);
+                    let exact =
+                        respond(&plant, &[], &Excitation::cosine(omega, magnitude), 9).unwrap();
+                    let general = respond(&plant, &[], &as_general(omega, magnitude), 9).unwrap();
+                    // Interpolation on 512 samples: (2π/512)⁶/46080 of w.
+                    let difference = largest_difference(&exact, &general);
+                    assert!(
+                        difference < 1e-9,
+                        "{friction:?} {actuator:?} ω {omega} m {magnitude}: {difference:e}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn sensitivities_agree_with_finite_differences() {
+    let friction = Friction { fc_plus: 0.5, fc_minus: 0.4, fs_plus: 0.6, fs_minus: 0.55 };
+    let multisine = Excitation::new(
+        2.0,
+        [0.1, 1.0, 0.4, 0.0, 0.3, 0.5]
+            .iter()
+            .enumerate()
+            .map(|(k, m)| Complex::from_polar(*m, if k == 0 { 0.0 } else { (k * k) as f64 }))
+            .collect(),
+    );
+    let excitations = [Excitation::cosine(2.0, 0.8), Excitation::cosine(15.0, 2.0), multisine];
+    for (e, excitation) in excitations.iter().enumerate() {
+        for actuator in [Actuator::FirstOrder { corner_rad_s: 20.0 }, RESONANT] {
+            let base = [10.0, 9.0, 0.5, 0.4, 0.6, 0.55];
+            let (first, second) = match actuator {
+                Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
+                    (natural_frequency_rad_s, damping_ratio)
+                }
+                _ => (20.0, 0.0),
+            };
+            let all = [base.as_slice(), &[first, second]].concat();
+            let build = |p: &[f64]| Plant {
+                viscous_rate_rad_s: p[0],
+                constant: p[1],
+                friction: Friction { fc_plus: p[2], fc_minus: p[3], fs_plus: p[4], fs_minus: p[5] },
+                actuator: match actuator {
+                    Actuator::SecondOrder { .. } => {
+                        Actuator::SecondOrder { natural_frequency_rad_s: p[6], damping_ratio: p[7] }
+                    }
+                    _ => Actuator::FirstOrder { corner_rad_s: p[6] },
+                },
+            };
+            assert_eq!(build(&all).friction, friction);
+            let response = respond_with_sensitivities(&build(&all), &[], excitation, 6).unwrap();
+            for (i, name) in PARAMETERS.iter().enumerate() {
+                let step = 1e-5 * all[i].abs().max(1e-2);
+                let moved = |sign: f64| {
+                    let mut p = all.clone();
+                    p[i] += sign * step;
+                    respond(&build(&p), &[], excitation, 6).unwrap()
+                };
+                let (up, down) = (moved(1.0), moved(-1.0));
+                for k in 0..=6 {
+                    let numeric = (up[k] - down[k]) / (2.0 * step);
+                    let analytic = response.sensitivities[i][k];
+                    // Central differences: step² times the third derivative.
+                    let error = (numeric - analytic).norm();
+                    assert!(
+                        error < 2e-6 * (1.0 + analytic.norm()),
+                        "{e} {name} k {k}: {analytic} {numeric}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_input_deviation_moves_the_response_as_the_simulation_says() {
+    let plant = plant(RESONANT, Friction::coulomb(0.5, 0.4));
+    let lines: Vec<Complex> = (0..6)
+        .map(|k| Complex::from_polar(0.6, if k == 0 { 0.0 } else { (k * k) as f64 }))
+        .collect();
+    let deviation: Vec<Complex> = (0..6)
+        .map(|k| Complex::from_polar(1e-6, if k == 0 { 0.0 } else { 2.0 * k as f64 }))
+        .collect();
+    let moved: Vec<Complex> = lines.iter().zip(&deviation).map(|(u, d)| u + d).collect();
+    let before = Excitation::new(2.0, lines);
+    let after = respond(&plant, &[], &Excitation::new(2.0, moved), 8).unwrap();
+    let linear = respond_to_deviations(&plant, &[], &before, 8, &[&deviation]).unwrap();
+    let reference = respond(&plant, &[], &before, 8).unwrap();
+    for k in 0..=8 {
+        let difference = after[k] - reference[k];
+        // Second order in a relative deviation of 1e-6, and rounding.
+        assert!((difference - linear[0][k]).norm() < 1e-10, "k {k}");
+    }
+}
+
+#[test]
+fn an_axis_below_its_static_level_rests() {
+    let plant = plant(Actuator::Direct, Friction::coulomb(0.5, 0.4));
+    let response = respond(&plant, &[], &Excitation::cosine(3.0, 0.4), 5).unwrap();
+    assert!(response.iter().all(|v| v.norm() == 0.0));
+}
+
+#[test]
+fn a_torque_above_one_level_only_moves_the_axis_one_way() {
+    let plant = plant(Actuator::Direct, Friction::coulomb(0.5, 0.4));
+    let orbit = orbit(&plant, &[], &Excitation::cosine(3.0, 0.45)).unwrap();
+    let motions: Vec<Motion> = orbit.phases.iter().map(|phase| phase.motion).collect();
+    assert_eq!(motions, [Motion::Backward, Motion::Stuck]);
+}
+
+#[test]
+fn a_large_mean_torque_keeps_the_axis_moving() {
+    let plant = plant(Actuator::Direct, Friction::coulomb(0.5, 0.4));
+    let excitation = Excitation::new(3.0, vec![Complex::new(3.0, 0.0), Complex::new(1.0, 0.0)]);
+    let velocity = respond(&plant, &[], &excitation, 3).unwrap();
+    // No switch: a linear axis whose mean torque is lowered by Fc⁺.
+    let expected = plant.mechanics_response(3.0);
+    assert!((velocity[0].re - 2.5).abs() < 1e-12);
+    assert!((velocity[1] - expected).norm() < 1e-12);
+    assert!(velocity[2].norm() < 1e-12);
+}
+
+#[test]
+fn without_friction_the_response_is_the_transfer_function() {
+    let plant = plant(RESONANT, Friction::coulomb(0.0, 0.0));
+    let velocity = respond(&plant, &[], &Excitation::cosine(20.0, 2.0), 3).unwrap();
+    let expected = 2.0 * plant.mechanics_response(20.0) * RESONANT.response(20.0);
+    assert!((velocity[1] - expected).norm() < 1e-12);
+    assert!(velocity[3].norm() < 1e-12);
+}

@@ -1,5 +1,8 @@
 //! From a measurement to the parameters of the base model.
 
+pub mod bee_colony;
+pub mod network;
+
 use crate::answers::{Identification, IdentifyOptions, InvalidOptions, Method, PlantRequest};
 use crate::measurement::Measurement;
 use crate::observer::Observer;

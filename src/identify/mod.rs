@@ -1,11 +1,33 @@
 //! From a measurement to the parameters of the base model.
 
+mod abc_ann;
 pub mod bee_colony;
+mod closed_form;
+mod features;
+mod limitations;
+mod moderation;
 pub mod network;
+mod noise;
+mod objective;
+mod order;
+mod parameters;
+mod problem;
+mod proposal;
+mod refine;
+mod summary;
+mod uncertainty;
 
-use crate::answers::{Identification, IdentifyOptions, InvalidOptions, Method, PlantRequest};
+use rayon::prelude::*;
+
+use crate::answers::{
+    Identification, IdentifyOptions, InvalidOptions, Method, PlantRequest, Provenance,
+};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
+
+use abc_ann::{Fitted, Run};
+use objective::Misfit;
+use problem::Problem;
 
 /// Why an identification gave no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -40,13 +62,60 @@ pub struct IdentifyRequest {
 /// # Errors
 /// See [`IdentifyError`].
 pub fn identify(
-    _measurement: &Measurement,
+    measurement: &Measurement,
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<Identification, IdentifyError> {
-    request.options.validate()?;
-    if observer.cancelled() {
-        return Err(IdentifyError::Cancelled);
-    }
-    Err(IdentifyError::Unusable { reason: "not built yet".into() })
+    let IdentifyRequest { plant, method: Method::AbcAnn, options } = request;
+    options.validate()?;
+    let orders: Vec<u8> = match plant {
+        Some(PlantRequest { actuator_order: order @ 0..=2 }) => vec![*order],
+        Some(PlantRequest { actuator_order }) => {
+            let reason = format!("{actuator_order} is not 0, 1 or 2");
+            return Err(InvalidOptions { option: "plant.actuator_order", reason }.into());
+        }
+        None => vec![0, 1, 2],
+    };
+    let problem = Problem::new(measurement)?;
+    let fits: Vec<Fitted> = orders
+        .par_iter()
+        .map(|order| {
+            let among_orders = orders.len() > 1;
+            let problem = &problem;
+            Run { measurement, problem, order: *order, among_orders, options, observer }.fit()
+        })
+        .collect::<Result<_, _>>()?;
+    let order_choice = (fits.len() > 1).then(|| order::choose(&problem, &fits));
+    let wanted = order_choice.as_ref().map_or(orders[0], |choice| choice.actuator_order);
+    let chosen = fits.iter().find(|fit| fit.order == wanted).expect("a fitted order is chosen");
+    let misfit = Misfit {
+        problem: &problem,
+        coordinates: &chosen.coordinates,
+        weights: &chosen.weights,
+        observer,
+    };
+    let summary = summary::summarise(measurement, &problem, chosen, &misfit).ok_or_else(|| {
+        IdentifyError::Unusable { reason: "the fitted plant has no periodic response".into() }
+    })?;
+    let limitations = limitations::of(measurement, &problem, options, chosen, &summary);
+    let stop_reason = chosen.stages.last().map_or("nothing to do", |stage| &stage.stop_reason);
+    Ok(Identification {
+        method: Method::AbcAnn,
+        seed: options.seed,
+        noise: chosen.weights.source,
+        parameters: summary.parameters,
+        transfer_function: summary.transfer_function,
+        fit: summary.fit,
+        correlations: summary.correlations,
+        stop_reason: stop_reason.to_owned(),
+        stages: fits.iter().flat_map(|fit| fit.stages.clone()).collect(),
+        order_choice,
+        limitations,
+        provenance: Provenance {
+            software_version: env!("CARGO_PKG_VERSION").to_owned(),
+            data_sha256: measurement.sha256().to_owned(),
+            options: *options,
+            actuator_order: plant.map(|plant| plant.actuator_order),
+        },
+    })
 }

@@ -1,0 +1,247 @@
+//! A start from the data alone, without any search.
+//!
+//! For pure cosines the describing function of Coulomb friction, 4F̄/π at the
+//! phase of the velocity, gives A(jω)·U = V/P(jω) + (4/π)·F̄·V/|V| for the
+//! fundamental (Chen, Huang, Yen 2002, IEEE Trans. Control Systems Technology
+//! 10(5)): linear in 1/K, a/K and F̄ where A is known, and two magnitudes at one
+//! frequency give F̄/A(jω) itself. It is good to describing-function accuracy:
+//! a start, never a score.
+//!
+//! For a general input the measured harmonics say when the axis moves which
+//! way, so that the friction's harmonics are known but for its two levels:
+//! Uₖ = (jkω + a)·Vₖ/K + Fc⁺·Sₖ⁺ − Fc⁻·Sₖ⁻ is linear too.
+
+use std::f64::consts::PI;
+
+use nalgebra::{DMatrix, DVector};
+use rustfft::FftPlanner;
+
+use crate::measurement::Complex;
+use crate::plant::{Actuator, Friction, Plant};
+
+use super::problem::{Prepared, Problem};
+
+/// A fundamental: ω, U, V, in scale.
+struct Fundamental {
+    omega: f64,
+    input: Complex,
+    velocity: Complex,
+    mean: Option<f64>,
+}
+
+/// A start in scale, where the data allows one.
+pub(super) fn start(problem: &Problem, order: u8) -> Option<Plant> {
+    let cosines = problem.experiments.iter().all(|e| e.excitation.is_pure_cosine());
+    if !cosines {
+        return inverse_dynamics(problem, order);
+    }
+    let fundamentals = moving_fundamentals(problem);
+    let actuator = match order {
+        0 => Actuator::Direct,
+        _ => actuator_from_pairs(&fundamentals, order)?,
+    };
+    mechanics(&fundamentals, actuator)
+}
+
+fn moving_fundamentals(problem: &Problem) -> Vec<Fundamental> {
+    let of = |e: &Prepared| {
+        let datum = |order: usize| e.targets.iter().find(|t| t.order == order && !t.constraint);
+        let first = datum(1)?;
+        Some(Fundamental {
+            omega: e.excitation.omega_rad_s(),
+            input: e.excitation.input()[1],
+            velocity: first.value / first.per_velocity,
+            mean: datum(0).map(|t| t.value.re),
+        })
+    };
+    let all: Vec<Fundamental> = problem.experiments.iter().filter_map(of).collect();
+    let gain = |f: &Fundamental| f.velocity.norm() / f.input.norm();
+    // Half the gain that the largest input finds at that frequency: well above
+    // breakaway, where the describing function holds.
+    let strongest = |omega: f64| {
+        let near = all.iter().filter(|f| (f.omega / omega).ln().abs() < 0.2);
+        near.map(gain).fold(0.0, f64::max)
+    };
+    let moving: Vec<bool> = all.iter().map(|f| gain(f) > 0.3 * strongest(f.omega)).collect();
+    all.into_iter().zip(moving).filter(|(_, moves)| *moves).map(|(f, _)| f).collect()
+}
+
+/// Fits 1/A to D(ω) = F̄/A(jω), from pairs of magnitudes at one frequency.
+fn actuator_from_pairs(fundamentals: &[Fundamental], order: u8) -> Option<Actuator> {
+    let mut inverse: Vec<(f64, Complex)> = Vec::new();
+    for (i, low) in fundamentals.iter().enumerate() {
+        for high in &fundamentals[i + 1..] {
+            let same = (low.omega / high.omega).ln().abs() < 1e-6;
+            let apart = (low.input.norm() / high.input.norm()).ln().abs() > 0.2;
+            if same && apart {
+                let difference = low.input / low.velocity - high.input / high.velocity;
+                let levels = 4.0 / PI * (1.0 / low.velocity.norm() - 1.0 / high.velocity.norm());
+                inverse.push((low.omega, difference / levels));
+            }
+        }
+    }
+    // Re D = F̄ − (F̄/ωₙ²)·ω², Im D = (2ζF̄/ωₙ)·ω or (F̄/p)·ω.
+    let columns = if order == 2 { 3 } else { 2 };
+    if inverse.len() < 2 {
+        return None;
+    }
+    let mut rows = DMatrix::zeros(2 * inverse.len(), columns);
+    let mut right = DVector::zeros(2 * inverse.len());
+    for (r, (omega, d)) in inverse.iter().enumerate() {
+        let weight = 1.0 / d.norm();
+        rows[(2 * r, 0)] = weight;
+        rows[(2 * r + 1, 1)] = weight * omega;
+        if order == 2 {
+            rows[(2 * r, 2)] = -weight * omega * omega;
+        }
+        right[2 * r] = weight * d.re;
+        right[2 * r + 1] = weight * d.im;
+    }
+    let solution = rows.svd(true, true).solve(&right, 1e-12).ok()?;
+    let (level, slope) = (solution[0], solution[1]);
+    if order == 1 {
+        let corner_rad_s = level / slope;
+        return (corner_rad_s > 0.0).then_some(Actuator::FirstOrder { corner_rad_s });
+    }
+    let square = level / solution[2];
+    let natural_frequency_rad_s = (square > 0.0).then(|| square.sqrt())?;
+    // Damping is the weakest of the three: near zero or below it is only small.
+    let damping_ratio = (0.5 * slope / level * natural_frequency_rad_s).clamp(0.02, 3.0);
+    Some(Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio })
+}
+
+/// Least squares for 1/K, a/K and F̄ with a known actuator.
+fn mechanics(fundamentals: &[Fundamental], actuator: Actuator) -> Option<Plant> {
+    if fundamentals.len() < 2 {
+        return None;
+    }
+    let mut rows = DMatrix::zeros(2 * fundamentals.len(), 3);
+    let mut right = DVector::zeros(2 * fundamentals.len());
+    for (r, f) in fundamentals.iter().enumerate() {
+        let weight = 1.0 / f.input.norm();
+        let torque = actuator.response(f.omega) * f.input;
+        let columns = [
+            Complex::new(0.0, f.omega) * f.velocity,
+            f.velocity,
+            4.0 / PI * f.velocity / f.velocity.norm(),
+        ];
+        for (c, column) in columns.iter().enumerate() {
+            rows[(2 * r, c)] = weight * column.re;
+            rows[(2 * r + 1, c)] = weight * column.im;
+        }
+        right[2 * r] = weight * torque.re;
+        right[2 * r + 1] = weight * torque.im;
+    }
+    let solution = rows.svd(true, true).solve(&right, 1e-12).ok()?;
+    let (inverse_constant, ratio, level) = (solution[0], solution[1], solution[2].max(0.0));
+    if inverse_constant <= 0.0 || ratio <= 0.0 {
+        return None;
+    }
+    // The mean velocity balances the mean friction: a·V₀/K = −(δ + F̄·share),
+    // δ = (Fc⁺ − Fc⁻)/2, the share of time spent forward following from V₀/|V₁|.
+    let asymmetries: Vec<f64> = fundamentals
+        .iter()
+        .filter_map(|f| f.mean.map(|mean| -mean * (ratio + 2.0 / PI * level / f.velocity.norm())))
+        .collect();
+    let asymmetry = match asymmetries.len() {
+        0 => 0.0,
+        n => asymmetries.iter().sum::<f64>() / n as f64,
+    };
+    Some(Plant {
+        viscous_rate_rad_s: ratio / inverse_constant,
+        constant: 1.0 / inverse_constant,
+        actuator,
+        friction: Friction::coulomb((level + asymmetry).max(0.0), (level - asymmetry).max(0.0)),
+    })
+}
+
+/// Least squares for 1/K, a/K, Fc⁺ and Fc⁻ from the measured motion.
+fn inverse_dynamics(problem: &Problem, order: u8) -> Option<Plant> {
+    let mut columns: Vec<[Complex; 5]> = Vec::new();
+    for experiment in &problem.experiments {
+        let omega = experiment.excitation.omega_rad_s();
+        let velocity = velocity_lines(experiment);
+        let (forward, backward) = directions(&velocity);
+        for target in experiment.targets.iter().filter(|t| t.order > 0) {
+            let k = target.order;
+            let line = experiment.excitation.input().get(k).copied().unwrap_or_default();
+            columns.push([
+                Complex::new(0.0, k as f64 * omega) * velocity[k],
+                velocity[k],
+                forward[k],
+                -backward[k],
+                line,
+            ]);
+        }
+        columns.push([
+            Complex::default(),
+            Complex::new(velocity[0].re, 0.0),
+            Complex::new(forward[0].re, 0.0),
+            Complex::new(-backward[0].re, 0.0),
+            Complex::new(experiment.excitation.input()[0].re, 0.0),
+        ]);
+    }
+    let mut rows = DMatrix::zeros(2 * columns.len(), 4);
+    let mut right = DVector::zeros(2 * columns.len());
+    for (r, row) in columns.iter().enumerate() {
+        for c in 0..4 {
+            rows[(2 * r, c)] = row[c].re;
+            rows[(2 * r + 1, c)] = row[c].im;
+        }
+        right[2 * r] = row[4].re;
+        right[2 * r + 1] = row[4].im;
+    }
+    let solution = rows.svd(true, true).solve(&right, 1e-12).ok()?;
+    if solution[0] <= 0.0 {
+        return None;
+    }
+    let high = problem.prior.omega_high;
+    let actuator = match order {
+        0 => Actuator::Direct,
+        1 => Actuator::FirstOrder { corner_rad_s: 3.0 * high },
+        _ => Actuator::SecondOrder { natural_frequency_rad_s: 3.0 * high, damping_ratio: 0.7 },
+    };
+    // A rate the regression finds negative is only small.
+    let viscous_rate_rad_s = (solution[1] / solution[0]).max(problem.prior.omega_low / 10.0);
+    Some(Plant {
+        viscous_rate_rad_s,
+        constant: 1.0 / solution[0],
+        actuator,
+        friction: Friction::coulomb(solution[2].max(0.0), solution[3].max(0.0)),
+    })
+}
+
+/// Measured V₀ … V_H; what was not measured is 0.
+fn velocity_lines(experiment: &Prepared) -> Vec<Complex> {
+    let mut lines = vec![Complex::default(); experiment.highest + 1];
+    for target in &experiment.targets {
+        lines[target.order] = target.value / target.per_velocity;
+    }
+    lines
+}
+
+/// Harmonics of the indicators of v > 0 and v < 0.
+fn directions(velocity: &[Complex]) -> (Vec<Complex>, Vec<Complex>) {
+    let samples = (8 * velocity.len()).next_power_of_two();
+    let mut planner = FftPlanner::new();
+    let mut signal = vec![Complex::default(); samples];
+    signal[0] = Complex::new(velocity[0].re, 0.0);
+    for (k, line) in velocity.iter().enumerate().skip(1) {
+        signal[k] = 0.5 * line;
+        signal[samples - k] = 0.5 * line.conj();
+    }
+    planner.plan_fft_inverse(samples).process(&mut signal);
+    // One transform of forward + j·backward holds both.
+    for value in &mut signal {
+        let forward = f64::from(u8::from(value.re > 0.0));
+        *value = Complex::new(forward, 1.0 - forward);
+    }
+    planner.plan_fft_forward(samples).process(&mut signal);
+    let scale = |k: usize| if k == 0 { 1.0 } else { 2.0 } / samples as f64;
+    let mirrored = |k: usize| signal[(samples - k) % samples].conj();
+    let forward = (0..velocity.len()).map(|k| 0.5 * (signal[k] + mirrored(k)) * scale(k));
+    let minus_j = Complex::new(0.0, -1.0);
+    let backward =
+        (0..velocity.len()).map(|k| 0.5 * minus_j * (signal[k] - mirrored(k)) * scale(k));
+    (forward.collect(), backward.collect())
+}

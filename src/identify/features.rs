@@ -1,0 +1,121 @@
+//! What the network sees of a response.
+//!
+//! The response is proportional to K, so everything here is free of its scale:
+//! logarithms of fundamentals less their mean, phases, and other harmonics
+//! relative to the fundamental and turned to its phase.
+
+use crate::measurement::Complex;
+
+use super::problem::{Problem, Target};
+
+/// Experiments of pure cosines that are looked at, at most.
+const MOST_EXPERIMENTS: usize = 13;
+
+/// Lines of general inputs that are looked at, at most.
+const MOST_LINES: usize = 40;
+
+/// Share of the largest response below which a response is as good as none.
+const FLOOR: f64 = 1e-3;
+
+/// Which data the features are made of: chosen once, by the design and the
+/// measured response, then the same for every simulated plant.
+pub(super) struct Features {
+    /// (experiment, index of the target, what it becomes).
+    picks: Vec<(usize, usize, Role)>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Role {
+    /// ln of its size, and its phase relative to the input.
+    Line,
+    /// Relative to the fundamental of its experiment, whose target is named.
+    Relative { fundamental: usize },
+}
+
+impl Features {
+    /// Chooses what to look at.
+    pub fn of(problem: &Problem) -> Self {
+        let mut picks = Vec::new();
+        let cosines: Vec<usize> = (0..problem.experiments.len())
+            .filter(|e| problem.experiments[*e].excitation.is_pure_cosine())
+            .collect();
+        let stride = cosines.len().div_ceil(MOST_EXPERIMENTS).max(1);
+        for e in cosines.iter().copied().step_by(stride) {
+            let targets = &problem.experiments[e].targets;
+            let Some(fundamental) = targets.iter().position(|t| t.order == 1) else { continue };
+            for (t, target) in targets.iter().enumerate() {
+                match target.order {
+                    1 => picks.push((e, t, Role::Line)),
+                    0 | 2 | 3 => picks.push((e, t, Role::Relative { fundamental })),
+                    _ => {}
+                }
+            }
+        }
+        let general: Vec<usize> =
+            (0..problem.experiments.len()).filter(|e| !cosines.contains(e)).collect();
+        for e in general.iter().copied() {
+            let targets = &problem.experiments[e].targets;
+            let mut lines: Vec<usize> =
+                (0..targets.len()).filter(|t| targets[*t].order > 0).collect();
+            let size = |t: &usize| (targets[*t].value / targets[*t].per_velocity).norm();
+            lines.sort_by(|s, t| size(t).total_cmp(&size(s)));
+            lines.truncate((MOST_LINES / general.len()).max(3));
+            lines.sort_unstable();
+            picks.extend(lines.into_iter().map(|t| (e, t, Role::Line)));
+        }
+        Self { picks }
+    }
+
+    /// Features of the measured response.
+    pub fn of_measured(&self, problem: &Problem) -> Vec<f64> {
+        self.extract(problem, |_, _, target| target.value)
+    }
+
+    /// Features of a simulated response: by experiment, then by target.
+    pub fn of_simulated(&self, problem: &Problem, values: &[Vec<Complex>]) -> Vec<f64> {
+        self.extract(problem, |e, t, _| values[e][t])
+    }
+
+    fn extract(
+        &self,
+        problem: &Problem,
+        value: impl Fn(usize, usize, &Target) -> Complex,
+    ) -> Vec<f64> {
+        let velocity = |e: usize, t: usize| {
+            let target = &problem.experiments[e].targets[t];
+            value(e, t, target) / target.per_velocity
+        };
+        let lines = || self.picks.iter().filter(|(_, _, role)| *role == Role::Line);
+        let largest = lines().map(|(e, t, _)| velocity(*e, *t).norm()).fold(0.0, f64::max);
+        let floor = (FLOOR * largest).max(f64::MIN_POSITIVE);
+        let logarithm = |e: usize, t: usize| (velocity(e, t).norm() + floor).ln();
+        let mean =
+            lines().map(|(e, t, _)| logarithm(*e, *t)).sum::<f64>() / lines().count().max(1) as f64;
+        let mut features = Vec::new();
+        for (e, t, role) in &self.picks {
+            let experiment = &problem.experiments[*e];
+            let target = &experiment.targets[*t];
+            let here = velocity(*e, *t);
+            match role {
+                Role::Line => {
+                    let input = experiment.excitation.input().get(target.order);
+                    let turn = input.copied().unwrap_or_default().conj();
+                    let turned = here * turn / (turn.norm() + f64::MIN_POSITIVE);
+                    let size = here.norm() + floor;
+                    features.extend([logarithm(*e, *t) - mean, turned.re / size, turned.im / size]);
+                }
+                Role::Relative { fundamental } => {
+                    let first = velocity(*e, *fundamental);
+                    let size = first.norm() + floor;
+                    let back = (first / size).conj().powu(target.order as u32);
+                    let relative = here * back / size;
+                    features.push(relative.re);
+                    if !target.real {
+                        features.push(relative.im);
+                    }
+                }
+            }
+        }
+        features
+    }
+}

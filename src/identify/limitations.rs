@@ -1,0 +1,66 @@
+//! What this data cannot tell, in sentences.
+
+use crate::answers::{IdentifyOptions, NoiseSource};
+use crate::measurement::Measurement;
+
+use super::abc_ann::Fitted;
+use super::problem::Problem;
+use super::summary::Summary;
+
+/// Sentences for the user; empty where nothing is missing.
+pub(super) fn of(
+    measurement: &Measurement,
+    problem: &Problem,
+    options: &IdentifyOptions,
+    fitted: &Fitted,
+    summary: &Summary,
+) -> Vec<String> {
+    let mut sentences: Vec<String> = measurement.notes().to_vec();
+    let mut say = |sentence: String| sentences.push(sentence);
+    if problem.tied_friction {
+        say("without harmonic 0 or even harmonics Fc⁺ and Fc⁻ cannot be told apart: fc_mean is \
+             their mean; measure harmonics 0 to 5"
+            .into());
+    }
+    let cosines = problem.experiments.iter().all(|e| e.excitation.is_pure_cosine());
+    let mut magnitudes: Vec<f64> = measurement.experiments().iter().map(|e| e.magnitude).collect();
+    magnitudes.sort_by(f64::total_cmp);
+    magnitudes.dedup_by(|a, b| (*a - *b).abs() <= 1e-6 * b.abs());
+    if cosines && magnitudes.len() == 1 {
+        say("a single magnitude tells friction from viscous damping only by the shape of the \
+             response; add a second magnitude, two to four times this one"
+            .into());
+    }
+    let highest = measurement.experiments().iter().map(|e| e.highest_harmonic()).max();
+    if cosines && highest.is_some_and(|highest| highest < 3) {
+        say("fundamentals alone cannot show gain asymmetry, offset, dead zone or drag; harmonics \
+             0 to 5 and a third magnitude would"
+            .into());
+    }
+    if fitted.weights.source == NoiseSource::Estimated {
+        say("the size of the noise is unknown: χ² and adequacy cannot be stated; give std, \
+             repeats or the option noise_std"
+            .into());
+    } else if options.noise_std.is_some()
+        && (fitted.weights.scale_dof.is_finite()
+            || measurement.experiments().iter().flat_map(|e| &e.response).any(|h| h.std.is_some()))
+    {
+        say("noise_std was not used: the upload carries its own deviations".into());
+    }
+    if summary.fit.uncertainty_scale > 1.0 {
+        say(format!(
+            "the base model leaves more than noise: every deviation was widened by the factor \
+             {:.3}, and the parameters absorb what is missing",
+            summary.fit.uncertainty_scale
+        ));
+    }
+    let unidentified = summary.parameters.iter().filter(|(_, estimate)| !estimate.identifiable);
+    let mut names: Vec<&str> = unidentified.map(|(name, _)| name.as_str()).collect();
+    if problem.tied_friction {
+        names.retain(|name| !name.starts_with("fc_"));
+    }
+    if !names.is_empty() {
+        say(format!("this data does not determine {}", names.join(", ")));
+    }
+    sentences
+}

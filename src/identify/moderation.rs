@@ -1,0 +1,240 @@
+//! Pooled and moderated variances.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::function::gamma::digamma;
+
+/// The estimated variance of one datum.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cell {
+    /// Experiment it belongs to.
+    pub experiment: usize,
+    /// Harmonic.
+    pub order: usize,
+    /// Magnitude of the experiment.
+    pub magnitude: f64,
+    /// Whether it comes from the periods of a record.
+    pub from_record: bool,
+    /// Estimate, squared units.
+    pub variance: f64,
+    /// Its degrees of freedom; 0 where nothing was repeated.
+    pub dof: f64,
+}
+
+/// Below this share of the largest variance a scatter is rounding.
+const ROUNDING: f64 = 1e-16;
+
+/// Lines of a record, at least, for its noise to be followed along frequency.
+const FEWEST_LINES: usize = 24;
+
+/// Degrees of freedom a neighbourhood of lines is given.
+const NEIGHBOURHOOD_DOF: f64 = 60.0;
+
+/// Level of the test that variances are equal.
+const LEVEL: f64 = 0.01;
+
+/// Variances to use, in the same arrangement.
+pub(super) fn moderate(rows: &[Vec<Cell>]) -> Vec<Vec<f64>> {
+    let largest = rows.iter().flatten().map(|cell| cell.variance).fold(0.0, f64::max);
+    let floor = (largest * ROUNDING).max(f64::MIN_POSITIVE);
+    let mut flat: Vec<Cell> = rows.iter().flatten().copied().collect();
+    for cell in &mut flat {
+        cell.variance = cell.variance.max(floor);
+    }
+    let prior = match pooled(&flat) {
+        Some(variance) if equal(&flat, variance) => vec![variance; flat.len()],
+        Some(_) => trend(rows, &flat),
+        None => vec![floor; flat.len()],
+    };
+    let prior_dof = prior_dof(&flat, &prior);
+    let mut moderated = flat.iter().zip(&prior).map(|(cell, prior)| {
+        if prior_dof.is_infinite() {
+            return *prior;
+        }
+        let dof = prior_dof + cell.dof;
+        let shrunk = (prior_dof * prior + cell.dof * cell.variance) / dof;
+        // The mean of 1/s² over an estimate with few degrees of freedom is
+        // ν/(ν − 2) times 1/σ².
+        shrunk * if dof > 4.0 { dof / (dof - 2.0) } else { 2.0 }
+    });
+    rows.iter().map(|row| moderated.by_ref().take(row.len()).collect()).collect()
+}
+
+fn pooled(cells: &[Cell]) -> Option<f64> {
+    let dof: f64 = cells.iter().map(|cell| cell.dof).sum();
+    let sum: f64 = cells.iter().map(|cell| cell.dof * cell.variance).sum();
+    (dof > 0.0).then(|| sum / dof)
+}
+
+/// Bartlett's test (1937, doi:10.1098/rspa.1937.0109) that all variances are one.
+fn equal(cells: &[Cell], pooled: f64) -> bool {
+    let estimated: Vec<&Cell> = cells.iter().filter(|cell| cell.dof > 0.0).collect();
+    let groups = estimated.len() as f64;
+    if groups < 2.0 {
+        return true;
+    }
+    let dof: f64 = estimated.iter().map(|cell| cell.dof).sum();
+    let spread: f64 = estimated.iter().map(|cell| cell.dof * (pooled / cell.variance).ln()).sum();
+    let reciprocal: f64 = estimated.iter().map(|cell| 1.0 / cell.dof).sum();
+    let correction = 1.0 + (reciprocal - 1.0 / dof) / (3.0 * (groups - 1.0));
+    ChiSquared::new(groups - 1.0).is_ok_and(|chi2| chi2.sf(spread / correction) > LEVEL)
+}
+
+/// What the neighbours of each cell say: along frequency within a record, by
+/// magnitude and harmonic and experiment within a table.
+fn trend(rows: &[Vec<Cell>], flat: &[Cell]) -> Vec<f64> {
+    let mut prior = additive(flat);
+    let mut start = 0;
+    for row in rows {
+        let cells = &flat[start..start + row.len()];
+        if row.len() >= FEWEST_LINES && row.iter().all(|cell| cell.from_record && cell.dof > 0.0) {
+            for (i, variance) in prior[start..start + row.len()].iter_mut().enumerate() {
+                let reach = (0.5 * NEIGHBOURHOOD_DOF / cells[i].dof).ceil() as usize;
+                let near = &cells[i.saturating_sub(reach)..(i + reach + 1).min(cells.len())];
+                *variance = pooled(near).unwrap_or(*variance);
+            }
+        }
+        start += row.len();
+    }
+    prior
+}
+
+/// ln σ² = mean + share of the magnitude + of the harmonic + of the experiment,
+/// by repeated removal of means.
+fn additive(cells: &[Cell]) -> Vec<f64> {
+    let keys: [fn(&Cell) -> u64; 3] =
+        [|cell| cell.magnitude.to_bits(), |cell| cell.order as u64, |cell| cell.experiment as u64];
+    // ln s² lies below ln σ² by this much on average.
+    let log = |cell: &Cell| cell.variance.ln() - digamma(0.5 * cell.dof) + (0.5 * cell.dof).ln();
+    let mut left: Vec<f64> =
+        cells.iter().map(|cell| if cell.dof > 0.0 { log(cell) } else { 0.0 }).collect();
+    let mut fitted = vec![0.0; cells.len()];
+    for _ in 0..20 {
+        for key in keys {
+            let mut groups = std::collections::BTreeMap::<u64, (f64, f64)>::new();
+            for (cell, rest) in cells.iter().zip(&left).filter(|(cell, _)| cell.dof > 0.0) {
+                let sums = groups.entry(key(cell)).or_default();
+                sums.0 += rest * cell.dof;
+                sums.1 += cell.dof;
+            }
+            for (i, cell) in cells.iter().enumerate() {
+                if let Some((sum, dof)) = groups.get(&key(cell)) {
+                    fitted[i] += sum / dof;
+                    left[i] -= sum / dof;
+                }
+            }
+        }
+    }
+    fitted.into_iter().map(f64::exp).collect()
+}
+
+/// Degrees of freedom the prior is worth: infinite where the cells scatter
+/// around it no more than their own few repeats make them.
+fn prior_dof(cells: &[Cell], prior: &[f64]) -> f64 {
+    let (mut excess, mut count) = (0.0, 0.0);
+    for (cell, prior) in cells.iter().zip(prior).filter(|(cell, _)| cell.dof > 0.0) {
+        let half = 0.5 * cell.dof;
+        let deviation = (cell.variance / prior).ln() - digamma(half) + half.ln();
+        excess += deviation * deviation - trigamma(half);
+        count += 1.0;
+    }
+    let excess: f64 = if count > 0.0 { excess / count } else { 0.0 };
+    // The mean of `count` squares scatters by about √(2/count) of its size.
+    let noise = cells.iter().filter(|c| c.dof > 0.0).map(|c| trigamma(0.5 * c.dof)).sum::<f64>()
+        / f64::max(count, 1.0)
+        * (8.0 / f64::max(count, 1.0)).sqrt();
+    if excess <= noise { f64::INFINITY } else { 2.0 * inverse_trigamma(excess) }
+}
+
+/// ψ'(x) for x > 0, by recurrence and the asymptotic series (DLMF 5.15.8).
+fn trigamma(mut x: f64) -> f64 {
+    let mut sum = 0.0;
+    while x < 10.0 {
+        sum += 1.0 / (x * x);
+        x += 1.0;
+    }
+    let inverse = 1.0 / x;
+    let square = inverse * inverse;
+    sum + inverse
+        * (1.0 + 0.5 * inverse + square * (1.0 / 6.0 - square * (1.0 / 30.0 - square / 42.0)))
+}
+
+/// The x with ψ'(x) = y > 0, by bisection of the logarithm.
+fn inverse_trigamma(y: f64) -> f64 {
+    let (mut low, mut high) = (-20.0_f64, 20.0_f64);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if trigamma(middle.exp()) > y { low = middle } else { high = middle }
+    }
+    (0.5 * (low + high)).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{ChiSquared as ChiSquaredSampler, Distribution};
+
+    fn cells(
+        sigma: impl Fn(usize, usize) -> f64,
+        repeats: f64,
+        from_record: bool,
+    ) -> Vec<Vec<Cell>> {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let dof = 2.0 * (repeats - 1.0);
+        let chi2 = ChiSquaredSampler::new(dof).unwrap();
+        let mut cell = |experiment: usize, order: usize| Cell {
+            experiment,
+            order,
+            magnitude: (experiment % 3) as f64,
+            from_record,
+            variance: sigma(experiment, order).powi(2) * chi2.sample(&mut rng) / dof,
+            dof,
+        };
+        let harmonics = if from_record { 200 } else { 8 };
+        let experiments = if from_record { 1 } else { 48 };
+        (0..experiments).map(|e| (0..harmonics).map(|k| cell(e, k)).collect()).collect()
+    }
+
+    #[test]
+    fn equal_variances_are_pooled_into_one() {
+        let moderated = moderate(&cells(|_, _| 0.3, 6.0, false));
+        let first = moderated[0][0];
+        assert!(moderated.iter().flatten().all(|v| *v == first));
+        // 48·8·10 degrees of freedom: the relative deviation is √(2/3840) = 2.3 %.
+        assert!((first / 0.09 - 1.0).abs() < 0.07, "{first}");
+    }
+
+    #[test]
+    fn a_noise_that_depends_on_magnitude_and_harmonic_is_followed() {
+        let sigma = |e: usize, k: usize| 0.1 * (1.0 + (e % 3) as f64) / (1.0 + k as f64);
+        let moderated = moderate(&cells(sigma, 6.0, false));
+        for (e, row) in moderated.iter().enumerate() {
+            for (k, variance) in row.iter().enumerate() {
+                let ratio = variance / sigma(e, k).powi(2);
+                // An effect is the mean of at least 8 cells with 10 degrees of
+                // freedom each: ln σ² to about √(2/80) = 0.16, three of them.
+                assert!((0.4..2.2).contains(&ratio), "{e} {k}: {ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_noise_of_a_record_is_followed_along_frequency() {
+        let sigma = |_: usize, k: usize| 1.0 + 10.0 * (-(k as f64) / 40.0).exp();
+        let moderated = moderate(&cells(sigma, 3.0, true));
+        for (k, variance) in moderated[0].iter().enumerate().skip(10).take(180) {
+            let ratio = variance / sigma(0, k).powi(2);
+            // 60 degrees of freedom: 18 %, and the slope over the neighbourhood.
+            assert!((0.4..1.9).contains(&ratio), "{k}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn trigamma_agrees_with_known_values() {
+        let pi2 = std::f64::consts::PI.powi(2);
+        assert!((trigamma(1.0) - pi2 / 6.0).abs() < 1e-10);
+        assert!((trigamma(0.5) - pi2 / 2.0).abs() < 1e-10);
+        assert!((inverse_trigamma(trigamma(3.7)) - 3.7).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,205 @@
+//! How certain each datum is.
+//!
+//! Deviations come from the upload, from the scatter of repeats or periods, or
+//! are unknown. A scatter of few repeats is itself uncertain: weights made of
+//! it cell by cell inflate every test. So variances are pooled where a test
+//! lets them be equal, and otherwise moderated: shrunk towards what their
+//! neighbours say, by as much as their spread allows (Smyth 2004,
+//! doi:10.2202/1544-6115.1027).
+//!
+//! Where the input scatters too, what counts is the deviation of the response
+//! from what the model makes of the input's deviation, switching included:
+//! σ² = σ_Y² + |∂Y/∂U|²·σ_U² − 2 Re(conj(∂Y/∂U)·σ_UY), summed over all lines.
+
+use rayon::prelude::*;
+
+use crate::answers::NoiseSource;
+use crate::measurement::{Complex, Experiment, Measurement};
+use crate::plant::Plant;
+use crate::simulate;
+
+use super::moderation::{Cell, moderate};
+use super::problem::{Prepared, Problem};
+
+/// Standard deviation of every target, in scale.
+#[derive(Debug, Clone)]
+pub(super) struct Weights {
+    /// By experiment and target: of re and of im each.
+    pub sigma: Vec<Vec<f64>>,
+    /// Where they come from.
+    pub source: NoiseSource,
+    /// Degrees of freedom of the estimated scale; infinite where it is given.
+    pub scale_dof: f64,
+    /// Whether they depend on the model, because the input scatters.
+    pub depend_on_model: bool,
+}
+
+impl Weights {
+    /// Whether the size of the noise is known.
+    pub fn known(&self) -> bool {
+        self.source != NoiseSource::Estimated
+    }
+}
+
+/// Weights of a problem; `model` (in scale) says what the input's scatter does
+/// to the response. Without it the measured ratio of response to input does.
+pub(super) fn weights(
+    measurement: &Measurement,
+    problem: &Problem,
+    noise_std: Option<f64>,
+    model: Option<&Plant>,
+) -> Weights {
+    let experiments = measurement.experiments();
+    let uniform = |sigma: f64, source| Weights {
+        sigma: problem.experiments.iter().map(|e| vec![sigma; e.targets.len()]).collect(),
+        source,
+        scale_dof: f64::INFINITY,
+        depend_on_model: false,
+    };
+    if experiments.iter().any(|e| !e.repeats.is_empty()) {
+        return from_scatter(experiments, problem, model);
+    }
+    let given: Vec<f64> =
+        experiments.iter().flat_map(|e| &e.response).filter_map(|h| h.std).collect();
+    if !given.is_empty() {
+        // A datum without a deviation of its own is as certain as the others.
+        let usual = (given.iter().map(|s| s * s).sum::<f64>() / given.len() as f64).sqrt();
+        let mut weights = uniform(usual / problem.response_scale, NoiseSource::Given);
+        for (e, experiment) in experiments.iter().enumerate() {
+            for (t, target) in problem.experiments[e].targets.iter().enumerate() {
+                let own = experiment.response.iter().find(|h| h.order == target.order);
+                if let Some(std) = own.and_then(|h| h.std) {
+                    weights.sigma[e][t] = std / problem.response_scale;
+                }
+            }
+        }
+        return weights;
+    }
+    match noise_std {
+        Some(std) => uniform(std / problem.response_scale, NoiseSource::Given),
+        None => uniform(1.0, NoiseSource::Estimated),
+    }
+}
+
+fn from_scatter(experiments: &[Experiment], problem: &Problem, model: Option<&Plant>) -> Weights {
+    let from_record = experiments.iter().any(|e| e.from_record);
+    let input_scatters = experiments
+        .iter()
+        .any(|e| e.repeats.iter().any(|r| r.input.iter().any(|u| u.norm() > 0.0)));
+    let rows: Vec<Vec<Cell>> = experiments
+        .par_iter()
+        .zip(&problem.experiments)
+        .enumerate()
+        .map(|(index, (experiment, prepared))| {
+            cells(index, experiment, prepared, problem, model.filter(|_| input_scatters))
+        })
+        .collect();
+    let scale_dof = rows.iter().flatten().map(|cell| cell.dof).sum();
+    let moderated = moderate(&rows);
+    let sigma = moderated
+        .into_iter()
+        .zip(experiments)
+        .map(|(variances, experiment)| {
+            let repeats = experiment.repeats.len().max(1) as f64;
+            variances.into_iter().map(|variance| (variance / repeats).sqrt()).collect()
+        })
+        .collect();
+    Weights {
+        sigma,
+        source: if from_record { NoiseSource::Periods } else { NoiseSource::Repeats },
+        scale_dof,
+        depend_on_model: input_scatters,
+    }
+}
+
+/// Scatter of one repeat, for every target of an experiment.
+fn cells(
+    index: usize,
+    experiment: &Experiment,
+    prepared: &Prepared,
+    problem: &Problem,
+    model: Option<&Plant>,
+) -> Vec<Cell> {
+    let repeats = experiment.repeats.len();
+    let explained = explained_by_input(experiment, prepared, problem, model);
+    let response_offset = |order: usize| experiment.response.iter().position(|h| h.order == order);
+    prepared
+        .targets
+        .iter()
+        .enumerate()
+        .map(|(t, target)| {
+            let own = if target.constraint { None } else { response_offset(target.order) };
+            let sum: f64 = (0..repeats)
+                .map(|p| {
+                    let measured = own.map_or(Complex::new(0.0, 0.0), |i| {
+                        experiment.repeats[p].response[i] / problem.response_scale
+                    });
+                    let left = measured - explained[p][t];
+                    if target.real { left.re * left.re } else { left.norm_sqr() }
+                })
+                .sum();
+            let components = if target.real { 1.0 } else { 2.0 };
+            let dof = components * repeats.saturating_sub(1) as f64;
+            Cell {
+                experiment: index,
+                order: target.order,
+                magnitude: experiment.magnitude,
+                from_record: experiment.from_record,
+                variance: if dof > 0.0 { sum / dof } else { 0.0 },
+                dof,
+            }
+        })
+        .collect()
+}
+
+/// What the scatter of the input does to each target, by repeat.
+fn explained_by_input(
+    experiment: &Experiment,
+    prepared: &Prepared,
+    problem: &Problem,
+    model: Option<&Plant>,
+) -> Vec<Vec<Complex>> {
+    let zero = Complex::new(0.0, 0.0);
+    let input = |p: usize| -> Vec<Complex> {
+        experiment.repeats[p].input.iter().map(|u| u / problem.scales.input).collect()
+    };
+    let repeats = experiment.repeats.len();
+    if let Some(plant) = model {
+        let deviations: Vec<Vec<Complex>> = (0..repeats).map(input).collect();
+        let rows: Vec<&[Complex]> = deviations.iter().map(Vec::as_slice).collect();
+        let moved = simulate::respond_to_deviations(
+            plant,
+            &[],
+            &prepared.excitation,
+            prepared.highest,
+            &rows,
+        );
+        if let Ok(moved) = moved {
+            return moved
+                .iter()
+                .map(|velocity| {
+                    prepared.targets.iter().map(|t| velocity[t.order] * t.per_velocity).collect()
+                })
+                .collect();
+        }
+    }
+    let lines = prepared.excitation.input();
+    let largest = lines.iter().skip(1).map(|u| u.norm()).fold(0.0, f64::max);
+    let ratio = |order: usize, value: Complex| match lines.get(order) {
+        Some(u) if order > 0 && u.norm() > 0.01 * largest => value / u,
+        _ => zero,
+    };
+    let strongest =
+        prepared.targets.iter().map(|t| ratio(t.order, t.value / t.per_velocity).norm());
+    let strongest = strongest.fold(0.0, f64::max);
+    (0..repeats)
+        .map(|p| {
+            let input = input(p);
+            let at = |order: usize| input.get(order).copied().unwrap_or(zero);
+            let of = |t: &super::problem::Target| {
+                if t.constraint { at(0) * strongest } else { ratio(t.order, t.value) * at(t.order) }
+            };
+            prepared.targets.iter().map(of).collect()
+        })
+        .collect()
+}

@@ -1,0 +1,144 @@
+//! The noise-weighted misfit of all harmonics.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::measurement::Complex;
+use crate::observer::Observer;
+use crate::simulate::{self, NoResponse};
+
+use super::noise::Weights;
+use super::parameters::{CONSTANT, Coordinates};
+use super::problem::Problem;
+
+/// Misfit of a problem as a function of its coordinates.
+pub(super) struct Misfit<'a> {
+    /// The measurement.
+    pub problem: &'a Problem,
+    /// What is searched.
+    pub coordinates: &'a Coordinates,
+    /// How certain each datum is.
+    pub weights: &'a Weights,
+    /// Who may cancel.
+    pub observer: &'a dyn Observer,
+}
+
+/// Residuals and their derivatives.
+pub(super) struct Linearisation {
+    /// (Ŷ − Y)/σ, re and im one after the other.
+    pub residuals: DVector<f64>,
+    /// One column a coordinate.
+    pub jacobian: DMatrix<f64>,
+}
+
+impl Misfit<'_> {
+    /// Simulated value of every target, by experiment, in scale.
+    pub fn predict(&self, point: &[f64]) -> Result<Vec<Vec<Complex>>, NoResponse> {
+        let plant = self.coordinates.plant(point);
+        self.problem
+            .experiments
+            .iter()
+            .map(|experiment| {
+                let velocity =
+                    simulate::respond(&plant, &[], &experiment.excitation, experiment.highest)?;
+                let value = |t: &super::problem::Target| velocity[t.order] * t.per_velocity;
+                Ok(experiment.targets.iter().map(value).collect())
+            })
+            .collect()
+    }
+
+    /// Residuals (Ŷ − Y)/σ.
+    pub fn residuals(&self, point: &[f64]) -> Result<DVector<f64>, NoResponse> {
+        let predicted = self.predict(point)?;
+        let mut residuals = Vec::with_capacity(self.problem.data());
+        for (e, experiment) in self.problem.experiments.iter().enumerate() {
+            for (t, target) in experiment.targets.iter().enumerate() {
+                let left = (predicted[e][t] - target.value) / self.weights.sigma[e][t];
+                residuals.push(left.re);
+                if !target.real {
+                    residuals.push(left.im);
+                }
+            }
+        }
+        Ok(DVector::from_vec(residuals))
+    }
+
+    /// Residuals and their derivatives by every coordinate.
+    pub fn linearise(&self, point: &[f64]) -> Result<Linearisation, NoResponse> {
+        let plant = self.coordinates.plant(point);
+        let columns = self.coordinates.len();
+        let mut residuals = DVector::zeros(self.problem.data());
+        let mut jacobian = DMatrix::zeros(self.problem.data(), columns);
+        let mut row = 0;
+        for (e, experiment) in self.problem.experiments.iter().enumerate() {
+            let response = simulate::respond_with_sensitivities(
+                &plant,
+                &[],
+                &experiment.excitation,
+                experiment.highest,
+            )?;
+            for (t, target) in experiment.targets.iter().enumerate() {
+                let k = target.order;
+                let weight = target.per_velocity / self.weights.sigma[e][t];
+                let measured = target.value / self.weights.sigma[e][t];
+                let left = response.velocity[k] * weight - measured;
+                residuals[row] = left.re;
+                if !target.real {
+                    residuals[row + 1] = left.im;
+                }
+                for (i, coordinate) in self.coordinates.list.iter().enumerate() {
+                    let rows = coordinate.rows();
+                    let by_parameter: Complex =
+                        rows.iter().map(|r| response.sensitivities[*r][k]).sum();
+                    let chain = if coordinate.is_log() { point[i].exp() } else { 1.0 };
+                    let slope = by_parameter * weight * chain;
+                    jacobian[(row, i)] = slope.re;
+                    if !target.real {
+                        jacobian[(row + 1, i)] = slope.im;
+                    }
+                }
+                row += if target.real { 1 } else { 2 };
+            }
+        }
+        Ok(Linearisation { residuals, jacobian })
+    }
+
+    /// Sum of squares; infinite where there is no response.
+    pub fn cost(&self, point: &[f64]) -> f64 {
+        self.residuals(point).map_or(f64::INFINITY, |residuals| residuals.norm_squared())
+    }
+
+    /// Sets K to its best value at the other coordinates, and says the cost.
+    ///
+    /// The response is proportional to K, so its best value is the projection
+    /// of the data on the response to K = 1: no search is spent on it.
+    pub fn solve_for_constant(&self, point: &mut [f64]) -> f64 {
+        point[CONSTANT] = 0.0;
+        let Ok(unit) = self.predict(point) else { return f64::INFINITY };
+        let (mut projection, mut size) = (0.0, 0.0);
+        let every = || {
+            self.problem.experiments.iter().enumerate().flat_map(|(e, experiment)| {
+                experiment.targets.iter().enumerate().map(move |(t, target)| (e, t, target))
+            })
+        };
+        for (e, t, target) in every() {
+            let weight = self.weights.sigma[e][t].powi(-2);
+            let (x, y) = (unit[e][t], target.value);
+            let im = if target.real { 0.0 } else { 1.0 };
+            projection += weight * (x.re * y.re + im * x.im * y.im);
+            size += weight * (x.re * x.re + im * x.im * x.im);
+        }
+        let limits = (self.coordinates.lower[CONSTANT], self.coordinates.upper[CONSTANT]);
+        point[CONSTANT] = (projection / size).ln().clamp(limits.0, limits.1);
+        if projection.is_nan() || projection <= 0.0 {
+            // It answers in the wrong direction, or not at all: worth nothing.
+            point[CONSTANT] = limits.0;
+        }
+        let constant = point[CONSTANT].exp();
+        every()
+            .map(|(e, t, target)| {
+                let left = (constant * unit[e][t] - target.value) / self.weights.sigma[e][t];
+                if target.real { left.re * left.re } else { left.norm_sqr() }
+            })
+            .sum()
+    }
+}

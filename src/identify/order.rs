@@ -1,0 +1,73 @@
+//! Which actuator order the data asks for.
+
+use crate::answers::{OrderCandidate, OrderChoice};
+
+use super::abc_ann::Fitted;
+use super::problem::Problem;
+
+/// Share of the largest response below which a difference between model and
+/// data is rounding in the upload, not a reason for another pole.
+const ROUNDING: f64 = 1e-6;
+
+/// Chooses among fits of several orders, given in ascending order.
+///
+/// The criterion is Schwarz's (1978, doi:10.1214/aos/1176344136): χ² plus ln N
+/// for every parameter where the noise is known and some model explains the
+/// data, N·ln(cost) plus the same where the scale of the residual has to be
+/// taken from the residual itself. In doubt the lower order stays.
+pub(super) fn choose(problem: &Problem, fits: &[Fitted]) -> OrderChoice {
+    let data = problem.data() as f64;
+    let penalty = data.ln();
+    let best_cost = fits.iter().map(|fit| fit.cost).fold(f64::INFINITY, f64::min);
+    let known = fits.iter().all(|fit| fit.weights.known());
+    // χ² of pure noise scatters by √(2N) around N.
+    let explained = known && best_cost < data + 4.0 * (2.0 * data).sqrt();
+    let rounding = if known { 0.0 } else { data * ROUNDING * ROUNDING };
+    let candidates: Vec<OrderCandidate> = fits
+        .iter()
+        .map(|fit| {
+            let parameters = fit.coordinates.len();
+            let misfit =
+                if explained { fit.cost } else { data * ((fit.cost + rounding) / data).ln() };
+            OrderCandidate {
+                actuator_order: fit.order,
+                chi2: fit.cost,
+                parameters,
+                criterion: misfit + penalty * parameters as f64,
+            }
+        })
+        .collect();
+    let chosen = candidates
+        .iter()
+        .reduce(|best, next| if next.criterion < best.criterion { next } else { best })
+        .expect("at least one order was fitted");
+    let explanation = explain(chosen, &candidates, explained);
+    OrderChoice { actuator_order: chosen.actuator_order, explanation, candidates }
+}
+
+fn explain(chosen: &OrderCandidate, all: &[OrderCandidate], explained: bool) -> String {
+    let order = chosen.actuator_order;
+    let noun = if explained { "χ²" } else { "misfit" };
+    let against = |other: &OrderCandidate| {
+        let gain = 100.0 * (1.0 - chosen.chi2 / other.chi2);
+        format!("order {} ({gain:.2} % less {noun})", other.actuator_order)
+    };
+    let lower: Vec<String> = all.iter().filter(|c| c.actuator_order < order).map(against).collect();
+    let higher: Vec<String> = all
+        .iter()
+        .filter(|c| c.actuator_order > order)
+        .map(|c| c.actuator_order.to_string())
+        .collect();
+    let mut sentence = format!("actuator order {order}");
+    if !lower.is_empty() {
+        sentence += &format!(" explains the data better than {}", lower.join(" and than "));
+    }
+    if !higher.is_empty() {
+        let joint = if lower.is_empty() { " is enough:" } else { ";" };
+        sentence += &format!(
+            "{joint} order {} would not lower the {noun} by what its parameters cost",
+            higher.join(" or ")
+        );
+    }
+    sentence
+}

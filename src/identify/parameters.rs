@@ -1,0 +1,247 @@
+//! The coordinates in which parameters are searched and refined.
+//!
+//! Everything here is in the problem's own scales (see `problem`): rates in
+//! ω_ref, torques in u_ref, velocities in v_ref. Rates, gains and the damping
+//! ratio are searched as logarithms, friction levels as they are, because 0 is
+//! a friction level.
+
+use crate::plant::{Actuator, Friction, Plant};
+
+/// One searched parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Coordinate {
+    /// ln a.
+    ViscousRate,
+    /// ln K.
+    Constant,
+    /// Fc⁺.
+    FcPlus,
+    /// Fc⁻.
+    FcMinus,
+    /// Fc⁺ = Fc⁻, where the data cannot tell them apart.
+    FcMean,
+    /// ln p of a first-order actuator.
+    ActuatorRate,
+    /// ln ωₙ.
+    NaturalFrequency,
+    /// ln ζ.
+    DampingRatio,
+}
+
+impl Coordinate {
+    /// Whether the coordinate is a logarithm.
+    pub fn is_log(self) -> bool {
+        !matches!(self, Coordinate::FcPlus | Coordinate::FcMinus | Coordinate::FcMean)
+    }
+
+    /// Rows of [`crate::simulate::PARAMETERS`] that move with it.
+    pub fn rows(self) -> &'static [usize] {
+        match self {
+            Coordinate::ViscousRate => &[0],
+            Coordinate::Constant => &[1],
+            Coordinate::FcPlus => &[2, 4],
+            Coordinate::FcMinus => &[3, 5],
+            Coordinate::FcMean => &[2, 3, 4, 5],
+            Coordinate::ActuatorRate | Coordinate::NaturalFrequency => &[6],
+            Coordinate::DampingRatio => &[7],
+        }
+    }
+}
+
+/// Which parameters are searched, and between which bounds.
+#[derive(Debug, Clone)]
+pub(super) struct Coordinates {
+    /// The coordinates, K always second.
+    pub list: Vec<Coordinate>,
+    /// What is possible at all: refinement stays within.
+    pub lower: Vec<f64>,
+    /// Upper end of the same.
+    pub upper: Vec<f64>,
+    /// Where a global search looks (K's entries are not used: K is solved for).
+    pub search_lower: Vec<f64>,
+    /// Upper end of the same.
+    pub search_upper: Vec<f64>,
+}
+
+/// Where K stands in every vector of coordinates.
+pub(super) const CONSTANT: usize = 1;
+
+/// What the data says about where parameters can lie, in the problem's scales.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Prior {
+    /// Lowest frequency at which the axis was excited and observed.
+    pub omega_low: f64,
+    /// Highest such frequency.
+    pub omega_high: f64,
+    /// Largest torque at which an experiment showed no motion.
+    pub stuck_level: f64,
+    /// Smallest peak torque at which an experiment showed motion.
+    pub moving_level: f64,
+    /// Largest peak torque of all.
+    pub largest_level: f64,
+}
+
+impl Coordinates {
+    /// Coordinates of the base model with an actuator of the given order.
+    pub fn new(order: u8, tied_friction: bool, prior: &Prior) -> Self {
+        let Prior { omega_low, omega_high, .. } = *prior;
+        let mut these = Self {
+            list: Vec::new(),
+            lower: Vec::new(),
+            upper: Vec::new(),
+            search_lower: Vec::new(),
+            search_upper: Vec::new(),
+        };
+        // A pole a factor 30 outside the band leaves no trace a lab could see;
+        // the search looks a factor 3 outside.
+        these.push_log(
+            Coordinate::ViscousRate,
+            [omega_low / 30.0, omega_high * 30.0],
+            [omega_low / 3.0, omega_high * 3.0],
+        );
+        these.push_log(Coordinate::Constant, [1e-6, 1e6], [1.0, 1.0]);
+        // An axis that moved in an experiment has a level below its torque in
+        // one direction at least; levels much above the largest torque are
+        // all the same.
+        let likely = [0.6 * prior.stuck_level.min(prior.moving_level), prior.moving_level];
+        let frictions: &[Coordinate] = if tied_friction {
+            &[Coordinate::FcMean]
+        } else {
+            &[Coordinate::FcPlus, Coordinate::FcMinus]
+        };
+        for coordinate in frictions {
+            these.push(*coordinate, [0.0, 1.05 * prior.largest_level], likely);
+        }
+        match order {
+            1 => these.push_log(
+                Coordinate::ActuatorRate,
+                [omega_low / 30.0, omega_high * 100.0],
+                [omega_low / 3.0, omega_high * 10.0],
+            ),
+            2 => {
+                these.push_log(
+                    Coordinate::NaturalFrequency,
+                    [omega_low / 10.0, omega_high * 100.0],
+                    [omega_low, omega_high * 5.0],
+                );
+                these.push_log(Coordinate::DampingRatio, [1e-4, 100.0], [0.02, 2.0]);
+            }
+            _ => {}
+        }
+        these
+    }
+
+    fn push_log(&mut self, coordinate: Coordinate, bounds: [f64; 2], search: [f64; 2]) {
+        self.push(coordinate, bounds.map(f64::ln), search.map(f64::ln));
+    }
+
+    fn push(&mut self, coordinate: Coordinate, bounds: [f64; 2], search: [f64; 2]) {
+        self.list.push(coordinate);
+        self.lower.push(bounds[0]);
+        self.upper.push(bounds[1]);
+        self.search_lower.push(search[0]);
+        self.search_upper.push(search[1]);
+    }
+
+    /// Number of coordinates.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// The plant at a point, in the problem's scales.
+    pub fn plant(&self, point: &[f64]) -> Plant {
+        let mut plant = Plant {
+            viscous_rate_rad_s: 1.0,
+            constant: 1.0,
+            actuator: Actuator::Direct,
+            friction: Friction::coulomb(0.0, 0.0),
+        };
+        let (mut fc_plus, mut fc_minus) = (0.0, 0.0);
+        let mut wn = 1.0;
+        for (coordinate, value) in self.list.iter().zip(point) {
+            match coordinate {
+                Coordinate::ViscousRate => plant.viscous_rate_rad_s = value.exp(),
+                Coordinate::Constant => plant.constant = value.exp(),
+                Coordinate::FcPlus => fc_plus = *value,
+                Coordinate::FcMinus => fc_minus = *value,
+                Coordinate::FcMean => (fc_plus, fc_minus) = (*value, *value),
+                Coordinate::ActuatorRate => {
+                    plant.actuator = Actuator::FirstOrder { corner_rad_s: value.exp() };
+                }
+                Coordinate::NaturalFrequency => wn = value.exp(),
+                Coordinate::DampingRatio => {
+                    plant.actuator = Actuator::SecondOrder {
+                        natural_frequency_rad_s: wn,
+                        damping_ratio: value.exp(),
+                    };
+                }
+            }
+        }
+        plant.friction = Friction::coulomb(fc_plus, fc_minus);
+        plant
+    }
+
+    /// The point of a plant, clamped to the bounds.
+    pub fn point(&self, plant: &Plant) -> Vec<f64> {
+        let friction = plant.friction;
+        let (first, second) = match plant.actuator {
+            Actuator::Direct => (1.0, 1.0),
+            Actuator::FirstOrder { corner_rad_s } => (corner_rad_s, 1.0),
+            Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
+                (natural_frequency_rad_s, damping_ratio)
+            }
+        };
+        let mut point: Vec<f64> = self
+            .list
+            .iter()
+            .map(|coordinate| match coordinate {
+                Coordinate::ViscousRate => plant.viscous_rate_rad_s.ln(),
+                Coordinate::Constant => plant.constant.ln(),
+                Coordinate::FcPlus => friction.fc_plus,
+                Coordinate::FcMinus => friction.fc_minus,
+                Coordinate::FcMean => 0.5 * (friction.fc_plus + friction.fc_minus),
+                Coordinate::ActuatorRate | Coordinate::NaturalFrequency => first.ln(),
+                Coordinate::DampingRatio => second.ln(),
+            })
+            .collect();
+        self.clamp(&mut point);
+        point
+    }
+
+    /// Moves a point onto the bounds it exceeds; what is not a number goes to
+    /// the middle of the search range.
+    pub fn clamp(&self, point: &mut [f64]) {
+        for (i, value) in point.iter_mut().enumerate() {
+            if value.is_nan() {
+                *value = 0.5 * (self.search_lower[i] + self.search_upper[i]);
+            }
+            *value = value.clamp(self.lower[i], self.upper[i]);
+        }
+    }
+
+    /// The point of a vector of the unit cube that spans the search ranges of
+    /// all coordinates but K, whose entry is left 0.
+    pub fn from_cube(&self, cube: &[f64]) -> Vec<f64> {
+        let mut cube = cube.iter();
+        (0..self.len())
+            .map(|i| match i {
+                CONSTANT => 0.0,
+                _ => {
+                    let share = cube.next().expect("one entry a coordinate but K");
+                    self.search_lower[i] + share * (self.search_upper[i] - self.search_lower[i])
+                }
+            })
+            .collect()
+    }
+
+    /// The opposite of [`Self::from_cube`], clamped to the cube.
+    pub fn to_cube(&self, point: &[f64]) -> Vec<f64> {
+        (0..self.len())
+            .filter(|i| *i != CONSTANT)
+            .map(|i| {
+                let width = self.search_upper[i] - self.search_lower[i];
+                ((point[i] - self.search_lower[i]) / width).clamp(0.0, 1.0)
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,253 @@
+//! A measurement made ready for fitting, in scales of its own.
+//!
+//! Time, input and response are divided by ω_ref, u_ref and v_ref, all taken
+//! from the data: the same machine in other units is the same problem, and its
+//! parameters differ by exactly the change of units.
+
+use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};
+use crate::plant::{Actuator, Friction, Plant};
+use crate::simulate::Excitation;
+
+use super::IdentifyError;
+use super::parameters::Prior;
+
+/// Share of the largest line of an input above which a line counts as excited.
+const EXCITED_SHARE: f64 = 0.02;
+
+/// Units of the problem in units of the upload.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Scales {
+    /// rad/s.
+    pub omega: f64,
+    /// Input units.
+    pub input: f64,
+    /// Velocity units.
+    pub velocity: f64,
+}
+
+/// One datum: a harmonic of a response.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Target {
+    /// Harmonic k.
+    pub order: usize,
+    /// Measured value, in scale.
+    pub value: Complex,
+    /// Response per velocity: 1, 1/(jkω) or jkω, in scale.
+    pub per_velocity: Complex,
+    /// Whether re alone counts (harmonic 0).
+    pub real: bool,
+    /// Whether it is not a datum but the fact that the mean velocity is 0.
+    pub constraint: bool,
+}
+
+/// One experiment, ready for simulation.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    /// The input, in scale.
+    pub excitation: Excitation,
+    /// Highest harmonic compared.
+    pub highest: usize,
+    /// What is compared.
+    pub targets: Vec<Target>,
+}
+
+/// A measurement ready for fitting.
+#[derive(Debug)]
+pub(super) struct Problem {
+    /// Its scales.
+    pub scales: Scales,
+    /// Its experiments, in the order of the measurement.
+    pub experiments: Vec<Prepared>,
+    /// What it says about where parameters can lie.
+    pub prior: Prior,
+    /// Whether nothing in it tells Fc⁺ from Fc⁻.
+    pub tied_friction: bool,
+    /// Units of a response in scale, in units of the upload.
+    pub response_scale: f64,
+}
+
+impl Problem {
+    /// Prepares a measurement.
+    ///
+    /// # Errors
+    /// When nothing moved, or the input was zero throughout.
+    pub fn new(measurement: &Measurement) -> Result<Self, IdentifyError> {
+        let kind = measurement.metadata().response_kind;
+        let experiments = measurement.experiments();
+        let unusable = |reason: &str| IdentifyError::Unusable { reason: reason.into() };
+        let largest_input = experiments.iter().map(peak_input).fold(0.0, f64::max);
+        if largest_input <= 0.0 {
+            return Err(unusable("the input is zero in every experiment; record the input too"));
+        }
+        let largest_velocity =
+            experiments.iter().map(|e| largest_velocity(e, kind)).fold(0.0, f64::max);
+        if largest_velocity <= 0.0 {
+            return Err(unusable(
+                "the axis did not move in any experiment; excite it above its friction",
+            ));
+        }
+        let (low, high) = experiments
+            .iter()
+            .map(excited_band)
+            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+            .unwrap_or((1.0, 1.0));
+        let scales =
+            Scales { omega: (low * high).sqrt(), input: largest_input, velocity: largest_velocity };
+        let response_scale = match kind {
+            ResponseKind::Velocity => scales.velocity,
+            ResponseKind::Position => scales.velocity / scales.omega,
+            ResponseKind::Acceleration => scales.velocity * scales.omega,
+        };
+        let prepared: Vec<Prepared> =
+            experiments.iter().map(|e| prepare(e, kind, &scales, response_scale)).collect();
+        if prepared.iter().all(|e| e.targets.is_empty()) {
+            return Err(unusable("only means were measured; give harmonic 1 at least"));
+        }
+        let prior = levels(experiments, kind, &scales, (low, high));
+        // A pure cosine shows the asymmetry of friction only in the mean and in
+        // even harmonics.
+        let tied_friction = prepared.iter().all(|e| {
+            e.excitation.is_pure_cosine() && e.targets.iter().all(|target| target.order % 2 == 1)
+        });
+        Ok(Self { scales, experiments: prepared, prior, tied_friction, response_scale })
+    }
+
+    /// Number of real data, constraints included.
+    pub fn data(&self) -> usize {
+        let components = |target: &Target| if target.real { 1 } else { 2 };
+        self.experiments.iter().flat_map(|e| &e.targets).map(components).sum()
+    }
+
+    /// A plant in scale as a plant in units of the upload.
+    pub fn in_units(&self, plant: &Plant) -> Plant {
+        let Scales { omega, input, velocity } = self.scales;
+        let friction = plant.friction;
+        Plant {
+            viscous_rate_rad_s: plant.viscous_rate_rad_s * omega,
+            constant: plant.constant * velocity * omega / input,
+            actuator: match plant.actuator {
+                Actuator::Direct => Actuator::Direct,
+                Actuator::FirstOrder { corner_rad_s } => {
+                    Actuator::FirstOrder { corner_rad_s: corner_rad_s * omega }
+                }
+                Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
+                    Actuator::SecondOrder {
+                        natural_frequency_rad_s: natural_frequency_rad_s * omega,
+                        damping_ratio,
+                    }
+                }
+            },
+            friction: Friction {
+                fc_plus: friction.fc_plus * input,
+                fc_minus: friction.fc_minus * input,
+                fs_plus: friction.fs_plus * input,
+                fs_minus: friction.fs_minus * input,
+            },
+        }
+    }
+}
+
+/// Response per velocity at harmonic k.
+fn per_velocity(kind: ResponseKind, k: usize, omega: f64) -> Complex {
+    let s = Complex::new(0.0, k as f64 * omega);
+    match kind {
+        ResponseKind::Velocity => Complex::new(1.0, 0.0),
+        ResponseKind::Position => 1.0 / s,
+        ResponseKind::Acceleration => s,
+    }
+}
+
+fn largest_velocity(experiment: &Experiment, kind: ResponseKind) -> f64 {
+    experiment
+        .response
+        .iter()
+        .filter(|harmonic| harmonic.order > 0)
+        .map(|h| (h.value / per_velocity(kind, h.order, experiment.omega_rad_s)).norm())
+        .fold(0.0, f64::max)
+}
+
+/// Largest torque the input could be: its peak, mean included.
+fn peak_input(experiment: &Experiment) -> f64 {
+    let mean = experiment.input.first().map_or(0.0, |u| u.re.abs());
+    experiment.magnitude.max(experiment.pure_cosine().map_or(0.0, |u| u.norm())) + mean
+}
+
+/// Lowest and highest frequency excited and observed, rad/s.
+fn excited_band(experiment: &Experiment) -> (f64, f64) {
+    let lines = experiment.input.iter().enumerate().skip(1);
+    let largest = lines.clone().map(|(_, u)| u.norm()).fold(0.0, f64::max);
+    let highest = experiment.highest_harmonic().max(1);
+    let mut excited = lines
+        .filter(|(k, u)| *k <= highest && u.norm() > EXCITED_SHARE * largest)
+        .map(|(k, _)| k as f64 * experiment.omega_rad_s);
+    let first = excited.next().unwrap_or(experiment.omega_rad_s);
+    (first, excited.last().unwrap_or(first))
+}
+
+fn prepare(
+    experiment: &Experiment,
+    kind: ResponseKind,
+    scales: &Scales,
+    response_scale: f64,
+) -> Prepared {
+    let omega = experiment.omega_rad_s / scales.omega;
+    let input = experiment.input.iter().map(|u| u / scales.input).collect();
+    let mut targets: Vec<Target> = experiment
+        .response
+        .iter()
+        .filter(|harmonic| harmonic.order > 0 || kind == ResponseKind::Velocity)
+        .map(|harmonic| Target {
+            order: harmonic.order,
+            value: harmonic.value / response_scale,
+            per_velocity: per_velocity(kind, harmonic.order, omega),
+            real: harmonic.order == 0,
+            constraint: false,
+        })
+        .collect();
+    if kind == ResponseKind::Position && experiment.input_mean_measured {
+        // A periodic position has no mean velocity. Where the mean of the input
+        // was not measured, nothing says what offset balanced the friction, and
+        // the fact says nothing about the friction either.
+        let zero = Complex::new(0.0, 0.0);
+        let one = Complex::new(1.0, 0.0);
+        targets.insert(
+            0,
+            Target { order: 0, value: zero, per_velocity: one, real: true, constraint: true },
+        );
+    }
+    let highest = targets.last().map_or(0, |target| target.order);
+    Prepared { excitation: Excitation::new(omega, input), highest, targets }
+}
+
+fn levels(
+    experiments: &[Experiment],
+    kind: ResponseKind,
+    scales: &Scales,
+    (low, high): (f64, f64),
+) -> Prior {
+    let mut prior = Prior {
+        omega_low: low / scales.omega,
+        omega_high: high / scales.omega,
+        stuck_level: 0.0,
+        moving_level: f64::INFINITY,
+        largest_level: 0.0,
+    };
+    // The stiffest response seen tells motion from what noise leaves of a rest:
+    // velocity per torque, made comparable over frequency by the band's middle.
+    let mobility = |e: &Experiment| {
+        largest_velocity(e, kind) / scales.velocity * (1.0 + e.omega_rad_s / scales.omega)
+            / (peak_input(e) / scales.input).max(f64::MIN_POSITIVE)
+    };
+    let largest_mobility = experiments.iter().map(mobility).fold(0.0, f64::max);
+    for experiment in experiments {
+        let level = peak_input(experiment) / scales.input;
+        prior.largest_level = prior.largest_level.max(level);
+        if mobility(experiment) > 0.02 * largest_mobility {
+            prior.moving_level = prior.moving_level.min(level);
+        } else {
+            prior.stuck_level = prior.stuck_level.max(level);
+        }
+    }
+    prior.moving_level = prior.moving_level.min(prior.largest_level);
+    prior
+}

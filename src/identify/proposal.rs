@@ -1,0 +1,88 @@
+//! The network's proposal: trained on simulated plants at the measurement's own
+//! design, asked about the measured response.
+
+use std::ops::ControlFlow;
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+
+use crate::answers::NetworkOptions;
+
+use super::features::Features;
+use super::network::Network;
+use super::objective::Misfit;
+
+/// What the network proposes.
+pub(super) struct Proposal {
+    /// Point of the unit cube.
+    pub cube: Vec<f64>,
+    /// Its standard deviation on plants it was not trained on.
+    pub spread: Vec<f64>,
+    /// Simulations of the whole measurement used for training.
+    pub evaluations: u64,
+}
+
+/// Trains a network and asks it; `on_epoch` sees epoch and losses.
+///
+/// `None` where hardly any plant of the search range answers this design, or
+/// when cancelled.
+pub(super) fn propose(
+    misfit: &Misfit<'_>,
+    options: &NetworkOptions,
+    rng: &mut ChaCha8Rng,
+    on_epoch: &mut dyn FnMut(usize, f64, f64),
+) -> Option<Proposal> {
+    let features = Features::of(misfit.problem);
+    let dimension = misfit.coordinates.len() - 1;
+    let plants: Vec<Vec<f64>> = (0..options.training_plants)
+        .map(|_| (0..dimension).map(|_| rng.random::<f64>()).collect())
+        .collect();
+    let simulated: Vec<Option<Vec<f64>>> = plants
+        .par_iter()
+        .map(|cube| {
+            if misfit.observer.cancelled() {
+                return None;
+            }
+            let values = misfit.predict(&misfit.coordinates.from_cube(cube)).ok()?;
+            let moves = values.iter().flatten().any(|value| value.norm() > 0.0);
+            moves.then(|| features.of_simulated(misfit.problem, &values))
+        })
+        .collect();
+    let (inputs, targets): (Vec<_>, Vec<_>) = simulated
+        .into_iter()
+        .zip(&plants)
+        .filter_map(|(features, cube)| features.map(|features| (features, cube.clone())))
+        .unzip();
+    if inputs.len() < 10 || inputs[0].is_empty() {
+        return None;
+    }
+    let network = Network::train(&inputs, &targets, options, rng, &mut |epoch, training, held| {
+        on_epoch(epoch, training, held);
+        if misfit.observer.cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    let answer = network.predict(&features.of_measured(misfit.problem));
+    Some(Proposal {
+        cube: answer.iter().map(|share| share.clamp(0.0, 1.0)).collect(),
+        spread: network.spread().to_vec(),
+        evaluations: options.training_plants as u64,
+    })
+}
+
+impl Proposal {
+    /// `count` food sources: the proposal itself, then draws around it.
+    pub fn food_sources(&self, count: usize, rng: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
+        let mut draw = |share: f64, spread: f64| {
+            let deviation: f64 = StandardNormal.sample(rng);
+            (share + spread * deviation).clamp(0.0, 1.0)
+        };
+        let mut sources = vec![self.cube.clone()];
+        while sources.len() < count {
+            let source =
+                self.cube.iter().zip(&self.spread).map(|(share, spread)| draw(*share, *spread));
+            sources.push(source.collect());
+        }
+        sources
+    }
+}

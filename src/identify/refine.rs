@@ -1,0 +1,150 @@
+//! Bounded Levenberg–Marquardt refinement.
+//!
+//! Levenberg's damping with Marquardt's scaling (1963, doi:10.1137/0111030) by
+//! the largest curvature seen (Moré 1978, doi:10.1007/BFb0067700). Coordinates
+//! that lie on a bound and are pushed outwards are held; steps are cut at the
+//! bounds.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::objective::{Linearisation, Misfit};
+
+/// Steps after which refinement ends in any case.
+const MOST_STEPS: usize = 100;
+
+/// Relative decrease of the cost below which it counts as converged.
+const COST_TOLERANCE: f64 = 1e-14;
+
+/// Step, in logarithms and input scales, below which it counts as converged.
+const STEP_TOLERANCE: f64 = 1e-11;
+
+/// Longest step of any coordinate: e-fold, or the whole scale of the input.
+const LONGEST_STEP: f64 = 1.0;
+
+/// Where refinement ended.
+#[derive(Debug, Clone)]
+pub(super) struct Refined {
+    /// The point.
+    pub point: Vec<f64>,
+    /// Its sum of squares.
+    pub cost: f64,
+    /// Simulations of the whole measurement used.
+    pub evaluations: u64,
+    /// Why it ended.
+    pub stop: &'static str,
+}
+
+/// Refines a point; `on_step` sees the step number, evaluations and cost.
+pub(super) fn refine(
+    misfit: &Misfit<'_>,
+    start: &[f64],
+    on_step: &mut dyn FnMut(u64, u64, f64),
+) -> Refined {
+    let coordinates = misfit.coordinates;
+    let mut point = start.to_vec();
+    coordinates.clamp(&mut point);
+    let mut evaluations = 1;
+    let Ok(mut here) = misfit.linearise(&point) else {
+        return Refined { point, cost: f64::INFINITY, evaluations, stop: "no response" };
+    };
+    let mut cost = here.residuals.norm_squared();
+    let mut scaling = DVector::from_element(point.len(), 0.0);
+    let mut damping = 1e-3;
+    on_step(0, evaluations, cost);
+    for step in 1..=MOST_STEPS {
+        if misfit.observer.cancelled() {
+            return Refined { point, cost, evaluations, stop: "cancelled" };
+        }
+        let gradient = here.jacobian.tr_mul(&here.residuals);
+        let curvature = here.jacobian.tr_mul(&here.jacobian);
+        for i in 0..point.len() {
+            scaling[i] = curvature[(i, i)].max(scaling[i]).max(f64::MIN_POSITIVE);
+        }
+        let mut accepted = None;
+        while damping < 1e15 {
+            let trial = damped_step(misfit, &point, &gradient, &curvature, &scaling, damping);
+            let moved = trial.iter().zip(&point).map(|(t, p)| (t - p).abs()).fold(0.0, f64::max);
+            if moved <= f64::EPSILON {
+                break;
+            }
+            evaluations += 1;
+            let trial_cost = misfit.cost(&trial);
+            if trial_cost < cost {
+                accepted = Some((trial, trial_cost, moved));
+                damping = (damping * 0.1).max(1e-12);
+                break;
+            }
+            damping *= if damping < 1e-6 { 100.0 } else { 5.0 };
+        }
+        let Some((trial, trial_cost, moved)) = accepted else {
+            return Refined { point, cost, evaluations, stop: "no further descent" };
+        };
+        let decrease = cost - trial_cost;
+        point = trial;
+        evaluations += 1;
+        match misfit.linearise(&point) {
+            Ok(linearisation) => here = linearisation,
+            Err(_) => return Refined { point, cost: trial_cost, evaluations, stop: "no response" },
+        }
+        let converged = decrease <= COST_TOLERANCE * cost || moved < STEP_TOLERANCE;
+        cost = trial_cost;
+        on_step(step as u64, evaluations, cost);
+        if converged {
+            return Refined { point, cost, evaluations, stop: "converged" };
+        }
+    }
+    Refined { point, cost, evaluations, stop: "step limit" }
+}
+
+fn damped_step(
+    misfit: &Misfit<'_>,
+    point: &[f64],
+    gradient: &DVector<f64>,
+    curvature: &DMatrix<f64>,
+    scaling: &DVector<f64>,
+    damping: f64,
+) -> Vec<f64> {
+    let free = free_coordinates(misfit, point, gradient);
+    let count = free.len();
+    let mut system = DMatrix::zeros(count, count);
+    let mut right = DVector::zeros(count);
+    for (r, i) in free.iter().enumerate() {
+        right[r] = -gradient[*i];
+        for (c, j) in free.iter().enumerate() {
+            system[(r, c)] = curvature[(*i, *j)];
+        }
+        system[(r, r)] += damping * scaling[*i];
+    }
+    let mut trial = point.to_vec();
+    if let Some(step) = system.cholesky().map(|factor| factor.solve(&right)) {
+        let longest = step.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
+        let cut = if longest > LONGEST_STEP { LONGEST_STEP / longest } else { 1.0 };
+        for (r, i) in free.iter().enumerate() {
+            trial[*i] += cut * step[r];
+        }
+        misfit.coordinates.clamp(&mut trial);
+    }
+    trial
+}
+
+/// Coordinates that are not held by a bound the cost pushes them against.
+fn free_coordinates(misfit: &Misfit<'_>, point: &[f64], gradient: &DVector<f64>) -> Vec<usize> {
+    let coordinates = misfit.coordinates;
+    (0..point.len())
+        .filter(|i| {
+            let held_below = point[*i] <= coordinates.lower[*i] && gradient[*i] > 0.0;
+            let held_above = point[*i] >= coordinates.upper[*i] && gradient[*i] < 0.0;
+            !(held_below || held_above)
+        })
+        .collect()
+}
+
+/// Coordinates held by a bound at a refined point.
+pub(super) fn held(misfit: &Misfit<'_>, point: &[f64], here: &Linearisation) -> Vec<bool> {
+    let gradient = here.jacobian.tr_mul(&here.residuals);
+    let free = free_coordinates(misfit, point, &gradient);
+    let on_bound = |i: usize| {
+        point[i] <= misfit.coordinates.lower[i] || point[i] >= misfit.coordinates.upper[i]
+    };
+    (0..point.len()).map(|i| !free.contains(&i) || on_bound(i)).collect()
+}

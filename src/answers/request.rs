@@ -87,7 +87,7 @@ pub struct NetworkOptions {
 impl Default for NetworkOptions {
     fn default() -> Self {
         // 20 hidden neurons: the paper, Table I.
-        Self { enabled: true, hidden_neurons: 20, training_plants: 400, epochs: 60 }
+        Self { enabled: true, hidden_neurons: 20, training_plants: 800, epochs: 60 }
     }
 }
 

@@ -124,8 +124,8 @@ impl Run<'_> {
             );
             self.go_on()?;
             if let Some(proposal) = proposal {
-                let mut point = coordinates.from_cube(&proposal.cube);
-                let cost = misfit.solve_for_constant(&mut point);
+                let point = proposal.point(&coordinates);
+                let cost = misfit.cost(&point);
                 let used = proposal.evaluations + 1;
                 stages.push(self.stage(
                     "network",

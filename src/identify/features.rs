@@ -8,8 +8,8 @@ use crate::measurement::Complex;
 
 use super::problem::{Problem, Target};
 
-/// Experiments of pure cosines that are looked at, at most.
-const MOST_EXPERIMENTS: usize = 13;
+/// Frequencies of pure cosines that are looked at, at most.
+const MOST_FREQUENCIES: usize = 5;
 
 /// Lines of general inputs that are looked at, at most.
 const MOST_LINES: usize = 40;
@@ -39,14 +39,13 @@ impl Features {
         let cosines: Vec<usize> = (0..problem.experiments.len())
             .filter(|e| problem.experiments[*e].excitation.is_pure_cosine())
             .collect();
-        let stride = cosines.len().div_ceil(MOST_EXPERIMENTS).max(1);
-        for e in cosines.iter().copied().step_by(stride) {
+        for e in spread_over(problem, &cosines) {
             let targets = &problem.experiments[e].targets;
             let Some(fundamental) = targets.iter().position(|t| t.order == 1) else { continue };
             for (t, target) in targets.iter().enumerate() {
                 match target.order {
                     1 => picks.push((e, t, Role::Line)),
-                    0 | 2 | 3 => picks.push((e, t, Role::Relative { fundamental })),
+                    0 | 3 => picks.push((e, t, Role::Relative { fundamental })),
                     _ => {}
                 }
             }
@@ -66,13 +65,14 @@ impl Features {
         Self { picks }
     }
 
-    /// Features of the measured response.
-    pub fn of_measured(&self, problem: &Problem) -> Vec<f64> {
+    /// Features of the measured response, and the logarithm of its size.
+    pub fn of_measured(&self, problem: &Problem) -> (Vec<f64>, f64) {
         self.extract(problem, |_, _, target| target.value)
     }
 
-    /// Features of a simulated response: by experiment, then by target.
-    pub fn of_simulated(&self, problem: &Problem, values: &[Vec<Complex>]) -> Vec<f64> {
+    /// Features of a simulated response (by experiment, then by target), and the
+    /// logarithm of its size.
+    pub fn of_simulated(&self, problem: &Problem, values: &[Vec<Complex>]) -> (Vec<f64>, f64) {
         self.extract(problem, |e, t, _| values[e][t])
     }
 
@@ -80,7 +80,7 @@ impl Features {
         &self,
         problem: &Problem,
         value: impl Fn(usize, usize, &Target) -> Complex,
-    ) -> Vec<f64> {
+    ) -> (Vec<f64>, f64) {
         let velocity = |e: usize, t: usize| {
             let target = &problem.experiments[e].targets[t];
             value(e, t, target) / target.per_velocity
@@ -116,6 +116,30 @@ impl Features {
                 }
             }
         }
-        features
+        (features, mean)
     }
+}
+
+/// Experiments to look at: frequencies evenly spread, and at each the lowest,
+/// a middle and the highest magnitude, since only their comparison tells
+/// friction from damping.
+fn spread_over(problem: &Problem, experiments: &[usize]) -> Vec<usize> {
+    let omega = |e: &usize| problem.experiments[*e].excitation.omega_rad_s();
+    let magnitude = |e: &usize| problem.experiments[*e].excitation.input()[1].norm();
+    let mut sorted = experiments.to_vec();
+    sorted.sort_by(|a, b| {
+        omega(a).total_cmp(&omega(b)).then(magnitude(a).total_cmp(&magnitude(b)))
+    });
+    let frequencies: Vec<&[usize]> =
+        sorted.chunk_by(|a, b| omega(b) / omega(a) < 1.0 + 1e-6).collect();
+    evenly(frequencies.len(), MOST_FREQUENCIES)
+        .flat_map(|f| evenly(frequencies[f].len(), 3).map(move |m| (f, m)))
+        .map(|(f, m)| frequencies[f][m])
+        .collect()
+}
+
+/// At most `most` of `count` indices, first and last among them.
+fn evenly(count: usize, most: usize) -> impl Iterator<Item = usize> {
+    let wanted = count.min(most);
+    (0..wanted).map(move |i| if wanted > 1 { i * (count - 1) / (wanted - 1) } else { 0 })
 }

@@ -73,8 +73,6 @@ pub(super) struct Prior {
     pub omega_low: f64,
     /// Highest such frequency.
     pub omega_high: f64,
-    /// Largest torque at which an experiment showed no motion.
-    pub stuck_level: f64,
     /// Smallest peak torque at which an experiment showed motion.
     pub moving_level: f64,
     /// Largest peak torque of all.
@@ -103,7 +101,7 @@ impl Coordinates {
         // An axis that moved in an experiment has a level below its torque in
         // one direction at least; levels much above the largest torque are
         // all the same.
-        let likely = [0.6 * prior.stuck_level.min(prior.moving_level), prior.moving_level];
+        let likely = [0.0, prior.moving_level];
         let frictions: &[Coordinate] = if tied_friction {
             &[Coordinate::FcMean]
         } else {

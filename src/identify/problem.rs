@@ -228,7 +228,6 @@ fn levels(
     let mut prior = Prior {
         omega_low: low / scales.omega,
         omega_high: high / scales.omega,
-        stuck_level: 0.0,
         moving_level: f64::INFINITY,
         largest_level: 0.0,
     };
@@ -244,8 +243,6 @@ fn levels(
         prior.largest_level = prior.largest_level.max(level);
         if mobility(experiment) > 0.02 * largest_mobility {
             prior.moving_level = prior.moving_level.min(level);
-        } else {
-            prior.stuck_level = prior.stuck_level.max(level);
         }
     }
     prior.moving_level = prior.moving_level.min(prior.largest_level);

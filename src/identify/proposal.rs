@@ -13,11 +13,14 @@ use crate::answers::NetworkOptions;
 use super::features::Features;
 use super::network::Network;
 use super::objective::Misfit;
+use super::parameters::{CONSTANT, Coordinates};
 
 /// What the network proposes.
 pub(super) struct Proposal {
     /// Point of the unit cube.
     pub cube: Vec<f64>,
+    /// ln K.
+    pub constant: f64,
     /// Its standard deviation on plants it was not trained on.
     pub spread: Vec<f64>,
     /// Simulations of the whole measurement used for training.
@@ -39,7 +42,7 @@ pub(super) fn propose(
     let plants: Vec<Vec<f64>> = (0..options.training_plants)
         .map(|_| (0..dimension).map(|_| rng.random::<f64>()).collect())
         .collect();
-    let simulated: Vec<Option<Vec<f64>>> = plants
+    let simulated: Vec<Option<(Vec<f64>, f64)>> = plants
         .par_iter()
         .map(|cube| {
             if misfit.observer.cancelled() {
@@ -50,10 +53,14 @@ pub(super) fn propose(
             moves.then(|| features.of_simulated(misfit.problem, &values))
         })
         .collect();
+    // Every plant is simulated with K = 1: the size of its response is one more
+    // thing to predict, and the measured size over the predicted one is K.
     let (inputs, targets): (Vec<_>, Vec<_>) = simulated
         .into_iter()
         .zip(&plants)
-        .filter_map(|(features, cube)| features.map(|features| (features, cube.clone())))
+        .filter_map(|(answer, cube)| {
+            answer.map(|(features, size)| (features, [cube.as_slice(), &[size]].concat()))
+        })
         .unzip();
     if inputs.len() < 10 || inputs[0].is_empty() {
         return None;
@@ -62,15 +69,26 @@ pub(super) fn propose(
         on_epoch(epoch, training, held);
         if misfit.observer.cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
-    let answer = network.predict(&features.of_measured(misfit.problem));
+    let (measured, size) = features.of_measured(misfit.problem);
+    let answer = network.predict(&measured);
+    let (cube, unit_size) = answer.split_at(dimension);
     Some(Proposal {
-        cube: answer.iter().map(|share| share.clamp(0.0, 1.0)).collect(),
-        spread: network.spread().to_vec(),
+        cube: cube.iter().map(|share| share.clamp(0.0, 1.0)).collect(),
+        constant: size - unit_size[0],
+        spread: network.spread()[..dimension].to_vec(),
         evaluations: options.training_plants as u64,
     })
 }
 
 impl Proposal {
+    /// The proposal as a point.
+    pub fn point(&self, coordinates: &Coordinates) -> Vec<f64> {
+        let mut point = coordinates.from_cube(&self.cube);
+        point[CONSTANT] = self.constant;
+        coordinates.clamp(&mut point);
+        point
+    }
+
     /// `count` food sources: the proposal itself, then draws around it.
     pub fn food_sources(&self, count: usize, rng: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
         let mut draw = |share: f64, spread: f64| {

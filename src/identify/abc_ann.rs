@@ -106,7 +106,7 @@ impl Run<'_> {
             }
         }
         let mut sources: Vec<Vec<f64>> =
-            starts.iter().map(|point| coordinates.to_cube(point)).collect();
+            starts.iter().map(|point| coordinates.share_of_search(point)).collect();
         if self.options.network.enabled {
             let begun = self.observer.elapsed_s();
             let epochs = self.options.network.epochs as u64;
@@ -162,7 +162,7 @@ impl Run<'_> {
                 },
             );
             self.go_on()?;
-            let mut point = coordinates.from_cube(&outcome.best);
+            let mut point = coordinates.within_search(&outcome.best);
             let cost = misfit.solve_for_constant(&mut point);
             let used = outcome.evaluations as u64;
             let stop = "every cycle flown";
@@ -170,7 +170,7 @@ impl Run<'_> {
             starts.push(point);
         }
         if starts.is_empty() {
-            let mut middle = coordinates.from_cube(&vec![0.5; coordinates.len() - 1]);
+            let mut middle = coordinates.within_search(&vec![0.5; coordinates.len() - 1]);
             misfit.solve_for_constant(&mut middle);
             starts.push(middle);
         }
@@ -333,7 +333,7 @@ impl Objective for Foraging<'_> {
         if self.misfit.observer.cancelled() {
             return f64::INFINITY;
         }
-        let mut point = self.misfit.coordinates.from_cube(cube);
+        let mut point = self.misfit.coordinates.within_search(cube);
         self.misfit.solve_for_constant(&mut point)
     }
 }

@@ -127,9 +127,8 @@ fn spread_over(problem: &Problem, experiments: &[usize]) -> Vec<usize> {
     let omega = |e: &usize| problem.experiments[*e].excitation.omega_rad_s();
     let magnitude = |e: &usize| problem.experiments[*e].excitation.input()[1].norm();
     let mut sorted = experiments.to_vec();
-    sorted.sort_by(|a, b| {
-        omega(a).total_cmp(&omega(b)).then(magnitude(a).total_cmp(&magnitude(b)))
-    });
+    sorted
+        .sort_by(|a, b| omega(a).total_cmp(&omega(b)).then(magnitude(a).total_cmp(&magnitude(b))));
     let frequencies: Vec<&[usize]> =
         sorted.chunk_by(|a, b| omega(b) / omega(a) < 1.0 + 1e-6).collect();
     evenly(frequencies.len(), MOST_FREQUENCIES)

@@ -219,7 +219,7 @@ impl Coordinates {
 
     /// The point of a vector of the unit cube that spans the search ranges of
     /// all coordinates but K, whose entry is left 0.
-    pub fn from_cube(&self, cube: &[f64]) -> Vec<f64> {
+    pub fn within_search(&self, cube: &[f64]) -> Vec<f64> {
         let mut cube = cube.iter();
         (0..self.len())
             .map(|i| match i {
@@ -232,8 +232,8 @@ impl Coordinates {
             .collect()
     }
 
-    /// The opposite of [`Self::from_cube`], clamped to the cube.
-    pub fn to_cube(&self, point: &[f64]) -> Vec<f64> {
+    /// The opposite of [`Self::within_search`], clamped to the cube.
+    pub fn share_of_search(&self, point: &[f64]) -> Vec<f64> {
         (0..self.len())
             .filter(|i| *i != CONSTANT)
             .map(|i| {

@@ -181,7 +181,7 @@ fn excited_band(experiment: &Experiment) -> (f64, f64) {
         .filter(|(k, u)| *k <= highest && u.norm() > EXCITED_SHARE * largest)
         .map(|(k, _)| k as f64 * experiment.omega_rad_s);
     let first = excited.next().unwrap_or(experiment.omega_rad_s);
-    (first, excited.last().unwrap_or(first))
+    (first, excited.next_back().unwrap_or(first))
 }
 
 fn prepare(

@@ -48,7 +48,7 @@ pub(super) fn propose(
             if misfit.observer.cancelled() {
                 return None;
             }
-            let values = misfit.predict(&misfit.coordinates.from_cube(cube)).ok()?;
+            let values = misfit.predict(&misfit.coordinates.within_search(cube)).ok()?;
             let moves = values.iter().flatten().any(|value| value.norm() > 0.0);
             moves.then(|| features.of_simulated(misfit.problem, &values))
         })
@@ -83,7 +83,7 @@ pub(super) fn propose(
 impl Proposal {
     /// The proposal as a point.
     pub fn point(&self, coordinates: &Coordinates) -> Vec<f64> {
-        let mut point = coordinates.from_cube(&self.cube);
+        let mut point = coordinates.within_search(&self.cube);
         point[CONSTANT] = self.constant;
         coordinates.clamp(&mut point);
         point

@@ -53,7 +53,7 @@ pub(super) fn orbit(plant: &Plant, torque: Complex, omega: f64) -> Result<Orbit,
     };
     let mut phases = match phases {
         Some(phases) => phases,
-        None => normalised.from_rest()?,
+        None => normalised.reached_from_rest()?,
     };
     let lead = torque.arg();
     for phase in &mut phases {
@@ -126,7 +126,7 @@ impl Normalised {
     }
 
     /// Follows the motion from rest until a period repeats.
-    fn from_rest(&self) -> Result<Vec<Phase>, NoResponse> {
+    fn reached_from_rest(&self) -> Result<Vec<Phase>, NoResponse> {
         let (start, motion) = self.breakaway(-PI);
         let mut phases = vec![Phase { start_s: start, motion }];
         while phases.len() < MOST_HALF_CYCLES {

@@ -1,3 +1,4 @@
 //! Integration tests: everything through the public interface.
 
+mod benchmark_simulator;
 mod simulation;

@@ -19,7 +19,7 @@ pub struct Harmonic {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Repeat {
     /// Deviation of Uₖ, aligned with [`Experiment::input`]; empty where the
-    /// input was not measured.
+    /// input was not measured or does not vary.
     pub input: Vec<Complex>,
     /// Deviation of Yₖ, aligned with [`Experiment::response`].
     pub response: Vec<Complex>,
@@ -51,6 +51,22 @@ impl Experiment {
     /// Highest harmonic of the response.
     pub fn highest_harmonic(&self) -> usize {
         self.response.last().map_or(0, |harmonic| harmonic.order)
+    }
+
+    /// The harmonic of this order, if it was measured.
+    pub fn harmonic(&self, order: usize) -> Option<&Harmonic> {
+        let position = self.response.binary_search_by_key(&order, |harmonic| harmonic.order);
+        position.ok().map(|position| &self.response[position])
+    }
+
+    /// Whether the upload gives a standard deviation for every harmonic.
+    pub fn std_given(&self) -> bool {
+        self.response.iter().all(|harmonic| harmonic.std.is_some())
+    }
+
+    /// Whether there are deviations of repeats or periods.
+    pub fn has_repeats(&self) -> bool {
+        !self.repeats.is_empty()
     }
 
     /// The input's amplitude and phase when its fundamental is all there is.

@@ -6,9 +6,16 @@
 mod experiment;
 pub mod formats;
 mod metadata;
+mod period;
+mod record;
+mod sampling;
+mod significance;
+mod spectrum;
+mod waveform;
 
 pub use experiment::{Experiment, Harmonic, Repeat};
 pub use metadata::{Loop, Metadata, Quantity, ResponseKind};
+pub use record::{Record, RecordError};
 
 /// Complex number; angles in radians.
 pub type Complex = nalgebra::Complex<f64>;

@@ -1,4 +1,5 @@
 //! Integration tests: everything through the public interface.
 
 mod benchmark_simulator;
+mod measurements;
 mod simulation;

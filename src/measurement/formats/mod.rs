@@ -1,8 +1,73 @@
 //! File formats: bytes in, a [`Measurement`] out, or where and why not.
 //!
-//! Adding a format is one file here and one line in [`read`].
+//! The format is seen from the content. All of them give a table of numbers
+//! under known columns, and the columns say what it is:
+//!
+//! - **Harmonic table** (CSV): `magnitude`; `omega_rad_s` or `frequency_hz`;
+//!   `re,im`, `amplitude,phase_deg`, `gain,phase_deg` or `gain_db,phase_deg`;
+//!   and optionally `experiment`, `harmonic`, `std`, `repeat`, `run`,
+//!   `u_re,u_im`. With a measured input `magnitude` may be missing (it is then
+//!   half the peak-to-peak value of the input), and a row may give the input
+//!   alone. `std` is in response units, in the amplitude convention of the
+//!   file, also beside a gain; of several repeats it is each repeat's own.
+//! - **Time record** (CSV): `time_s`, `input`, `output`, optionally `segment`.
+//! - **JSON**: see [below](self#json).
+//!
+//! CSV may begin with `# key: value` lines of metadata (`input`, `response`,
+//! `period_s`, `settle_periods`, `reference`, `amplitude`, `loop`, `name`,
+//! `machine`, `axis`, `measured_at`, `operator`, `label.*`, and `repeats`,
+//! whose value `periods` says that the repeats of a table are the periods of a
+//! record). `input: torque N m` is a name and a unit; a name of several words
+//! has its unit in brackets: `motor current [A]`.
+//!
+//! Several files form one measurement if their units agree. The experiments
+//! of each file are its own: the same magnitude and frequency in two files are
+//! two experiments.
+//!
+//! # JSON
+//!
+//! An object with the keys of the metadata at the top or in an object
+//! `metadata` (`labels` may be an object), and one of
+//!
+//! ```json
+//! {"rows": [{"magnitude": 1, "omega_rad_s": 2, "harmonic": 1, "re": 0.4, "im": -0.1}]}
+//! {"columns": {"magnitude": [1], "omega_rad_s": [2], "re": [0.4], "im": [-0.1]}}
+//! {"experiments": [
+//!   {"time_s": [0.0, 0.1], "input": [1, 0], "output": [0, 1], "period_s": 0.2},
+//!   {"magnitude": 1, "omega_rad_s": 2, "harmonics": [{"harmonic": 1, "re": 0.4, "im": -0.1}]}]}
+//! ```
+//!
+//! or the array of rows alone. Rows and columns have the names of the CSV's
+//! columns. An experiment with a record may have its own `period_s`,
+//! `settle_periods` and `run`; one with harmonics has `magnitude`,
+//! `omega_rad_s` or `frequency_hz`, and `run` beside them.
 
-use super::Measurement;
+mod columns;
+mod convention;
+mod csv_text;
+mod fault;
+mod harmonic_row;
+mod harmonic_table;
+mod header;
+mod join;
+mod json;
+mod json_table;
+mod layout;
+mod limits;
+mod repeats;
+mod table;
+mod time_record;
+mod write;
+
+pub use limits::{MAX_HARMONIC, MAX_INDEX, MAX_INPUT_LINES, MAX_ROWS, MAX_SETTLE_PERIODS};
+pub use write::write_harmonic_csv;
+
+use columns::Column;
+use csv_text::CsvText;
+use fault::Fault;
+use header::Header;
+
+use super::{Complex, Experiment, Measurement};
 
 /// One uploaded file.
 #[derive(Debug, Clone, Copy)]
@@ -22,7 +87,8 @@ pub struct ParseError {
     pub file: String,
     /// Line, from 1, where one can be named.
     pub line: Option<u64>,
-    /// Name of the column (or JSON path), where one can be named.
+    /// Name of the column (or JSON path, or key of the metadata), where one
+    /// can be named.
     pub column: Option<String>,
     /// What is wrong, and what would be right.
     pub reason: String,
@@ -30,9 +96,66 @@ pub struct ParseError {
 
 /// Reads one or several files that together form one measurement.
 ///
+/// The digest of the measurement is the SHA-256 of the files' bytes, one after
+/// the other. Remarks on experiments number them from 1.
+///
 /// # Errors
 /// The first thing that is wrong; nothing is half-read.
 pub fn read(sources: &[Source<'_>]) -> Result<Measurement, ParseError> {
-    let file = sources.first().map_or("upload", |source| source.name).to_owned();
-    Err(ParseError { file, line: None, column: None, reason: "not built yet".into() })
+    let parts = sources
+        .iter()
+        .map(|source| part(source.bytes).map_err(|fault| fault.in_file(source.name)))
+        .collect::<Result<Vec<_>, _>>()?;
+    join::join(sources, parts)
 }
+
+/// What one file holds.
+struct Part {
+    header: Header,
+    experiments: Vec<Remarked>,
+    notes: Vec<String>,
+    /// Whether the order of acquisition was seen from the clock of this file.
+    runs_from_clock: bool,
+}
+
+/// An experiment and the remarks of its reader.
+struct Remarked {
+    experiment: Experiment,
+    remarks: Vec<String>,
+}
+
+fn part(bytes: &[u8]) -> Result<Part, Fault> {
+    let text = text(bytes)?;
+    if text.trim_start().starts_with(['{', '[']) {
+        return json::read(text);
+    }
+    let csv = CsvText::open(text)?;
+    if csv.has(Column::TimeS) {
+        let (table, header, notes) = csv.table(columns::TIME_RECORD)?;
+        return time_record::read(&table, header, notes);
+    }
+    if !columns::HARMONIC_TABLE.iter().any(|column| csv.has(*column)) {
+        return Err(csv.fault_of_header(
+            "the header has no known column: a time record needs time_s,input,output, a \
+             harmonic table magnitude,omega_rad_s,harmonic,re,im",
+        ));
+    }
+    let (table, header, notes) = csv.table(columns::HARMONIC_TABLE)?;
+    harmonic_table::read(&table, header, notes)
+}
+
+/// The text of a file, without its byte order mark.
+fn text(bytes: &[u8]) -> Result<&str, Fault> {
+    if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
+        return Err(Fault::new("the text is UTF-16; UTF-8 is needed"));
+    }
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let before = &bytes[..error.valid_up_to()];
+        let line = 1 + before.iter().filter(|byte| **byte == b'\n').count() as u64;
+        Fault::new("the text is not UTF-8").at_line(Some(line))
+    })?;
+    Ok(text.strip_prefix('\u{FEFF}').unwrap_or(text))
+}
+
+#[cfg(test)]
+mod tests;

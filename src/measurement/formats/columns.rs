@@ -1,0 +1,85 @@
+//! The columns an upload may have.
+
+/// A known column, in a CSV header or as a JSON key.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Column {
+    Magnitude,
+    OmegaRadS,
+    FrequencyHz,
+    Experiment,
+    Harmonic,
+    Re,
+    Im,
+    Amplitude,
+    PhaseDeg,
+    Gain,
+    GainDb,
+    Std,
+    Repeat,
+    Run,
+    URe,
+    UIm,
+    TimeS,
+    Input,
+    Output,
+    Segment,
+}
+
+/// Columns of a harmonic table.
+pub(super) const HARMONIC_TABLE: &[Column] = &[
+    Column::Magnitude,
+    Column::OmegaRadS,
+    Column::FrequencyHz,
+    Column::Experiment,
+    Column::Harmonic,
+    Column::Re,
+    Column::Im,
+    Column::Amplitude,
+    Column::PhaseDeg,
+    Column::Gain,
+    Column::GainDb,
+    Column::Std,
+    Column::Repeat,
+    Column::Run,
+    Column::URe,
+    Column::UIm,
+];
+
+/// Columns of a time record.
+pub(super) const TIME_RECORD: &[Column] =
+    &[Column::TimeS, Column::Input, Column::Output, Column::Segment];
+
+impl Column {
+    /// How many there are.
+    pub(super) const COUNT: usize = HARMONIC_TABLE.len() + TIME_RECORD.len();
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Magnitude => "magnitude",
+            Self::OmegaRadS => "omega_rad_s",
+            Self::FrequencyHz => "frequency_hz",
+            Self::Experiment => "experiment",
+            Self::Harmonic => "harmonic",
+            Self::Re => "re",
+            Self::Im => "im",
+            Self::Amplitude => "amplitude",
+            Self::PhaseDeg => "phase_deg",
+            Self::Gain => "gain",
+            Self::GainDb => "gain_db",
+            Self::Std => "std",
+            Self::Repeat => "repeat",
+            Self::Run => "run",
+            Self::URe => "u_re",
+            Self::UIm => "u_im",
+            Self::TimeS => "time_s",
+            Self::Input => "input",
+            Self::Output => "output",
+            Self::Segment => "segment",
+        }
+    }
+
+    /// The column of this name among those of a format.
+    pub(super) fn find(name: &str, among: &[Column]) -> Option<Column> {
+        among.iter().copied().find(|column| column.name() == name)
+    }
+}

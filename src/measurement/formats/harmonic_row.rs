@@ -1,0 +1,222 @@
+//! One row of a harmonic table.
+
+use super::columns::Column;
+use super::convention::Convention;
+use super::fault::Fault;
+use super::layout::{Form, Layout};
+use super::limits::MAX_HARMONIC;
+use super::table::Row;
+use crate::measurement::Complex;
+
+/// What makes rows one experiment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Key {
+    /// The column `experiment`.
+    Index(u64),
+    /// The same magnitude and frequency, bit by bit.
+    Pair(u64, u64),
+}
+
+/// One row, in the conventions of this crate.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    pub(super) key: Key,
+    /// m, peak, where the table has it.
+    pub(super) magnitude: Option<f64>,
+    pub(super) omega_rad_s: f64,
+    pub(super) harmonic: usize,
+    pub(super) repeat: u64,
+    pub(super) run: Option<f64>,
+    /// Yₖ; a row may give the input alone.
+    pub(super) response: Option<Complex>,
+    pub(super) std: Option<f64>,
+    /// Uₖ, where measured.
+    pub(super) input: Option<Complex>,
+    /// Index of the row in its table.
+    pub(super) row: usize,
+    /// Whether the imaginary part of a mean was left out.
+    pub(super) mean_had_imaginary_part: bool,
+}
+
+impl Entry {
+    pub(super) fn read(
+        row: Row<'_>,
+        layout: Layout,
+        convention: Convention,
+    ) -> Result<Self, Fault> {
+        let harmonic = match row.required_index(Column::Harmonic)? {
+            Some(k) if k > MAX_HARMONIC as u64 => {
+                return Err(row.fault(
+                    Column::Harmonic,
+                    format!("harmonic {k} is beyond the highest accepted, {MAX_HARMONIC}"),
+                ));
+            }
+            Some(k) => k as usize,
+            None => 1,
+        };
+        let magnitude = magnitude(row, layout)?.map(|m| m * convention.peak());
+        let omega_rad_s = frequency(row, layout)?;
+        let key = match row.required_index(Column::Experiment)? {
+            Some(index) => Key::Index(index),
+            None => Key::Pair(magnitude.unwrap_or(0.0).to_bits(), omega_rad_s.to_bits()),
+        };
+        let written_input = pair(row, Column::URe, Column::UIm, harmonic)?;
+        let written_response = response(row, layout, harmonic, magnitude, convention)?;
+        if written_response.is_none() && written_input.is_none() {
+            row.require(response_column(layout.form))?;
+        }
+        let std = match row.get(Column::Std) {
+            Some(std) if std <= 0.0 => {
+                return Err(row.fault(Column::Std, format!("{std} is not positive")));
+            }
+            std => std.map(|std| convention.deviation(harmonic, std)),
+        };
+        let imaginary = |z: Option<Complex>| harmonic == 0 && z.is_some_and(|z| z.im != 0.0);
+        let entry = Self {
+            key,
+            magnitude,
+            omega_rad_s,
+            harmonic,
+            repeat: row.index_in(Column::Repeat)?.unwrap_or(0),
+            run: row.get(Column::Run),
+            response: written_response.map(|z| convention.harmonic(harmonic, z)),
+            std,
+            input: written_input.map(|z| convention.harmonic(harmonic, z)),
+            row: row.index(),
+            mean_had_imaginary_part: layout.form == Form::Rectangular
+                && (imaginary(written_response) || imaginary(written_input)),
+        };
+        entry.check_finite(row, layout)?;
+        Ok(entry)
+    }
+
+    /// Products of finite numbers need not be finite.
+    fn check_finite(&self, row: Row<'_>, layout: Layout) -> Result<(), Fault> {
+        let finite = |z: Option<Complex>| z.is_none_or(|z| z.re.is_finite() && z.im.is_finite());
+        let too_large = "the value is too large for a floating-point number";
+        if !finite(self.response) {
+            return Err(row.fault(response_column(layout.form), too_large));
+        }
+        if !finite(self.input) {
+            return Err(row.fault(Column::URe, too_large));
+        }
+        if !self.magnitude.is_none_or(f64::is_finite) {
+            return Err(row.fault(Column::Magnitude, too_large));
+        }
+        if !self.std.is_none_or(f64::is_finite) {
+            return Err(row.fault(Column::Std, too_large));
+        }
+        Ok(())
+    }
+}
+
+fn response_column(form: Form) -> Column {
+    match form {
+        Form::Rectangular => Column::Re,
+        Form::Polar => Column::Amplitude,
+        Form::Gain => Column::Gain,
+        Form::GainDb => Column::GainDb,
+    }
+}
+
+fn magnitude(row: Row<'_>, layout: Layout) -> Result<Option<f64>, Fault> {
+    let magnitude = row.get(Column::Magnitude);
+    if magnitude.is_none() && layout.magnitude && !layout.input {
+        row.require(Column::Magnitude)?;
+    }
+    match magnitude {
+        Some(m) if m < 0.0 => Err(row.fault(
+            Column::Magnitude,
+            format!("magnitude {m} is negative; a phase of 180° belongs to the response"),
+        )),
+        // −0 and 0 are one magnitude.
+        magnitude => Ok(magnitude.map(f64::abs)),
+    }
+}
+
+fn frequency(row: Row<'_>, layout: Layout) -> Result<f64, Fault> {
+    let (column, factor) = if layout.hertz {
+        (Column::FrequencyHz, std::f64::consts::TAU)
+    } else {
+        (Column::OmegaRadS, 1.0)
+    };
+    let written = row.require(column)?;
+    let omega_rad_s = written * factor;
+    if omega_rad_s <= 0.0 || !omega_rad_s.is_finite() {
+        return Err(row.fault(column, format!("frequency {written} is not positive and finite")));
+    }
+    Ok(omega_rad_s)
+}
+
+/// Two cells that are both given or both blank; a mean needs no second one.
+fn pair(
+    row: Row<'_>,
+    first: Column,
+    second: Column,
+    harmonic: usize,
+) -> Result<Option<Complex>, Fault> {
+    match (row.get(first), row.get(second)) {
+        (Some(a), Some(b)) => Ok(Some(Complex::new(a, b))),
+        (Some(a), None) if harmonic == 0 => Ok(Some(Complex::new(a, 0.0))),
+        (None, None) => Ok(None),
+        (Some(_), None) => row.require(second).map(|_| None),
+        (None, Some(_)) => row.require(first).map(|_| None),
+    }
+}
+
+/// Yₖ as written, except that a gain is multiplied by the magnitude.
+fn response(
+    row: Row<'_>,
+    layout: Layout,
+    harmonic: usize,
+    magnitude: Option<f64>,
+    convention: Convention,
+) -> Result<Option<Complex>, Fault> {
+    let column = response_column(layout.form);
+    if layout.form == Form::Rectangular {
+        return pair(row, Column::Re, Column::Im, harmonic);
+    }
+    let Some(Complex { re: size, im: phase_deg }) = pair(row, column, Column::PhaseDeg, harmonic)?
+    else {
+        return Ok(None);
+    };
+    let negative_mean = harmonic == 0 && layout.form == Form::Polar;
+    if size < 0.0 && layout.form != Form::GainDb && !negative_mean {
+        return Err(row.fault(column, format!("{size} is negative")));
+    }
+    let amplitude = match layout.form {
+        Form::Gain | Form::GainDb if harmonic != 1 => {
+            return Err(row.fault(
+                column,
+                format!("a gain is |Y₁|/m and harmonic {harmonic} has none: use re,im"),
+            ));
+        }
+        Form::Gain | Form::GainDb => {
+            let Some(m) = magnitude else {
+                return Err(row.fault(Column::Magnitude, "a gain needs the magnitude"));
+            };
+            let gain = if layout.form == Form::Gain { size } else { 10f64.powf(size / 20.0) };
+            // Both amplitudes of a gain are in the same convention, and the
+            // magnitude is a peak already.
+            gain * m / convention.peak()
+        }
+        Form::Rectangular | Form::Polar => size,
+    };
+    Ok(Some(polar_deg(amplitude, phase_deg)))
+}
+
+/// Exact at multiples of 90°, so that 180° leaves no rounding in `im`.
+fn polar_deg(amplitude: f64, phase_deg: f64) -> Complex {
+    let turn = phase_deg.rem_euclid(360.0);
+    if turn == 0.0 {
+        Complex::new(amplitude, 0.0)
+    } else if turn == 90.0 {
+        Complex::new(0.0, amplitude)
+    } else if turn == 180.0 {
+        Complex::new(-amplitude, 0.0)
+    } else if turn == 270.0 {
+        Complex::new(0.0, -amplitude)
+    } else {
+        Complex::from_polar(amplitude, turn.to_radians())
+    }
+}

@@ -1,0 +1,122 @@
+//! Harmonic tables: rows of one experiment are brought together.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::Part;
+use super::columns::Column;
+use super::fault::Fault;
+use super::harmonic_row::{Entry, Key};
+use super::header::Header;
+use super::layout::Layout;
+use super::limits::MAX_INPUT_LINES;
+use super::repeats;
+use super::table::{Row, Table};
+
+/// The rows of one experiment.
+pub(super) struct Group {
+    pub(super) magnitude: Option<f64>,
+    pub(super) omega_rad_s: f64,
+    /// Index of its first row.
+    pub(super) row: usize,
+    /// By index of the repeat, in ascending order of harmonics.
+    pub(super) repeats: BTreeMap<u64, Vec<Entry>>,
+}
+
+/// Experiments of a harmonic table.
+pub(super) fn read(table: &Table, header: Header, mut notes: Vec<String>) -> Result<Part, Fault> {
+    let layout = Layout::of(table)?;
+    let entries = table
+        .rows()
+        .map(|row| Entry::read(row, layout, header.convention))
+        .collect::<Result<Vec<_>, _>>()?;
+    if entries.iter().any(|entry| entry.mean_had_imaginary_part) {
+        notes.push("imaginary parts of harmonic 0 are not used: a mean is real".into());
+    }
+    let groups = group(table, &entries)?;
+    check_size(table, &groups)?;
+    let experiments = groups
+        .iter()
+        .map(|group| repeats::experiment(table, group, header.repeats_are_periods))
+        .collect::<Result<_, _>>()?;
+    Ok(Part { header, experiments, notes, runs_from_clock: false })
+}
+
+fn group(table: &Table, entries: &[Entry]) -> Result<Vec<Group>, Fault> {
+    let mut groups: Vec<Group> = Vec::new();
+    let mut of_key: HashMap<Key, usize> = HashMap::new();
+    let mut seen: HashMap<(usize, usize, u64), usize> = HashMap::new();
+    for entry in entries {
+        let index = *of_key.entry(entry.key).or_insert_with(|| {
+            groups.push(Group {
+                magnitude: entry.magnitude,
+                omega_rad_s: entry.omega_rad_s,
+                row: entry.row,
+                repeats: BTreeMap::new(),
+            });
+            groups.len() - 1
+        });
+        let group = &mut groups[index];
+        let row = table.row(entry.row);
+        check_same(table, group, entry, row)?;
+        if let Some(first) = seen.insert((index, entry.harmonic, entry.repeat), entry.row) {
+            return Err(row.fault(
+                Column::Harmonic,
+                format!(
+                    "harmonic {} of the same experiment and repeat is already given at {}",
+                    entry.harmonic,
+                    table.row(first).name()
+                ),
+            ));
+        }
+        group.repeats.entry(entry.repeat).or_default().push(*entry);
+    }
+    for entries in groups.iter_mut().flat_map(|group| group.repeats.values_mut()) {
+        entries.sort_by_key(|entry| entry.harmonic);
+    }
+    Ok(groups)
+}
+
+/// One experiment has one magnitude and one frequency.
+fn check_same(table: &Table, group: &Group, entry: &Entry, row: Row<'_>) -> Result<(), Fault> {
+    let first = table.row(group.row).name();
+    if entry.magnitude != group.magnitude {
+        let show = |m: Option<f64>| m.map_or("none".to_owned(), |m| m.to_string());
+        return Err(row.fault(
+            Column::Magnitude,
+            format!(
+                "magnitude {} differs from {} of the same experiment at {first}",
+                show(entry.magnitude),
+                show(group.magnitude)
+            ),
+        ));
+    }
+    if entry.omega_rad_s != group.omega_rad_s {
+        let column =
+            if table.has(Column::FrequencyHz) { Column::FrequencyHz } else { Column::OmegaRadS };
+        return Err(row.fault(
+            column,
+            format!(
+                "frequency {} rad/s differs from {} rad/s of the same experiment at {first}",
+                entry.omega_rad_s, group.omega_rad_s
+            ),
+        ));
+    }
+    Ok(())
+}
+
+fn check_size(table: &Table, groups: &[Group]) -> Result<(), Fault> {
+    let mut lines = 0;
+    for group in groups {
+        let entries = || group.repeats.values().flatten();
+        if let Some(highest) = entries().filter(|e| e.input.is_some()).map(|e| e.harmonic).max() {
+            lines += (highest + 1) * (group.repeats.len() + 1);
+        }
+        if lines > MAX_INPUT_LINES {
+            return Err(table.row(group.row).fault_of_row(format!(
+                "the measured inputs have more than {MAX_INPUT_LINES} lines from 0 to the \
+                 highest harmonic of each"
+            )));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,225 @@
+//! Metadata of one file, by its keys.
+
+use std::collections::BTreeMap;
+
+use super::convention::{AmplitudeUnit, Convention, Reference};
+use super::fault::Fault;
+use super::limits::MAX_SETTLE_PERIODS;
+use crate::measurement::{Loop, Metadata, Quantity, ResponseKind};
+
+/// What one file says of itself, and how its numbers are to be read.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Header {
+    pub(super) metadata: Metadata,
+    pub(super) convention: Convention,
+    /// Period of a time record, s.
+    pub(super) period_s: Option<f64>,
+    /// Periods of a time record to drop.
+    pub(super) settle_periods: usize,
+    /// Whether the repeats of a table were periods of one record.
+    pub(super) repeats_are_periods: bool,
+    /// Line and value of every key seen.
+    seen: BTreeMap<String, (Option<u64>, String)>,
+}
+
+impl Header {
+    /// Takes one `key: value`; `false` if no such key is known.
+    pub(super) fn set(&mut self, line: Option<u64>, key: &str, value: &str) -> Result<bool, Fault> {
+        // A line break inside a JSON string would break the file it is written to.
+        let value = value.split_whitespace().collect::<Vec<_>>().join(" ");
+        let fault = |reason: String| Fault::new(reason).at_line(line).in_column(key);
+        if !self.apply(key, &value).map_err(fault)? {
+            return Ok(false);
+        }
+        if let Some((_, earlier)) = self.seen.get(key)
+            && *earlier != value
+        {
+            return Err(fault(format!("given twice: `{earlier}` and `{value}`")));
+        }
+        self.seen.insert(key.to_owned(), (line, value));
+        Ok(true)
+    }
+
+    /// Whether there is such a key.
+    pub(super) fn knows(key: &str) -> bool {
+        !matches!(Self::default().apply(key, ""), Ok(false))
+    }
+
+    /// Line in which a key was given.
+    pub(super) fn line_of(&self, key: &str) -> Option<u64> {
+        self.seen.get(key).and_then(|(line, _)| *line)
+    }
+
+    fn apply(&mut self, key: &str, value: &str) -> Result<bool, String> {
+        let metadata = &mut self.metadata;
+        let text = || (!value.is_empty()).then(|| value.to_owned());
+        match key {
+            "name" => metadata.name = text(),
+            "machine" => metadata.machine = text(),
+            "axis" => metadata.axis = text(),
+            "operator" => metadata.operator = text(),
+            "input" => metadata.input = quantity(value),
+            "response" => {
+                metadata.response = quantity(value);
+                metadata.response_kind = response_kind(&metadata.response.name)?;
+            }
+            "loop" => {
+                metadata.feedback = Some(match value {
+                    "open" => Loop::Open,
+                    "closed" => Loop::Closed,
+                    _ => return Err(format!("`{value}` is neither open nor closed")),
+                });
+            }
+            "measured_at" => {
+                metadata.measured_at = Some(value.parse().map_err(|_| {
+                    format!("`{value}` is not an RFC 3339 time such as 2024-05-31T13:45:00Z")
+                })?);
+            }
+            "reference" => {
+                self.convention.reference = match value {
+                    "cos" => Reference::Cosine,
+                    "sin" => Reference::Sine,
+                    _ => return Err(format!("`{value}` is neither cos nor sin")),
+                };
+            }
+            "amplitude" => {
+                self.convention.amplitude = match value {
+                    "peak" => AmplitudeUnit::Peak,
+                    "rms" => AmplitudeUnit::Rms,
+                    "peak-to-peak" => AmplitudeUnit::PeakToPeak,
+                    _ => return Err(format!("`{value}` is not peak, rms or peak-to-peak")),
+                };
+            }
+            "period_s" => self.period_s = Some(period(value)?),
+            "settle_periods" => self.settle_periods = settle_periods(value)?,
+            "repeats" => {
+                self.repeats_are_periods = match value {
+                    "periods" => true,
+                    "measurements" => false,
+                    _ => return Err(format!("`{value}` is neither periods nor measurements")),
+                };
+            }
+            _ => match key.strip_prefix("label.") {
+                Some(label) if label.contains([':', '\n', '\r']) => {
+                    return Err("a label's name must have no colon and no line break".into());
+                }
+                Some(label) if !label.is_empty() => {
+                    metadata.labels.insert(label.to_owned(), value.to_owned());
+                }
+                _ => return Ok(false),
+            },
+        }
+        Ok(true)
+    }
+}
+
+/// `force N`: the first word is the name and the rest the unit;
+/// `motor current [A]`: the unit is in brackets at the end.
+fn quantity(text: &str) -> Quantity {
+    let bracketed = [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
+        let (name, unit) = text.strip_suffix(close)?.rsplit_once(open)?;
+        Some((name, unit))
+    });
+    let (name, unit) =
+        bracketed.unwrap_or_else(|| text.split_once(char::is_whitespace).unwrap_or((text, "")));
+    Quantity { name: name.trim().to_owned(), unit: unit.trim().to_owned() }
+}
+
+fn response_kind(name: &str) -> Result<ResponseKind, String> {
+    match name.split_whitespace().next().unwrap_or("").to_ascii_lowercase().as_str() {
+        "velocity" => Ok(ResponseKind::Velocity),
+        "position" => Ok(ResponseKind::Position),
+        "acceleration" => Ok(ResponseKind::Acceleration),
+        other => Err(format!(
+            "the first word must be velocity, position or acceleration, but is `{other}`"
+        )),
+    }
+}
+
+fn period(value: &str) -> Result<f64, String> {
+    match value.parse::<f64>() {
+        Ok(period) if period.is_finite() && period > 0.0 => Ok(period),
+        _ => Err(format!("`{value}` is not a positive number of seconds")),
+    }
+}
+
+fn settle_periods(value: &str) -> Result<usize, String> {
+    match value.parse::<f64>() {
+        Ok(count) if count >= 0.0 && count.fract() == 0.0 => {
+            if count > MAX_SETTLE_PERIODS as f64 {
+                return Err(format!("{count} is more than {MAX_SETTLE_PERIODS}"));
+            }
+            Ok(count as usize)
+        }
+        _ => Err(format!("`{value}` is not an integer ≥ 0")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(key: &str, value: &str) -> Header {
+        let mut header = Header::default();
+        assert_eq!(header.set(Some(1), key, value), Ok(true));
+        header
+    }
+
+    #[test]
+    fn a_quantity_is_a_name_and_a_unit() {
+        let of = |text| {
+            let Quantity { name, unit } = quantity(text);
+            (name, unit)
+        };
+        assert_eq!(of("current A"), ("current".into(), "A".into()));
+        assert_eq!(of("torque N m"), ("torque".into(), "N m".into()));
+        assert_eq!(of("motor current [A]"), ("motor current".into(), "A".into()));
+        assert_eq!(of("force (N)"), ("force".into(), "N".into()));
+        assert_eq!(of("voltage"), ("voltage".into(), String::new()));
+    }
+
+    #[test]
+    fn every_key_of_a_header_lands_where_it_belongs() {
+        assert_eq!(header("name", "axis test").metadata.name.as_deref(), Some("axis test"));
+        assert_eq!(header("machine", "mill 3").metadata.machine.as_deref(), Some("mill 3"));
+        assert_eq!(header("axis", "X").metadata.axis.as_deref(), Some("X"));
+        assert_eq!(header("operator", "Ada").metadata.operator.as_deref(), Some("Ada"));
+        assert_eq!(header("label.shift", "night").metadata.labels["shift"], "night");
+        assert_eq!(header("loop", "closed").metadata.feedback, Some(Loop::Closed));
+        assert_eq!(header("settle_periods", "2").settle_periods, 2);
+        assert_eq!(header("period_s", "6.24").period_s, Some(6.24));
+        assert_eq!(header("response", "Position m").metadata.response_kind, ResponseKind::Position);
+        let measured_at = header("measured_at", "2024-05-31T13:45:00+02:00").metadata.measured_at;
+        assert_eq!(measured_at, Some("2024-05-31T11:45:00Z".parse().unwrap()));
+    }
+
+    #[test]
+    fn a_value_that_means_nothing_is_refused_with_its_line_and_key() {
+        for (key, value) in [
+            ("response", "temperature K"),
+            ("measured_at", "yesterday"),
+            ("loop", "half"),
+            ("reference", "tan"),
+            ("amplitude", "loud"),
+            ("period_s", "-1"),
+            ("period_s", "NaN"),
+            ("settle_periods", "1.5"),
+            ("settle_periods", "1e300"),
+        ] {
+            let fault = Header::default().set(Some(7), key, value).unwrap_err().in_file("f.csv");
+            assert_eq!((fault.line, fault.column.as_deref()), (Some(7), Some(key)), "{fault}");
+        }
+    }
+
+    #[test]
+    fn a_key_given_twice_with_two_values_is_refused() {
+        let mut header = header("axis", "X");
+        assert_eq!(header.set(Some(2), "axis", "X"), Ok(true));
+        assert!(header.set(Some(3), "axis", "Y").is_err());
+    }
+
+    #[test]
+    fn an_unknown_key_is_said_to_be_unknown() {
+        assert_eq!(Header::default().set(Some(1), "temperature", "25"), Ok(false));
+    }
+}

@@ -1,0 +1,135 @@
+//! Several files become one measurement.
+
+use sha2::{Digest, Sha256};
+
+use super::header::Header;
+use super::{ParseError, Part, Source};
+use crate::measurement::{Measurement, Metadata};
+
+/// Joins what the files hold.
+pub(super) fn join(sources: &[Source<'_>], parts: Vec<Part>) -> Result<Measurement, ParseError> {
+    let several = sources.len() > 1;
+    let mut experiments = Vec::new();
+    let mut notes = Vec::new();
+    let mut metadata: Option<Metadata> = None;
+    for (source, part) in sources.iter().zip(parts) {
+        match &mut metadata {
+            None => metadata = Some(part.header.metadata.clone()),
+            Some(metadata) => {
+                check_units(metadata, &part.header, source.name)?;
+                merge(metadata, part.header.metadata, source.name, &mut notes);
+            }
+        }
+        notes.extend(
+            part.notes
+                .into_iter()
+                .map(|note| if several { format!("{}: {note}", source.name) } else { note }),
+        );
+        for mut remarked in part.experiments {
+            if several && part.runs_from_clock {
+                // The clocks of two files do not tell which came first.
+                remarked.experiment.run = None;
+            }
+            experiments.push(remarked.experiment);
+            let number = experiments.len();
+            notes.extend(
+                remarked.remarks.iter().map(|remark| format!("experiment {number}: {remark}")),
+            );
+        }
+    }
+    let file = sources.first().map_or("upload", |source| source.name);
+    let mut digest = Sha256::new();
+    sources.iter().for_each(|source| digest.update(source.bytes));
+    let sha256 = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    Measurement::new(metadata.unwrap_or_default(), experiments, notes, sha256).map_err(|error| {
+        ParseError { file: file.to_owned(), line: None, column: None, reason: error.to_string() }
+    })
+}
+
+/// A quantity that one file leaves open may be what another says it is; the
+/// kind of the response is never open, since velocity is its default.
+fn check_units(metadata: &Metadata, header: &Header, file: &str) -> Result<(), ParseError> {
+    let fault = |key: &str, reason: String| ParseError {
+        file: file.to_owned(),
+        line: header.line_of(key),
+        column: Some(key.to_owned()),
+        reason,
+    };
+    if metadata.response_kind != header.metadata.response_kind {
+        return Err(fault(
+            "response",
+            format!(
+                "mixed units: the response is {:?}, in the files before {:?}",
+                header.metadata.response_kind, metadata.response_kind
+            )
+            .to_lowercase(),
+        ));
+    }
+    let pairs = [
+        ("input", &metadata.input, &header.metadata.input),
+        ("response", &metadata.response, &header.metadata.response),
+    ];
+    for (key, before, here) in pairs {
+        let differ =
+            |a: &str, b: &str| !a.is_empty() && !b.is_empty() && !a.eq_ignore_ascii_case(b);
+        // The case of a unit counts: mA is not MA.
+        let units_differ =
+            !before.unit.is_empty() && !here.unit.is_empty() && before.unit != here.unit;
+        if differ(&before.name, &here.name) || units_differ {
+            return Err(fault(
+                key,
+                format!(
+                    "mixed units: `{} {}` here, `{} {}` in the files before",
+                    here.name, here.unit, before.name, before.unit
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Fills what is open; what contradicts is noted, and the first file holds.
+fn merge(metadata: &mut Metadata, here: Metadata, file: &str, notes: &mut Vec<String>) {
+    let mut differs = |key: &str| {
+        notes.push(format!("{file}: {key} differs from that of the files before, which holds"));
+    };
+    fn fill<T: PartialEq>(open: &mut Option<T>, here: Option<T>) -> bool {
+        let contradicts = open.is_some() && here.is_some() && *open != here;
+        if open.is_none() {
+            *open = here;
+        }
+        contradicts
+    }
+    let texts = [
+        ("name", &mut metadata.name, here.name),
+        ("machine", &mut metadata.machine, here.machine),
+        ("axis", &mut metadata.axis, here.axis),
+        ("operator", &mut metadata.operator, here.operator),
+    ];
+    for (key, open, here) in texts {
+        if fill(open, here) {
+            differs(key);
+        }
+    }
+    if fill(&mut metadata.feedback, here.feedback) {
+        differs("loop");
+    }
+    if fill(&mut metadata.measured_at, here.measured_at) {
+        differs("measured_at");
+    }
+    let quantities = [(&mut metadata.input, here.input), (&mut metadata.response, here.response)];
+    for (open, here) in quantities {
+        if open.name.is_empty() {
+            open.name = here.name;
+        }
+        if open.unit.is_empty() {
+            open.unit = here.unit;
+        }
+    }
+    for (label, value) in here.labels {
+        let held = metadata.labels.entry(label.clone()).or_insert_with(|| value.clone());
+        if *held != value {
+            differs(&format!("label.{label}"));
+        }
+    }
+}

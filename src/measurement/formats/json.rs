@@ -1,0 +1,235 @@
+//! JSON uploads: what the CSV says, and records and tables side by side.
+
+use serde_json::{Map, Value};
+
+use super::columns::{self, Column};
+use super::fault::Fault;
+use super::header::Header;
+use super::json_table::{element, note_unknown, number, object, of_columns, of_rows};
+use super::table::Table;
+use super::{Part, Remarked, harmonic_table, time_record};
+
+/// Keys that hold the data; one of them is needed.
+const DATA: [&str; 3] = ["rows", "columns", "experiments"];
+
+/// Columns that stand beside the harmonics of an experiment.
+const LIFTED: [Column; 4] =
+    [Column::Magnitude, Column::OmegaRadS, Column::FrequencyHz, Column::Run];
+
+/// Reads a whole upload.
+pub(super) fn read(text: &str) -> Result<Part, Fault> {
+    let value: Value = serde_json::from_str(text).map_err(|error| {
+        Fault::new(format!("the text is not JSON: {error}")).at_line(Some(error.line() as u64))
+    })?;
+    let mut notes = Vec::new();
+    let upload = match &value {
+        Value::Array(rows) => {
+            return read_table(
+                |format, notes| of_rows(rows, "", format, &[], notes),
+                rows.iter().any(|row| row.get(Column::TimeS.name()).is_some()),
+                Header::default(),
+                notes,
+            );
+        }
+        other => object(other, "")?,
+    };
+    let header = header(upload, &mut notes)?;
+    let mut given = DATA.iter().filter_map(|key| upload.get(*key).map(|value| (*key, value)));
+    let Some((key, data)) = given.next() else {
+        return Err(Fault::new("one of rows, columns and experiments is needed"));
+    };
+    if let Some((other, _)) = given.next() {
+        return Err(
+            Fault::new(format!("{key} and {other} contradict: give one of them")).in_column(other)
+        );
+    }
+    if key == "columns" {
+        let data = object(data, key)?;
+        for name in data.keys() {
+            let formats = [columns::HARMONIC_TABLE, columns::TIME_RECORD];
+            if formats.iter().all(|format| Column::find(name, format).is_none()) {
+                note_unknown(&join_path(key, name), &mut notes);
+            }
+        }
+        let timed = data.contains_key(Column::TimeS.name());
+        return read_table(|format, _| of_columns(data, key, format), timed, header, notes);
+    }
+    let rows = array(data, key)?;
+    if key == "rows" {
+        let timed = rows.iter().any(|row| row.get(Column::TimeS.name()).is_some());
+        return read_table(
+            |format, notes| of_rows(rows, key, format, &[], notes),
+            timed,
+            header,
+            notes,
+        );
+    }
+    let mut experiments = Vec::new();
+    for (index, value) in rows.iter().enumerate() {
+        let path = element(key, index);
+        experiments.push(experiment(object(value, &path)?, &path, &header, &mut notes)?);
+    }
+    if experiments.is_empty() {
+        return Err(Fault::new("the array is empty").in_column(key));
+    }
+    Ok(Part { header, experiments, notes, runs_from_clock: false })
+}
+
+/// Path of a key of the object at a path.
+pub(super) fn join_path(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
+}
+
+/// What a value is, for messages.
+pub(super) fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "a boolean",
+        Value::Number(_) => "a number",
+        Value::String(_) => "a string",
+        Value::Array(_) => "an array",
+        Value::Object(_) => "an object",
+    }
+}
+
+fn read_table(
+    table: impl Fn(&[Column], &mut Vec<String>) -> Result<Table, Fault>,
+    timed: bool,
+    header: Header,
+    mut notes: Vec<String>,
+) -> Result<Part, Fault> {
+    let format = if timed { columns::TIME_RECORD } else { columns::HARMONIC_TABLE };
+    let table = table(format, &mut notes)?;
+    if table.len() == 0 {
+        return Err(table.fault(None, "there is no row"));
+    }
+    if timed {
+        time_record::read(&table, header, notes)
+    } else {
+        harmonic_table::read(&table, header, notes)
+    }
+}
+
+fn experiment(
+    value: &Map<String, Value>,
+    path: &str,
+    header: &Header,
+    notes: &mut Vec<String>,
+) -> Result<Remarked, Fault> {
+    if value.contains_key(Column::TimeS.name()) {
+        return record(value, path, header, notes);
+    }
+    let harmonics = value.get("harmonics").ok_or_else(|| {
+        Fault::new("an experiment needs time_s,input,output or harmonics").in_column(path)
+    })?;
+    let rows_path = join_path(path, "harmonics");
+    let rows = array(harmonics, &rows_path)?;
+    let mut lifted = Vec::new();
+    for key in value.keys().filter(|key| *key != "harmonics") {
+        match Column::find(key, &LIFTED) {
+            Some(column) => lifted.push((column, cell(value, path, column.name())?)),
+            None => note_unknown(&join_path("experiments", key), notes),
+        }
+    }
+    // All rows are one experiment, whatever magnitudes they repeat.
+    lifted.push((Column::Experiment, Some(0.0)));
+    let table = of_rows(rows, &rows_path, columns::HARMONIC_TABLE, &lifted, notes)?;
+    let mut part = harmonic_table::read(&table, header.clone(), Vec::new())?;
+    for note in part.notes {
+        if !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
+    part.experiments
+        .pop()
+        .ok_or_else(|| Fault::new("the array has no harmonic").in_column(rows_path))
+}
+
+fn record(
+    value: &Map<String, Value>,
+    path: &str,
+    header: &Header,
+    notes: &mut Vec<String>,
+) -> Result<Remarked, Fault> {
+    const SAMPLES: [Column; 3] = [Column::TimeS, Column::Input, Column::Output];
+    let mut own = header.clone();
+    for (key, setting) in value {
+        if matches!(key.as_str(), "period_s" | "settle_periods") {
+            // The experiment's own setting may differ from that of the upload.
+            let mut fresh = Header::default();
+            fresh
+                .set(None, key, &scalar(setting, &join_path(path, key))?)
+                .map_err(|fault| fault.in_column(join_path(path, key)))?;
+            match key.as_str() {
+                "period_s" => own.period_s = fresh.period_s,
+                _ => own.settle_periods = fresh.settle_periods,
+            }
+        } else if key != Column::Run.name() && Column::find(key, &SAMPLES).is_none() {
+            note_unknown(&join_path("experiments", key), notes);
+        }
+    }
+    let table = of_columns(value, path, &SAMPLES)?;
+    let run = cell(value, path, Column::Run.name())?;
+    time_record::read_one(&table, run, own.period_s, own.settle_periods)
+}
+
+/// The metadata at the top and in `metadata`.
+fn header(upload: &Map<String, Value>, notes: &mut Vec<String>) -> Result<Header, Fault> {
+    let mut header = Header::default();
+    for (key, value) in upload {
+        if key == "metadata" {
+            for (key, value) in object(value, "metadata")? {
+                set(&mut header, key, value, &join_path("metadata", key), notes)?;
+            }
+        } else if !DATA.contains(&key.as_str()) {
+            set(&mut header, key, value, key, notes)?;
+        }
+    }
+    Ok(header)
+}
+
+fn set(
+    header: &mut Header,
+    key: &str,
+    value: &Value,
+    path: &str,
+    notes: &mut Vec<String>,
+) -> Result<(), Fault> {
+    if key == "labels" {
+        for (label, value) in object(value, path)? {
+            let path = join_path(path, label);
+            header.set(None, &format!("label.{label}"), &scalar(value, &path)?)?;
+        }
+        return Ok(());
+    }
+    if !Header::knows(key) {
+        note_unknown(path, notes);
+    } else if !value.is_null() {
+        header.set(None, key, &scalar(value, path)?).map_err(|fault| fault.in_column(path))?;
+    }
+    Ok(())
+}
+
+/// A string or a number as text.
+fn scalar(value: &Value, path: &str) -> Result<String, Fault> {
+    match value {
+        Value::String(text) => Ok(text.clone()),
+        Value::Number(number) => Ok(number.to_string()),
+        other => Err(Fault::new(format!("a string or a number is needed, not {}", kind(other)))
+            .in_column(path)),
+    }
+}
+
+fn array<'a>(value: &'a Value, path: &str) -> Result<&'a Vec<Value>, Fault> {
+    value.as_array().ok_or_else(|| {
+        Fault::new(format!("an array is needed, not {}", kind(value))).in_column(path)
+    })
+}
+
+/// The finite number under a key of an object, if there is one.
+fn cell(object: &Map<String, Value>, path: &str, key: &str) -> Result<Option<f64>, Fault> {
+    object
+        .get(key)
+        .map_or(Ok(None), number)
+        .map_err(|reason| Fault::new(reason).in_column(join_path(path, key)))
+}

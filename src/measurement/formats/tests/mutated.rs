@@ -1,0 +1,53 @@
+//! Whatever the bytes, an answer and no panic.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+
+fn never_panics(valid: &str, seed: u64, count: usize) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let likely = b"0123456789.,-+eE#:\n\r\"{}[] \tnaif\xFF";
+    for _ in 0..count {
+        let mut bytes = valid.as_bytes().to_vec();
+        for _ in 0..rng.random_range(1..4) {
+            let at = rng.random_range(0..bytes.len());
+            match rng.random_range(0..4) {
+                0 => bytes[at] = rng.random(),
+                1 => bytes[at] = likely[rng.random_range(0..likely.len())],
+                2 => bytes.insert(at, likely[rng.random_range(0..likely.len())]),
+                _ => drop(bytes.drain(at..(at + rng.random_range(1..30)).min(bytes.len()))),
+            }
+            if bytes.is_empty() {
+                break;
+            }
+        }
+        if let Err(error) = read(&[Source { name: "x", bytes: &bytes }]) {
+            assert!(!error.reason.is_empty());
+        }
+    }
+}
+
+#[test]
+fn a_mutated_table_is_read_or_refused() {
+    let text = "# input: current A\n# reference: sin\n# measured_at: 2024-05-31T13:45:00Z\n\
+        magnitude,omega_rad_s,experiment,harmonic,re,im,std,repeat,run,u_re,u_im\n\
+        1,2,0,0,0.1,0,0.1,0,0,0,0\n1,2,0,1,0.4,-0.2,0.1,0,0,1,0\n\
+        1,2,0,0,0.2,0,0.1,1,0,0,0\n1,2,0,1,0.5,-0.2,0.1,1,0,1.1,0\n2,2,1,1,0.8,-0.3,0.1,0,1,2,0\n";
+    never_panics(text, 1, 2000);
+}
+
+#[test]
+fn a_mutated_record_is_read_or_refused() {
+    never_panics(&record(12, 4), 2, 2000);
+    never_panics(&format!("# period_s: 0.012\n# settle_periods: 1\n{}", record(12, 4)), 3, 2000);
+}
+
+#[test]
+fn a_mutated_json_upload_is_read_or_refused() {
+    let text = r#"{"axis":"X","labels":{"a":"b"},"experiments":[
+        {"time_s":[0,1,2,3,4,5,6,7],"input":[0,1,0,-1,0,1,0,-1],"output":[1,0,-1,0,1,0,-1,0.1],
+         "period_s":4,"settle_periods":0,"run":1},
+        {"magnitude":1,"omega_rad_s":2,"harmonics":[{"harmonic":1,"re":1,"im":2,"u_re":1,"u_im":0}]}]}"#;
+    never_panics(text, 4, 2000);
+}

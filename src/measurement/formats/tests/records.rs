@@ -1,0 +1,110 @@
+//! Time records.
+
+use super::*;
+
+#[test]
+fn a_record_gives_harmonics_of_its_last_periods() {
+    let m = ok(&format!("# period_s: 0.1\n# settle_periods: 1\n{}", record(100, 4)));
+    let experiment = &m.experiments()[0];
+    assert_eq!(experiment.repeats.len(), 3);
+    assert_eq!(experiment.input.len(), 51);
+    // Six printed decimals, and a scatter of up to 10⁻³.
+    assert!((experiment.magnitude - 2.0).abs() < 1e-5);
+    assert!((y(&m, 0, 1) - Complex::from_polar(1.0, -0.5)).norm() < 1e-3);
+    assert!((y(&m, 0, 3) - Complex::new(0.0, -0.1)).norm() < 1e-3);
+    assert!(experiment.from_record && experiment.input_mean_measured);
+    assert!((experiment.omega_rad_s * 0.1 / std::f64::consts::TAU - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn segments_are_experiments_with_periods_of_their_own() {
+    let mut text = String::from("segment,time_s,output,input\n");
+    let mut time = 0.0;
+    for (segment, period) in [(3, 62.37), (1, 40.0), (2, 101.5)] {
+        for n in 0..420 {
+            let angle = std::f64::consts::TAU * f64::from(n) / period;
+            let y = 0.3 * (angle - 1.0).cos() + 0.01 * (3.0 * angle).sin() + 0.2;
+            text += &format!("{segment},{time:.3},{y:.7},{:.7}\n", 2.0 * angle.cos());
+            time += 1e-3;
+        }
+    }
+    let m = ok(&text);
+    let [first, second, third] = m.experiments() else { panic!("three experiments") };
+    for (experiment, period) in [(first, 0.06237), (second, 0.04), (third, 0.1015)] {
+        let found = std::f64::consts::TAU / experiment.omega_rad_s;
+        // Seven printed digits and an interpolation good to 10⁻⁵.
+        assert!((found / period - 1.0).abs() < 1e-5, "{found} for {period}");
+        assert!((experiment.magnitude - 2.0).abs() < 1e-4);
+        let gain = experiment.harmonic(1).unwrap().value / experiment.input[1];
+        assert!((gain - Complex::from_polar(0.15, -1.0)).norm() < 1e-4, "{gain}");
+        assert!((experiment.harmonic(0).unwrap().value.re - 0.2).abs() < 1e-4);
+    }
+    // One clock ran through all segments.
+    assert_eq!([first.run, second.run, third.run], [Some(0.0), Some(1.0), Some(2.0)]);
+}
+
+#[test]
+fn one_period_is_accepted_without_deviations() {
+    let m = ok(&format!("# period_s: 0.1\n{}", record(100, 1)));
+    assert!(!m.experiments()[0].has_repeats());
+    assert!(m.notes().iter().any(|note| note.contains("one whole period")));
+}
+
+#[test]
+fn periods_that_are_copies_say_nothing_of_the_noise() {
+    let one = record(100, 1);
+    let rows: Vec<&str> = one.lines().skip(1).map(|row| row.split_once(',').unwrap().1).collect();
+    let mut text = String::from("# period_s: 0.1\ntime_s,input,output\n");
+    for n in 0..300 {
+        text += &format!("{:.3},{}\n", f64::from(n) * 1e-3, rows[n as usize % 100]);
+    }
+    let m = ok(&text);
+    assert!(!m.experiments()[0].has_repeats());
+    assert!(m.notes().iter().any(|note| note.contains("copies")));
+}
+
+#[test]
+fn an_input_that_does_not_repeat_is_noted() {
+    let m = ok(&format!("# period_s: 0.13\n{}", record(100, 5)));
+    assert!(m.notes().iter().any(|note| note.contains("does not repeat")));
+}
+
+#[test]
+fn less_than_a_whole_period_is_refused() {
+    let text = format!("# period_s: 0.5\n{}", record(100, 4));
+    refused(&text, 3, "time_s", "no whole period");
+    let text = format!("# period_s: 0.1\n# settle_periods: 4\n{}", record(100, 4));
+    refused(&text, 4, "time_s", "no whole period");
+    let text = format!("# period_s: 0.003\n{}", record(100, 4));
+    refused(&text, 3, "time_s", "at least 4");
+    refused("time_s,input,output\n0,1,1\n", 2, "time_s", "few");
+    let still: String = (0..50).map(|n| format!("{n},1,1\n")).collect();
+    refused(&format!("time_s,input,output\n{still}"), 2, "input", "give period_s");
+}
+
+#[test]
+fn time_that_does_not_run_evenly_is_refused_with_its_line() {
+    let text = record(100, 3);
+    let lines: Vec<&str> = text.lines().collect();
+    let without = |n: usize| {
+        let kept: Vec<&str> =
+            lines.iter().enumerate().filter(|(i, _)| *i != n).map(|(_, line)| *line).collect();
+        kept.join("\n")
+    };
+    refused(&without(150), 151, "time_s", "unequal");
+    let mut swapped = lines.clone();
+    swapped.swap(200, 201);
+    refused(&swapped.join("\n"), 202, "time_s", "does not increase");
+    let mut twice = lines.clone();
+    twice.insert(10, lines[10]);
+    refused(&twice.join("\n"), 12, "time_s", "does not increase");
+}
+
+#[test]
+fn a_segment_that_goes_on_after_another_is_refused() {
+    let text = "time_s,input,output,segment\n0,1,1,0\n1,1,1,1\n2,1,1,0\n";
+    refused(text, 4, "segment", "together");
+    refused("time_s,input,output,segment\n0,1,1,\n", 2, "segment", "missing");
+    refused("time_s,input,output\n0,1,x\n", 2, "output", "`x`");
+    refused("time_s,input,output\n0,,1\n", 2, "input", "missing");
+}

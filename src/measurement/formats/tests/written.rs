@@ -1,0 +1,81 @@
+//! What is written reads back.
+
+use super::*;
+
+fn round_trip(measurement: &Measurement) -> Measurement {
+    let mut text = Vec::new();
+    write_harmonic_csv(measurement, &mut text).unwrap();
+    ok(std::str::from_utf8(&text).unwrap())
+}
+
+/// Equal to rounding of a mean and a deviation, added and taken apart.
+fn assert_same(a: &Measurement, b: &Measurement) {
+    let close = |a: Complex, b: Complex, size: f64| (a - b).norm() <= 1e-14 * size;
+    assert_eq!(a.metadata(), b.metadata());
+    assert_eq!(a.experiments().len(), b.experiments().len());
+    for (a, b) in a.experiments().iter().zip(b.experiments()) {
+        assert_eq!(
+            (a.magnitude, a.omega_rad_s, a.run, a.from_record, a.input_mean_measured),
+            (b.magnitude, b.omega_rad_s, b.run, b.from_record, b.input_mean_measured)
+        );
+        assert_eq!((a.input.len(), a.repeats.len()), (b.input.len(), b.repeats.len()));
+        let size = |values: &[Complex]| values.iter().map(|z| z.norm()).fold(0.0, f64::max);
+        let input_size = size(&a.input);
+        let all = |a: &[Complex], b: &[Complex], size: f64| {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| close(*a, *b, size))
+        };
+        assert!(all(&a.input, &b.input, input_size));
+        let values: Vec<Complex> = a.response.iter().map(|h| h.value).collect();
+        let response_size = size(&values);
+        for (a, b) in a.response.iter().zip(&b.response) {
+            assert_eq!(a.order, b.order);
+            assert!(close(a.value, b.value, response_size));
+            match (a.std, b.std) {
+                (Some(a), Some(b)) => assert!((a / b - 1.0).abs() < 1e-14),
+                (a, b) => assert_eq!(a, b),
+            }
+        }
+        for (a, b) in a.repeats.iter().zip(&b.repeats) {
+            assert!(all(&a.input, &b.input, input_size));
+            assert!(all(&a.response, &b.response, response_size));
+        }
+    }
+}
+
+#[test]
+fn a_plain_table_reads_back_bit_by_bit() {
+    let m = ok("# input: motor current [A]\n# response: velocity rad/s\n# loop: closed\n\
+        # measured_at: 2024-05-31T13:45:00.5Z\n# label.b: x: y\n# name: test\n\
+        magnitude,omega_rad_s,harmonic,re,im\n\
+        0.1,0.3,0,1e-300,0\n0.1,0.3,1,0.333333333333333333,-2e22\n0.2,0.3,5,0.1,0.7\n");
+    let again = round_trip(&m);
+    assert_eq!((m.metadata(), m.experiments()), (again.metadata(), again.experiments()));
+    let mut text = Vec::new();
+    write_harmonic_csv(&m, &mut text).unwrap();
+    let header = "magnitude,omega_rad_s,experiment,harmonic,re,im\n";
+    assert!(String::from_utf8(text).unwrap().contains(header));
+}
+
+#[test]
+fn repeats_inputs_deviations_and_runs_read_back() {
+    assert_same_again(
+        "magnitude,omega_rad_s,harmonic,re,im,std,repeat,run,u_re,u_im\n\
+        1,1,0,0.1,0,0.1,0,3,0.01,0\n1,1,1,1,2,0.1,0,3,1,0.1\n1,1,2,,,,0,3,0.2,0.1\n\
+        1,1,0,0.2,0,0.2,1,3,0.02,0\n1,1,1,1.1,2,0.1,1,3,1.1,0.1\n1,1,2,,,,1,3,0.3,0.1\n\
+        2,1,1,1,2,,0,,,\n",
+    );
+    assert_same_again(
+        "magnitude,omega_rad_s,re,im,repeat\n1,1,0.1,0.7,0\n1,1,0.2,0.1,1\n1,1,0.4,0.1,2\n",
+    );
+}
+
+#[test]
+fn a_record_reads_back() {
+    assert_same_again(&format!("# period_s: 0.1\n{}", record(100, 4)));
+    assert_same_again(&format!("# response: position m\n# period_s: 0.1\n{}", record(100, 1)));
+}
+
+fn assert_same_again(text: &str) {
+    let m = ok(text);
+    assert_same(&m, &round_trip(&m));
+}

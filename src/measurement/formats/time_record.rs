@@ -1,0 +1,114 @@
+//! Time records: samples of one segment are brought together.
+
+use super::columns::{self, Column};
+use super::fault::Fault;
+use super::header::Header;
+use super::table::Table;
+use super::{Part, Remarked};
+use crate::measurement::record::{Record, RecordError};
+
+/// A segment and the index of its first row.
+struct Segment {
+    index: Option<u64>,
+    row: usize,
+    record: Record,
+}
+
+/// Experiments of a time record, one a segment.
+pub(super) fn read(table: &Table, header: Header, notes: Vec<String>) -> Result<Part, Fault> {
+    let mut segments = segments(table)?;
+    let runs_from_clock = number_runs(&mut segments);
+    let experiments = segments
+        .iter()
+        .map(|segment| experiment(table, segment, header.period_s, header.settle_periods))
+        .collect::<Result<_, _>>()?;
+    Ok(Part { header, experiments, notes, runs_from_clock })
+}
+
+/// The experiment of a table that is one segment.
+pub(super) fn read_one(
+    table: &Table,
+    run: Option<f64>,
+    period_s: Option<f64>,
+    settle_periods: usize,
+) -> Result<Remarked, Fault> {
+    let mut segments = segments(table)?;
+    let Some(mut segment) = segments.pop() else {
+        return Err(table.fault(None, "the record has no sample"));
+    };
+    segment.record.run = run;
+    experiment(table, &segment, period_s, settle_periods)
+}
+
+fn experiment(
+    table: &Table,
+    segment: &Segment,
+    period_s: Option<f64>,
+    settle_periods: usize,
+) -> Result<Remarked, Fault> {
+    match segment.record.experiment(period_s, settle_periods) {
+        Ok((experiment, remarks)) => Ok(Remarked { experiment, remarks }),
+        Err(error) => Err(fault(table, segment, error)),
+    }
+}
+
+fn fault(table: &Table, segment: &Segment, error: RecordError) -> Fault {
+    let reason = match segment.index {
+        Some(index) => format!("segment {index}: {error}"),
+        None => error.to_string(),
+    };
+    match error {
+        RecordError::NotIncreasing { sample, .. } | RecordError::UnequalSampling { sample, .. } => {
+            table.row(segment.row + sample).fault(Column::TimeS, reason)
+        }
+        RecordError::NoPeriodFound { .. } => table.row(segment.row).fault(Column::Input, reason),
+        RecordError::TooShort { .. }
+        | RecordError::Undersampled { .. }
+        | RecordError::NoWholePeriod { .. } => table.row(segment.row).fault(Column::TimeS, reason),
+    }
+}
+
+fn segments(table: &Table) -> Result<Vec<Segment>, Fault> {
+    for column in columns::TIME_RECORD.iter().filter(|column| **column != Column::Segment) {
+        if !table.has(*column) {
+            return Err(table.fault(
+                Some(*column),
+                "the column is missing: a time record needs time_s, input and output",
+            ));
+        }
+    }
+    let mut segments: Vec<Segment> = Vec::new();
+    let mut ended = std::collections::HashSet::new();
+    for row in table.rows() {
+        let index = row.required_index(Column::Segment)?;
+        if segments.last().is_none_or(|segment| segment.index != index) {
+            if !ended.insert(index) {
+                return Err(row.fault(
+                    Column::Segment,
+                    "the segment goes on after another one: its rows must be together",
+                ));
+            }
+            segments.push(Segment { index, row: row.index(), record: Record::default() });
+        }
+        if let Some(segment) = segments.last_mut() {
+            segment.record.time_s.push(row.require(Column::TimeS)?);
+            segment.record.input.push(row.require(Column::Input)?);
+            segment.record.output.push(row.require(Column::Output)?);
+        }
+    }
+    Ok(segments)
+}
+
+/// Where one clock runs through all segments, their order is that of acquisition.
+fn number_runs(segments: &mut [Segment]) -> bool {
+    let one_clock = segments
+        .windows(2)
+        .all(|pair| pair[0].record.time_s.last() < pair[1].record.time_s.first());
+    if segments.len() < 2 || !one_clock {
+        return false;
+    }
+    for (run, segment) in segments.iter_mut().enumerate() {
+        segment.record.run = Some(run as f64);
+    }
+    true
+}

@@ -1,0 +1,221 @@
+//! From a sampled record to the harmonics of its periods.
+
+use super::spectrum::{self, Periods};
+use super::waveform::half_peak_to_peak;
+use super::{Complex, Experiment, Harmonic, Repeat, period, sampling, significance};
+
+/// A period is a whole number of samples if it is one to this share.
+const WHOLE_SAMPLES: f64 = 1e-6;
+
+/// Scatter of periods that are copies: what rounding in a transform leaves.
+const ROUNDING: f64 = 1e-13;
+
+/// Input and response of one axis, sampled together.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Record {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Input, input units.
+    pub input: Vec<f64>,
+    /// Response, response units.
+    pub output: Vec<f64>,
+    /// Position in the order of acquisition, where known.
+    pub run: Option<f64>,
+}
+
+/// Why a record gives no experiment. Samples count from 0.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum RecordError {
+    /// Time stands still or runs backwards.
+    #[error("time does not increase: {time_s} s comes after {before_s} s")]
+    NotIncreasing {
+        /// The later sample.
+        sample: usize,
+        /// Its time, s.
+        time_s: f64,
+        /// Time of the sample before, s.
+        before_s: f64,
+    },
+    /// The steps of time are not equal.
+    #[error("sampling is unequal: a step of {step_s:.6e} s where {usual_s:.6e} s is usual")]
+    UnequalSampling {
+        /// The sample at the end of the step that differs most.
+        sample: usize,
+        /// That step, s.
+        step_s: f64,
+        /// The median step, s.
+        usual_s: f64,
+    },
+    /// Nothing can be said of so few samples.
+    #[error("the record has {samples} samples, which is too few")]
+    TooShort {
+        /// How many there are.
+        samples: usize,
+    },
+    /// No period was given, and none can be seen.
+    #[error(
+        "no period is found in the input of {duration_s} s, which must hold at least two: \
+         give period_s"
+    )]
+    NoPeriodFound {
+        /// Duration of the record, s.
+        duration_s: f64,
+    },
+    /// A period of too few samples.
+    #[error("the period {period_s} s has {samples:.3} samples, and at least 4 are needed")]
+    Undersampled {
+        /// The period, s.
+        period_s: f64,
+        /// Samples in it.
+        samples: f64,
+    },
+    /// Not even one period is left.
+    #[error(
+        "no whole period: the record lasts {duration_s:.6} s, its period is {period_s} s, and \
+         {settle_periods} periods are dropped"
+    )]
+    NoWholePeriod {
+        /// Duration of the record, s.
+        duration_s: f64,
+        /// The period, s.
+        period_s: f64,
+        /// Periods dropped at its begin.
+        settle_periods: usize,
+    },
+}
+
+impl Record {
+    /// Sampling interval, s, by least squares over all samples.
+    ///
+    /// # Errors
+    /// When time does not increase, or sampling is unequal.
+    pub fn step_s(&self) -> Result<f64, RecordError> {
+        sampling::step_s(&self.time_s)
+    }
+
+    /// Mean harmonics of the last whole periods, with the deviation of each
+    /// period, and remarks on how they were found.
+    ///
+    /// Without `period_s` the period is found from the input. The first
+    /// `settle_periods` are dropped. The harmonics count time from the begin
+    /// of the first period used; those of the input reach to the Nyquist
+    /// frequency, since all of them drive the machine, those of the response
+    /// to where it sinks into its noise.
+    ///
+    /// # Errors
+    /// See [`RecordError`].
+    pub fn experiment(
+        &self,
+        period_s: Option<f64>,
+        settle_periods: usize,
+    ) -> Result<(Experiment, Vec<String>), RecordError> {
+        let mut remarks = Vec::new();
+        let step_s = self.step_s()?;
+        let duration_s = step_s * self.time_s.len() as f64;
+        let samples = match period_s {
+            Some(period_s) => period_s / step_s,
+            None => period::find(&self.input).ok_or(RecordError::NoPeriodFound { duration_s })?,
+        };
+        if samples < period::SHORTEST {
+            return Err(RecordError::Undersampled { period_s: samples * step_s, samples });
+        }
+        let samples = whole_if_nearly(samples);
+        let period_s = period_s.unwrap_or_else(|| {
+            let found_s = rounded(samples * step_s);
+            remarks.push(format!("the period of {found_s} s is found from the input"));
+            found_s
+        });
+        let available = (self.time_s.len() as f64 / samples + WHOLE_SAMPLES) as usize;
+        let count = available.saturating_sub(settle_periods);
+        if count == 0 {
+            return Err(RecordError::NoWholePeriod { duration_s, period_s, settle_periods });
+        }
+        let periods = Periods { samples, count };
+        let inputs = spectrum::of_periods(&self.input, periods);
+        let outputs = spectrum::of_periods(&self.output, periods);
+        remarks.push(format!("the last {count} whole periods of {period_s} s are used"));
+        let experiment = self.joined(period_s, &inputs, &outputs, &mut remarks);
+        Ok((experiment, remarks))
+    }
+
+    fn joined(
+        &self,
+        period_s: f64,
+        inputs: &[Vec<Complex>],
+        outputs: &[Vec<Complex>],
+        remarks: &mut Vec<String>,
+    ) -> Experiment {
+        let (input, input_deviations) = mean_and_deviations(inputs);
+        let (output, output_deviations) = mean_and_deviations(outputs);
+        let scatters = |deviations: &[Vec<Complex>], mean: &[Complex]| {
+            let rounding = ROUNDING * ROUNDING * power(mean);
+            deviations.iter().any(|deviation| power(deviation) > rounding)
+        };
+        let input_scatters = scatters(&input_deviations, &input);
+        let output_scatters = scatters(&output_deviations, &output);
+        let highest = if output_scatters {
+            let deviations: Vec<&[Complex]> = output_deviations.iter().map(Vec::as_slice).collect();
+            significance::highest_of_periods(&output, &deviations)
+        } else {
+            significance::highest_of_one_period(&output, &input)
+        };
+        if inputs.len() == 1 {
+            remarks.push("one whole period: its scatter is not known".into());
+        } else if !input_scatters && !output_scatters {
+            remarks.push("the periods are copies and say nothing of the noise".into());
+        }
+        remarks.push(format!("{highest} output harmonics above the noise are used"));
+        if input_deviations.iter().any(|deviation| power(deviation) > 0.5 * power(&input[1..])) {
+            remarks.push("the input does not repeat with this period".into());
+        }
+        let repeats = input_deviations
+            .into_iter()
+            .zip(output_deviations)
+            .map(|(input, mut response)| {
+                response.truncate(highest + 1);
+                Repeat { input: if input_scatters { input } else { Vec::new() }, response }
+            })
+            .take_while(|_| input_scatters || output_scatters)
+            .collect();
+        Experiment {
+            magnitude: half_peak_to_peak(&input),
+            omega_rad_s: std::f64::consts::TAU / period_s,
+            input,
+            input_mean_measured: true,
+            response: output[..=highest]
+                .iter()
+                .enumerate()
+                .map(|(order, value)| Harmonic { order, value: *value, std: None })
+                .collect(),
+            run: self.run,
+            repeats,
+            from_record: true,
+        }
+    }
+}
+
+fn whole_if_nearly(samples: f64) -> f64 {
+    let whole = samples.round();
+    if (samples - whole).abs() <= WHOLE_SAMPLES * samples { whole } else { samples }
+}
+
+/// Twelve digits: a step fitted to decimal times has rounding beyond them.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
+fn power(harmonics: &[Complex]) -> f64 {
+    harmonics.iter().map(Complex::norm_sqr).sum()
+}
+
+fn mean_and_deviations(spectra: &[Vec<Complex>]) -> (Vec<Complex>, Vec<Vec<Complex>>) {
+    let count = spectra.len() as f64;
+    let mean: Vec<Complex> = (0..spectra[0].len())
+        .map(|k| spectra.iter().map(|spectrum| spectrum[k]).sum::<Complex>() / count)
+        .collect();
+    let deviations = spectra
+        .iter()
+        .map(|spectrum| spectrum.iter().zip(&mean).map(|(value, mean)| value - mean).collect())
+        .collect();
+    (mean, deviations)
+}

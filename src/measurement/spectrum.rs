@@ -1,0 +1,170 @@
+//! Fourier coefficients of whole periods.
+
+use nalgebra::{DMatrix, DVector};
+use rustfft::FftPlanner;
+
+use super::Complex;
+
+/// Highest harmonic fitted where a period is not a whole number of samples.
+///
+/// The cost of the fit grows with its third power; excitations of that kind
+/// are sines, whose response has sunk into the noise long before.
+const MOST_FITTED_HARMONICS: usize = 400;
+
+/// Highest fitted harmonic as a share of the sampling frequency: closer to
+/// one half, the fit amplifies noise.
+const HIGHEST_FITTED_SHARE: f64 = 0.4;
+
+/// The periods of a record that are used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Periods {
+    /// Length of one, samples; a whole number if it is stored as one.
+    pub(super) samples: f64,
+    /// How many.
+    pub(super) count: usize,
+}
+
+/// Coefficients Xₖ, k = 0 … K, of x(t) = Re Σ Xₖ exp(jkωt), for each of the
+/// last periods of a signal; t counts from the first of them.
+///
+/// Where a period is a whole number of samples, by discrete Fourier transform
+/// up to the Nyquist frequency; else by least squares over each period.
+pub(super) fn of_periods(signal: &[f64], periods: Periods) -> Vec<Vec<Complex>> {
+    if periods.samples.fract() == 0.0 {
+        transformed(signal, periods)
+    } else {
+        fitted(signal, periods)
+    }
+}
+
+fn transformed(signal: &[f64], periods: Periods) -> Vec<Vec<Complex>> {
+    let length = periods.samples as usize;
+    let transform = FftPlanner::new().plan_fft_forward(length);
+    let used = &signal[signal.len() - length * periods.count..];
+    used.chunks_exact(length)
+        .map(|period| {
+            let mut buffer: Vec<Complex> = period.iter().map(|x| Complex::new(*x, 0.0)).collect();
+            transform.process(&mut buffer);
+            buffer.truncate(length / 2 + 1);
+            for (k, value) in buffer.iter_mut().enumerate() {
+                // The mean and the Nyquist line are their own mirror images.
+                let mirrored = k == 0 || 2 * k == length;
+                *value *= if mirrored { 1.0 } else { 2.0 } / length as f64;
+            }
+            buffer
+        })
+        .collect()
+}
+
+fn fitted(signal: &[f64], periods: Periods) -> Vec<Vec<Complex>> {
+    let highest =
+        ((HIGHEST_FITTED_SHARE * periods.samples) as usize).clamp(1, MOST_FITTED_HARMONICS);
+    let window = periods.samples.ceil() as usize;
+    let step = std::f64::consts::TAU / periods.samples;
+    let normal = normal_matrix(window, step, highest)
+        .cholesky()
+        .expect("a full period of samples, more than unknowns, determines them");
+    let begin = signal.len() as f64 - periods.count as f64 * periods.samples;
+    (0..periods.count)
+        .map(|index| {
+            let exact = (begin + index as f64 * periods.samples).max(0.0);
+            // Rounding down keeps the last window inside the signal.
+            let start = (exact.floor() as usize).min(signal.len() - window);
+            let samples = &signal[start..start + window];
+            let mut moments = DVector::zeros(2 * highest + 1);
+            moments[0] = samples.iter().sum();
+            for k in 1..=highest {
+                let turn = Complex::from_polar(1.0, step * k as f64);
+                let sum = samples.iter().rev().fold(Complex::ZERO, |sum, x| sum * turn + x);
+                moments[2 * k - 1] = sum.re;
+                moments[2 * k] = sum.im;
+            }
+            let solved = normal.solve(&moments);
+            let offset = step * (start as f64 - begin);
+            std::iter::once(Complex::new(solved[0], 0.0))
+                .chain((1..=highest).map(|k| {
+                    Complex::new(solved[2 * k - 1], -solved[2 * k])
+                        * Complex::from_polar(1.0, -(k as f64) * offset)
+                }))
+                .collect()
+        })
+        .collect()
+}
+
+/// AᵀA for the columns 1, cos θ, sin θ, cos 2θ, sin 2θ … at `count` equal
+/// steps of the angle θ, from the closed sums of exp(jdθ).
+fn normal_matrix(count: usize, step: f64, highest: usize) -> DMatrix<f64> {
+    let sums: Vec<Complex> = (0..=2 * highest)
+        .map(|d| {
+            let half = 0.5 * d as f64 * step;
+            let size =
+                if half == 0.0 { count as f64 } else { (half * count as f64).sin() / half.sin() };
+            Complex::from_polar(1.0, half * (count as f64 - 1.0)) * size
+        })
+        .collect();
+    DMatrix::from_fn(2 * highest + 1, 2 * highest + 1, |row, column| {
+        let (k, l) = (row.div_ceil(2), column.div_ceil(2));
+        let total = sums[k + l];
+        let difference = if k >= l { sums[k - l] } else { sums[l - k].conj() };
+        match (row > 0 && row % 2 == 0, column > 0 && column % 2 == 0) {
+            (false, false) => 0.5 * (difference.re + total.re),
+            (true, true) => 0.5 * (difference.re - total.re),
+            (true, false) => 0.5 * (total.im + difference.im),
+            (false, true) => 0.5 * (total.im - difference.im),
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn harmonics() -> Vec<Complex> {
+        vec![
+            Complex::new(0.5, 0.0),
+            Complex::new(1.0, -2.0),
+            Complex::new(0.0, 0.3),
+            Complex::ZERO,
+            Complex::new(-0.1, 0.2),
+        ]
+    }
+
+    fn signal(samples_per_period: f64, count: usize, start: f64) -> Vec<f64> {
+        (0..count)
+            .map(|n| {
+                let angle = std::f64::consts::TAU * (n as f64 - start) / samples_per_period;
+                harmonics()
+                    .iter()
+                    .enumerate()
+                    .map(|(k, x)| (x * Complex::from_polar(1.0, k as f64 * angle)).re)
+                    .sum()
+            })
+            .collect()
+    }
+
+    fn assert_recovered(samples: f64, length: usize, count: usize) {
+        let begin = length as f64 - count as f64 * samples;
+        let spectra = of_periods(&signal(samples, length, begin), Periods { samples, count });
+        assert_eq!(spectra.len(), count);
+        for spectrum in spectra {
+            for (k, value) in spectrum.iter().enumerate() {
+                let truth = harmonics().get(k).copied().unwrap_or(Complex::ZERO);
+                // Rounding, amplified by the condition of the fit (below 100).
+                assert!((value - truth).norm() < 1e-11, "{samples} {k} {value} {truth}");
+            }
+        }
+    }
+
+    #[test]
+    fn whole_periods_of_whole_samples_are_transformed_exactly() {
+        assert_recovered(64.0, 64 * 3 + 17, 3);
+        assert_recovered(63.0, 63 * 2, 2);
+    }
+
+    #[test]
+    fn periods_between_samples_are_fitted_exactly() {
+        assert_recovered(62.37, 500, 8);
+        assert_recovered(12.5, 25, 2);
+        assert_recovered(1234.56, 4000, 3);
+    }
+}

@@ -34,3 +34,4 @@ pub mod measurement;
 pub mod observer;
 pub mod plant;
 pub mod simulate;
+pub mod store;

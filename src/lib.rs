@@ -33,5 +33,8 @@ pub mod identify;
 pub mod measurement;
 pub mod observer;
 pub mod plant;
+pub mod report;
+pub mod service;
 pub mod simulate;
 pub mod store;
+pub mod worker;

@@ -160,7 +160,7 @@ async fn a_job_runs_and_succeeds_with_its_history(store: &dyn Store) {
     assert_eq!(store.result(&lease.job_id).await.unwrap(), None);
 
     let outcome = Outcome::Succeeded("{\"answer\":42}".into());
-    assert!(store.finish(&lease, &outcome, &[point(3)]).await.unwrap());
+    assert!(store.finish(&lease, &outcome).await.unwrap());
     let job = store.job(&lease.job_id).await.unwrap().expect("it exists");
     assert_eq!(job.status, Status::Succeeded);
     assert_eq!(job.progress.as_deref(), Some("{\"done\":1}"));
@@ -172,7 +172,7 @@ async fn a_job_runs_and_succeeds_with_its_history(store: &dyn Store) {
 async fn a_failed_job_says_why_and_has_no_result(store: &dyn Store) {
     let lease = leased_job(store, LONG).await;
     let outcome = Outcome::Failed("{\"reason\":\"no\"}".into());
-    assert!(store.finish(&lease, &outcome, &[]).await.unwrap());
+    assert!(store.finish(&lease, &outcome).await.unwrap());
     let job = store.job(&lease.job_id).await.unwrap().expect("it exists");
     assert_eq!((job.status, job.failure.as_deref()), (Status::Failed, Some("{\"reason\":\"no\"}")));
     assert_eq!(store.result(&job.id).await.unwrap(), None);
@@ -180,9 +180,9 @@ async fn a_failed_job_says_why_and_has_no_result(store: &dyn Store) {
 
 async fn nothing_is_written_after_the_end(store: &dyn Store) {
     let lease = leased_job(store, LONG).await;
-    assert!(store.finish(&lease, &Outcome::Cancelled, &[]).await.unwrap());
+    assert!(store.finish(&lease, &Outcome::Cancelled).await.unwrap());
     let late = Outcome::Succeeded("{}".into());
-    assert!(!store.finish(&lease, &late, &[point(0)]).await.unwrap());
+    assert!(!store.finish(&lease, &late).await.unwrap());
     assert!(!store.hand_back(&lease).await.unwrap());
     assert_eq!(store.heartbeat(&lease, LONG, None, &[point(0)]).await.unwrap(), Beat::Lost);
     assert_eq!(status(store, &lease.job_id).await, Status::Cancelled);
@@ -192,7 +192,7 @@ async fn nothing_is_written_after_the_end(store: &dyn Store) {
 async fn an_expired_lease_writes_nothing_even_before_it_is_recovered(store: &dyn Store) {
     let lease = leased_job(store, EXPIRED).await;
     assert_eq!(store.heartbeat(&lease, LONG, Some("{}"), &[point(0)]).await.unwrap(), Beat::Lost);
-    assert!(!store.finish(&lease, &Outcome::Succeeded("{}".into()), &[]).await.unwrap());
+    assert!(!store.finish(&lease, &Outcome::Succeeded("{}".into())).await.unwrap());
     assert!(!store.hand_back(&lease).await.unwrap());
     assert_eq!(status(store, &lease.job_id).await, Status::Running);
 }
@@ -206,8 +206,8 @@ async fn a_stale_worker_cannot_spoil_its_successor(store: &dyn Store) {
     store.heartbeat(&fresh, LONG, None, &[point(0)]).await.unwrap();
 
     assert_eq!(store.heartbeat(&stale, LONG, None, &[point(1)]).await.unwrap(), Beat::Lost);
-    assert!(!store.finish(&stale, &Outcome::Failed("{}".into()), &[]).await.unwrap());
-    assert!(store.finish(&fresh, &Outcome::Succeeded("{}".into()), &[]).await.unwrap());
+    assert!(!store.finish(&stale, &Outcome::Failed("{}".into())).await.unwrap());
+    assert!(store.finish(&fresh, &Outcome::Succeeded("{}".into())).await.unwrap());
     assert_eq!(store.convergence(&fresh.job_id).await.unwrap(), [point(0)]);
 }
 
@@ -252,7 +252,7 @@ async fn the_worker_of_a_running_job_learns_that_it_is_cancelled(store: &dyn Sto
     assert_eq!(store.cancel(&lease.job_id).await.unwrap(), Cancelling::Requested);
     let beat = store.heartbeat(&lease, LONG, None, &[]).await.unwrap();
     assert_eq!(beat, Beat::Renewed { cancel_requested: true });
-    assert!(store.finish(&lease, &Outcome::Cancelled, &[]).await.unwrap());
+    assert!(store.finish(&lease, &Outcome::Cancelled).await.unwrap());
     assert_eq!(status(store, &lease.job_id).await, Status::Cancelled);
 }
 

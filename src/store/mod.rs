@@ -139,12 +139,7 @@ pub trait Store: Send + Sync + 'static {
     ) -> Result<Beat, StoreError>;
 
     /// Ends a job. `false`: the lease is no longer valid, nothing was written.
-    async fn finish(
-        &self,
-        lease: &Lease,
-        outcome: &Outcome,
-        rows: &[ConvergencePoint],
-    ) -> Result<bool, StoreError>;
+    async fn finish(&self, lease: &Lease, outcome: &Outcome) -> Result<bool, StoreError>;
 
     /// Returns a job to the queue in good order; the attempt is not charged.
     /// `false`: the lease is no longer valid, nothing was written.

@@ -6,6 +6,7 @@ use std::time::Duration;
 use tokio::time::MissedTickBehavior;
 use tracing::{error, info, warn};
 
+use crate::answers::Progress;
 use crate::service::{Failure, RunError};
 use crate::store::{Beat, ConvergencePoint, Lease, Outcome, StoreError};
 
@@ -23,13 +24,15 @@ struct Attempt {
     watch: Arc<Watch>,
     /// Rows that no heartbeat has stored yet.
     unsent: Vec<ConvergencePoint>,
+    /// Progress that no heartbeat has stored yet.
+    unsent_progress: Option<Progress>,
 }
 
 /// Runs a leased job to its end, or until it is no longer this worker's.
 pub(super) async fn run(shared: Arc<Shared>, lease: Lease) {
     info!(job = lease.job_id, attempt = lease.attempt, "job begins");
     let watch = Arc::new(Watch::new());
-    let attempt = Attempt { shared, lease, watch, unsent: Vec::new() };
+    let attempt = Attempt { shared, lease, watch, unsent: Vec::new(), unsent_progress: None };
     let files = match attempt.shared.store.measurement_files(&attempt.lease.measurement_id).await {
         Ok(files) => files,
         Err(error) => return attempt.hand_back(&error).await,
@@ -85,12 +88,15 @@ impl Attempt {
     async fn beat(&mut self) -> Result<Beat, StoreError> {
         let (progress, rows) = self.watch.take();
         self.unsent.extend(rows);
+        self.unsent_progress = progress.or(self.unsent_progress.take());
         // Numbers and text only; should it fail all the same, the job goes on.
-        let progress = progress.and_then(|progress| serde_json::to_string(&progress).ok());
+        let json = self.unsent_progress.as_ref().map(serde_json::to_string);
+        let json = json.and_then(Result::ok);
         let lease = self.shared.settings.lease;
         let store = &self.shared.store;
-        let beat = store.heartbeat(&self.lease, lease, progress.as_deref(), &self.unsent).await?;
+        let beat = store.heartbeat(&self.lease, lease, json.as_deref(), &self.unsent).await?;
         self.unsent.clear();
+        self.unsent_progress = None;
         Ok(beat)
     }
 
@@ -115,10 +121,13 @@ impl Attempt {
     }
 
     async fn finish(mut self, outcome: Outcome) {
-        self.unsent.extend(self.watch.take().1);
-        let job = &self.lease.job_id;
+        let job = &self.lease.job_id.clone();
         for _ in 0..TRIES {
-            match self.shared.store.finish(&self.lease, &outcome, &self.unsent).await {
+            let finished = match self.beat().await {
+                Ok(_) => self.shared.store.finish(&self.lease, &outcome).await,
+                Err(error) => Err(error),
+            };
+            match finished {
                 Ok(true) => {
                     info!(job, outcome = name(&outcome), "job ends");
                     return self.shared.signals.job_ended();

@@ -155,19 +155,8 @@ impl Store for Sqlite {
         Ok(beat)
     }
 
-    async fn finish(
-        &self,
-        lease: &Lease,
-        outcome: &Outcome,
-        rows: &[ConvergencePoint],
-    ) -> Result<bool, StoreError> {
-        let mut transaction = self.begin().await?;
-        let valid = queue::finish(&mut transaction, lease, outcome).await?;
-        if valid {
-            jobs::append_convergence(&mut transaction, lease, rows).await?;
-        }
-        transaction.commit().await?;
-        Ok(valid)
+    async fn finish(&self, lease: &Lease, outcome: &Outcome) -> Result<bool, StoreError> {
+        Ok(queue::finish(&self.pool, lease, outcome).await?)
     }
 
     async fn hand_back(&self, lease: &Lease) -> Result<bool, StoreError> {

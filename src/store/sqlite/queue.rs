@@ -43,7 +43,7 @@ pub(super) async fn renew(
 }
 
 pub(super) async fn finish(
-    connection: &mut SqliteConnection,
+    pool: &SqlitePool,
     lease: &Lease,
     outcome: &Outcome,
 ) -> sqlx::Result<bool> {
@@ -64,7 +64,7 @@ pub(super) async fn finish(
     .bind(status)
     .bind(result)
     .bind(failure)
-    .execute(connection)
+    .execute(pool)
     .await?;
     Ok(done.rows_affected() == 1)
 }

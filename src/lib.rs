@@ -29,6 +29,7 @@
 pub mod answers;
 pub mod benchmark;
 pub mod effects;
+pub mod http;
 pub mod identify;
 pub mod measurement;
 pub mod observer;

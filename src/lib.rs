@@ -28,6 +28,8 @@
 
 pub mod answers;
 pub mod benchmark;
+pub mod cli;
+pub mod config;
 pub mod effects;
 pub mod http;
 pub mod identify;

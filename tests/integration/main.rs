@@ -1,1 +1,7 @@
 //! Integration tests.
+
+mod cli;
+mod layers;
+mod openapi;
+mod process;
+mod service;

@@ -12,7 +12,7 @@ use super::routes;
 
 /// Whether the process answers at all.
 #[utoipa::path(
-    get, path = "/livez", tag = "service",
+    get, path = "/livez", tag = "service", operation_id = "live",
     responses((status = 200, body = String, content_type = "text/plain"))
 )]
 pub(super) async fn live() -> &'static str {
@@ -21,7 +21,7 @@ pub(super) async fn live() -> &'static str {
 
 /// Whether requests can be served.
 #[utoipa::path(
-    get, path = "/readyz", tag = "service",
+    get, path = "/readyz", tag = "service", operation_id = "ready",
     responses(
         (status = 200, body = String, content_type = "text/plain"),
         (status = 503, body = Problem, content_type = "application/problem+json"),
@@ -34,7 +34,7 @@ pub(super) async fn ready(State(service): State<Service>) -> Result<&'static str
 
 /// The OpenAPI document of this service.
 #[utoipa::path(
-    get, path = "/openapi.json", tag = "service",
+    get, path = "/openapi.json", tag = "service", operation_id = "openapi_document",
     responses((status = 200, body = Object))
 )]
 pub(super) async fn document() -> Json<utoipa::openapi::OpenApi> {
@@ -43,7 +43,7 @@ pub(super) async fn document() -> Json<utoipa::openapi::OpenApi> {
 
 /// What there is, for a person who looks at the address.
 #[utoipa::path(
-    get, path = "/", tag = "service",
+    get, path = "/", tag = "service", operation_id = "index",
     responses((status = 200, body = String, content_type = "text/plain"))
 )]
 pub(super) async fn index() -> String {

@@ -27,7 +27,7 @@ const RETRY_AFTER_S: &str = "1";
 
 /// Queues a job.
 #[utoipa::path(
-    post, path = "/v1/jobs", tag = "jobs",
+    post, path = "/v1/jobs", tag = "jobs", operation_id = "submit_job",
     params(
         ("Idempotency-Key" = Option<String>, Header,
          description = "The same key with the same request again answers with the same job"),
@@ -67,7 +67,7 @@ pub(super) struct GetQuery {
 
 /// One job as it stands, or as soon as it has ended.
 #[utoipa::path(
-    get, path = "/v1/jobs/{id}", tag = "jobs",
+    get, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "get_job",
     params(("id" = String, Path, description = "Id of the job"), GetQuery),
     responses(
         (status = 200, body = JobView, headers(
@@ -110,7 +110,7 @@ pub(super) struct ListQuery {
 
 /// Jobs, newest first.
 #[utoipa::path(
-    get, path = "/v1/jobs", tag = "jobs",
+    get, path = "/v1/jobs", tag = "jobs", operation_id = "list_jobs",
     params(ListQuery),
     responses(
         (status = 200, body = List<JobView>),
@@ -129,7 +129,7 @@ pub(super) async fn list(
 
 /// The result of a job that has succeeded.
 #[utoipa::path(
-    get, path = "/v1/jobs/{id}/result", tag = "jobs",
+    get, path = "/v1/jobs/{id}/result", tag = "jobs", operation_id = "get_result",
     params(("id" = String, Path, description = "Id of the job")),
     responses(
         (status = 200, body = Identification),
@@ -148,7 +148,7 @@ pub(super) async fn result(
 
 /// Convergence history of a job's latest attempt, also while it runs.
 #[utoipa::path(
-    get, path = "/v1/jobs/{id}/convergence", tag = "jobs",
+    get, path = "/v1/jobs/{id}/convergence", tag = "jobs", operation_id = "get_convergence",
     params(("id" = String, Path, description = "Id of the job")),
     responses(
         (status = 200, body = Convergence),
@@ -164,7 +164,7 @@ pub(super) async fn convergence(
 
 /// The same as a table.
 #[utoipa::path(
-    get, path = "/v1/jobs/{id}/convergence.csv", tag = "jobs",
+    get, path = "/v1/jobs/{id}/convergence.csv", tag = "jobs", operation_id = "get_convergence_csv",
     params(("id" = String, Path, description = "Id of the job")),
     responses(
         (status = 200, body = String, content_type = "text/csv"),
@@ -194,7 +194,7 @@ pub(super) async fn convergence_csv(
 /// Cancels a job: at once where it is queued; a running one ends at its next
 /// evaluation. Cancelling twice is no error.
 #[utoipa::path(
-    post, path = "/v1/jobs/{id}/cancel", tag = "jobs",
+    post, path = "/v1/jobs/{id}/cancel", tag = "jobs", operation_id = "cancel_job",
     params(("id" = String, Path, description = "Id of the job")),
     responses(
         (status = 202, body = JobView),
@@ -210,6 +210,7 @@ pub(super) async fn cancel(
     Ok((StatusCode::ACCEPTED, Json(JobView::from(job))).into_response())
 }
 
+#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
 fn submission(headers: &HeaderMap, body: &[u8]) -> Result<Submission, Problem> {
     let content_type = media_type(headers);
     if content_type != "application/json" {

@@ -12,12 +12,12 @@ use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::decompression::RequestDecompressionLayer;
-use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::request_id::{MakeRequestUuid, PropagateRequestIdLayer, SetRequestIdLayer};
 use tower_http::timeout::RequestBodyTimeoutLayer;
 use tower_http::trace::{DefaultOnResponse, TraceLayer};
 use tracing::{Level, Span, info_span};
 
+use super::body;
 use super::problem::{MEDIA_TYPE, Problem};
 
 /// How long a client may pause while it sends a body.
@@ -33,12 +33,14 @@ pub(super) fn around(router: Router, max_upload_bytes: usize) -> Router {
         // kilobytes of gzip can stand for megabytes.
         .layer(DefaultBodyLimit::max(max_upload_bytes))
         .layer(RequestDecompressionLayer::new())
-        .layer(RequestBodyTimeoutLayer::new(BODY_PAUSE))
-        .layer(RequestBodyLimitLayer::new(max_upload_bytes))
         .layer(CatchPanicLayer::custom(panicked))
+        .layer(from_fn(move |request: Request, next: Next| {
+            body::whole(request, next, max_upload_bytes)
+        }))
         .layer(from_fn(move |request: Request, next: Next| {
             problems_only(request, next, max_upload_bytes)
         }))
+        .layer(RequestBodyTimeoutLayer::new(BODY_PAUSE))
         .layer(CompressionLayer::new())
         .layer(PropagateRequestIdLayer::x_request_id())
         .layer(
@@ -86,9 +88,7 @@ async fn problems_only(request: Request, next: Next, max_upload_bytes: usize) ->
         StatusCode::METHOD_NOT_ALLOWED => {
             format!("`{path}` does not answer {method}; the header `Allow` says what it does")
         }
-        StatusCode::PAYLOAD_TOO_LARGE => {
-            format!("the body is larger than {max_upload_bytes} bytes, as sent or unpacked")
-        }
+        StatusCode::PAYLOAD_TOO_LARGE => body::too_large(max_upload_bytes),
         _ => String::from_utf8_lossy(&text).into_owned(),
     };
     let mut response = Problem::of_status(status, detail).into_response();

@@ -26,7 +26,7 @@ pub(super) struct AddQuery {
 /// Uploads a measurement: a harmonic table or time records. It is read before it
 /// is stored; what cannot be read is not stored.
 #[utoipa::path(
-    post, path = "/v1/measurements", tag = "measurements",
+    post, path = "/v1/measurements", tag = "measurements", operation_id = "add_measurement",
     params(
         AddQuery,
         ("Idempotency-Key" = Option<String>, Header,
@@ -61,7 +61,7 @@ pub(super) async fn add(
 
 /// One measurement: what it says of itself and what is in it.
 #[utoipa::path(
-    get, path = "/v1/measurements/{id}", tag = "measurements",
+    get, path = "/v1/measurements/{id}", tag = "measurements", operation_id = "get_measurement",
     params(("id" = String, Path, description = "Id of the measurement")),
     responses(
         (status = 200, body = MeasurementView),
@@ -96,7 +96,7 @@ pub(super) const DEFAULT_PAGE: u32 = 50;
 
 /// Measurements, newest first.
 #[utoipa::path(
-    get, path = "/v1/measurements", tag = "measurements",
+    get, path = "/v1/measurements", tag = "measurements", operation_id = "list_measurements",
     params(ListQuery),
     responses(
         (status = 200, body = List<MeasurementView>),
@@ -113,6 +113,7 @@ pub(super) async fn list(
 }
 
 /// The key by which a repeated request is recognised.
+#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
 pub(super) fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     let Some(value) = headers.get("idempotency-key") else { return Ok(None) };
     match value.to_str() {

@@ -3,6 +3,7 @@
 //! `routes` is the whole interface as one list, which feeds the router and the
 //! OpenAPI document. A handler extracts, calls the service and maps to a view.
 
+mod body;
 mod health;
 mod jobs;
 mod layers;

@@ -324,7 +324,12 @@ fn the_service_describes_itself() {
     assert_eq!(server.get("/livez").status(), 200);
     assert_eq!(server.get("/readyz").status(), 200);
     let document = json_of(server.get("/openapi.json"), 200);
-    assert!(document["paths"]["/v1/jobs"]["post"].is_object());
+    let paths = document["paths"].as_object().unwrap();
+    assert!(paths["/v1/jobs"]["post"].is_object());
+    let operations = paths.values().flat_map(|item| item.as_object().unwrap().values());
+    let ids = operations.map(|operation| string(operation, "operationId")).collect::<Vec<_>>();
+    let unique = ids.iter().collect::<std::collections::BTreeSet<_>>();
+    assert_eq!(unique.len(), ids.len(), "each operation needs an id of its own: {ids:?}");
     let index = server.get("/").body_mut().read_to_string().unwrap();
     assert!(index.contains("POST /v1/jobs"), "{index}");
 }

@@ -166,7 +166,7 @@ async fn a_job_runs_and_succeeds_with_its_history(store: &dyn Store) {
     assert_eq!(job.progress.as_deref(), Some("{\"done\":1}"));
     assert!(job.finished_at_ms >= job.started_at_ms && job.started_at_ms.is_some());
     assert_eq!(store.result(&job.id).await.unwrap().as_deref(), Some("{\"answer\":42}"));
-    assert_eq!(store.convergence(&job.id).await.unwrap(), [point(0), point(1), point(2), point(3)]);
+    assert_eq!(store.convergence(&job.id).await.unwrap(), [point(0), point(1), point(2)]);
 }
 
 async fn a_failed_job_says_why_and_has_no_result(store: &dyn Store) {

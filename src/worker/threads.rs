@@ -69,8 +69,8 @@ mod tests {
 
     #[tokio::test]
     async fn a_panic_is_returned_with_its_text() {
-        let ended = spawn(|| panic!("no {}", "way")).unwrap().await.unwrap();
-        let payload: Box<dyn Any + Send> = ended.map(|()| ()).unwrap_err();
+        let ended = spawn(|| -> () { panic!("no {}", "way") }).unwrap().await.unwrap();
+        let payload: Box<dyn Any + Send> = ended.unwrap_err();
         assert_eq!(panic_text(payload.as_ref()), "no way");
     }
 

@@ -44,10 +44,12 @@ fn a_server_is_ready_and_stops_when_it_is_asked_to() {
 #[test]
 fn a_server_refuses_what_is_wrong_with_problem_documents() {
     let directory = tempfile::tempdir().unwrap();
-    let server = Server::start(directory.path(), &["--max-upload-mib", "1"]);
+    let server = Server::start(directory.path(), &["--max-upload-mib", "8"]);
     problem(&server.get("/v1/nothing"), 404);
-    problem(&server.post("/v1/measurements", "image/png", b"x"), 415);
-    problem(&server.post("/v1/measurements", "text/csv", &vec![b'x'; (1 << 20) + 1]), 413);
+    // Larger than what the kernel takes off the client's hands: the answer must
+    // not be lost in a broken connection.
+    problem(&server.post("/v1/measurements", "image/png", &vec![b'x'; 7 << 20]), 415);
+    problem(&server.post("/v1/measurements", "text/csv", &vec![b'x'; 9 << 20]), 413);
     let unreadable = problem(&server.post("/v1/measurements?name=a", "text/csv", b"x"), 422);
     assert_eq!(unreadable["file"], "a.csv");
     let body = json!({"measurement_id": "nobody", "kind": "identify"}).to_string();
@@ -103,7 +105,6 @@ fn jobs_survive_a_killed_server() {
     server.kill();
 
     let server = Server::start(directory.path(), &["--workers", "1"]);
-    assert_eq!(server.get(&queued).json()["status"], "queued");
     assert_eq!(server.post(&format!("{running}/cancel"), "text/plain", b"").status, 202);
     let ended = server.get(&format!("{queued}?wait=60")).json();
     assert_eq!(ended["status"], "succeeded", "{ended}");

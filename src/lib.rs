@@ -28,9 +28,16 @@
 
 pub mod answers;
 pub mod benchmark;
+pub mod cli;
+pub mod config;
 pub mod effects;
+pub mod http;
 pub mod identify;
 pub mod measurement;
 pub mod observer;
 pub mod plant;
+pub mod report;
+pub mod service;
 pub mod simulate;
+pub mod store;
+pub mod worker;

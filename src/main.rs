@@ -1,2 +1,5 @@
-//! servoscope
-fn main() {}
+//! servoscope: arguments in, exit code out.
+
+fn main() -> std::process::ExitCode {
+    servoscope::cli::main()
+}

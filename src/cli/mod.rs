@@ -1,0 +1,73 @@
+//! The command line: the same questions as over HTTP, asked offline, and the
+//! server itself. One file a subcommand.
+
+mod failure;
+mod identify;
+mod interrupt;
+mod logging;
+mod openapi;
+mod serve;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use failure::Failure;
+
+/// Identifies transfer function and friction of a servo axis from its measured
+/// frequency response.
+#[derive(Debug, Parser)]
+#[command(name = "servoscope", version)]
+struct Cli {
+    /// Says more on standard error; twice: everything.
+    #[arg(short, long, action = clap::ArgAction::Count, global = true)]
+    verbose: u8,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Fits the base model to a measurement.
+    Identify(identify::Args),
+    /// Prints the OpenAPI document of the service.
+    Openapi,
+    /// Runs the service.
+    Serve(serve::Args),
+}
+
+/// Does what the arguments of the process ask for. Exit code 0: done; 2: the
+/// arguments or the input cannot be used; 1: anything else.
+pub fn main() -> ExitCode {
+    // Ends the process itself: with 2 for bad usage, 0 for help.
+    let cli = Cli::parse();
+    let done = match cli.command {
+        Command::Identify(args) => {
+            logging::start("warn", cli.verbose);
+            identify::run(args)
+        }
+        Command::Openapi => openapi::run(),
+        Command::Serve(args) => {
+            logging::start("info", cli.verbose);
+            serve::run(args)
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("servoscope: {failure}");
+            failure.exit_code()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_well_formed() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,78 @@
+//! Reading a request's body to its end, whatever becomes of the request.
+
+use axum::body::{Body, Bytes};
+use axum::extract::Request;
+use axum::http::{StatusCode, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use http_body_util::BodyExt;
+
+use super::problem::Problem;
+
+/// How many times the largest body is read before the connection is given up.
+const PATIENCE: usize = 8;
+
+/// Reads the body before anything is decided.
+///
+/// A server that answers and closes while the client still sends makes the client
+/// see a broken connection in place of the answer. So a body that is too large is
+/// read on and thrown away, within reason, and one that nobody wants is read too.
+pub(super) async fn whole(request: Request, next: Next, max_bytes: usize) -> Response {
+    let (parts, body) = request.into_parts();
+    let header_number = |name| parts.headers.get(name)?.to_str().ok()?.parse::<usize>().ok();
+    let declared: Option<usize> = header_number(header::CONTENT_LENGTH);
+    // The client asks before it sends: there is nothing to throw away.
+    let asks = parts.headers.contains_key(header::EXPECT);
+    if asks && declared.is_some_and(|bytes| bytes > max_bytes) {
+        return refusal(max_bytes);
+    }
+    match read(body, max_bytes).await {
+        Ok(Some(bytes)) => next.run(Request::from_parts(parts, Body::from(bytes))).await,
+        Ok(None) => refusal(max_bytes),
+        Err(error) => {
+            let detail = format!("the body ends early: {error}");
+            Problem::of_status(StatusCode::BAD_REQUEST, detail).into_response()
+        }
+    }
+}
+
+/// Says that a body is too large.
+pub(super) fn too_large(max_bytes: usize) -> String {
+    format!("the body is larger than {max_bytes} bytes, as sent or unpacked")
+}
+
+fn refusal(max_bytes: usize) -> Response {
+    Problem::of_status(StatusCode::PAYLOAD_TOO_LARGE, too_large(max_bytes)).into_response()
+}
+
+/// The whole body, or `None` where it is larger than `max_bytes`.
+async fn read(mut body: Body, max_bytes: usize) -> Result<Option<Bytes>, axum::Error> {
+    let mut kept = Vec::new();
+    let mut seen = 0_usize;
+    while let Some(frame) = body.frame().await {
+        let Ok(data) = frame?.into_data() else { continue };
+        seen = seen.saturating_add(data.len());
+        if seen > max_bytes.saturating_mul(PATIENCE) {
+            break;
+        }
+        if seen <= max_bytes {
+            kept.extend_from_slice(&data);
+        } else {
+            kept = Vec::new();
+        }
+    }
+    Ok((seen <= max_bytes).then(|| kept.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_body_is_kept_up_to_the_limit_and_not_beyond() {
+        let read = async |length: usize| read(Body::from(vec![7; length]), 10).await.unwrap();
+        assert_eq!(read(10).await.as_deref(), Some(&[7; 10][..]));
+        assert_eq!(read(11).await, None);
+        assert_eq!(read(1000).await, None);
+    }
+}

@@ -1,0 +1,63 @@
+//! The service itself: whether it lives, whether it is ready, what it offers.
+
+use std::fmt::Write as _;
+
+use axum::Json;
+use axum::extract::State;
+
+use crate::service::Service;
+
+use super::problem::Problem;
+use super::routes;
+
+/// Whether the process answers at all.
+#[utoipa::path(
+    get, path = "/livez", tag = "service", operation_id = "live",
+    responses((status = 200, body = String, content_type = "text/plain"))
+)]
+pub(super) async fn live() -> &'static str {
+    "ok\n"
+}
+
+/// Whether requests can be served.
+#[utoipa::path(
+    get, path = "/readyz", tag = "service", operation_id = "ready",
+    responses(
+        (status = 200, body = String, content_type = "text/plain"),
+        (status = 503, body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn ready(State(service): State<Service>) -> Result<&'static str, Problem> {
+    service.ready().await?;
+    Ok("ok\n")
+}
+
+/// The OpenAPI document of this service.
+#[utoipa::path(
+    get, path = "/openapi.json", tag = "service", operation_id = "openapi_document",
+    responses((status = 200, body = Object))
+)]
+pub(super) async fn document() -> Json<utoipa::openapi::OpenApi> {
+    Json(routes::openapi())
+}
+
+/// What there is, for a person who looks at the address.
+#[utoipa::path(
+    get, path = "/", tag = "service", operation_id = "index",
+    responses((status = 200, body = String, content_type = "text/plain"))
+)]
+pub(super) async fn index() -> String {
+    let document = routes::openapi();
+    let version = &document.info.version;
+    let mut text = format!("servoscope {version}\n\n");
+    for (path, item) in &document.paths.paths {
+        let operations = [("GET", &item.get), ("POST", &item.post)];
+        for (method, operation) in operations {
+            let Some(operation) = operation else { continue };
+            let summary = operation.summary.as_deref().unwrap_or_default();
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{method:<5}{path:<34}{summary}");
+        }
+    }
+    text
+}

@@ -1,0 +1,237 @@
+//! `/v1/jobs`.
+
+use std::time::Duration;
+
+use axum::Json;
+use axum::body::Bytes;
+use axum::extract::{Path, Query, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use utoipa::IntoParams;
+
+use crate::answers::Identification;
+use crate::service::{Service, Submission};
+use crate::store::JobFilter;
+
+use super::measurements::{DEFAULT_PAGE, idempotency_key, media_type};
+use super::problem::Problem;
+use super::views::{Convergence, JobStatus, JobView, List, SubmitJob};
+
+/// The longest that a request for a job waits: longer ones meet the limits of
+/// proxies in between.
+const MAX_WAIT_S: u32 = 60;
+
+/// Seconds after which asking again makes sense.
+const RETRY_AFTER_S: &str = "1";
+
+/// Queues a job.
+#[utoipa::path(
+    post, path = "/v1/jobs", tag = "jobs", operation_id = "submit_job",
+    params(
+        ("Idempotency-Key" = Option<String>, Header,
+         description = "The same key with the same request again answers with the same job"),
+    ),
+    request_body = SubmitJob,
+    responses(
+        (status = 202, body = JobView, headers(
+            ("Location" = String, description = "Where the job is"),
+            ("Retry-After" = u32, description = "Seconds after which to look"),
+        )),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn submit(
+    State(service): State<Service>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Response, Problem> {
+    let key = idempotency_key(&headers)?;
+    let submission = submission(&headers, &body)?;
+    let view = JobView::from(service.submit(&submission, key).await?.resource);
+    let headers = [
+        (header::LOCATION, format!("/v1/jobs/{}", view.id)),
+        (header::RETRY_AFTER, RETRY_AFTER_S.to_owned()),
+    ];
+    Ok((StatusCode::ACCEPTED, headers, Json(view)).into_response())
+}
+
+/// Query of a job.
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct GetQuery {
+    /// Seconds to wait for the job to end before answering; at most 60 are waited.
+    wait: Option<u32>,
+}
+
+/// One job as it stands, or as soon as it has ended.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "get_job",
+    params(("id" = String, Path, description = "Id of the job"), GetQuery),
+    responses(
+        (status = 200, body = JobView, headers(
+            ("Retry-After" = u32, description = "Seconds after which to look again, until it ends"),
+        )),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn get(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+    Query(query): Query<GetQuery>,
+) -> Result<Response, Problem> {
+    let patience = Duration::from_secs(query.wait.unwrap_or(0).min(MAX_WAIT_S).into());
+    let job = service.job_when_ended(&id, patience).await?;
+    let ended = job.row.status.is_final();
+    let view = Json(JobView::from(job));
+    Ok(match ended {
+        true => view.into_response(),
+        false => ([(header::RETRY_AFTER, RETRY_AFTER_S)], view).into_response(),
+    })
+}
+
+/// Query of a list of jobs.
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct ListQuery {
+    /// At most so many items; 50 if left out.
+    #[param(minimum = 1, maximum = 200)]
+    limit: Option<u32>,
+    /// `next` of the page before.
+    cursor: Option<String>,
+    /// Only jobs that stand there.
+    #[param(inline)]
+    status: Option<JobStatus>,
+    /// Only jobs that work on this measurement.
+    measurement_id: Option<String>,
+}
+
+/// Jobs, newest first.
+#[utoipa::path(
+    get, path = "/v1/jobs", tag = "jobs", operation_id = "list_jobs",
+    params(ListQuery),
+    responses(
+        (status = 200, body = List<JobView>),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn list(
+    State(service): State<Service>,
+    Query(query): Query<ListQuery>,
+) -> Result<Json<List<JobView>>, Problem> {
+    let filter =
+        JobFilter { status: query.status.map(Into::into), measurement_id: query.measurement_id };
+    let limit = query.limit.unwrap_or(DEFAULT_PAGE);
+    Ok(Json(List::new(service.jobs(&filter, limit, query.cursor).await?)))
+}
+
+/// The result of a job that has succeeded.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/result", tag = "jobs", operation_id = "get_result",
+    params(("id" = String, Path, description = "Id of the job")),
+    responses(
+        (status = 200, body = Identification),
+        (status = "4XX", body = Problem, content_type = "application/problem+json",
+         description = "409 until the job has ended, 404 if it ended without a result"),
+    )
+)]
+pub(super) async fn result(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+) -> Result<Response, Problem> {
+    // The JSON as it was stored: every digit, and whatever version wrote it.
+    let result = service.result(&id).await?;
+    Ok(([(header::CONTENT_TYPE, "application/json")], result).into_response())
+}
+
+/// Convergence history of a job's latest attempt, also while it runs.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/convergence", tag = "jobs", operation_id = "get_convergence",
+    params(("id" = String, Path, description = "Id of the job")),
+    responses(
+        (status = 200, body = Convergence),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn convergence(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+) -> Result<Json<Convergence>, Problem> {
+    Ok(Json(Convergence { rows: service.convergence(&id).await? }))
+}
+
+/// The same as a table.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/convergence.csv", tag = "jobs", operation_id = "get_convergence_csv",
+    params(("id" = String, Path, description = "Id of the job")),
+    responses(
+        (status = 200, body = String, content_type = "text/csv"),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn convergence_csv(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+) -> Result<Response, Problem> {
+    let rows = service.convergence(&id).await?;
+    let internal = |error: &dyn std::fmt::Display| {
+        let status = StatusCode::INTERNAL_SERVER_ERROR;
+        Problem::internal(status, "the history cannot be written as a table", error)
+    };
+    // The header by hand: there may be no row to take it from.
+    let mut table = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    let header = ["stage", "cycle", "evaluations", "best", "mean", "elapsed_s"];
+    table.write_record(header).map_err(|error| internal(&error))?;
+    for row in &rows {
+        table.serialize(row).map_err(|error| internal(&error))?;
+    }
+    let bytes = table.into_inner().map_err(|error| internal(&error))?;
+    Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8")], bytes).into_response())
+}
+
+/// Cancels a job: at once where it is queued; a running one ends at its next
+/// evaluation. Cancelling twice is no error.
+#[utoipa::path(
+    post, path = "/v1/jobs/{id}/cancel", tag = "jobs", operation_id = "cancel_job",
+    params(("id" = String, Path, description = "Id of the job")),
+    responses(
+        (status = 202, body = JobView),
+        (status = "4XX", body = Problem, content_type = "application/problem+json",
+         description = "409 where the job has already succeeded or failed"),
+    )
+)]
+pub(super) async fn cancel(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+) -> Result<Response, Problem> {
+    let job = service.cancel(&id).await?;
+    Ok((StatusCode::ACCEPTED, Json(JobView::from(job))).into_response())
+}
+
+#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
+fn submission(headers: &HeaderMap, body: &[u8]) -> Result<Submission, Problem> {
+    let content_type = media_type(headers);
+    if content_type != "application/json" {
+        let detail = format!("`{content_type}` is not read here; send application/json");
+        return Err(Problem::of_status(StatusCode::UNSUPPORTED_MEDIA_TYPE, detail));
+    }
+    let mut json = serde_json::Deserializer::from_slice(body);
+    let job: SubmitJob = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+        let member = error.path().to_string();
+        match error.inner().classify() {
+            serde_json::error::Category::Data => Problem::wrong_json(member, error.inner()),
+            _ => Problem::malformed_json(error.inner()),
+        }
+    })?;
+    json.end().map_err(|error| Problem::malformed_json(&error))?;
+    Ok(Submission {
+        measurement_id: job.measurement_id,
+        kind: job.kind,
+        actuator_order: job.plant.map(|plant| plant.actuator_order),
+        method: job.method,
+        validation_measurement_id: job.validation_measurement_id,
+        options: job.options.unwrap_or_default(),
+    })
+}

@@ -1,0 +1,102 @@
+//! What surrounds every route: limits, problem documents, log, compression.
+
+use std::any::Any;
+use std::time::Duration;
+
+use axum::Router;
+use axum::body::{Body, to_bytes};
+use axum::extract::{DefaultBodyLimit, Request};
+use axum::http::{StatusCode, header};
+use axum::middleware::{Next, from_fn};
+use axum::response::{IntoResponse, Response};
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::compression::CompressionLayer;
+use tower_http::decompression::RequestDecompressionLayer;
+use tower_http::request_id::{MakeRequestUuid, PropagateRequestIdLayer, SetRequestIdLayer};
+use tower_http::timeout::RequestBodyTimeoutLayer;
+use tower_http::trace::{DefaultOnResponse, TraceLayer};
+use tracing::{Level, Span, info_span};
+
+use super::body;
+use super::problem::{MEDIA_TYPE, Problem};
+
+/// How long a client may pause while it sends a body.
+const BODY_PAUSE: Duration = Duration::from_secs(30);
+
+/// The longest text of a foreign error that is taken into a problem document.
+const DETAIL_BYTES: usize = 4096;
+
+/// Surrounds the routes; the last layer sees a request first.
+pub(super) fn around(router: Router, max_upload_bytes: usize) -> Router {
+    router
+        // Unpacked, a body must be no larger than it may be as sent: a few
+        // kilobytes of gzip can stand for megabytes.
+        .layer(DefaultBodyLimit::max(max_upload_bytes))
+        .layer(RequestDecompressionLayer::new())
+        .layer(CatchPanicLayer::custom(panicked))
+        .layer(from_fn(move |request: Request, next: Next| {
+            body::whole(request, next, max_upload_bytes)
+        }))
+        .layer(from_fn(move |request: Request, next: Next| {
+            problems_only(request, next, max_upload_bytes)
+        }))
+        .layer(RequestBodyTimeoutLayer::new(BODY_PAUSE))
+        .layer(CompressionLayer::new())
+        .layer(PropagateRequestIdLayer::x_request_id())
+        .layer(
+            TraceLayer::new_for_http()
+                .make_span_with(span)
+                .on_response(DefaultOnResponse::new().level(Level::INFO)),
+        )
+        .layer(SetRequestIdLayer::x_request_id(MakeRequestUuid))
+}
+
+fn span<B>(request: &axum::http::Request<B>) -> Span {
+    let id = request.headers().get("x-request-id").and_then(|id| id.to_str().ok());
+    info_span!("request", method = %request.method(), path = request.uri().path(), id)
+}
+
+#[expect(clippy::needless_pass_by_value, reason = "the signature is that of a panic handler")]
+fn panicked(payload: Box<dyn Any + Send + 'static>) -> axum::http::Response<Body> {
+    let text = payload
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("a panic without text");
+    let status = StatusCode::INTERNAL_SERVER_ERROR;
+    Problem::internal(status, "an internal error stopped the request", &text).into_response()
+}
+
+/// Turns every error that is not a problem document into one: those of the
+/// router, of extractors and of other layers.
+async fn problems_only(request: Request, next: Next, max_upload_bytes: usize) -> Response {
+    let method = request.method().clone();
+    let path = request.uri().path().to_owned();
+    let response = next.run(request).await;
+    let status = response.status();
+    let media_type = response.headers().get(header::CONTENT_TYPE);
+    let is_error = status.is_client_error() || status.is_server_error();
+    if !is_error || media_type.is_some_and(|value| value == MEDIA_TYPE) {
+        return response;
+    }
+    let (parts, body) = response.into_parts();
+    let text = to_bytes(body, DETAIL_BYTES).await.unwrap_or_default();
+    let detail = match status {
+        StatusCode::NOT_FOUND => {
+            format!("nothing is served at `{path}`; `/openapi.json` lists what is")
+        }
+        StatusCode::METHOD_NOT_ALLOWED => {
+            format!("`{path}` does not answer {method}; the header `Allow` says what it does")
+        }
+        StatusCode::PAYLOAD_TOO_LARGE => body::too_large(max_upload_bytes),
+        _ => String::from_utf8_lossy(&text).into_owned(),
+    };
+    let mut response = Problem::of_status(status, detail).into_response();
+    // `Allow` and the like stay; what described the replaced body does not.
+    for (name, value) in &parts.headers {
+        if !matches!(*name, header::CONTENT_TYPE | header::CONTENT_LENGTH) {
+            response.headers_mut().insert(name, value.clone());
+        }
+    }
+    response
+}

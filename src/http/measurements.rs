@@ -1,0 +1,179 @@
+//! `/v1/measurements`.
+
+use axum::Json;
+use axum::body::Bytes;
+use axum::extract::{FromRequest, Multipart, Path, Query, Request, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use utoipa::IntoParams;
+
+use crate::service::{Service, Upload};
+use crate::store::{FileRow, MeasurementFilter};
+
+use super::problem::Problem;
+use super::views::{List, MeasurementView};
+
+/// Query of an upload.
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct AddQuery {
+    /// Name of the measurement and of its file in messages.
+    name: Option<String>,
+}
+
+/// Uploads a measurement: a harmonic table or time records. It is read before it
+/// is stored; what cannot be read is not stored.
+#[utoipa::path(
+    post, path = "/v1/measurements", tag = "measurements", operation_id = "add_measurement",
+    params(
+        AddQuery,
+        ("Idempotency-Key" = Option<String>, Header,
+         description = "The same key with the same data again answers with the same measurement"),
+    ),
+    request_body(
+        description = "One file, or several as the parts of a form",
+        content((String = "text/csv"), (Object = "application/json"), (Object = "multipart/form-data"))
+    ),
+    responses(
+        (status = 201, body = MeasurementView,
+         headers(("Location" = String, description = "Where the measurement is"))),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn add(
+    State(service): State<Service>,
+    Query(query): Query<AddQuery>,
+    headers: HeaderMap,
+    request: Request,
+) -> Result<Response, Response> {
+    let key = idempotency_key(&headers).map_err(IntoResponse::into_response)?;
+    let upload = upload(query.name, request).await?;
+    let added = service
+        .add_measurement(upload, key)
+        .await
+        .map_err(|error| Problem::from(error).into_response())?;
+    let view = MeasurementView::from(added.resource);
+    let location = [(header::LOCATION, format!("/v1/measurements/{}", view.id))];
+    Ok((StatusCode::CREATED, location, Json(view)).into_response())
+}
+
+/// One measurement: what it says of itself and what is in it.
+#[utoipa::path(
+    get, path = "/v1/measurements/{id}", tag = "measurements", operation_id = "get_measurement",
+    params(("id" = String, Path, description = "Id of the measurement")),
+    responses(
+        (status = 200, body = MeasurementView),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn get(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+) -> Result<Json<MeasurementView>, Problem> {
+    Ok(Json(service.measurement(&id).await?.into()))
+}
+
+/// Query of a list of measurements.
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct ListQuery {
+    /// At most so many items; 50 if left out.
+    #[param(minimum = 1, maximum = 200)]
+    limit: Option<u32>,
+    /// `next` of the page before.
+    cursor: Option<String>,
+    /// Only of this machine.
+    machine: Option<String>,
+    /// Only of this axis.
+    axis: Option<String>,
+}
+
+/// Items of a page where the request does not say.
+pub(super) const DEFAULT_PAGE: u32 = 50;
+
+/// Measurements, newest first.
+#[utoipa::path(
+    get, path = "/v1/measurements", tag = "measurements", operation_id = "list_measurements",
+    params(ListQuery),
+    responses(
+        (status = 200, body = List<MeasurementView>),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn list(
+    State(service): State<Service>,
+    Query(query): Query<ListQuery>,
+) -> Result<Json<List<MeasurementView>>, Problem> {
+    let filter = MeasurementFilter { machine: query.machine, axis: query.axis };
+    let limit = query.limit.unwrap_or(DEFAULT_PAGE);
+    Ok(Json(List::new(service.measurements(&filter, limit, query.cursor).await?)))
+}
+
+/// The key by which a repeated request is recognised.
+#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
+pub(super) fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
+    let Some(value) = headers.get("idempotency-key") else { return Ok(None) };
+    match value.to_str() {
+        Ok(text) if (1..=255).contains(&text.len()) => Ok(Some(text.to_owned())),
+        _ => Err(Problem::of_status(
+            StatusCode::BAD_REQUEST,
+            "the Idempotency-Key is not 1 to 255 visible ASCII characters",
+        )),
+    }
+}
+
+/// Media type of a request, without its parameters.
+pub(super) fn media_type(headers: &HeaderMap) -> String {
+    let value = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok());
+    let essence = value.unwrap_or_default().split(';').next().unwrap_or_default();
+    essence.trim().to_ascii_lowercase()
+}
+
+async fn upload(name: Option<String>, request: Request) -> Result<Upload, Response> {
+    let content_type = media_type(request.headers());
+    let extension = match content_type.as_str() {
+        "text/csv" => "csv",
+        "application/json" => "json",
+        "multipart/form-data" => return form(name, request).await,
+        other => {
+            let detail = format!(
+                "`{other}` is not read; send text/csv, application/json, or several files as \
+                 multipart/form-data (`Content-Type` says which)"
+            );
+            let status = StatusCode::UNSUPPORTED_MEDIA_TYPE;
+            return Err(Problem::of_status(status, detail).into_response());
+        }
+    };
+    let bytes = Bytes::from_request(request, &()).await.map_err(IntoResponse::into_response)?;
+    let stem = name.as_deref().unwrap_or("upload");
+    let suffix = format!(".{extension}");
+    let file_name =
+        if stem.ends_with(&suffix) { stem.to_owned() } else { format!("{stem}{suffix}") };
+    let file = FileRow { name: file_name, content_type, bytes: bytes.into() };
+    Ok(Upload { name, files: vec![file] })
+}
+
+async fn form(name: Option<String>, request: Request) -> Result<Upload, Response> {
+    let mut parts =
+        Multipart::from_request(request, &()).await.map_err(IntoResponse::into_response)?;
+    let mut files = Vec::new();
+    while let Some(part) = parts.next_field().await.map_err(IntoResponse::into_response)? {
+        let position = files.len() + 1;
+        let file_name = part.file_name().or(part.name()).map(str::to_owned);
+        let content_type = part.content_type().unwrap_or("text/csv").to_owned();
+        let bytes = part.bytes().await.map_err(IntoResponse::into_response)?;
+        files.push(FileRow {
+            name: file_name.unwrap_or_else(|| format!("part {position}")),
+            content_type,
+            bytes: bytes.into(),
+        });
+    }
+    if files.is_empty() {
+        let status = StatusCode::BAD_REQUEST;
+        return Err(Problem::of_status(status, "the form has no file").into_response());
+    }
+    Ok(Upload { name, files })
+}

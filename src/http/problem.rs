@@ -1,0 +1,164 @@
+//! Errors as problem documents (RFC 9457).
+
+use axum::Json;
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use tracing::error;
+use utoipa::ToSchema;
+
+use crate::service::ServiceError;
+
+/// Media type of a problem document.
+pub(super) const MEDIA_TYPE: &str = "application/problem+json";
+
+/// A column by its position or by its name.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[serde(untagged)]
+pub(super) enum Column {
+    /// Position in the line, from 1.
+    Position(usize),
+    /// Name of the column, or path within a JSON document.
+    Name(String),
+}
+
+/// What went wrong with a request, as RFC 9457 lays it out.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(super) struct Problem {
+    /// Identifies the kind of problem.
+    #[serde(rename = "type")]
+    kind: String,
+    /// The kind of problem in words.
+    title: String,
+    /// HTTP status code.
+    status: u16,
+    /// What is wrong with this request, and what would be right.
+    detail: String,
+    /// Uploaded file that is wrong.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
+    /// Line that is wrong, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    line: Option<u64>,
+    /// Column that is wrong.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    column: Option<Column>,
+    /// Member of the request that is wrong, with dots where it is nested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    member: Option<String>,
+    /// Where the operator finds more in the log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reference: Option<String>,
+}
+
+impl Problem {
+    /// A problem that its status says everything about but the details.
+    pub(super) fn of_status(status: StatusCode, detail: impl Into<String>) -> Self {
+        let title = status.canonical_reason().unwrap_or("Error");
+        Self { kind: "about:blank".into(), ..Self::new(status, "", title, detail) }
+    }
+
+    /// The caller sent something that is not JSON.
+    pub(super) fn malformed_json(error: &serde_json::Error) -> Self {
+        let detail = format!("the body is not JSON: {error}");
+        let status = StatusCode::BAD_REQUEST;
+        Self {
+            line: Some(error.line() as u64),
+            column: Some(Column::Position(error.column())),
+            ..Self::new(status, "malformed-json", "Malformed JSON", detail)
+        }
+    }
+
+    /// The caller sent JSON that does not have the members it should have.
+    pub(super) fn wrong_json(member: String, error: &serde_json::Error) -> Self {
+        Self {
+            line: Some(error.line() as u64),
+            column: Some(Column::Position(error.column())),
+            ..Self::invalid_request(member, error.to_string())
+        }
+    }
+
+    /// Something only the operator can look into. `log` is for the log alone.
+    pub(super) fn internal(status: StatusCode, detail: &str, log: &dyn std::fmt::Display) -> Self {
+        let reference = uuid::Uuid::now_v7().to_string();
+        error!(reference, error = %log, "request failed");
+        let detail = format!("{detail}; the log says more under the reference");
+        let problem = Self::new(status, "internal", "Internal error", detail);
+        Self { reference: Some(reference), ..problem }
+    }
+
+    fn invalid_request(member: String, detail: String) -> Self {
+        let status = StatusCode::UNPROCESSABLE_ENTITY;
+        let problem = Self::new(status, "invalid-request", "Invalid request", detail);
+        Self { member: Some(member), ..problem }
+    }
+
+    fn new(status: StatusCode, kind: &str, title: &str, detail: impl Into<String>) -> Self {
+        Self {
+            kind: format!("urn:servoscope:problem:{kind}"),
+            title: title.into(),
+            status: status.as_u16(),
+            detail: detail.into(),
+            file: None,
+            line: None,
+            column: None,
+            member: None,
+            reference: None,
+        }
+    }
+}
+
+/// The one table from what went wrong to what the caller sees.
+impl From<ServiceError> for Problem {
+    fn from(error: ServiceError) -> Self {
+        let text = error.to_string();
+        match error {
+            ServiceError::Unknown { .. } => {
+                Self::new(StatusCode::NOT_FOUND, "unknown", "No such resource", text)
+            }
+            ServiceError::Upload(wrong) => Self {
+                file: Some(wrong.file),
+                line: wrong.line,
+                column: wrong.column.map(Column::Name),
+                ..Self::new(
+                    StatusCode::UNPROCESSABLE_ENTITY,
+                    "unreadable-measurement",
+                    "Unreadable measurement",
+                    text,
+                )
+            },
+            ServiceError::Request { member, .. } => Self::invalid_request(member, text),
+            ServiceError::NotFinished { .. } => {
+                Self::new(StatusCode::CONFLICT, "not-finished", "No result yet", text)
+            }
+            ServiceError::NoResult { .. } => {
+                Self::new(StatusCode::NOT_FOUND, "no-result", "No result", text)
+            }
+            ServiceError::Ended { .. } => {
+                Self::new(StatusCode::CONFLICT, "already-ended", "Already ended", text)
+            }
+            ServiceError::KeyReused { .. } => Self::new(
+                StatusCode::UNPROCESSABLE_ENTITY,
+                "idempotency-key-reused",
+                "Idempotency key reused",
+                text,
+            ),
+            ServiceError::Store(source) => {
+                Self::internal(StatusCode::SERVICE_UNAVAILABLE, &text, &source)
+            }
+            ServiceError::Corrupt { source, .. } => {
+                Self::internal(StatusCode::INTERNAL_SERVER_ERROR, &text, &source)
+            }
+        }
+    }
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let mut response = (status, Json(self)).into_response();
+        let media_type = HeaderValue::from_static(MEDIA_TYPE);
+        response.headers_mut().insert(header::CONTENT_TYPE, media_type);
+        response
+    }
+}

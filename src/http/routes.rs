@@ -1,0 +1,46 @@
+//! Every route, in one list.
+
+use utoipa::OpenApi;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::service::Service;
+
+use super::{health, jobs, measurements};
+
+#[derive(OpenApi)]
+#[openapi(
+    info(
+        title = "servoscope",
+        description = "From the measured frequency response of a servo axis to its transfer \
+                       function and friction. Every error is a problem document (RFC 9457)."
+    ),
+    tags(
+        (name = "measurements", description = "What was measured"),
+        (name = "jobs", description = "What is to be computed from it"),
+        (name = "service", description = "The service itself"),
+    )
+)]
+struct Document;
+
+/// The routes, and with them the document that describes them.
+pub(super) fn list() -> OpenApiRouter<Service> {
+    OpenApiRouter::with_openapi(Document::openapi())
+        .routes(routes!(measurements::add, measurements::list))
+        .routes(routes!(measurements::get))
+        .routes(routes!(jobs::submit, jobs::list))
+        .routes(routes!(jobs::get))
+        .routes(routes!(jobs::result))
+        .routes(routes!(jobs::convergence))
+        .routes(routes!(jobs::convergence_csv))
+        .routes(routes!(jobs::cancel))
+        .routes(routes!(health::live))
+        .routes(routes!(health::ready))
+        .routes(routes!(health::document))
+        .routes(routes!(health::index))
+}
+
+/// The OpenAPI document of the service.
+pub fn openapi() -> utoipa::openapi::OpenApi {
+    list().into_openapi()
+}

@@ -1,0 +1,335 @@
+//! The service over HTTP with a scripted computation behind it.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde_json::{Value, json};
+use tokio::net::TcpListener;
+use tokio::runtime::Runtime;
+use ureq::http::Response;
+use ureq::{Agent, Body};
+
+use crate::service::testing::{RUN_UNTIL_CANCELLED, SUCCEED, Scripted, UNUSABLE};
+use crate::service::{Service, Signals};
+use crate::store::{Sqlite, Store};
+use crate::worker;
+
+/// Bytes that an upload may have here.
+const LIMIT: usize = 10_000;
+
+/// 20 000 times `a`, in 55 bytes.
+const GZIP_OF_TWICE_THE_LIMIT: &[u8] = b"\x1f\x8b\x08\x00\x00\x00\x00\x00\x02\x03\xed\xc1\x31\x01\x00\x00\x00\xc2\xa0\xac\xeb\x5f\xc2\x1a\x1e\x40\x01\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\xf0\x60\x31\x87\xbd\xca\x20\x4e\x00\x00";
+
+/// The three letters `any`.
+const GZIP_OF_ANY: &[u8] =
+    b"\x1f\x8b\x08\x00\x00\x00\x00\x00\x02\x03\x4b\xcc\xab\x04\x00\xb4\xf7\xf3\x64\x03\x00\x00\x00";
+
+struct Server {
+    address: String,
+    agent: Agent,
+    _runtime: Runtime,
+    _directory: tempfile::TempDir,
+}
+
+impl Server {
+    fn start() -> Self {
+        let directory = tempfile::tempdir().unwrap();
+        let runtime = Runtime::new().unwrap();
+        let address = runtime.block_on(async {
+            let store: Arc<dyn Store> = Arc::new(Sqlite::open(directory.path()).await.unwrap());
+            let signals = Arc::new(Signals::default());
+            let service =
+                Service::new(Arc::clone(&store), Arc::new(Scripted), Arc::clone(&signals));
+            worker::start(store, service.clone(), Arc::clone(&signals), worker::Settings::new(2));
+            let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+            let address = listener.local_addr().unwrap();
+            let app = super::app(service, LIMIT);
+            tokio::spawn(super::serve(listener, app, signals, Duration::ZERO));
+            format!("http://{address}")
+        });
+        let agent = Agent::config_builder()
+            .http_status_as_error(false)
+            .timeout_global(Some(Duration::from_secs(60)))
+            .build()
+            .into();
+        Self { address, agent, _runtime: runtime, _directory: directory }
+    }
+
+    fn get(&self, path: &str) -> Response<Body> {
+        self.agent.get(format!("{}{path}", self.address)).call().unwrap()
+    }
+
+    fn post(&self, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Response<Body> {
+        let request = self.agent.post(format!("{}{path}", self.address));
+        let request =
+            headers.iter().fold(request, |request, (name, value)| request.header(*name, *value));
+        request.send(body).unwrap()
+    }
+
+    fn measurement(&self) -> String {
+        let answer = self.post("/v1/measurements", &[("content-type", "text/csv")], b"any");
+        string(&json_of(answer, 201), "id")
+    }
+
+    fn submit(&self, body: &Value) -> Response<Body> {
+        let body = body.to_string();
+        self.post("/v1/jobs", &[("content-type", "application/json")], body.as_bytes())
+    }
+
+    fn job(&self, seed: u64) -> String {
+        let body = json!({
+            "measurement_id": self.measurement(), "kind": "identify", "options": {"seed": seed},
+        });
+        string(&json_of(self.submit(&body), 202), "id")
+    }
+
+    fn ended(&self, id: &str) -> Value {
+        json_of(self.get(&format!("/v1/jobs/{id}?wait=60")), 200)
+    }
+}
+
+fn header<'a>(answer: &'a Response<Body>, name: &str) -> &'a str {
+    answer.headers().get(name).map_or("", |value| value.to_str().unwrap())
+}
+
+fn json_of(mut answer: Response<Body>, status: u16) -> Value {
+    let text = answer.body_mut().read_to_string().unwrap();
+    assert_eq!(answer.status(), status, "{text}");
+    serde_json::from_str(&text).unwrap()
+}
+
+/// The problem document of an answer, checked for what every one has.
+fn problem(answer: Response<Body>, status: u16) -> Value {
+    assert_eq!(header(&answer, "content-type"), "application/problem+json");
+    assert_ne!(header(&answer, "x-request-id"), "");
+    let problem = json_of(answer, status);
+    assert_eq!(problem["status"], status);
+    assert!(problem["title"].is_string() && problem["type"].is_string(), "{problem}");
+    assert_ne!(string(&problem, "detail"), "");
+    problem
+}
+
+fn string(value: &Value, member: &str) -> String {
+    value[member].as_str().unwrap_or_else(|| panic!("no text `{member}` in {value}")).to_owned()
+}
+
+#[test]
+fn a_job_goes_from_upload_to_result() {
+    let server = Server::start();
+    let body = json!({
+        "measurement_id": server.measurement(), "kind": "identify",
+        "plant": {"actuator_order": 0}, "method": "abc-ann", "options": {"seed": SUCCEED},
+    });
+    let answer = server.submit(&body);
+    let location = header(&answer, "location").to_owned();
+    assert_eq!(header(&answer, "retry-after"), "1");
+    let job = json_of(answer, 202);
+    assert_eq!(location, format!("/v1/jobs/{}", string(&job, "id")));
+
+    let job = json_of(server.get(&format!("{location}?wait=60")), 200);
+    assert_eq!(job["status"], "succeeded");
+    assert_eq!(job["plant"]["actuator_order"], 0);
+    assert_eq!(job["progress"]["stage"], "colony");
+    let result = json_of(server.get(&format!("{location}/result")), 200);
+    assert_eq!(result["seed"], SUCCEED);
+    let history = json_of(server.get(&format!("{location}/convergence")), 200);
+    assert_eq!(history["rows"][0]["best"], 0.125);
+    let mut table = server.get(&format!("{location}/convergence.csv"));
+    let table = table.body_mut().read_to_string().unwrap();
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("stage,cycle,evaluations,best,mean,elapsed_s"));
+    assert!(lines.next().is_some_and(|line| line.starts_with("colony,1,20,0.125,,")), "{table}");
+}
+
+#[test]
+fn a_measurement_shows_what_is_in_it() {
+    let server = Server::start();
+    let headers = [("content-type", "text/csv; charset=utf-8")];
+    let answer = server.post("/v1/measurements?name=axis%20x", &headers, b"any");
+    let location = header(&answer, "location").to_owned();
+    let added = json_of(answer, 201);
+    assert_eq!(json_of(server.get(&location), 200), added);
+    assert_eq!(added["name"], "axis x");
+    assert_eq!(added["machine"], "press 4");
+    assert_eq!(added["labels"]["site"], "north");
+    assert_eq!(added["omega_range_rad_s"], json!([2.0, 20.0]));
+    assert_eq!(added["notes"][0], "column `colour` is unknown and was not used");
+}
+
+#[test]
+fn an_upload_that_cannot_be_read_says_where_and_is_not_stored() {
+    let server = Server::start();
+    let answer = server.post("/v1/measurements?name=run1", &[("content-type", "text/csv")], b"bad");
+    let problem = problem(answer, 422);
+    assert_eq!(problem["file"], "run1.csv");
+    assert_eq!((&problem["line"], &problem["column"]), (&json!(3), &json!("gain")));
+    assert!(string(&problem, "detail").contains("not a number"));
+    assert_eq!(json_of(server.get("/v1/measurements"), 200), json!({"items": [], "next": null}));
+}
+
+#[test]
+fn several_files_of_a_form_are_one_measurement() {
+    let server = Server::start();
+    let form = |second: &str| {
+        format!(
+            "--X\r\ncontent-disposition: form-data; name=\"a\"; filename=\"a.csv\"\r\n\r\nany\r\n\
+             --X\r\ncontent-disposition: form-data; name=\"b\"; filename=\"b.csv\"\r\n\r\n{second}\
+             \r\n--X--\r\n"
+        )
+    };
+    let headers = [("content-type", "multipart/form-data; boundary=X")];
+    json_of(server.post("/v1/measurements", &headers, form("any").as_bytes()), 201);
+    let answer = server.post("/v1/measurements", &headers, form("bad").as_bytes());
+    assert_eq!(problem(answer, 422)["file"], "b.csv");
+    problem(server.post("/v1/measurements", &headers, b"--X--\r\n"), 400);
+}
+
+#[test]
+fn bad_jobs_are_refused_with_the_member_and_what_is_known() {
+    let server = Server::start();
+    let measurement = server.measurement();
+    let refused = |patch: Value, status: u16| {
+        let mut body = json!({"measurement_id": measurement, "kind": "identify"});
+        body.as_object_mut().unwrap().extend(patch.as_object().unwrap().clone());
+        problem(server.submit(&body), status)
+    };
+    let cases = [
+        (json!({"kind": "diagnose"}), "kind", "not available in this version"),
+        (json!({"kind": "divine"}), "kind", "known: identify"),
+        (json!({"method": "magic"}), "method", "known: abc-ann"),
+        (json!({"plant": {"actuator_order": 3}}), "plant.actuator_order", "known: 0, 1, 2"),
+        (json!({"plant": {"actuator_order": "2"}}), "plant.actuator_order", "string"),
+        (json!({"plant": {"order": 2}}), "plant.order", "expected `actuator_order`"),
+        (json!({"options": {"sead": 2}}), "options.sead", "`noise_std`"),
+        (json!({"options": {"colony": {"bees": 2}}}), "options.colony.bees", "`food_sources`"),
+        (json!({"options": {"noise_std": -1.0}}), "options.noise_std", "positive"),
+        (json!({"colour": "red"}), "colour", "`measurement_id`"),
+    ];
+    for (patch, member, known) in cases {
+        let problem = refused(patch, 422);
+        assert_eq!(problem["member"], member, "{problem}");
+        assert!(string(&problem, "detail").contains(known), "{problem}");
+    }
+    refused(json!({"measurement_id": "nobody"}), 404);
+    assert_eq!(json_of(server.get("/v1/jobs"), 200)["items"], json!([]));
+}
+
+#[test]
+fn malformed_json_is_refused_with_line_and_column() {
+    let server = Server::start();
+    let headers = [("content-type", "application/json")];
+    let answer = problem(server.post("/v1/jobs", &headers, b"{\n  \"kind\": oops}"), 400);
+    assert_eq!((&answer["line"], &answer["column"]), (&json!(2), &json!(11)));
+    problem(server.post("/v1/jobs", &headers, b""), 400);
+    problem(server.post("/v1/jobs", &[("content-type", "text/plain")], b"{}"), 415);
+    problem(server.post("/v1/measurements", &[], b"any"), 415);
+}
+
+#[test]
+fn every_other_error_is_a_problem_document_too() {
+    let server = Server::start();
+    assert!(string(&problem(server.get("/v2"), 404), "detail").contains("/openapi.json"));
+    let not_allowed = server.post("/livez", &[], b"");
+    assert_eq!(header(&not_allowed, "allow"), "GET,HEAD");
+    assert!(string(&problem(not_allowed, 405), "detail").contains("does not answer POST"));
+    problem(server.get("/v1/jobs/nobody"), 404);
+    problem(server.get("/v1/jobs/nobody/result"), 404);
+    problem(server.get("/v1/jobs/nobody/convergence.csv"), 404);
+    problem(server.get("/v1/measurements/nobody"), 404);
+    problem(server.post("/v1/jobs/nobody/cancel", &[], b""), 404);
+    problem(server.get("/v1/jobs?colour=red"), 400);
+    problem(server.get("/v1/jobs?status=tired"), 400);
+    problem(server.get("/v1/jobs?limit=0"), 422);
+    problem(server.get("/v1/jobs?cursor=there"), 422);
+    let long_key = "k".repeat(256);
+    let headers = [("content-type", "text/csv"), ("idempotency-key", long_key.as_str())];
+    problem(server.post("/v1/measurements", &headers, b"any"), 400);
+}
+
+#[test]
+fn a_body_too_large_is_refused_as_sent_and_as_unpacked() {
+    let server = Server::start();
+    let headers = [("content-type", "text/csv")];
+    let answer = server.post("/v1/measurements", &headers, &[b'a'; LIMIT + 1]);
+    assert!(string(&problem(answer, 413), "detail").contains("10000 bytes"));
+    let headers = [("content-type", "text/csv"), ("content-encoding", "gzip")];
+    let answer = server.post("/v1/measurements", &headers, GZIP_OF_TWICE_THE_LIMIT);
+    problem(answer, 413);
+    json_of(server.post("/v1/measurements", &headers, GZIP_OF_ANY), 201);
+}
+
+#[test]
+fn a_repeated_key_gives_the_same_resource_and_never_another() {
+    let server = Server::start();
+    let csv = [("content-type", "text/csv"), ("idempotency-key", "k")];
+    let first = json_of(server.post("/v1/measurements", &csv, b"any"), 201);
+    assert_eq!(json_of(server.post("/v1/measurements", &csv, b"any"), 201), first);
+    problem(server.post("/v1/measurements", &csv, b"other"), 422);
+    assert_eq!(json_of(server.get("/v1/measurements"), 200)["items"].as_array().unwrap().len(), 1);
+
+    let headers = [("content-type", "application/json"), ("idempotency-key", "k")];
+    let body = |seed: u64| json!({"measurement_id": first["id"], "kind": "identify", "options": {"seed": seed}});
+    let post = |body: &Value| server.post("/v1/jobs", &headers, body.to_string().as_bytes());
+    let job = json_of(post(&body(SUCCEED)), 202);
+    assert_eq!(json_of(post(&body(SUCCEED)), 202)["id"], job["id"]);
+    problem(post(&body(UNUSABLE)), 422);
+}
+
+#[test]
+fn lists_are_paged_by_a_cursor() {
+    let server = Server::start();
+    let mut ids = [server.measurement(), server.measurement(), server.measurement()];
+    ids.reverse();
+    let first = json_of(server.get("/v1/measurements?limit=2&machine=press%204"), 200);
+    let second =
+        json_of(server.get(&format!("/v1/measurements?cursor={}", string(&first, "next"))), 200);
+    let listed = [&first["items"][0], &first["items"][1], &second["items"][0]];
+    assert_eq!(listed.map(|item| string(item, "id")), ids);
+    assert_eq!(second["next"], Value::Null);
+}
+
+#[test]
+fn a_running_job_is_cancelled_and_cancelling_again_is_no_error() {
+    let server = Server::start();
+    let id = server.job(RUN_UNTIL_CANCELLED);
+    let early = problem(server.get(&format!("/v1/jobs/{id}/result")), 409);
+    assert!(string(&early, "detail").contains("?wait="), "{early}");
+    let waiting = server.get(&format!("/v1/jobs/{id}"));
+    assert_eq!(header(&waiting, "retry-after"), "1");
+    for _ in 0..2 {
+        let job = json_of(server.post(&format!("/v1/jobs/{id}/cancel"), &[], b""), 202);
+        assert_eq!(job["cancel_requested"], true);
+    }
+    assert_eq!(server.ended(&id)["status"], "cancelled");
+    let listed = json_of(server.get("/v1/jobs?status=cancelled"), 200);
+    assert_eq!(listed["items"][0]["id"], id.as_str());
+    problem(server.get(&format!("/v1/jobs/{id}/result")), 404);
+}
+
+#[test]
+fn a_failed_job_says_why_and_cannot_be_cancelled() {
+    let server = Server::start();
+    let id = server.job(UNUSABLE);
+    let job = server.ended(&id);
+    assert_eq!(job["status"], "failed");
+    assert!(string(&job["failure"], "reason").contains("one frequency only"));
+    problem(server.post(&format!("/v1/jobs/{id}/cancel"), &[], b""), 409);
+    let result = problem(server.get(&format!("/v1/jobs/{id}/result")), 404);
+    assert!(string(&result, "detail").contains("one frequency only"), "{result}");
+}
+
+#[test]
+fn the_service_describes_itself() {
+    let server = Server::start();
+    assert_eq!(server.get("/livez").status(), 200);
+    assert_eq!(server.get("/readyz").status(), 200);
+    let document = json_of(server.get("/openapi.json"), 200);
+    let paths = document["paths"].as_object().unwrap();
+    assert!(paths["/v1/jobs"]["post"].is_object());
+    let operations = paths.values().flat_map(|item| item.as_object().unwrap().values());
+    let ids = operations.map(|operation| string(operation, "operationId")).collect::<Vec<_>>();
+    let unique = ids.iter().collect::<std::collections::BTreeSet<_>>();
+    assert_eq!(unique.len(), ids.len(), "each operation needs an id of its own: {ids:?}");
+    let index = server.get("/").body_mut().read_to_string().unwrap();
+    assert!(index.contains("POST /v1/jobs"), "{index}");
+}

@@ -1,0 +1,219 @@
+//! Resources as a client sees them.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::answers::{ConvergenceRow, IdentifyOptions, JobKind, Method, PlantRequest, Progress};
+use crate::service::{Job, Listed, Measured};
+use crate::store::{Millis, Status};
+
+/// A page of a list, newest first.
+#[derive(Debug, Serialize, ToSchema)]
+pub(super) struct List<T> {
+    /// The items.
+    items: Vec<T>,
+    /// `cursor` of the next page; null after the last one.
+    next: Option<String>,
+}
+
+impl<T> List<T> {
+    pub(super) fn new<S: Into<T>>(listed: Listed<S>) -> Self {
+        Self { items: listed.items.into_iter().map(Into::into).collect(), next: listed.next }
+    }
+}
+
+/// A stored measurement.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Measurement)]
+pub(super) struct MeasurementView {
+    /// Its id.
+    pub(super) id: String,
+    /// When it was stored, RFC 3339.
+    created_at: Option<String>,
+    /// Its name.
+    name: Option<String>,
+    /// The machine.
+    machine: Option<String>,
+    /// The axis of the machine.
+    axis: Option<String>,
+    /// Who measured.
+    operator: Option<String>,
+    /// When it was measured, RFC 3339.
+    measured_at: Option<String>,
+    /// Labels of the upload.
+    labels: BTreeMap<String, String>,
+    /// Hexadecimal SHA-256 of the data.
+    sha256: String,
+    /// Number of experiments.
+    experiments: i64,
+    /// Highest harmonic of any experiment.
+    highest_harmonic: i64,
+    /// Smallest and largest magnitude, input units.
+    magnitude_range: [f64; 2],
+    /// Lowest and highest fundamental, rad/s.
+    omega_range_rad_s: [f64; 2],
+    /// Remarks of the reader: unknown columns, dropped periods, …
+    notes: Vec<String>,
+}
+
+impl From<Measured> for MeasurementView {
+    fn from(Measured { row, labels, notes }: Measured) -> Self {
+        Self {
+            id: row.id,
+            created_at: rfc3339(row.created_at_ms),
+            name: row.name,
+            machine: row.machine,
+            axis: row.axis,
+            operator: row.operator,
+            measured_at: row.measured_at,
+            labels,
+            sha256: row.sha256,
+            experiments: row.experiments,
+            highest_harmonic: row.highest_harmonic,
+            magnitude_range: [row.magnitude_min, row.magnitude_max],
+            omega_range_rad_s: [row.omega_min_rad_s, row.omega_max_rad_s],
+            notes,
+        }
+    }
+}
+
+/// Where a job stands.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum JobStatus {
+    /// Waits for a worker.
+    Queued,
+    /// Is being computed.
+    Running,
+    /// Has a result.
+    Succeeded,
+    /// Has a `failure`.
+    Failed,
+    /// Was cancelled.
+    Cancelled,
+}
+
+impl From<Status> for JobStatus {
+    fn from(status: Status) -> Self {
+        match status {
+            Status::Queued => Self::Queued,
+            Status::Running => Self::Running,
+            Status::Succeeded => Self::Succeeded,
+            Status::Failed => Self::Failed,
+            Status::Cancelled => Self::Cancelled,
+        }
+    }
+}
+
+impl From<JobStatus> for Status {
+    fn from(status: JobStatus) -> Self {
+        match status {
+            JobStatus::Queued => Self::Queued,
+            JobStatus::Running => Self::Running,
+            JobStatus::Succeeded => Self::Succeeded,
+            JobStatus::Failed => Self::Failed,
+            JobStatus::Cancelled => Self::Cancelled,
+        }
+    }
+}
+
+/// Why a job failed.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Failure)]
+pub(super) struct FailureView {
+    /// In words.
+    reason: String,
+    /// Where the operator finds more in the log; null where `reason` says all.
+    reference: Option<String>,
+}
+
+/// A job.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Job)]
+pub(super) struct JobView {
+    /// Its id.
+    pub(super) id: String,
+    /// The measurement it works on.
+    measurement_id: String,
+    /// Kind of job.
+    kind: JobKind,
+    /// Where it stands.
+    status: JobStatus,
+    /// How far it has come; null before it begins.
+    progress: Option<Progress>,
+    /// Why it failed; null unless it did.
+    failure: Option<FailureView>,
+    /// Whether it was asked to stop.
+    cancel_requested: bool,
+    /// What was said of the plant; null: the order is chosen from the data.
+    plant: Option<PlantRequest>,
+    /// The method in effect.
+    method: Method,
+    /// Every option in effect.
+    options: IdentifyOptions,
+    /// How often it was begun.
+    attempt: i64,
+    /// When it was queued, RFC 3339.
+    created_at: Option<String>,
+    /// When its latest attempt began, RFC 3339.
+    started_at: Option<String>,
+    /// When it ended, RFC 3339.
+    finished_at: Option<String>,
+}
+
+impl From<Job> for JobView {
+    fn from(Job { row, request, progress, failure }: Job) -> Self {
+        Self {
+            id: row.id,
+            measurement_id: row.measurement_id,
+            kind: request.kind,
+            status: row.status.into(),
+            progress,
+            failure: failure.map(|failure| FailureView {
+                reason: failure.reason,
+                reference: failure.reference,
+            }),
+            cancel_requested: row.cancel_requested,
+            plant: request.plant,
+            method: request.method,
+            options: request.options,
+            attempt: row.attempt,
+            created_at: rfc3339(row.created_at_ms),
+            started_at: row.started_at_ms.and_then(rfc3339),
+            finished_at: row.finished_at_ms.and_then(rfc3339),
+        }
+    }
+}
+
+/// Convergence history of a job.
+#[derive(Debug, Serialize, ToSchema)]
+pub(super) struct Convergence {
+    /// In order.
+    pub(super) rows: Vec<ConvergenceRow>,
+}
+
+/// What a job asks for.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SubmitJob {
+    /// The measurement to work on.
+    pub(super) measurement_id: String,
+    /// Kind of job.
+    #[schema(value_type = JobKind)]
+    pub(super) kind: String,
+    /// What is known of the plant; left out: the order is chosen from the data.
+    pub(super) plant: Option<PlantRequest>,
+    /// How parameters are estimated; left out: `abc-ann`.
+    #[schema(value_type = Option<Method>)]
+    pub(super) method: Option<String>,
+    /// A second record, for kinds of job that use one; `identify` does not.
+    pub(super) validation_measurement_id: Option<String>,
+    /// Options of the method; each one left out takes its default.
+    pub(super) options: Option<IdentifyOptions>,
+}
+
+fn rfc3339(millis: Millis) -> Option<String> {
+    jiff::Timestamp::from_millisecond(millis).ok().map(|time| time.to_string())
+}

@@ -1,0 +1,7 @@
+//! Answers as a person reads them. Knows results, never solvers.
+
+#[cfg(test)]
+pub(crate) mod sample;
+mod text;
+
+pub use text::identification;

@@ -1,0 +1,94 @@
+//! Why a request was not carried out.
+
+use crate::answers::InvalidOptions;
+use crate::measurement::formats::ParseError;
+use crate::store::{Status, StoreError};
+
+/// Why a request was not carried out. Texts are for the caller; what only the
+/// operator may know is in the source of [`ServiceError::Store`] and
+/// [`ServiceError::Corrupt`].
+#[derive(Debug, thiserror::Error)]
+pub enum ServiceError {
+    /// No such resource.
+    #[error("there is no {what} `{id}`")]
+    Unknown {
+        /// `measurement` or `job`.
+        what: &'static str,
+        /// What was asked for.
+        id: String,
+    },
+    /// The upload cannot be read; nothing of it was stored.
+    #[error(transparent)]
+    Upload(#[from] ParseError),
+    /// A member of the request has an unusable value.
+    #[error("{member}: {reason}")]
+    Request {
+        /// The member, with dots where it is nested.
+        member: String,
+        /// What is wrong, and what is known instead.
+        reason: String,
+    },
+    /// The result of a job that has not ended.
+    #[error("job `{id}` is {}, it has no result yet; ask `GET /v1/jobs/{id}?wait=30` until its \
+             status is `succeeded`", status_name(*status))]
+    NotFinished {
+        /// The job.
+        id: String,
+        /// Where it stands.
+        status: Status,
+    },
+    /// The result of a job that ended without one.
+    #[error("job `{id}` {how} and has no result; submit it again with `POST /v1/jobs`")]
+    NoResult {
+        /// The job.
+        id: String,
+        /// How it ended.
+        how: String,
+    },
+    /// Cancelling a job that has ended.
+    #[error("job `{id}` has already {}; there is nothing to cancel", status_name(*status))]
+    Ended {
+        /// The job.
+        id: String,
+        /// How it ended.
+        status: Status,
+    },
+    /// The idempotency key came with another request before.
+    #[error("the idempotency key `{key}` was used before for another request; use a new key")]
+    KeyReused {
+        /// The key.
+        key: String,
+    },
+    /// The database refused or is out of reach.
+    #[error("the database does not answer as it should")]
+    Store(#[from] StoreError),
+    /// What the database returned is not what was stored.
+    #[error("stored {what} cannot be read")]
+    Corrupt {
+        /// What it should be.
+        what: &'static str,
+        /// Why it is not.
+        source: serde_json::Error,
+    },
+}
+
+/// The name of a status on the wire.
+pub(crate) fn status_name(status: Status) -> &'static str {
+    match status {
+        Status::Queued => "queued",
+        Status::Running => "running",
+        Status::Succeeded => "succeeded",
+        Status::Failed => "failed",
+        Status::Cancelled => "cancelled",
+    }
+}
+
+impl From<InvalidOptions> for ServiceError {
+    fn from(invalid: InvalidOptions) -> Self {
+        let member = match invalid.option {
+            "method" => "method".to_owned(),
+            option => format!("options.{option}"),
+        };
+        ServiceError::Request { member, reason: invalid.reason }
+    }
+}

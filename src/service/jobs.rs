@@ -1,0 +1,250 @@
+//! Submitting, watching, cancelling and running jobs.
+
+use std::pin::pin;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use tokio::time::Instant;
+
+use crate::answers::{ConvergenceRow, Progress};
+use crate::identify::IdentifyError;
+use crate::measurement::formats::ParseError;
+use crate::observer::Observer;
+use crate::store::{
+    Cancelling, ConvergencePoint, FileRow, IdempotencyKey, Inserted, JobFilter, JobRow, NewJobRow,
+    Status,
+};
+
+use super::measurements::{hexadecimal, sources};
+use super::{Added, JobRequest, Listed, Service, ServiceError, Submission, page, paged};
+
+/// How often a waiting caller looks at the store: jobs may end in another process.
+const LOOK_AGAIN: Duration = Duration::from_secs(1);
+
+/// Why a job failed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Failure {
+    /// For the caller.
+    pub reason: String,
+    /// Where to find more in the log; `None` where `reason` says everything.
+    pub reference: Option<String>,
+}
+
+/// A job as it is shown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Job {
+    /// What the store keeps of it.
+    pub row: JobRow,
+    /// What was asked, every option in effect.
+    pub request: JobRequest,
+    /// How far it has come.
+    pub progress: Option<Progress>,
+    /// Why it failed.
+    pub failure: Option<Failure>,
+}
+
+/// Why running a job gave no result.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The computation was asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+    /// The stored files cannot be read, by this version at least.
+    #[error("reading the measurement: {0}")]
+    Measurement(#[from] ParseError),
+    /// The request stored with the job cannot be read, by this version at least.
+    #[error("reading the request: {0}")]
+    Request(serde_json::Error),
+    /// The computation gave no answer.
+    #[error(transparent)]
+    Identify(IdentifyError),
+    /// The result cannot be written as JSON.
+    #[error("writing the result: {0}")]
+    Result(serde_json::Error),
+}
+
+impl Service {
+    /// Queues a job.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unknown`] for the measurement, [`ServiceError::Request`]
+    /// for anything else that cannot be used.
+    pub async fn submit(
+        &self,
+        submission: &Submission,
+        key: Option<String>,
+    ) -> Result<Added<Job>, ServiceError> {
+        let request = JobRequest::check(submission)?;
+        let measurement = self.measurement(&submission.measurement_id).await?.row;
+        let request =
+            serde_json::to_string(&request).map_err(|source| corrupt("request", source))?;
+        let key = key.map(|key| {
+            let mut hash = Sha256::new_with_prefix(measurement.id.as_bytes());
+            hash.update(request.as_bytes());
+            IdempotencyKey { key, body_sha256: hexadecimal(&hash.finalize()) }
+        });
+        let row = NewJobRow {
+            id: uuid::Uuid::now_v7().to_string(),
+            measurement_id: measurement.id,
+            kind: submission.kind.clone(),
+            request,
+        };
+        match self.store.insert_job(&row, key.as_ref()).await? {
+            Inserted::Created => {
+                self.signals.job_queued();
+                Ok(Added { resource: self.job(&row.id).await?, replayed: false })
+            }
+            Inserted::Replayed(id) => Ok(Added { resource: self.job(&id).await?, replayed: true }),
+            Inserted::KeyReused => {
+                Err(ServiceError::KeyReused { key: key.map(|key| key.key).unwrap_or_default() })
+            }
+        }
+    }
+
+    /// One job as it stands.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unknown`] when there is none with this id.
+    pub async fn job(&self, id: &str) -> Result<Job, ServiceError> {
+        let row = self.store.job(id).await?;
+        job(row.ok_or_else(|| ServiceError::Unknown { what: "job", id: id.into() })?)
+    }
+
+    /// One job, as soon as it has ended or `patience` is over or the process is
+    /// asked to stop.
+    ///
+    /// # Errors
+    /// As [`Service::job`].
+    pub async fn job_when_ended(&self, id: &str, patience: Duration) -> Result<Job, ServiceError> {
+        let deadline = Instant::now() + patience;
+        loop {
+            let mut ended = pin!(self.signals.ended());
+            // Before looking: a job that ends in between is not missed.
+            ended.as_mut().enable();
+            let job = self.job(id).await?;
+            let now = Instant::now();
+            if job.row.status.is_final() || now >= deadline {
+                return Ok(job);
+            }
+            tokio::select! {
+                () = ended => {}
+                () = tokio::time::sleep_until(deadline.min(now + LOOK_AGAIN)) => {}
+                () = self.signals.stopped() => return self.job(id).await,
+            }
+        }
+    }
+
+    /// Jobs, newest first.
+    ///
+    /// # Errors
+    /// [`ServiceError::Request`] for a limit or cursor that cannot be used.
+    pub async fn jobs(
+        &self,
+        filter: &JobFilter,
+        limit: u32,
+        cursor: Option<String>,
+    ) -> Result<Listed<Job>, ServiceError> {
+        let rows = self.store.jobs(filter, &page(limit, cursor)?).await?;
+        paged(rows, limit, |row| &row.id, job)
+    }
+
+    /// The result of a job, the JSON that was stored.
+    ///
+    /// # Errors
+    /// [`ServiceError::NotFinished`] before it has one, [`ServiceError::NoResult`]
+    /// when it ended without.
+    pub async fn result(&self, id: &str) -> Result<String, ServiceError> {
+        if let Some(result) = self.store.result(id).await? {
+            return Ok(result);
+        }
+        let job = self.job(id).await?;
+        Err(match job.row.status {
+            status if !status.is_final() => ServiceError::NotFinished { id: id.into(), status },
+            Status::Cancelled => {
+                ServiceError::NoResult { id: id.into(), how: "was cancelled".into() }
+            }
+            _ => {
+                let reason = job.failure.map(|failure| failure.reason).unwrap_or_default();
+                ServiceError::NoResult { id: id.into(), how: format!("failed ({reason})") }
+            }
+        })
+    }
+
+    /// Convergence history of a job's latest attempt.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unknown`] when there is no such job.
+    pub async fn convergence(&self, id: &str) -> Result<Vec<ConvergenceRow>, ServiceError> {
+        self.job(id).await?;
+        Ok(self.store.convergence(id).await?.into_iter().map(convergence_row).collect())
+    }
+
+    /// Cancels a queued job at once; asks a running one to stop, which it does at
+    /// its next evaluation. Cancelling twice is no error.
+    ///
+    /// # Errors
+    /// [`ServiceError::Ended`] when it has already succeeded or failed.
+    pub async fn cancel(&self, id: &str) -> Result<Job, ServiceError> {
+        match self.store.cancel(id).await? {
+            Cancelling::Unknown => Err(ServiceError::Unknown { what: "job", id: id.into() }),
+            Cancelling::Ended(status @ (Status::Succeeded | Status::Failed)) => {
+                Err(ServiceError::Ended { id: id.into(), status })
+            }
+            Cancelling::Cancelled => {
+                self.signals.job_ended();
+                self.job(id).await
+            }
+            Cancelling::Requested | Cancelling::Ended(_) => self.job(id).await,
+        }
+    }
+
+    /// Computes a job's result, JSON, on the calling thread.
+    ///
+    /// # Errors
+    /// See [`RunError`].
+    pub(crate) fn run(
+        &self,
+        files: &[FileRow],
+        request: &str,
+        observer: &dyn Observer,
+    ) -> Result<String, RunError> {
+        let request: JobRequest = serde_json::from_str(request).map_err(RunError::Request)?;
+        let measurement = self.numerics.read(&sources(files))?;
+        let answer = match request.kind {
+            crate::answers::JobKind::Identify => {
+                self.numerics.identify(&measurement, &request.identify(), observer)
+            }
+        };
+        match answer {
+            Ok(answer) => serde_json::to_string(&answer).map_err(RunError::Result),
+            Err(IdentifyError::Cancelled) => Err(RunError::Cancelled),
+            Err(error) => Err(RunError::Identify(error)),
+        }
+    }
+}
+
+fn job(row: JobRow) -> Result<Job, ServiceError> {
+    let request =
+        serde_json::from_str(&row.request).map_err(|source| corrupt("request", source))?;
+    let progress = row.progress.as_deref().map(serde_json::from_str).transpose();
+    let progress = progress.map_err(|source| corrupt("progress", source))?;
+    let failure = row.failure.as_deref().map(serde_json::from_str).transpose();
+    let failure = failure.map_err(|source| corrupt("failure", source))?;
+    Ok(Job { row, request, progress, failure })
+}
+
+fn corrupt(what: &'static str, source: serde_json::Error) -> ServiceError {
+    ServiceError::Corrupt { what, source }
+}
+
+fn convergence_row(point: ConvergencePoint) -> ConvergenceRow {
+    ConvergenceRow {
+        stage: point.stage,
+        cycle: point.cycle.unsigned_abs(),
+        evaluations: point.evaluations.unsigned_abs(),
+        best: point.best,
+        mean: point.mean,
+        elapsed_s: point.elapsed_s,
+    }
+}

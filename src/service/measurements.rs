@@ -1,0 +1,160 @@
+//! Uploading and looking up measurements.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use sha2::{Digest, Sha256};
+
+use crate::measurement::formats::Source;
+use crate::measurement::{Experiment, Measurement};
+use crate::store::{FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow};
+
+use super::{Added, Listed, Service, ServiceError, page, paged};
+
+/// Files to be read as one measurement.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Upload {
+    /// Name of the measurement where the files do not give one.
+    pub name: Option<String>,
+    /// The files.
+    pub files: Vec<FileRow>,
+}
+
+impl Upload {
+    fn sources(&self) -> Vec<Source<'_>> {
+        sources(&self.files)
+    }
+
+    /// What tells two uploads apart.
+    fn digest(&self) -> String {
+        let mut hash = Sha256::new();
+        let mut add = |part: &[u8]| {
+            hash.update((part.len() as u64).to_le_bytes());
+            hash.update(part);
+        };
+        add(self.name.as_deref().unwrap_or_default().as_bytes());
+        for file in &self.files {
+            add(file.name.as_bytes());
+            add(file.content_type.as_bytes());
+            add(&file.bytes);
+        }
+        hexadecimal(&hash.finalize())
+    }
+}
+
+/// A stored measurement as it is shown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// What the store keeps of it.
+    pub row: MeasurementRow,
+    /// `label.*` entries.
+    pub labels: BTreeMap<String, String>,
+    /// Remarks of the reader.
+    pub notes: Vec<String>,
+}
+
+impl Service {
+    /// Reads and stores a measurement; nothing is stored when it cannot be read.
+    ///
+    /// # Errors
+    /// [`ServiceError::Upload`] says where the data is wrong.
+    pub async fn add_measurement(
+        &self,
+        upload: Upload,
+        key: Option<String>,
+    ) -> Result<Added<Measured>, ServiceError> {
+        let numerics = Arc::clone(&self.numerics);
+        let reading = tokio::task::spawn_blocking(move || {
+            let read = numerics.read(&upload.sources());
+            (upload, read)
+        });
+        let (upload, read) = match reading.await {
+            Ok(done) => done,
+            Err(panicked) => std::panic::resume_unwind(panicked.into_panic()),
+        };
+        let row = row(&upload, &read?);
+        let key = key.map(|key| IdempotencyKey { key, body_sha256: upload.digest() });
+        match self.store.insert_measurement(&row, &upload.files, key.as_ref()).await? {
+            Inserted::Created => {
+                Ok(Added { resource: self.measurement(&row.id).await?, replayed: false })
+            }
+            Inserted::Replayed(id) => {
+                Ok(Added { resource: self.measurement(&id).await?, replayed: true })
+            }
+            Inserted::KeyReused => {
+                Err(ServiceError::KeyReused { key: key.map(|key| key.key).unwrap_or_default() })
+            }
+        }
+    }
+
+    /// One measurement.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unknown`] when there is none with this id.
+    pub async fn measurement(&self, id: &str) -> Result<Measured, ServiceError> {
+        let row = self.store.measurement(id).await?;
+        measured(row.ok_or_else(|| ServiceError::Unknown { what: "measurement", id: id.into() })?)
+    }
+
+    /// Measurements, newest first.
+    ///
+    /// # Errors
+    /// [`ServiceError::Request`] for a limit or cursor that cannot be used.
+    pub async fn measurements(
+        &self,
+        filter: &MeasurementFilter,
+        limit: u32,
+        cursor: Option<String>,
+    ) -> Result<Listed<Measured>, ServiceError> {
+        let rows = self.store.measurements(filter, &page(limit, cursor)?).await?;
+        paged(rows, limit, |row| &row.id, measured)
+    }
+}
+
+/// Stored files as the reader takes them.
+pub(super) fn sources(files: &[FileRow]) -> Vec<Source<'_>> {
+    files.iter().map(|file| Source { name: &file.name, bytes: &file.bytes }).collect()
+}
+
+pub(super) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn measured(row: MeasurementRow) -> Result<Measured, ServiceError> {
+    let corrupt = |what| move |source| ServiceError::Corrupt { what, source };
+    let labels = serde_json::from_str(&row.labels).map_err(corrupt("labels"))?;
+    let notes = serde_json::from_str(&row.notes).map_err(corrupt("notes"))?;
+    Ok(Measured { row, labels, notes })
+}
+
+fn row(upload: &Upload, measurement: &Measurement) -> MeasurementRow {
+    let metadata = measurement.metadata();
+    let experiments = measurement.experiments();
+    let range = |value: fn(&Experiment) -> f64| {
+        experiments
+            .iter()
+            .map(value)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    let (magnitude_min, magnitude_max) = range(|experiment| experiment.magnitude);
+    let (omega_min_rad_s, omega_max_rad_s) = range(|experiment| experiment.omega_rad_s);
+    let highest_harmonic = experiments.iter().map(Experiment::highest_harmonic).max();
+    MeasurementRow {
+        id: uuid::Uuid::now_v7().to_string(),
+        created_at_ms: 0,
+        name: metadata.name.clone().or_else(|| upload.name.clone()),
+        machine: metadata.machine.clone(),
+        axis: metadata.axis.clone(),
+        operator: metadata.operator.clone(),
+        measured_at: metadata.measured_at.map(|time| time.to_string()),
+        labels: serde_json::json!(metadata.labels).to_string(),
+        sha256: measurement.sha256().to_owned(),
+        experiments: experiments.len() as i64,
+        highest_harmonic: highest_harmonic.unwrap_or_default() as i64,
+        magnitude_min,
+        magnitude_max,
+        omega_min_rad_s,
+        omega_max_rad_s,
+        notes: serde_json::json!(measurement.notes()).to_string(),
+    }
+}

@@ -1,0 +1,100 @@
+//! Use cases: the only place that joins storage and numerics.
+//!
+//! What comes in is checked here, whoever asks: the HTTP service and the command
+//! line refuse the same things in the same words.
+
+mod error;
+mod jobs;
+mod measurements;
+mod numerics;
+mod request;
+mod signals;
+#[cfg(test)]
+pub(crate) mod testing;
+
+use std::sync::Arc;
+
+pub use error::ServiceError;
+pub use jobs::{Failure, Job, RunError};
+pub use measurements::{Measured, Upload};
+pub use numerics::{BuiltIn, Numerics};
+pub use request::{JobRequest, Submission};
+pub use signals::Signals;
+
+use crate::store::Store;
+
+/// The most items a list returns at once.
+pub const MAX_PAGE: u32 = 200;
+
+/// One page of a list.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Listed<T> {
+    /// The items, newest first.
+    pub items: Vec<T>,
+    /// Where the next page begins; `None` after the last one.
+    pub next: Option<String>,
+}
+
+/// What was asked for, and whether the same request was answered before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Added<T> {
+    /// The resource.
+    pub resource: T,
+    /// An earlier request with the same idempotency key made it.
+    pub replayed: bool,
+}
+
+/// The use cases over a store and the numeric core.
+#[derive(Clone)]
+pub struct Service {
+    store: Arc<dyn Store>,
+    numerics: Arc<dyn Numerics>,
+    signals: Arc<Signals>,
+}
+
+impl Service {
+    /// Joins them. `signals` are shared with the worker of this process.
+    pub fn new(store: Arc<dyn Store>, numerics: Arc<dyn Numerics>, signals: Arc<Signals>) -> Self {
+        Self { store, numerics, signals }
+    }
+
+    /// Whether requests can be served.
+    ///
+    /// # Errors
+    /// When the database does not answer.
+    pub async fn ready(&self) -> Result<(), ServiceError> {
+        Ok(self.store.ping().await?)
+    }
+}
+
+/// Cuts a list read with one row more than `limit` to a page.
+fn paged<R, T>(
+    mut rows: Vec<R>,
+    limit: u32,
+    id: impl Fn(&R) -> &str,
+    view: impl Fn(R) -> Result<T, ServiceError>,
+) -> Result<Listed<T>, ServiceError> {
+    let more = rows.len() > limit as usize;
+    rows.truncate(limit as usize);
+    let next = rows.last().filter(|_| more).map(|row| id(row).to_owned());
+    Ok(Listed { items: rows.into_iter().map(view).collect::<Result<_, _>>()?, next })
+}
+
+/// Checks a page asked for, and asks the store for one row more.
+fn page(limit: u32, cursor: Option<String>) -> Result<crate::store::Page, ServiceError> {
+    if !(1..=MAX_PAGE).contains(&limit) {
+        return Err(ServiceError::Request {
+            member: "limit".into(),
+            reason: format!("{limit} is outside 1 to {MAX_PAGE}"),
+        });
+    }
+    if let Some(text) = cursor.as_deref()
+        && uuid::Uuid::try_parse(text).is_err()
+    {
+        return Err(ServiceError::Request {
+            member: "cursor".into(),
+            reason: format!("`{text}` is not the `next` of an earlier page"),
+        });
+    }
+    Ok(crate::store::Page { limit: limit + 1, before: cursor })
+}

@@ -1,0 +1,47 @@
+//! The numeric core as the service sees it.
+
+use crate::answers::Identification;
+use crate::identify::{self, IdentifyError, IdentifyRequest};
+use crate::measurement::Measurement;
+use crate::measurement::formats::{self, ParseError, Source};
+use crate::observer::Observer;
+
+/// Everything the service asks of the numeric core: a seam, so that queue,
+/// cancellation and failure can be tested without minutes of computation.
+pub trait Numerics: Send + Sync + 'static {
+    /// Reads one or several files that together form one measurement.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    fn read(&self, sources: &[Source<'_>]) -> Result<Measurement, ParseError>;
+
+    /// Fits the base model to a measurement.
+    ///
+    /// # Errors
+    /// See [`IdentifyError`].
+    fn identify(
+        &self,
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        observer: &dyn Observer,
+    ) -> Result<Identification, IdentifyError>;
+}
+
+/// The numeric core of this crate.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct BuiltIn;
+
+impl Numerics for BuiltIn {
+    fn read(&self, sources: &[Source<'_>]) -> Result<Measurement, ParseError> {
+        formats::read(sources)
+    }
+
+    fn identify(
+        &self,
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        observer: &dyn Observer,
+    ) -> Result<Identification, IdentifyError> {
+        identify::identify(measurement, request, observer)
+    }
+}

@@ -1,0 +1,150 @@
+//! What is asked of a job: from names and numbers to a request that can be run.
+
+use serde::{Deserialize, Serialize};
+
+use crate::answers::{IdentifyOptions, JobKind, Method, PlantRequest};
+use crate::identify::IdentifyRequest;
+
+use super::ServiceError;
+
+/// Kinds of job this version knows of and cannot do yet.
+const NOT_YET: &[&str] = &["diagnose"];
+
+/// What a caller asks for, unchecked.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Submission {
+    /// The measurement to work on.
+    pub measurement_id: String,
+    /// Kind of job.
+    pub kind: String,
+    /// Actuator order; `None`: chosen from the data.
+    pub actuator_order: Option<u8>,
+    /// Name of the method; `None`: the default.
+    pub method: Option<String>,
+    /// A second record, for kinds of job that use one.
+    pub validation_measurement_id: Option<String>,
+    /// Options of the method.
+    pub options: IdentifyOptions,
+}
+
+/// A request that can be run, every option in effect.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct JobRequest {
+    /// Kind of job.
+    pub kind: JobKind,
+    /// What is known of the plant; `None`: the order is chosen from the data.
+    pub plant: Option<PlantRequest>,
+    /// The method.
+    pub method: Method,
+    /// Its options.
+    pub options: IdentifyOptions,
+}
+
+impl JobRequest {
+    /// Checks what a caller asks for.
+    ///
+    /// # Errors
+    /// [`ServiceError::Request`] names the first member that cannot be used and
+    /// lists what is known.
+    pub fn check(submission: &Submission) -> Result<Self, ServiceError> {
+        let kind = kind(&submission.kind)?;
+        let plant = submission.actuator_order.map(plant).transpose()?;
+        let method = match &submission.method {
+            Some(name) => name.parse::<Method>()?,
+            None => Method::default(),
+        };
+        if submission.validation_measurement_id.is_some() {
+            return Err(ServiceError::Request {
+                member: "validation_measurement_id".into(),
+                reason: "an `identify` job uses no second record; leave it out".into(),
+            });
+        }
+        submission.options.validate()?;
+        Ok(Self { kind, plant, method, options: submission.options })
+    }
+
+    /// The same for the numeric core.
+    pub fn identify(&self) -> IdentifyRequest {
+        IdentifyRequest { plant: self.plant, method: self.method, options: self.options }
+    }
+}
+
+fn kind(name: &str) -> Result<JobKind, ServiceError> {
+    let reason = match name {
+        "identify" => return Ok(JobKind::Identify),
+        later if NOT_YET.contains(&later) => {
+            format!("`{later}` is not available in this version yet; known: identify")
+        }
+        other => format!("`{other}` is not a kind of job; known: identify"),
+    };
+    Err(ServiceError::Request { member: "kind".into(), reason })
+}
+
+fn plant(actuator_order: u8) -> Result<PlantRequest, ServiceError> {
+    if actuator_order <= 2 {
+        return Ok(PlantRequest { actuator_order });
+    }
+    Err(ServiceError::Request {
+        member: "plant.actuator_order".into(),
+        reason: format!(
+            "{actuator_order} is not an actuator order; known: 0, 1, 2 (left out: chosen from \
+             the data)"
+        ),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn identify() -> Submission {
+        Submission { kind: "identify".into(), ..Submission::default() }
+    }
+
+    fn refusal(submission: Submission) -> String {
+        JobRequest::check(&submission).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_is_left_out_takes_its_default() {
+        let request = JobRequest::check(&identify()).unwrap();
+        assert_eq!(request.method, Method::AbcAnn);
+        assert_eq!(request.options, IdentifyOptions::default());
+        assert_eq!(request.plant, None);
+    }
+
+    #[test]
+    fn an_unknown_method_is_refused_with_the_known_ones() {
+        let text = refusal(Submission { method: Some("magic".into()), ..identify() });
+        assert!(text.starts_with("method: `magic`") && text.contains("abc-ann"), "{text}");
+    }
+
+    #[test]
+    fn an_unknown_order_is_refused_with_the_known_ones() {
+        let text = refusal(Submission { actuator_order: Some(3), ..identify() });
+        assert!(text.starts_with("plant.actuator_order: 3") && text.contains("0, 1, 2"), "{text}");
+    }
+
+    #[test]
+    fn a_kind_of_later_versions_is_told_from_an_unknown_one() {
+        let text = refusal(Submission { kind: "diagnose".into(), ..identify() });
+        assert!(text.contains("not available in this version yet"), "{text}");
+        let text = refusal(Submission { kind: "divine".into(), ..identify() });
+        assert!(text.contains("not a kind of job; known: identify"), "{text}");
+    }
+
+    #[test]
+    fn an_option_out_of_range_is_refused_by_its_name() {
+        let mut options = IdentifyOptions::default();
+        options.colony.food_sources = 1;
+        let text = refusal(Submission { options, ..identify() });
+        assert!(text.starts_with("options.colony.food_sources: 1"), "{text}");
+    }
+
+    #[test]
+    fn a_second_record_is_not_silently_ignored() {
+        let text =
+            refusal(Submission { validation_measurement_id: Some("x".into()), ..identify() });
+        assert!(text.starts_with("validation_measurement_id"), "{text}");
+    }
+}

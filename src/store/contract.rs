@@ -1,0 +1,327 @@
+//! What every engine of [`Store`] must do. Each engine runs the whole list.
+
+use std::time::Duration;
+
+use super::{
+    Beat, Cancelling, ConvergencePoint, FileRow, IdempotencyKey, Inserted, JobFilter, Lease,
+    MAX_ATTEMPTS, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, Sqlite, Status,
+    Store,
+};
+
+const LONG: Duration = Duration::from_secs(600);
+/// A lease that has expired as soon as it is given.
+const EXPIRED: Duration = Duration::ZERO;
+
+fn id() -> String {
+    uuid::Uuid::now_v7().to_string()
+}
+
+fn measurement(id: &str) -> MeasurementRow {
+    MeasurementRow {
+        id: id.to_owned(),
+        created_at_ms: 0,
+        name: Some("stepped sine".into()),
+        machine: Some("press 4".into()),
+        axis: Some("x".into()),
+        operator: None,
+        measured_at: Some("2024-05-06T07:08:09Z".into()),
+        labels: r#"{"site":"north"}"#.into(),
+        sha256: "00ff".into(),
+        experiments: 48,
+        highest_harmonic: 9,
+        magnitude_min: 1.0,
+        magnitude_max: 3.0,
+        omega_min_rad_s: 0.5,
+        omega_max_rad_s: 200.0,
+        notes: "[]".into(),
+    }
+}
+
+fn file(bytes: &[u8]) -> FileRow {
+    FileRow { name: "a.csv".into(), content_type: "text/csv".into(), bytes: bytes.to_vec() }
+}
+
+fn key(key: &str, body: &str) -> IdempotencyKey {
+    IdempotencyKey { key: key.into(), body_sha256: body.into() }
+}
+
+fn point(seq: i64) -> ConvergencePoint {
+    ConvergencePoint {
+        seq,
+        stage: "colony".into(),
+        cycle: seq,
+        evaluations: 20 * seq,
+        best: 1.0 / (seq + 1) as f64,
+        mean: (seq > 0).then_some(2.5),
+        elapsed_s: 0.25 * seq as f64,
+    }
+}
+
+async fn stored_measurement(store: &dyn Store) -> String {
+    let id = id();
+    store.insert_measurement(&measurement(&id), &[file(b"x")], None).await.unwrap();
+    id
+}
+
+async fn queued_job(store: &dyn Store) -> String {
+    let measurement_id = stored_measurement(store).await;
+    let row = NewJobRow { id: id(), measurement_id, kind: "identify".into(), request: "{}".into() };
+    assert_eq!(store.insert_job(&row, None).await.unwrap(), Inserted::Created);
+    row.id
+}
+
+async fn leased_job(store: &dyn Store, duration: Duration) -> Lease {
+    let job = queued_job(store).await;
+    let lease = store.lease(duration).await.unwrap().expect("a job is queued");
+    assert_eq!(lease.job_id, job);
+    lease
+}
+
+async fn status(store: &dyn Store, id: &str) -> Status {
+    store.job(id).await.unwrap().expect("the job exists").status
+}
+
+async fn a_measurement_comes_back_as_it_was_stored(store: &dyn Store) {
+    let id = id();
+    let files = [file(b"one"), file(&[0, 255, 10])];
+    store.insert_measurement(&measurement(&id), &files, None).await.unwrap();
+
+    let row = store.measurement(&id).await.unwrap().expect("it was stored");
+    let created_at_ms = row.created_at_ms;
+    assert!(created_at_ms > 1_700_000_000_000, "{created_at_ms} is not a time of today in ms");
+    assert_eq!(row, MeasurementRow { created_at_ms, ..measurement(&id) });
+    assert_eq!(store.measurement_files(&id).await.unwrap(), files);
+    assert_eq!(store.measurement("nobody").await.unwrap(), None);
+}
+
+async fn lists_are_paged_newest_first_and_filtered(store: &dyn Store) {
+    let ids = [
+        stored_measurement(store).await,
+        stored_measurement(store).await,
+        stored_measurement(store).await,
+    ];
+    let everything = MeasurementFilter::default();
+    let first = Page { limit: 2, before: None };
+    let rows = store.measurements(&everything, &first).await.unwrap();
+    assert_eq!(rows.iter().map(|row| &row.id).collect::<Vec<_>>(), [&ids[2], &ids[1]]);
+    let second = Page { limit: 2, before: Some(ids[1].clone()) };
+    let rows = store.measurements(&everything, &second).await.unwrap();
+    assert_eq!(rows.iter().map(|row| &row.id).collect::<Vec<_>>(), [&ids[0]]);
+
+    let elsewhere = MeasurementFilter { machine: Some("press 5".into()), axis: None };
+    assert!(store.measurements(&elsewhere, &first).await.unwrap().is_empty());
+    let here = MeasurementFilter { machine: Some("press 4".into()), axis: Some("x".into()) };
+    assert_eq!(store.measurements(&here, &first).await.unwrap().len(), 2);
+
+    let job = queued_job(store).await;
+    let queued = JobFilter { status: Some(Status::Queued), measurement_id: None };
+    let running = JobFilter { status: Some(Status::Running), measurement_id: None };
+    assert_eq!(store.jobs(&queued, &first).await.unwrap()[0].id, job);
+    assert!(store.jobs(&running, &first).await.unwrap().is_empty());
+}
+
+async fn an_idempotency_key_answers_the_same_request_only(store: &dyn Store) {
+    let (first, second) = (id(), id());
+    let insert = async |id: &str, key: &IdempotencyKey| {
+        store.insert_measurement(&measurement(id), &[file(b"x")], Some(key)).await.unwrap()
+    };
+    assert_eq!(insert(&first, &key("k", "body")).await, Inserted::Created);
+    assert_eq!(insert(&second, &key("k", "body")).await, Inserted::Replayed(first));
+    assert_eq!(insert(&second, &key("k", "other body")).await, Inserted::KeyReused);
+    assert_eq!(store.measurement(&second).await.unwrap(), None, "neither may store anything");
+    assert_eq!(insert(&second, &key("another k", "body")).await, Inserted::Created);
+}
+
+async fn a_job_of_an_unknown_measurement_is_refused(store: &dyn Store) {
+    let row = NewJobRow {
+        id: id(),
+        measurement_id: "nobody".into(),
+        kind: "identify".into(),
+        request: "{}".into(),
+    };
+    store.insert_job(&row, Some(&key("k", "body"))).await.unwrap_err();
+    assert_eq!(store.job(&row.id).await.unwrap(), None);
+}
+
+async fn the_oldest_queued_job_is_leased_once(store: &dyn Store) {
+    let (first, second) = (queued_job(store).await, queued_job(store).await);
+    assert_eq!(store.lease(LONG).await.unwrap().expect("two are queued").job_id, first);
+    assert_eq!(store.lease(LONG).await.unwrap().expect("one is queued").job_id, second);
+    assert_eq!(store.lease(LONG).await.unwrap(), None);
+    assert_eq!(status(store, &first).await, Status::Running);
+}
+
+async fn a_job_runs_and_succeeds_with_its_history(store: &dyn Store) {
+    let lease = leased_job(store, LONG).await;
+    let beat = store.heartbeat(&lease, LONG, Some("{\"done\":1}"), &[point(0), point(1)]).await;
+    assert_eq!(beat.unwrap(), Beat::Renewed { cancel_requested: false });
+    // Sent again, as after a lost answer, with one more row and no progress.
+    store.heartbeat(&lease, LONG, None, &[point(1), point(2)]).await.unwrap();
+    assert_eq!(store.result(&lease.job_id).await.unwrap(), None);
+
+    let outcome = Outcome::Succeeded("{\"answer\":42}".into());
+    assert!(store.finish(&lease, &outcome).await.unwrap());
+    let job = store.job(&lease.job_id).await.unwrap().expect("it exists");
+    assert_eq!(job.status, Status::Succeeded);
+    assert_eq!(job.progress.as_deref(), Some("{\"done\":1}"));
+    assert!(job.finished_at_ms >= job.started_at_ms && job.started_at_ms.is_some());
+    assert_eq!(store.result(&job.id).await.unwrap().as_deref(), Some("{\"answer\":42}"));
+    assert_eq!(store.convergence(&job.id).await.unwrap(), [point(0), point(1), point(2)]);
+}
+
+async fn a_failed_job_says_why_and_has_no_result(store: &dyn Store) {
+    let lease = leased_job(store, LONG).await;
+    let outcome = Outcome::Failed("{\"reason\":\"no\"}".into());
+    assert!(store.finish(&lease, &outcome).await.unwrap());
+    let job = store.job(&lease.job_id).await.unwrap().expect("it exists");
+    assert_eq!((job.status, job.failure.as_deref()), (Status::Failed, Some("{\"reason\":\"no\"}")));
+    assert_eq!(store.result(&job.id).await.unwrap(), None);
+}
+
+async fn nothing_is_written_after_the_end(store: &dyn Store) {
+    let lease = leased_job(store, LONG).await;
+    assert!(store.finish(&lease, &Outcome::Cancelled).await.unwrap());
+    let late = Outcome::Succeeded("{}".into());
+    assert!(!store.finish(&lease, &late).await.unwrap());
+    assert!(!store.hand_back(&lease).await.unwrap());
+    assert_eq!(store.heartbeat(&lease, LONG, None, &[point(0)]).await.unwrap(), Beat::Lost);
+    assert_eq!(status(store, &lease.job_id).await, Status::Cancelled);
+    assert!(store.convergence(&lease.job_id).await.unwrap().is_empty());
+}
+
+async fn an_expired_lease_writes_nothing_even_before_it_is_recovered(store: &dyn Store) {
+    let lease = leased_job(store, EXPIRED).await;
+    assert_eq!(store.heartbeat(&lease, LONG, Some("{}"), &[point(0)]).await.unwrap(), Beat::Lost);
+    assert!(!store.finish(&lease, &Outcome::Succeeded("{}".into())).await.unwrap());
+    assert!(!store.hand_back(&lease).await.unwrap());
+    assert_eq!(status(store, &lease.job_id).await, Status::Running);
+}
+
+async fn a_stale_worker_cannot_spoil_its_successor(store: &dyn Store) {
+    let stale = leased_job(store, EXPIRED).await;
+    assert_eq!(store.recover_expired().await.unwrap().requeued, 1);
+    let fresh = store.lease(LONG).await.unwrap().expect("it is queued again");
+    assert_eq!(fresh.job_id, stale.job_id);
+    assert_ne!(fresh.attempt, stale.attempt);
+    store.heartbeat(&fresh, LONG, None, &[point(0)]).await.unwrap();
+
+    assert_eq!(store.heartbeat(&stale, LONG, None, &[point(1)]).await.unwrap(), Beat::Lost);
+    assert!(!store.finish(&stale, &Outcome::Failed("{}".into())).await.unwrap());
+    assert!(store.finish(&fresh, &Outcome::Succeeded("{}".into())).await.unwrap());
+    assert_eq!(store.convergence(&fresh.job_id).await.unwrap(), [point(0)]);
+}
+
+async fn a_job_that_kills_its_workers_fails_after_the_last_attempt(store: &dyn Store) {
+    let job = queued_job(store).await;
+    for _ in 1..MAX_ATTEMPTS {
+        store.lease(EXPIRED).await.unwrap().expect("it is queued");
+        assert_eq!(store.recover_expired().await.unwrap().requeued, 1);
+    }
+    store.lease(EXPIRED).await.unwrap().expect("it is queued a last time");
+    let recovered = store.recover_expired().await.unwrap();
+    assert_eq!((recovered.requeued, recovered.ended), (0, 1));
+    let job = store.job(&job).await.unwrap().expect("it exists");
+    assert_eq!(job.status, Status::Failed);
+    assert!(job.failure.expect("it says why").contains("3 attempts"));
+}
+
+async fn a_job_handed_back_is_queued_and_not_charged(store: &dyn Store) {
+    let job = queued_job(store).await;
+    let mut attempts = Vec::new();
+    for _ in 0..2 * MAX_ATTEMPTS {
+        let lease = store.lease(LONG).await.unwrap().expect("it is queued");
+        attempts.push(lease.attempt);
+        assert!(store.hand_back(&lease).await.unwrap());
+    }
+    assert!(attempts.windows(2).all(|pair| pair[0] < pair[1]), "no lease number twice");
+    let last = store.lease(EXPIRED).await.unwrap().expect("it is queued");
+    assert_eq!(store.recover_expired().await.unwrap().requeued, 1);
+    assert_eq!(last.job_id, job);
+}
+
+async fn a_queued_job_is_cancelled_at_once(store: &dyn Store) {
+    let job = queued_job(store).await;
+    assert_eq!(store.cancel(&job).await.unwrap(), Cancelling::Cancelled);
+    assert_eq!(store.lease(LONG).await.unwrap(), None);
+    assert_eq!(store.cancel(&job).await.unwrap(), Cancelling::Ended(Status::Cancelled));
+    assert_eq!(store.cancel("nobody").await.unwrap(), Cancelling::Unknown);
+}
+
+async fn the_worker_of_a_running_job_learns_that_it_is_cancelled(store: &dyn Store) {
+    let lease = leased_job(store, LONG).await;
+    assert_eq!(store.cancel(&lease.job_id).await.unwrap(), Cancelling::Requested);
+    let beat = store.heartbeat(&lease, LONG, None, &[]).await.unwrap();
+    assert_eq!(beat, Beat::Renewed { cancel_requested: true });
+    assert!(store.finish(&lease, &Outcome::Cancelled).await.unwrap());
+    assert_eq!(status(store, &lease.job_id).await, Status::Cancelled);
+}
+
+async fn a_cancelled_job_does_not_come_back_to_the_queue(store: &dyn Store) {
+    let lease = leased_job(store, LONG).await;
+    store.cancel(&lease.job_id).await.unwrap();
+    assert!(store.hand_back(&lease).await.unwrap());
+    assert_eq!(status(store, &lease.job_id).await, Status::Cancelled);
+
+    let lease = leased_job(store, EXPIRED).await;
+    store.cancel(&lease.job_id).await.unwrap();
+    let recovered = store.recover_expired().await.unwrap();
+    assert_eq!((recovered.requeued, recovered.ended), (0, 1));
+    assert_eq!(status(store, &lease.job_id).await, Status::Cancelled);
+}
+
+/// Runs every test of the contract on a fresh store of one engine each.
+macro_rules! engine {
+    ($engine:ident, $open:expr, [$($test:ident),* $(,)?]) => {
+        mod $engine {
+            $(#[tokio::test]
+            async fn $test() {
+                let directory = tempfile::tempdir().unwrap();
+                super::$test(&$open(directory.path()).await.unwrap()).await;
+            })*
+        }
+    };
+}
+
+engine!(
+    sqlite,
+    super::Sqlite::open,
+    [
+        a_measurement_comes_back_as_it_was_stored,
+        lists_are_paged_newest_first_and_filtered,
+        an_idempotency_key_answers_the_same_request_only,
+        a_job_of_an_unknown_measurement_is_refused,
+        the_oldest_queued_job_is_leased_once,
+        a_job_runs_and_succeeds_with_its_history,
+        a_failed_job_says_why_and_has_no_result,
+        nothing_is_written_after_the_end,
+        an_expired_lease_writes_nothing_even_before_it_is_recovered,
+        a_stale_worker_cannot_spoil_its_successor,
+        a_job_that_kills_its_workers_fails_after_the_last_attempt,
+        a_job_handed_back_is_queued_and_not_charged,
+        a_queued_job_is_cancelled_at_once,
+        the_worker_of_a_running_job_learns_that_it_is_cancelled,
+        a_cancelled_job_does_not_come_back_to_the_queue,
+    ]
+);
+
+#[tokio::test]
+async fn leases_taken_at_once_from_two_connections_are_of_different_jobs() {
+    let directory = tempfile::tempdir().unwrap();
+    let first = Sqlite::open(directory.path()).await.unwrap();
+    let second = Sqlite::open(directory.path()).await.unwrap();
+    let mut queued = Vec::new();
+    for _ in 0..8 {
+        queued.push(queued_job(&first).await);
+    }
+    let take = async |store: &Sqlite| {
+        let mut taken = Vec::new();
+        while let Some(lease) = store.lease(LONG).await.unwrap() {
+            taken.push(lease.job_id);
+        }
+        taken
+    };
+    let (mut taken, others) = tokio::join!(take(&first), take(&second));
+    taken.extend(others);
+    taken.sort();
+    assert_eq!(taken, queued);
+}

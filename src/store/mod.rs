@@ -1,0 +1,151 @@
+//! Measurements, jobs, results, convergence history and the queue.
+//!
+//! [`Store`] is the whole interface; an engine implements it in a folder of its
+//! own, with its SQL in sight, and must pass the tests of `contract`.
+//!
+//! The queue works by leases. Taking a job gives a [`Lease`] that expires unless
+//! it is renewed; every later write names job and attempt and has no effect once
+//! the lease has expired or the job was leased again. So a worker that was
+//! stopped, killed or cut off can never spoil what its successor writes. Leases
+//! are timed by the database's clock.
+
+#[cfg(test)]
+mod contract;
+mod rows;
+mod sqlite;
+
+use std::time::Duration;
+
+use async_trait::async_trait;
+
+pub use rows::{
+    ConvergencePoint, FileRow, IdempotencyKey, Inserted, JobFilter, JobRow, Lease,
+    MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page, Status,
+};
+pub use sqlite::Sqlite;
+
+/// How often a job is begun before it counts as one that cannot be finished.
+/// Leases handed back in good order are not counted.
+pub const MAX_ATTEMPTS: u32 = 3;
+
+/// The store could not do what was asked.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// The database refused or is out of reach.
+    #[error("database: {0}")]
+    Database(#[from] sqlx::Error),
+    /// The tables could not be brought to the form this version needs.
+    #[error("migrating the database: {0}")]
+    Migration(#[from] sqlx::migrate::MigrateError),
+    /// The folder of the database cannot be used.
+    #[error("data directory: {0}")]
+    Directory(#[from] std::io::Error),
+}
+
+/// What a heartbeat found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beat {
+    /// The lease is renewed.
+    Renewed {
+        /// Whether somebody asked to cancel the job.
+        cancel_requested: bool,
+    },
+    /// The lease is no longer valid; nothing was written.
+    Lost,
+}
+
+/// What a request to cancel came to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cancelling {
+    /// There is no such job.
+    Unknown,
+    /// It was queued and is now cancelled.
+    Cancelled,
+    /// It is running; its worker has been told.
+    Requested,
+    /// It had ended before.
+    Ended(Status),
+}
+
+/// What expired leases led to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Recovered {
+    /// Jobs that are queued again.
+    pub requeued: u64,
+    /// Jobs that ended: cancelled, or failed after [`MAX_ATTEMPTS`].
+    pub ended: u64,
+}
+
+/// Everything that is kept. Every method is one transaction.
+#[async_trait]
+pub trait Store: Send + Sync + 'static {
+    /// Whether the database answers.
+    async fn ping(&self) -> Result<(), StoreError>;
+
+    /// Stores a measurement with its files, unless `key` answers the request.
+    async fn insert_measurement(
+        &self,
+        row: &MeasurementRow,
+        files: &[FileRow],
+        key: Option<&IdempotencyKey>,
+    ) -> Result<Inserted, StoreError>;
+
+    /// The measurement, if there is one with this id.
+    async fn measurement(&self, id: &str) -> Result<Option<MeasurementRow>, StoreError>;
+
+    /// The files of a measurement in the order of the upload.
+    async fn measurement_files(&self, id: &str) -> Result<Vec<FileRow>, StoreError>;
+
+    /// Measurements, newest first.
+    async fn measurements(
+        &self,
+        filter: &MeasurementFilter,
+        page: &Page,
+    ) -> Result<Vec<MeasurementRow>, StoreError>;
+
+    /// Queues a job, unless `key` answers the request.
+    async fn insert_job(
+        &self,
+        row: &NewJobRow,
+        key: Option<&IdempotencyKey>,
+    ) -> Result<Inserted, StoreError>;
+
+    /// The job, if there is one with this id.
+    async fn job(&self, id: &str) -> Result<Option<JobRow>, StoreError>;
+
+    /// Jobs, newest first.
+    async fn jobs(&self, filter: &JobFilter, page: &Page) -> Result<Vec<JobRow>, StoreError>;
+
+    /// JSON of a job's result, once it has one.
+    async fn result(&self, id: &str) -> Result<Option<String>, StoreError>;
+
+    /// Convergence history of a job's latest attempt, in order.
+    async fn convergence(&self, id: &str) -> Result<Vec<ConvergencePoint>, StoreError>;
+
+    /// Cancels a queued job, or asks the worker of a running one to stop.
+    async fn cancel(&self, id: &str) -> Result<Cancelling, StoreError>;
+
+    /// Leases the oldest queued job for `duration`, if there is one.
+    async fn lease(&self, duration: Duration) -> Result<Option<Lease>, StoreError>;
+
+    /// Renews a lease and stores what has happened since the last time.
+    /// `progress` is JSON; `None` leaves it as it is.
+    async fn heartbeat(
+        &self,
+        lease: &Lease,
+        duration: Duration,
+        progress: Option<&str>,
+        rows: &[ConvergencePoint],
+    ) -> Result<Beat, StoreError>;
+
+    /// Ends a job. `false`: the lease is no longer valid, nothing was written.
+    async fn finish(&self, lease: &Lease, outcome: &Outcome) -> Result<bool, StoreError>;
+
+    /// Returns a job to the queue in good order; the attempt is not charged.
+    /// `false`: the lease is no longer valid, nothing was written.
+    async fn hand_back(&self, lease: &Lease) -> Result<bool, StoreError>;
+
+    /// Requeues jobs whose lease has expired, or ends them: as cancelled where
+    /// that was asked for, as failed after [`MAX_ATTEMPTS`].
+    async fn recover_expired(&self) -> Result<Recovered, StoreError>;
+}

@@ -1,0 +1,207 @@
+//! Rows as they are stored: neither domain values nor what a client sees.
+
+/// Milliseconds since 1970-01-01 UTC, by the database's clock.
+pub type Millis = i64;
+
+/// One file of an upload, as it came.
+#[derive(Debug, Clone, PartialEq, Eq, sqlx::FromRow)]
+pub struct FileRow {
+    /// Name used in messages.
+    pub name: String,
+    /// Media type of the request or part it came in.
+    pub content_type: String,
+    /// Content.
+    pub bytes: Vec<u8>,
+}
+
+/// What is listed and shown of a measurement.
+#[derive(Debug, Clone, PartialEq, sqlx::FromRow)]
+pub struct MeasurementRow {
+    /// UUID version 7.
+    pub id: String,
+    /// When it was stored; ignored on insertion.
+    pub created_at_ms: Millis,
+    /// Name the upload or the request gives.
+    pub name: Option<String>,
+    /// The machine.
+    pub machine: Option<String>,
+    /// The axis of the machine.
+    pub axis: Option<String>,
+    /// Who measured.
+    pub operator: Option<String>,
+    /// When it was measured, RFC 3339.
+    pub measured_at: Option<String>,
+    /// JSON object of strings.
+    pub labels: String,
+    /// Hexadecimal digest of the data.
+    pub sha256: String,
+    /// Number of experiments.
+    pub experiments: i64,
+    /// Highest harmonic of any experiment.
+    pub highest_harmonic: i64,
+    /// Smallest magnitude, input units.
+    pub magnitude_min: f64,
+    /// Largest magnitude, input units.
+    pub magnitude_max: f64,
+    /// Lowest fundamental, rad/s.
+    pub omega_min_rad_s: f64,
+    /// Highest fundamental, rad/s.
+    pub omega_max_rad_s: f64,
+    /// JSON array: remarks of the reader.
+    pub notes: String,
+}
+
+/// Where a job stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, sqlx::Type)]
+#[sqlx(type_name = "TEXT", rename_all = "lowercase")]
+pub enum Status {
+    /// Waits for a worker.
+    Queued,
+    /// A worker holds a lease on it.
+    Running,
+    /// Has a result.
+    Succeeded,
+    /// Has a reason why there is no result.
+    Failed,
+    /// Was cancelled before it had a result.
+    Cancelled,
+}
+
+impl Status {
+    /// Whether nothing will change any more.
+    pub fn is_final(self) -> bool {
+        matches!(self, Status::Succeeded | Status::Failed | Status::Cancelled)
+    }
+}
+
+/// A job to be queued.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewJobRow {
+    /// UUID version 7.
+    pub id: String,
+    /// The measurement it works on.
+    pub measurement_id: String,
+    /// Kind of job.
+    pub kind: String,
+    /// JSON of the request, every option in effect.
+    pub request: String,
+}
+
+/// A job without its result, which may be large and is read on its own.
+#[derive(Debug, Clone, PartialEq, sqlx::FromRow)]
+pub struct JobRow {
+    /// UUID version 7.
+    pub id: String,
+    /// The measurement it works on.
+    pub measurement_id: String,
+    /// Kind of job.
+    pub kind: String,
+    /// JSON of the request, every option in effect.
+    pub request: String,
+    /// Where it stands.
+    pub status: Status,
+    /// JSON of the latest progress.
+    pub progress: Option<String>,
+    /// Leases so far.
+    pub attempt: i64,
+    /// Whether somebody asked to cancel it.
+    pub cancel_requested: bool,
+    /// When it was queued.
+    pub created_at_ms: Millis,
+    /// When its present attempt began.
+    pub started_at_ms: Option<Millis>,
+    /// When it became final.
+    pub finished_at_ms: Option<Millis>,
+    /// JSON of why it failed.
+    pub failure: Option<String>,
+}
+
+/// The right to work on a job until it expires; every write names it.
+#[derive(Debug, Clone, PartialEq, Eq, sqlx::FromRow)]
+pub struct Lease {
+    /// The job.
+    pub job_id: String,
+    /// Number of the lease, never used twice for a job.
+    pub attempt: i64,
+    /// The measurement the job works on.
+    pub measurement_id: String,
+    /// JSON of the request.
+    pub request: String,
+}
+
+/// How a job ends, decided by the worker that holds its lease.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outcome {
+    /// JSON of the result.
+    Succeeded(String),
+    /// JSON of the reason.
+    Failed(String),
+    /// The computation stopped because it was asked to.
+    Cancelled,
+}
+
+/// One row of convergence history.
+#[derive(Debug, Clone, PartialEq, sqlx::FromRow)]
+pub struct ConvergencePoint {
+    /// Position within the attempt, from 0.
+    pub seq: i64,
+    /// Stage of the computation.
+    pub stage: String,
+    /// Epoch, cycle or step within the stage.
+    pub cycle: i64,
+    /// Evaluations used by the stage.
+    pub evaluations: i64,
+    /// Best cost; finite.
+    pub best: f64,
+    /// Mean cost over the population.
+    pub mean: Option<f64>,
+    /// Seconds since the computation began.
+    pub elapsed_s: f64,
+}
+
+/// A client's promise that requests with this key are one request.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct IdempotencyKey {
+    /// The client's key.
+    pub key: String,
+    /// Hexadecimal digest of what was asked.
+    pub body_sha256: String,
+}
+
+/// What an insertion came to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Inserted {
+    /// A new resource.
+    Created,
+    /// The key was used before for the same request; this resource answers it.
+    Replayed(String),
+    /// The key was used before for another request.
+    KeyReused,
+}
+
+/// A page of a list, newest first.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Page {
+    /// At most this many rows.
+    pub limit: u32,
+    /// Only rows with a smaller id; `None`: from the newest.
+    pub before: Option<String>,
+}
+
+/// Which measurements to list; `None` accepts every value.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct MeasurementFilter {
+    /// The machine.
+    pub machine: Option<String>,
+    /// The axis.
+    pub axis: Option<String>,
+}
+
+/// Which jobs to list; `None` accepts every value.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct JobFilter {
+    /// Where they stand.
+    pub status: Option<Status>,
+    /// The measurement they work on.
+    pub measurement_id: Option<String>,
+}

@@ -1,0 +1,39 @@
+//! Keys by which a repeated request is recognised.
+
+use sqlx::SqliteConnection;
+
+use crate::store::{IdempotencyKey, Inserted};
+
+/// Claims a key for a resource about to be inserted in the same transaction.
+pub(super) async fn claim(
+    connection: &mut SqliteConnection,
+    scope: &'static str,
+    key: Option<&IdempotencyKey>,
+    resource_id: &str,
+) -> sqlx::Result<Inserted> {
+    let Some(key) = key else { return Ok(Inserted::Created) };
+    let earlier: Option<(String, String)> = sqlx::query_as(
+        "SELECT body_sha256, resource_id FROM idempotency_keys WHERE scope = ?1 AND key = ?2",
+    )
+    .bind(scope)
+    .bind(&key.key)
+    .fetch_optional(&mut *connection)
+    .await?;
+    match earlier {
+        Some((digest, id)) if digest == key.body_sha256 => Ok(Inserted::Replayed(id)),
+        Some(_) => Ok(Inserted::KeyReused),
+        None => {
+            sqlx::query(
+                "INSERT INTO idempotency_keys (scope, key, body_sha256, resource_id, created_at_ms)
+                 VALUES (?1, ?2, ?3, ?4, (SELECT now_ms FROM clock))",
+            )
+            .bind(scope)
+            .bind(&key.key)
+            .bind(&key.body_sha256)
+            .bind(resource_id)
+            .execute(connection)
+            .await?;
+            Ok(Inserted::Created)
+        }
+    }
+}

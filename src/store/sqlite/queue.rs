@@ -1,0 +1,161 @@
+//! The lease queue: what moves a job from one status to the next.
+
+use std::time::Duration;
+
+use sqlx::{SqliteConnection, SqlitePool};
+
+use crate::store::{Beat, Cancelling, Lease, MAX_ATTEMPTS, Outcome, Recovered, Status};
+
+pub(super) async fn lease(pool: &SqlitePool, duration: Duration) -> sqlx::Result<Option<Lease>> {
+    sqlx::query_as(
+        "UPDATE jobs
+         SET status = 'running', attempt = attempt + 1, progress = NULL,
+             started_at_ms = (SELECT now_ms FROM clock),
+             lease_until_ms = (SELECT now_ms FROM clock) + ?1
+         WHERE id = (SELECT id FROM jobs WHERE status = 'queued' ORDER BY id LIMIT 1)
+         RETURNING id AS job_id, attempt, measurement_id, request",
+    )
+    .bind(millis(duration))
+    .fetch_optional(pool)
+    .await
+}
+
+pub(super) async fn renew(
+    connection: &mut SqliteConnection,
+    lease: &Lease,
+    duration: Duration,
+    progress: Option<&str>,
+) -> sqlx::Result<Beat> {
+    let cancel_requested: Option<bool> = sqlx::query_scalar(
+        "UPDATE jobs
+         SET lease_until_ms = (SELECT now_ms FROM clock) + ?3, progress = COALESCE(?4, progress)
+         WHERE id = ?1 AND attempt = ?2 AND status = 'running'
+           AND lease_until_ms > (SELECT now_ms FROM clock)
+         RETURNING cancel_requested",
+    )
+    .bind(&lease.job_id)
+    .bind(lease.attempt)
+    .bind(millis(duration))
+    .bind(progress)
+    .fetch_optional(connection)
+    .await?;
+    Ok(cancel_requested.map_or(Beat::Lost, |cancel_requested| Beat::Renewed { cancel_requested }))
+}
+
+pub(super) async fn finish(
+    pool: &SqlitePool,
+    lease: &Lease,
+    outcome: &Outcome,
+) -> sqlx::Result<bool> {
+    let (status, result, failure) = match outcome {
+        Outcome::Succeeded(result) => (Status::Succeeded, Some(result), None),
+        Outcome::Failed(failure) => (Status::Failed, None, Some(failure)),
+        Outcome::Cancelled => (Status::Cancelled, None, None),
+    };
+    let done = sqlx::query(
+        "UPDATE jobs
+         SET status = ?3, result = ?4, failure = ?5, lease_until_ms = NULL,
+             finished_at_ms = (SELECT now_ms FROM clock)
+         WHERE id = ?1 AND attempt = ?2 AND status = 'running'
+           AND lease_until_ms > (SELECT now_ms FROM clock)",
+    )
+    .bind(&lease.job_id)
+    .bind(lease.attempt)
+    .bind(status)
+    .bind(result)
+    .bind(failure)
+    .execute(pool)
+    .await?;
+    Ok(done.rows_affected() == 1)
+}
+
+pub(super) async fn hand_back(pool: &SqlitePool, lease: &Lease) -> sqlx::Result<bool> {
+    let done = sqlx::query(
+        "UPDATE jobs
+         SET status = CASE WHEN cancel_requested THEN 'cancelled' ELSE 'queued' END,
+             finished_at_ms =
+                 CASE WHEN cancel_requested THEN (SELECT now_ms FROM clock) ELSE NULL END,
+             handed_back = handed_back + 1, lease_until_ms = NULL, progress = NULL
+         WHERE id = ?1 AND attempt = ?2 AND status = 'running'
+           AND lease_until_ms > (SELECT now_ms FROM clock)",
+    )
+    .bind(&lease.job_id)
+    .bind(lease.attempt)
+    .execute(pool)
+    .await?;
+    Ok(done.rows_affected() == 1)
+}
+
+pub(super) async fn cancel(
+    connection: &mut SqliteConnection,
+    id: &str,
+) -> sqlx::Result<Cancelling> {
+    let status: Option<Status> = sqlx::query_scalar("SELECT status FROM jobs WHERE id = ?1")
+        .bind(id)
+        .fetch_optional(&mut *connection)
+        .await?;
+    match status {
+        None => Ok(Cancelling::Unknown),
+        Some(Status::Queued) => {
+            sqlx::query(
+                "UPDATE jobs
+                 SET status = 'cancelled', cancel_requested = 1,
+                     finished_at_ms = (SELECT now_ms FROM clock)
+                 WHERE id = ?1",
+            )
+            .bind(id)
+            .execute(connection)
+            .await?;
+            Ok(Cancelling::Cancelled)
+        }
+        Some(Status::Running) => {
+            sqlx::query("UPDATE jobs SET cancel_requested = 1 WHERE id = ?1")
+                .bind(id)
+                .execute(connection)
+                .await?;
+            Ok(Cancelling::Requested)
+        }
+        Some(status) => Ok(Cancelling::Ended(status)),
+    }
+}
+
+pub(super) async fn recover_expired(connection: &mut SqliteConnection) -> sqlx::Result<Recovered> {
+    let cancelled = sqlx::query(
+        "UPDATE jobs
+         SET status = 'cancelled', lease_until_ms = NULL,
+             finished_at_ms = (SELECT now_ms FROM clock)
+         WHERE status = 'running' AND cancel_requested
+           AND lease_until_ms <= (SELECT now_ms FROM clock)",
+    )
+    .execute(&mut *connection)
+    .await?;
+    let failed = sqlx::query(
+        "UPDATE jobs
+         SET status = 'failed', lease_until_ms = NULL,
+             finished_at_ms = (SELECT now_ms FROM clock),
+             failure = json_object(
+                 'reason', 'gave up after ' || (attempt - handed_back) || ' attempts: each time '
+                     || 'the worker stopped without a word, as a process does that is killed '
+                     || 'or runs out of memory',
+                 'reference', NULL)
+         WHERE status = 'running' AND attempt - handed_back >= ?1
+           AND lease_until_ms <= (SELECT now_ms FROM clock)",
+    )
+    .bind(MAX_ATTEMPTS)
+    .execute(&mut *connection)
+    .await?;
+    let requeued = sqlx::query(
+        "UPDATE jobs SET status = 'queued', lease_until_ms = NULL, progress = NULL
+         WHERE status = 'running' AND lease_until_ms <= (SELECT now_ms FROM clock)",
+    )
+    .execute(connection)
+    .await?;
+    Ok(Recovered {
+        requeued: requeued.rows_affected(),
+        ended: cancelled.rows_affected() + failed.rows_affected(),
+    })
+}
+
+fn millis(duration: Duration) -> i64 {
+    i64::try_from(duration.as_millis()).unwrap_or(i64::MAX)
+}

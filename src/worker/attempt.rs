@@ -1,0 +1,158 @@
+//! One lease of one job, from its start to whatever ends it.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::time::MissedTickBehavior;
+use tracing::{error, info, warn};
+
+use crate::answers::Progress;
+use crate::service::{Failure, RunError};
+use crate::store::{Beat, ConvergencePoint, Lease, Outcome, StoreError};
+
+use super::Shared;
+use super::threads::{self, Ended};
+use super::watch::Watch;
+
+/// How often storing an outcome is tried while the database does not answer.
+const TRIES: u32 = 5;
+
+/// A job in the hands of this worker.
+struct Attempt {
+    shared: Arc<Shared>,
+    lease: Lease,
+    watch: Arc<Watch>,
+    /// Rows that no heartbeat has stored yet.
+    unsent: Vec<ConvergencePoint>,
+    /// Progress that no heartbeat has stored yet.
+    unsent_progress: Option<Progress>,
+}
+
+/// Runs a leased job to its end, or until it is no longer this worker's.
+pub(super) async fn run(shared: Arc<Shared>, lease: Lease) {
+    info!(job = lease.job_id, attempt = lease.attempt, "job begins");
+    let watch = Arc::new(Watch::new());
+    let attempt = Attempt { shared, lease, watch, unsent: Vec::new(), unsent_progress: None };
+    let files = match attempt.shared.store.measurement_files(&attempt.lease.measurement_id).await {
+        Ok(files) => files,
+        Err(error) => return attempt.hand_back(&error).await,
+    };
+    let computing = threads::spawn({
+        let service = attempt.shared.service.clone();
+        let request = attempt.lease.request.clone();
+        let watch = Arc::clone(&attempt.watch);
+        move || service.run(&files, &request, watch.as_ref())
+    });
+    match computing {
+        Ok(computing) => attempt.follow(computing).await,
+        Err(error) => attempt.hand_back(&error).await,
+    }
+}
+
+impl Attempt {
+    /// Looks after the computation until it ends, is lost, or the process stops.
+    async fn follow(
+        mut self,
+        mut computing: tokio::sync::oneshot::Receiver<Ended<Result<String, RunError>>>,
+    ) {
+        let shared = Arc::clone(&self.shared);
+        let mut stopped = std::pin::pin!(shared.signals.stopped());
+        let mut ticks = tokio::time::interval(shared.settings.beat);
+        ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        loop {
+            tokio::select! {
+                ended = &mut computing => {
+                    // The sender is dropped only after it was used.
+                    let Ok(ended) = ended else { return };
+                    let outcome = self.outcome(ended);
+                    return self.finish(outcome).await;
+                }
+                () = &mut stopped => {
+                    // The thread ends at its next evaluation, or with the process.
+                    self.watch.cancel();
+                    return self.hand_back(&"the process stops").await;
+                }
+                _ = ticks.tick() => match self.beat().await {
+                    Ok(Beat::Renewed { cancel_requested: false }) => {}
+                    Ok(Beat::Renewed { cancel_requested: true }) => self.watch.cancel(),
+                    Ok(Beat::Lost) => {
+                        warn!(job = self.lease.job_id, "lease lost; its result is given up");
+                        return self.watch.cancel();
+                    }
+                    Err(error) => warn!(job = self.lease.job_id, %error, "heartbeat failed"),
+                },
+            }
+        }
+    }
+
+    async fn beat(&mut self) -> Result<Beat, StoreError> {
+        let (progress, rows) = self.watch.take();
+        self.unsent.extend(rows);
+        self.unsent_progress = progress.or(self.unsent_progress.take());
+        // Numbers and text only; should it fail all the same, the job goes on.
+        let json = self.unsent_progress.as_ref().map(serde_json::to_string);
+        let json = json.and_then(Result::ok);
+        let lease = self.shared.settings.lease;
+        let store = &self.shared.store;
+        let beat = store.heartbeat(&self.lease, lease, json.as_deref(), &self.unsent).await?;
+        self.unsent.clear();
+        self.unsent_progress = None;
+        Ok(beat)
+    }
+
+    fn outcome(&self, ended: Ended<Result<String, RunError>>) -> Outcome {
+        let failed = |reason: String, reference: Option<String>| {
+            let failure = serde_json::json!(Failure { reason, reference });
+            Outcome::Failed(failure.to_string())
+        };
+        match ended {
+            Ok(Ok(result)) => Outcome::Succeeded(result),
+            Ok(Err(RunError::Cancelled)) => Outcome::Cancelled,
+            Ok(Err(error)) => failed(error.to_string(), None),
+            Err(panic) => {
+                let reference = uuid::Uuid::now_v7().to_string();
+                let text = threads::panic_text(panic.as_ref());
+                error!(job = self.lease.job_id, reference, text, "the computation panicked");
+                let reason = "an internal error stopped the computation; the same request will \
+                              most likely fail again. Please report the reference";
+                failed(reason.into(), Some(reference))
+            }
+        }
+    }
+
+    async fn finish(mut self, outcome: Outcome) {
+        let job = &self.lease.job_id.clone();
+        for _ in 0..TRIES {
+            let finished = match self.beat().await {
+                Ok(_) => self.shared.store.finish(&self.lease, &outcome).await,
+                Err(error) => Err(error),
+            };
+            match finished {
+                Ok(true) => {
+                    info!(job, outcome = name(&outcome), "job ends");
+                    return self.shared.signals.job_ended();
+                }
+                Ok(false) => return warn!(job, "lease lost; its result is given up"),
+                Err(error) => warn!(job, %error, "the outcome cannot be stored"),
+            }
+            tokio::time::sleep(Duration::from_secs(1)).await;
+        }
+        error!(job, "the outcome is given up; the job is queued again when its lease expires");
+    }
+
+    async fn hand_back(self, reason: &(dyn std::fmt::Display + Sync)) {
+        let job = &self.lease.job_id;
+        match self.shared.store.hand_back(&self.lease).await {
+            Ok(_) => info!(job, %reason, "job handed back"),
+            Err(error) => warn!(job, %error, %reason, "job not handed back; its lease expires"),
+        }
+    }
+}
+
+fn name(outcome: &Outcome) -> &'static str {
+    match outcome {
+        Outcome::Succeeded(_) => "succeeded",
+        Outcome::Failed(_) => "failed",
+        Outcome::Cancelled => "cancelled",
+    }
+}

@@ -1,0 +1,123 @@
+//! Runs queued jobs on threads of their own.
+//!
+//! ```text
+//!   store ──lease──▶ attempt ──starts──▶ compute thread
+//!     ▲                │  ▲                   │
+//!     └───heartbeat────┘  └── watch ◀─────────┘
+//! ```
+//!
+//! One asynchronous task looks after the queue and one after each leased job; the
+//! computation itself never runs on a thread of the runtime. Every
+//! [`Settings::beat`] the job's task renews the lease, stores what the
+//! computation has reported and learns whether it is still wanted.
+
+mod attempt;
+#[cfg(test)]
+mod tests;
+mod threads;
+mod watch;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::task::{JoinHandle, JoinSet};
+use tracing::{error, info, warn};
+
+use crate::service::{Service, Signals};
+use crate::store::Store;
+
+/// How often the queue is looked at without a signal: other processes may have
+/// filled it, or left an expired lease behind.
+const LOOK_AGAIN: Duration = Duration::from_secs(2);
+
+/// How jobs are run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Settings {
+    /// Jobs that run at once.
+    pub slots: usize,
+    /// How long a job stays out of the queue after its worker was last heard of.
+    pub lease: Duration,
+    /// How often a job's task reports, renews and asks.
+    pub beat: Duration,
+}
+
+impl Settings {
+    /// Runs `slots` jobs at once.
+    pub fn new(slots: usize) -> Self {
+        // Fifty beats to a lease: a machine must be quite overloaded to lose one,
+        // and a job whose process was killed runs again ten seconds later.
+        Self { slots, lease: Duration::from_secs(10), beat: Duration::from_millis(200) }
+    }
+}
+
+/// What every part of the worker needs.
+struct Shared {
+    store: Arc<dyn Store>,
+    service: Service,
+    signals: Arc<Signals>,
+    settings: Settings,
+}
+
+/// Starts to run jobs until `signals` say that the process stops; then hands the
+/// running ones back and ends.
+pub fn start(
+    store: Arc<dyn Store>,
+    service: Service,
+    signals: Arc<Signals>,
+    settings: Settings,
+) -> JoinHandle<()> {
+    threads::prepare();
+    tokio::spawn(run(Arc::new(Shared { store, service, signals, settings })))
+}
+
+async fn run(shared: Arc<Shared>) {
+    let mut running = JoinSet::new();
+    let mut stopped = std::pin::pin!(shared.signals.stopped());
+    loop {
+        recover(&shared).await;
+        while running.len() < shared.settings.slots {
+            match shared.store.lease(shared.settings.lease).await {
+                Ok(Some(lease)) => {
+                    running.spawn(attempt::run(Arc::clone(&shared), lease));
+                }
+                Ok(None) => break,
+                Err(error) => {
+                    error!(%error, "the queue cannot be read");
+                    break;
+                }
+            }
+        }
+        tokio::select! {
+            () = &mut stopped => break,
+            () = shared.signals.queued() => {}
+            Some(ended) = running.join_next() => report(ended),
+            () = tokio::time::sleep(LOOK_AGAIN) => {}
+        }
+    }
+    while let Some(ended) = running.join_next().await {
+        report(ended);
+    }
+}
+
+async fn recover(shared: &Shared) {
+    match shared.store.recover_expired().await {
+        Ok(recovered) if recovered.requeued + recovered.ended > 0 => {
+            warn!(
+                requeued = recovered.requeued,
+                ended = recovered.ended,
+                "leases had expired: a worker was killed or cut off"
+            );
+            shared.signals.job_ended();
+        }
+        Ok(_) => {}
+        Err(error) => error!(%error, "expired leases cannot be looked for"),
+    }
+}
+
+fn report(ended: Result<(), tokio::task::JoinError>) {
+    match ended {
+        Ok(()) => info!("a place for a job is free"),
+        // The lease expires and the job is queued again.
+        Err(error) => error!(%error, "the task that looks after a job ended badly"),
+    }
+}

@@ -8,21 +8,52 @@ use rustfft::{Fft, FftPlanner};
 use crate::measurement::{Complex, Experiment};
 use crate::plant::Actuator;
 
-/// Samples per period and highest line, at least: the torque is interpolated
-/// between samples by polynomials of degree 5, whose error for a line with n
-/// samples per period is (2π/n)⁶/46080, 5e-6 of that line at the least n.
+/// Samples per period and highest line, at least: see `samples` for the error.
 const SAMPLES_PER_HIGHEST_CYCLE: usize = 8;
 
 /// Fewest samples a period of a general input is divided into.
 const FEWEST_SAMPLES: usize = 512;
+
+/// A uniform grid over one period, with its transforms.
+#[derive(Clone)]
+pub(super) struct Grid {
+    inverse: Arc<dyn Fft<f64>>,
+    forward: Arc<dyn Fft<f64>>,
+}
+
+impl Grid {
+    fn new(highest_line: usize) -> Self {
+        let samples = (SAMPLES_PER_HIGHEST_CYCLE * highest_line).max(FEWEST_SAMPLES);
+        let samples = samples.next_power_of_two();
+        let mut planner = FftPlanner::new();
+        Self {
+            inverse: planner.plan_fft_inverse(samples),
+            forward: planner.plan_fft_forward(samples),
+        }
+    }
+
+    /// Samples of a period.
+    pub fn samples(&self) -> usize {
+        self.forward.len()
+    }
+
+    /// Lines to samples, in place, without scaling.
+    pub fn inverse(&self, signal: &mut [Complex]) {
+        self.inverse.process(signal);
+    }
+
+    /// Samples to Σ x exp(−jkωt), in place, without scaling.
+    pub fn forward(&self, signal: &mut [Complex]) {
+        self.forward.process(signal);
+    }
+}
 
 /// A periodic input u(t) = Re Σ Uₖ exp(jkωt), prepared for simulation.
 #[derive(Clone)]
 pub struct Excitation {
     omega_rad_s: f64,
     input: Vec<Complex>,
-    pure_cosine: bool,
-    fft: Option<Arc<dyn Fft<f64>>>,
+    grid: Option<Grid>,
 }
 
 impl Excitation {
@@ -31,13 +62,8 @@ impl Excitation {
         let zero = Complex::new(0.0, 0.0);
         let pure_cosine =
             input.len() > 1 && input.iter().enumerate().all(|(k, u)| k == 1 || *u == zero);
-        let fft = (!pure_cosine).then(|| {
-            let samples = (SAMPLES_PER_HIGHEST_CYCLE * input.len().saturating_sub(1))
-                .max(FEWEST_SAMPLES)
-                .next_power_of_two();
-            FftPlanner::new().plan_fft_inverse(samples)
-        });
-        Self { omega_rad_s, input, pure_cosine, fft }
+        let grid = (!pure_cosine).then(|| Grid::new(input.len().saturating_sub(1)));
+        Self { omega_rad_s, input, grid }
     }
 
     /// A pure cosine m·cos(ωt).
@@ -57,7 +83,7 @@ impl Excitation {
 
     /// Whether the fundamental is all there is.
     pub fn is_pure_cosine(&self) -> bool {
-        self.pure_cosine
+        self.grid.is_none()
     }
 
     /// Period, seconds.
@@ -79,9 +105,9 @@ impl Excitation {
             .collect()
     }
 
-    /// Inverse transform of the sampling grid; only for general inputs.
-    pub(super) fn fft(&self) -> Option<&Arc<dyn Fft<f64>>> {
-        self.fft.as_ref()
+    /// The sampling grid; only general inputs have one.
+    pub(super) fn grid(&self) -> Option<&Grid> {
+        self.grid.as_ref()
     }
 }
 

@@ -13,6 +13,7 @@ mod cosine;
 mod excitation;
 mod orbit;
 mod periodic;
+mod samples;
 mod sensitivity;
 mod spectrum;
 
@@ -23,6 +24,7 @@ pub use sensitivity::PARAMETERS;
 use crate::effects::{self, Effect};
 use crate::measurement::Complex;
 use crate::plant::{Actuator, Plant};
+use samples::Samples;
 use sensitivity::Direction;
 
 /// There is no response of the excitation's own period.
@@ -67,8 +69,8 @@ pub fn respond(
     excitation: &Excitation,
     highest: usize,
 ) -> Result<Vec<Complex>, NoResponse> {
-    let (plant, lines, orbit) = settle(plant, effects, excitation)?;
-    Ok(spectrum::velocity(&plant, &lines, &orbit, highest))
+    let settled = settle(plant, effects, excitation)?;
+    Ok(spectrum::velocity(&settled, highest))
 }
 
 /// Like [`respond`], with the derivative of every harmonic by every parameter.
@@ -81,12 +83,12 @@ pub fn respond_with_sensitivities(
     excitation: &Excitation,
     highest: usize,
 ) -> Result<Response, NoResponse> {
-    let (plant, lines, orbit) = settle(plant, effects, excitation)?;
-    let velocity = spectrum::velocity(&plant, &lines, &orbit, highest);
-    let directions = sensitivity::parameter_directions(&plant, excitation);
-    let mut sensitivities = sensitivity::along(&plant, &lines, &orbit, &velocity, &directions);
+    let settled = settle(plant, effects, excitation)?;
+    let velocity = spectrum::velocity(&settled, highest);
+    let directions = sensitivity::parameter_directions(&settled.plant, excitation);
+    let mut sensitivities = sensitivity::along(&settled, &velocity, &directions);
     // K scales the response and nothing else.
-    let by_constant = velocity.iter().map(|v| v / plant.constant).collect();
+    let by_constant = velocity.iter().map(|v| v / settled.plant.constant).collect();
     sensitivities.insert(1, by_constant);
     Ok(Response { velocity, sensitivities })
 }
@@ -103,13 +105,13 @@ pub fn respond_to_deviations(
     highest: usize,
     deviations: &[&[Complex]],
 ) -> Result<Vec<Vec<Complex>>, NoResponse> {
-    let (plant, lines, orbit) = settle(plant, effects, excitation)?;
-    let velocity = spectrum::velocity(&plant, &lines, &orbit, highest);
+    let settled = settle(plant, effects, excitation)?;
+    let velocity = spectrum::velocity(&settled, highest);
     let directions: Vec<Direction> = deviations
         .iter()
-        .map(|deviation| Direction::of_input(&plant, excitation, deviation))
+        .map(|deviation| Direction::of_input(&settled.plant, excitation, deviation))
         .collect();
-    Ok(sensitivity::along(&plant, &lines, &orbit, &velocity, &directions))
+    Ok(sensitivity::along(&settled, &velocity, &directions))
 }
 
 /// Switching instants of the motion, for those who want to see it.
@@ -121,24 +123,77 @@ pub fn orbit(
     effects: &[Box<dyn Effect>],
     excitation: &Excitation,
 ) -> Result<Orbit, NoResponse> {
-    settle(plant, effects, excitation).map(|(_, _, orbit)| orbit)
+    settle(plant, effects, excitation).map(|settled| settled.orbit)
 }
 
-/// Torque lines Tₗ = A(jlω)·Uₗ and the motion they lead to.
-fn settle(
+/// A plant, the torque on its mechanics, and the motion it leads to.
+struct Settled<'a> {
+    plant: Plant,
+    excitation: &'a Excitation,
+    /// Torque lines Tₗ = A(jlω)·Uₗ.
+    lines: Vec<Complex>,
+    orbit: Orbit,
+    /// The torque on the grid, where the input is general.
+    torque: Option<Samples>,
+}
+
+impl Settled<'_> {
+    /// Whether the axis never moves.
+    fn rests(&self) -> bool {
+        !self.orbit.switches() && self.orbit.phases[0].motion == Motion::Stuck
+    }
+
+    /// ∫ τ exp(−jkωt) dt over the phases of rest, k = 0 … `highest`.
+    fn held(&self, highest: usize) -> Vec<Complex> {
+        match &self.torque {
+            Some(torque) => self.held_samples(torque, highest),
+            None => spectrum::held_cosine(&self.orbit, self.lines[1], highest),
+        }
+    }
+
+    /// The same for a signal of other lines, such as a change of the torque.
+    fn held_of(&self, lines: &[Complex], highest: usize) -> Vec<Complex> {
+        match self.excitation.grid() {
+            Some(grid) if self.orbit.sticks() => {
+                let omega = self.excitation.omega_rad_s();
+                let (signal, _) = Samples::of(grid, omega, lines, &[]);
+                self.held_samples(&signal, highest)
+            }
+            Some(_) => vec![Complex::new(0.0, 0.0); highest + 1],
+            None => spectrum::held_cosine(&self.orbit, lines[1], highest),
+        }
+    }
+
+    fn held_samples(&self, signal: &Samples, highest: usize) -> Vec<Complex> {
+        let stuck = (0..self.orbit.phases.len())
+            .map(|i| self.orbit.span(i))
+            .filter(|(_, _, motion)| *motion == Motion::Stuck)
+            .map(|(start, end, _)| (start, end));
+        match self.excitation.grid() {
+            Some(grid) if self.orbit.sticks() => {
+                signal.integrals(grid, self.excitation.omega_rad_s(), stuck, highest)
+            }
+            _ => vec![Complex::new(0.0, 0.0); highest + 1],
+        }
+    }
+}
+
+fn settle<'a>(
     plant: &Plant,
     effects: &[Box<dyn Effect>],
-    excitation: &Excitation,
-) -> Result<(Plant, Vec<Complex>, Orbit), NoResponse> {
+    excitation: &'a Excitation,
+) -> Result<Settled<'a>, NoResponse> {
     let plant = effects::enter(plant, effects);
     check(&plant)?;
     let lines = excitation.torque_lines(&plant.actuator);
-    let orbit = if excitation.is_pure_cosine() {
-        cosine::orbit(&plant, lines[1], excitation.omega_rad_s())?
-    } else {
-        periodic::orbit(&plant, &lines, excitation)?
+    let (orbit, torque) = match excitation.grid() {
+        None => (cosine::orbit(&plant, lines[1], excitation.omega_rad_s())?, None),
+        Some(grid) => {
+            let (orbit, torque) = periodic::orbit(&plant, &lines, excitation, grid)?;
+            (orbit, Some(torque))
+        }
     };
-    Ok((plant, lines, orbit))
+    Ok(Settled { plant, excitation, lines, orbit, torque })
 }
 
 fn check(plant: &Plant) -> Result<(), NoResponse> {

@@ -1,7 +1,7 @@
 //! Motion under any periodic torque.
 //!
 //! Torque τ and the steady response w of 1/(s + a) to it are computed on a
-//! uniform grid by FFT. While the axis slides, x = w − σ/a + C·exp(−a·t): the
+//! uniform grid by FFT (`samples`). While the axis slides, x = w − σ/a + C·exp(−a·t): the
 //! free part shrinks by the same factor every sample, so one pass over the grid
 //! finds the cells in which the motion switches, and a bracketed Newton's
 //! method on the interpolated w finds the instant. The pass is linear in
@@ -13,20 +13,23 @@ use crate::measurement::Complex;
 use crate::plant::{Friction, Plant};
 
 use super::NoResponse;
-use super::excitation::Excitation;
+use super::excitation::{Excitation, Grid};
 use super::orbit::{Motion, Orbit, Phase};
+use super::samples::{Samples, quintic_at};
 use super::spectrum::sliding_friction;
 
 /// Periods after which a motion from rest counts as not periodic.
 const MOST_PERIODS: usize = 400;
 
-/// The motion reached from rest; `lines` are the torque lines.
+/// The motion reached from rest, and the torque it was found with; `lines` are
+/// the torque lines.
 pub(super) fn orbit(
     plant: &Plant,
     lines: &[Complex],
     excitation: &Excitation,
-) -> Result<Orbit, NoResponse> {
-    let waves = Waves::new(plant, lines, excitation);
+    grid: &Grid,
+) -> Result<(Orbit, Samples), NoResponse> {
+    let waves = Waves::new(plant, lines, excitation, grid);
     let scale = waves.steady.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
     let unique = plant.friction.fs_plus == plant.friction.fc_plus
         && plant.friction.fs_minus == plant.friction.fc_minus;
@@ -36,7 +39,7 @@ pub(super) fn orbit(
         let change = pass.end.x - start.x;
         // `start` of the first pass is a guess (rest), never part of the motion.
         if period > 0 && pass.end.motion == start.motion && change.abs() <= 1e-13 * scale {
-            return Ok(pass.into_orbit(excitation.period_s()));
+            return Ok((pass.into_orbit(excitation.period_s()), waves.torque));
         }
         // Newton's step may only jump where every start leads to the same motion.
         let jump = unique || change.abs() < 1e-3 * scale;
@@ -83,9 +86,8 @@ impl Pass {
 struct Waves {
     a: f64,
     friction: Friction,
-    step_s: f64,
-    torque: Vec<f64>,
-    torque_rate: Vec<f64>,
+    torque: Samples,
+    /// w: steady response of 1/(s + a) to the torque.
     steady: Vec<f64>,
 }
 
@@ -98,42 +100,16 @@ struct Anchor {
 }
 
 impl Waves {
-    fn new(plant: &Plant, lines: &[Complex], excitation: &Excitation) -> Self {
-        let fft = excitation.fft().expect("a general input has a grid");
-        let samples = fft.len();
+    fn new(plant: &Plant, lines: &[Complex], excitation: &Excitation, grid: &Grid) -> Self {
         let omega = excitation.omega_rad_s();
         let a = plant.viscous_rate_rad_s;
-        let zero = Complex::new(0.0, 0.0);
-        let j = Complex::new(0.0, 1.0);
-        // Two real signals ride on one complex transform.
-        let mut both = vec![zero; samples];
-        let mut rate = vec![zero; samples];
-        for (l, torque) in lines.iter().enumerate() {
-            let s = Complex::new(0.0, l as f64 * omega);
-            if l == 0 {
-                both[0] = Complex::new(torque.re, torque.re / a);
-                continue;
-            }
-            let (torque, steady) = (0.5 * torque, 0.5 * torque / (s + a));
-            both[l] = torque + j * steady;
-            both[samples - l] = torque.conj() + j * steady.conj();
-            rate[l] = s * torque;
-            rate[samples - l] = (s * torque).conj();
-        }
-        fft.process(&mut both);
-        fft.process(&mut rate);
-        // The period's first sample is repeated at its end.
-        let wrapped = |signal: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            (0..=samples).map(|n| signal(n % samples)).collect()
-        };
-        Self {
-            a,
-            friction: plant.friction,
-            step_s: excitation.period_s() / samples as f64,
-            torque: wrapped(&|n| both[n].re),
-            torque_rate: wrapped(&|n| rate[n].re),
-            steady: wrapped(&|n| both[n].im),
-        }
+        let through: Vec<Complex> = lines
+            .iter()
+            .enumerate()
+            .map(|(l, torque)| torque / Complex::new(a, l as f64 * omega))
+            .collect();
+        let (torque, steady) = Samples::of(grid, omega, lines, &through);
+        Self { a, friction: plant.friction, torque, steady }
     }
 
     /// Follows the motion over one period.
@@ -142,14 +118,14 @@ impl Waves {
         let mut slope = 1.0;
         let mut state = start;
         let mut anchor = Anchor { time_s: 0.0, x: start.x, steady: self.steady[0] };
-        let step_kept = (-self.a * self.step_s).exp();
-        for cell in 0..self.torque.len() - 1 {
-            let cell_end = (cell + 1) as f64 * self.step_s;
+        let step_kept = (-self.a * self.torque.step_s).exp();
+        for cell in 0..self.torque.cells() {
+            let cell_end = (cell + 1) as f64 * self.torque.step_s;
             loop {
                 let switch = match sliding_friction(&self.friction, state.motion) {
                     None => self.breakaway(cell, anchor.time_s),
                     Some(friction) => {
-                        let whole_cell = anchor.time_s <= cell as f64 * self.step_s;
+                        let whole_cell = anchor.time_s <= cell as f64 * self.torque.step_s;
                         let kept = if whole_cell {
                             step_kept
                         } else {
@@ -179,14 +155,14 @@ impl Waves {
                 anchor = Anchor { time_s: cell_end, x: 0.0, steady: self.steady[cell + 1] };
             }
         }
-        let end_s = (self.torque.len() - 1) as f64 * self.step_s;
+        let end_s = self.torque.cells() as f64 * self.torque.step_s;
         slope *= match (phases.last(), sliding_friction(&self.friction, state.motion)) {
             (_, None) => 0.0,
             (None, Some(_)) => (-self.a * end_s).exp(),
             (Some(last), Some(friction)) => {
-                let cell = self.cell_of(last.start_s);
+                let cell = self.torque.cell_of(last.start_s);
                 -(-self.a * (end_s - last.start_s)).exp()
-                    * (self.torque_at(cell, last.start_s) - friction)
+                    * (self.torque.at(cell, last.start_s) - friction)
             }
         };
         Pass { phases, end: State { x: anchor.x, motion: state.motion }, slope }
@@ -203,19 +179,16 @@ impl Waves {
         cell: usize,
     ) -> f64 {
         let Some(friction) = sliding_friction(&self.friction, motion) else { return 0.0 };
-        let rate = self.torque_at(cell, time_s) - friction;
+        let rate = self.torque.at(cell, time_s) - friction;
         match phases.last() {
             None if start.motion == Motion::Stuck => 0.0,
             None => -(-self.a * time_s).exp() / rate,
             Some(last) => {
-                let before = self.torque_at(self.cell_of(last.start_s), last.start_s) - friction;
+                let before =
+                    self.torque.at(self.torque.cell_of(last.start_s), last.start_s) - friction;
                 (-self.a * (time_s - last.start_s)).exp() * before / rate
             }
         }
-    }
-
-    fn cell_of(&self, time_s: f64) -> usize {
-        ((time_s / self.step_s) as usize).min(self.torque.len() - 2)
     }
 
     /// The instant within the cell at which the torque exceeds a static level.
@@ -226,26 +199,26 @@ impl Waves {
             t if t < -minus => Some(Motion::Backward),
             _ => None,
         };
-        let at_start = self.torque_at(cell, from_s);
+        let at_start = self.torque.at(cell, from_s);
         if let Some(motion) = direction(at_start) {
             return Some((from_s, motion));
         }
-        let motion = direction(self.torque[cell + 1])?;
+        let motion = direction(self.torque.value[cell + 1])?;
         let level = if motion == Motion::Forward { plus } else { -minus };
-        let (mut low, mut high) = (from_s, (cell + 1) as f64 * self.step_s);
+        let (mut low, mut high) = (from_s, (cell + 1) as f64 * self.torque.step_s);
         let mut time_s = 0.5 * (low + high);
         for _ in 0..60 {
-            let excess = self.torque_at(cell, time_s) - level;
+            let excess = self.torque.at(cell, time_s) - level;
             if (excess > 0.0) == (motion == Motion::Forward) {
                 high = time_s;
             } else {
                 low = time_s;
             }
-            let newton = time_s - excess / self.torque_rate_at(cell, time_s);
+            let newton = time_s - excess / self.torque.slope_at(cell, time_s);
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             let moved = (next - time_s).abs();
             time_s = next;
-            if moved < 1e-13 * self.step_s {
+            if moved < 1e-13 * self.torque.step_s {
                 break;
             }
         }
@@ -262,10 +235,10 @@ impl Waves {
         x_end: f64,
     ) -> Option<(f64, Motion)> {
         let sign = if motion == Motion::Forward { 1.0 } else { -1.0 };
-        let cell_end = (cell + 1) as f64 * self.step_s;
+        let cell_end = (cell + 1) as f64 * self.torque.step_s;
         let rate_start =
-            sign * (-self.a * anchor.x + self.torque_at(cell, anchor.time_s) - friction);
-        let rate_end = sign * (-self.a * x_end + self.torque[cell + 1] - friction);
+            sign * (-self.a * anchor.x + self.torque.at(cell, anchor.time_s) - friction);
+        let rate_end = sign * (-self.a * x_end + self.torque.value[cell + 1] - friction);
         let x = |time_s: f64| {
             let kept = (-self.a * (time_s - anchor.time_s)).exp();
             let offset = friction / self.a;
@@ -273,7 +246,7 @@ impl Waves {
                 + (anchor.x - anchor.steady + offset) * kept)
         };
         let rate =
-            |time_s: f64, x: f64| -self.a * x + sign * (self.torque_at(cell, time_s) - friction);
+            |time_s: f64, x: f64| -self.a * x + sign * (self.torque.at(cell, time_s) - friction);
         let crosses = sign * x_end < 0.0;
         let (mut low, mut high) = (anchor.time_s, cell_end);
         if crosses && anchor.x == 0.0 && rate_start > 0.0 {
@@ -301,11 +274,11 @@ impl Waves {
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             let moved = (next - time_s).abs();
             time_s = next;
-            if moved < 1e-13 * self.step_s {
+            if moved < 1e-13 * self.torque.step_s {
                 break;
             }
         }
-        let torque = self.torque_at(cell, time_s);
+        let torque = self.torque.at(cell, time_s);
         let next = match motion {
             Motion::Forward if torque < -self.friction.fs_minus => Motion::Backward,
             Motion::Backward if torque > self.friction.fs_plus => Motion::Forward,
@@ -314,45 +287,16 @@ impl Waves {
         Some((time_s, next))
     }
 
-    /// τ between samples, by the cubic through values and slopes.
-    fn torque_at(&self, cell: usize, time_s: f64) -> f64 {
-        let h = self.step_s;
-        let u = time_s / h - cell as f64;
-        let (y0, y1) = (self.torque[cell], self.torque[cell + 1]);
-        let (d0, d1) = (h * self.torque_rate[cell], h * self.torque_rate[cell + 1]);
-        let (b, c) = (3.0 * (y1 - y0) - 2.0 * d0 - d1, 2.0 * (y0 - y1) + d0 + d1);
-        y0 + u * (d0 + u * (b + u * c))
-    }
-
-    fn torque_rate_at(&self, cell: usize, time_s: f64) -> f64 {
-        let h = self.step_s;
-        let u = time_s / h - cell as f64;
-        let (y0, y1) = (self.torque[cell], self.torque[cell + 1]);
-        let (d0, d1) = (h * self.torque_rate[cell], h * self.torque_rate[cell + 1]);
-        let (b, c) = (3.0 * (y1 - y0) - 2.0 * d0 - d1, 2.0 * (y0 - y1) + d0 + d1);
-        (d0 + u * (2.0 * b + u * 3.0 * c)) / h
-    }
-
     /// w between samples, by the quintic through values and two derivatives,
     /// which w' = −a·w + τ gives exactly.
     fn steady_at(&self, cell: usize, time_s: f64) -> f64 {
-        let h = self.step_s;
-        let u = time_s / h - cell as f64;
-        let derivatives = |n: usize| {
-            let first = self.torque[n] - self.a * self.steady[n];
-            let second = self.torque_rate[n] - self.a * first;
-            (self.steady[n], h * first, h * h * second)
+        let h = self.torque.step_s;
+        let end = |n: usize| {
+            let first = self.torque.value[n] - self.a * self.steady[n];
+            let second = self.torque.first[n] - self.a * first;
+            [self.steady[n], h * first, h * h * second]
         };
-        let (y0, d0, e0) = derivatives(cell);
-        let (y1, d1, e1) = derivatives(cell + 1);
-        // Coefficients 3 to 5 from what the quadratic at u = 0 misses at u = 1.
-        let value = y1 - (y0 + d0 + 0.5 * e0);
-        let first = d1 - (d0 + e0);
-        let second = e1 - e0;
-        let c3 = 10.0 * value - 4.0 * first + 0.5 * second;
-        let c4 = -15.0 * value + 7.0 * first - second;
-        let c5 = 6.0 * value - 3.0 * first + 0.5 * second;
-        y0 + u * (d0 + u * (0.5 * e0 + u * (c3 + u * (c4 + u * c5))))
+        quintic_at(end(cell), end(cell + 1), time_s / h - cell as f64)
     }
 }
 

@@ -10,6 +10,7 @@
 use crate::measurement::Complex;
 use crate::plant::{Actuator, Plant};
 
+use super::Settled;
 use super::excitation::Excitation;
 use super::orbit::{Motion, Orbit};
 use super::spectrum::{PhaseIntegrals, sliding_friction, weight};
@@ -121,19 +122,18 @@ pub(super) fn parameter_directions(plant: &Plant, excitation: &Excitation) -> Ve
 
 /// Derivatives of V₀ … V_H along each direction.
 pub(super) fn along(
-    plant: &Plant,
-    lines: &[Complex],
-    orbit: &Orbit,
+    settled: &Settled<'_>,
     velocity: &[Complex],
     directions: &[Direction],
 ) -> Vec<Vec<Complex>> {
+    let Settled { plant, lines, orbit, .. } = settled;
     let zero = Complex::new(0.0, 0.0);
-    if !orbit.switches() && orbit.phases[0].motion == Motion::Stuck {
+    if settled.rests() {
         return vec![vec![zero; velocity.len()]; directions.len()];
     }
     let omega = std::f64::consts::TAU / orbit.period_s;
     let a = plant.viscous_rate_rad_s;
-    let integrals = PhaseIntegrals::new(orbit, velocity.len() - 1, lines.len() - 1);
+    let integrals = PhaseIntegrals::new(orbit, velocity.len() - 1);
     let instants = Instants::new(plant, lines, orbit, directions);
     directions
         .iter()
@@ -142,7 +142,7 @@ pub(super) fn along(
             let mut friction = if direction.lines.is_empty() {
                 vec![zero; velocity.len()]
             } else {
-                integrals.held(&direction.lines)
+                settled.held_of(&direction.lines, velocity.len() - 1)
             };
             for (k, sum) in friction.iter_mut().enumerate() {
                 *sum += direction.fc_plus * integrals.forward[k]

@@ -5,24 +5,21 @@
 //! integral over phases in which f is either constant or equal to τ.
 
 use crate::measurement::Complex;
-use crate::plant::{Friction, Plant};
+use crate::plant::Friction;
 
+use super::Settled;
 use super::orbit::{Motion, Orbit};
 
-/// V₀ … V_H of a motion; `lines` are the torque lines T₀, T₁ …
-pub(super) fn velocity(
-    plant: &Plant,
-    lines: &[Complex],
-    orbit: &Orbit,
-    highest: usize,
-) -> Vec<Complex> {
+/// V₀ … V_H of a settled motion.
+pub(super) fn velocity(settled: &Settled<'_>, highest: usize) -> Vec<Complex> {
+    let Settled { plant, lines, orbit, .. } = settled;
     let zero = Complex::new(0.0, 0.0);
-    if !orbit.switches() && orbit.phases[0].motion == Motion::Stuck {
+    if settled.rests() {
         return vec![zero; highest + 1];
     }
     let omega = std::f64::consts::TAU / orbit.period_s;
-    let spans = PhaseIntegrals::new(orbit, highest, lines.len() - 1);
-    let held = spans.held(lines);
+    let spans = PhaseIntegrals::new(orbit, highest);
+    let held = settled.held(highest);
     (0..=highest)
         .map(|k| {
             let friction = plant.friction.fc_plus * spans.forward[k]
@@ -52,30 +49,30 @@ pub(super) fn sliding_friction(friction: &Friction, motion: Motion) -> Option<f6
 
 /// ∫ exp(−jkωt) dt over all phases of each motion, k = 0, 1 …
 pub(super) struct PhaseIntegrals {
-    /// Over the forward phases, k = 0 … H, seconds.
+    /// Over the forward phases, seconds.
     pub forward: Vec<Complex>,
-    /// Over the backward phases, k = 0 … H, seconds.
+    /// Over the backward phases, seconds.
     pub backward: Vec<Complex>,
-    /// Over the stuck phases, k = 0 … H + L; empty where there are none.
-    stuck: Vec<Complex>,
-    highest: usize,
+    /// Over the phases of rest, seconds.
+    pub stuck: Vec<Complex>,
 }
 
 impl PhaseIntegrals {
-    /// For harmonics up to `highest` and torque lines up to `highest_line`.
-    pub fn new(orbit: &Orbit, highest: usize, highest_line: usize) -> Self {
+    /// For harmonics 0 … `highest`.
+    pub fn new(orbit: &Orbit, highest: usize) -> Self {
         let omega = std::f64::consts::TAU / orbit.period_s;
         let zero = Complex::new(0.0, 0.0);
-        let mut forward = vec![zero; highest + 1];
-        let mut backward = vec![zero; highest + 1];
-        let stuck_length = if orbit.sticks() { highest + highest_line + 1 } else { 0 };
-        let mut stuck = vec![zero; stuck_length];
+        let mut these = Self {
+            forward: vec![zero; highest + 1],
+            backward: vec![zero; highest + 1],
+            stuck: vec![zero; highest + 1],
+        };
         for i in 0..orbit.phases.len() {
             let (start, end, motion) = orbit.span(i);
             let sums = match motion {
-                Motion::Forward => &mut forward,
-                Motion::Backward => &mut backward,
-                Motion::Stuck => &mut stuck,
+                Motion::Forward => &mut these.forward,
+                Motion::Backward => &mut these.backward,
+                Motion::Stuck => &mut these.stuck,
             };
             sums[0] += end - start;
             if !orbit.switches() {
@@ -92,33 +89,20 @@ impl PhaseIntegrals {
                 at_end *= end_turn;
             }
         }
-        Self { forward, backward, stuck, highest }
+        these
     }
+}
 
-    /// ∫ τ exp(−jkωt) dt over the stuck phases, k = 0 … H, for the signal
-    /// τ = Re Σ Tₗ exp(jlωt).
-    pub fn held(&self, lines: &[Complex]) -> Vec<Complex> {
-        let mut held = vec![Complex::new(0.0, 0.0); self.highest + 1];
-        if self.stuck.is_empty() {
-            return held;
-        }
-        let over_stuck = |n: isize| {
-            let value = self.stuck[n.unsigned_abs()];
-            if n < 0 { value.conj() } else { value }
-        };
-        for (l, line) in lines.iter().enumerate() {
-            if line.re == 0.0 && line.im == 0.0 {
-                continue;
-            }
-            for (k, sum) in held.iter_mut().enumerate() {
-                let (k, l) = (k as isize, l as isize);
-                *sum += if l == 0 {
-                    line.re * over_stuck(k)
-                } else {
-                    0.5 * (line * over_stuck(k - l) + line.conj() * over_stuck(k + l))
-                };
-            }
-        }
-        held
+/// ∫ Re(T·exp(jωt))·exp(−jkωt) dt over the phases of rest, k = 0 … `highest`.
+pub(super) fn held_cosine(orbit: &Orbit, line: Complex, highest: usize) -> Vec<Complex> {
+    if !orbit.sticks() {
+        return vec![Complex::new(0.0, 0.0); highest + 1];
     }
+    let stuck = PhaseIntegrals::new(orbit, highest + 1).stuck;
+    (0..=highest)
+        .map(|k| {
+            let below = if k == 0 { stuck[1].conj() } else { stuck[k - 1] };
+            0.5 * (line * below + line.conj() * stuck[k + 1])
+        })
+        .collect()
 }

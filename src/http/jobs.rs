@@ -191,8 +191,10 @@ pub(super) async fn convergence_csv(
     Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8")], bytes).into_response())
 }
 
-/// Cancels a job: at once where it is queued; a running one ends at its next
-/// evaluation. Cancelling twice is no error.
+/// Cancels a job.
+///
+/// A queued one ends at once, a running one at its next evaluation. Cancelling
+/// twice is no error.
 #[utoipa::path(
     post, path = "/v1/jobs/{id}/cancel", tag = "jobs", operation_id = "cancel_job",
     params(("id" = String, Path, description = "Id of the job")),

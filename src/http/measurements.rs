@@ -23,8 +23,9 @@ pub(super) struct AddQuery {
     name: Option<String>,
 }
 
-/// Uploads a measurement: a harmonic table or time records. It is read before it
-/// is stored; what cannot be read is not stored.
+/// Uploads a measurement: a harmonic table or time records.
+///
+/// It is read before it is stored; what cannot be read is not stored.
 #[utoipa::path(
     post, path = "/v1/measurements", tag = "measurements", operation_id = "add_measurement",
     params(

@@ -44,12 +44,13 @@ fn section(title: &str, lines: Vec<String>) -> String {
 fn parameters(answer: &Identification) -> Vec<String> {
     let rows = answer.parameters.iter().map(|(name, estimate)| {
         let ParameterEstimate { value, std, interval95, unit, .. } = estimate;
+        let digits = digits(*value, *std);
         [
             name.clone(),
-            value.map_or("unknown".to_owned(), |value| significant(value, 6)),
+            value.map_or("unknown".to_owned(), |value| significant(value, digits)),
             std.map_or(String::new(), |std| format!("± {}", significant(std, 2))),
             interval95.map_or(String::new(), |[low, high]| {
-                format!("[{}, {}]", significant(low, 6), significant(high, 6))
+                format!("[{}, {}]", significant(low, digits), significant(high, digits))
             }),
             unit.clone(),
             flags(estimate),
@@ -57,6 +58,18 @@ fn parameters(answer: &Identification) -> Vec<String> {
     });
     let header = ["", "value", "std", "95 % interval", "unit", ""].map(str::to_owned);
     table(std::iter::once(header).chain(rows).collect())
+}
+
+/// Significant digits of a value that end where its deviation, to two digits, does.
+fn digits(value: Option<f64>, std: Option<f64>) -> usize {
+    let place = |number: Option<f64>| {
+        number.filter(|x| *x != 0.0 && x.is_finite()).map(|x| x.abs().log10().floor() as i32)
+    };
+    match (place(value), place(std)) {
+        // 15: what a double holds of decimal digits.
+        (Some(value), Some(std)) => (value - std + 2).clamp(2, 15) as usize,
+        _ => 6,
+    }
 }
 
 fn flags(estimate: &ParameterEstimate) -> String {
@@ -219,7 +232,18 @@ mod tests {
         let text = identification(&sample::identification());
         let line = text.lines().find(|line| line.contains("pole  ")).unwrap();
         let words = line.split_whitespace().collect::<Vec<_>>();
-        assert_eq!(words, ["pole", "-10.02", "±", "0.031", "[-10.0808,", "-9.95924]", "rad/s"]);
+        assert_eq!(words, ["pole", "-10.02", "±", "0.031", "[-10.081,", "-9.9592]", "rad/s"]);
+    }
+
+    #[test]
+    fn digits_end_where_the_deviation_does() {
+        let mut answer = sample::identification();
+        let pole = answer.parameters.get_mut("pole").unwrap();
+        pole.value = Some(-10.0000001);
+        pole.std = Some(1.4e-7);
+        pole.interval95 = Some([-10.000000374, -9.999999826]);
+        let text = identification(&answer);
+        assert!(text.contains("[-10.00000037, -9.999999826]"), "{text}");
     }
 
     #[test]

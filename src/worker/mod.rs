@@ -21,7 +21,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::task::{JoinHandle, JoinSet};
-use tracing::{error, info, warn};
+use tracing::{error, warn};
 
 use crate::service::{Service, Signals};
 use crate::store::Store;
@@ -116,7 +116,7 @@ async fn recover(shared: &Shared) {
 
 fn report(ended: Result<(), tokio::task::JoinError>) {
     match ended {
-        Ok(()) => info!("a place for a job is free"),
+        Ok(()) => {}
         // The lease expires and the job is queued again.
         Err(error) => error!(%error, "the task that looks after a job ended badly"),
     }

@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::answers::{ConvergenceRow, IdentifyOptions, Progress, Stage};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
+use crate::plant::{Actuator, Plant};
 
 use super::IdentifyError;
 use super::bee_colony::{self, Objective};
@@ -50,6 +51,9 @@ pub(super) struct Run<'a> {
     pub problem: &'a Problem,
     /// Actuator order to fit.
     pub order: u8,
+    /// The fit of the next lower order, where there is one: a start that this
+    /// order can only improve on.
+    pub lower: Option<&'a Fitted>,
     /// Whether other orders are fitted too: stages are then named by order.
     pub among_orders: bool,
     /// Options.
@@ -174,6 +178,10 @@ impl Run<'_> {
             misfit.solve_for_constant(&mut middle);
             starts.push(middle);
         }
+        starts.extend(self.lower.map(|fitted| {
+            let plant = fitted.coordinates.plant(&fitted.point);
+            coordinates.point(&with_fast_pole(&plant, problem.prior.omega_high))
+        }));
         let by_cost = |a: &Vec<f64>, b: &Vec<f64>| misfit.cost(a).total_cmp(&misfit.cost(b));
         starts.sort_by(by_cost);
         let mut point = starts[0].clone();
@@ -317,6 +325,21 @@ impl Run<'_> {
             stop_reason: stop_reason.into(),
         }
     }
+}
+
+/// The plant with one more actuator pole, so fast that it hardly shows.
+fn with_fast_pole(plant: &Plant, omega_high: f64) -> Plant {
+    let fast = 30.0 * omega_high;
+    let actuator = match plant.actuator {
+        Actuator::Direct => Actuator::FirstOrder { corner_rad_s: fast },
+        Actuator::FirstOrder { corner_rad_s } => {
+            let natural_frequency_rad_s = (corner_rad_s * fast).sqrt();
+            let damping_ratio = 0.5 * (corner_rad_s + fast) / natural_frequency_rad_s;
+            Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio }
+        }
+        already => already,
+    };
+    Plant { actuator, ..*plant }
 }
 
 /// The misfit as the bees see it: over the unit cube, with K solved for.

@@ -17,8 +17,6 @@ mod refine;
 mod summary;
 mod uncertainty;
 
-use rayon::prelude::*;
-
 use crate::answers::{
     Identification, IdentifyOptions, InvalidOptions, Method, PlantRequest, Provenance,
 };
@@ -77,15 +75,20 @@ pub fn identify(
         None => vec![0, 1, 2],
     };
     let problem = Problem::new(measurement)?;
-    let fits: Vec<Fitted> = orders
-        .par_iter()
-        .map(|order| {
-            let among_orders = orders.len() > 1;
-            let problem = &problem;
-            Run { measurement, problem, order: *order, among_orders, options, observer }.fit()
-        })
-        .collect::<Result<_, _>>()?;
-    let order_choice = (fits.len() > 1).then(|| order::choose(&problem, &fits));
+    let mut fits: Vec<Fitted> = Vec::new();
+    for order in &orders {
+        let run = Run {
+            measurement,
+            problem: &problem,
+            order: *order,
+            lower: fits.last(),
+            among_orders: orders.len() > 1,
+            options,
+            observer,
+        };
+        fits.push(run.fit()?);
+    }
+    let order_choice = (fits.len() > 1).then(|| order::choose(&problem, &fits, observer));
     let wanted = order_choice.as_ref().map_or(orders[0], |choice| choice.actuator_order);
     let chosen = fits.iter().find(|fit| fit.order == wanted).expect("a fitted order is chosen");
     let misfit = Misfit {

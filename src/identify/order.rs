@@ -2,36 +2,47 @@
 
 use crate::answers::{OrderCandidate, OrderChoice};
 
+use crate::observer::Observer;
+
 use super::abc_ann::Fitted;
+use super::objective::Misfit;
 use super::problem::Problem;
+use super::refine;
 
 /// Share of the largest response below which a difference between model and
 /// data is rounding in the upload, not a reason for another pole.
 const ROUNDING: f64 = 1e-6;
 
+/// Share of the misfit that a parameter must take away where the misfit is the
+/// model's fault and not the noise's: its residuals are not independent, so
+/// significance is free and only usefulness counts.
+const USEFUL: f64 = 0.05;
+
 /// Chooses among fits of several orders, given in ascending order.
 ///
 /// The criterion is Schwarz's (1978, doi:10.1214/aos/1176344136): χ² plus ln N
 /// for every parameter where the noise is known and some model explains the
-/// data, N·ln(cost) plus the same where the scale of the residual has to be
-/// taken from the residual itself. In doubt the lower order stays.
-pub(super) fn choose(problem: &Problem, fits: &[Fitted]) -> OrderChoice {
+/// data, N·ln(cost) plus the same where the noise is unknown. Where the noise is
+/// known and no model explains the data, a parameter must be useful instead. In
+/// doubt the lower order stays.
+pub(super) fn choose(problem: &Problem, fits: &[Fitted], observer: &dyn Observer) -> OrderChoice {
     let data = problem.data() as f64;
-    let penalty = data.ln();
-    let best_cost = fits.iter().map(|fit| fit.cost).fold(f64::INFINITY, f64::min);
+    let costs = comparable_costs(problem, fits, observer);
+    let best_cost = costs.iter().copied().fold(f64::INFINITY, f64::min);
     let known = fits.iter().all(|fit| fit.weights.known());
     // χ² of pure noise scatters by √(2N) around N.
     let explained = known && best_cost < data + 4.0 * (2.0 * data).sqrt();
+    let penalty = if known && !explained { USEFUL * data } else { data.ln() };
     let rounding = if known { 0.0 } else { data * ROUNDING * ROUNDING };
     let candidates: Vec<OrderCandidate> = fits
         .iter()
-        .map(|fit| {
+        .zip(costs)
+        .map(|(fit, cost)| {
             let parameters = fit.coordinates.len();
-            let misfit =
-                if explained { fit.cost } else { data * ((fit.cost + rounding) / data).ln() };
+            let misfit = if explained { cost } else { data * ((cost + rounding) / data).ln() };
             OrderCandidate {
                 actuator_order: fit.order,
-                chi2: fit.cost,
+                chi2: cost,
                 parameters,
                 criterion: misfit + penalty * parameters as f64,
             }
@@ -43,6 +54,22 @@ pub(super) fn choose(problem: &Problem, fits: &[Fitted]) -> OrderChoice {
         .expect("at least one order was fitted");
     let explanation = explain(chosen, &candidates, explained);
     OrderChoice { actuator_order: chosen.actuator_order, explanation, candidates }
+}
+
+/// Costs under the same weights: those of the best fit, where every fit has
+/// weights of its own because the input scatters.
+fn comparable_costs(problem: &Problem, fits: &[Fitted], observer: &dyn Observer) -> Vec<f64> {
+    let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+    let Some(best) = best.filter(|best| best.weights.depend_on_model) else {
+        return fits.iter().map(|fit| fit.cost).collect();
+    };
+    fits.iter()
+        .map(|fit| {
+            let coordinates = &fit.coordinates;
+            let misfit = Misfit { problem, coordinates, weights: &best.weights, observer };
+            refine::refine(&misfit, &fit.point, &mut |_, _, _| {}).cost
+        })
+        .collect()
 }
 
 fn explain(chosen: &OrderCandidate, all: &[OrderCandidate], explained: bool) -> String {

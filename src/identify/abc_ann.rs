@@ -228,7 +228,7 @@ impl Run<'_> {
             let bar = best.as_ref().map_or(f64::INFINITY, |refined| refined.cost);
             let refined =
                 refine::refine(&self.misfit(coordinates, weights), start, &mut |_, used, cost| {
-                    self.row("refinement", cycle, evaluations + used, cost.min(bar), Some(cost));
+                    self.row("refinement", cycle, evaluations + used, cost.min(bar), None);
                     cycle += 1;
                 });
             self.go_on()?;

@@ -69,10 +69,18 @@ pub(super) fn summarise(
     let residual_scale = (fitted.cost / dof.max(1) as f64).sqrt();
     let scale = if known { fit.uncertainty_scale } else { residual_scale };
     let uncertainty = Uncertainty::new(&here, &held, scale);
+    let released = Uncertainty::new(&here, &vec![false; held.len()], scale);
     let quantile = quantile95(if known { fitted.weights.scale_dof } else { dof as f64 });
     let plant = problem.in_units(&fitted.coordinates.plant(&fitted.point));
     let units = Units::of(measurement);
-    let estimates = Estimates { fitted, problem, uncertainty: &uncertainty, held: &held, quantile };
+    let estimates = Estimates {
+        fitted,
+        problem,
+        uncertainty: &uncertainty,
+        released: &released,
+        held: &held,
+        quantile,
+    };
     let parameters = estimates.all(&plant, &units);
     Some(Summary {
         correlations: estimates.correlations(),
@@ -155,6 +163,8 @@ struct Estimates<'a> {
     fitted: &'a Fitted,
     problem: &'a Problem,
     uncertainty: &'a Uncertainty,
+    /// The same with nothing held: how far a level at its bound may reach.
+    released: &'a Uncertainty,
     held: &'a [bool],
     quantile: f64,
 }
@@ -242,16 +252,17 @@ impl Estimates<'_> {
         }
     }
 
+    /// A friction level: its interval ends at zero, where it may lie itself.
     fn linear(&self, value: f64, i: usize, unit_text: &str) -> ParameterEstimate {
-        let scale = self.problem.scales.input;
-        let std = self.uncertainty.std(&unit(&self.fitted.coordinates, i)).map(|std| std * scale);
         let at_bound = self.held[i];
-        let std = std.filter(|_| !at_bound);
+        let uncertainty = if at_bound { self.released } else { self.uncertainty };
+        let scale = self.problem.scales.input;
+        let std = uncertainty.std(&unit(&self.fitted.coordinates, i)).map(|std| std * scale);
+        let reach = |std: f64| self.quantile * std;
         ParameterEstimate {
             value: Some(value),
             std,
-            interval95: std
-                .map(|std| [(value - self.quantile * std).max(0.0), value + self.quantile * std]),
+            interval95: std.map(|std| [(value - reach(std)).max(0.0), value + reach(std)]),
             unit: unit_text.to_owned(),
             at_bound,
             identifiable: std.is_some(),

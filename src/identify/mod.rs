@@ -4,8 +4,10 @@ mod abc_ann;
 pub mod bee_colony;
 mod closed_form;
 mod features;
+mod history;
 mod limitations;
 mod moderation;
+mod naming;
 pub mod network;
 mod noise;
 mod objective;
@@ -24,6 +26,7 @@ use crate::measurement::Measurement;
 use crate::observer::Observer;
 
 use abc_ann::{Fitted, Run};
+use history::History;
 use objective::Misfit;
 use problem::Problem;
 
@@ -76,16 +79,10 @@ pub fn identify(
     };
     let problem = Problem::new(measurement)?;
     let mut fits: Vec<Fitted> = Vec::new();
-    for order in &orders {
-        let run = Run {
-            measurement,
-            problem: &problem,
-            order: *order,
-            lower: fits.last(),
-            among_orders: orders.len() > 1,
-            options,
-            observer,
-        };
+    for (before, order) in orders.iter().enumerate() {
+        let history = History { observer, order: *order, orders: (before, orders.len()) };
+        let lower = fits.last();
+        let run = Run { measurement, problem: &problem, options, lower, history };
         fits.push(run.fit()?);
     }
     let order_choice = (fits.len() > 1).then(|| order::choose(&problem, &fits, observer));

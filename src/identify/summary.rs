@@ -10,6 +10,7 @@ use crate::measurement::{Measurement, ResponseKind};
 use crate::plant::{Actuator, Plant};
 
 use super::abc_ann::Fitted;
+use super::naming;
 use super::objective::Misfit;
 use super::parameters::{CONSTANT, Coordinate};
 use super::problem::Problem;
@@ -18,28 +19,6 @@ use super::uncertainty::{Uncertainty, unit};
 
 /// Probability below which a residual is more than noise.
 const LEVEL: f64 = 0.01;
-
-/// Parameters of a plant by name, in its units.
-pub(super) fn values(plant: &Plant) -> IndexMap<String, f64> {
-    let mut values = IndexMap::new();
-    let mut insert = |name: &str, value: f64| {
-        values.insert(name.to_owned(), value);
-    };
-    insert("pole", -plant.viscous_rate_rad_s);
-    insert("constant", plant.constant);
-    insert("dc_gain", plant.constant / plant.viscous_rate_rad_s);
-    insert("fc_plus", plant.friction.fc_plus);
-    insert("fc_minus", plant.friction.fc_minus);
-    match plant.actuator {
-        Actuator::Direct => {}
-        Actuator::FirstOrder { corner_rad_s } => insert("actuator_pole", -corner_rad_s),
-        Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
-            insert("natural_frequency", natural_frequency_rad_s);
-            insert("damping_ratio", damping_ratio);
-        }
-    }
-    values
-}
 
 /// Everything an answer says of a fitted point.
 pub(super) struct Summary {
@@ -297,21 +276,8 @@ impl Estimates<'_> {
                 *value *= signs[(r, c)];
             }
         }
-        let names = which.iter().map(|i| name(list[*i]).to_owned()).collect();
+        let names = which.iter().map(|i| naming::name(list[*i]).to_owned()).collect();
         Correlations { names, matrix }
-    }
-}
-
-fn name(coordinate: Coordinate) -> &'static str {
-    match coordinate {
-        Coordinate::ViscousRate => "pole",
-        Coordinate::Constant => "constant",
-        Coordinate::FcPlus => "fc_plus",
-        Coordinate::FcMinus => "fc_minus",
-        Coordinate::FcMean => "fc_mean",
-        Coordinate::ActuatorRate => "actuator_pole",
-        Coordinate::NaturalFrequency => "natural_frequency",
-        Coordinate::DampingRatio => "damping_ratio",
     }
 }
 

@@ -1,0 +1,98 @@
+//! What a run tells its observer, and what it keeps of each stage.
+
+use crate::answers::{ConvergenceRow, Progress, Stage};
+use crate::observer::Observer;
+use crate::plant::Plant;
+
+use super::IdentifyError;
+use super::naming;
+
+/// Stages by name, and the shares of a run at which they begin and end.
+const SHARES: [(&str, f64, f64); 4] = [
+    ("closed_form", 0.0, 0.02),
+    ("network", 0.02, 0.45),
+    ("colony", 0.45, 0.85),
+    ("refinement", 0.85, 1.0),
+];
+
+/// Reports one run of the method to its observer.
+pub(super) struct History<'a> {
+    /// Who watches.
+    pub observer: &'a dyn Observer,
+    /// Actuator order that is fitted.
+    pub order: u8,
+    /// Orders fitted before this one, and all that are fitted: where there are
+    /// several, stages are named by order.
+    pub orders: (usize, usize),
+}
+
+/// A stage that has begun.
+pub(super) struct Begun<'h> {
+    history: &'h History<'h>,
+    stage: &'static str,
+    begun_s: f64,
+    total: u64,
+}
+
+impl History<'_> {
+    /// A stage of `total` steps begins.
+    pub fn begin(&self, stage: &'static str, total: u64) -> Begun<'_> {
+        let begun = Begun { history: self, stage, begun_s: self.observer.elapsed_s(), total };
+        begun.progress(0);
+        begun
+    }
+
+    /// # Errors
+    /// When the observer has asked to stop.
+    pub fn go_on(&self) -> Result<(), IdentifyError> {
+        if self.observer.cancelled() { Err(IdentifyError::Cancelled) } else { Ok(()) }
+    }
+
+    fn name(&self, stage: &str) -> String {
+        match self.orders {
+            (_, 1) => stage.to_owned(),
+            _ => format!("{stage} (order {})", self.order),
+        }
+    }
+}
+
+impl Begun<'_> {
+    /// So many steps are done.
+    pub fn progress(&self, done: u64) {
+        let (_, begin, end) =
+            SHARES.iter().find(|(name, ..)| *name == self.stage).expect("a stage that is listed");
+        let share = begin + (end - begin) * done as f64 / self.total.max(1) as f64;
+        let (before, all) = self.history.orders;
+        self.history.observer.progress(Progress {
+            stage: self.history.name(self.stage),
+            done,
+            total: self.total,
+            fraction: (before as f64 + share) / all as f64,
+        });
+    }
+
+    /// One row of convergence history.
+    pub fn row(&self, cycle: u64, evaluations: u64, best: f64, mean: Option<f64>) {
+        let observer = self.history.observer;
+        observer.row(ConvergenceRow {
+            stage: self.history.name(self.stage),
+            cycle,
+            evaluations,
+            best,
+            mean,
+            elapsed_s: observer.elapsed_s(),
+        });
+    }
+
+    /// The stage has ended at a plant (in units of the upload).
+    pub fn end(&self, evaluations: u64, cost: f64, plant: &Plant, stop_reason: &str) -> Stage {
+        Stage {
+            name: self.history.name(self.stage),
+            evaluations,
+            seconds: self.history.observer.elapsed_s() - self.begun_s,
+            cost,
+            parameters: naming::values(plant),
+            stop_reason: stop_reason.to_owned(),
+        }
+    }
+}

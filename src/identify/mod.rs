@@ -3,6 +3,7 @@
 mod abc_ann;
 pub mod bee_colony;
 mod closed_form;
+mod estimates;
 mod features;
 mod history;
 mod limitations;

@@ -1,21 +1,18 @@
-//! From a fitted point to the answer: parameters by name, in units, with
-//! intervals.
+//! From a fitted point to the answer.
 
 use indexmap::IndexMap;
-use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 use crate::answers::{Correlations, Fit, ParameterEstimate, TransferFunction};
-use crate::measurement::{Measurement, ResponseKind};
+use crate::measurement::Measurement;
 use crate::plant::{Actuator, Plant};
 
 use super::abc_ann::Fitted;
-use super::naming;
+use super::estimates::{Estimates, Units};
 use super::objective::Misfit;
-use super::parameters::{CONSTANT, Coordinate};
 use super::problem::Problem;
 use super::refine;
-use super::uncertainty::{Uncertainty, unit};
+use super::uncertainty::Uncertainty;
 
 /// Probability below which a residual is more than noise.
 const LEVEL: f64 = 0.01;
@@ -115,170 +112,6 @@ fn goodness(problem: &Problem, fitted: &Fitted, misfit: &Misfit<'_>, dof: i64) -
         adequate,
         uncertainty_scale,
     })
-}
-
-/// Units of the parameters, made of those of the upload.
-struct Units {
-    input: String,
-    velocity: String,
-}
-
-impl Units {
-    fn of(measurement: &Measurement) -> Self {
-        let metadata = measurement.metadata();
-        let or =
-            |unit: &str, name: &str| if unit.is_empty() { name.into() } else { unit.to_owned() };
-        let response = or(&metadata.response.unit, "response");
-        let velocity = match metadata.response_kind {
-            ResponseKind::Velocity => response,
-            ResponseKind::Position => format!("{response}/s"),
-            ResponseKind::Acceleration => format!("{response}·s"),
-        };
-        Self { input: or(&metadata.input.unit, "input"), velocity }
-    }
-}
-
-struct Estimates<'a> {
-    fitted: &'a Fitted,
-    problem: &'a Problem,
-    uncertainty: &'a Uncertainty,
-    /// The same with nothing held: how far a level at its bound may reach.
-    released: &'a Uncertainty,
-    held: &'a [bool],
-    quantile: f64,
-}
-
-impl Estimates<'_> {
-    fn all(&self, plant: &Plant, units: &Units) -> IndexMap<String, ParameterEstimate> {
-        let Units { input, velocity } = units;
-        let mut parameters = IndexMap::new();
-        let mut insert = |name: &str, estimate: ParameterEstimate| {
-            parameters.insert(name.to_owned(), estimate);
-        };
-        let rate = |value: f64, i: usize| self.logarithmic(value, i, "rad/s");
-        let constant = format!("({velocity})/({input}·s)");
-        let gain = format!("({velocity})/({input})");
-        insert("pole", rate(-plant.viscous_rate_rad_s, 0));
-        insert("constant", self.logarithmic(plant.constant, CONSTANT, &constant));
-        insert("dc_gain", self.dc_gain(plant, &gain));
-        for (i, coordinate) in self.fitted.coordinates.list.iter().enumerate() {
-            let friction = plant.friction;
-            let level = |value: f64| self.linear(value, i, input);
-            match coordinate {
-                Coordinate::ViscousRate | Coordinate::Constant => {}
-                Coordinate::FcPlus => insert("fc_plus", level(friction.fc_plus)),
-                Coordinate::FcMinus => insert("fc_minus", level(friction.fc_minus)),
-                Coordinate::FcMean => {
-                    let unknown = ParameterEstimate {
-                        value: Some(friction.fc_plus),
-                        std: None,
-                        interval95: None,
-                        unit: input.clone(),
-                        at_bound: false,
-                        identifiable: false,
-                    };
-                    insert("fc_plus", unknown.clone());
-                    insert("fc_minus", unknown);
-                    insert("fc_mean", level(friction.fc_plus));
-                }
-                Coordinate::ActuatorRate => {
-                    if let Actuator::FirstOrder { corner_rad_s } = plant.actuator {
-                        insert("actuator_pole", rate(-corner_rad_s, i));
-                    }
-                }
-                Coordinate::NaturalFrequency => {
-                    if let Actuator::SecondOrder { natural_frequency_rad_s, .. } = plant.actuator {
-                        insert("natural_frequency", rate(natural_frequency_rad_s, i));
-                    }
-                }
-                Coordinate::DampingRatio => {
-                    if let Actuator::SecondOrder { damping_ratio, .. } = plant.actuator {
-                        insert("damping_ratio", self.logarithmic(damping_ratio, i, ""));
-                    }
-                }
-            }
-        }
-        parameters
-    }
-
-    /// A parameter whose logarithm was estimated: its interval is that of the
-    /// logarithm, so it never crosses zero.
-    fn logarithmic(&self, value: f64, i: usize, unit_text: &str) -> ParameterEstimate {
-        let std = self.uncertainty.std(&unit(&self.fitted.coordinates, i));
-        self.of_logarithm(value, std, self.held[i], unit_text)
-    }
-
-    fn of_logarithm(
-        &self,
-        value: f64,
-        std: Option<f64>,
-        at_bound: bool,
-        unit_text: &str,
-    ) -> ParameterEstimate {
-        let std = std.filter(|_| !at_bound);
-        let ends = std.map(|std| {
-            let factor = (self.quantile * std).exp();
-            let (a, b) = (value / factor, value * factor);
-            [a.min(b), a.max(b)]
-        });
-        ParameterEstimate {
-            value: Some(value),
-            std: std.map(|std| std * value.abs()),
-            interval95: ends,
-            unit: unit_text.to_owned(),
-            at_bound,
-            identifiable: std.is_some(),
-        }
-    }
-
-    /// A friction level: its interval ends at zero, where it may lie itself.
-    fn linear(&self, value: f64, i: usize, unit_text: &str) -> ParameterEstimate {
-        let at_bound = self.held[i];
-        let uncertainty = if at_bound { self.released } else { self.uncertainty };
-        let scale = self.problem.scales.input;
-        let std = uncertainty.std(&unit(&self.fitted.coordinates, i)).map(|std| std * scale);
-        let reach = |std: f64| self.quantile * std;
-        ParameterEstimate {
-            value: Some(value),
-            std,
-            interval95: std.map(|std| [(value - reach(std)).max(0.0), value + reach(std)]),
-            unit: unit_text.to_owned(),
-            at_bound,
-            identifiable: std.is_some(),
-        }
-    }
-
-    fn dc_gain(&self, plant: &Plant, unit_text: &str) -> ParameterEstimate {
-        let mut combination = vec![0.0; self.fitted.coordinates.len()];
-        combination[0] = -1.0;
-        combination[CONSTANT] = 1.0;
-        let std = self.uncertainty.std(&combination);
-        let value = plant.constant / plant.viscous_rate_rad_s;
-        self.of_logarithm(value, std, self.held[0] || self.held[CONSTANT], unit_text)
-    }
-
-    fn correlations(&self) -> Correlations {
-        let list = &self.fitted.coordinates.list;
-        let which: Vec<usize> = (0..list.len())
-            .filter(|i| !self.held[*i])
-            .filter(|i| self.uncertainty.std(&unit(&self.fitted.coordinates, *i)).is_some())
-            .collect();
-        let mut matrix = self.uncertainty.correlations(&which);
-        // Poles are reported as −a and −p.
-        let sign = |i: usize| match list[i] {
-            Coordinate::ViscousRate | Coordinate::ActuatorRate => -1.0,
-            _ => 1.0,
-        };
-        let signs =
-            DMatrix::from_fn(which.len(), which.len(), |r, c| sign(which[r]) * sign(which[c]));
-        for (r, row) in matrix.iter_mut().enumerate() {
-            for (c, value) in row.iter_mut().enumerate() {
-                *value *= signs[(r, c)];
-            }
-        }
-        let names = which.iter().map(|i| naming::name(list[*i]).to_owned()).collect();
-        Correlations { names, matrix }
-    }
 }
 
 /// G(s) = A(s)·K/(s + a) as polynomials and poles.

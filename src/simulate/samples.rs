@@ -116,9 +116,13 @@ impl Samples {
             }
             self.add_part(first, start, (first + 1) as f64 * self.step_s, omega, &mut sums);
             self.add_part(last, last as f64 * self.step_s, end, omega, &mut sums);
-            for n in first + 1..last {
-                left[0][n] = Complex::new(self.value[n], self.first[n]);
-                left[1][n] = Complex::new(self.second[n], 0.0);
+            let [values, curvatures] = &mut left;
+            let whole = first + 1..last;
+            for ((n, value), curvature) in
+                whole.clone().zip(&mut values[whole.clone()]).zip(&mut curvatures[whole])
+            {
+                *value = Complex::new(self.value[n], self.first[n]);
+                *curvature = Complex::new(self.second[n], 0.0);
             }
             if last > first + 1 {
                 ends.extend([(first + 1, -1.0), (last, 1.0)]);

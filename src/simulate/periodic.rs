@@ -21,6 +21,12 @@ use super::spectrum::sliding_friction;
 /// Periods after which a motion from rest counts as not periodic.
 const MOST_PERIODS: usize = 400;
 
+/// Share of the largest x that is lost in rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// Switches of one cell beyond which time has stopped passing.
+const MOST_SWITCHES_PER_CELL: usize = 64;
+
 /// The motion reached from rest, and the torque it was found with; `lines` are
 /// the torque lines.
 pub(super) fn orbit(
@@ -30,19 +36,18 @@ pub(super) fn orbit(
     grid: &Grid,
 ) -> Result<(Orbit, Samples), NoResponse> {
     let waves = Waves::new(plant, lines, excitation, grid);
-    let scale = waves.steady.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
     let unique = plant.friction.fs_plus == plant.friction.fc_plus
         && plant.friction.fs_minus == plant.friction.fc_minus;
     let mut start = State { x: 0.0, motion: Motion::Stuck };
     for period in 0..MOST_PERIODS {
-        let pass = waves.pass(start);
+        let pass = waves.pass(start).ok_or(NoResponse::NotPeriodic { periods: period })?;
         let change = pass.end.x - start.x;
         // `start` of the first pass is a guess (rest), never part of the motion.
-        if period > 0 && pass.end.motion == start.motion && change.abs() <= 1e-13 * scale {
+        if period > 0 && pass.end.motion == start.motion && change.abs() <= ROUNDING * waves.scale {
             return Ok((pass.into_orbit(excitation.period_s()), waves.torque));
         }
         // Newton's step may only jump where every start leads to the same motion.
-        let jump = unique || change.abs() < 1e-3 * scale;
+        let jump = unique || change.abs() < 1e-3 * waves.scale;
         let next = start.x + change / (1.0 - pass.slope);
         let same_side = match pass.end.motion {
             Motion::Forward => next > 0.0,
@@ -89,6 +94,8 @@ struct Waves {
     torque: Samples,
     /// w: steady response of 1/(s + a) to the torque.
     steady: Vec<f64>,
+    /// Largest |w|.
+    scale: f64,
 }
 
 /// A point of the motion from which x is continued.
@@ -109,11 +116,12 @@ impl Waves {
             .map(|(l, torque)| torque / Complex::new(a, l as f64 * omega))
             .collect();
         let (torque, steady) = Samples::of(grid, omega, lines, &through);
-        Self { a, friction: plant.friction, torque, steady }
+        let scale = steady.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+        Self { a, friction: plant.friction, torque, steady, scale }
     }
 
-    /// Follows the motion over one period.
-    fn pass(&self, start: State) -> Pass {
+    /// Follows the motion over one period; `None` where it switches without end.
+    fn pass(&self, start: State) -> Option<Pass> {
         let mut phases = Vec::new();
         let mut slope = 1.0;
         let mut state = start;
@@ -121,6 +129,7 @@ impl Waves {
         let step_kept = (-self.a * self.torque.step_s).exp();
         for cell in 0..self.torque.cells() {
             let cell_end = (cell + 1) as f64 * self.torque.step_s;
+            let most_phases = phases.len() + MOST_SWITCHES_PER_CELL;
             loop {
                 let switch = match sliding_friction(&self.friction, state.motion) {
                     None => self.breakaway(cell, anchor.time_s),
@@ -146,6 +155,9 @@ impl Waves {
                     }
                 };
                 let Some((time_s, motion)) = switch else { break };
+                if phases.len() == most_phases {
+                    return None;
+                }
                 slope *= self.slope_through(start, &phases, state.motion, time_s, cell);
                 phases.push(Phase { start_s: time_s, motion });
                 state.motion = motion;
@@ -165,7 +177,7 @@ impl Waves {
                     * (self.torque.at(cell, last.start_s) - friction)
             }
         };
-        Pass { phases, end: State { x: anchor.x, motion: state.motion }, slope }
+        Some(Pass { phases, end: State { x: anchor.x, motion: state.motion }, slope })
     }
 
     /// Derivative of this switch's instant by the previous one's (by the
@@ -203,9 +215,16 @@ impl Waves {
         if let Some(motion) = direction(at_start) {
             return Some((from_s, motion));
         }
-        let motion = direction(self.torque.value[cell + 1])?;
+        let mut low = from_s;
+        let mut high = (cell + 1) as f64 * self.torque.step_s;
+        let motion = match direction(self.torque.value[cell + 1]) {
+            Some(motion) => motion,
+            None => {
+                high = self.top(cell, from_s, at_start)?;
+                direction(self.torque.at(cell, high))?
+            }
+        };
         let level = if motion == Motion::Forward { plus } else { -minus };
-        let (mut low, mut high) = (from_s, (cell + 1) as f64 * self.torque.step_s);
         let mut time_s = 0.5 * (low + high);
         for _ in 0..60 {
             let excess = self.torque.at(cell, time_s) - level;
@@ -223,6 +242,18 @@ impl Waves {
             }
         }
         Some((time_s, motion))
+    }
+
+    /// The instant within the cell at which the torque turns back, where its
+    /// tangents let it exceed a static level between two samples.
+    fn top(&self, cell: usize, from_s: f64, at_start: f64) -> Option<f64> {
+        let end_s = (cell + 1) as f64 * self.torque.step_s;
+        let (rate, rate_end) = (self.torque.slope_at(cell, from_s), self.torque.first[cell + 1]);
+        let sign = rate.signum();
+        let level = if sign > 0.0 { self.friction.fs_plus } else { self.friction.fs_minus };
+        let within_reach = sign * at_start + rate.abs() * (end_s - from_s) > level;
+        (sign * rate_end < 0.0 && within_reach)
+            .then(|| bisect(from_s, end_s, |t| sign * self.torque.slope_at(cell, t) > 0.0))
     }
 
     /// The instant within the cell at which a slide ends, and what follows.
@@ -247,13 +278,16 @@ impl Waves {
         };
         let rate =
             |time_s: f64, x: f64| -self.a * x + sign * (self.torque.at(cell, time_s) - friction);
-        let crosses = sign * x_end < 0.0;
+        // A slide that began within the cell leaves zero, whatever rounding makes of
+        // its first instants: a stop there would be a breakaway again, for ever.
+        let fresh = anchor.x == 0.0;
+        let crosses = sign * x_end < if fresh { -ROUNDING * self.scale } else { 0.0 };
         let (mut low, mut high) = (anchor.time_s, cell_end);
-        if crosses && anchor.x == 0.0 && rate_start > 0.0 {
+        if crosses && fresh && rate_start > 0.0 {
             // It leaves zero and returns to it within the cell: look beyond the top.
             low = bisect(low, high, |t| rate(t, x(t)) > 0.0);
         } else if !crosses {
-            if !(rate_start < 0.0 && rate_end > 0.0) {
+            if fresh || !(rate_start < 0.0 && rate_end > 0.0) {
                 return None;
             }
             // It may dip below zero between two samples.

@@ -9,10 +9,10 @@ use crate::measurement::{Complex, Experiment};
 use crate::plant::Actuator;
 
 /// Samples per period and highest line, at least: see `samples` for the error.
-const SAMPLES_PER_HIGHEST_CYCLE: usize = 8;
+const SAMPLES_PER_HIGHEST_CYCLE: usize = 12;
 
 /// Fewest samples a period of a general input is divided into.
-const FEWEST_SAMPLES: usize = 512;
+const FEWEST_SAMPLES: usize = 1024;
 
 /// A uniform grid over one period, with its transforms.
 #[derive(Clone)]
@@ -24,7 +24,7 @@ pub(super) struct Grid {
 impl Grid {
     fn new(highest_line: usize) -> Self {
         let samples = (SAMPLES_PER_HIGHEST_CYCLE * highest_line).max(FEWEST_SAMPLES);
-        let samples = samples.next_power_of_two();
+        let samples = next_quick_length(samples);
         let mut planner = FftPlanner::new();
         Self {
             inverse: planner.plan_fft_inverse(samples),
@@ -46,6 +46,19 @@ impl Grid {
     pub fn forward(&self, signal: &mut [Complex]) {
         self.forward.process(signal);
     }
+}
+
+/// The next length that has no prime factor above 5: transforms of it are quick.
+fn next_quick_length(at_least: usize) -> usize {
+    let left_over = |mut n: usize| {
+        for factor in [2, 3, 5] {
+            while n.is_multiple_of(factor) {
+                n /= factor;
+            }
+        }
+        n
+    };
+    (at_least..).find(|n| left_over(*n) == 1).expect("a power of two comes sooner or later")
 }
 
 /// A periodic input u(t) = Re Σ Uₖ exp(jkωt), prepared for simulation.

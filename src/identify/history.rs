@@ -78,7 +78,8 @@ impl Begun<'_> {
             stage: self.history.name(self.stage),
             cycle,
             evaluations,
-            best,
+            // A history is written down as JSON, which knows no infinity.
+            best: best.min(f64::MAX),
             mean,
             elapsed_s: observer.elapsed_s(),
         });

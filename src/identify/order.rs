@@ -6,6 +6,7 @@ use crate::observer::Observer;
 
 use super::abc_ann::Fitted;
 use super::objective::Misfit;
+use super::parameters::Coordinate;
 use super::problem::Problem;
 use super::refine;
 
@@ -50,10 +51,24 @@ pub(super) fn choose(problem: &Problem, fits: &[Fitted], observer: &dyn Observer
         .collect();
     let chosen = candidates
         .iter()
+        .zip(fits)
+        .filter(|(_, fit)| actuator_is_seen(fit))
+        .map(|(candidate, _)| candidate)
         .reduce(|best, next| if next.criterion < best.criterion { next } else { best })
-        .expect("at least one order was fitted");
+        .unwrap_or(&candidates[0]);
     let explanation = explain(chosen, &candidates, explained);
     OrderChoice { actuator_order: chosen.actuator_order, explanation, candidates }
+}
+
+/// Whether the actuator is within the range the data can see: one that is as
+/// fast as the search allows stands for none, whatever small misfit it takes up.
+fn actuator_is_seen(fit: &Fitted) -> bool {
+    let coordinates = &fit.coordinates;
+    (0..coordinates.len()).all(|i| {
+        let is_rate =
+            matches!(coordinates.list[i], Coordinate::ActuatorRate | Coordinate::NaturalFrequency);
+        !is_rate || fit.point[i] < coordinates.upper[i]
+    })
 }
 
 /// Costs under the same weights: those of the best fit, where every fit has

@@ -164,7 +164,7 @@ pub fn measure(draw: &Draw, seed: u64) -> Result<Measurement, DrawError> {
 }
 
 /// What is measured of a response: its harmonics and the deviations of the repeats.
-fn observe(
+pub(crate) fn observe(
     exact: &[Complex],
     std: Option<f64>,
     statement: NoiseStatement,
@@ -206,7 +206,7 @@ fn noisy(exact: &[Complex], std: f64, rng: &mut ChaCha8Rng) -> Vec<Complex> {
 }
 
 /// median|Y₁|·10^(−N/20), if it is positive.
-fn noise_std(responses: &[Vec<Complex>], noise_db: f64) -> Option<f64> {
+pub(crate) fn noise_std(responses: &[Vec<Complex>], noise_db: f64) -> Option<f64> {
     let mut fundamentals: Vec<f64> =
         responses.iter().map(|response| response.get(1).map_or(0.0, |y| y.norm())).collect();
     fundamentals.sort_by(f64::total_cmp);

@@ -7,6 +7,7 @@ mod interrupt;
 mod logging;
 mod openapi;
 mod serve;
+mod simulate;
 
 use std::process::ExitCode;
 
@@ -34,6 +35,10 @@ enum Command {
     Openapi,
     /// Runs the service.
     Serve(serve::Args),
+    /// Writes a measurement of an axis with known parameters.
+    ///
+    /// The response is exact; without any flag it is that of the first system of the paper.
+    Simulate(Box<simulate::Args>),
 }
 
 /// Does what the arguments of the process ask for. Exit code 0: done; 2: the
@@ -51,6 +56,7 @@ pub fn main() -> ExitCode {
             logging::start("info", cli.verbose);
             serve::run(args)
         }
+        Command::Simulate(args) => simulate::run(*args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,0 +1,295 @@
+//! A test bench that is not there: the exact response, measured with noise.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::benchmark::draw::{NoiseStatement, noise_std, observe};
+use crate::measurement::{
+    Complex, Experiment, InvalidMeasurement, Measurement, Metadata, Quantity, ResponseKind,
+};
+use crate::plant::{Friction, Plant};
+use crate::simulate::{Excitation, NoResponse, respond};
+
+/// How noisy a measurement is: the standard deviation of re and im of every
+/// harmonic, of re alone of harmonic 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Noise {
+    /// Not at all.
+    None,
+    /// In response units.
+    Std(f64),
+    /// N for median|Y₁|·10^(−N/20), the median over all experiments.
+    Decibels(f64),
+}
+
+/// An axis and how it is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Bench {
+    pub plant: Plant,
+    /// Input units.
+    pub magnitudes: Vec<f64>,
+    /// Each measured at every magnitude.
+    pub frequencies_rad_s: Vec<f64>,
+    /// Highest harmonic.
+    pub harmonics: usize,
+    pub response: ResponseKind,
+    pub input_unit: String,
+    pub response_unit: String,
+    pub noise: Noise,
+    /// Repeats to write in place of the deviation; each scatters √M more.
+    pub repeats: Option<usize>,
+    pub seed: u64,
+}
+
+/// Why a bench gives no measurement.
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub(super) enum BenchError {
+    #[error("magnitude {magnitude} at {omega_rad_s} rad/s: {source}")]
+    NoResponse { magnitude: f64, omega_rad_s: f64, source: NoResponse },
+    #[error(
+        "half of the experiments or more do not move, so --noise-db is relative to 0; raise \
+         --magnitudes above the friction, {level}, or give --noise-std"
+    )]
+    Still { level: f64 },
+    #[error(
+        "a position is periodic only if the mean velocity is 0, which needs the same excess of \
+         --fs over --fc in both directions, not {plus} and {minus}"
+    )]
+    Drifts { plus: f64, minus: f64 },
+    #[error(transparent)]
+    Invalid(#[from] InvalidMeasurement),
+}
+
+impl Bench {
+    /// Simulates every experiment and adds the noise.
+    pub(super) fn measure(&self) -> Result<Measurement, BenchError> {
+        let offset = self.input_offset()?;
+        let axis = Plant { friction: shifted(self.plant.friction, offset), ..self.plant };
+        let points: Vec<(f64, f64)> = self
+            .magnitudes
+            .iter()
+            .flat_map(|m| self.frequencies_rad_s.iter().map(move |omega| (*m, *omega)))
+            .collect();
+        let responses: Vec<Vec<Complex>> =
+            points.par_iter().map(|point| self.respond(&axis, *point)).collect::<Result<_, _>>()?;
+        let std = match self.noise {
+            Noise::None => None,
+            Noise::Std(std) => Some(std),
+            Noise::Decibels(decibels) => {
+                let Friction { fs_plus, fs_minus, .. } = self.plant.friction;
+                let still = BenchError::Still { level: fs_plus.max(fs_minus) };
+                Some(noise_std(&responses, decibels).ok_or(still)?)
+            }
+        };
+        let statement = self.repeats.map_or(NoiseStatement::Std, NoiseStatement::Repeats);
+        let rng = &mut ChaCha8Rng::seed_from_u64(self.seed);
+        let experiments = points
+            .iter()
+            .zip(&responses)
+            .enumerate()
+            .map(|(index, (&(magnitude, omega_rad_s), exact))| {
+                let (mut response, mut repeats) = observe(exact, std, statement, rng);
+                if self.response != ResponseKind::Velocity {
+                    // The mean of a position or an acceleration says nothing.
+                    response.remove(0);
+                    for repeat in &mut repeats {
+                        repeat.response.remove(0);
+                    }
+                }
+                Experiment {
+                    magnitude,
+                    omega_rad_s,
+                    input: vec![Complex::new(offset, 0.0), Complex::new(magnitude, 0.0)],
+                    input_mean_measured: offset != 0.0,
+                    response,
+                    run: Some(index as f64),
+                    repeats,
+                    from_record: false,
+                }
+            })
+            .collect();
+        // No bytes were read, so there is nothing to take a digest of.
+        Ok(Measurement::new(self.metadata(), experiments, Vec::new(), String::new())?)
+    }
+
+    /// Constant input, input units. An axis whose position is periodic does not
+    /// drift: something holds its mean velocity at 0, and what that takes is
+    /// the difference of the friction in the two directions.
+    fn input_offset(&self) -> Result<f64, BenchError> {
+        if self.response != ResponseKind::Position {
+            return Ok(0.0);
+        }
+        let Friction { fc_plus, fc_minus, fs_plus, fs_minus } = self.plant.friction;
+        let (plus, minus) = (fs_plus - fc_plus, fs_minus - fc_minus);
+        // Rounding of the two differences.
+        if (plus - minus).abs() > 1e-12 * fs_plus.max(fs_minus) {
+            return Err(BenchError::Drifts { plus, minus });
+        }
+        Ok(0.5 * (fc_plus - fc_minus))
+    }
+
+    /// Y₀ … of one experiment, response units.
+    fn respond(
+        &self,
+        axis: &Plant,
+        (magnitude, omega_rad_s): (f64, f64),
+    ) -> Result<Vec<Complex>, BenchError> {
+        let input = Excitation::cosine(omega_rad_s, magnitude);
+        let mut harmonics = respond(axis, &[], &input, self.harmonics)
+            .map_err(|source| BenchError::NoResponse { magnitude, omega_rad_s, source })?;
+        for (order, value) in harmonics.iter_mut().enumerate().skip(1) {
+            let derivative = Complex::new(0.0, order as f64 * omega_rad_s);
+            match self.response {
+                ResponseKind::Velocity => {}
+                ResponseKind::Position => *value /= derivative,
+                ResponseKind::Acceleration => *value *= derivative,
+            }
+        }
+        Ok(harmonics)
+    }
+
+    fn metadata(&self) -> Metadata {
+        let quantity = |name: &str, unit: &str| match unit {
+            "" => Quantity::default(),
+            unit => Quantity { name: name.to_owned(), unit: unit.to_owned() },
+        };
+        let response = match self.response {
+            ResponseKind::Velocity => "velocity",
+            ResponseKind::Position => "position",
+            ResponseKind::Acceleration => "acceleration",
+        };
+        Metadata {
+            name: Some("simulated axis".into()),
+            input: quantity("command", &self.input_unit),
+            response: quantity(response, &self.response_unit),
+            response_kind: self.response,
+            ..Metadata::default()
+        }
+    }
+}
+
+/// Friction as it acts beside a constant input: the same motion, without it.
+fn shifted(friction: Friction, offset: f64) -> Friction {
+    Friction {
+        fc_plus: friction.fc_plus - offset,
+        fc_minus: friction.fc_minus + offset,
+        fs_plus: friction.fs_plus - offset,
+        fs_minus: friction.fs_minus + offset,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::Actuator;
+
+    fn bench() -> Bench {
+        Bench {
+            plant: Plant {
+                viscous_rate_rad_s: 10.0,
+                constant: 10.0,
+                actuator: Actuator::Direct,
+                friction: Friction::coulomb(0.5, 0.4),
+            },
+            magnitudes: vec![1.0, 2.0, 4.0],
+            frequencies_rad_s: vec![1.0, 3.0, 10.0, 30.0, 100.0],
+            harmonics: 7,
+            response: ResponseKind::Velocity,
+            input_unit: String::new(),
+            response_unit: String::new(),
+            noise: Noise::None,
+            repeats: None,
+            seed: 1,
+        }
+    }
+
+    fn noise(noisy: &Bench) -> Vec<f64> {
+        let exact = Bench { noise: Noise::None, repeats: None, ..noisy.clone() }.measure().unwrap();
+        let noisy = noisy.measure().unwrap();
+        let pairs = noisy.experiments().iter().zip(exact.experiments());
+        pairs
+            .flat_map(|(noisy, exact)| noisy.response.iter().zip(&exact.response))
+            .flat_map(|(noisy, exact)| {
+                let difference = noisy.value - exact.value;
+                let im = (noisy.order > 0).then_some(difference.im);
+                [Some(difference.re), im].into_iter().flatten()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn noise_is_as_stated_and_told_by_deviations_or_by_repeats() {
+        for repeats in [None, Some(6)] {
+            let bench = Bench { noise: Noise::Std(0.01), repeats, ..bench() };
+            let values = noise(&bench);
+            let rms = (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt();
+            // The rms of n normals is known to 1/√(2n); four of that.
+            let margin = 4.0 / (2.0 * values.len() as f64).sqrt();
+            assert!((rms / 0.01 - 1.0).abs() < margin, "{rms} with {repeats:?} repeats");
+            for experiment in bench.measure().unwrap().experiments() {
+                assert_eq!(experiment.repeats.len(), repeats.unwrap_or(0));
+                assert_eq!(experiment.std_given(), repeats.is_none());
+            }
+        }
+    }
+
+    #[test]
+    fn decibels_are_below_the_median_fundamental_of_the_response_as_measured() {
+        for response in [ResponseKind::Velocity, ResponseKind::Position] {
+            let bench = Bench { response, ..bench() };
+            let exact = bench.measure().unwrap();
+            let mut sizes: Vec<f64> =
+                exact.experiments().iter().map(|e| e.harmonic(1).unwrap().value.norm()).collect();
+            sizes.sort_by(f64::total_cmp);
+            let noisy = Bench { noise: Noise::Decibels(40.0), ..bench }.measure().unwrap();
+            let std = noisy.experiments()[0].response[0].std.unwrap();
+            assert!((std / (0.01 * sizes[7]) - 1.0).abs() < 1e-12, "{std}");
+        }
+    }
+
+    #[test]
+    fn decibels_below_nothing_are_refused() {
+        let still = Bench { magnitudes: vec![0.1, 0.2], noise: Noise::Decibels(60.0), ..bench() };
+        assert_eq!(still.measure().unwrap_err(), BenchError::Still { level: 0.5 });
+        assert!(Bench { noise: Noise::None, ..still }.measure().is_ok());
+    }
+
+    #[test]
+    fn a_position_is_held_in_place_by_a_constant_input() {
+        let bench = Bench { response: ResponseKind::Position, ..bench() };
+        let measurement = bench.measure().unwrap();
+        for experiment in measurement.experiments() {
+            assert!((experiment.input[0].re - 0.05).abs() < 1e-15);
+            assert!(experiment.input_mean_measured && experiment.harmonic(0).is_none());
+            // The same axis under the same input, mean included.
+            let velocity = respond(&bench.plant, &[], &Excitation::from(experiment), 1).unwrap();
+            assert!(velocity[0].norm() < 1e-9, "{}", velocity[0]);
+            let position = velocity[1] / Complex::new(0.0, experiment.omega_rad_s);
+            // The interpolation of a general input.
+            let miss = (position - experiment.harmonic(1).unwrap().value).norm();
+            assert!(miss < 1e-6 * position.norm(), "{miss}");
+        }
+        let friction = Friction { fs_plus: 0.7, ..Friction::coulomb(0.5, 0.4) };
+        let drifting = Bench { plant: Plant { friction, ..bench.plant }, ..bench };
+        assert!(matches!(drifting.measure(), Err(BenchError::Drifts { .. })));
+    }
+
+    #[test]
+    fn an_acceleration_is_the_derivative_of_the_velocity() {
+        let velocity = bench().measure().unwrap();
+        let measured = Bench { response: ResponseKind::Acceleration, ..bench() }.measure().unwrap();
+        for (v, a) in velocity.experiments().iter().zip(measured.experiments()) {
+            let expected = v.harmonic(3).unwrap().value * Complex::new(0.0, 3.0 * v.omega_rad_s);
+            assert_eq!(a.harmonic(3).unwrap().value, expected);
+            assert!(a.harmonic(0).is_none());
+        }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_measurement_and_another_one_does_not() {
+        let bench = Bench { noise: Noise::Decibels(60.0), ..bench() };
+        assert_eq!(bench.measure(), bench.measure());
+        assert_ne!(bench.measure(), Bench { seed: 2, ..bench.clone() }.measure());
+    }
+}

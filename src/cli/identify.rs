@@ -53,15 +53,19 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
     let files = read(&args.files)?;
     let sources = files.iter().map(|(name, bytes)| Source { name, bytes }).collect::<Vec<_>>();
     let measurement = BuiltIn.read(&sources).map_err(Failure::input)?;
-    for note in measurement.notes() {
-        eprintln!("note: {note}");
-    }
     let watch = Watch::new();
     let answer = BuiltIn.identify(&measurement, &request.identify(), &watch);
     watch.bar.finish_and_clear();
     let answer = answer.map_err(|error| match error {
         IdentifyError::Cancelled => Failure::other(error),
-        IdentifyError::Options(_) | IdentifyError::Unusable { .. } => Failure::input(error),
+        IdentifyError::Options(_) => Failure::input(error),
+        IdentifyError::Unusable { .. } => {
+            // They may say why; an answer carries them itself.
+            for note in measurement.notes() {
+                eprintln!("note: {note}");
+            }
+            Failure::input(error)
+        }
     })?;
     std::io::stdout().write_all(printed(&answer, args.json)?.as_bytes()).map_err(Failure::other)
 }

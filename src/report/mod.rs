@@ -1,5 +1,7 @@
 //! Answers as a person reads them. Knows results, never solvers.
 
+mod columns;
+mod number;
 #[cfg(test)]
 pub(crate) mod sample;
 mod text;

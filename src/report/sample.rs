@@ -66,14 +66,11 @@ pub(crate) fn identification() -> Identification {
                 OrderCandidate { actuator_order: 1, chi2: 811.9, parameters: 5, criterion: 845.6 },
             ],
         }),
-        stages: vec![Stage {
-            name: "refinement".into(),
-            evaluations: 37,
-            seconds: 0.81,
-            cost: 812.3,
-            parameters: IndexMap::from([("pole".to_owned(), -10.02)]),
-            stop_reason: "the cost no longer changes".into(),
-        }],
+        stages: vec![
+            stage("refinement (order 0)", 37, 0.81, 812.3),
+            stage("colony (order 1)", 1010, 1.5, 840.0),
+            stage("refinement (order 1)", 47, 0.4, 811.9),
+        ],
         stop_reason: "the cost no longer changes".into(),
         limitations: vec!["One magnitude only: fc_minus cannot be told from fc_plus.".into()],
         provenance: Provenance {
@@ -82,5 +79,16 @@ pub(crate) fn identification() -> Identification {
             options: IdentifyOptions::default(),
             actuator_order: None,
         },
+    }
+}
+
+fn stage(name: &str, evaluations: u64, seconds: f64, cost: f64) -> Stage {
+    Stage {
+        name: name.into(),
+        evaluations,
+        seconds,
+        cost,
+        parameters: IndexMap::from([("pole".to_owned(), -10.02)]),
+        stop_reason: "the cost no longer changes".into(),
     }
 }

@@ -6,25 +6,26 @@ use crate::answers::{
     Fit, Identification, NoiseSource, OrderChoice, ParameterEstimate, Stage, TransferFunction,
 };
 
-/// Writes an identification the way it is read: what was found, how sure it is,
-/// how well it fits, and what the data cannot tell.
+use super::columns::{Side, align_points, table};
+use super::number::{Rounding, digits, significant};
+
+/// Writes an identification the way it is read: whether the model can be
+/// trusted, what to mind, what was found, and how.
 pub fn identification(answer: &Identification) -> String {
-    let mut sections = vec![
-        section("Parameters", parameters(answer)),
-        section("Transfer function", transfer_function(&answer.transfer_function)),
-        section("Fit", fit(&answer.fit, answer.noise)),
-    ];
-    if let Some(choice) = &answer.order_choice {
-        sections.push(section("Actuator order", order(choice)));
-    }
-    sections.push(section("Stages", stages(&answer.stages, &answer.stop_reason)));
+    let mut sections = vec![section(verdict(&answer.fit), fit(answer))];
     if !answer.limitations.is_empty() {
         let lines = answer.limitations.iter().map(|text| format!("- {text}"));
-        sections.push(section("Limitations", lines.collect()));
+        sections.push(section("Mind", lines.collect()));
     }
+    sections.push(section("Parameters", parameters(answer)));
+    sections.push(section("Transfer function", transfer_function(answer)));
+    if let Some(choice) = &answer.order_choice {
+        sections.push(section("Actuator order", order(choice, answer)));
+    }
+    sections.push(section("Stages", stages(answer)));
     let provenance = &answer.provenance;
     sections.push(format!(
-        "servoscope {}, method {}, seed {}, data {}\n",
+        "servoscope {}, method {}, seed {}, data {:.12}\n",
         provenance.software_version,
         answer.method.name(),
         answer.seed,
@@ -41,159 +42,153 @@ fn section(title: &str, lines: Vec<String>) -> String {
     })
 }
 
+fn verdict(fit: &Fit) -> &'static str {
+    match fit.adequate {
+        Some(true) => "ADEQUATE: the model explains the data to within its noise",
+        Some(false) => "NOT ADEQUATE: the model leaves more than noise",
+        None => "Adequacy unknown, because the noise is",
+    }
+}
+
+fn fit(answer: &Identification) -> Vec<String> {
+    let Fit { chi2, dof, chi2_per_dof, nrmse, .. } = answer.fit;
+    let noise = match answer.noise {
+        NoiseSource::Given => "as given",
+        NoiseSource::Repeats => "the scatter of the repeats",
+        NoiseSource::Periods => "the scatter from period to period",
+        NoiseSource::Estimated => "estimated from what the model leaves",
+    };
+    let mut rows = vec![
+        ["left".to_owned(), format!("{} % of the response (NRMSE)", significant(100.0 * nrmse, 3))],
+        ["noise".to_owned(), noise.to_owned()],
+    ];
+    if let (Some(chi2), Some(each)) = (chi2, chi2_per_dof) {
+        let (chi2, each) = (significant(chi2, 4), significant(each, 3));
+        let text = format!("{chi2} over {dof} degrees of freedom, {each} each");
+        rows.insert(1, ["χ²".to_owned(), text]);
+    }
+    table([Side::Left, Side::Left], &rows)
+}
+
 fn parameters(answer: &Identification) -> Vec<String> {
-    let rows = answer.parameters.iter().map(|(name, estimate)| {
-        let ParameterEstimate { value, std, interval95, unit, .. } = estimate;
-        let digits = digits(*value, *std);
-        [
-            name.clone(),
-            value.map_or("unknown".to_owned(), |value| significant(value, digits)),
-            std.map_or(String::new(), |std| format!("± {}", significant(std, 2))),
-            interval95.map_or(String::new(), |[low, high]| {
-                format!("[{}, {}]", significant(low, digits), significant(high, digits))
-            }),
-            unit.clone(),
-            flags(estimate),
-        ]
-    });
-    let header = ["", "value", "std", "95 % interval", "unit", ""].map(str::to_owned);
-    table(std::iter::once(header).chain(rows).collect())
+    let mut rows: Vec<[String; 7]> = answer
+        .parameters
+        .iter()
+        .map(|(name, estimate)| {
+            let ParameterEstimate { value, std, interval95, unit, .. } = estimate;
+            let rounding = value.zip(*std).and_then(|(value, std)| Rounding::of(value, std));
+            let write = |number: f64| match rounding {
+                Some(rounding) => rounding.write(number),
+                None => significant(number, 6),
+            };
+            let [low, high] = interval95.map_or_else(Default::default, |ends| ends.map(write));
+            [
+                name.clone(),
+                value.map_or("unknown".to_owned(), write),
+                std.map_or(String::new(), write),
+                low,
+                high,
+                unit.clone(),
+                flags(estimate).to_owned(),
+            ]
+        })
+        .collect();
+    for column in 1..=4 {
+        align_points(rows.iter_mut().map(|row| &mut row[column]));
+    }
+    rows.insert(0, ["", "value", "std", "95 % from", "to", "unit", ""].map(str::to_owned));
+    let (left, right) = (Side::Left, Side::Right);
+    table([left, right, right, right, right, left, left], &rows)
 }
 
-/// Significant digits of a value that end where its deviation, to two digits, does.
-fn digits(value: Option<f64>, std: Option<f64>) -> usize {
-    let place = |number: Option<f64>| {
-        number.filter(|x| *x != 0.0 && x.is_finite()).map(|x| x.abs().log10().floor() as i32)
+fn flags(estimate: &ParameterEstimate) -> &'static str {
+    match (estimate.identifiable, estimate.at_bound) {
+        (true, false) => "",
+        (true, true) => "at the bound of what is possible",
+        (false, false) => "not determined by this data",
+        (false, true) => "not determined by this data, at the bound of what is possible",
+    }
+}
+
+fn transfer_function(answer: &Identification) -> Vec<String> {
+    let digits = |estimate: &ParameterEstimate| {
+        let (value, std) = estimate.value.zip(estimate.std)?;
+        Some(Rounding::of(value, std)?.digits(value))
     };
-    match (place(value), place(std)) {
-        // 15: what a double holds of decimal digits.
-        (Some(value), Some(std)) => (value - std + 2).clamp(2, 15) as usize,
-        _ => 6,
-    }
-}
-
-fn flags(estimate: &ParameterEstimate) -> String {
-    let mut flags = Vec::new();
-    if !estimate.identifiable {
-        flags.push("not identifiable from this data");
-    }
-    if estimate.at_bound {
-        flags.push("at the bound of what is physically possible");
-    }
-    flags.join(", ")
-}
-
-fn transfer_function(function: &TransferFunction) -> Vec<String> {
-    let poles = function.poles.iter().map(|&[re, im]| match im {
-        0.0 => significant(re, 6),
-        _ if im < 0.0 => format!("{} − {}j", significant(re, 6), significant(-im, 6)),
-        _ => format!("{} + {}j", significant(re, 6), significant(im, 6)),
+    // The best known parameter's: each coefficient mixes several.
+    let digits = answer.parameters.values().filter_map(digits).max().unwrap_or(3).clamp(3, 6);
+    let TransferFunction { numerator, denominator, poles, .. } = &answer.transfer_function;
+    let [numerator, denominator] = [numerator, denominator].map(|p| polynomial(p, digits));
+    let poles = poles.iter().filter(|[_, im]| *im >= 0.0).map(|&[re, im]| {
+        let re = significant(re, digits);
+        if im == 0.0 { re } else { format!("{re} ± {}j", significant(im, digits)) }
     });
-    vec![
-        format!(
-            "G(s) = ({}) / ({})",
-            polynomial(&function.numerator),
-            polynomial(&function.denominator)
-        ),
-        format!("poles {} rad/s", poles.collect::<Vec<_>>().join(", ")),
-        format!("DC gain {}", significant(function.dc_gain, 6)),
-    ]
+    let poles = poles.collect::<Vec<_>>().join(", ");
+    vec![format!("G(s) = {numerator} / ({denominator})"), format!("poles  {poles} rad/s")]
 }
 
-fn fit(fit: &Fit, noise: NoiseSource) -> Vec<String> {
-    let left = format!("{} % of the response (NRMSE)", significant(100.0 * fit.nrmse, 3));
-    let verdict = match fit.adequate {
-        Some(true) => {
-            format!("Adequate: the model explains the data to within its noise; it leaves {left}.")
-        }
-        Some(false) => format!("Not adequate: beyond the noise, the model leaves {left}."),
-        None => format!(
-            "The noise is unknown, so nothing can be said of adequacy; the model leaves {left}."
-        ),
-    };
-    let mut lines = vec![verdict];
-    if let (Some(chi2), Some(per_dof)) = (fit.chi2, fit.chi2_per_dof) {
-        lines.push(format!(
-            "χ² {} over {} degrees of freedom: {} each",
-            significant(chi2, 5),
-            fit.dof,
-            significant(per_dof, 3)
-        ));
-    }
-    lines.push(match noise {
-        NoiseSource::Given => "The noise was given.".to_owned(),
-        NoiseSource::Repeats => "The noise is the scatter of the repeats.".to_owned(),
-        NoiseSource::Periods => "The noise is the scatter from period to period.".to_owned(),
-        NoiseSource::Estimated => "The noise is estimated from what the model leaves.".to_owned(),
-    });
-    if fit.uncertainty_scale > 1.0 {
-        lines.push(format!(
-            "Every deviation above is widened by {} for what the model leaves.",
-            significant(fit.uncertainty_scale, 3)
-        ));
-    }
-    lines
-}
-
-fn order(choice: &OrderChoice) -> Vec<String> {
-    let rows = choice.candidates.iter().map(|candidate| {
+fn order(choice: &OrderChoice, answer: &Identification) -> Vec<String> {
+    let mut rows =
+        vec![["order", cost_name(&answer.fit), "parameters", "criterion"].map(str::to_owned)];
+    rows.extend(choice.candidates.iter().map(|candidate| {
         [
             candidate.actuator_order.to_string(),
-            significant(candidate.chi2, 6),
+            digits(candidate.chi2, 4),
             candidate.parameters.to_string(),
-            significant(candidate.criterion, 6),
+            digits(candidate.criterion, 4),
         ]
-    });
-    let header = ["order", "χ²", "parameters", "criterion"].map(str::to_owned);
+    }));
     let mut lines = vec![choice.explanation.clone()];
-    lines.extend(table(std::iter::once(header).chain(rows).collect()));
+    lines.extend(table([Side::Right; 4], &rows));
     lines
 }
 
-fn stages(stages: &[Stage], stop_reason: &str) -> Vec<String> {
-    let rows = stages.iter().map(|stage| {
+fn stages(answer: &Identification) -> Vec<String> {
+    // Where several orders were tried, a stage says in its name which it is of.
+    let chosen = answer.order_choice.as_ref().map(|choice| choice.actuator_order);
+    let suffix = chosen.map(|order| format!(" (order {order})")).unwrap_or_default();
+    let (of_chosen, others): (Vec<&Stage>, Vec<&Stage>) =
+        answer.stages.iter().partition(|stage| stage.name.ends_with(&suffix));
+    let mut rows =
+        vec![["", cost_name(&answer.fit), "evaluations", "seconds", "ended"].map(str::to_owned)];
+    rows.extend(of_chosen.into_iter().map(|stage| {
         [
-            stage.name.clone(),
+            stage.name.trim_end_matches(&suffix).replace('_', " "),
+            digits(stage.cost, 4),
             stage.evaluations.to_string(),
             format!("{:.2}", stage.seconds),
-            significant(stage.cost, 6),
             stage.stop_reason.clone(),
         ]
-    });
-    let header = ["", "evaluations", "seconds", "cost", "ended because"].map(str::to_owned);
-    let mut lines = table(std::iter::once(header).chain(rows).collect());
-    lines.push(format!("Ended: {stop_reason}"));
+    }));
+    let (left, right) = (Side::Left, Side::Right);
+    let mut lines = table([left, right, right, right, left], &rows);
+    if !others.is_empty() {
+        let evaluations: u64 = others.iter().map(|stage| stage.evaluations).sum();
+        let seconds: f64 = others.iter().map(|stage| stage.seconds).sum();
+        lines.push(format!("the other orders: {evaluations} evaluations, {seconds:.2} s"));
+    }
     lines
 }
 
-/// Aligns columns to their widest cell, left-justified.
-fn table<const COLUMNS: usize>(rows: Vec<[String; COLUMNS]>) -> Vec<String> {
-    let mut widths = [0; COLUMNS];
-    for row in &rows {
-        for (width, cell) in widths.iter_mut().zip(row) {
-            *width = (*width).max(cell.chars().count());
-        }
-    }
-    let line = |row: &[String; COLUMNS]| {
-        let cells = row.iter().zip(widths).map(|(cell, width)| format!("{cell:<width$}"));
-        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
-    };
-    rows.iter().map(line).collect()
+/// What the cost is: χ² where the noise is known.
+fn cost_name(fit: &Fit) -> &'static str {
+    if fit.chi2.is_some() { "χ²" } else { "cost" }
 }
 
 /// A polynomial in s from its coefficients, highest power first.
-fn polynomial(coefficients: &[f64]) -> String {
+fn polynomial(coefficients: &[f64], digits: usize) -> String {
     let mut text = String::new();
     for (index, &coefficient) in coefficients.iter().enumerate() {
         let power = coefficients.len() - 1 - index;
         let sign = match (text.is_empty(), coefficient < 0.0) {
             (true, false) => "",
-            (true, true) => "−",
+            (true, true) => "-",
             (false, false) => " + ",
-            (false, true) => " − ",
+            (false, true) => " - ",
         };
         let size = coefficient.abs();
-        let factor = if size == 1.0 && power > 0 { String::new() } else { significant(size, 6) };
+        let factor =
+            if size == 1.0 && power > 0 { String::new() } else { significant(size, digits) };
         let variable = match power {
             0 => String::new(),
             1 => "s".to_owned(),
@@ -205,81 +200,77 @@ fn polynomial(coefficients: &[f64]) -> String {
     text
 }
 
-/// A number with so many significant digits, without trailing zeros.
-fn significant(value: f64, digits: usize) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let exponent = value.abs().log10().floor() as i32;
-    if !(-4..6).contains(&exponent) {
-        return format!("{value:.*e}", digits - 1);
-    }
-    let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
-    let text = format!("{value:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::report::sample;
 
-    #[test]
-    fn a_parameter_is_one_line_with_deviation_interval_and_unit() {
-        let text = identification(&sample::identification());
-        let line = text.lines().find(|line| line.contains("pole  ")).unwrap();
-        let words = line.split_whitespace().collect::<Vec<_>>();
-        assert_eq!(words, ["pole", "-10.02", "±", "0.031", "[-10.081,", "-9.9592]", "rad/s"]);
+    /// The words of the first line that begins with `word`.
+    fn words<'a>(text: &'a str, word: &str) -> Vec<&'a str> {
+        let mut lines = text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+        lines.find(|words| words.first() == Some(&word)).unwrap_or_else(|| panic!("{text}"))
     }
 
     #[test]
-    fn digits_end_where_the_deviation_does() {
-        let mut answer = sample::identification();
-        let pole = answer.parameters.get_mut("pole").unwrap();
-        pole.value = Some(-10.0000001);
-        pole.std = Some(1.4e-7);
-        pole.interval95 = Some([-10.000000374, -9.999999826]);
-        let text = identification(&answer);
-        assert!(text.contains("[-10.00000037, -9.999999826]"), "{text}");
+    fn a_parameter_is_one_line_with_deviation_interval_and_unit() {
+        let text = identification(&sample::identification());
+        assert_eq!(
+            words(&text, "pole"),
+            ["pole", "-10.020", "0.031", "-10.081", "-9.959", "rad/s"]
+        );
     }
 
     #[test]
     fn what_the_data_cannot_tell_is_said_not_shown_as_a_number() {
         let text = identification(&sample::identification());
-        let line = text.lines().find(|line| line.contains("fc_minus  ")).unwrap();
-        assert!(line.contains("unknown") && line.contains("not identifiable"), "{line}");
-        let line = text.lines().find(|line| line.contains("fc_plus  ")).unwrap();
-        assert!(line.contains("at the bound"), "{line}");
-        assert!(text.contains("- One magnitude only"));
+        assert_eq!(words(&text, "fc_minus")[1..4], ["unknown", "A", "not"]);
+        assert!(words(&text, "fc_plus").ends_with(&["of", "what", "is", "possible"]));
     }
 
     #[test]
-    fn the_fit_is_a_sentence_for_each_verdict() {
+    fn the_verdict_comes_first_and_what_to_mind_before_any_number() {
         let mut answer = sample::identification();
-        assert!(identification(&answer).contains("Adequate: the model explains the data"));
-        answer.fit.adequate = Some(false);
-        assert!(identification(&answer).contains("the model leaves 1.23 % of the response"));
-        answer.fit.adequate = None;
-        assert!(identification(&answer).contains("The noise is unknown"));
+        for (adequate, begin) in [
+            (Some(true), "ADEQUATE: the model explains the data"),
+            (Some(false), "NOT ADEQUATE: the model leaves more than noise"),
+            (None, "Adequacy unknown"),
+        ] {
+            answer.fit.adequate = adequate;
+            assert!(identification(&answer).starts_with(begin));
+        }
+        let text = identification(&answer);
+        let position = |part: &str| text.find(part).unwrap();
+        assert!(position("- One magnitude only") < position("Parameters"));
+        assert_eq!(words(&text, "left")[1..3], ["1.23", "%"]);
+    }
+
+    #[test]
+    fn without_the_noise_there_is_no_chi_squared() {
+        let mut answer = sample::identification();
+        answer.fit = Fit { chi2: None, chi2_per_dof: None, adequate: None, ..answer.fit };
+        let text = identification(&answer);
+        assert!(!text.contains('χ'), "{text}");
+        assert!(text.contains("cost"));
     }
 
     #[test]
     fn the_transfer_function_is_written_as_one() {
-        let text = identification(&sample::identification());
-        assert!(text.contains("G(s) = (10.01) / (s + 10.02)"), "{text}");
-        assert_eq!(polynomial(&[1.0, -2.0, 0.5]), "s^2 − 2 s + 0.5");
+        let mut answer = sample::identification();
+        assert!(identification(&answer).contains("G(s) = 10.01 / (s + 10.02)"));
+        answer.transfer_function.poles = vec![[-10.02, 0.0], [-2.5, 31.5], [-2.5, -31.5]];
+        assert!(identification(&answer).contains("-10.02, -2.5 ± 31.5j rad/s"));
+        assert_eq!(polynomial(&[1.0, -2.0, 0.5], 3), "s^2 - 2 s + 0.5");
     }
 
     #[test]
-    fn numbers_keep_their_significant_digits_at_any_size() {
-        assert_eq!(significant(0.00123456, 3), "0.00123");
-        assert_eq!(significant(-123.456, 4), "-123.5");
-        assert_eq!(significant(1.5e-7, 2), "1.5e-7");
-        assert_eq!(significant(2.5e6, 6), "2.50000e6");
-        assert_eq!(significant(100000.0, 6), "100000");
-        assert_eq!(significant(0.0, 6), "0");
+    fn stages_are_those_of_the_chosen_order_and_the_rest_is_a_sum() {
+        let mut answer = sample::identification();
+        let text = identification(&answer);
+        assert_eq!(words(&text, "refinement")[1..4], ["812.3", "37", "0.81"]);
+        assert!(!text.contains("colony"), "{text}");
+        assert!(text.contains("the other orders: 1057 evaluations, 1.90 s"), "{text}");
+        answer.order_choice = None;
+        let text = identification(&answer);
+        assert!(text.contains("colony (order 1)") && !text.contains("the other orders"), "{text}");
     }
 }

@@ -4,7 +4,7 @@ use std::process::Output;
 
 use serde_json::Value;
 
-use crate::process::{repository, servoscope};
+use crate::process::{servoscope, simulated};
 
 fn code(output: &Output) -> Option<i32> {
     output.status.code()
@@ -56,39 +56,81 @@ fn an_address_others_can_reach_is_refused_without_consent() {
     assert!(error(&output).contains("--insecure-listen"), "{}", error(&output));
 }
 
+/// A folder with a noisy measurement of the first system of the paper, and its path.
+fn noisy() -> (tempfile::TempDir, String) {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("g1.csv").to_str().unwrap().to_owned();
+    let output = servoscope(&["simulate", "--noise-db", "60", "--output", &file]);
+    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    assert!(output.stdout.is_empty());
+    (directory, file)
+}
+
 #[test]
-#[ignore = "needs the identification"]
 fn identify_prints_the_result_object_alone_on_standard_output() {
-    let file = repository("../shared/reference/g1.csv");
-    let file = file.to_str().unwrap();
-    let arguments = [
-        "identify",
-        file,
-        "--json",
-        "--actuator-order",
-        "0",
-        "--noise-std",
-        "0.001",
-        "--seed",
-        "3",
-    ];
+    let (_directory, file) = noisy();
+    let arguments = ["identify", &file, "--json", "--actuator-order", "0", "--seed", "3"];
     let output = servoscope(&arguments);
     assert_eq!(code(&output), Some(0), "{}", error(&output));
     let result: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(result["seed"], 3);
-    // The reference is noise-free to 1e-6: 1 % is far more than the fit may miss.
-    let pole = result["parameters"]["pole"]["value"].as_f64().unwrap();
-    assert!((pole + 10.0).abs() < 0.1, "{pole}");
+    assert_eq!(result["noise"], "given");
+    assert_eq!(result["fit"]["adequate"], true, "{}", result["fit"]);
+    for (name, truth) in [("pole", -10.0), ("constant", 10.0), ("fc_plus", 0.5), ("fc_minus", 0.4)]
+    {
+        let parameter = &result["parameters"][name];
+        let [value, std] = ["value", "std"].map(|key| parameter[key].as_f64().unwrap());
+        // The seed of the noise is fixed; beyond four deviations the deviation is wrong.
+        assert!((value - truth).abs() < 4.0 * std, "{name}: {value} ± {std}, not {truth}");
+        assert!(std < 1e-3 * truth.abs(), "{name}: {std} at 60 dB");
+    }
 }
 
 #[test]
-#[ignore = "needs the identification"]
 fn identify_prints_a_report_for_a_person() {
-    let file = repository("../shared/reference/g1.csv");
-    let output = servoscope(&["identify", file.to_str().unwrap(), "--actuator-order", "0"]);
+    let (_directory, file) = noisy();
+    let output = servoscope(&["identify", &file, "--actuator-order", "0"]);
     assert_eq!(code(&output), Some(0), "{}", error(&output));
     let report = String::from_utf8(output.stdout).unwrap();
-    for title in ["Parameters", "Transfer function", "Fit", "Stages"] {
-        assert!(report.contains(title), "{report}");
+    for part in ["ADEQUATE", "Parameters", "Transfer function", "Stages", "refinement"] {
+        assert!(report.contains(part), "{report}");
+    }
+}
+
+#[test]
+fn an_actuator_that_is_simulated_is_found_and_its_order_too() {
+    let actuator = ["--natural-frequency", "31.6", "--damping-ratio", "0.08"];
+    let table = simulated(&[&actuator[..], &["--noise-std", "0.001", "--repeats", "4"]].concat());
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("g2.csv");
+    std::fs::write(&file, table).unwrap();
+    let output = servoscope(&["identify", "--json", file.to_str().unwrap()]);
+    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(result["order_choice"]["actuator_order"], 2);
+    assert_eq!(result["noise"], "repeats");
+    for (name, truth) in [("natural_frequency", 31.6), ("damping_ratio", 0.08)] {
+        let parameter = &result["parameters"][name];
+        let [value, std] = ["value", "std"].map(|key| parameter[key].as_f64().unwrap());
+        // As above; the scale of the noise is estimated, too.
+        assert!((value - truth).abs() < 4.0 * std, "{name}: {value} ± {std}, not {truth}");
+    }
+}
+
+#[test]
+fn simulate_refuses_what_it_cannot_simulate_with_what_would_be_right() {
+    let cases: [(&[&str], &str); 3] = [
+        (&["--pole", "10"], "--pole -10"),
+        (
+            &["--magnitudes", "0.1", "--noise-db", "60"],
+            "raise --magnitudes above the friction, 0.5",
+        ),
+        (&["--damping-ratio", "0.1"], "--natural-frequency"),
+    ];
+    for (arguments, known) in cases {
+        let output = servoscope(&[&["simulate"], arguments].concat());
+        assert_eq!(code(&output), Some(2), "{arguments:?}");
+        assert!(error(&output).contains(known), "{arguments:?}: {}", error(&output));
+        assert!(output.stdout.is_empty());
     }
 }

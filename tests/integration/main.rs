@@ -2,9 +2,13 @@
 
 mod benchmark_simulator;
 mod cli;
+mod dockerfile;
 mod layers;
 mod measurements;
 mod openapi;
 mod process;
+mod readme;
+mod real_data;
 mod service;
+mod shared_files;
 mod simulation;

@@ -15,6 +15,13 @@ pub fn servoscope(arguments: &[&str]) -> Output {
     command().args(arguments).output().unwrap()
 }
 
+/// A measurement that the program simulates.
+pub fn simulated(arguments: &[&str]) -> Vec<u8> {
+    let output = servoscope(&[&["simulate"], arguments].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    output.stdout
+}
+
 fn command() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_servoscope"));
     command.env_remove("RUST_LOG");
@@ -61,6 +68,28 @@ impl Server {
     pub fn post(&self, path: &str, content_type: &str, body: &[u8]) -> Answer {
         let request = self.agent.post(format!("{}{path}", self.address));
         request.header("content-type", content_type).send(body).unwrap().into()
+    }
+
+    /// Queues a job and gives its path.
+    pub fn submit(&self, request: &Value) -> String {
+        let job = self.post("/v1/jobs", "application/json", request.to_string().as_bytes());
+        assert_eq!(job.status, 202, "{}", job.text);
+        format!("/v1/jobs/{}", job.json()["id"].as_str().unwrap())
+    }
+
+    /// Waits for a job to end and gives it as it then stands.
+    pub fn ended(&self, job: &str) -> Value {
+        loop {
+            let job = self.get(&format!("{job}?wait=30")).json();
+            if !["queued", "running"].contains(&job["status"].as_str().unwrap()) {
+                return job;
+            }
+        }
+    }
+
+    /// Where it listens, as `http://…`.
+    pub fn address(&self) -> &str {
+        &self.address
     }
 
     /// Ends the process without a chance to clean up, as a power cut does.

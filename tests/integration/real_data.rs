@@ -1,0 +1,80 @@
+//! Real machines, through the command line and over HTTP.
+
+use serde_json::{Value, json};
+
+use crate::process::{Server, servoscope};
+use crate::shared_files::shared;
+
+/// Published mass of the positioning stage, kg.
+const EMPS_MASS_KG: f64 = 95.1089;
+
+fn by_command_line(arguments: &[&str]) -> Value {
+    let output = servoscope(&[&["identify", "--json"], arguments].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn over_http(record: &[u8], plant: &Value, options: &Value) -> Value {
+    let directory = tempfile::tempdir().unwrap();
+    let server = Server::start(directory.path(), &[]);
+    let measurement = server.post("/v1/measurements", "text/csv", record);
+    assert_eq!(measurement.status, 201, "{}", measurement.text);
+    let job = server.submit(&json!({
+        "measurement_id": measurement.json()["id"], "kind": "identify",
+        "plant": plant, "options": options,
+    }));
+    let ended = server.ended(&job);
+    assert_eq!(ended["status"], "succeeded", "{ended}");
+    let history = server.get(&format!("{job}/convergence")).json();
+    assert!(!history["rows"].as_array().unwrap().is_empty());
+    server.get(&format!("{job}/result")).json()
+}
+
+#[test]
+fn the_mass_of_the_positioning_stage_is_the_published_one() {
+    let Some(file) = shared("data/emps/emps.csv") else { return };
+    let result = by_command_line(&["--actuator-order", "0", file.to_str().unwrap()]);
+    let mass_kg = 1.0 / result["parameters"]["constant"]["value"].as_f64().unwrap();
+    // Another method and another friction model found the published value.
+    assert!((mass_kg / EMPS_MASS_KG - 1.0).abs() < 0.03, "{mass_kg} kg");
+    assert_eq!(result["parameters"]["constant"]["unit"], "(m/s)/(N·s)");
+    assert_eq!(result["noise"], "periods");
+
+    let record = std::fs::read(&file).unwrap();
+    let served = over_http(&record, &json!({"actuator_order": 0}), &json!({}));
+    // The same data, options and seed: the same bits.
+    assert_eq!(served["parameters"], result["parameters"]);
+    assert_eq!(served["provenance"], result["provenance"]);
+}
+
+fn is_an_answer_for_the_motor_bench(result: &Value) {
+    assert_eq!(result["noise"], "periods");
+    assert!(result["fit"]["nrmse"].as_f64().unwrap().is_finite());
+    assert!(result["fit"]["chi2"].as_f64().unwrap() > 0.0);
+    for name in ["pole", "constant", "dc_gain", "fc_plus", "fc_minus"] {
+        assert!(result["parameters"][name].is_object(), "{name}");
+    }
+}
+
+#[test]
+fn the_motor_bench_has_an_answer() {
+    let Some(file) = shared("data/motor-bench/multisine_a.csv") else { return };
+    // The stages that dominate the time of a record with so many lines, cut short.
+    let options = json!({"network": {"enabled": false}, "colony": {"cycles": 5}});
+    let text = options.to_string();
+    let path = file.to_str().unwrap();
+    let result = by_command_line(&["--actuator-order", "0", "--options", &text, path]);
+    is_an_answer_for_the_motor_bench(&result);
+    let record = std::fs::read(&file).unwrap();
+    let served = over_http(&record, &json!({"actuator_order": 0}), &options);
+    assert_eq!(served["parameters"], result["parameters"]);
+}
+
+#[test]
+#[ignore = "slow: three orders of a record with 1250 lines"]
+fn the_motor_bench_has_an_answer_by_default_options() {
+    let Some(file) = shared("data/motor-bench/multisine_a.csv") else { return };
+    let result = by_command_line(&[file.to_str().unwrap()]);
+    is_an_answer_for_the_motor_bench(&result);
+    assert_eq!(result["order_choice"]["candidates"].as_array().unwrap().len(), 3);
+}

@@ -1,0 +1,101 @@
+//! What the README tells a reader to type.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::process::{Server, repository, servoscope};
+use crate::shared_files::skipped;
+
+/// How the README runs the program.
+const RUN: &str = "cargo run --release -- ";
+
+fn readme() -> String {
+    std::fs::read_to_string(repository("README.md")).unwrap()
+}
+
+/// Blocks of a kind, in order.
+fn blocks<'a>(text: &'a str, kind: &str) -> Vec<&'a str> {
+    let opening = format!("\n```{kind}\n");
+    let opened: Vec<&str> = text.split(opening.as_str()).skip(1).collect();
+    opened.into_iter().map(|rest| rest.split("\n```").next().unwrap()).collect()
+}
+
+/// Runs a block as it stands, in `folder`; `cargo run` runs the program that
+/// these tests were built with, and the server is `server`.
+fn paste(block: &str, folder: &Path, server: Option<&Server>) -> String {
+    let program = format!("{} ", env!("CARGO_BIN_EXE_servoscope"));
+    let mut script = block.replace(RUN, &program);
+    if let Some(server) = server {
+        script = script.replace("http://127.0.0.1:8080", server.address());
+    }
+    let output = Command::new("sh").args(["-eu", "-c", &script]).current_dir(folder).output();
+    let output = output.expect("there is a shell");
+    let [out, err] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(output.status.success(), "{block}\n{out}\n{err}");
+    out
+}
+
+#[test]
+fn every_shell_block_works_as_pasted() {
+    let text = readme();
+    let blocks = blocks(&text, "sh");
+    let directory = tempfile::tempdir().unwrap();
+    let main_job = blocks.iter().find(|block| block.contains("simulate")).unwrap();
+    let report = paste(main_job, directory.path(), None);
+    // Up to the times, which are of another machine.
+    let reports = self::blocks(&text, "text");
+    let shown = reports.iter().find(|block| block.starts_with("ADEQUATE")).unwrap();
+    let shown = shown.split("Stages").next().unwrap();
+    assert!(report.starts_with(shown), "the README shows\n{shown}\nbut it is\n{report}");
+    if Command::new("curl").arg("--version").output().is_err() {
+        skipped("curl is absent");
+        return;
+    }
+    let server = Server::start(&directory.path().join("store"), &[]);
+    let requests = blocks.iter().find(|block| block.contains("curl")).unwrap();
+    let answers = paste(requests, directory.path(), Some(&server));
+    for part in ["\"status\":\"succeeded\"", "\"transfer_function\":", "stage,cycle,evaluations"] {
+        assert!(answers.contains(part), "{part} is missing in\n{answers}");
+    }
+}
+
+#[test]
+fn every_flag_and_subcommand_is_one_of_the_program() {
+    let text = readme();
+    let typed = blocks(&text, "sh").into_iter().flat_map(|block| block.split(RUN).skip(1));
+    let listed = blocks(&text, "text").into_iter().filter(|block| block.starts_with("servoscope "));
+    let listed =
+        listed.flat_map(|block| block.lines().filter_map(|l| l.strip_prefix("servoscope ")));
+    let commands = typed.chain(listed).map(|line| line.split_whitespace().collect::<Vec<_>>());
+    let mut count = 0;
+    for words in commands {
+        let output = servoscope(&[words[0], "--help"]);
+        assert!(output.status.success(), "`servoscope {}` is not a command", words[0]);
+        let help = String::from_utf8(output.stdout).unwrap();
+        let known: Vec<&str> = help.split_whitespace().collect();
+        let flags = words.iter().map(|word| word.trim_matches(['[', ']', '…']));
+        for flag in flags.filter(|word| word.starts_with("--") && word.len() > 2) {
+            assert!(known.contains(&flag), "`{flag}` of `{}` is not in\n{help}", words.join(" "));
+        }
+        count += 1;
+    }
+    assert!(count > 4, "the README shows only {count} commands");
+}
+
+#[test]
+fn every_file_it_links_to_is_there() {
+    let text = readme();
+    let targets = text.split("](").skip(1).map(|rest| rest.split(')').next().unwrap());
+    for target in targets.filter(|target| !target.starts_with(['#', 'h'])) {
+        assert!(repository(target).exists(), "{target}");
+    }
+}
+
+#[test]
+fn the_tests_are_run_by_the_command_that_it_gives() {
+    let text = readme();
+    let ci = std::fs::read_to_string(repository(".ci/run")).unwrap();
+    let command = "cargo test --locked";
+    assert!(blocks(&text, "sh").contains(&command));
+    assert!(ci.lines().any(|line| line.trim().ends_with(command)), "{ci}");
+}

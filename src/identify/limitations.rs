@@ -7,6 +7,10 @@ use super::abc_ann::Fitted;
 use super::problem::Problem;
 use super::summary::Summary;
 
+/// Remarks of the reader that are repeated in an answer, at most: a stepped sine
+/// has some for every segment.
+const MOST_NOTES: usize = 6;
+
 /// Sentences for the user; empty where nothing is missing.
 pub(super) fn of(
     measurement: &Measurement,
@@ -15,7 +19,11 @@ pub(super) fn of(
     fitted: &Fitted,
     summary: &Summary,
 ) -> Vec<String> {
-    let mut sentences: Vec<String> = measurement.notes().to_vec();
+    let mut sentences: Vec<String> = measurement.notes().iter().take(MOST_NOTES).cloned().collect();
+    if measurement.notes().len() > MOST_NOTES {
+        let more = measurement.notes().len() - MOST_NOTES;
+        sentences.push(format!("… and {more} more remarks on what was read, with the measurement"));
+    }
     let mut say = |sentence: String| sentences.push(sentence);
     if problem.tied_friction {
         say("without harmonic 0 or even harmonics Fc⁺ and Fc⁻ cannot be told apart: fc_mean is \

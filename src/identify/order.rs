@@ -14,6 +14,10 @@ use super::refine;
 /// data is rounding in the upload, not a reason for another pole.
 const ROUNDING: f64 = 1e-6;
 
+/// The same where Fc⁺ and Fc⁻ are taken to be equal: what that takes from odd
+/// harmonics is of second order in their difference.
+const ASYMMETRY: f64 = 1e-4;
+
 /// Share of the misfit that a parameter must take away where the misfit is the
 /// model's fault and not the noise's: its residuals are not independent, so
 /// significance is free and only usefulness counts.
@@ -34,7 +38,8 @@ pub(super) fn choose(problem: &Problem, fits: &[Fitted], observer: &dyn Observer
     // χ² of pure noise scatters by √(2N) around N.
     let explained = known && best_cost < data + 4.0 * (2.0 * data).sqrt();
     let penalty = if known && !explained { USEFUL * data } else { data.ln() };
-    let rounding = if known { 0.0 } else { data * ROUNDING * ROUNDING };
+    let share = if problem.tied_friction { ASYMMETRY } else { ROUNDING };
+    let rounding = if known { 0.0 } else { data * share * share };
     let candidates: Vec<OrderCandidate> = fits
         .iter()
         .zip(costs)

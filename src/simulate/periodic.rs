@@ -20,6 +20,12 @@ use super::spectrum::sliding_friction;
 /// Periods after which a motion from rest counts as not periodic.
 const MOST_PERIODS: usize = 400;
 
+/// Share of the largest x that is lost in rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// Switches of one cell beyond which time has stopped passing.
+const MOST_SWITCHES_PER_CELL: usize = 64;
+
 /// The motion reached from rest; `lines` are the torque lines.
 pub(super) fn orbit(
     plant: &Plant,
@@ -27,19 +33,18 @@ pub(super) fn orbit(
     excitation: &Excitation,
 ) -> Result<Orbit, NoResponse> {
     let waves = Waves::new(plant, lines, excitation);
-    let scale = waves.steady.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
     let unique = plant.friction.fs_plus == plant.friction.fc_plus
         && plant.friction.fs_minus == plant.friction.fc_minus;
     let mut start = State { x: 0.0, motion: Motion::Stuck };
     for period in 0..MOST_PERIODS {
-        let pass = waves.pass(start);
+        let pass = waves.pass(start).ok_or(NoResponse::NotPeriodic { periods: period })?;
         let change = pass.end.x - start.x;
         // `start` of the first pass is a guess (rest), never part of the motion.
-        if period > 0 && pass.end.motion == start.motion && change.abs() <= 1e-13 * scale {
+        if period > 0 && pass.end.motion == start.motion && change.abs() <= ROUNDING * waves.scale {
             return Ok(pass.into_orbit(excitation.period_s()));
         }
         // Newton's step may only jump where every start leads to the same motion.
-        let jump = unique || change.abs() < 1e-3 * scale;
+        let jump = unique || change.abs() < 1e-3 * waves.scale;
         let next = start.x + change / (1.0 - pass.slope);
         let same_side = match pass.end.motion {
             Motion::Forward => next > 0.0,
@@ -86,7 +91,10 @@ struct Waves {
     step_s: f64,
     torque: Vec<f64>,
     torque_rate: Vec<f64>,
+    torque_curvature: Vec<f64>,
     steady: Vec<f64>,
+    /// Largest |w|.
+    scale: f64,
 }
 
 /// A point of the motion from which x is continued.
@@ -105,9 +113,9 @@ impl Waves {
         let a = plant.viscous_rate_rad_s;
         let zero = Complex::new(0.0, 0.0);
         let j = Complex::new(0.0, 1.0);
-        // Two real signals ride on one complex transform.
+        // Two real signals ride on one complex transform: τ + j·w and τ' + j·τ''.
         let mut both = vec![zero; samples];
-        let mut rate = vec![zero; samples];
+        let mut derivatives = vec![zero; samples];
         for (l, torque) in lines.iter().enumerate() {
             let s = Complex::new(0.0, l as f64 * omega);
             if l == 0 {
@@ -117,27 +125,31 @@ impl Waves {
             let (torque, steady) = (0.5 * torque, 0.5 * torque / (s + a));
             both[l] = torque + j * steady;
             both[samples - l] = torque.conj() + j * steady.conj();
-            rate[l] = s * torque;
-            rate[samples - l] = (s * torque).conj();
+            let rate = s * torque;
+            derivatives[l] = rate + j * s * rate;
+            derivatives[samples - l] = rate.conj() + j * (s * rate).conj();
         }
         fft.process(&mut both);
-        fft.process(&mut rate);
+        fft.process(&mut derivatives);
         // The period's first sample is repeated at its end.
         let wrapped = |signal: &dyn Fn(usize) -> f64| -> Vec<f64> {
             (0..=samples).map(|n| signal(n % samples)).collect()
         };
+        let steady = wrapped(&|n| both[n].im);
         Self {
             a,
             friction: plant.friction,
             step_s: excitation.period_s() / samples as f64,
             torque: wrapped(&|n| both[n].re),
-            torque_rate: wrapped(&|n| rate[n].re),
-            steady: wrapped(&|n| both[n].im),
+            torque_rate: wrapped(&|n| derivatives[n].re),
+            torque_curvature: wrapped(&|n| derivatives[n].im),
+            scale: steady.iter().fold(0.0, |most, w| most.max(w.abs())),
+            steady,
         }
     }
 
-    /// Follows the motion over one period.
-    fn pass(&self, start: State) -> Pass {
+    /// Follows the motion over one period; `None` where it switches without end.
+    fn pass(&self, start: State) -> Option<Pass> {
         let mut phases = Vec::new();
         let mut slope = 1.0;
         let mut state = start;
@@ -145,6 +157,7 @@ impl Waves {
         let step_kept = (-self.a * self.step_s).exp();
         for cell in 0..self.torque.len() - 1 {
             let cell_end = (cell + 1) as f64 * self.step_s;
+            let most_phases = phases.len() + MOST_SWITCHES_PER_CELL;
             loop {
                 let switch = match sliding_friction(&self.friction, state.motion) {
                     None => self.breakaway(cell, anchor.time_s),
@@ -170,6 +183,9 @@ impl Waves {
                     }
                 };
                 let Some((time_s, motion)) = switch else { break };
+                if phases.len() == most_phases {
+                    return None;
+                }
                 slope *= self.slope_through(start, &phases, state.motion, time_s, cell);
                 phases.push(Phase { start_s: time_s, motion });
                 state.motion = motion;
@@ -189,7 +205,7 @@ impl Waves {
                     * (self.torque_at(cell, last.start_s) - friction)
             }
         };
-        Pass { phases, end: State { x: anchor.x, motion: state.motion }, slope }
+        Some(Pass { phases, end: State { x: anchor.x, motion: state.motion }, slope })
     }
 
     /// Derivative of this switch's instant by the previous one's (by the
@@ -230,9 +246,16 @@ impl Waves {
         if let Some(motion) = direction(at_start) {
             return Some((from_s, motion));
         }
-        let motion = direction(self.torque[cell + 1])?;
+        let mut low = from_s;
+        let mut high = (cell + 1) as f64 * self.step_s;
+        let motion = match direction(self.torque[cell + 1]) {
+            Some(motion) => motion,
+            None => {
+                high = self.top(cell, from_s, at_start)?;
+                direction(self.torque_at(cell, high))?
+            }
+        };
         let level = if motion == Motion::Forward { plus } else { -minus };
-        let (mut low, mut high) = (from_s, (cell + 1) as f64 * self.step_s);
         let mut time_s = 0.5 * (low + high);
         for _ in 0..60 {
             let excess = self.torque_at(cell, time_s) - level;
@@ -250,6 +273,18 @@ impl Waves {
             }
         }
         Some((time_s, motion))
+    }
+
+    /// The instant within the cell at which the torque turns back, where its
+    /// tangents let it exceed a static level between two samples.
+    fn top(&self, cell: usize, from_s: f64, at_start: f64) -> Option<f64> {
+        let end_s = (cell + 1) as f64 * self.step_s;
+        let (rate, rate_end) = (self.torque_rate_at(cell, from_s), self.torque_rate[cell + 1]);
+        let sign = rate.signum();
+        let level = if sign > 0.0 { self.friction.fs_plus } else { self.friction.fs_minus };
+        let within_reach = sign * at_start + rate.abs() * (end_s - from_s) > level;
+        (sign * rate_end < 0.0 && within_reach)
+            .then(|| bisect(from_s, end_s, |t| sign * self.torque_rate_at(cell, t) > 0.0))
     }
 
     /// The instant within the cell at which a slide ends, and what follows.
@@ -274,13 +309,16 @@ impl Waves {
         };
         let rate =
             |time_s: f64, x: f64| -self.a * x + sign * (self.torque_at(cell, time_s) - friction);
-        let crosses = sign * x_end < 0.0;
+        // A slide that began within the cell leaves zero, whatever rounding makes of its
+        // first instants: a stop there would be a breakaway again, for ever.
+        let fresh = anchor.x == 0.0;
+        let crosses = sign * x_end < if fresh { -ROUNDING * self.scale } else { 0.0 };
         let (mut low, mut high) = (anchor.time_s, cell_end);
-        if crosses && anchor.x == 0.0 && rate_start > 0.0 {
+        if crosses && fresh && rate_start > 0.0 {
             // It leaves zero and returns to it within the cell: look beyond the top.
             low = bisect(low, high, |t| rate(t, x(t)) > 0.0);
         } else if !crosses {
-            if !(rate_start < 0.0 && rate_end > 0.0) {
+            if fresh || !(rate_start < 0.0 && rate_end > 0.0) {
                 return None;
             }
             // It may dip below zero between two samples.
@@ -314,45 +352,63 @@ impl Waves {
         Some((time_s, next))
     }
 
-    /// τ between samples, by the cubic through values and slopes.
+    /// τ between samples, by the quintic through values and two derivatives.
     fn torque_at(&self, cell: usize, time_s: f64) -> f64 {
-        let h = self.step_s;
-        let u = time_s / h - cell as f64;
-        let (y0, y1) = (self.torque[cell], self.torque[cell + 1]);
-        let (d0, d1) = (h * self.torque_rate[cell], h * self.torque_rate[cell + 1]);
-        let (b, c) = (3.0 * (y1 - y0) - 2.0 * d0 - d1, 2.0 * (y0 - y1) + d0 + d1);
-        y0 + u * (d0 + u * (b + u * c))
+        let (u, quintic) = self.torque_between(cell, time_s);
+        quintic.value(u)
     }
 
     fn torque_rate_at(&self, cell: usize, time_s: f64) -> f64 {
+        let (u, quintic) = self.torque_between(cell, time_s);
+        quintic.slope(u) / self.step_s
+    }
+
+    fn torque_between(&self, cell: usize, time_s: f64) -> (f64, Quintic) {
         let h = self.step_s;
-        let u = time_s / h - cell as f64;
-        let (y0, y1) = (self.torque[cell], self.torque[cell + 1]);
-        let (d0, d1) = (h * self.torque_rate[cell], h * self.torque_rate[cell + 1]);
-        let (b, c) = (3.0 * (y1 - y0) - 2.0 * d0 - d1, 2.0 * (y0 - y1) + d0 + d1);
-        (d0 + u * (2.0 * b + u * 3.0 * c)) / h
+        let ends = [cell, cell + 1]
+            .map(|n| [self.torque[n], h * self.torque_rate[n], h * h * self.torque_curvature[n]]);
+        (time_s / h - cell as f64, Quintic::through(ends))
     }
 
     /// w between samples, by the quintic through values and two derivatives,
     /// which w' = −a·w + τ gives exactly.
     fn steady_at(&self, cell: usize, time_s: f64) -> f64 {
         let h = self.step_s;
-        let u = time_s / h - cell as f64;
-        let derivatives = |n: usize| {
+        let ends = [cell, cell + 1].map(|n| {
             let first = self.torque[n] - self.a * self.steady[n];
             let second = self.torque_rate[n] - self.a * first;
-            (self.steady[n], h * first, h * h * second)
-        };
-        let (y0, d0, e0) = derivatives(cell);
-        let (y1, d1, e1) = derivatives(cell + 1);
-        // Coefficients 3 to 5 from what the quadratic at u = 0 misses at u = 1.
+            [self.steady[n], h * first, h * h * second]
+        });
+        Quintic::through(ends).value(time_s / h - cell as f64)
+    }
+}
+
+/// A polynomial of degree 5 on [0, 1], lowest coefficient first.
+struct Quintic([f64; 6]);
+
+impl Quintic {
+    /// Through value, first and second derivative at 0 and at 1.
+    fn through([[y0, d0, e0], [y1, d1, e1]]: [[f64; 3]; 2]) -> Self {
+        // Coefficients 3 to 5 from what the quadratic at 0 misses at 1.
         let value = y1 - (y0 + d0 + 0.5 * e0);
         let first = d1 - (d0 + e0);
         let second = e1 - e0;
-        let c3 = 10.0 * value - 4.0 * first + 0.5 * second;
-        let c4 = -15.0 * value + 7.0 * first - second;
-        let c5 = 6.0 * value - 3.0 * first + 0.5 * second;
-        y0 + u * (d0 + u * (0.5 * e0 + u * (c3 + u * (c4 + u * c5))))
+        Self([
+            y0,
+            d0,
+            0.5 * e0,
+            10.0 * value - 4.0 * first + 0.5 * second,
+            -15.0 * value + 7.0 * first - second,
+            6.0 * value - 3.0 * first + 0.5 * second,
+        ])
+    }
+
+    fn value(&self, u: f64) -> f64 {
+        self.0.iter().rev().fold(0.0, |sum, c| sum * u + c)
+    }
+
+    fn slope(&self, u: f64) -> f64 {
+        (1..6).rev().fold(0.0, |sum, i| sum * u + i as f64 * self.0[i])
     }
 }
 

@@ -4,6 +4,8 @@ mod abc_ann;
 pub mod bee_colony;
 mod closed_form;
 mod features;
+#[cfg(test)]
+mod fixtures;
 mod limitations;
 mod moderation;
 pub mod network;

@@ -142,3 +142,52 @@ fn evenly(count: usize, most: usize) -> impl Iterator<Item = usize> {
     let wanted = count.min(most);
     (0..wanted).map(move |i| if wanted > 1 { i * (count - 1) / (wanted - 1) } else { 0 })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{ACTUATORS, axis, multisine, stepped_sine};
+    use super::*;
+
+    fn values(problem: &Problem, factor: f64) -> Vec<Vec<Complex>> {
+        let of = |t: &Target| t.value * factor;
+        problem.experiments.iter().map(|e| e.targets.iter().map(of).collect()).collect()
+    }
+
+    #[test]
+    fn a_response_of_another_size_has_the_same_features() {
+        for measurement in [stepped_sine(&axis(ACTUATORS[2]), 5), multisine(&axis(ACTUATORS[0]))] {
+            let problem = Problem::new(&measurement).unwrap();
+            let features = Features::of(&problem);
+            let (measured, size) = features.of_measured(&problem);
+            let (simulated, larger) = features.of_simulated(&problem, &values(&problem, 5.0));
+            assert!((larger - size - 5.0_f64.ln()).abs() < 1e-12);
+            for (m, s) in measured.iter().zip(&simulated) {
+                assert!((m - s).abs() < 1e-12, "{m} {s}");
+            }
+        }
+    }
+
+    // 5 of 8 frequencies at both magnitudes: ln size and phase of the fundamental (3),
+    // the mean (1) and the third harmonic (2).
+    #[test]
+    fn cosines_are_looked_at_in_few_telling_places() {
+        let problem = Problem::new(&stepped_sine(&axis(ACTUATORS[0]), 5)).unwrap();
+        let (features, _) = Features::of(&problem).of_measured(&problem);
+        assert_eq!(features.len(), 5 * 2 * (3 + 1 + 2));
+    }
+
+    #[test]
+    fn a_stuck_response_has_finite_features() {
+        let problem = Problem::new(&stepped_sine(&axis(ACTUATORS[0]), 5)).unwrap();
+        let (features, size) =
+            Features::of(&problem).of_simulated(&problem, &values(&problem, 0.0));
+        assert!(size.is_finite() && features.iter().all(|x| x.is_finite()));
+    }
+
+    #[test]
+    fn an_even_spread_holds_first_and_last() {
+        assert_eq!(evenly(8, 5).collect::<Vec<_>>(), [0, 1, 3, 5, 7]);
+        assert_eq!(evenly(3, 5).collect::<Vec<_>>(), [0, 1, 2]);
+        assert_eq!(evenly(1, 5).collect::<Vec<_>>(), [0]);
+    }
+}

@@ -5,6 +5,8 @@ pub mod bee_colony;
 mod closed_form;
 mod estimates;
 mod features;
+#[cfg(test)]
+mod fixtures;
 mod history;
 mod limitations;
 mod moderation;

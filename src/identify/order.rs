@@ -118,3 +118,77 @@ fn explain(chosen: &OrderCandidate, all: &[OrderCandidate], explained: bool) -> 
     }
     sentence
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{ACTUATORS, axis, stepped_sine};
+    use super::super::noise::Weights;
+    use super::super::parameters::Coordinates;
+    use super::*;
+    use crate::answers::NoiseSource;
+
+    /// The choice where orders 0, 1 and 2 end at these costs per datum, their
+    /// actuators as fast as the search allows or not.
+    fn choose_among(fastest: bool, source: NoiseSource, costs: [f64; 3]) -> OrderChoice {
+        let problem = Problem::new(&stepped_sine(&axis(ACTUATORS[0]), 7)).unwrap();
+        let data = problem.data() as f64;
+        let fits: Vec<Fitted> = (0..3)
+            .map(|order| {
+                let coordinates = Coordinates::new(order, false, &problem.prior);
+                let mut point = coordinates.within_search(&vec![0.5; coordinates.len() - 1]);
+                if fastest && order > 0 {
+                    point[4] = coordinates.upper[4];
+                }
+                let weights = Weights {
+                    sigma: Vec::new(),
+                    source,
+                    scale_dof: f64::INFINITY,
+                    depend_on_model: false,
+                };
+                let cost = costs[usize::from(order)] * data;
+                Fitted { order, coordinates, point, weights, cost, stages: Vec::new() }
+            })
+            .collect();
+        choose(&problem, &fits, &crate::observer::Silent)
+    }
+
+    fn choice(source: NoiseSource, costs: [f64; 3]) -> OrderChoice {
+        choose_among(false, source, costs)
+    }
+
+    #[test]
+    fn an_actuator_as_fast_as_the_search_allows_stands_for_none() {
+        assert_eq!(choose_among(true, NoiseSource::Given, [2.0, 1.0, 1.0]).actuator_order, 0);
+    }
+
+    // 16 experiments of 15 real data: ln 240 = 5.5, of 240 that is 0.023.
+    #[test]
+    fn another_parameter_must_lower_chi2_by_the_logarithm_of_the_data() {
+        let order = |costs| choice(NoiseSource::Given, costs).actuator_order;
+        assert_eq!(order([1.0, 0.99, 0.97]), 0);
+        assert_eq!(order([1.0, 0.96, 0.95]), 1);
+        assert_eq!(order([1.0, 0.99, 0.94]), 2);
+    }
+
+    #[test]
+    fn where_no_model_explains_the_data_relative_gains_decide() {
+        let order = |costs| choice(NoiseSource::Given, costs).actuator_order;
+        assert_eq!(order([1000.0, 999.0, 998.0]), 0);
+        assert_eq!(order([1000.0, 900.0, 899.0]), 1);
+    }
+
+    #[test]
+    fn what_rounding_of_the_upload_leaves_asks_for_no_pole() {
+        let choice = choice(NoiseSource::Estimated, [1e-16, 1e-20, 1e-24]);
+        assert_eq!(choice.actuator_order, 0);
+        assert!(choice.explanation.starts_with("actuator order 0 is enough"));
+        assert_eq!(choice.candidates.len(), 3);
+    }
+
+    #[test]
+    fn the_explanation_names_the_orders_it_was_held_against() {
+        let text = choice(NoiseSource::Given, [9.0, 1.0, 1.0]).explanation;
+        assert!(text.contains("better than order 0 (88.89 % less"), "{text}");
+        assert!(text.contains("order 2 would not lower"), "{text}");
+    }
+}

@@ -247,3 +247,60 @@ impl Coordinates {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{ACTUATORS, axis};
+    use super::*;
+
+    const PRIOR: Prior =
+        Prior { omega_low: 0.1, omega_high: 10.0, moving_level: 0.5, largest_level: 1.0 };
+
+    #[test]
+    fn a_plant_survives_the_way_to_a_point_and_back() {
+        for actuator in ACTUATORS {
+            let plant = axis(actuator);
+            let wide = Prior { omega_high: 100.0, ..PRIOR };
+            let coordinates = Coordinates::new(actuator.order(), false, &wide);
+            let back = coordinates.plant(&coordinates.point(&plant));
+            assert!((back.viscous_rate_rad_s / 10.0 - 1.0).abs() < 1e-14);
+            assert!((back.constant / 10.0 - 1.0).abs() < 1e-14);
+            assert_eq!(back.friction, plant.friction);
+            assert!((back.actuator.response(7.0) - actuator.response(7.0)).norm() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn tied_levels_are_one_coordinate_that_moves_both() {
+        let coordinates = Coordinates::new(0, true, &PRIOR);
+        assert_eq!(coordinates.len(), 3);
+        let point = coordinates.point(&axis(ACTUATORS[0]));
+        let friction = coordinates.plant(&point).friction;
+        assert_eq!(friction, Friction::coulomb(0.45, 0.45));
+    }
+
+    #[test]
+    fn the_cube_spans_the_search_range_and_leaves_k_out() {
+        let coordinates = Coordinates::new(2, false, &PRIOR);
+        let cube = [0.1, 0.3, 0.5, 0.7, 0.9];
+        let point = coordinates.within_search(&cube);
+        assert_eq!(point[CONSTANT], 0.0);
+        for (share, wanted) in coordinates.share_of_search(&point).iter().zip(cube) {
+            assert!((share - wanted).abs() < 1e-14);
+        }
+        let corner = coordinates.within_search(&[1.0; 5]);
+        assert!((0..6).all(|i| i == CONSTANT || corner[i] <= coordinates.upper[i]));
+    }
+
+    #[test]
+    fn what_leaves_the_bounds_is_moved_onto_them() {
+        let coordinates = Coordinates::new(0, false, &PRIOR);
+        let mut point = vec![f64::NAN, f64::INFINITY, -3.0, 3.0];
+        coordinates.clamp(&mut point);
+        assert!(
+            (point[0] - 0.5 * (coordinates.search_lower[0] + coordinates.search_upper[0])).abs()
+                < 1e-14
+        );
+        assert_eq!(point[1..], [coordinates.upper[1], 0.0, 1.05]);
+    }
+}

@@ -248,3 +248,67 @@ fn levels(
     prior.moving_level = prior.moving_level.min(prior.largest_level);
     prior
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{ACTUATORS, axis, joined, multisine, stepped_sine};
+    use super::*;
+
+    fn refused(measurement: &Measurement) -> String {
+        Problem::new(measurement).expect_err("nothing to fit").to_string()
+    }
+
+    #[test]
+    fn other_units_give_the_same_problem_in_scale() {
+        let measurement = stepped_sine(&axis(ACTUATORS[2]), 3);
+        let mut experiments = measurement.experiments().to_vec();
+        for e in &mut experiments {
+            e.magnitude *= 8.0;
+            e.input.iter_mut().for_each(|u| *u *= 8.0);
+            e.omega_rad_s *= 4.0;
+            e.response.iter_mut().for_each(|h| h.value *= 2.0);
+        }
+        let here = Problem::new(&measurement).unwrap();
+        let there = Problem::new(&joined(experiments)).unwrap();
+        // Powers of two: not even rounding differs.
+        for (a, b) in here.experiments.iter().zip(&there.experiments) {
+            assert_eq!(a.excitation.omega_rad_s(), b.excitation.omega_rad_s());
+            assert_eq!(a.excitation.input(), b.excitation.input());
+            assert!(a.targets.iter().zip(&b.targets).all(|(a, b)| a.value == b.value));
+        }
+        assert_eq!((here.prior.moving_level, here.data()), (there.prior.moving_level, 16 * 7));
+        let ratio = there.in_units(&axis(ACTUATORS[0])).constant
+            / here.in_units(&axis(ACTUATORS[0])).constant;
+        assert_eq!(ratio, 2.0 * 4.0 / 8.0);
+    }
+
+    #[test]
+    fn only_even_harmonics_or_a_general_input_tell_the_levels_apart() {
+        let plant = axis(ACTUATORS[0]);
+        let tied = |keep: &dyn Fn(usize) -> bool| {
+            let mut experiments = stepped_sine(&plant, 3).experiments().to_vec();
+            experiments.iter_mut().for_each(|e| e.response.retain(|h| keep(h.order)));
+            Problem::new(&joined(experiments)).unwrap().tied_friction
+        };
+        assert!(tied(&|k| k % 2 == 1));
+        assert!(!tied(&|k| k < 2) && !tied(&|k| k > 0));
+        assert!(!Problem::new(&multisine(&plant)).unwrap().tied_friction);
+    }
+
+    #[test]
+    fn data_that_determines_nothing_is_refused_with_its_reason() {
+        let measurement = stepped_sine(&axis(ACTUATORS[0]), 1);
+        let changed = |change: &dyn Fn(&mut Experiment)| {
+            let mut experiments = measurement.experiments().to_vec();
+            experiments.iter_mut().for_each(change);
+            joined(experiments)
+        };
+        let still = changed(&|e| e.response.iter_mut().for_each(|h| h.value *= 0.0));
+        assert!(refused(&still).contains("did not move"));
+        let silent = changed(&|e| {
+            e.magnitude = 0.0;
+            e.input.iter_mut().for_each(|u| *u *= 0.0);
+        });
+        assert!(refused(&silent).contains("input is zero"));
+    }
+}

@@ -148,3 +148,74 @@ pub(super) fn held(misfit: &Misfit<'_>, point: &[f64], here: &Linearisation) -> 
     };
     (0..point.len()).map(|i| !free.contains(&i) || on_bound(i)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{ACTUATORS, axis, joined, stepped_sine};
+    use super::super::noise;
+    use super::super::parameters::Coordinates;
+    use super::super::problem::Problem;
+    use super::*;
+    use crate::measurement::Measurement;
+    use crate::observer::{Observer, Silent};
+    use crate::plant::{Friction, Plant};
+
+    struct Impatient;
+
+    impl Observer for Impatient {
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+
+    /// Refines from the middle of the search range.
+    fn refined(
+        measurement: &Measurement,
+        order: u8,
+        observer: &dyn Observer,
+    ) -> (Refined, Vec<bool>, Plant) {
+        let problem = Problem::new(measurement).unwrap();
+        let coordinates = Coordinates::new(order, false, &problem.prior);
+        let weights = noise::weights(measurement, &problem, None, None);
+        let misfit =
+            Misfit { problem: &problem, coordinates: &coordinates, weights: &weights, observer };
+        let mut start = coordinates.within_search(&vec![0.5; coordinates.len() - 1]);
+        misfit.solve_for_constant(&mut start);
+        let refined = refine(&misfit, &start, &mut |_, _, _| ());
+        let held = held(&misfit, &refined.point, &misfit.linearise(&refined.point).unwrap());
+        let found = problem.in_units(&coordinates.plant(&refined.point));
+        (refined, held, found)
+    }
+
+    // The data comes from the other simulator, good to 1e-9 of the largest: squared, and
+    // times some 200 data, 1e-16; a parameter is off by some ten times 1e-9.
+    #[test]
+    fn refinement_from_the_middle_of_the_range_ends_at_the_truth() {
+        for actuator in ACTUATORS {
+            let measurement = stepped_sine(&axis(actuator), 5);
+            let (refined, held, found) = refined(&measurement, actuator.order(), &Silent);
+            assert!(refined.cost < 1e-16, "{refined:?}");
+            assert!((found.viscous_rate_rad_s - 10.0).abs() < 1e-6);
+            assert!((found.friction.fc_minus - 0.4).abs() < 1e-7);
+            assert!(held.iter().all(|held| !held));
+        }
+    }
+
+    // A mean lower than any friction makes it asks for a level below 0.
+    #[test]
+    fn a_level_the_data_wants_below_zero_ends_held_by_its_bound() {
+        let plant = Plant { friction: Friction::coulomb(0.5, 0.0), ..axis(ACTUATORS[0]) };
+        let mut experiments = stepped_sine(&plant, 5).experiments().to_vec();
+        experiments.iter_mut().for_each(|e| e.response[0].value -= 0.01);
+        let (_, held, found) = refined(&joined(experiments), 0, &Silent);
+        assert_eq!(held, [false, false, false, true]);
+        assert_eq!(found.friction.fc_minus, 0.0);
+    }
+
+    #[test]
+    fn a_cancelled_refinement_takes_no_step() {
+        let measurement = stepped_sine(&axis(ACTUATORS[0]), 5);
+        let (refined, _, _) = refined(&measurement, 0, &Impatient);
+        assert_eq!((refined.stop, refined.evaluations), ("cancelled", 1));
+    }
+}

@@ -139,3 +139,44 @@ fn transfer_function(plant: &Plant) -> TransferFunction {
     poles.insert(0, [-a, 0.0]);
     TransferFunction { numerator: vec![numerator], denominator, poles, dc_gain: k / a }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{ACTUATORS, axis};
+    use super::*;
+    use crate::measurement::Complex;
+
+    #[test]
+    fn the_transfer_function_is_actuator_times_mechanics() {
+        for actuator in ACTUATORS {
+            let plant = axis(actuator);
+            let TransferFunction { numerator, denominator, poles, dc_gain } =
+                transfer_function(&plant);
+            let s = Complex::new(0.0, 17.0);
+            let polynomial = |coefficients: &[f64]| {
+                coefficients.iter().fold(Complex::new(0.0, 0.0), |sum, c| sum * s + c)
+            };
+            let wanted = actuator.response(17.0) * plant.mechanics_response(17.0);
+            let found = polynomial(&numerator) / polynomial(&denominator);
+            assert!((found - wanted).norm() < 1e-14, "{found} {wanted}");
+            let product: Complex =
+                poles.iter().map(|[re, im]| s - Complex::new(*re, *im)).product();
+            assert!((product / polynomial(&denominator) - 1.0).norm() < 1e-14);
+            assert!((dc_gain - numerator[0] / denominator[denominator.len() - 1]).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn an_overdamped_actuator_has_two_real_poles() {
+        let actuator = Actuator::SecondOrder { natural_frequency_rad_s: 6.0, damping_ratio: 1.25 };
+        let poles = transfer_function(&axis(actuator)).poles;
+        assert_eq!(poles, [[-10.0, 0.0], [-3.0, 0.0], [-12.0, 0.0]]);
+    }
+
+    // Student's table: t(0.975) at 10 degrees of freedom; the normal's 1.960.
+    #[test]
+    fn an_estimated_noise_widens_the_quantile() {
+        assert!((quantile95(10.0) - 2.2281).abs() < 1e-4);
+        assert!((quantile95(f64::INFINITY) - 1.9600).abs() < 1e-4);
+    }
+}

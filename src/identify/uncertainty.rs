@@ -82,3 +82,54 @@ impl Uncertainty {
 pub(super) fn unit(coordinates: &Coordinates, i: usize) -> Vec<f64> {
     (0..coordinates.len()).map(|j| f64::from(u8::from(i == j))).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::*;
+
+    fn here(rows: usize, columns: usize, jacobian: &[f64]) -> Linearisation {
+        Linearisation {
+            residuals: DVector::zeros(rows),
+            jacobian: DMatrix::from_row_slice(rows, columns, jacobian),
+        }
+    }
+
+    // (JᵀJ)⁻¹ of J = [[2, 1], [0, 1], [2, 0]] is [[2, −2], [−2, 8]]/12.
+    #[test]
+    fn deviations_and_correlations_are_those_of_the_normal_equations() {
+        let here = here(3, 2, &[20.0, 10.0, 0.0, 10.0, 20.0, 0.0]);
+        let uncertainty = Uncertainty::new(&here, &[false, false], 2.0);
+        let close = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-12, "{found}");
+        close(uncertainty.std(&[1.0, 0.0]).unwrap(), 0.2 * (2.0_f64 / 12.0).sqrt());
+        close(uncertainty.std(&[0.0, 1.0]).unwrap(), 0.2 * (8.0_f64 / 12.0).sqrt());
+        close(uncertainty.std(&[1.0, 1.0]).unwrap(), 0.2 * (6.0_f64 / 12.0).sqrt());
+        close(uncertainty.correlations(&[0, 1])[0][1], -0.5);
+    }
+
+    #[test]
+    fn what_is_held_is_taken_as_known() {
+        let here = here(3, 2, &[20.0, 10.0, 0.0, 10.0, 20.0, 0.0]);
+        let uncertainty = Uncertainty::new(&here, &[false, true], 1.0);
+        assert!((uncertainty.std(&[1.0, 0.0]).unwrap() - 800.0_f64.powf(-0.5)).abs() < 1e-12);
+        assert_eq!(uncertainty.std(&[0.0, 1.0]), Some(0.0));
+    }
+
+    #[test]
+    fn a_direction_the_data_does_not_see_has_no_deviation() {
+        // Only the sum of the first two matters, and the third.
+        let here = here(3, 3, &[5.0, 5.0, 0.0, 0.0, 0.0, 5.0, 5.0, 5.0, 1.0]);
+        let uncertainty = Uncertainty::new(&here, &[false; 3], 1.0);
+        assert_eq!(uncertainty.std(&[1.0, 0.0, 0.0]), None);
+        assert_eq!(uncertainty.std(&[1.0, -1.0, 0.0]), None);
+        assert!(uncertainty.std(&[1.0, 1.0, 0.0]).is_some());
+        assert!(uncertainty.std(&[0.0, 0.0, 1.0]).is_some());
+    }
+
+    #[test]
+    fn a_logarithm_known_to_more_than_one_is_not_identified() {
+        let uncertainty = Uncertainty::new(&here(1, 1, &[0.9]), &[false], 1.0);
+        assert_eq!(uncertainty.std(&[1.0]), None);
+    }
+}

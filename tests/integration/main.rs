@@ -2,13 +2,21 @@
 
 mod benchmark_simulator;
 mod cli;
+mod coverage;
 mod dockerfile;
+mod identification;
 mod layers;
+mod limits;
+mod machines;
 mod measurements;
 mod openapi;
 mod process;
 mod readme;
 mod real_data;
+mod reference;
+mod scaling;
+mod search;
 mod service;
 mod shared_files;
 mod simulation;
+mod simulators;

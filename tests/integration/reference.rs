@@ -1,0 +1,132 @@
+//! The two systems of the contract and their reference responses.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+use servoscope::benchmark::draw::{Draw, NoiseStatement, measure};
+use servoscope::measurement::formats::{self, Source};
+use servoscope::measurement::{Complex, Measurement};
+use servoscope::plant::{Actuator, Friction, Plant};
+
+use crate::shared_files::shared;
+
+/// One experiment of a reference file.
+pub struct Point {
+    pub magnitude: f64,
+    pub omega_rad_s: f64,
+    /// Y₀ … Y_H.
+    pub harmonics: Vec<Complex>,
+}
+
+/// G1 (actuator order 0) or G2 (order 2) of the contract's section 1.
+pub fn g(order: u8) -> Plant {
+    let actuator = match order {
+        2 => Actuator::SecondOrder {
+            natural_frequency_rad_s: 1000.0_f64.sqrt(),
+            damping_ratio: 2.5 / 1000.0_f64.sqrt(),
+        },
+        _ => Actuator::Direct,
+    };
+    Plant {
+        viscous_rate_rad_s: 10.0,
+        constant: 10.0,
+        actuator,
+        friction: Friction::coulomb(0.5, 0.4),
+    }
+}
+
+/// What the reference files of G1 and G2 hold, as a draw without noise: magnitudes 1, 2
+/// and 4 at 13 frequencies, harmonics 0 to 9.
+pub fn g_draw(order: u8) -> Draw {
+    let highest_rad_s: f64 = if order == 2 { 80.0 } else { 100.0 };
+    let design = [1.0, 2.0, 4.0]
+        .into_iter()
+        .flat_map(|m| (0..13).map(move |i| (m, highest_rad_s.powf(f64::from(i) / 12.0))))
+        .collect();
+    Draw {
+        plant: g(order),
+        design,
+        harmonics: 9,
+        noise_db: None,
+        noise_statement: NoiseStatement::Silent,
+    }
+}
+
+/// G1 or G2 without noise, from the independent simulator.
+pub fn g_measurement(order: u8) -> Measurement {
+    measure(&g_draw(order), 1).expect("G1 and G2 have periodic responses")
+}
+
+/// A reference file as a measurement; `None`, with a message, where it is absent.
+pub fn measurement(name: &str) -> Option<Measurement> {
+    let path = shared(&format!("reference/{name}"))?;
+    let bytes = std::fs::read(path).expect("a readable reference");
+    Some(formats::read(&[Source { name, bytes: &bytes }]).expect("a valid reference"))
+}
+
+/// Points of a reference file in the order of acquisition; `None`, with a message, where
+/// it is absent.
+pub fn points(name: &str) -> Option<Vec<Point>> {
+    let path = shared(&format!("reference/{name}"))?;
+    let mut reader = csv::Reader::from_path(path).expect("a readable reference");
+    let mut points: BTreeMap<u64, Point> = BTreeMap::new();
+    for row in reader.deserialize() {
+        let (magnitude, omega_rad_s, harmonic, re, im, run): (f64, f64, usize, f64, f64, u64) =
+            row.expect("a row of the reference");
+        let point =
+            points.entry(run).or_insert(Point { magnitude, omega_rad_s, harmonics: Vec::new() });
+        assert_eq!(point.harmonics.len(), harmonic, "harmonics in order");
+        point.harmonics.push(Complex::new(re, im));
+    }
+    Some(points.into_values().collect())
+}
+
+/// Plant and friction of a reference file, from the index beside it.
+pub fn plant(name: &str) -> Plant {
+    let index = shared("reference/index.json").expect("an index beside the reference");
+    let index = std::fs::read_to_string(index).expect("an index");
+    let index: Vec<Value> = serde_json::from_str(&index).expect("an index");
+    let entry = index.iter().find(|entry| entry["file"] == name).expect("an entry");
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let (plant, friction) = (&entry["plant"], &entry["friction"]);
+    let actuator = match entry["actuator_order"].as_u64() {
+        Some(0) => Actuator::Direct,
+        Some(2) => Actuator::SecondOrder {
+            natural_frequency_rad_s: number(&plant["actuator"]["natural_frequency"]),
+            damping_ratio: number(&plant["actuator"]["damping_ratio"]),
+        },
+        order => panic!("actuator order {order:?}"),
+    };
+    Plant {
+        viscous_rate_rad_s: -number(&plant["pole"]),
+        constant: number(&plant["constant"]),
+        actuator,
+        friction: Friction {
+            fc_plus: number(&friction["fc_plus"]),
+            fc_minus: number(&friction["fc_minus"]),
+            fs_plus: number(&friction["fs_plus"]),
+            fs_minus: number(&friction["fs_minus"]),
+        },
+    }
+}
+
+/// Largest deviation of simulated harmonics from a reference file, as a share of the
+/// file's largest component; `None` where the file is absent.
+pub fn largest_deviation(
+    name: &str,
+    simulate: impl Fn(&Plant, &Point) -> Vec<Complex>,
+) -> Option<f64> {
+    let points = points(name)?;
+    assert_eq!(points.len(), 39, "{name}");
+    let plant = plant(name);
+    let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
+    for point in &points {
+        let simulated = simulate(&plant, point);
+        assert_eq!(simulated.len(), point.harmonics.len());
+        for (simulated, expected) in simulated.iter().zip(&point.harmonics) {
+            worst = worst.max((simulated - expected).norm());
+            largest = largest.max(expected.re.abs()).max(expected.im.abs());
+        }
+    }
+    Some(worst / largest)
+}

@@ -1,0 +1,132 @@
+//! The two simulators against each other: they share no code.
+
+use std::f64::consts::TAU;
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use servoscope::benchmark::draw::draw;
+use servoscope::benchmark::simulator::{self, Settings};
+use servoscope::effects::{Effect, StaticFriction};
+use servoscope::measurement::Complex;
+use servoscope::plant::{Friction, Plant};
+use servoscope::simulate::{Excitation, respond};
+
+/// Machines of each order, with the static level raised and not.
+const MACHINES: u64 = 40;
+
+/// A machine, the static friction it has beyond its Coulomb levels, and its input.
+#[derive(Debug)]
+struct Case {
+    plant: Plant,
+    raised: Option<StaticFriction>,
+    omega_rad_s: f64,
+    input: Vec<Complex>,
+}
+
+impl Case {
+    /// Largest difference between the simulators, as a share of the largest harmonic.
+    fn difference(&self) -> f64 {
+        let highest = 9.max(self.input.len() - 1);
+        let effects: Vec<Box<dyn Effect>> =
+            self.raised.iter().map(|raised| Box::new(*raised) as Box<dyn Effect>).collect();
+        let excitation = Excitation::new(self.omega_rad_s, self.input.clone());
+        let exact = respond(&self.plant, &effects, &excitation, highest)
+            .unwrap_or_else(|error| panic!("{self:?}: {error}"));
+        let mut plant = self.plant;
+        if let Some(StaticFriction { fs_plus, fs_minus }) = self.raised {
+            plant.friction = Friction { fs_plus, fs_minus, ..plant.friction };
+        }
+        // Steps so short that no visit to v = 0 hides within one.
+        let settings = Settings { steps_per_input_line: 256, ..Settings::default() };
+        let stepped = simulator::respond(&plant, self.omega_rad_s, &self.input, highest, &settings)
+            .unwrap_or_else(|error| panic!("{self:?}: {error}"));
+        let largest = stepped.iter().map(|v| v.norm()).fold(0.0, f64::max);
+        let difference =
+            exact.iter().zip(&stepped).map(|(e, s)| (e - s).norm()).fold(0.0, f64::max);
+        if difference > 0.0 { difference / largest } else { 0.0 }
+    }
+}
+
+fn log_uniform(low: f64, high: f64, rng: &mut impl Rng) -> f64 {
+    low * (high / low).powf(rng.random_range(0.0..=1.0))
+}
+
+fn machine(order: u8, raised: bool, seed: u64, rng: &mut impl Rng) -> Case {
+    let plant = draw(order, seed).plant;
+    let Friction { fc_plus, fc_minus, .. } = plant.friction;
+    let raised = raised.then(|| StaticFriction {
+        fs_plus: fc_plus * rng.random_range(1.0..=1.8),
+        fs_minus: fc_minus * rng.random_range(1.0..=1.8),
+    });
+    Case { plant, raised, omega_rad_s: 0.0, input: Vec::new() }
+}
+
+/// A torque amplitude of 0.8 to 12 Coulomb levels: from no motion at all to sliding.
+fn cosine(order: u8, raised: bool, seed: u64) -> Case {
+    let rng = &mut ChaCha8Rng::seed_from_u64(seed);
+    let case = machine(order, raised, seed, rng);
+    let omega_rad_s = case.plant.viscous_rate_rad_s * log_uniform(0.05, 20.0, rng);
+    let torque = case.plant.friction.fc_plus * log_uniform(0.8, 12.0, rng);
+    let magnitude = torque / case.plant.actuator.response(omega_rad_s).norm();
+    let input = vec![Complex::new(0.0, 0.0), Complex::new(magnitude, 0.0)];
+    Case { omega_rad_s, input, ..case }
+}
+
+/// Lines of random sizes and phases up to 0.3 … 10 a, with a mean.
+fn general(order: u8, raised: bool, seed: u64, lines: usize) -> Case {
+    let rng = &mut ChaCha8Rng::seed_from_u64(seed);
+    let case = machine(order, raised, seed, rng);
+    let omega_rad_s = case.plant.viscous_rate_rad_s * log_uniform(0.3, 10.0, rng) / lines as f64;
+    let mut input = vec![Complex::new(rng.random_range(-0.3..=0.3), 0.0)];
+    input.extend(
+        (0..lines)
+            .map(|_| Complex::from_polar(rng.random_range(0.2..=1.0), rng.random_range(0.0..TAU))),
+    );
+    let rms = input.iter().map(|u| 0.5 * u.norm_sqr()).sum::<f64>().sqrt();
+    let factor = case.plant.friction.fc_plus * log_uniform(0.6, 6.0, rng) / rms;
+    input.iter_mut().for_each(|u| *u *= factor);
+    Case { omega_rad_s, input, ..case }
+}
+
+fn worst(make: impl Fn(u8, bool, u64) -> Case + Sync) -> f64 {
+    let cases = (0..3_u8).flat_map(|order| [(order, false), (order, true)]);
+    let cases: Vec<(u8, bool, u64)> =
+        cases.flat_map(|(o, raised)| (0..MACHINES).map(move |seed| (o, raised, seed))).collect();
+    cases
+        .par_iter()
+        .map(|&(order, raised, seed)| make(order, raised, seed).difference())
+        .reduce(|| 0.0, f64::max)
+}
+
+// The stepping is good to 1e-9 of the largest harmonic; a response hardly above
+// breakaway is tens of times smaller than the torques it is the difference of.
+#[test]
+fn the_simulators_agree_on_cosines_from_sticking_to_sliding() {
+    let worst = worst(cosine);
+    assert!(worst < 2e-8, "{worst:e}");
+}
+
+#[test]
+fn the_simulators_agree_on_few_lines_and_a_mean() {
+    let worst = worst(|order, raised, seed| general(order, raised, seed, 4));
+    assert!(worst < 2e-7, "{worst:e}");
+}
+
+// 40 lines on 512 samples: a line interpolated from 12.8 samples a cycle is good to
+// (2π/12.8)⁶/46080 = 3e-7 of itself, and a response near breakaway is a few times
+// smaller than the torque.
+#[test]
+fn the_simulators_agree_on_multisines_of_forty_lines() {
+    let worst = worst(|order, raised, seed| general(order, raised, seed, 40));
+    assert!(worst < 1e-6, "{worst:e}");
+}
+
+// 2048 samples, 8.5 a cycle of the highest line: (2π/8.5)⁶/46080 = 3.5e-6 of that line.
+#[test]
+fn the_simulators_agree_on_a_multisine_of_240_lines() {
+    for seed in 0..2 {
+        let difference = general(0, seed == 1, seed, 240).difference();
+        assert!(difference < 1e-6, "{difference:e}");
+    }
+}

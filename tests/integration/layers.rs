@@ -89,7 +89,7 @@ fn files(layer: &str) -> Vec<PathBuf> {
     while let Some(folder) = folders.pop() {
         let Ok(entries) = std::fs::read_dir(&folder) else { continue };
         for path in entries.map(|entry| entry.unwrap().path()) {
-            let test = ["tests.rs", "testing.rs", "contract.rs"];
+            let test = ["tests.rs", "testing.rs", "contract.rs", "fixtures.rs"];
             if path.is_dir() {
                 folders.push(path);
             } else if !test.contains(&path.file_name().unwrap().to_str().unwrap()) {

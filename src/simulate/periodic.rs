@@ -237,7 +237,7 @@ impl Waves {
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             let moved = (next - time_s).abs();
             time_s = next;
-            if moved < 1e-13 * self.torque.step_s {
+            if moved <= 1e-13 * self.torque.step_s + 2.0 * f64::EPSILON * time_s {
                 break;
             }
         }
@@ -287,10 +287,11 @@ impl Waves {
             // It leaves zero and returns to it within the cell: look beyond the top.
             low = bisect(low, high, |t| rate(t, x(t)) > 0.0);
         } else if !crosses {
-            if fresh || !(rate_start < 0.0 && rate_end > 0.0) {
+            // It may dip below zero between two samples, if its tangent does.
+            let within_reach = sign * anchor.x + rate_start * (cell_end - anchor.time_s) < 0.0;
+            if fresh || !(rate_start < 0.0 && rate_end > 0.0 && within_reach) {
                 return None;
             }
-            // It may dip below zero between two samples.
             high = bisect(low, high, |t| rate(t, x(t)) < 0.0);
             if x(high) >= 0.0 {
                 return None;
@@ -308,7 +309,7 @@ impl Waves {
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             let moved = (next - time_s).abs();
             time_s = next;
-            if moved < 1e-13 * self.torque.step_s {
+            if moved <= 1e-13 * self.torque.step_s + 2.0 * f64::EPSILON * time_s {
                 break;
             }
         }

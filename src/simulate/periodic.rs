@@ -23,6 +23,9 @@ const MOST_PERIODS: usize = 400;
 /// Share of the largest x that is lost in rounding.
 const ROUNDING: f64 = 1e-13;
 
+/// Newton's last step, in samples: its error after that is of the order of the square.
+const LAST_STEP: f64 = 1e-10;
+
 /// Switches of one cell beyond which time has stopped passing.
 const MOST_SWITCHES_PER_CELL: usize = 64;
 
@@ -268,7 +271,7 @@ impl Waves {
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             let moved = (next - time_s).abs();
             time_s = next;
-            if moved < 1e-13 * self.step_s {
+            if moved < LAST_STEP * self.step_s {
                 break;
             }
         }
@@ -318,10 +321,11 @@ impl Waves {
             // It leaves zero and returns to it within the cell: look beyond the top.
             low = bisect(low, high, |t| rate(t, x(t)) > 0.0);
         } else if !crosses {
-            if fresh || !(rate_start < 0.0 && rate_end > 0.0) {
+            // It may dip below zero between two samples, if its tangent does.
+            let within_reach = sign * anchor.x + rate_start * (cell_end - anchor.time_s) < 0.0;
+            if fresh || !(rate_start < 0.0 && rate_end > 0.0 && within_reach) {
                 return None;
             }
-            // It may dip below zero between two samples.
             high = bisect(low, high, |t| rate(t, x(t)) < 0.0);
             if x(high) >= 0.0 {
                 return None;
@@ -339,7 +343,7 @@ impl Waves {
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             let moved = (next - time_s).abs();
             time_s = next;
-            if moved < 1e-13 * self.step_s {
+            if moved < LAST_STEP * self.step_s {
                 break;
             }
         }
@@ -354,11 +358,17 @@ impl Waves {
 
     /// τ between samples, by the quintic through values and two derivatives.
     fn torque_at(&self, cell: usize, time_s: f64) -> f64 {
+        if time_s <= cell as f64 * self.step_s {
+            return self.torque[cell]; // most cells are asked for their start alone
+        }
         let (u, quintic) = self.torque_between(cell, time_s);
         quintic.value(u)
     }
 
     fn torque_rate_at(&self, cell: usize, time_s: f64) -> f64 {
+        if time_s <= cell as f64 * self.step_s {
+            return self.torque_rate[cell];
+        }
         let (u, quintic) = self.torque_between(cell, time_s);
         quintic.slope(u) / self.step_s
     }

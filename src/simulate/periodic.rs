@@ -23,9 +23,6 @@ const MOST_PERIODS: usize = 400;
 /// Share of the largest x that is lost in rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// Newton's last step, in samples: its error after that is of the order of the square.
-const LAST_STEP: f64 = 1e-10;
-
 /// Switches of one cell beyond which time has stopped passing.
 const MOST_SWITCHES_PER_CELL: usize = 64;
 
@@ -271,7 +268,7 @@ impl Waves {
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             let moved = (next - time_s).abs();
             time_s = next;
-            if moved < LAST_STEP * self.step_s {
+            if moved <= 1e-13 * self.step_s + 2.0 * f64::EPSILON * time_s {
                 break;
             }
         }
@@ -343,7 +340,7 @@ impl Waves {
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             let moved = (next - time_s).abs();
             time_s = next;
-            if moved < LAST_STEP * self.step_s {
+            if moved <= 1e-13 * self.step_s + 2.0 * f64::EPSILON * time_s {
                 break;
             }
         }

@@ -7,8 +7,9 @@ WORKDIR /source
 COPY Cargo.toml Cargo.lock ./
 COPY src ./src
 COPY migrations ./migrations
-# The manifest names the integration tests; nothing here builds them.
-RUN mkdir -p tests/integration && touch tests/integration/main.rs \
+# The manifest names the integration tests and the benches; nothing here builds them.
+RUN mkdir -p tests/integration benches \
+    && touch tests/integration/main.rs benches/simulate.rs benches/identify.rs \
     && cargo build --release --locked --bin servoscope
 
 FROM debian:bookworm-slim

@@ -7,8 +7,9 @@ WORKDIR /source
 COPY Cargo.toml Cargo.lock ./
 COPY src ./src
 COPY migrations ./migrations
-# The manifest names the integration tests; nothing here builds them.
-RUN mkdir -p tests/integration && touch tests/integration/main.rs \
+# The manifest names tests and benchmarks; nothing here builds them.
+RUN mkdir -p benches tests/integration \
+    && touch benches/identify.rs benches/simulate.rs tests/integration/main.rs \
     && cargo build --release --locked --bin servoscope
 
 FROM debian:bookworm-slim

@@ -3,9 +3,9 @@
 //! With K taken out (v = K·x) the mechanics are x' = −a·x + τ − f. Between two
 //! switches of the friction this is linear, so x is known in closed form and a
 //! periodic motion is nothing but its switching instants ([`Orbit`]):
-//! [`cosine`] finds them for a pure cosine, [`periodic`] for any periodic input.
-//! The harmonics follow from the instants alone ([`spectrum`]), and so do their
-//! derivatives ([`sensitivity`]). Sticking is a constraint of the motion, never
+//! `cosine` finds them for a pure cosine, `periodic` for any periodic input.
+//! The harmonics follow from the instants alone (`spectrum`), and so do their
+//! derivatives (`sensitivity`). Sticking is a constraint of the motion, never
 //! a smoothed sign. The actuator is linear and upstream of the friction: its
 //! steady state is closed form and every order costs the same.
 

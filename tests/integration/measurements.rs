@@ -1,24 +1,11 @@
 //! Measured data and reference responses, as files.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use servoscope::measurement::formats::{Source, read, write_harmonic_csv};
 use servoscope::measurement::{Complex, Experiment, Measurement, ResponseKind};
 
-/// Files that the repository does not carry; says so where they are absent.
-fn outside(folder: PathBuf) -> Option<PathBuf> {
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: {} is absent", folder.display());
-    None
-}
-
-fn data() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folder = std::env::var_os("SERVO_DATA_DIR").unwrap_or_else(|| "../shared/data".into());
-    outside(root.join(folder))
-}
+use crate::shared_files::shared;
 
 fn read_text(text: &str) -> Measurement {
     read(&[Source { name: "record.csv", bytes: text.as_bytes() }])
@@ -55,7 +42,7 @@ fn scatter(experiment: &Experiment, side: Side) -> f64 {
 
 #[test]
 fn the_positioning_stage_gives_its_last_three_periods_of_6240_samples() {
-    let Some(data) = data() else { return };
+    let Some(data) = shared("data") else { return };
     for text in with_and_without_period(&data.join("emps/emps.csv")) {
         let measurement = read_text(&text);
         let [experiment] = measurement.experiments() else { panic!("one experiment") };
@@ -80,7 +67,7 @@ fn the_positioning_stage_gives_its_last_three_periods_of_6240_samples() {
 
 #[test]
 fn the_motor_bench_gives_18_periods_of_one_second() {
-    let Some(data) = data() else { return };
+    let Some(data) = shared("data") else { return };
     for text in with_and_without_period(&data.join("motor-bench/multisine_a.csv")) {
         let measurement = read_text(&text);
         let [experiment] = measurement.experiments() else { panic!("one experiment") };
@@ -96,7 +83,7 @@ fn the_motor_bench_gives_18_periods_of_one_second() {
 
 #[test]
 fn two_whole_periods_are_enough_to_find_a_period() {
-    let Some(data) = data() else { return };
+    let Some(data) = shared("data") else { return };
     for (file, samples, period_s) in
         [("emps/emps.csv", 6240, 6.24), ("motor-bench/multisine_a.csv", 2500, 1.0)]
     {
@@ -113,7 +100,7 @@ fn two_whole_periods_are_enough_to_find_a_period() {
 
 #[test]
 fn a_real_record_survives_being_written_as_a_table() {
-    let Some(data) = data() else { return };
+    let Some(data) = shared("data") else { return };
     let text = std::fs::read_to_string(data.join("motor-bench/multisine_a.csv")).unwrap();
     let measurement = read_text(&text);
     let mut table = Vec::new();
@@ -132,8 +119,7 @@ fn a_real_record_survives_being_written_as_a_table() {
 
 #[test]
 fn every_reference_response_is_read_whole() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let Some(folder) = outside(root.join("../shared/reference")) else { return };
+    let Some(folder) = shared("reference") else { return };
     let mut count = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

@@ -211,8 +211,7 @@ impl Waves {
             t if t < -minus => Some(Motion::Backward),
             _ => None,
         };
-        let at_start = self.torque.at(cell, from_s);
-        if let Some(motion) = direction(at_start) {
+        if let Some(motion) = direction(self.torque.at(cell, from_s)) {
             return Some((from_s, motion));
         }
         let mut low = from_s;
@@ -220,7 +219,7 @@ impl Waves {
         let motion = match direction(self.torque.value[cell + 1]) {
             Some(motion) => motion,
             None => {
-                high = self.top(cell, from_s, at_start)?;
+                high = self.top(cell, from_s)?;
                 direction(self.torque.at(cell, high))?
             }
         };
@@ -245,15 +244,18 @@ impl Waves {
     }
 
     /// The instant within the cell at which the torque turns back, where its
-    /// tangents let it exceed a static level between two samples.
-    fn top(&self, cell: usize, from_s: f64, at_start: f64) -> Option<f64> {
+    /// tangent at the end lets it exceed a static level between two samples.
+    fn top(&self, cell: usize, from_s: f64) -> Option<f64> {
         let end_s = (cell + 1) as f64 * self.torque.step_s;
-        let (rate, rate_end) = (self.torque.slope_at(cell, from_s), self.torque.first[cell + 1]);
-        let sign = rate.signum();
+        let rate_end = self.torque.first[cell + 1];
+        let sign = -rate_end.signum();
         let level = if sign > 0.0 { self.friction.fs_plus } else { self.friction.fs_minus };
-        let within_reach = sign * at_start + rate.abs() * (end_s - from_s) > level;
-        (sign * rate_end < 0.0 && within_reach)
-            .then(|| bisect(from_s, end_s, |t| sign * self.torque.slope_at(cell, t) > 0.0))
+        let reach = sign * self.torque.value[cell + 1] + rate_end.abs() * (end_s - from_s);
+        if reach <= level {
+            return None;
+        }
+        let rises = |time_s: f64| sign * self.torque.slope_at(cell, time_s) > 0.0;
+        rises(from_s).then(|| bisect(from_s, end_s, rises))
     }
 
     /// The instant within the cell at which a slide ends, and what follows.

@@ -59,8 +59,8 @@ impl Estimates<'_> {
             parameters.insert(name.to_owned(), estimate);
         };
         let rate = |value: f64, i: usize| self.logarithmic(value, i, "rad/s");
-        let constant = format!("({velocity})/({input}·s)");
-        let gain = format!("({velocity})/({input})");
+        let constant = format!("{}/({input}·s)", bracketed(velocity));
+        let gain = format!("{}/{}", bracketed(velocity), bracketed(input));
         insert("pole", rate(-plant.viscous_rate_rad_s, 0));
         insert("constant", self.logarithmic(plant.constant, CONSTANT, &constant));
         insert("dc_gain", self.dc_gain(plant, &gain));
@@ -181,4 +181,9 @@ impl Estimates<'_> {
         let names = which.iter().map(|i| naming::name(list[*i]).to_owned()).collect();
         Correlations { names, matrix }
     }
+}
+
+/// A unit as it stands in a quotient.
+fn bracketed(unit: &str) -> String {
+    if unit.contains(['/', '·', '*', ' ']) { format!("({unit})") } else { unit.to_owned() }
 }

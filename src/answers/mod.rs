@@ -3,10 +3,14 @@
 //! `store` and `report` know these types and nothing of how they were computed.
 //! Their JSON form is the wire format of the service and of `--json`.
 
+mod comparison;
+mod discrepancy;
 mod identification;
 mod progress;
 mod request;
 
+pub use comparison::{ComparedExperiment, ComparedHarmonic, Comparison, Unanswered};
+pub use discrepancy::{Discrepancy, Pattern, ResidualGroup, ResidualTest};
 pub use identification::{
     Correlations, Fit, Identification, NoiseSource, OrderCandidate, OrderChoice, ParameterEstimate,
     Provenance, Stage, TransferFunction,

@@ -1,25 +1,168 @@
-//! Effects a base model may lack, and how each enters the simulation.
+//! Effects a base model may lack: one file each.
 //!
-//! Adding an effect is one file here and one line in the list of modules.
+//! A file holds everything about its effect: the equation, the parameters with
+//! their units, bounds and scales, what it looks like in a response, what
+//! imitates it, how it enters the simulation, and derivatives. Adding one is
+//! such a file, a `mod` line and a line in [`ALL`]. Definitions are those of the
+//! contract, section 3.
 
+mod axis;
+mod law;
+mod parameter;
+
+mod actuator_dead_zone;
+mod actuator_saturation;
+mod backlash;
+mod cogging;
+mod flexible_mode;
+mod friction_drift;
+mod gain_asymmetry;
+mod hardening_spring;
+mod presliding;
+mod quadratic_drag;
+mod sensor_lag;
+mod slew_limit;
+mod spring;
 mod static_friction;
-
-pub use static_friction::StaticFriction;
+mod stribeck;
+mod transport_delay;
+mod viscous_asymmetry;
 
 use std::fmt::Debug;
 
-use crate::plant::Plant;
+use crate::plant::{Plant, Scalar};
 
-/// A physical effect with its parameters.
-pub trait Effect: Debug + Send + Sync {
+pub use axis::{Axis, InputMap, SecondMass, Stage, WIDE_LANES, Wide};
+pub use law::{Form, LAW_PARAMETERS, Law, Partials};
+pub use parameter::{Coordinate, Dimension, Parameter, Range, Scope};
+
+/// Every effect.
+pub const ALL: &[&dyn Effect] = &[
+    &static_friction::StaticFriction,
+    &stribeck::Stribeck,
+    &viscous_asymmetry::ViscousAsymmetry,
+    &quadratic_drag::QuadraticDrag,
+    &presliding::Presliding,
+    &friction_drift::FrictionDrift,
+    &backlash::Backlash,
+    &flexible_mode::FlexibleMode,
+    &spring::Spring,
+    &hardening_spring::HardeningSpring,
+    &cogging::Cogging,
+    &transport_delay::TransportDelay,
+    &sensor_lag::SensorLag,
+    &actuator_saturation::ActuatorSaturation,
+    &actuator_dead_zone::ActuatorDeadZone,
+    &gain_asymmetry::GainAsymmetry,
+    &slew_limit::SlewLimit,
+];
+
+/// A physical effect.
+pub trait Effect: Debug + Sync {
     /// Identifier used on the wire and on the command line.
     fn id(&self) -> &'static str;
 
-    /// Enters the simulation by altering the plant that is simulated.
-    fn enter(&self, plant: Plant) -> Plant;
+    /// What it looks like in a response, for a person.
+    fn signature(&self) -> &'static str;
+
+    /// Ids of effects that may look like it.
+    fn imitators(&self) -> &'static [&'static str];
+
+    /// Its parameters, in the order in which [`Self::enter`] takes them.
+    fn parameters(&self) -> &'static [Parameter];
+
+    /// Whether a measurement must say in which order it was acquired.
+    fn needs_run(&self) -> bool {
+        false
+    }
+
+    /// Enters the axis, by its parameters, in an experiment that stands at
+    /// `run_share` (0 first, 1 last) of the acquisition.
+    fn enter(&self, parameters: &[Wide], run_share: f64, axis: &mut Axis<Wide>);
 }
 
-/// The plant with every effect in place.
-pub fn enter(plant: &Plant, effects: &[Box<dyn Effect>]) -> Plant {
-    effects.iter().fold(*plant, |plant, effect| effect.enter(plant))
+/// The effect with this id.
+pub fn find(id: &str) -> Option<&'static dyn Effect> {
+    ALL.iter().copied().find(|effect| effect.id() == id)
 }
+
+/// An effect with values for its parameters.
+#[derive(Debug, Clone)]
+pub struct ActiveEffect {
+    effect: &'static dyn Effect,
+    values: Vec<f64>,
+}
+
+/// The values given are not those of the effect's parameters.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{id}` takes {wanted} parameters, not {given}")]
+pub struct WrongParameters {
+    /// The effect.
+    pub id: &'static str,
+    /// How many it has.
+    pub wanted: usize,
+    /// How many were given.
+    pub given: usize,
+}
+
+impl ActiveEffect {
+    /// An effect with values in the order of its parameters.
+    ///
+    /// # Errors
+    /// When there are more or fewer values than parameters.
+    pub fn new(effect: &'static dyn Effect, values: Vec<f64>) -> Result<Self, WrongParameters> {
+        let (wanted, given) = (effect.parameters().len(), values.len());
+        if wanted != given {
+            return Err(WrongParameters { id: effect.id(), wanted, given });
+        }
+        Ok(Self { effect, values })
+    }
+
+    /// The effect.
+    pub fn effect(&self) -> &'static dyn Effect {
+        self.effect
+    }
+
+    /// Its values, in the order of its parameters.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+}
+
+/// The plant with every effect in place. The effects' parameters are variables
+/// of their own, in order, from lane `first_lane` on.
+///
+/// # Panics
+/// If all lanes together are more than [`WIDE_LANES`].
+pub fn enter(
+    plant: Plant<Wide>,
+    effects: &[ActiveEffect],
+    run_share: f64,
+    first_lane: usize,
+) -> Axis<Wide> {
+    let mut axis = Axis::base(plant);
+    let mut lane = first_lane;
+    for active in effects {
+        let parameters: Vec<Wide> =
+            active.values.iter().zip(lane..).map(|(v, lane)| Wide::variable(*v, lane)).collect();
+        lane += parameters.len();
+        active.effect.enter(&parameters, run_share, &mut axis);
+    }
+    axis
+}
+
+/// The same without derivatives.
+pub fn enter_values(plant: Plant, effects: &[ActiveEffect], run_share: f64) -> Axis {
+    if effects.is_empty() {
+        return Axis::base(plant);
+    }
+    let mut axis = Axis::base(plant.map(Wide::constant));
+    for active in effects {
+        let parameters: Vec<Wide> = active.values.iter().copied().map(Wide::constant).collect();
+        active.effect.enter(&parameters, run_share, &mut axis);
+    }
+    axis.map(Scalar::value)
+}
+
+#[cfg(test)]
+mod tests;

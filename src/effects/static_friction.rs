@@ -1,17 +1,34 @@
 //! Static friction above the Coulomb level, at v = 0 only.
+//!
+//! v = 0: f takes whatever value in [−Fs⁻, +Fs⁺] keeps the axis at rest, with
+//! Fs > Fc. The motion stays linear between switches.
 
-use crate::plant::{Friction, Plant};
+use crate::plant::Scalar as _;
 
-use super::Effect;
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, Wide};
 
-/// Fs > Fc at v = 0 only: the axis rests longer at every reversal and starts
-/// with a jump of acceleration. Imitated by `stribeck`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StaticFriction {
-    /// Fs⁺, input units; below Fc⁺ it is Fc⁺.
-    pub fs_plus: f64,
-    /// Fs⁻, input units; below Fc⁻ it is Fc⁻.
-    pub fs_minus: f64,
+/// Fs⁺ and Fs⁻; below the Coulomb level they are the Coulomb level.
+#[derive(Debug)]
+pub struct StaticFriction;
+
+const PARAMETERS: [Parameter; 2] = [
+    Parameter {
+        name: "fs_plus",
+        dimension: Dimension::INPUT,
+        coordinate: Coordinate::Linear,
+        range: |scope| range(scope, scope.plant.friction.fc_plus),
+    },
+    Parameter {
+        name: "fs_minus",
+        dimension: Dimension::INPUT,
+        coordinate: Coordinate::Linear,
+        range: |scope| range(scope, scope.plant.friction.fc_minus),
+    },
+];
+
+fn range(scope: &Scope, coulomb: f64) -> Range {
+    let likely = [coulomb, (2.0 * coulomb).max(scope.moving_level)];
+    Range { bounds: [0.0, 1.05 * scope.largest_level], likely, absent: Some(coulomb) }
 }
 
 impl Effect for StaticFriction {
@@ -19,13 +36,23 @@ impl Effect for StaticFriction {
         "static_friction"
     }
 
-    fn enter(&self, plant: Plant) -> Plant {
-        let friction = plant.friction;
-        let friction = Friction {
-            fs_plus: self.fs_plus.max(friction.fc_plus),
-            fs_minus: self.fs_minus.max(friction.fc_minus),
-            ..friction
-        };
-        Plant { friction, ..plant }
+    fn signature(&self) -> &'static str {
+        "at the lowest magnitudes and frequencies the axis rests longer at every reversal and \
+         starts with a jump of acceleration; nothing changes where it slides through"
+    }
+
+    fn imitators(&self) -> &'static [&'static str] {
+        &["stribeck", "presliding"]
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
+        let friction = &mut axis.plant.friction;
+        let larger = |a: Wide, b: Wide| if a.value() >= b.value() { a } else { b };
+        friction.fs_plus = larger(parameters[0], friction.fc_plus);
+        friction.fs_minus = larger(parameters[1], friction.fc_minus);
     }
 }

@@ -64,7 +64,7 @@ impl Misfit<'_> {
 
     /// Residuals and their derivatives by every coordinate.
     pub fn linearise(&self, point: &[f64]) -> Result<Linearisation, NoResponse> {
-        let plant = self.coordinates.plant(point);
+        let plant = self.coordinates.variable_plant(point);
         let columns = self.coordinates.len();
         let mut residuals = DVector::zeros(self.problem.data());
         let mut jacobian = DMatrix::zeros(self.problem.data(), columns);
@@ -72,6 +72,7 @@ impl Misfit<'_> {
         for (e, experiment) in self.problem.experiments.iter().enumerate() {
             let response = simulate::respond_with_sensitivities(
                 &plant,
+                columns,
                 &[],
                 &experiment.excitation,
                 experiment.highest,
@@ -85,12 +86,8 @@ impl Misfit<'_> {
                 if !target.real {
                     residuals[row + 1] = left.im;
                 }
-                for (i, coordinate) in self.coordinates.list.iter().enumerate() {
-                    let rows = coordinate.rows();
-                    let by_parameter: Complex =
-                        rows.iter().map(|r| response.sensitivities[*r][k]).sum();
-                    let chain = if coordinate.is_log() { point[i].exp() } else { 1.0 };
-                    let slope = by_parameter * weight * chain;
+                for (i, derivatives) in response.sensitivities.iter().enumerate() {
+                    let slope = derivatives[k] * weight;
                     jacobian[(row, i)] = slope.re;
                     if !target.real {
                         jacobian[(row + 1, i)] = slope.im;

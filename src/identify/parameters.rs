@@ -5,7 +5,8 @@
 //! ratio are searched as logarithms, friction levels as they are, because 0 is
 //! a friction level.
 
-use crate::plant::{Actuator, Friction, Plant};
+use crate::effects::Wide;
+use crate::plant::{Actuator, Friction, Plant, Scalar};
 
 /// One searched parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,25 +29,7 @@ pub(super) enum Coordinate {
     DampingRatio,
 }
 
-impl Coordinate {
-    /// Whether the coordinate is a logarithm.
-    pub fn is_log(self) -> bool {
-        !matches!(self, Coordinate::FcPlus | Coordinate::FcMinus | Coordinate::FcMean)
-    }
-
-    /// Rows of [`crate::simulate::PARAMETERS`] that move with it.
-    pub fn rows(self) -> &'static [usize] {
-        match self {
-            Coordinate::ViscousRate => &[0],
-            Coordinate::Constant => &[1],
-            Coordinate::FcPlus => &[2, 4],
-            Coordinate::FcMinus => &[3, 5],
-            Coordinate::FcMean => &[2, 3, 4, 5],
-            Coordinate::ActuatorRate | Coordinate::NaturalFrequency => &[6],
-            Coordinate::DampingRatio => &[7],
-        }
-    }
-}
+impl Coordinate {}
 
 /// Which parameters are searched, and between which bounds.
 #[derive(Debug, Clone)]
@@ -152,14 +135,26 @@ impl Coordinates {
 
     /// The plant at a point, in the problem's scales.
     pub fn plant(&self, point: &[f64]) -> Plant {
+        self.plant_of(point)
+    }
+
+    /// The same with the coordinates as variables, each in a lane of its own.
+    pub fn variable_plant(&self, point: &[f64]) -> Plant<Wide> {
+        let variables: Vec<Wide> =
+            point.iter().enumerate().map(|(i, value)| Wide::variable(*value, i)).collect();
+        self.plant_of(&variables)
+    }
+
+    fn plant_of<S: Scalar>(&self, point: &[S]) -> Plant<S> {
+        let (zero, one) = (S::constant(0.0), S::constant(1.0));
         let mut plant = Plant {
-            viscous_rate_rad_s: 1.0,
-            constant: 1.0,
+            viscous_rate_rad_s: one,
+            constant: one,
             actuator: Actuator::Direct,
-            friction: Friction::coulomb(0.0, 0.0),
+            friction: Friction::coulomb(zero, zero),
         };
-        let (mut fc_plus, mut fc_minus) = (0.0, 0.0);
-        let mut wn = 1.0;
+        let (mut fc_plus, mut fc_minus) = (zero, zero);
+        let mut wn = one;
         for (coordinate, value) in self.list.iter().zip(point) {
             match coordinate {
                 Coordinate::ViscousRate => plant.viscous_rate_rad_s = value.exp(),

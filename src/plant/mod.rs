@@ -7,25 +7,47 @@
 //!
 //! All torques and friction levels are in input units.
 
+mod scalar;
+
+pub use scalar::{Dual, Scalar};
+
 use crate::measurement::Complex;
 
 /// The actuator A(s), unit DC gain.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Actuator {
+pub enum Actuator<S = f64> {
     /// A = 1.
     Direct,
     /// A = p/(s + p).
     FirstOrder {
         /// p, rad/s.
-        corner_rad_s: f64,
+        corner_rad_s: S,
     },
     /// A = ωₙ²/(s² + 2ζωₙ s + ωₙ²).
     SecondOrder {
         /// ωₙ, rad/s.
-        natural_frequency_rad_s: f64,
+        natural_frequency_rad_s: S,
         /// ζ.
-        damping_ratio: f64,
+        damping_ratio: S,
     },
+}
+
+impl<S: Copy> Actuator<S> {
+    /// The same actuator with every number passed through `f`.
+    pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> Actuator<T> {
+        match *self {
+            Actuator::Direct => Actuator::Direct,
+            Actuator::FirstOrder { corner_rad_s } => {
+                Actuator::FirstOrder { corner_rad_s: f(corner_rad_s) }
+            }
+            Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
+                Actuator::SecondOrder {
+                    natural_frequency_rad_s: f(natural_frequency_rad_s),
+                    damping_ratio: f(damping_ratio),
+                }
+            }
+        }
+    }
 }
 
 impl Actuator {
@@ -59,35 +81,52 @@ impl Actuator {
 /// v > 0: f = Fc⁺; v < 0: f = −Fc⁻; v = 0: whatever value in [−Fs⁻, +Fs⁺]
 /// keeps the axis at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Friction {
+pub struct Friction<S = f64> {
     /// Fc⁺: Coulomb level while v > 0.
-    pub fc_plus: f64,
+    pub fc_plus: S,
     /// Fc⁻: Coulomb level while v < 0.
-    pub fc_minus: f64,
+    pub fc_minus: S,
     /// Fs⁺ ≥ Fc⁺: torque that must be exceeded to start in positive direction.
-    pub fs_plus: f64,
+    pub fs_plus: S,
     /// Fs⁻ ≥ Fc⁻: the same in negative direction.
-    pub fs_minus: f64,
+    pub fs_minus: S,
 }
 
-impl Friction {
+impl<S: Copy> Friction<S> {
     /// Friction whose static level is its Coulomb level.
-    pub fn coulomb(fc_plus: f64, fc_minus: f64) -> Self {
+    pub fn coulomb(fc_plus: S, fc_minus: S) -> Self {
         Self { fc_plus, fc_minus, fs_plus: fc_plus, fs_minus: fc_minus }
     }
 }
 
 /// A servo axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Plant {
+pub struct Plant<S = f64> {
     /// a, 1/s: the mechanics' pole is −a.
-    pub viscous_rate_rad_s: f64,
+    pub viscous_rate_rad_s: S,
     /// K, response units per input unit and second.
-    pub constant: f64,
+    pub constant: S,
     /// A(s).
-    pub actuator: Actuator,
+    pub actuator: Actuator<S>,
     /// Dry friction.
-    pub friction: Friction,
+    pub friction: Friction<S>,
+}
+
+impl<S: Scalar> Plant<S> {
+    /// The same plant with every number passed through `f`.
+    pub fn map<T: Scalar>(&self, mut f: impl FnMut(S) -> T) -> Plant<T> {
+        Plant {
+            viscous_rate_rad_s: f(self.viscous_rate_rad_s),
+            constant: f(self.constant),
+            actuator: self.actuator.map(&mut f),
+            friction: Friction {
+                fc_plus: f(self.friction.fc_plus),
+                fc_minus: f(self.friction.fc_minus),
+                fs_plus: f(self.friction.fs_plus),
+                fs_minus: f(self.friction.fs_minus),
+            },
+        }
+    }
 }
 
 impl Plant {

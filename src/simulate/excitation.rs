@@ -1,12 +1,14 @@
 //! A periodic input, prepared once for many simulations.
 
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rustfft::{Fft, FftPlanner};
 
 use crate::measurement::{Complex, Experiment};
 use crate::plant::Actuator;
+
+use super::fourier;
 
 /// Samples per period and highest line, at least: see `samples` for the error.
 const SAMPLES_PER_HIGHEST_CYCLE: usize = 12;
@@ -19,17 +21,60 @@ const FEWEST_SAMPLES: usize = 1024;
 pub(super) struct Grid {
     inverse: Arc<dyn Fft<f64>>,
     forward: Arc<dyn Fft<f64>>,
+    tables: Arc<Tables>,
 }
+
+/// What does not depend on the signal.
+struct Tables {
+    /// exp(2πj·n/N), n = 0 … N.
+    turns: Vec<Complex>,
+    /// ∫₀¹ uⁱ exp(−jθu) du at θ = 2πk/N, for the lowest harmonics.
+    moments: Vec<[Complex; 6]>,
+}
+
+/// Smallest grid of the ladder, and how often it is doubled.
+const LADDER: (usize, usize) = (32, 12);
 
 impl Grid {
     fn new(highest_line: usize) -> Self {
         let samples = (SAMPLES_PER_HIGHEST_CYCLE * highest_line).max(FEWEST_SAMPLES);
-        let samples = next_quick_length(samples);
+        Self::of(next_quick_length(samples))
+    }
+
+    fn of(samples: usize) -> Self {
         let mut planner = FftPlanner::new();
+        let step = std::f64::consts::TAU / samples as f64;
+        let tables = Tables {
+            turns: (0..=samples)
+                .map(|n| Complex::from_polar(1.0, step * (n % samples) as f64))
+                .collect(),
+            moments: (0..=samples / 3).map(|k| fourier::moments(step * k as f64)).collect(),
+        };
         Self {
             inverse: planner.plan_fft_inverse(samples),
             forward: planner.plan_fft_forward(samples),
+            tables: Arc::new(tables),
         }
+    }
+
+    /// The smallest grid of the ladder with at least so many samples, or the
+    /// largest of all; made once.
+    pub fn at_least(samples: usize) -> &'static Self {
+        static GRIDS: [OnceLock<Grid>; LADDER.1] = [const { OnceLock::new() }; LADDER.1];
+        let (smallest, count) = LADDER;
+        let step = (0..count).find(|i| smallest << i >= samples).unwrap_or(count - 1);
+        GRIDS[step].get_or_init(|| Self::of(smallest << step))
+    }
+
+    /// exp(2πj·n/N).
+    pub fn turn(&self, n: usize) -> Complex {
+        self.tables.turns[n]
+    }
+
+    /// ∫₀¹ uⁱ exp(−jθu) du at θ = 2πk/N, i = 0 … 5.
+    pub fn moments(&self, k: usize) -> [Complex; 6] {
+        let theta = std::f64::consts::TAU * k as f64 / self.samples() as f64;
+        self.tables.moments.get(k).copied().unwrap_or_else(|| fourier::moments(theta))
     }
 
     /// Samples of a period.
@@ -67,6 +112,7 @@ pub struct Excitation {
     omega_rad_s: f64,
     input: Vec<Complex>,
     grid: Option<Grid>,
+    run_share: f64,
 }
 
 impl Excitation {
@@ -76,7 +122,18 @@ impl Excitation {
         let pure_cosine =
             input.len() > 1 && input.iter().enumerate().all(|(k, u)| k == 1 || *u == zero);
         let grid = (!pure_cosine).then(|| Grid::new(input.len().saturating_sub(1)));
-        Self { omega_rad_s, input, grid }
+        Self { omega_rad_s, input, grid, run_share: 0.0 }
+    }
+
+    /// The same at `share` (0 first, 1 last) of the acquisition.
+    #[must_use]
+    pub fn at_run_share(self, share: f64) -> Self {
+        Self { run_share: share, ..self }
+    }
+
+    /// Where in the acquisition it stands: 0 first, 1 last.
+    pub fn run_share(&self) -> f64 {
+        self.run_share
     }
 
     /// A pure cosine m·cos(ωt).

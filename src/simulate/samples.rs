@@ -179,7 +179,7 @@ impl Samples {
 }
 
 /// Nodes and weights of Gauss–Legendre quadrature with 5 points.
-const GAUSS_5: [(f64, f64); 5] = [
+pub(super) const GAUSS_5: [(f64, f64); 5] = [
     (0.0, 128.0 / 225.0),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
     (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),

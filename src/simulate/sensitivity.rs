@@ -7,26 +7,14 @@
 //! derivative as a linear function of the one before; going once around the
 //! period closes the chain. The cost is linear in the number of instants.
 
+use crate::effects::{Axis, Wide};
 use crate::measurement::Complex;
-use crate::plant::{Actuator, Plant};
+use crate::plant::{Actuator, Plant, Scalar};
 
 use super::Settled;
 use super::excitation::Excitation;
 use super::orbit::{Motion, Orbit};
 use super::spectrum::{PhaseIntegrals, sliding_friction, weight};
-
-/// Names of the rows of sensitivities, in order: a, K, Fc⁺, Fc⁻, Fs⁺, Fs⁻ and
-/// up to two of the actuator (p; or ωₙ and ζ).
-pub const PARAMETERS: [&str; 8] = [
-    "viscous_rate",
-    "constant",
-    "fc_plus",
-    "fc_minus",
-    "fs_plus",
-    "fs_minus",
-    "actuator_first",
-    "actuator_second",
-];
 
 /// A direction in which parameters and torque change together.
 pub(super) struct Direction {
@@ -73,26 +61,24 @@ impl Direction {
     }
 }
 
-/// One direction for each of [`PARAMETERS`] except K.
-pub(super) fn parameter_directions(plant: &Plant, excitation: &Excitation) -> Vec<Direction> {
-    let by_actuator = |derivative: &dyn Fn(f64) -> Complex| Direction {
-        lines: excitation
-            .input()
-            .iter()
-            .enumerate()
-            .map(|(l, u)| u * derivative(l as f64 * excitation.omega_rad_s()))
-            .collect(),
-        ..Direction::none()
+/// Derivatives of the torque lines by the actuator's parameters, in order.
+pub(super) fn actuator_derivatives(
+    actuator: &Actuator,
+    excitation: &Excitation,
+) -> Vec<Vec<Complex>> {
+    let lines = |derivative: &dyn Fn(f64) -> Complex| {
+        let input = excitation.input().iter().enumerate();
+        input.map(|(l, u)| u * derivative(l as f64 * excitation.omega_rad_s())).collect()
     };
-    let (first, second) = match plant.actuator {
-        Actuator::Direct => (Direction::none(), Direction::none()),
+    match *actuator {
+        Actuator::Direct => vec![],
         Actuator::FirstOrder { corner_rad_s: p } => {
             // A = p/(s + p), ∂A/∂p = s/(s + p)².
             let by_corner = |omega: f64| {
                 let s_plus_p = Complex::new(p, omega);
                 Complex::new(0.0, omega) / (s_plus_p * s_plus_p)
             };
-            (by_actuator(&by_corner), Direction::none())
+            vec![lines(&by_corner)]
         }
         Actuator::SecondOrder { natural_frequency_rad_s: wn, damping_ratio: zeta } => {
             // A = ωₙ²/D, D = s² + 2ζωₙs + ωₙ².
@@ -106,18 +92,66 @@ pub(super) fn parameter_directions(plant: &Plant, excitation: &Excitation) -> Ve
                 let d = denominator(omega);
                 -wn * wn * Complex::new(0.0, 2.0 * wn * omega) / (d * d)
             };
-            (by_actuator(&by_frequency), by_actuator(&by_damping))
+            vec![lines(&by_frequency), lines(&by_damping)]
         }
-    };
+    }
+}
+
+/// One direction for each of a, Fc⁺, Fc⁻, Fs⁺, Fs⁻ and up to two numbers of the
+/// actuator (p; or ωₙ and ζ).
+pub(super) fn parameter_directions(plant: &Plant, excitation: &Excitation) -> Vec<Direction> {
+    let mut actuator = actuator_derivatives(&plant.actuator, excitation).into_iter();
+    let mut by_actuator =
+        || Direction { lines: actuator.next().unwrap_or_default(), ..Direction::none() };
     vec![
         Direction { viscous_rate: 1.0, ..Direction::none() },
         Direction { fc_plus: 1.0, ..Direction::none() },
         Direction { fc_minus: 1.0, ..Direction::none() },
         Direction { fs_plus: 1.0, ..Direction::none() },
         Direction { fs_minus: 1.0, ..Direction::none() },
-        first,
-        second,
+        by_actuator(),
+        by_actuator(),
     ]
+}
+
+/// Derivatives by every lane of an axis, from those by its numbers, in the order
+/// of [`parameter_directions`].
+pub(super) fn by_lane(
+    axis: &Axis<Wide>,
+    velocity: &[Complex],
+    by_number: &[Vec<Complex>],
+    lanes: usize,
+) -> Vec<Vec<Complex>> {
+    let levels = axis.levels();
+    let plant = &axis.plant;
+    let (first, second) = match plant.actuator {
+        Actuator::Direct => (None, None),
+        Actuator::FirstOrder { corner_rad_s } => (Some(corner_rad_s), None),
+        Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
+            (Some(natural_frequency_rad_s), Some(damping_ratio))
+        }
+    };
+    let friction = [levels.fc_plus, levels.fc_minus, levels.fs_plus, levels.fs_minus];
+    let numbers = [Some(plant.viscous_rate_rad_s)]
+        .into_iter()
+        .chain(friction.map(Some))
+        .chain([first, second]);
+    let weighted: Vec<(Wide, &Vec<Complex>)> =
+        numbers.zip(by_number).filter_map(|(number, row)| Some((number?, row))).collect();
+    (0..lanes)
+        .map(|lane| {
+            // K scales the response and nothing else.
+            let by_constant = plant.constant.lane(lane) / plant.constant.value();
+            let mut row: Vec<Complex> = velocity.iter().map(|v| v * by_constant).collect();
+            for (number, derivatives) in &weighted {
+                let slope = number.lane(lane);
+                if slope != 0.0 {
+                    row.iter_mut().zip(*derivatives).for_each(|(sum, d)| *sum += d * slope);
+                }
+            }
+            row
+        })
+        .collect()
 }
 
 /// Derivatives of V₀ … V_H along each direction.

@@ -1,0 +1,55 @@
+//! Play between motor and load.
+//!
+//! As `flexible_mode`, with a spring and damper that act only while the twist
+//! φ (φ' = v − v_load) is outside ±gap/2:
+//! T_s = k·(φ beyond the gap) + c·(v − v_load) in contact (not clipped: it may
+//! pull just before contact ends), 0 inside the gap. y is the motor's velocity.
+
+use super::flexible_mode::{DAMPING, LOAD_INERTIA_FRACTION, STIFFNESS};
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, SecondMass, Wide};
+
+/// ρ, k, c and the gap.
+#[derive(Debug)]
+pub struct Backlash;
+
+const PARAMETERS: [Parameter; 4] = [LOAD_INERTIA_FRACTION, STIFFNESS, DAMPING, GAP];
+
+const GAP: Parameter = Parameter {
+    name: "gap",
+    dimension: Dimension::POSITION,
+    coordinate: Coordinate::Logarithmic,
+    range: |scope| Range {
+        bounds: [1e-6, 2.0].map(|share| share * scope.largest_travel),
+        likely: [1e-4, 0.1].map(|share| share * scope.largest_travel),
+        absent: None,
+    },
+};
+
+impl Effect for Backlash {
+    fn id(&self) -> &'static str {
+        "backlash"
+    }
+
+    fn signature(&self) -> &'static str {
+        "impacts after every reversal: harmonics of high order, even ones and a mean where \
+         friction is asymmetric; above the contact's resonance a lighter axis, the more so the \
+         smaller the magnitude"
+    }
+
+    fn imitators(&self) -> &'static [&'static str] {
+        &["flexible_mode"]
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
+        axis.second_mass = Some(SecondMass {
+            load_inertia_fraction: parameters[0],
+            stiffness: parameters[1],
+            damping: parameters[2],
+            gap: parameters[3],
+        });
+    }
+}

@@ -1,0 +1,92 @@
+//! Torque ripple over position.
+//!
+//! g += T·sin(N·θ + φ), together with the constant torque that makes mean v
+//! zero; θ has zero mean.
+
+use super::{
+    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
+    Wide,
+};
+
+/// T, N and φ.
+#[derive(Debug)]
+pub struct Cogging;
+
+const PARAMETERS: [Parameter; 3] = [
+    Parameter {
+        name: "amplitude",
+        dimension: Dimension::INPUT,
+        coordinate: Coordinate::Linear,
+        range: |scope| Range {
+            bounds: [0.0, 2.0 * scope.largest_level],
+            likely: [0.0, scope.friction_level()],
+            absent: Some(0.0),
+        },
+    },
+    Parameter {
+        name: "cycles_per_unit",
+        dimension: Dimension::NONE.per(Dimension::POSITION),
+        coordinate: Coordinate::Logarithmic,
+        // Radians per position unit: from a fraction of a tooth over the whole
+        // travel to so many that their torque averages out.
+        range: |scope| Range {
+            bounds: [0.1, 100.0].map(|angle| angle / scope.largest_travel),
+            likely: [0.5, 20.0].map(|angle| angle / scope.largest_travel),
+            absent: None,
+        },
+    },
+    Parameter {
+        name: "phase",
+        dimension: Dimension::NONE,
+        coordinate: Coordinate::Linear,
+        range: |_| Range { bounds: [-7.0, 7.0], likely: [-3.1416, 3.1416], absent: None },
+    },
+];
+
+/// T·sin(N·θ + φ).
+#[derive(Debug)]
+struct Ripple;
+
+impl Form for Ripple {
+    fn at(&self, [t, n, phase]: &[f64; LAW_PARAMETERS], _v: f64, position: f64) -> Partials {
+        let (sin, cos) = (n * position + phase).sin_cos();
+        Partials {
+            value: t * sin,
+            by_velocity: 0.0,
+            by_position: t * n * cos,
+            by_parameter: [sin, t * cos * position, t * cos],
+        }
+    }
+
+    fn uses_position(&self) -> bool {
+        true
+    }
+
+    fn contracts(&self) -> bool {
+        false
+    }
+}
+
+impl Effect for Cogging {
+    fn id(&self) -> &'static str {
+        "cogging"
+    }
+
+    fn signature(&self) -> &'static str {
+        "harmonics, even ones too, that come and go as the travel covers one tooth more; \
+         strongest at low frequencies, where the travel is long"
+    }
+
+    fn imitators(&self) -> &'static [&'static str] {
+        &["spring", "hardening_spring", "stribeck"]
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
+        axis.torques.push(Law::new(&Ripple, parameters));
+        axis.balanced = true;
+    }
+}

@@ -1,0 +1,87 @@
+//! A load behind an elastic joint.
+//!
+//! Motor and load share the inertia J = 1/K as (1 − ρ):ρ. With φ' = v − v_load:
+//! (1 − ρ)J·v' = −(a/K)·v + τ − f − T_s, ρJ·v_load' = T_s,
+//! T_s = k·φ + c·(v − v_load). y is the motor's velocity.
+
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, SecondMass, Wide};
+use crate::plant::Scalar as _;
+
+/// ρ, k and c.
+#[derive(Debug)]
+pub struct FlexibleMode;
+
+const PARAMETERS: [Parameter; 3] = [LOAD_INERTIA_FRACTION, STIFFNESS, DAMPING];
+
+/// ρ.
+pub(super) const LOAD_INERTIA_FRACTION: Parameter = Parameter {
+    name: "load_inertia_fraction",
+    dimension: Dimension::NONE,
+    coordinate: Coordinate::Linear,
+    range: |_| Range { bounds: [0.001, 0.99], likely: [0.1, 0.7], absent: None },
+};
+
+/// k.
+pub(super) const STIFFNESS: Parameter = Parameter {
+    name: "stiffness",
+    dimension: Dimension::INPUT.per(Dimension::POSITION),
+    coordinate: Coordinate::Logarithmic,
+    // An antiresonance √(k/(ρJ)) from below the lowest frequency to far above
+    // the highest, where the joint is rigid.
+    range: |scope| {
+        let at = |omega: f64| omega * omega * load_inertia(scope);
+        Range {
+            bounds: [at(0.3 * scope.omega_low), at(30.0 * scope.omega_high)],
+            likely: [at(scope.omega_low), at(3.0 * scope.omega_high)],
+            absent: None,
+        }
+    },
+};
+
+/// c.
+pub(super) const DAMPING: Parameter = Parameter {
+    name: "damping",
+    dimension: Dimension::INPUT.per(Dimension::VELOCITY),
+    coordinate: Coordinate::Logarithmic,
+    // From next to nothing to more than critical in the middle of the band.
+    range: |scope| {
+        let middle = (scope.omega_low * scope.omega_high).sqrt() * load_inertia(scope);
+        Range {
+            bounds: [1e-5 * middle, 100.0 * middle],
+            likely: [0.01 * middle, 3.0 * middle],
+            absent: None,
+        }
+    },
+};
+
+/// Inertia of a load that has a third of the whole.
+fn load_inertia(scope: &Scope) -> f64 {
+    0.3 / scope.plant.constant.abs()
+}
+
+impl Effect for FlexibleMode {
+    fn id(&self) -> &'static str {
+        "flexible_mode"
+    }
+
+    fn signature(&self) -> &'static str {
+        "an antiresonance and a resonance in the fundamental, the same at every magnitude"
+    }
+
+    fn imitators(&self) -> &'static [&'static str] {
+        &["backlash", "spring", "sensor_lag"]
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
+        axis.second_mass = Some(SecondMass {
+            load_inertia_fraction: parameters[0],
+            stiffness: parameters[1],
+            damping: parameters[2],
+            gap: Wide::constant(0.0),
+        });
+    }
+}

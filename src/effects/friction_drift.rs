@@ -1,0 +1,44 @@
+//! Friction that drifts during the acquisition, as a bearing warms up.
+//!
+//! All friction levels, Fc and Fs, × (1 + δ·(run − run_min)/(run_max − run_min)).
+//! Not testable without `run`.
+
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Wide};
+
+/// δ.
+#[derive(Debug)]
+pub struct FrictionDrift;
+
+const PARAMETERS: [Parameter; 1] = [Parameter {
+    name: "delta",
+    dimension: Dimension::NONE,
+    coordinate: Coordinate::Linear,
+    range: |_| Range { bounds: [-0.99, 4.0], likely: [-0.5, 0.5], absent: Some(0.0) },
+}];
+
+impl Effect for FrictionDrift {
+    fn id(&self) -> &'static str {
+        "friction_drift"
+    }
+
+    fn signature(&self) -> &'static str {
+        "residuals follow the order of acquisition, not magnitude or frequency, with the shape \
+         that a change of friction has"
+    }
+
+    fn imitators(&self) -> &'static [&'static str] {
+        &["stribeck", "quadratic_drag"]
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn needs_run(&self) -> bool {
+        true
+    }
+
+    fn enter(&self, parameters: &[Wide], run_share: f64, axis: &mut Axis<Wide>) {
+        axis.friction_scale = axis.friction_scale * (parameters[0] * run_share + 1.0);
+    }
+}

@@ -1,0 +1,73 @@
+//! A spring to the frame that stiffens (Duffing 1918).
+//!
+//! g += k·θ + k₃·θ³, θ absolute, zero at the spring's rest.
+
+use super::spring::STIFFNESS;
+use super::{
+    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
+    Wide,
+};
+
+/// k and k₃.
+#[derive(Debug)]
+pub struct HardeningSpring;
+
+const PARAMETERS: [Parameter; 2] = [STIFFNESS, CUBIC_STIFFNESS];
+
+const CUBIC_STIFFNESS: Parameter = Parameter {
+    name: "cubic_stiffness",
+    dimension: Dimension { input: 1, velocity: -3, time: -3 },
+    coordinate: Coordinate::Linear,
+    // As much torque at the largest travel as there is.
+    range: |scope| {
+        let most = scope.largest_level / scope.largest_travel.powi(3);
+        Range { bounds: [0.0, 100.0 * most], likely: [0.0, most], absent: Some(0.0) }
+    },
+};
+
+/// k·θ + k₃·θ³.
+#[derive(Debug)]
+struct Hardening;
+
+impl Form for Hardening {
+    fn at(&self, [k, k3, _]: &[f64; LAW_PARAMETERS], _velocity: f64, position: f64) -> Partials {
+        let square = position * position;
+        Partials {
+            value: (k + k3 * square) * position,
+            by_velocity: 0.0,
+            by_position: k + 3.0 * k3 * square,
+            by_parameter: [position, square * position, 0.0],
+        }
+    }
+
+    fn uses_position(&self) -> bool {
+        true
+    }
+
+    fn contracts(&self) -> bool {
+        false
+    }
+}
+
+impl Effect for HardeningSpring {
+    fn id(&self) -> &'static str {
+        "hardening_spring"
+    }
+
+    fn signature(&self) -> &'static str {
+        "as a spring in the lowest band, and the stiffer the larger the travel: the resonance \
+         rises with the magnitude"
+    }
+
+    fn imitators(&self) -> &'static [&'static str] {
+        &["spring", "presliding"]
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
+        axis.torques.push(Law::new(&Hardening, parameters));
+    }
+}

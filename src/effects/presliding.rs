@@ -1,0 +1,50 @@
+//! Elastic friction before the axis slides (Dahl 1968).
+//!
+//! z' = v − |v|·σ·z/Fc(sgn v), f = σ·z, in place of set-valued friction. There
+//! is no rest: below breakaway the axis moves on its bristles. Together with a
+//! friction curve, Fc is what the curve makes of it.
+
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Wide};
+
+/// σ.
+#[derive(Debug)]
+pub struct Presliding;
+
+const PARAMETERS: [Parameter; 1] = [Parameter {
+    name: "sigma",
+    dimension: Dimension::INPUT.per(Dimension::POSITION),
+    coordinate: Coordinate::Logarithmic,
+    // From a bristle as long as the whole travel to one a thousandth of it,
+    // which nothing tells from set-valued friction.
+    range: |scope| {
+        let softest = scope.friction_level() / scope.largest_travel;
+        Range {
+            bounds: [0.1 * softest, 1e3 * softest],
+            likely: [softest, 100.0 * softest],
+            absent: None,
+        }
+    },
+}];
+
+impl Effect for Presliding {
+    fn id(&self) -> &'static str {
+        "presliding"
+    }
+
+    fn signature(&self) -> &'static str {
+        "the axis moves where it should rest, with a phase lead; strongest at the lowest \
+         magnitude and at high frequencies, where the travel is short"
+    }
+
+    fn imitators(&self) -> &'static [&'static str] {
+        &["static_friction", "stribeck", "spring"]
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
+        axis.bristle = Some(parameters[0]);
+    }
+}

@@ -1,0 +1,70 @@
+//! Drag that grows with the square of the velocity.
+//!
+//! g += c·v·|v|.
+
+use super::{
+    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
+    Wide,
+};
+
+/// c.
+#[derive(Debug)]
+pub struct QuadraticDrag;
+
+const PARAMETERS: [Parameter; 1] = [Parameter {
+    name: "c",
+    dimension: Dimension::INPUT.per(Dimension::VELOCITY).per(Dimension::VELOCITY),
+    coordinate: Coordinate::Linear,
+    // As much torque at the largest velocity as there is.
+    range: |scope| {
+        let most = scope.largest_level / (scope.largest_velocity * scope.largest_velocity);
+        Range { bounds: [0.0, 20.0 * most], likely: [0.0, most], absent: Some(0.0) }
+    },
+}];
+
+/// c·v·|v|.
+#[derive(Debug)]
+struct Drag;
+
+impl Form for Drag {
+    fn at(&self, [c, ..]: &[f64; LAW_PARAMETERS], velocity: f64, _position: f64) -> Partials {
+        let size = velocity.abs();
+        Partials {
+            value: c * velocity * size,
+            by_velocity: 2.0 * c * size,
+            by_position: 0.0,
+            by_parameter: [velocity * size, 0.0, 0.0],
+        }
+    }
+
+    fn uses_position(&self) -> bool {
+        false
+    }
+
+    fn contracts(&self) -> bool {
+        true
+    }
+}
+
+impl Effect for QuadraticDrag {
+    fn id(&self) -> &'static str {
+        "quadratic_drag"
+    }
+
+    fn signature(&self) -> &'static str {
+        "the gain falls as the magnitude grows, most below the pole, with a third harmonic that \
+         grows faster than the magnitude"
+    }
+
+    fn imitators(&self) -> &'static [&'static str] {
+        &["stribeck", "actuator_saturation"]
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
+        axis.torques.push(Law::new(&Drag, parameters));
+    }
+}

@@ -1,0 +1,43 @@
+//! A sensor that follows late.
+//!
+//! T·y' + y = v: Yₖ = Vₖ/(1 + jkωT).
+
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Wide};
+
+/// T.
+#[derive(Debug)]
+pub struct SensorLag;
+
+const PARAMETERS: [Parameter; 1] = [Parameter {
+    name: "time_constant",
+    dimension: Dimension::TIME,
+    coordinate: Coordinate::Linear,
+    range: |scope| Range {
+        bounds: [0.0, 30.0 / scope.omega_low],
+        likely: [0.0, 1.0 / scope.omega_high],
+        absent: Some(0.0),
+    },
+}];
+
+impl Effect for SensorLag {
+    fn id(&self) -> &'static str {
+        "sensor_lag"
+    }
+
+    fn signature(&self) -> &'static str {
+        "a phase lag that grows with frequency and harmonic and a loss of gain along with it, the \
+         same at every magnitude"
+    }
+
+    fn imitators(&self) -> &'static [&'static str] {
+        &["transport_delay"]
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
+        axis.sensor_lags.push(parameters[0]);
+    }
+}

@@ -1,0 +1,76 @@
+//! A spring to the machine's frame.
+//!
+//! g += k·θ, θ absolute, zero at the spring's rest.
+
+use super::{
+    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
+    Wide,
+};
+
+/// k.
+#[derive(Debug)]
+pub struct Spring;
+
+const PARAMETERS: [Parameter; 1] = [STIFFNESS];
+
+/// k.
+pub(super) const STIFFNESS: Parameter = Parameter {
+    name: "stiffness",
+    dimension: Dimension::INPUT.per(Dimension::POSITION),
+    coordinate: Coordinate::Linear,
+    // A resonance √(K·k) up to a few times the highest frequency.
+    range: |scope| {
+        let at = |omega: f64| omega * omega / scope.plant.constant.abs();
+        Range {
+            bounds: [0.0, at(5.0 * scope.omega_high)],
+            likely: [0.0, at(3.0 * scope.omega_low)],
+            absent: Some(0.0),
+        }
+    },
+};
+
+/// k·θ.
+#[derive(Debug)]
+struct Linear;
+
+impl Form for Linear {
+    fn at(&self, [k, ..]: &[f64; LAW_PARAMETERS], _velocity: f64, position: f64) -> Partials {
+        Partials {
+            value: k * position,
+            by_velocity: 0.0,
+            by_position: *k,
+            by_parameter: [position, 0.0, 0.0],
+        }
+    }
+
+    fn uses_position(&self) -> bool {
+        true
+    }
+
+    fn contracts(&self) -> bool {
+        true
+    }
+}
+
+impl Effect for Spring {
+    fn id(&self) -> &'static str {
+        "spring"
+    }
+
+    fn signature(&self) -> &'static str {
+        "in the lowest band the response is smaller and leads; the mean vanishes at every \
+         magnitude"
+    }
+
+    fn imitators(&self) -> &'static [&'static str] {
+        &["hardening_spring", "presliding"]
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
+        axis.torques.push(Law::new(&Linear, parameters));
+    }
+}

@@ -1,0 +1,82 @@
+//! Friction that falls as the axis gains speed (Stribeck 1902).
+//!
+//! f(v) = sgn(v)·Fc·[1 + (r − 1)·exp(−(v/vs)²)], breakaway r·Fc.
+
+use super::{
+    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
+    Wide,
+};
+
+/// r and vs.
+#[derive(Debug)]
+pub struct Stribeck;
+
+const PARAMETERS: [Parameter; 2] = [
+    Parameter {
+        name: "fs_over_fc",
+        dimension: Dimension::NONE,
+        coordinate: Coordinate::Linear,
+        range: |_| Range { bounds: [0.2, 20.0], likely: [1.05, 2.5], absent: Some(1.0) },
+    },
+    Parameter {
+        name: "stribeck_velocity",
+        dimension: Dimension::VELOCITY,
+        coordinate: Coordinate::Logarithmic,
+        // Slower than a thousandth of the fastest motion it is static friction,
+        // much faster than it a change of the Coulomb level.
+        range: |scope| Range {
+            bounds: [1e-3, 3.0].map(|share| share * scope.largest_velocity),
+            likely: [0.01, 0.5].map(|share| share * scope.largest_velocity),
+            absent: None,
+        },
+    },
+];
+
+/// 1 + (r − 1)·exp(−(v/vs)²).
+#[derive(Debug)]
+struct Curve;
+
+impl Form for Curve {
+    fn at(&self, [r, vs, _]: &[f64; LAW_PARAMETERS], velocity: f64, _position: f64) -> Partials {
+        let share = velocity / vs;
+        let bump = (-share * share).exp();
+        let slope = (r - 1.0) * bump * 2.0 * share / vs;
+        Partials {
+            value: 1.0 + (r - 1.0) * bump,
+            by_velocity: -slope,
+            by_position: 0.0,
+            by_parameter: [bump, slope * share, 0.0],
+        }
+    }
+
+    fn uses_position(&self) -> bool {
+        false
+    }
+
+    fn contracts(&self) -> bool {
+        false
+    }
+}
+
+impl Effect for Stribeck {
+    fn id(&self) -> &'static str {
+        "stribeck"
+    }
+
+    fn signature(&self) -> &'static str {
+        "strongest at the lowest magnitude and lowest frequencies, in the odd harmonics; fades as \
+         the magnitude grows"
+    }
+
+    fn imitators(&self) -> &'static [&'static str] {
+        &["static_friction", "quadratic_drag", "presliding"]
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
+        axis.friction_curve = Some(Law::new(&Curve, parameters));
+    }
+}

@@ -1,0 +1,183 @@
+use super::*;
+use crate::plant::{Actuator, Friction, Plant};
+
+fn plant() -> Plant {
+    Plant {
+        viscous_rate_rad_s: 10.0,
+        constant: 10.0,
+        actuator: Actuator::Direct,
+        friction: Friction::coulomb(0.5, 0.4),
+    }
+}
+
+fn scope() -> Scope {
+    Scope {
+        plant: plant(),
+        omega_low: 1.0,
+        omega_high: 100.0,
+        moving_level: 1.0,
+        largest_level: 4.0,
+        largest_velocity: 3.5,
+        largest_travel: 3.5,
+    }
+}
+
+#[test]
+fn every_effect_of_the_contract_is_listed_once() {
+    let mut ids: Vec<&str> = ALL.iter().map(|effect| effect.id()).collect();
+    ids.sort_unstable();
+    assert_eq!(
+        ids,
+        [
+            "actuator_dead_zone",
+            "actuator_saturation",
+            "backlash",
+            "cogging",
+            "flexible_mode",
+            "friction_drift",
+            "gain_asymmetry",
+            "hardening_spring",
+            "presliding",
+            "quadratic_drag",
+            "sensor_lag",
+            "slew_limit",
+            "spring",
+            "static_friction",
+            "stribeck",
+            "transport_delay",
+            "viscous_asymmetry",
+        ]
+    );
+    let imitators = ALL.iter().flat_map(|effect| effect.imitators());
+    for imitator in imitators {
+        assert!(find(imitator).is_some(), "{imitator} is no effect");
+    }
+}
+
+#[test]
+fn where_a_parameter_is_likely_lies_within_what_is_possible() {
+    for effect in ALL {
+        for parameter in effect.parameters() {
+            let Range { bounds, likely, absent } = (parameter.range)(&scope());
+            let name = format!("{} {}", effect.id(), parameter.name);
+            assert!(bounds[0] < bounds[1] && likely[0] < likely[1], "{name}");
+            assert!(bounds[0] <= likely[0] && likely[1] <= bounds[1], "{name}");
+            assert!(absent.is_none_or(|value| bounds[0] <= value && value <= bounds[1]), "{name}");
+            let positive = parameter.coordinate == Coordinate::Linear || bounds[0] > 0.0;
+            assert!(positive, "{name}: the logarithm of a bound");
+        }
+    }
+}
+
+#[test]
+fn ranges_follow_the_units_of_the_upload() {
+    let Scope { plant, .. } = scope();
+    let (input, velocity, second) = (1e3, 1e-2, 7.0);
+    let other = Scope {
+        plant: Plant {
+            viscous_rate_rad_s: plant.viscous_rate_rad_s / second,
+            constant: plant.constant * velocity / (input * second),
+            friction: Friction::coulomb(0.5 * input, 0.4 * input),
+            ..plant
+        },
+        omega_low: 1.0 / second,
+        omega_high: 100.0 / second,
+        moving_level: input,
+        largest_level: 4.0 * input,
+        largest_velocity: 3.5 * velocity,
+        largest_travel: 3.5 * velocity * second,
+    };
+    for effect in ALL {
+        for parameter in effect.parameters() {
+            let (here, there) = ((parameter.range)(&scope()), (parameter.range)(&other));
+            let factor = parameter.dimension.factor(input, velocity, second);
+            for (a, b) in here.bounds.iter().zip(there.bounds) {
+                let close = (a * factor - b).abs() <= 1e-12 * b.abs();
+                assert!(close, "{} {}: {a} {b}", effect.id(), parameter.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives_of_every_law_are_those_of_its_values() {
+    let base = plant().map(Wide::constant);
+    for effect in ALL {
+        let values: Vec<f64> =
+            (0..effect.parameters().len()).map(|i| 0.6 + 0.2 * i as f64).collect();
+        let active = ActiveEffect::new(*effect, values.clone()).unwrap();
+        let axis = enter(base, &[active], 0.5, 0);
+        let at = |values: &[f64], v: f64, x: f64| -> Option<f64> {
+            let active = ActiveEffect::new(*effect, values.to_vec()).unwrap();
+            let axis = enter_values(plant(), &[active], 0.5);
+            let law = axis.friction_curve.or(axis.torques.first().copied())?;
+            Some(law.at(v, x))
+        };
+        let Some(law) = axis.friction_curve.or(axis.torques.first().copied()) else { continue };
+        let lanes = values.len();
+        let (v, x) = (0.3, -0.7);
+        let exact = law.at(Wide::variable(v, lanes), Wide::variable(x, lanes + 1));
+        let h = 1e-5;
+        let numeric = |lane: usize| {
+            let shifted = |sign: f64| {
+                let mut values = values.clone();
+                if lane < lanes {
+                    values[lane] += sign * h;
+                }
+                let step = |l: usize| if lane == l { sign * h } else { 0.0 };
+                at(&values, v + step(lanes), x + step(lanes + 1)).unwrap()
+            };
+            (shifted(1.0) - shifted(-1.0)) / (2.0 * h)
+        };
+        for lane in 0..lanes + 2 {
+            // Central differences: h² times the third derivative.
+            let error = (exact.lane(lane) - numeric(lane)).abs();
+            assert!(error < 1e-8, "{} lane {lane}: {error:e}", effect.id());
+        }
+    }
+}
+
+#[test]
+fn maps_act_in_the_order_of_the_signal_chain() {
+    let active = |id: &str, value: f64| ActiveEffect::new(find(id).unwrap(), vec![value]).unwrap();
+    let effects = [
+        active("actuator_saturation", 1.0),
+        active("gain_asymmetry", 0.5),
+        active("actuator_dead_zone", 0.25),
+    ];
+    let axis = enter_values(plant(), &effects, 0.0);
+    let through = |u: f64| {
+        axis.input_maps.iter().fold(u, |u, map| {
+            let piece = map.breaks.iter().filter(|at| **at < u).count();
+            let (offset, slope) = map.piece(piece);
+            offset + slope * u
+        })
+    };
+    // (0.75 − 0.25)·1.5, then the limit.
+    assert!((through(0.75) - 0.75).abs() < 1e-15);
+    assert_eq!((through(3.0), through(0.2)), (1.0, 0.0));
+    // (−1.25 + 0.25)·0.5.
+    assert!((through(-1.25) + 0.5).abs() < 1e-15);
+}
+
+#[test]
+fn drift_scales_every_level_however_late_it_enters() {
+    let active =
+        |id: &str, values: &[f64]| ActiveEffect::new(find(id).unwrap(), values.to_vec()).unwrap();
+    let drift = active("friction_drift", &[-0.2]);
+    let raised = active("static_friction", &[0.8, 0.3]);
+    for effects in [[drift.clone(), raised.clone()], [raised, drift]] {
+        let levels = enter_values(plant(), &effects, 0.5).levels();
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{a} {b}");
+        close(levels.fc_plus, 0.45);
+        close(levels.fs_plus, 0.72);
+        // A static level below the Coulomb level is the Coulomb level.
+        close(levels.fs_minus, 0.36);
+    }
+}
+
+#[test]
+fn an_effect_refuses_another_number_of_parameters() {
+    let error = ActiveEffect::new(find("backlash").unwrap(), vec![0.4]).unwrap_err();
+    assert_eq!(error.to_string(), "`backlash` takes 4 parameters, not 1");
+}

@@ -1,0 +1,43 @@
+//! A command that arrives late.
+//!
+//! u(t − T). A periodic response comes later by T as a whole: Yₖ·exp(−jkωT).
+
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Wide};
+
+/// T.
+#[derive(Debug)]
+pub struct TransportDelay;
+
+const PARAMETERS: [Parameter; 1] = [Parameter {
+    name: "delay",
+    dimension: Dimension::TIME,
+    coordinate: Coordinate::Linear,
+    // Beyond half a period of the highest frequency it is ambiguous there.
+    range: |scope| {
+        let turn = 1.0 / scope.omega_high;
+        Range { bounds: [0.0, 6.0 * turn], likely: [0.0, turn], absent: Some(0.0) }
+    },
+}];
+
+impl Effect for TransportDelay {
+    fn id(&self) -> &'static str {
+        "transport_delay"
+    }
+
+    fn signature(&self) -> &'static str {
+        "a phase lag in proportion to frequency and harmonic, the same at every magnitude, and no \
+         change of gain"
+    }
+
+    fn imitators(&self) -> &'static [&'static str] {
+        &["sensor_lag"]
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
+        axis.delay += parameters[0];
+    }
+}

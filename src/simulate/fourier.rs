@@ -1,0 +1,135 @@
+//! ∫ x(t) exp(−jkωt) dt of a signal that comes piece by piece.
+//!
+//! Pieces that are whole cells of the grid are integrated by Filon's method
+//! (1928): the polynomial times the exponential exactly, summed over all cells
+//! by FFT. Other pieces are integrated by Gauss–Legendre quadrature.
+
+use crate::measurement::Complex;
+use crate::plant::Scalar;
+
+use super::excitation::Grid;
+use super::pair::Pair;
+use super::samples::GAUSS_5;
+use super::wave::{Quintic, value};
+
+/// Sums of one signal.
+pub(super) struct Fourier<'g, S> {
+    grid: &'g Grid,
+    omega: f64,
+    /// Powers of u in the whole cells seen so far; empty before the first.
+    whole: Vec<Quintic<S>>,
+    sums: Vec<Pair<S>>,
+}
+
+impl<'g, S: Scalar> Fourier<'g, S> {
+    /// For harmonics 0 … `highest`.
+    pub fn new(grid: &'g Grid, omega: f64, highest: usize) -> Self {
+        let zero = Pair::real(S::constant(0.0));
+        Self { grid, omega, whole: Vec::new(), sums: vec![zero; highest + 1] }
+    }
+
+    /// Adds a signal on the whole cell `n` of the grid.
+    pub fn add_whole(&mut self, n: usize, powers: Quintic<S>) {
+        if self.whole.is_empty() {
+            self.whole.resize(self.grid.samples(), [S::constant(0.0); 6]);
+        }
+        self.whole[n] = powers;
+    }
+
+    /// Adds a signal between two instants, as powers of u from 0 to 1.
+    pub fn add_part(&mut self, from_s: S, length_s: S, powers: &Quintic<S>) {
+        let phase = from_s * -self.omega;
+        let width = length_s * -self.omega;
+        for (node, weight) in GAUSS_5 {
+            let u = 0.5 + 0.5 * node;
+            let (sin, cos) = (phase + width * u).sin_cos();
+            let turn = Pair::new(cos, sin);
+            let x = value(powers, S::constant(u)) * length_s * (0.5 * weight);
+            let mut at = Pair::real(x);
+            for sum in &mut self.sums {
+                *sum = *sum + at;
+                at = at * turn;
+            }
+        }
+    }
+
+    /// The integrals, k = 0 … `highest`.
+    pub fn finish(mut self) -> Vec<Pair<S>> {
+        if self.whole.is_empty() {
+            return self.sums;
+        }
+        let used: Vec<usize> = (0..S::LANES)
+            .filter(|lane| self.whole.iter().flatten().any(|power| power.lane(*lane) != 0.0))
+            .collect();
+        let values = self.filon(|power| power.value());
+        let lanes: Vec<Vec<Complex>> =
+            used.iter().map(|lane| self.filon(|power| power.lane(*lane))).collect();
+        for (k, sum) in self.sums.iter_mut().enumerate() {
+            let lane_of = |lane: usize| {
+                used.iter().position(|l| *l == lane).map_or(Complex::default(), |i| lanes[i][k])
+            };
+            let here = values[k];
+            *sum = *sum
+                + Pair {
+                    re: S::with_lanes(here.re, |lane| lane_of(lane).re),
+                    im: S::with_lanes(here.im, |lane| lane_of(lane).im),
+                };
+        }
+        self.sums
+    }
+
+    fn filon(&self, part: impl Fn(&S) -> f64) -> Vec<Complex> {
+        let samples = self.grid.samples();
+        let step_s = std::f64::consts::TAU / self.omega / samples as f64;
+        // Two real sequences ride on one complex transform.
+        let transforms: [Vec<Complex>; 3] = std::array::from_fn(|pair| {
+            let mut signal: Vec<Complex> = self
+                .whole
+                .iter()
+                .map(|powers| Complex::new(part(&powers[2 * pair]), part(&powers[2 * pair + 1])))
+                .collect();
+            self.grid.forward(&mut signal);
+            signal
+        });
+        (0..self.sums.len())
+            .map(|k| {
+                let (n, mirrored) = (k % samples, (samples - k % samples) % samples);
+                let moments = self.grid.moments(k);
+                let mut sum = Complex::new(0.0, 0.0);
+                for (pair, transform) in transforms.iter().enumerate() {
+                    let (here, there) = (transform[n], transform[mirrored].conj());
+                    let difference = here - there;
+                    let even = 0.5 * (here + there);
+                    let odd = 0.5 * Complex::new(difference.im, -difference.re);
+                    sum += moments[2 * pair] * even + moments[2 * pair + 1] * odd;
+                }
+                step_s * sum
+            })
+            .collect()
+    }
+}
+
+/// ∫₀¹ uⁱ exp(−jθu) du, i = 0 … 5.
+pub(super) fn moments(theta: f64) -> [Complex; 6] {
+    let j_theta = Complex::new(0.0, theta);
+    if theta < 0.8 {
+        // Power series: the first term left out is below 0.8¹⁸/18! = 3e-18.
+        let mut sums = [Complex::new(0.0, 0.0); 6];
+        let mut power = Complex::new(1.0, 0.0);
+        for m in 0..18 {
+            for (i, sum) in sums.iter_mut().enumerate() {
+                *sum += power / (i + m + 1) as f64;
+            }
+            power *= -j_theta / (m + 1) as f64;
+        }
+        return sums;
+    }
+    let turn = Complex::from_polar(1.0, -theta);
+    let mut moment = (1.0 - turn) / j_theta;
+    std::array::from_fn(|i| {
+        if i > 0 {
+            moment = (i as f64 * moment - turn) / j_theta;
+        }
+        moment
+    })
+}

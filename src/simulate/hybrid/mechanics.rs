@@ -1,0 +1,257 @@
+//! Equations of motion between switches, and what switches them.
+
+use crate::effects::{Axis, Law, SecondMass};
+use crate::plant::Scalar;
+
+use super::super::orbit::Motion;
+use super::runge_kutta::{MOST_STATES, Vector};
+
+/// Index of v in every state.
+pub(super) const VELOCITY: usize = 0;
+
+/// What the joint to a second mass does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Contact {
+    /// There is no gap, or no second mass.
+    Linked,
+    /// Inside the gap.
+    Open,
+    /// At its upper end, φ ≥ gap/2.
+    Upper,
+    /// At its lower end.
+    Lower,
+}
+
+/// Which equations hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Mode {
+    pub motion: Motion,
+    pub contact: Contact,
+}
+
+/// The axis behind its actuator.
+pub(super) struct Mechanics<S> {
+    viscous_rate: [S; 2],
+    constant: S,
+    coulomb: [S; 2],
+    breakaway: [S; 2],
+    curve: Option<Law<S>>,
+    bristle: Option<S>,
+    torques: Vec<Law<S>>,
+    second_mass: Option<SecondMass<S>>,
+    /// Constant torque that keeps the mean of v zero.
+    pub balance: S,
+    /// Number of states.
+    pub states: usize,
+    /// Where θ stands in the state, and so on.
+    pub position: Option<usize>,
+    bristle_at: usize,
+    pub load_velocity: usize,
+    pub twist: usize,
+    /// ∫θ dt, where the mean of θ matters.
+    pub position_integral: Option<usize>,
+}
+
+impl<S: Scalar> Mechanics<S> {
+    pub fn new(axis: &Axis<S>) -> Self {
+        let levels = axis.levels();
+        let mut states = 1;
+        let mut next = || {
+            states += 1;
+            states - 1
+        };
+        let uses_position =
+            axis.balanced || axis.torques.iter().any(|law| law.form().uses_position());
+        let position = uses_position.then(&mut next);
+        let bristle_at = if axis.bristle.is_some() { next() } else { 0 };
+        let (load_velocity, twist) =
+            if axis.second_mass.is_some() { (next(), next()) } else { (0, 0) };
+        let position_integral = axis.balanced.then(&mut next);
+        Self {
+            viscous_rate: axis.viscous_rates(),
+            constant: axis.plant.constant,
+            coulomb: [levels.fc_plus, -levels.fc_minus],
+            breakaway: [levels.fs_plus, -levels.fs_minus],
+            curve: axis.friction_curve,
+            bristle: axis.bristle,
+            torques: axis.torques.clone(),
+            second_mass: axis.second_mass,
+            balance: S::constant(0.0),
+            states,
+            position,
+            bristle_at,
+            load_velocity,
+            twist,
+            position_integral,
+        }
+    }
+
+    /// Whether two motions under the same torque always approach each other.
+    pub fn contracts(&self) -> bool {
+        let play = self.second_mass.is_some_and(|mass| mass.gap.value() > 0.0);
+        self.curve.is_none()
+            && !play
+            && self.coulomb.map(S::value) == self.breakaway.map(S::value)
+            && self.torques.iter().all(|law| law.form().contracts())
+    }
+
+    /// Whether no constant torque lets a torque of this range move the axis.
+    pub fn rests_balanced(&self, (least, most): (f64, f64)) -> bool {
+        let [forward, backward] = self.breakaway.map(S::value);
+        most - least <= forward - backward
+    }
+
+    /// A constant torque that balances what friction holds back on average.
+    pub fn first_balance(&self) -> f64 {
+        0.5 * (self.coulomb[0].value() + self.coulomb[1].value())
+    }
+
+    /// What the axis does in a state, where nothing says what it did before.
+    pub fn mode_at(&self, torque: S, state: &Vector<S>) -> Mode {
+        let contact = match self.half_gap() {
+            None => Contact::Linked,
+            Some(half) => match state[self.twist].value() {
+                twist if twist > half => Contact::Upper,
+                twist if twist < -half => Contact::Lower,
+                _ => Contact::Open,
+            },
+        };
+        let motion = match state[VELOCITY].value() {
+            v if v > 0.0 => Motion::Forward,
+            v if v < 0.0 => Motion::Backward,
+            _ => self.motion_at_rest(contact, torque, state),
+        };
+        Mode { motion, contact }
+    }
+
+    /// What friction lets an axis do that has v = 0.
+    pub fn motion_at_rest(&self, contact: Contact, torque: S, state: &Vector<S>) -> Motion {
+        let net = self.net(contact, torque, state).value();
+        let [forward, backward] = match self.bristle {
+            // A bristle holds nothing: it pulls one way or the other.
+            Some(sigma) => [(sigma * state[self.bristle_at]).value(); 2],
+            None => self.breakaway.map(S::value),
+        };
+        if net > forward {
+            Motion::Forward
+        } else if net < backward {
+            Motion::Backward
+        } else if self.bristle.is_some() {
+            Motion::Forward
+        } else {
+            Motion::Stuck
+        }
+    }
+
+    /// Whether friction can hold the axis at all.
+    pub fn can_rest(&self) -> bool {
+        self.bristle.is_none()
+    }
+
+    /// gap/2, where there is a gap.
+    pub fn half_gap(&self) -> Option<f64> {
+        self.second_mass.map(|mass| 0.5 * mass.gap.value()).filter(|half| *half > 0.0)
+    }
+
+    /// gap/2 − φ at the upper end, gap/2 + φ at the lower: positive inside.
+    pub fn clearance(&self, upper: bool, state: &Vector<S>) -> S {
+        let gap = self.second_mass.map_or(S::constant(0.0), |mass| mass.gap);
+        let twist = state[self.twist];
+        if upper { gap * 0.5 - twist } else { gap * 0.5 + twist }
+    }
+
+    /// By how much what is not friction exceeds breakaway: forward, backward.
+    pub fn excess(&self, contact: Contact, torque: S, state: &Vector<S>) -> [S; 2] {
+        let net = self.net(contact, torque, state);
+        [net - self.breakaway[0], self.breakaway[1] - net]
+    }
+
+    /// τ − g − T_s: everything but friction and damping, input units.
+    fn net(&self, contact: Contact, torque: S, state: &Vector<S>) -> S {
+        let mut net = torque + self.balance;
+        let v = state[VELOCITY];
+        let position = self.position.map_or(S::constant(0.0), |i| state[i]);
+        for law in &self.torques {
+            net -= law.at(v, position);
+        }
+        net - self.joint(contact, state)
+    }
+
+    /// T_s.
+    fn joint(&self, contact: Contact, state: &Vector<S>) -> S {
+        let Some(mass) = self.second_mass else { return S::constant(0.0) };
+        let twist = state[self.twist];
+        let beyond = match contact {
+            Contact::Open => return S::constant(0.0),
+            Contact::Linked => twist,
+            Contact::Upper => twist - mass.gap * 0.5,
+            Contact::Lower => twist + mass.gap * 0.5,
+        };
+        mass.stiffness * beyond + mass.damping * (state[VELOCITY] - state[self.load_velocity])
+    }
+
+    /// Derivative of the state by time.
+    #[inline]
+    pub fn slope(&self, mode: Mode, torque: S, state: &Vector<S>) -> Vector<S> {
+        let mut slope = [S::constant(0.0); MOST_STATES];
+        let v = state[VELOCITY];
+        let direction = usize::from(mode.motion == Motion::Backward);
+        if mode.motion != Motion::Stuck {
+            let mut driving = self.net(mode.contact, torque, state);
+            let mut level = self.coulomb[direction];
+            if let Some(curve) = &self.curve {
+                level = level * curve.at(v, S::constant(0.0));
+            }
+            match self.bristle {
+                Some(sigma) => {
+                    let bristle = state[self.bristle_at];
+                    driving -= sigma * bristle;
+                    // |v|/Fc(sgn v) is v over the signed level.
+                    slope[self.bristle_at] = v - v * sigma * bristle / level;
+                }
+                None => driving -= level,
+            }
+            let mut acceleration = driving * self.constant - v * self.viscous_rate[direction];
+            if let Some(mass) = self.second_mass {
+                acceleration = acceleration / (-mass.load_inertia_fraction + 1.0);
+            }
+            slope[VELOCITY] = acceleration;
+        }
+        if let Some(i) = self.position {
+            slope[i] = v;
+            if let Some(integral) = self.position_integral {
+                slope[integral] = state[i];
+            }
+        }
+        if let Some(mass) = self.second_mass {
+            slope[self.load_velocity] =
+                self.joint(mode.contact, state) * self.constant / mass.load_inertia_fraction;
+            slope[self.twist] = v - state[self.load_velocity];
+        }
+        slope
+    }
+
+    /// Sizes the states may reach under a torque of this amplitude and period.
+    pub fn sizes(&self, amplitude: f64, period_s: f64) -> [f64; MOST_STATES] {
+        let time_s = period_s / std::f64::consts::TAU;
+        let slowest = self.viscous_rate[0].value().min(self.viscous_rate[1].value());
+        let v = amplitude * self.constant.value().abs() * time_s.min(1.0 / slowest);
+        let v = v.max(f64::MIN_POSITIVE);
+        let mut sizes = [v; MOST_STATES];
+        if let Some(i) = self.position {
+            sizes[i] = v * time_s;
+        }
+        if let Some(i) = self.position_integral {
+            sizes[i] = v * time_s * time_s;
+        }
+        if let Some(sigma) = self.bristle {
+            let longest = self.coulomb[0].value().max(-self.coulomb[1].value()) / sigma.value();
+            sizes[self.bristle_at] = longest.clamp(f64::MIN_POSITIVE, v * time_s);
+        }
+        if let Some(mass) = self.second_mass {
+            let elastic = amplitude / mass.stiffness.value();
+            sizes[self.twist] = (elastic + mass.gap.value()).max(f64::MIN_POSITIVE);
+        }
+        sizes
+    }
+}

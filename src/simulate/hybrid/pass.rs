@@ -1,0 +1,391 @@
+//! One period of motion, step by step, through its switches.
+
+use crate::plant::Scalar;
+
+use super::super::fourier::Fourier;
+use super::super::orbit::Motion;
+use super::super::wave::{Cell, Wave, value};
+use super::mechanics::{Contact, Mechanics, Mode, VELOCITY};
+use super::runge_kutta::{MOST_STATES, NODES, Step, Vector};
+
+/// Switches of one cell beyond which time has stopped passing.
+const MOST_SWITCHES_PER_CELL: usize = 64;
+
+/// Steps of one cell beyond which the equations are too stiff to follow.
+const MOST_STEPS_PER_CELL: usize = 4096;
+
+/// Share of a state's size below which it is as good as zero.
+const ROUNDING: f64 = 1e-13;
+
+/// Positions within a step at which switches are looked for.
+const LOOKS: [f64; 3] = [0.35, 0.7, 1.0];
+
+/// How precisely a pass follows the motion.
+pub(super) struct Precision {
+    /// Largest error of a step, as a share of the states' sizes.
+    pub tolerance: f64,
+    /// Sizes of the states.
+    pub sizes: [f64; MOST_STATES],
+}
+
+/// A motion under way.
+pub(super) struct Pass<'a, 'g, S> {
+    pub mechanics: &'a Mechanics<S>,
+    pub wave: &'a Wave<S>,
+    pub precision: &'a Precision,
+    /// Where v is added up, if at all.
+    pub sums: Option<&'a mut Fourier<'g, S>>,
+    /// Largest |state| seen.
+    pub largest: [f64; MOST_STATES],
+}
+
+/// A switch within a step.
+struct Switch {
+    /// Where in the step, 0 to 1.
+    at: f64,
+    event: Event,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Event {
+    /// v reaches zero.
+    Stops,
+    /// Breakaway, forward or backward.
+    Starts(usize),
+    /// φ passes the upper (true) or lower end of the gap.
+    Touches(bool),
+    /// It leaves that end.
+    Leaves(bool),
+}
+
+impl<S: Scalar> Pass<'_, '_, S> {
+    /// Follows the motion from `start` over one period; `None` where it
+    /// switches without end or is too stiff to follow.
+    pub fn run(&mut self, start: &Vector<S>) -> Option<Vector<S>> {
+        let zero = S::constant(0.0);
+        let mut state = *start;
+        let mut mode = self.mechanics.mode_at(self.wave.cells[0].at(zero), &state);
+        let mut slope: Option<Vector<S>> = None;
+        let mut length_s = self.wave.cells[0].length_s;
+        let wave = self.wave;
+        for cell in &wave.cells {
+            let mut from = zero;
+            let (mut switches, mut steps) = (0, 0);
+            while from.value() < 1.0 {
+                steps += 1;
+                if steps > MOST_STEPS_PER_CELL || switches > MOST_SWITCHES_PER_CELL {
+                    return None;
+                }
+                if mode.motion == Motion::Stuck {
+                    let now = self.mechanics.motion_at_rest(mode.contact, cell.at(from), &state);
+                    if now != Motion::Stuck {
+                        (mode.motion, slope) = (now, None);
+                        switches += 1;
+                    }
+                }
+                let left = -from + 1.0;
+                let share = length_s / cell.length_s;
+                // No sliver at the end of a cell.
+                let width = if share * 1.1 >= left.value() { left } else { S::constant(share) };
+                let begin =
+                    *slope.get_or_insert_with(|| self.mechanics.slope(mode, cell.at(from), &state));
+                let step = self.step(mode, cell, from, width, &state, &begin);
+                let error = step.error(&self.precision.sizes) / self.precision.tolerance;
+                let growth = 0.9 * error.max(1e-10).powf(-0.2);
+                if error.is_nan() {
+                    return None;
+                }
+                let tried_s = width.value() * cell.length_s;
+                if error > 1.0 {
+                    length_s = tried_s * growth.max(0.2);
+                    continue;
+                }
+                // The end of a cell may have cut it short: it says nothing then.
+                length_s = length_s.max(tried_s) * growth.clamp(0.3, 4.0);
+                length_s = length_s.min(cell.length_s.max(tried_s));
+                match self.switch(mode, cell, from, width, &step, &state) {
+                    None => {
+                        self.add(cell, from, width, &step);
+                        state = step.end;
+                        slope = Some(*step.end_slope());
+                        from = if width == left { S::constant(1.0) } else { from + width };
+                    }
+                    Some(switch) => {
+                        switches += 1;
+                        let before = from;
+                        (state, from) =
+                            self.up_to(mode, cell, from, width, &state, &begin, &switch);
+                        mode = self.switched(mode, switch.event, cell.at(from), &mut state);
+                        slope = None;
+                        debug_assert!(from.value() >= before.value() - 1e-9);
+                    }
+                }
+                self.note(&state);
+            }
+        }
+        Some(state)
+    }
+
+    fn note(&mut self, state: &Vector<S>) {
+        for (largest, value) in self.largest.iter_mut().zip(state) {
+            *largest = largest.max(value.value().abs());
+        }
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        mode: Mode,
+        cell: &Cell<S>,
+        from: S,
+        width: S,
+        state: &Vector<S>,
+        slope: &Vector<S>,
+    ) -> Step<S> {
+        let torque = NODES.map(|node| cell.at(from + width * node));
+        Step::new(self.mechanics.states, state, slope, width * cell.length_s, |stage, state| {
+            self.mechanics.slope(mode, torque[stage], state)
+        })
+    }
+
+    fn add(&mut self, cell: &Cell<S>, from: S, width: S, step: &Step<S>) {
+        let Some(sums) = self.sums.as_deref_mut() else { return };
+        let powers = step.powers(VELOCITY);
+        match cell.whole {
+            Some(n) if from == S::constant(0.0) && width == S::constant(1.0) => {
+                sums.add_whole(n, powers);
+            }
+            _ => {
+                let from_s = from * cell.length_s + cell.from_s;
+                sums.add_part(from_s, width * cell.length_s, &powers);
+            }
+        }
+    }
+
+    /// The first switch within a step.
+    fn switch(
+        &self,
+        mode: Mode,
+        cell: &Cell<S>,
+        from: S,
+        width: S,
+        step: &Step<S>,
+        start: &Vector<S>,
+    ) -> Option<Switch> {
+        let mut first: Option<Switch> = None;
+        let mut consider = |event: Event| {
+            let signal = |u: f64| self.signal(event, mode, cell, from, width, step, u).value();
+            let least = self.least(event);
+            // What has just switched stands at zero and moves away from it.
+            let fresh = signal(0.0).abs() <= least;
+            let threshold = if fresh { least } else { 0.0 };
+            let end = first.as_ref().map_or(1.0, |switch| switch.at);
+            let mut low = 0.0;
+            for look in LOOKS.map(|look| look * end) {
+                if signal(look) > threshold {
+                    if fresh && low == 0.0 {
+                        low = departure(&signal, look);
+                    }
+                    first = Some(Switch { at: root(low, look, signal), event });
+                    return;
+                }
+                low = look;
+            }
+        };
+        match mode.motion {
+            Motion::Stuck => {
+                consider(Event::Starts(0));
+                consider(Event::Starts(1));
+            }
+            _ => consider(Event::Stops),
+        }
+        match mode.contact {
+            Contact::Linked => {}
+            Contact::Open => {
+                consider(Event::Touches(true));
+                consider(Event::Touches(false));
+            }
+            Contact::Upper => consider(Event::Leaves(true)),
+            Contact::Lower => consider(Event::Leaves(false)),
+        }
+        let _ = start;
+        first
+    }
+
+    /// Size below which an event's signal is rounding.
+    fn least(&self, event: Event) -> f64 {
+        let sizes = &self.precision.sizes;
+        ROUNDING
+            * match event {
+                Event::Stops => sizes[VELOCITY],
+                Event::Starts(_) => self.wave.cells[0].number(0.0).abs(),
+                Event::Touches(_) | Event::Leaves(_) => sizes[self.mechanics.twist],
+            }
+    }
+
+    /// What turns positive at an event, at position u of a step.
+    fn signal(
+        &self,
+        event: Event,
+        mode: Mode,
+        cell: &Cell<S>,
+        from: S,
+        width: S,
+        step: &Step<S>,
+        u: f64,
+    ) -> S {
+        let at = S::constant(u);
+        let part = |i: usize| value(&step.powers(i), at);
+        match event {
+            Event::Stops => {
+                let v = part(VELOCITY);
+                if mode.motion == Motion::Forward { -v } else { v }
+            }
+            _ => {
+                let mut state = [S::constant(0.0); MOST_STATES];
+                for (i, value) in state.iter_mut().enumerate().take(self.mechanics.states) {
+                    *value = part(i);
+                }
+                self.signal_at(event, mode, cell.at(from + width * at), &state)
+            }
+        }
+    }
+
+    fn signal_at(&self, event: Event, mode: Mode, torque: S, state: &Vector<S>) -> S {
+        match event {
+            Event::Stops if mode.motion == Motion::Forward => -state[VELOCITY],
+            Event::Stops => state[VELOCITY],
+            Event::Starts(direction) => {
+                self.mechanics.excess(mode.contact, torque, state)[direction]
+            }
+            Event::Touches(upper) => -self.mechanics.clearance(upper, state),
+            Event::Leaves(upper) => self.mechanics.clearance(upper, state),
+        }
+    }
+
+    /// State and position at a switch; with its derivatives, by one step of
+    /// Newton's method.
+    #[expect(clippy::too_many_arguments, reason = "what a step is made of")]
+    fn up_to(
+        &mut self,
+        mode: Mode,
+        cell: &Cell<S>,
+        from: S,
+        width: S,
+        state: &Vector<S>,
+        slope: &Vector<S>,
+        switch: &Switch,
+    ) -> (Vector<S>, S) {
+        let part = width * switch.at;
+        let step = self.step(mode, cell, from, part, state, slope);
+        let to = from + part;
+        let there = self.signal_at(switch.event, mode, cell.at(to), &step.end);
+        // The signal's rate along the motion, which an exact derivative of every law
+        // would give no better: central differences over a thousandth of the step.
+        let ahead = |du: f64| {
+            let moved: Vector<S> =
+                std::array::from_fn(|i| step.end[i] + step.end_slope()[i] * (du * cell.length_s));
+            self.signal_at(switch.event, mode, cell.at(to + du), &moved).value()
+        };
+        let du = 1e-4 * width.value();
+        let rate = (ahead(du) - ahead(-du)) / (2.0 * du);
+        let correction = if rate != 0.0 { -there * (1.0 / rate) } else { S::constant(0.0) };
+        // Further than a step's own error it would be no correction.
+        let correction = if correction.value().abs() > 0.01 * width.value() {
+            correction - correction.value()
+        } else {
+            correction
+        };
+        let mut end = step.end;
+        for (value, slope) in end.iter_mut().zip(step.end_slope()) {
+            *value += *slope * correction * cell.length_s;
+        }
+        self.add(cell, from, part + correction, &step);
+        (end, to + correction)
+    }
+
+    /// The mode behind a switch.
+    fn switched(&self, mode: Mode, event: Event, torque: S, state: &mut Vector<S>) -> Mode {
+        let moving = [Motion::Forward, Motion::Backward];
+        match event {
+            Event::Stops => {
+                state[VELOCITY] = S::constant(0.0);
+                let motion = if self.mechanics.can_rest() {
+                    self.mechanics.motion_at_rest(mode.contact, torque, state)
+                } else if mode.motion == Motion::Forward {
+                    Motion::Backward
+                } else {
+                    Motion::Forward
+                };
+                Mode { motion, ..mode }
+            }
+            Event::Starts(direction) => Mode { motion: moving[direction], ..mode },
+            Event::Touches(upper) => {
+                let contact = if upper { Contact::Upper } else { Contact::Lower };
+                self.held_again(Mode { contact, ..mode }, torque, state)
+            }
+            Event::Leaves(_) => {
+                self.held_again(Mode { contact: Contact::Open, ..mode }, torque, state)
+            }
+        }
+    }
+
+    /// A jump of the joint's torque may free an axis at rest.
+    fn held_again(&self, mode: Mode, torque: S, state: &Vector<S>) -> Mode {
+        match mode.motion {
+            Motion::Stuck => {
+                let motion = self.mechanics.motion_at_rest(mode.contact, torque, state);
+                Mode { motion, ..mode }
+            }
+            _ => mode,
+        }
+    }
+}
+
+/// A position at which a signal that begins at zero has gone negative, before
+/// it is positive at `end`; 0 where it has not.
+fn departure(signal: &impl Fn(f64) -> f64, end: f64) -> f64 {
+    let mut at = 0.5 * end;
+    for _ in 0..24 {
+        if signal(at) < 0.0 {
+            return at;
+        }
+        at *= 0.5;
+    }
+    0.0
+}
+
+/// The root of a signal that is not positive at `low` and positive at `high`
+/// (regula falsi, Illinois: Dowell, Jarratt 1971, doi:10.1007/BF01934364).
+fn root(mut low: f64, mut high: f64, signal: impl Fn(f64) -> f64) -> f64 {
+    let (mut below, mut above) = (signal(low), signal(high));
+    let mut last = 0;
+    for _ in 0..60 {
+        if high - low < 1e-13 {
+            break;
+        }
+        let share = below / (below - above);
+        let at = if share.is_finite() { low + share * (high - low) } else { 0.5 * (low + high) };
+        let there = signal(at);
+        if there == 0.0 {
+            return at;
+        }
+        if there > 0.0 {
+            (high, above) = (at, there);
+            if last == 1 {
+                below *= 0.5;
+            }
+            last = 1;
+        } else {
+            (low, below) = (at, there);
+            if last == -1 {
+                above *= 0.5;
+            }
+            last = -1;
+        }
+        if there.abs() < 1e-15 * above.abs().max(below.abs()) {
+            break;
+        }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,162 @@
+//! Steps of Dormand and Prince's pair of orders 5 and 4 (1980,
+//! doi:10.1016/0771-050X(80)90013-3), with its continuous extension of order 4
+//! (Hairer, Nørsett, Wanner 1993, Solving Ordinary Differential Equations I, II.6).
+
+use crate::plant::Scalar;
+
+/// Most states of a motion.
+pub(super) const MOST_STATES: usize = 6;
+
+/// State of a motion, or its derivative by time; what is beyond its own length
+/// is 0.
+pub(super) type Vector<S> = [S; MOST_STATES];
+
+/// Position of the stages within a step.
+pub(super) const NODES: [f64; 5] = [0.2, 0.3, 0.8, 8.0 / 9.0, 1.0];
+
+const A2: [f64; 1] = [0.2];
+const A3: [f64; 2] = [3.0 / 40.0, 9.0 / 40.0];
+const A4: [f64; 3] = [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0];
+const A5: [f64; 4] = [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0];
+const A6: [f64; 5] =
+    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0];
+const A7: [f64; 6] =
+    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0];
+
+/// Difference of both orders.
+const ERROR: [f64; 7] = [
+    71.0 / 57600.0,
+    0.0,
+    -71.0 / 16695.0,
+    71.0 / 1920.0,
+    -17253.0 / 339_200.0,
+    22.0 / 525.0,
+    -1.0 / 40.0,
+];
+
+/// Last coefficient of the continuous extension.
+const DENSE: [f64; 7] = [
+    -12_715_105_075.0 / 11_282_082_432.0,
+    0.0,
+    87_487_479_700.0 / 32_700_410_799.0,
+    -10_690_763_975.0 / 1_880_347_072.0,
+    701_980_252_875.0 / 199_316_789_632.0,
+    -1_453_857_185.0 / 822_651_844.0,
+    69_997_945.0 / 29_380_423.0,
+];
+
+/// One step.
+pub(super) struct Step<S> {
+    states: usize,
+    length_s: S,
+    start: Vector<S>,
+    /// State at its end.
+    pub end: Vector<S>,
+    slopes: [Vector<S>; 7],
+}
+
+impl<S: Scalar> Step<S> {
+    /// From `start`, where the derivative is `slope`, over `length_s`; `f` gives
+    /// the derivative at stage 0 … 4 of [`NODES`].
+    #[inline]
+    pub fn new(
+        states: usize,
+        start: &Vector<S>,
+        slope: &Vector<S>,
+        length_s: S,
+        f: impl Fn(usize, &Vector<S>) -> Vector<S>,
+    ) -> Self {
+        let mut slopes = [*slope; 7];
+        let moved = |slopes: &[Vector<S>; 7], weights: &[f64]| {
+            let mut state = *start;
+            for i in 0..states {
+                let mut sum = slopes[0][i] * weights[0];
+                for (slope, weight) in slopes.iter().zip(weights).skip(1) {
+                    if *weight != 0.0 {
+                        sum += slope[i] * *weight;
+                    }
+                }
+                state[i] += sum * length_s;
+            }
+            state
+        };
+        slopes[1] = f(0, &moved(&slopes, &A2));
+        slopes[2] = f(1, &moved(&slopes, &A3));
+        slopes[3] = f(2, &moved(&slopes, &A4));
+        slopes[4] = f(3, &moved(&slopes, &A5));
+        slopes[5] = f(4, &moved(&slopes, &A6));
+        let end = moved(&slopes, &A7);
+        slopes[6] = f(4, &end);
+        Self { states, length_s, start: *start, end, slopes }
+    }
+
+    /// Derivative at the end.
+    pub fn end_slope(&self) -> &Vector<S> {
+        &self.slopes[6]
+    }
+
+    /// Estimated error of the end, as a share of `scale`, the largest over all
+    /// states.
+    #[inline]
+    pub fn error(&self, scale: &[f64; MOST_STATES]) -> f64 {
+        let h = self.length_s.value();
+        (0..self.states)
+            .map(|i| {
+                let sum: f64 =
+                    self.slopes.iter().zip(ERROR).map(|(slope, e)| e * slope[i].value()).sum();
+                (h * sum / scale[i]).abs()
+            })
+            .fold(0.0, f64::max)
+    }
+
+    /// State `i` over the step, as powers of u from 0 to 1.
+    #[inline]
+    pub fn powers(&self, i: usize) -> [S; 6] {
+        let h = self.length_s;
+        let change = self.end[i] - self.start[i];
+        let first = self.slopes[0][i] * h - change;
+        let second = change - self.slopes[6][i] * h - first;
+        let mut last = self.slopes[0][i] * DENSE[0];
+        for (slope, weight) in self.slopes.iter().zip(DENSE).skip(2) {
+            last += slope[i] * weight;
+        }
+        let last = last * h;
+        [
+            self.start[i],
+            change + first,
+            second + last - first,
+            -(second + last * 2.0),
+            last,
+            S::constant(0.0),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Error at the end and in the middle of one step of x' = −x + t.
+    fn errors(h: f64) -> (f64, f64) {
+        let exact = |t: f64| 2.0 * (-t).exp() + t - 1.0;
+        let mut start = [0.0; MOST_STATES];
+        start[0] = 1.0;
+        let f = |t: f64, x: &Vector<f64>| {
+            let mut slope = [0.0; MOST_STATES];
+            slope[0] = t - x[0];
+            slope
+        };
+        let slope = f(0.0, &start);
+        let step = Step::new(1, &start, &slope, h, |stage, x| f(NODES[stage] * h, x));
+        let middle = super::super::super::wave::value(&step.powers(0), 0.5);
+        ((step.end[0] - exact(h)).abs(), (middle - exact(0.5 * h)).abs())
+    }
+
+    #[test]
+    fn ends_are_of_fifth_order_and_the_extension_of_fourth() {
+        let (coarse, fine) = (errors(0.2), errors(0.1));
+        // Local errors: one order more, 2⁶ and 2⁵.
+        assert!(coarse.0 / fine.0 > 50.0, "{coarse:?} {fine:?}");
+        assert!(coarse.1 / fine.1 > 25.0, "{coarse:?} {fine:?}");
+    }
+}

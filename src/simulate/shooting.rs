@@ -1,0 +1,55 @@
+//! Closing a motion to a periodic one, and differentiating what is closed.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::measurement::Complex;
+use crate::plant::Scalar;
+
+use super::pair::Pair;
+
+/// Derivatives of harmonics by `parameters` lanes, when the unknowns of the
+/// return map ride in the lanes behind them.
+///
+/// `residuals` are what must vanish, such as the state after a period less the
+/// state before it; where the unknowns do not move them (an axis held by
+/// friction), they stay.
+pub(super) fn differentiate<S: Scalar>(
+    harmonics: &[Pair<S>],
+    residuals: &[S],
+    parameters: usize,
+) -> Vec<Vec<Complex>> {
+    let unknowns = residuals.len();
+    let by_unknown = DMatrix::from_fn(unknowns, unknowns, |r, c| residuals[r].lane(parameters + c));
+    let by_parameter = DMatrix::from_fn(unknowns, parameters, |r, p| -residuals[r].lane(p));
+    let moves = solve(&by_unknown, &by_parameter);
+    (0..parameters)
+        .map(|p| {
+            let along = |harmonic: &Pair<S>| {
+                let moved = (0..unknowns).map(|u| harmonic.lane(parameters + u) * moves[(u, p)]);
+                harmonic.lane(p) + moved.sum::<Complex>()
+            };
+            harmonics.iter().map(along).collect()
+        })
+        .collect()
+}
+
+/// Newton's step from residuals and their derivatives by the unknowns, which
+/// ride in the first lanes.
+pub(super) fn newton_step<S: Scalar>(residuals: &[S]) -> DVector<f64> {
+    let unknowns = residuals.len();
+    let jacobian = DMatrix::from_fn(unknowns, unknowns, |r, c| residuals[r].lane(c));
+    let target = DMatrix::from_fn(unknowns, 1, |r, _| -residuals[r].value());
+    solve(&jacobian, &target).column(0).into_owned()
+}
+
+/// Least squares where a direction does not matter.
+fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
+    if matrix.nrows() == 1 {
+        let pivot = matrix[(0, 0)];
+        return right.map(|value| if pivot == 0.0 { 0.0 } else { value / pivot });
+    }
+    let svd = matrix.clone().svd(true, true);
+    let largest = svd.singular_values.max();
+    svd.solve(right, 1e-12 * largest)
+        .unwrap_or_else(|_| DMatrix::zeros(matrix.ncols(), right.ncols()))
+}

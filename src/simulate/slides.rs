@@ -1,0 +1,146 @@
+//! Responses of one mass that slides and rests under a bent torque.
+
+use crate::effects::{Axis, Wide};
+use crate::measurement::Complex;
+use crate::plant::{Dual, Scalar};
+
+use super::NoResponse;
+use super::drive;
+use super::excitation::Excitation;
+use super::orbit::Motion;
+use super::shooting;
+use super::switching::{OneMass, Slides, State};
+use super::wave::Wave;
+
+/// Newton's steps after which a motion counts as not periodic.
+const MOST_ITERATIONS: usize = 400;
+
+/// Share of x's size that a step may move it where motions may not be unique.
+const LEASH: f64 = 0.2;
+
+/// Change a period, as a share of x's size, at which the motion is periodic.
+const CLOSED: f64 = 1e-12;
+
+/// Velocity harmonics of the periodic motion.
+pub(super) fn respond(
+    axis: &Axis,
+    excitation: &Excitation,
+    highest: usize,
+) -> Result<Vec<Complex>, NoResponse> {
+    let (wave, grid) = drive::torque(axis, excitation);
+    let mass = OneMass::new(axis, &wave);
+    if mass.rests_under(&wave) {
+        return Ok(vec![Complex::new(0.0, 0.0); highest + 1]);
+    }
+    let start = periodic(axis, &mass, &wave)?;
+    let mut slides = Slides::new(&mass, grid, excitation.omega_rad_s(), highest);
+    mass.pass(&wave, start, Some(&mut slides)).ok_or(NoResponse::NotPeriodic { periods: 1 })?;
+    let velocity = slides.velocity(&mass, axis.plant.constant, wave.period_s);
+    Ok(velocity.into_iter().map(|v| v.value()).collect())
+}
+
+/// The same with derivatives by the first `rows` lanes of the axis.
+pub(super) fn differentiate(
+    axis: &Axis<Wide>,
+    values: &Axis,
+    excitation: &Excitation,
+    highest: usize,
+    rows: usize,
+) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
+    let (wave, _) = drive::torque(values, excitation);
+    let mass = OneMass::new(values, &wave);
+    if mass.rests_under(&wave) {
+        let zero = vec![Complex::new(0.0, 0.0); highest + 1];
+        return Ok((zero.clone(), vec![zero; rows]));
+    }
+    let start = periodic(values, &mass, &wave)?;
+    // One lane carries the state at the start.
+    if rows < 8 {
+        derivatives::<8>(axis, start, excitation, highest, rows)
+    } else {
+        derivatives::<16>(axis, start, excitation, highest, rows)
+    }
+}
+
+fn derivatives<const N: usize>(
+    axis: &Axis<Wide>,
+    start: State<f64>,
+    excitation: &Excitation,
+    highest: usize,
+    rows: usize,
+) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
+    let mut velocity = Vec::new();
+    let mut sensitivities = Vec::with_capacity(rows);
+    while sensitivities.len() < rows {
+        let first = sensitivities.len();
+        let count = (rows - first).min(N - 1);
+        let narrow =
+            axis.map(|x: Wide| {
+                Dual::<N>::with_lanes(x.value(), |lane| {
+                    if lane < count { x.lane(first + lane) } else { 0.0 }
+                })
+            });
+        let (wave, grid) = drive::torque(&narrow, excitation);
+        let mass = OneMass::new(&narrow, &wave);
+        let x = match start.motion {
+            Motion::Stuck => Dual::constant(0.0),
+            _ => Dual::variable(start.x, count),
+        };
+        let mut slides = Slides::new(&mass, grid, excitation.omega_rad_s(), highest);
+        let state = State { x, motion: start.motion };
+        let end = mass
+            .pass(&wave, state, Some(&mut slides))
+            .ok_or(NoResponse::NotPeriodic { periods: 1 })?;
+        let harmonics = slides.velocity(&mass, narrow.plant.constant, wave.period_s);
+        let residual = match start.motion {
+            Motion::Stuck => Dual::constant(0.0),
+            _ => end.x - x,
+        };
+        sensitivities.extend(shooting::differentiate(&harmonics, &[residual], count));
+        velocity = harmonics.iter().map(|v| v.value()).collect();
+    }
+    Ok((velocity, sensitivities))
+}
+
+/// State at the beginning of the period of the motion reached from rest.
+fn periodic(axis: &Axis, mass: &OneMass<f64>, wave: &Wave<f64>) -> Result<State<f64>, NoResponse> {
+    let failed = |periods: usize| NoResponse::NotPeriodic { periods };
+    let rest = State { x: 0.0, motion: Motion::Stuck };
+    let mut start = mass.pass(wave, rest, None).ok_or(failed(1))?;
+    if start.motion == Motion::Stuck {
+        return Ok(start);
+    }
+    let lifted_axis = axis.map(Dual::<1>::constant);
+    let lifted_wave = wave.map(Dual::<1>::constant);
+    let lifted = OneMass::new(&lifted_axis, &lifted_wave);
+    let size = mass.scale();
+    for iteration in 1..MOST_ITERATIONS {
+        let state = State { x: Dual::<1>::variable(start.x, 0), motion: start.motion };
+        let end = lifted.pass(&lifted_wave, state, None).ok_or(failed(iteration))?;
+        let (x, slope) = (end.x.value(), end.x.lane(0));
+        let change = x - start.x;
+        if end.motion == Motion::Stuck {
+            return Ok(State { x, motion: end.motion });
+        }
+        if end.motion == start.motion && change.abs() <= CLOSED * size {
+            return Ok(start);
+        }
+        let mut step = change / (1.0 - slope);
+        if !mass.contracts() {
+            let leash = change.abs().max(LEASH * size);
+            step = step.clamp(-leash, leash);
+        }
+        let next = start.x + step;
+        let same_side = match end.motion {
+            Motion::Forward => next > 0.0,
+            _ => next < 0.0,
+        };
+        let jumps = same_side && end.motion == start.motion && slope != 0.0;
+        start = State { x: if jumps { next } else { x }, motion: end.motion };
+        // Newton's error after a step is of the order of the step squared.
+        if jumps && step.abs() <= 1e-7 * size {
+            return Ok(start);
+        }
+    }
+    Err(failed(MOST_ITERATIONS))
+}

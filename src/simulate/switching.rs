@@ -1,0 +1,292 @@
+//! Motion of one mass under any torque wave, with friction and damping that
+//! depend on the direction alone.
+//!
+//! While the axis slides, x = v/K answers the torque as a first-order lag, exactly
+//! for each quintic (`relaxation`). A pass over the period finds the instants at
+//! which it stops and starts; the state at the beginning of the period is found
+//! by Newton's method on the return map (`shooting`). The harmonics follow from
+//! x' = −a·x + τ − f, integrated over the slides of each direction, at both ends
+//! of which x is zero: Xₖ = ∫(τ − f)·exp(−jkωt) dt/(jkω + a).
+
+use crate::effects::Axis;
+use crate::plant::Scalar;
+
+use super::excitation::Grid;
+use super::fourier::Fourier;
+use super::orbit::Motion;
+use super::pair::Pair;
+use super::relaxation::Relaxation;
+use super::wave::{Cell, Quintic, Wave, bisect, restricted, root};
+
+/// Share of the largest x that is lost in rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// Switches of one cell beyond which time has stopped passing.
+const MOST_SWITCHES_PER_CELL: usize = 64;
+
+/// State of the axis: x = v/K, and what it does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct State<S> {
+    pub x: S,
+    pub motion: Motion,
+}
+
+/// Damping and friction by direction (forward, backward).
+pub(super) struct OneMass<S> {
+    viscous_rate: [S; 2],
+    coulomb: [S; 2],
+    breakaway: [S; 2],
+    /// A size that x may reach.
+    scale: f64,
+    relaxation: [Relaxation<S>; 2],
+    whole_s: f64,
+}
+
+/// Integrals over the slides of each direction, or of both where they damp alike.
+pub(super) struct Slides<'g, S> {
+    by_direction: Vec<Fourier<'g, S>>,
+}
+
+impl<'g, S: Scalar> Slides<'g, S> {
+    pub fn new(mass: &OneMass<S>, grid: &'g Grid, omega: f64, highest: usize) -> Self {
+        let alike = mass.viscous_rate[0] == mass.viscous_rate[1];
+        let count = if alike { 1 } else { 2 };
+        Self { by_direction: (0..count).map(|_| Fourier::new(grid, omega, highest)).collect() }
+    }
+
+    /// Harmonics V₀ … V_H.
+    pub fn velocity(self, mass: &OneMass<S>, constant: S, period_s: f64) -> Vec<Pair<S>> {
+        let omega = std::f64::consts::TAU / period_s;
+        let mut harmonics: Vec<Pair<S>> = Vec::new();
+        for (direction, sums) in self.by_direction.into_iter().enumerate() {
+            let a = mass.viscous_rate[direction];
+            for (k, sum) in sums.finish().into_iter().enumerate() {
+                let through = Pair::new(a, S::constant(k as f64 * omega)).inverse();
+                let mut part =
+                    (sum * through).scaled(constant * super::spectrum::weight(k, period_s));
+                if k == 0 {
+                    part = Pair::real(part.re);
+                }
+                match harmonics.get_mut(k) {
+                    Some(harmonic) => *harmonic = *harmonic + part,
+                    None => harmonics.push(part),
+                }
+            }
+        }
+        harmonics
+    }
+}
+
+impl<S: Scalar> OneMass<S> {
+    pub fn new(axis: &Axis<S>, wave: &Wave<S>) -> Self {
+        let levels = axis.levels();
+        let viscous_rate = axis.viscous_rates();
+        let (least, most) = wave.range();
+        let slowest = viscous_rate[0].value().min(viscous_rate[1].value());
+        let reach = (1.0 / slowest).min(wave.period_s / std::f64::consts::TAU);
+        let whole = wave.cells.iter().find(|cell| cell.whole.is_some());
+        let whole_s = whole.map_or(wave.period_s, |cell| cell.length_s);
+        Self {
+            viscous_rate,
+            coulomb: [levels.fc_plus, -levels.fc_minus],
+            breakaway: [levels.fs_plus, -levels.fs_minus],
+            scale: most.abs().max(least.abs()) * reach,
+            relaxation: viscous_rate.map(|a| Relaxation::new(a * whole_s)),
+            whole_s,
+        }
+    }
+
+    /// A size that x may reach.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Whether two motions under the same torque always approach each other.
+    pub fn contracts(&self) -> bool {
+        self.coulomb.map(S::value) == self.breakaway.map(S::value)
+    }
+
+    /// Whether the torque never exceeds what holds the axis.
+    pub fn rests_under(&self, wave: &Wave<S>) -> bool {
+        let (least, most) = wave.range();
+        most <= self.breakaway[0].value() && least >= self.breakaway[1].value()
+    }
+
+    /// Follows the motion over one period, adding up its slides if asked;
+    /// `None` where it switches without end.
+    pub fn pass(
+        &self,
+        wave: &Wave<S>,
+        start: State<S>,
+        mut slides: Option<&mut Slides<'_, S>>,
+    ) -> Option<State<S>> {
+        let zero = S::constant(0.0);
+        let mut state = start;
+        for cell in &wave.cells {
+            let mut from = zero;
+            let mut switches = 0;
+            loop {
+                let (to, next) = match direction(state.motion) {
+                    None => self.breakaway_in(cell, from),
+                    Some(direction) => self.slide_in(cell, from, state.x, direction),
+                };
+                if let (Some(direction), Some(slides)) =
+                    (direction(state.motion), slides.as_deref_mut())
+                {
+                    self.add(slides, cell, from, to, direction);
+                }
+                state = next.unwrap_or(State { x: zero, motion: Motion::Stuck });
+                if to.value() >= 1.0 {
+                    break;
+                }
+                switches += 1;
+                if switches > MOST_SWITCHES_PER_CELL {
+                    return None;
+                }
+                from = to;
+            }
+        }
+        Some(state)
+    }
+
+    fn add(&self, slides: &mut Slides<'_, S>, cell: &Cell<S>, from: S, to: S, direction: usize) {
+        let last = slides.by_direction.len() - 1;
+        let sums = &mut slides.by_direction[direction.min(last)];
+        let (zero, one) = (S::constant(0.0), S::constant(1.0));
+        match cell.whole {
+            Some(n) if from == zero && to == one => {
+                sums.add_whole(n, self.driving(&cell.powers, direction));
+            }
+            _ => {
+                let powers = self.driving(&restricted(&cell.powers, from, to), direction);
+                let (from_s, length_s) = (from * cell.length_s + cell.from_s, to - from);
+                sums.add_part(from_s, length_s * cell.length_s, &powers);
+            }
+        }
+    }
+
+    /// τ − f.
+    fn driving(&self, powers: &Quintic<S>, direction: usize) -> Quintic<S> {
+        let mut powers = *powers;
+        powers[0] -= self.coulomb[direction];
+        powers
+    }
+
+    /// Rest from position `from` of a cell on: until when, and what follows.
+    fn breakaway_in(&self, cell: &Cell<S>, from: S) -> (S, Option<State<S>>) {
+        let start = cell.number(from.value());
+        for (direction, motion) in MOVING.into_iter().enumerate() {
+            let (level, sign) = (self.breakaway[direction], SIGN[direction]);
+            let state = Some(State { x: S::constant(0.0), motion });
+            if sign * (start - level.value()) > 0.0 {
+                return (from, state);
+            }
+            if let Some(u) = cell.crossing(from.value(), level.value(), sign) {
+                let at = S::constant(u);
+                return (at - (cell.at(at) - level) / cell.slope(at), state);
+            }
+        }
+        (S::constant(1.0), None)
+    }
+
+    /// x at position `to` of a slide that has x at position `from`.
+    fn slid(&self, cell: &Cell<S>, from: S, to: S, x: S, direction: usize) -> S {
+        let is_whole = from == S::constant(0.0) && to == S::constant(1.0);
+        if is_whole {
+            let powers = self.driving(&cell.powers, direction);
+            let own = (cell.length_s != self.whole_s)
+                .then(|| Relaxation::new(self.viscous_rate[direction] * cell.length_s));
+            let relaxation = own.as_ref().unwrap_or(&self.relaxation[direction]);
+            return relaxation.step(x, &powers, S::constant(cell.length_s));
+        }
+        let powers = self.driving(&restricted(&cell.powers, from, to), direction);
+        let length_s = (to - from) * cell.length_s;
+        Relaxation::new(self.viscous_rate[direction] * length_s).step(x, &powers, length_s)
+    }
+
+    /// A slide from position `from` of a cell on: until when, and what follows.
+    fn slide_in(&self, cell: &Cell<S>, from: S, x: S, direction: usize) -> (S, Option<State<S>>) {
+        let one = S::constant(1.0);
+        let end = self.slid(cell, from, one, x, direction);
+        let numbers = self.numbers(direction);
+        let Some(u) = numbers.stop(cell, from.value(), x.value(), end.value()) else {
+            return (one, Some(State { x: end, motion: MOVING[direction] }));
+        };
+        // One step of Newton's method gives the instant its derivatives.
+        let at = S::constant(u);
+        let rate = (cell.at(at) - self.coulomb[direction]) * cell.length_s;
+        let at = at - self.slid(cell, from, at, x, direction) / rate;
+        let (torque, other) = (cell.number(u), 1 - direction);
+        let reverses = SIGN[other] * (torque - self.breakaway[other].value()) > 0.0;
+        let motion = if reverses { MOVING[other] } else { Motion::Stuck };
+        (at, Some(State { x: S::constant(0.0), motion }))
+    }
+
+    fn numbers(&self, direction: usize) -> Sliding {
+        Sliding {
+            sign: SIGN[direction],
+            rate: self.viscous_rate[direction].value(),
+            friction: self.coulomb[direction].value(),
+            least: ROUNDING * self.scale,
+        }
+    }
+}
+
+const MOVING: [Motion; 2] = [Motion::Forward, Motion::Backward];
+const SIGN: [f64; 2] = [1.0, -1.0];
+
+fn direction(motion: Motion) -> Option<usize> {
+    match motion {
+        Motion::Forward => Some(0),
+        Motion::Backward => Some(1),
+        Motion::Stuck => None,
+    }
+}
+
+/// A slide in one direction, derivatives aside.
+struct Sliding {
+    sign: f64,
+    rate: f64,
+    friction: f64,
+    least: f64,
+}
+
+impl Sliding {
+    /// The position within the cell at which the slide ends.
+    fn stop<S: Scalar>(&self, cell: &Cell<S>, from: f64, start: f64, end: f64) -> Option<f64> {
+        let h = cell.length_s;
+        let growth =
+            |u: f64, x: f64| h * self.sign * (-self.rate * x + cell.number(u) - self.friction);
+        // A slide that began within the cell leaves zero, whatever rounding makes of
+        // its first instants: a stop there would be a breakaway again, for ever.
+        let fresh = start == 0.0;
+        let crosses = self.sign * end < if fresh { -self.least } else { 0.0 };
+        let begins = growth(from, start);
+        if !crosses {
+            // It may dip below zero between both ends, if its tangent does.
+            let reaches = self.sign * start + begins * (1.0 - from) < 0.0;
+            if fresh || !(begins < 0.0 && growth(1.0, end) > 0.0 && reaches) {
+                return None;
+            }
+        }
+        let powers = cell.powers.map(S::value);
+        let x = |u: f64| {
+            let mut driving = restricted(&powers, from, u);
+            driving[0] -= self.friction;
+            let length_s = (u - from) * h;
+            Relaxation::new(self.rate * length_s).step(start, &driving, length_s)
+        };
+        let (mut low, mut high) = (from, 1.0);
+        if !crosses {
+            high = bisect(low, high, |u| growth(u, x(u)) < 0.0);
+            if self.sign * x(high) >= 0.0 {
+                return None;
+            }
+        } else if fresh && begins > 0.0 {
+            // It leaves zero and returns to it within the cell: look beyond the top.
+            low = bisect(low, high, |u| growth(u, x(u)) > 0.0);
+        }
+        let fallen = |u: f64| -self.sign * x(u);
+        Some(root(low, high, fallen, |u| -growth(u, x(u))))
+    }
+}

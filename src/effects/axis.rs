@@ -16,7 +16,7 @@ use super::law::Law;
 pub type Wide = crate::plant::Dual<WIDE_LANES>;
 
 /// Most parameters, the plant's and the effects' together, one axis may have.
-pub const WIDE_LANES: usize = 24;
+pub const WIDE_LANES: usize = 16;
 
 /// Position of a map in the signal chain: lower numbers act first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -18,9 +18,6 @@ use super::relaxation::Relaxation;
 use super::sensitivity::actuator_derivatives;
 use super::wave::{Cell, Wave, through};
 
-/// Fewest cells of a period: the quintic misses the fundamental by 1e-9.
-const FEWEST_CELLS: usize = 32;
-
 /// Radians of an oscillation in one cell: its quintic misses by 1e-7 of what
 /// rings after a kink, itself a small share of the torque.
 const RADIANS_PER_CELL: f64 = 0.5;
@@ -31,15 +28,17 @@ const LAYER_GROWTH: f64 = 0.6;
 /// Time constants after which nothing of it is left.
 const LAYER_END: f64 = 40.0;
 
-/// The torque on the mechanics, and the grid of its cells.
+/// The torque on the mechanics, and the grid of its cells: at least `fewest` of
+/// them for a period of a cosine.
 pub(super) fn torque<'e, S: Scalar>(
     axis: &Axis<S>,
     excitation: &'e Excitation,
+    fewest: usize,
 ) -> (Wave<S>, &'e Grid) {
     let omega = excitation.omega_rad_s();
     let actuator = &axis.plant.actuator;
     if axis.has_linear_input() {
-        let grid = excitation.grid().unwrap_or_else(|| Grid::at_least(FEWEST_CELLS));
+        let grid = excitation.grid().unwrap_or_else(|| Grid::at_least(fewest));
         return (linear(actuator, excitation, grid), grid);
     }
     let ringing = match actuator.map(Scalar::value) {
@@ -49,7 +48,7 @@ pub(super) fn torque<'e, S: Scalar>(
     let cells = (std::f64::consts::TAU * ringing / omega / RADIANS_PER_CELL) as usize;
     let own = excitation.grid().filter(|grid| grid.samples() >= cells);
     let grid = own.unwrap_or_else(|| {
-        Grid::at_least(cells.max(excitation.grid().map_or(FEWEST_CELLS, Grid::samples)))
+        Grid::at_least(cells.max(excitation.grid().map_or(fewest, Grid::samples)))
     });
     let mut wave = linear(&Actuator::Direct, excitation, grid);
     for map in &axis.input_maps {

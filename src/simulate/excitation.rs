@@ -33,7 +33,7 @@ struct Tables {
 }
 
 /// Smallest grid of the ladder, and how often it is doubled.
-const LADDER: (usize, usize) = (32, 12);
+const LADDER: (usize, usize) = (8, 14);
 
 impl Grid {
     fn new(highest_line: usize) -> Self {

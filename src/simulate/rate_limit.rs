@@ -36,17 +36,17 @@ pub(super) fn limited<S: Scalar>(wave: &Wave<S>, rate: S) -> Wave<S> {
         let sign = wave.cells[0].number_slope(0.0).signum();
         state = State::Ramp { sign, from_s: S::constant(0.0), value: start };
     }
-    let (mut cells, mut followed, mut end) = pass(wave, rate, state);
-    if !followed && let Some(triangle) = triangle(wave, rate) {
-        state = triangle;
-        (cells, _, _) = pass(wave, rate, state);
-        return Wave { cells, period_s: wave.period_s };
-    }
+    let (mut cells, _, mut end) = pass(wave, rate, state);
     for _ in 0..MOST_PERIODS {
         let next = a_period_earlier(end, wave.period_s);
         let settled = distance(next, state, rate.value()) <= 1e-13 * fastest * wave.period_s;
         state = next;
+        let followed;
         (cells, followed, end) = pass(wave, rate, state);
+        if !followed && let Some(triangle) = triangle(wave, rate) {
+            (cells, _, _) = pass(wave, rate, triangle);
+            break;
+        }
         if settled && (followed || S::LANES == 0) {
             break;
         }

@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::effects::{Axis, Wide};
 use crate::measurement::Complex;
-use crate::plant::Scalar;
+use crate::plant::{Dual, Scalar};
 
 use super::pair::Pair;
 
@@ -34,12 +35,34 @@ pub(super) fn differentiate<S: Scalar>(
 }
 
 /// Newton's step from residuals and their derivatives by the unknowns, which
-/// ride in the first lanes.
-pub(super) fn newton_step<S: Scalar>(residuals: &[S]) -> DVector<f64> {
+/// ride in the lanes behind `parameters`.
+pub(super) fn newton_step<S: Scalar>(residuals: &[S], parameters: usize) -> DVector<f64> {
     let unknowns = residuals.len();
-    let jacobian = DMatrix::from_fn(unknowns, unknowns, |r, c| residuals[r].lane(c));
+    let jacobian = DMatrix::from_fn(unknowns, unknowns, |r, c| residuals[r].lane(parameters + c));
     let target = DMatrix::from_fn(unknowns, 1, |r, _| -residuals[r].value());
     solve(&jacobian, &target).column(0).into_owned()
+}
+
+/// Takes harmonics along a small step of the unknowns, which ride in the lanes
+/// behind `parameters`.
+pub(super) fn correct<S: Scalar>(harmonics: &mut [Pair<S>], step: &[f64], parameters: usize) {
+    for harmonic in harmonics {
+        let moved: Complex =
+            step.iter().enumerate().map(|(u, by)| harmonic.lane(parameters + u) * by).sum();
+        *harmonic = Pair { re: harmonic.re + moved.re, im: harmonic.im + moved.im };
+    }
+}
+
+/// Lanes `first` … `first + count` of an axis as the first of N.
+pub(super) fn narrowed<const N: usize>(
+    axis: &Axis<Wide>,
+    first: usize,
+    count: usize,
+) -> Axis<Dual<N>> {
+    axis.map(|x| {
+        let lane = |lane: usize| if lane < count { x.lane(first + lane) } else { 0.0 };
+        Dual::with_lanes(x.value(), lane)
+    })
 }
 
 /// Least squares where a direction does not matter.

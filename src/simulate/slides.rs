@@ -1,5 +1,7 @@
 //! Responses of one mass that slides and rests under a bent torque.
 
+use std::ops::Range;
+
 use crate::effects::{Axis, Wide};
 use crate::measurement::Complex;
 use crate::plant::{Dual, Scalar};
@@ -21,15 +23,18 @@ const LEASH: f64 = 0.2;
 /// Change a period, as a share of x's size, at which the motion is periodic.
 const CLOSED: f64 = 1e-12;
 
+/// Cells of a period of a cosine: its quintics miss by 7e-9.
+const CELLS: usize = 24;
+
 /// Velocity harmonics of the periodic motion.
 pub(super) fn respond(
     axis: &Axis,
     excitation: &Excitation,
     highest: usize,
 ) -> Result<Vec<Complex>, NoResponse> {
-    let (wave, grid) = drive::torque(axis, excitation);
+    let (wave, grid) = drive::torque(axis, excitation, CELLS);
     let mass = OneMass::new(axis, &wave);
-    if mass.rests_under(&wave) {
+    if mass.rests() {
         return Ok(vec![Complex::new(0.0, 0.0); highest + 1]);
     }
     let start = periodic(axis, &mass, &wave)?;
@@ -47,59 +52,52 @@ pub(super) fn differentiate(
     highest: usize,
     rows: usize,
 ) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
-    let (wave, _) = drive::torque(values, excitation);
+    let (wave, _) = drive::torque(values, excitation, CELLS);
     let mass = OneMass::new(values, &wave);
-    if mass.rests_under(&wave) {
+    if mass.rests() {
         let zero = vec![Complex::new(0.0, 0.0); highest + 1];
         return Ok((zero.clone(), vec![zero; rows]));
     }
     let start = periodic(values, &mass, &wave)?;
     // One lane carries the state at the start.
-    if rows < 8 {
-        derivatives::<8>(axis, start, excitation, highest, rows)
-    } else {
-        derivatives::<16>(axis, start, excitation, highest, rows)
+    let run = |first: usize| match rows {
+        ..=7 => chunk::<8>(axis, start, excitation, highest, first..rows),
+        _ => chunk::<16>(axis, start, excitation, highest, first..rows),
+    };
+    let (velocity, mut sensitivities) = run(0)?;
+    while sensitivities.len() < rows {
+        sensitivities.extend(run(sensitivities.len())?.1);
     }
+    Ok((velocity, sensitivities))
 }
 
-fn derivatives<const N: usize>(
+/// As many derivatives as fit in N lanes along with the state.
+fn chunk<const N: usize>(
     axis: &Axis<Wide>,
     start: State<f64>,
     excitation: &Excitation,
     highest: usize,
-    rows: usize,
+    rows: Range<usize>,
 ) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
-    let mut velocity = Vec::new();
-    let mut sensitivities = Vec::with_capacity(rows);
-    while sensitivities.len() < rows {
-        let first = sensitivities.len();
-        let count = (rows - first).min(N - 1);
-        let narrow =
-            axis.map(|x: Wide| {
-                Dual::<N>::with_lanes(x.value(), |lane| {
-                    if lane < count { x.lane(first + lane) } else { 0.0 }
-                })
-            });
-        let (wave, grid) = drive::torque(&narrow, excitation);
-        let mass = OneMass::new(&narrow, &wave);
-        let x = match start.motion {
-            Motion::Stuck => Dual::constant(0.0),
-            _ => Dual::variable(start.x, count),
-        };
-        let mut slides = Slides::new(&mass, grid, excitation.omega_rad_s(), highest);
-        let state = State { x, motion: start.motion };
-        let end = mass
-            .pass(&wave, state, Some(&mut slides))
-            .ok_or(NoResponse::NotPeriodic { periods: 1 })?;
-        let harmonics = slides.velocity(&mass, narrow.plant.constant, wave.period_s);
-        let residual = match start.motion {
-            Motion::Stuck => Dual::constant(0.0),
-            _ => end.x - x,
-        };
-        sensitivities.extend(shooting::differentiate(&harmonics, &[residual], count));
-        velocity = harmonics.iter().map(|v| v.value()).collect();
-    }
-    Ok((velocity, sensitivities))
+    let count = rows.len().min(N - 1);
+    let narrow = shooting::narrowed::<N>(axis, rows.start, count);
+    let (wave, grid) = drive::torque(&narrow, excitation, CELLS);
+    let mass = OneMass::new(&narrow, &wave);
+    let x = match start.motion {
+        Motion::Stuck => Dual::constant(0.0),
+        _ => Dual::variable(start.x, count),
+    };
+    let mut slides = Slides::new(&mass, grid, excitation.omega_rad_s(), highest);
+    let state = State { x, motion: start.motion };
+    let end = mass.pass(&wave, state, Some(&mut slides));
+    let end = end.ok_or(NoResponse::NotPeriodic { periods: 1 })?;
+    let harmonics = slides.velocity(&mass, narrow.plant.constant, wave.period_s);
+    let residual = match start.motion {
+        Motion::Stuck => Dual::constant(0.0),
+        _ => end.x - x,
+    };
+    let sensitivities = shooting::differentiate(&harmonics, &[residual], count);
+    Ok((harmonics.iter().map(|v| v.value()).collect(), sensitivities))
 }
 
 /// State at the beginning of the period of the motion reached from rest.

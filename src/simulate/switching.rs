@@ -36,6 +36,8 @@ pub(super) struct OneMass<S> {
     viscous_rate: [S; 2],
     coulomb: [S; 2],
     breakaway: [S; 2],
+    /// Smallest and largest torque.
+    range: (f64, f64),
     /// A size that x may reach.
     scale: f64,
     relaxation: [Relaxation<S>; 2],
@@ -90,6 +92,7 @@ impl<S: Scalar> OneMass<S> {
             viscous_rate,
             coulomb: [levels.fc_plus, -levels.fc_minus],
             breakaway: [levels.fs_plus, -levels.fs_minus],
+            range: (least, most),
             scale: most.abs().max(least.abs()) * reach,
             relaxation: viscous_rate.map(|a| Relaxation::new(a * whole_s)),
             whole_s,
@@ -107,8 +110,8 @@ impl<S: Scalar> OneMass<S> {
     }
 
     /// Whether the torque never exceeds what holds the axis.
-    pub fn rests_under(&self, wave: &Wave<S>) -> bool {
-        let (least, most) = wave.range();
+    pub fn rests(&self) -> bool {
+        let (least, most) = self.range;
         most <= self.breakaway[0].value() && least >= self.breakaway[1].value()
     }
 

@@ -4,7 +4,7 @@ use crate::effects::{Axis, Law, SecondMass};
 use crate::plant::Scalar;
 
 use super::super::orbit::Motion;
-use super::runge_kutta::{MOST_STATES, Vector};
+use super::runge_kutta::Vector;
 
 /// Index of v in every state.
 pub(super) const VELOCITY: usize = 0;
@@ -107,7 +107,7 @@ impl<S: Scalar> Mechanics<S> {
     }
 
     /// What the axis does in a state, where nothing says what it did before.
-    pub fn mode_at(&self, torque: S, state: &Vector<S>) -> Mode {
+    pub fn mode_at<const M: usize>(&self, torque: S, state: &Vector<S, M>) -> Mode {
         let contact = match self.half_gap() {
             None => Contact::Linked,
             Some(half) => match state[self.twist].value() {
@@ -125,7 +125,12 @@ impl<S: Scalar> Mechanics<S> {
     }
 
     /// What friction lets an axis do that has v = 0.
-    pub fn motion_at_rest(&self, contact: Contact, torque: S, state: &Vector<S>) -> Motion {
+    pub fn motion_at_rest<const M: usize>(
+        &self,
+        contact: Contact,
+        torque: S,
+        state: &Vector<S, M>,
+    ) -> Motion {
         let net = self.net(contact, torque, state).value();
         let [forward, backward] = match self.bristle {
             // A bristle holds nothing: it pulls one way or the other.
@@ -154,20 +159,26 @@ impl<S: Scalar> Mechanics<S> {
     }
 
     /// gap/2 − φ at the upper end, gap/2 + φ at the lower: positive inside.
-    pub fn clearance(&self, upper: bool, state: &Vector<S>) -> S {
+    pub fn clearance<const M: usize>(&self, upper: bool, state: &Vector<S, M>) -> S {
         let gap = self.second_mass.map_or(S::constant(0.0), |mass| mass.gap);
         let twist = state[self.twist];
         if upper { gap * 0.5 - twist } else { gap * 0.5 + twist }
     }
 
     /// By how much what is not friction exceeds breakaway: forward, backward.
-    pub fn excess(&self, contact: Contact, torque: S, state: &Vector<S>) -> [S; 2] {
+    pub fn excess<const M: usize>(
+        &self,
+        contact: Contact,
+        torque: S,
+        state: &Vector<S, M>,
+    ) -> [S; 2] {
         let net = self.net(contact, torque, state);
         [net - self.breakaway[0], self.breakaway[1] - net]
     }
 
     /// τ − g − T_s: everything but friction and damping, input units.
-    fn net(&self, contact: Contact, torque: S, state: &Vector<S>) -> S {
+    #[inline]
+    fn net<const M: usize>(&self, contact: Contact, torque: S, state: &Vector<S, M>) -> S {
         let mut net = torque + self.balance;
         let v = state[VELOCITY];
         let position = self.position.map_or(S::constant(0.0), |i| state[i]);
@@ -178,7 +189,8 @@ impl<S: Scalar> Mechanics<S> {
     }
 
     /// T_s.
-    fn joint(&self, contact: Contact, state: &Vector<S>) -> S {
+    #[inline]
+    fn joint<const M: usize>(&self, contact: Contact, state: &Vector<S, M>) -> S {
         let Some(mass) = self.second_mass else { return S::constant(0.0) };
         let twist = state[self.twist];
         let beyond = match contact {
@@ -192,8 +204,13 @@ impl<S: Scalar> Mechanics<S> {
 
     /// Derivative of the state by time.
     #[inline]
-    pub fn slope(&self, mode: Mode, torque: S, state: &Vector<S>) -> Vector<S> {
-        let mut slope = [S::constant(0.0); MOST_STATES];
+    pub fn slope<const M: usize>(
+        &self,
+        mode: Mode,
+        torque: S,
+        state: &Vector<S, M>,
+    ) -> Vector<S, M> {
+        let mut slope = [S::constant(0.0); M];
         let v = state[VELOCITY];
         let direction = usize::from(mode.motion == Motion::Backward);
         if mode.motion != Motion::Stuck {
@@ -232,12 +249,12 @@ impl<S: Scalar> Mechanics<S> {
     }
 
     /// Sizes the states may reach under a torque of this amplitude and period.
-    pub fn sizes(&self, amplitude: f64, period_s: f64) -> [f64; MOST_STATES] {
+    pub fn sizes<const M: usize>(&self, amplitude: f64, period_s: f64) -> [f64; M] {
         let time_s = period_s / std::f64::consts::TAU;
         let slowest = self.viscous_rate[0].value().min(self.viscous_rate[1].value());
         let v = amplitude * self.constant.value().abs() * time_s.min(1.0 / slowest);
         let v = v.max(f64::MIN_POSITIVE);
-        let mut sizes = [v; MOST_STATES];
+        let mut sizes = [v; M];
         if let Some(i) = self.position {
             sizes[i] = v * time_s;
         }

@@ -6,7 +6,7 @@ use super::super::fourier::Fourier;
 use super::super::orbit::Motion;
 use super::super::wave::{Cell, Wave, value};
 use super::mechanics::{Contact, Mechanics, Mode, VELOCITY};
-use super::runge_kutta::{MOST_STATES, NODES, Step, Vector};
+use super::runge_kutta::{NODES, Step, Vector};
 
 /// Switches of one cell beyond which time has stopped passing.
 const MOST_SWITCHES_PER_CELL: usize = 64;
@@ -21,22 +21,22 @@ const ROUNDING: f64 = 1e-13;
 const LOOKS: [f64; 3] = [0.35, 0.7, 1.0];
 
 /// How precisely a pass follows the motion.
-pub(super) struct Precision {
+pub(super) struct Precision<const M: usize> {
     /// Largest error of a step, as a share of the states' sizes.
     pub tolerance: f64,
     /// Sizes of the states.
-    pub sizes: [f64; MOST_STATES],
+    pub sizes: [f64; M],
 }
 
 /// A motion under way.
-pub(super) struct Pass<'a, 'g, S> {
+pub(super) struct Pass<'a, 'g, S, const M: usize> {
     pub mechanics: &'a Mechanics<S>,
     pub wave: &'a Wave<S>,
-    pub precision: &'a Precision,
+    pub precision: &'a Precision<M>,
     /// Where v is added up, if at all.
     pub sums: Option<&'a mut Fourier<'g, S>>,
     /// Largest |state| seen.
-    pub largest: [f64; MOST_STATES],
+    pub largest: [f64; M],
 }
 
 /// A switch within a step.
@@ -58,14 +58,14 @@ enum Event {
     Leaves(bool),
 }
 
-impl<S: Scalar> Pass<'_, '_, S> {
+impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     /// Follows the motion from `start` over one period; `None` where it
     /// switches without end or is too stiff to follow.
-    pub fn run(&mut self, start: &Vector<S>) -> Option<Vector<S>> {
+    pub fn run(&mut self, start: &Vector<S, M>) -> Option<Vector<S, M>> {
         let zero = S::constant(0.0);
         let mut state = *start;
         let mut mode = self.mechanics.mode_at(self.wave.cells[0].at(zero), &state);
-        let mut slope: Option<Vector<S>> = None;
+        let mut slope: Option<Vector<S, M>> = None;
         let mut length_s = self.wave.cells[0].length_s;
         let wave = self.wave;
         for cell in &wave.cells {
@@ -91,7 +91,7 @@ impl<S: Scalar> Pass<'_, '_, S> {
                     *slope.get_or_insert_with(|| self.mechanics.slope(mode, cell.at(from), &state));
                 let step = self.step(mode, cell, from, width, &state, &begin);
                 let error = step.error(&self.precision.sizes) / self.precision.tolerance;
-                let growth = 0.9 * error.max(1e-10).powf(-0.2);
+                let growth = 0.9 * f64::from((error.max(1e-10) as f32).powf(-0.2));
                 if error.is_nan() {
                     return None;
                 }
@@ -103,7 +103,7 @@ impl<S: Scalar> Pass<'_, '_, S> {
                 // The end of a cell may have cut it short: it says nothing then.
                 length_s = length_s.max(tried_s) * growth.clamp(0.3, 4.0);
                 length_s = length_s.min(cell.length_s.max(tried_s));
-                match self.switch(mode, cell, from, width, &step, &state) {
+                match self.switch(mode, cell, from.value(), width.value(), &step) {
                     None => {
                         self.add(cell, from, width, &step);
                         state = step.end;
@@ -112,12 +112,10 @@ impl<S: Scalar> Pass<'_, '_, S> {
                     }
                     Some(switch) => {
                         switches += 1;
-                        let before = from;
                         (state, from) =
                             self.up_to(mode, cell, from, width, &state, &begin, &switch);
                         mode = self.switched(mode, switch.event, cell.at(from), &mut state);
                         slope = None;
-                        debug_assert!(from.value() >= before.value() - 1e-9);
                     }
                 }
                 self.note(&state);
@@ -126,7 +124,7 @@ impl<S: Scalar> Pass<'_, '_, S> {
         Some(state)
     }
 
-    fn note(&mut self, state: &Vector<S>) {
+    fn note(&mut self, state: &Vector<S, M>) {
         for (largest, value) in self.largest.iter_mut().zip(state) {
             *largest = largest.max(value.value().abs());
         }
@@ -139,16 +137,16 @@ impl<S: Scalar> Pass<'_, '_, S> {
         cell: &Cell<S>,
         from: S,
         width: S,
-        state: &Vector<S>,
-        slope: &Vector<S>,
-    ) -> Step<S> {
+        state: &Vector<S, M>,
+        slope: &Vector<S, M>,
+    ) -> Step<S, M> {
         let torque = NODES.map(|node| cell.at(from + width * node));
-        Step::new(self.mechanics.states, state, slope, width * cell.length_s, |stage, state| {
+        Step::new(state, slope, width * cell.length_s, |stage, state| {
             self.mechanics.slope(mode, torque[stage], state)
         })
     }
 
-    fn add(&mut self, cell: &Cell<S>, from: S, width: S, step: &Step<S>) {
+    fn add(&mut self, cell: &Cell<S>, from: S, width: S, step: &Step<S, M>) {
         let Some(sums) = self.sums.as_deref_mut() else { return };
         let powers = step.powers(VELOCITY);
         match cell.whole {
@@ -167,14 +165,25 @@ impl<S: Scalar> Pass<'_, '_, S> {
         &self,
         mode: Mode,
         cell: &Cell<S>,
-        from: S,
-        width: S,
-        step: &Step<S>,
-        start: &Vector<S>,
+        from: f64,
+        width: f64,
+        step: &Step<S, M>,
     ) -> Option<Switch> {
         let mut first: Option<Switch> = None;
+        let powers: [[f64; 6]; M] = std::array::from_fn(|i| step.number_powers(i));
         let mut consider = |event: Event| {
-            let signal = |u: f64| self.signal(event, mode, cell, from, width, step, u).value();
+            let signal = |u: f64| {
+                let part = |i: usize| value(&powers[i], u);
+                match event {
+                    Event::Stops if mode.motion == Motion::Forward => -part(VELOCITY),
+                    Event::Stops => part(VELOCITY),
+                    _ => {
+                        let state = std::array::from_fn(|i| S::constant(part(i)));
+                        let torque = S::constant(cell.number(from + width * u));
+                        self.signal(event, mode, torque, &state).value()
+                    }
+                }
+            };
             let least = self.least(event);
             // What has just switched stands at zero and moves away from it.
             let fresh = signal(0.0).abs() <= least;
@@ -208,7 +217,6 @@ impl<S: Scalar> Pass<'_, '_, S> {
             Contact::Upper => consider(Event::Leaves(true)),
             Contact::Lower => consider(Event::Leaves(false)),
         }
-        let _ = start;
         first
     }
 
@@ -223,35 +231,8 @@ impl<S: Scalar> Pass<'_, '_, S> {
             }
     }
 
-    /// What turns positive at an event, at position u of a step.
-    fn signal(
-        &self,
-        event: Event,
-        mode: Mode,
-        cell: &Cell<S>,
-        from: S,
-        width: S,
-        step: &Step<S>,
-        u: f64,
-    ) -> S {
-        let at = S::constant(u);
-        let part = |i: usize| value(&step.powers(i), at);
-        match event {
-            Event::Stops => {
-                let v = part(VELOCITY);
-                if mode.motion == Motion::Forward { -v } else { v }
-            }
-            _ => {
-                let mut state = [S::constant(0.0); MOST_STATES];
-                for (i, value) in state.iter_mut().enumerate().take(self.mechanics.states) {
-                    *value = part(i);
-                }
-                self.signal_at(event, mode, cell.at(from + width * at), &state)
-            }
-        }
-    }
-
-    fn signal_at(&self, event: Event, mode: Mode, torque: S, state: &Vector<S>) -> S {
+    /// What turns positive at an event.
+    fn signal(&self, event: Event, mode: Mode, torque: S, state: &Vector<S, M>) -> S {
         match event {
             Event::Stops if mode.motion == Motion::Forward => -state[VELOCITY],
             Event::Stops => state[VELOCITY],
@@ -272,20 +253,20 @@ impl<S: Scalar> Pass<'_, '_, S> {
         cell: &Cell<S>,
         from: S,
         width: S,
-        state: &Vector<S>,
-        slope: &Vector<S>,
+        state: &Vector<S, M>,
+        slope: &Vector<S, M>,
         switch: &Switch,
-    ) -> (Vector<S>, S) {
+    ) -> (Vector<S, M>, S) {
         let part = width * switch.at;
         let step = self.step(mode, cell, from, part, state, slope);
         let to = from + part;
-        let there = self.signal_at(switch.event, mode, cell.at(to), &step.end);
+        let there = self.signal(switch.event, mode, cell.at(to), &step.end);
         // The signal's rate along the motion, which an exact derivative of every law
         // would give no better: central differences over a thousandth of the step.
         let ahead = |du: f64| {
-            let moved: Vector<S> =
+            let moved: Vector<S, M> =
                 std::array::from_fn(|i| step.end[i] + step.end_slope()[i] * (du * cell.length_s));
-            self.signal_at(switch.event, mode, cell.at(to + du), &moved).value()
+            self.signal(switch.event, mode, cell.at(to + du), &moved).value()
         };
         let du = 1e-4 * width.value();
         let rate = (ahead(du) - ahead(-du)) / (2.0 * du);
@@ -305,7 +286,7 @@ impl<S: Scalar> Pass<'_, '_, S> {
     }
 
     /// The mode behind a switch.
-    fn switched(&self, mode: Mode, event: Event, torque: S, state: &mut Vector<S>) -> Mode {
+    fn switched(&self, mode: Mode, event: Event, torque: S, state: &mut Vector<S, M>) -> Mode {
         let moving = [Motion::Forward, Motion::Backward];
         match event {
             Event::Stops => {
@@ -331,7 +312,7 @@ impl<S: Scalar> Pass<'_, '_, S> {
     }
 
     /// A jump of the joint's torque may free an axis at rest.
-    fn held_again(&self, mode: Mode, torque: S, state: &Vector<S>) -> Mode {
+    fn held_again(&self, mode: Mode, torque: S, state: &Vector<S, M>) -> Mode {
         match mode.motion {
             Motion::Stuck => {
                 let motion = self.mechanics.motion_at_rest(mode.contact, torque, state);

@@ -4,12 +4,8 @@
 
 use crate::plant::Scalar;
 
-/// Most states of a motion.
-pub(super) const MOST_STATES: usize = 6;
-
-/// State of a motion, or its derivative by time; what is beyond its own length
-/// is 0.
-pub(super) type Vector<S> = [S; MOST_STATES];
+/// State of a motion, or its derivative by time.
+pub(super) type Vector<S, const M: usize> = [S; M];
 
 /// Position of the stages within a step.
 pub(super) const NODES: [f64; 5] = [0.2, 0.3, 0.8, 8.0 / 9.0, 1.0];
@@ -46,39 +42,35 @@ const DENSE: [f64; 7] = [
 ];
 
 /// One step.
-pub(super) struct Step<S> {
-    states: usize,
+pub(super) struct Step<S, const M: usize> {
     length_s: S,
-    start: Vector<S>,
+    start: Vector<S, M>,
     /// State at its end.
-    pub end: Vector<S>,
-    slopes: [Vector<S>; 7],
+    pub end: Vector<S, M>,
+    slopes: [Vector<S, M>; 7],
 }
 
-impl<S: Scalar> Step<S> {
+impl<S: Scalar, const M: usize> Step<S, M> {
     /// From `start`, where the derivative is `slope`, over `length_s`; `f` gives
     /// the derivative at stage 0 … 4 of [`NODES`].
     #[inline]
     pub fn new(
-        states: usize,
-        start: &Vector<S>,
-        slope: &Vector<S>,
+        start: &Vector<S, M>,
+        slope: &Vector<S, M>,
         length_s: S,
-        f: impl Fn(usize, &Vector<S>) -> Vector<S>,
+        f: impl Fn(usize, &Vector<S, M>) -> Vector<S, M>,
     ) -> Self {
         let mut slopes = [*slope; 7];
-        let moved = |slopes: &[Vector<S>; 7], weights: &[f64]| {
-            let mut state = *start;
-            for i in 0..states {
+        let moved = |slopes: &[Vector<S, M>; 7], weights: &[f64]| -> Vector<S, M> {
+            std::array::from_fn(|i| {
                 let mut sum = slopes[0][i] * weights[0];
                 for (slope, weight) in slopes.iter().zip(weights).skip(1) {
                     if *weight != 0.0 {
                         sum += slope[i] * *weight;
                     }
                 }
-                state[i] += sum * length_s;
-            }
-            state
+                start[i] + sum * length_s
+            })
         };
         slopes[1] = f(0, &moved(&slopes, &A2));
         slopes[2] = f(1, &moved(&slopes, &A3));
@@ -87,26 +79,39 @@ impl<S: Scalar> Step<S> {
         slopes[5] = f(4, &moved(&slopes, &A6));
         let end = moved(&slopes, &A7);
         slopes[6] = f(4, &end);
-        Self { states, length_s, start: *start, end, slopes }
+        Self { length_s, start: *start, end, slopes }
     }
 
     /// Derivative at the end.
-    pub fn end_slope(&self) -> &Vector<S> {
+    pub fn end_slope(&self) -> &Vector<S, M> {
         &self.slopes[6]
     }
 
     /// Estimated error of the end, as a share of `scale`, the largest over all
     /// states.
     #[inline]
-    pub fn error(&self, scale: &[f64; MOST_STATES]) -> f64 {
+    pub fn error(&self, scale: &[f64; M]) -> f64 {
         let h = self.length_s.value();
-        (0..self.states)
+        (0..M)
             .map(|i| {
                 let sum: f64 =
                     self.slopes.iter().zip(ERROR).map(|(slope, e)| e * slope[i].value()).sum();
                 (h * sum / scale[i]).abs()
             })
             .fold(0.0, f64::max)
+    }
+
+    /// The same without derivatives.
+    pub fn number_powers(&self, i: usize) -> [f64; 6] {
+        let h = self.length_s.value();
+        let slope = |stage: usize| self.slopes[stage][i].value() * h;
+        let start = self.start[i].value();
+        let change = self.end[i].value() - start;
+        let first = slope(0) - change;
+        let second = change - slope(6) - first;
+        let last: f64 = (0..7).map(|stage| DENSE[stage] * slope(stage)).sum();
+        let linear = change + first;
+        [start, linear, second + last - first, -(second + last * 2.0), last, 0.0]
     }
 
     /// State `i` over the step, as powers of u from 0 to 1.
@@ -139,15 +144,10 @@ mod tests {
     /// Error at the end and in the middle of one step of x' = −x + t.
     fn errors(h: f64) -> (f64, f64) {
         let exact = |t: f64| 2.0 * (-t).exp() + t - 1.0;
-        let mut start = [0.0; MOST_STATES];
-        start[0] = 1.0;
-        let f = |t: f64, x: &Vector<f64>| {
-            let mut slope = [0.0; MOST_STATES];
-            slope[0] = t - x[0];
-            slope
-        };
+        let start = [1.0];
+        let f = |t: f64, x: &Vector<f64, 1>| [t - x[0]];
         let slope = f(0.0, &start);
-        let step = Step::new(1, &start, &slope, h, |stage, x| f(NODES[stage] * h, x));
+        let step = Step::new(&start, &slope, h, |stage, x| f(NODES[stage] * h, x));
         let middle = super::super::super::wave::value(&step.powers(0), 0.5);
         ((step.end[0] - exact(h)).abs(), (middle - exact(0.5 * h)).abs())
     }

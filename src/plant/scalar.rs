@@ -105,6 +105,17 @@ impl<const N: usize> Dual<N> {
     }
 }
 
+/// An array by index, as a loop that vectorises where `array::from_fn` is not
+/// inlined.
+#[inline(always)]
+fn each<const N: usize>(f: impl Fn(usize) -> f64) -> [f64; N] {
+    let mut array = [0.0; N];
+    for (i, entry) in array.iter_mut().enumerate() {
+        *entry = f(i);
+    }
+    array
+}
+
 impl<const N: usize> Default for Dual<N> {
     fn default() -> Self {
         Self::constant(0.0)
@@ -114,83 +125,82 @@ impl<const N: usize> Default for Dual<N> {
 impl<const N: usize> Scalar for Dual<N> {
     const LANES: usize = N;
 
-    #[inline]
+    #[inline(always)]
     fn constant(value: f64) -> Self {
         Self { value, lanes: [0.0; N] }
     }
 
-    #[inline]
+    #[inline(always)]
     fn value(self) -> f64 {
         self.value
     }
 
-    #[inline]
+    #[inline(always)]
     fn lane(self, lane: usize) -> f64 {
         self.lanes.get(lane).copied().unwrap_or(0.0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn with_lanes(value: f64, lane: impl Fn(usize) -> f64) -> Self {
-        Self { value, lanes: std::array::from_fn(lane) }
+        Self { value, lanes: each(lane) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn chain(self, value: f64, slope: f64) -> Self {
-        Self { value, lanes: self.lanes.map(|lane| slope * lane) }
+        Self { value, lanes: each(|i| slope * self.lanes[i]) }
     }
 }
 
 impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
-        Self { value: -self.value, lanes: self.lanes.map(|lane| -lane) }
+        Self { value: -self.value, lanes: each(|i| -self.lanes[i]) }
     }
 }
 
 impl<const N: usize> Add for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
-        let lanes = std::array::from_fn(|i| self.lanes[i] + other.lanes[i]);
+        let lanes = each(|i| self.lanes[i] + other.lanes[i]);
         Self { value: self.value + other.value, lanes }
     }
 }
 
 impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        let lanes = std::array::from_fn(|i| self.lanes[i] - other.lanes[i]);
+        let lanes = each(|i| self.lanes[i] - other.lanes[i]);
         Self { value: self.value - other.value, lanes }
     }
 }
 
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        let lanes =
-            std::array::from_fn(|i| self.lanes[i] * other.value + self.value * other.lanes[i]);
+        let lanes = each(|i| self.lanes[i] * other.value + self.value * other.lanes[i]);
         Self { value: self.value * other.value, lanes }
     }
 }
 
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn div(self, other: Self) -> Self {
         let scale = 1.0 / other.value;
         // The quotient as division gives it, so that values are those of `f64`.
         let value = self.value / other.value;
-        let lanes = std::array::from_fn(|i| (self.lanes[i] - value * other.lanes[i]) * scale);
+        let lanes = each(|i| (self.lanes[i] - value * other.lanes[i]) * scale);
         Self { value, lanes }
     }
 }
 
 impl<const N: usize> Add<f64> for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: f64) -> Self {
         Self { value: self.value + other, ..self }
     }
@@ -198,7 +208,7 @@ impl<const N: usize> Add<f64> for Dual<N> {
 
 impl<const N: usize> Sub<f64> for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: f64) -> Self {
         Self { value: self.value - other, ..self }
     }
@@ -206,21 +216,21 @@ impl<const N: usize> Sub<f64> for Dual<N> {
 
 impl<const N: usize> Mul<f64> for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: f64) -> Self {
-        Self { value: self.value * other, lanes: self.lanes.map(|lane| lane * other) }
+        Self { value: self.value * other, lanes: each(|i| self.lanes[i] * other) }
     }
 }
 
 impl<const N: usize> AddAssign for Dual<N> {
-    #[inline]
+    #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
 impl<const N: usize> SubAssign for Dual<N> {
-    #[inline]
+    #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }

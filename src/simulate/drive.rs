@@ -18,9 +18,9 @@ use super::relaxation::Relaxation;
 use super::sensitivity::actuator_derivatives;
 use super::wave::{Cell, Wave, through};
 
-/// Radians of an oscillation in one cell: its quintic misses by 1e-7 of what
+/// Radians of an oscillation in one cell: its quintic misses by 6e-6 of what
 /// rings after a kink, itself a small share of the torque.
-const RADIANS_PER_CELL: f64 = 0.5;
+const RADIANS_PER_CELL: f64 = 0.8;
 
 /// Growth of the cells behind a kink, while what it excited dies out.
 const LAYER_GROWTH: f64 = 0.6;

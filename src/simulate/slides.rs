@@ -23,8 +23,13 @@ const LEASH: f64 = 0.2;
 /// Change a period, as a share of x's size, at which the motion is periodic.
 const CLOSED: f64 = 1e-12;
 
-/// Cells of a period of a cosine: its quintics miss by 7e-9.
-const CELLS: usize = 24;
+/// Cells of a period of a cosine, at least: its quintics miss by 8e-8.
+const CELLS: usize = 16;
+
+/// Cells of a period of a cosine for harmonics up to the highest.
+fn cells(highest: usize) -> usize {
+    CELLS.max(2 * highest)
+}
 
 /// Velocity harmonics of the periodic motion.
 pub(super) fn respond(
@@ -32,7 +37,7 @@ pub(super) fn respond(
     excitation: &Excitation,
     highest: usize,
 ) -> Result<Vec<Complex>, NoResponse> {
-    let (wave, grid) = drive::torque(axis, excitation, CELLS);
+    let (wave, grid) = drive::torque(axis, excitation, cells(highest));
     let mass = OneMass::new(axis, &wave);
     if mass.rests() {
         return Ok(vec![Complex::new(0.0, 0.0); highest + 1]);
@@ -52,7 +57,7 @@ pub(super) fn differentiate(
     highest: usize,
     rows: usize,
 ) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
-    let (wave, _) = drive::torque(values, excitation, CELLS);
+    let (wave, _) = drive::torque(values, excitation, cells(highest));
     let mass = OneMass::new(values, &wave);
     if mass.rests() {
         let zero = vec![Complex::new(0.0, 0.0); highest + 1];
@@ -81,7 +86,7 @@ fn chunk<const N: usize>(
 ) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
     let count = rows.len().min(N - 1);
     let narrow = shooting::narrowed::<N>(axis, rows.start, count);
-    let (wave, grid) = drive::torque(&narrow, excitation, CELLS);
+    let (wave, grid) = drive::torque(&narrow, excitation, cells(highest));
     let mass = OneMass::new(&narrow, &wave);
     let x = match start.motion {
         Motion::Stuck => Dual::constant(0.0),

@@ -75,9 +75,15 @@ impl<S: Scalar> Cell<S> {
         if above(1.0) > 0.0 {
             return Some(root(after, 1.0, above, |u| sign * self.number_slope(u)));
         }
-        // It may exceed the level between both ends: its top does, then.
+        // It may exceed the level between both ends: its top does, then. The tangents
+        // at both ends say how high that can be.
         let rises = |u: f64| sign * self.number_slope(u);
-        if !(rises(after) > 0.0 && rises(1.0) < 0.0) {
+        let (begins, ends) = (rises(after), rises(1.0));
+        if !(begins > 0.0 && ends < 0.0) {
+            return None;
+        }
+        let reach = (above(after) + begins * (1.0 - after)).min(above(1.0) - ends * (1.0 - after));
+        if reach <= 0.0 {
             return None;
         }
         let top = bisect(after, 1.0, |u| rises(u) > 0.0);
@@ -156,16 +162,19 @@ pub(super) fn root(
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
         let moved = (next - u).abs();
         u = next;
-        if moved <= 1e-14 {
+        if moved <= 1e-13 {
             break;
         }
     }
     u
 }
 
+/// Halvings that find the top of a quintic: its value is then good to rounding.
+const BISECTIONS: usize = 26;
+
 /// The end of the stretch from `low` on which `holds`; it fails at `high`.
 pub(super) fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    for _ in 0..50 {
+    for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
         if holds(middle) { low = middle } else { high = middle }
     }

@@ -177,7 +177,7 @@ impl<S: Scalar> Mechanics<S> {
     }
 
     /// τ − g − T_s: everything but friction and damping, input units.
-    #[inline]
+    #[inline(always)]
     fn net<const M: usize>(&self, contact: Contact, torque: S, state: &Vector<S, M>) -> S {
         let mut net = torque + self.balance;
         let v = state[VELOCITY];
@@ -189,7 +189,7 @@ impl<S: Scalar> Mechanics<S> {
     }
 
     /// T_s.
-    #[inline]
+    #[inline(always)]
     fn joint<const M: usize>(&self, contact: Contact, state: &Vector<S, M>) -> S {
         let Some(mass) = self.second_mass else { return S::constant(0.0) };
         let twist = state[self.twist];
@@ -203,7 +203,7 @@ impl<S: Scalar> Mechanics<S> {
     }
 
     /// Derivative of the state by time.
-    #[inline]
+    #[inline(always)]
     pub fn slope<const M: usize>(
         &self,
         mode: Mode,

@@ -31,7 +31,7 @@ use pass::{Pass, Precision};
 use runge_kutta::Vector;
 
 /// Largest error of a step while the periodic motion is looked for.
-const LOOSE: f64 = 3e-5;
+const LOOSE: f64 = 1e-4;
 
 /// The same for the motion that is reported.
 const TIGHT: f64 = 2e-7;
@@ -60,6 +60,9 @@ const NEAR: f64 = 1e-2;
 
 /// Step behind which the rest is linear: its square is below what a pass errs.
 const CLOSED: f64 = 2e-4;
+
+/// Error of a period in errors of a step.
+const PASS_ERROR: f64 = 10.0;
 
 /// A periodic motion of M states: what to start a period with.
 struct Periodic<const M: usize> {
@@ -208,8 +211,8 @@ impl<const M: usize> Periodic<M> {
             let followed = self.follow(&lifted_axis, &lifted, None, 0).ok_or(failed(periods))?;
             let step = shooting::newton_step(&followed.residuals, 0);
             let longest = self.longest(step.as_slice());
-            if longest < NEAR {
-                self.advance(step.as_slice(), 1.0);
+            if longest < NEAR || self.within_error(&followed.residuals) {
+                self.advance(step.as_slice(), (self.leash / longest).min(1.0));
                 return Ok(());
             }
             if !longest.is_finite() {
@@ -239,6 +242,13 @@ impl<const M: usize> Periodic<M> {
     fn longest(&self, step: &[f64]) -> f64 {
         let shares = step.iter().zip(&self.precision.sizes).map(|(s, size)| (s / size).abs());
         shares.fold(0.0, |most: f64, share| if share.is_nan() { share } else { most.max(share) })
+    }
+
+    /// Whether a period changes the states no more than its own error does, as
+    /// where they settle over many periods.
+    fn within_error<S: Scalar>(&self, residuals: &[S]) -> bool {
+        let change: Vec<f64> = residuals.iter().map(|r| r.value()).collect();
+        self.longest(&change) < PASS_ERROR * self.precision.tolerance
     }
 
     fn advance(&mut self, step: &[f64], scale: f64) {
@@ -299,7 +309,7 @@ impl<const M: usize> Periodic<M> {
         highest: usize,
         parameters: usize,
     ) -> Result<Followed<S, M>, NoResponse> {
-        let (wave, grid) = drive::torque(axis, excitation, TIGHT_CELLS);
+        let (wave, grid) = drive::torque(axis, excitation, TIGHT_CELLS.max(2 * highest));
         self.precision.tolerance = TIGHT;
         for _ in 0..MOST_ITERATIONS {
             let sums = Fourier::new(grid, excitation.omega_rad_s(), highest);
@@ -308,7 +318,8 @@ impl<const M: usize> Periodic<M> {
             };
             let step = shooting::newton_step(&followed.residuals, parameters);
             let longest = self.longest(step.as_slice());
-            if longest < CLOSED {
+            let rests = longest < self.leash && self.within_error(&followed.residuals);
+            if longest < CLOSED || rests {
                 shooting::correct(&mut followed.velocity, step.as_slice(), parameters);
                 return Ok(followed);
             }

@@ -140,9 +140,8 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         state: &Vector<S, M>,
         slope: &Vector<S, M>,
     ) -> Step<S, M> {
-        let torque = NODES.map(|node| cell.at(from + width * node));
         Step::new(state, slope, width * cell.length_s, |stage, state| {
-            self.mechanics.slope(mode, torque[stage], state)
+            self.mechanics.slope(mode, cell.at(from + width * NODES[stage]), state)
         })
     }
 
@@ -170,10 +169,14 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         step: &Step<S, M>,
     ) -> Option<Switch> {
         let mut first: Option<Switch> = None;
-        let powers: [[f64; 6]; M] = std::array::from_fn(|i| step.number_powers(i));
         let mut consider = |event: Event| {
+            let powers = |i: usize| step.number_powers(i);
+            let needed: [[f64; 6]; M] = std::array::from_fn(|i| match event {
+                Event::Stops if i != VELOCITY => [0.0; 6],
+                _ => powers(i),
+            });
             let signal = |u: f64| {
-                let part = |i: usize| value(&powers[i], u);
+                let part = |i: usize| value(&needed[i], u);
                 match event {
                     Event::Stops if mode.motion == Motion::Forward => -part(VELOCITY),
                     Event::Stops => part(VELOCITY),
@@ -206,16 +209,24 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                 consider(Event::Starts(0));
                 consider(Event::Starts(1));
             }
+            _ if step.stays_beyond(VELOCITY, 0.0) => {}
             _ => consider(Event::Stops),
         }
+        let half = self.mechanics.half_gap().unwrap_or(0.0);
+        let leaves = |level: f64| !step.stays_beyond(self.mechanics.twist, level);
         match mode.contact {
             Contact::Linked => {}
             Contact::Open => {
-                consider(Event::Touches(true));
-                consider(Event::Touches(false));
+                if leaves(half) {
+                    consider(Event::Touches(true));
+                }
+                if leaves(-half) {
+                    consider(Event::Touches(false));
+                }
             }
-            Contact::Upper => consider(Event::Leaves(true)),
-            Contact::Lower => consider(Event::Leaves(false)),
+            Contact::Upper if leaves(half) => consider(Event::Leaves(true)),
+            Contact::Lower if leaves(-half) => consider(Event::Leaves(false)),
+            _ => {}
         }
         first
     }

@@ -205,8 +205,8 @@ impl<const M: usize> Periodic<M> {
     fn close(&mut self, axis: &Axis, wave: &Wave<f64>) -> Result<(), NoResponse> {
         let (lifted_axis, lifted) = (axis.map(Dual::<M>::constant), wave.map(Dual::<M>::constant));
         let failed = |periods: usize| NoResponse::NotPeriodic { periods };
-        let mut before = f64::INFINITY;
-        let (mut stalled, mut patience, mut periods) = (0, 4, 1);
+        let mut expected = f64::INFINITY;
+        let (mut leash, mut stalled, mut patience, mut periods) = (self.leash, 0, 4, 1);
         for _ in 0..MOST_ITERATIONS {
             let followed = self.follow(&lifted_axis, &lifted, None, 0).ok_or(failed(periods))?;
             let step = shooting::newton_step(&followed.residuals, 0);
@@ -218,10 +218,17 @@ impl<const M: usize> Periodic<M> {
             if !longest.is_finite() {
                 return Err(failed(periods));
             }
-            stalled = if longest > 0.8 * before { stalled + 1 } else { 0 };
-            before = longest;
+            // What the last step promised was kept: the next may go further.
+            if longest <= 1.1 * expected {
+                (leash, stalled) = (2.0 * leash, 0);
+            } else {
+                (leash, stalled) = (self.leash, stalled + 1);
+            }
             if stalled < 3 {
-                self.advance(step.as_slice(), (self.leash / longest).min(1.0));
+                let scale = (leash / longest).min(1.0);
+                // A whole step leaves little of itself; a tenth is modest.
+                expected = longest * (1.0 - scale).max(0.1);
+                self.advance(step.as_slice(), scale);
                 continue;
             }
             let mut mechanics = Mechanics::new(axis);
@@ -233,7 +240,7 @@ impl<const M: usize> Periodic<M> {
             if periods > MOST_PERIODS {
                 return Err(failed(periods));
             }
-            (stalled, patience, before) = (0, 2 * patience, f64::INFINITY);
+            (stalled, patience, expected) = (0, 2 * patience, f64::INFINITY);
         }
         Err(failed(periods))
     }

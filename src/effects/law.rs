@@ -28,6 +28,11 @@ pub trait Form: Debug + Sync {
     /// Whether it depends on θ.
     fn uses_position(&self) -> bool;
 
+    /// Whether it is linear in v and θ, and 0 with them.
+    fn is_linear(&self) -> bool {
+        false
+    }
+
     /// Whether, with it, any two motions under the same input still approach
     /// each other, so that the periodic one is unique.
     fn contracts(&self) -> bool;

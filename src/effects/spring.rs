@@ -47,6 +47,10 @@ impl Form for Linear {
         true
     }
 
+    fn is_linear(&self) -> bool {
+        true
+    }
+
     fn contracts(&self) -> bool {
         true
     }

@@ -95,6 +95,33 @@ impl<S: Scalar> Mechanics<S> {
             && self.torques.iter().all(|law| law.form().contracts())
     }
 
+    /// The fastest rate at which the state changes between switches, where the
+    /// equations are affine there. Play aside: what contact excites dies out
+    /// quickly, and steps under error control take less than even ones.
+    pub fn affine_rate(&self) -> Option<f64> {
+        let affine = self.curve.is_none()
+            && self.bristle.is_none()
+            && self.position_integral.is_none()
+            && self.half_gap().is_none()
+            && self.torques.iter().all(|law| law.form().is_linear());
+        let constant = self.constant.value().abs();
+        let mut inverse_inertia = constant;
+        let mut damping = self.viscous_rate[0].value().max(self.viscous_rate[1].value());
+        let mut stiffness = 0.0;
+        let (zero, one) = (S::constant(0.0), S::constant(1.0));
+        for law in &self.torques {
+            stiffness += law.at(zero, one).value().abs();
+            damping += constant * law.at(one, zero).value().abs();
+        }
+        if let Some(mass) = self.second_mass {
+            let share = mass.load_inertia_fraction.value();
+            inverse_inertia /= share * (1.0 - share);
+            damping = damping / (1.0 - share) + inverse_inertia * mass.damping.value();
+            stiffness += mass.stiffness.value();
+        }
+        affine.then(|| damping.max((inverse_inertia * stiffness).sqrt()))
+    }
+
     /// Whether no constant torque lets a torque of this range move the axis.
     pub fn rests_balanced(&self, (least, most): (f64, f64)) -> bool {
         let [forward, backward] = self.breakaway.map(S::value);

@@ -8,9 +8,11 @@
 //! motions may exist the one reached from rest counts: Newton's step is then kept
 //! so short that it follows the motion's own slow approach.
 
+mod affine;
 mod mechanics;
 mod pass;
 mod runge_kutta;
+mod step;
 
 use std::ops::Range;
 

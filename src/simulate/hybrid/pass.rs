@@ -4,9 +4,11 @@ use crate::plant::Scalar;
 
 use super::super::fourier::Fourier;
 use super::super::orbit::Motion;
-use super::super::wave::{Cell, Wave, value};
+use super::super::wave::{Cell, Wave, restricted, slope as wave_slope, value};
+use super::affine::{Affine, REACH};
 use super::mechanics::{Contact, Mechanics, Mode, VELOCITY};
-use super::runge_kutta::{NODES, Step, Vector};
+use super::runge_kutta::{NODES, Stages, Vector};
+use super::step::Step;
 
 /// Switches of one cell beyond which time has stopped passing.
 const MOST_SWITCHES_PER_CELL: usize = 64;
@@ -26,6 +28,58 @@ pub(super) struct Precision<const M: usize> {
     pub tolerance: f64,
     /// Sizes of the states.
     pub sizes: [f64; M],
+}
+
+/// Share of a cell too short for a step of its own.
+const SLIVER: f64 = 1e-9;
+
+/// How steps are taken.
+enum Pace<S, const M: usize> {
+    /// Exactly, no longer than this, by the equations of every mode seen; the
+    /// step's length comes `again` where it is an even part of a cell.
+    Exact { longest_s: f64, steps: Vec<Affine<S, M>>, again: bool },
+    /// By Runge–Kutta stages, as long as the error allows.
+    Controlled { length_s: f64 },
+}
+
+impl<S: Scalar, const M: usize> Pace<S, M> {
+    /// The share of a cell to try from position `from`.
+    #[inline]
+    fn width(&mut self, cell: &Cell<S>, from: S) -> S {
+        let left = -from + 1.0;
+        match self {
+            Pace::Exact { longest_s, again, .. } => {
+                // The cell's own even parts, so that their steps come again.
+                let parts = (cell.length_s / *longest_s).ceil().max(1.0);
+                let done = from.value() * parts;
+                let fixed = (0..S::LANES).all(|lane| from.lane(lane) == 0.0);
+                *again = fixed && (done - done.round()).abs() < 1e-6;
+                if *again {
+                    return S::constant(1.0 / parts);
+                }
+                -from + (((done + 1e-6).floor() + 1.0) / parts).min(1.0)
+            }
+            Pace::Controlled { length_s } => {
+                let share = *length_s / cell.length_s;
+                // No sliver at the end of a cell.
+                if share * 1.1 >= left.value() { left } else { S::constant(share) }
+            }
+        }
+    }
+
+    /// Whether a step's error is allowed, and how long the next may be.
+    #[inline]
+    fn accepts(&mut self, error: f64, tried_s: f64, cell_s: f64) -> bool {
+        let Pace::Controlled { length_s } = self else { return true };
+        let growth = 0.9 * f64::from((error.max(1e-10) as f32).powf(-0.2));
+        if error > 1.0 {
+            *length_s = tried_s * growth.max(0.2);
+            return false;
+        }
+        // The end of a cell may have cut it short: it says nothing then.
+        *length_s = (length_s.max(tried_s) * growth.clamp(0.3, 4.0)).min(cell_s.max(tried_s));
+        true
+    }
 }
 
 /// A motion under way.
@@ -64,10 +118,13 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     pub fn run(&mut self, start: &Vector<S, M>) -> Option<Vector<S, M>> {
         let zero = S::constant(0.0);
         let mut state = *start;
-        let mut mode = self.mechanics.mode_at(self.wave.cells[0].at(zero), &state);
-        let mut slope: Option<Vector<S, M>> = None;
-        let mut length_s = self.wave.cells[0].length_s;
         let wave = self.wave;
+        let mut mode = self.mechanics.mode_at(wave.cells[0].at(zero), &state);
+        let mut slope: Option<Vector<S, M>> = None;
+        let mut pace = match self.mechanics.affine_rate() {
+            Some(rate) => Pace::Exact { longest_s: REACH / rate, steps: Vec::new(), again: false },
+            None => Pace::Controlled { length_s: wave.cells[0].length_s },
+        };
         for cell in &wave.cells {
             let mut from = zero;
             let (mut switches, mut steps) = (0, 0);
@@ -83,37 +140,29 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                         switches += 1;
                     }
                 }
-                let left = -from + 1.0;
-                let share = length_s / cell.length_s;
-                // No sliver at the end of a cell.
-                let width = if share * 1.1 >= left.value() { left } else { S::constant(share) };
                 let begin =
                     *slope.get_or_insert_with(|| self.mechanics.slope(mode, cell.at(from), &state));
-                let step = self.step(mode, cell, from, width, &state, &begin);
-                let error = step.error(&self.precision.sizes) / self.precision.tolerance;
-                let growth = 0.9 * f64::from((error.max(1e-10) as f32).powf(-0.2));
+                let width = pace.width(cell, from);
+                let (step, error) = self.step(&mut pace, mode, cell, (from, width), &state, &begin);
                 if error.is_nan() {
                     return None;
                 }
-                let tried_s = width.value() * cell.length_s;
-                if error > 1.0 {
-                    length_s = tried_s * growth.max(0.2);
+                if !pace.accepts(error, width.value() * cell.length_s, cell.length_s) {
                     continue;
                 }
-                // The end of a cell may have cut it short: it says nothing then.
-                length_s = length_s.max(tried_s) * growth.clamp(0.3, 4.0);
-                length_s = length_s.min(cell.length_s.max(tried_s));
                 match self.switch(mode, cell, from.value(), width.value(), &step) {
                     None => {
                         self.add(cell, from, width, &step);
                         state = step.end;
                         slope = Some(*step.end_slope());
-                        from = if width == left { S::constant(1.0) } else { from + width };
+                        let ends = from.value() + width.value() >= 1.0 - SLIVER;
+                        from = if ends { S::constant(1.0) } else { from + width };
                     }
                     Some(switch) => {
                         switches += 1;
+                        let span = (from, width * switch.at);
                         (state, from) =
-                            self.up_to(mode, cell, from, width, &state, &begin, &switch);
+                            self.up_to(&mut pace, mode, cell, span, &state, &begin, &switch);
                         mode = self.switched(mode, switch.event, cell.at(from), &mut state);
                         slope = None;
                     }
@@ -130,19 +179,44 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         }
     }
 
+    /// A step over part of a cell, and its error in errors allowed.
     #[inline]
     fn step(
         &self,
+        pace: &mut Pace<S, M>,
         mode: Mode,
         cell: &Cell<S>,
-        from: S,
-        width: S,
+        (from, width): (S, S),
         state: &Vector<S, M>,
         slope: &Vector<S, M>,
-    ) -> Step<S, M> {
-        Step::new(state, slope, width * cell.length_s, |stage, state| {
-            self.mechanics.slope(mode, cell.at(from + width * NODES[stage]), state)
-        })
+    ) -> (Step<S, M>, f64) {
+        let length_s = width * cell.length_s;
+        let Pace::Exact { steps, again, .. } = pace else {
+            let stages = Stages::new(state, slope, length_s, |stage, state| {
+                self.mechanics.slope(mode, cell.at(from + width * NODES[stage]), state)
+            });
+            let error = stages.error(&self.precision.sizes) / self.precision.tolerance;
+            return (Step::of_stages(state, slope, length_s, stages), error);
+        };
+        let at = steps.iter().position(|affine| affine.mode == mode).unwrap_or_else(|| {
+            steps.push(Affine::new(self.mechanics, mode));
+            steps.len() - 1
+        });
+        let affine = &mut steps[at];
+        let whole = width == S::constant(1.0);
+        let powers = if whole { cell.powers } else { restricted(&cell.powers, from, from + width) };
+        let end = affine.step(state, &powers, length_s, cell.whole.is_some() && *again);
+        let one = S::constant(1.0);
+        let end_slope = affine.slope(&end, value(&powers, one));
+        let mut step = Step::of_ends([*state, end], [*slope, end_slope], length_s);
+        if self.sums.is_some() || !step.stays_beyond(VELOCITY, 0.0) {
+            let rate = S::constant(1.0) / length_s;
+            step.bend([
+                affine.curvature(slope, powers[1] * rate),
+                affine.curvature(&end_slope, wave_slope(&powers, one) * rate),
+            ]);
+        }
+        (step, 0.0)
     }
 
     fn add(&mut self, cell: &Cell<S>, from: S, width: S, step: &Step<S, M>) {
@@ -170,7 +244,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     ) -> Option<Switch> {
         let mut first: Option<Switch> = None;
         let mut consider = |event: Event| {
-            let powers = |i: usize| step.number_powers(i);
+            let powers = |i: usize| step.powers(i).map(S::value);
             let needed: [[f64; 6]; M] = std::array::from_fn(|i| match event {
                 Event::Stops if i != VELOCITY => [0.0; 6],
                 _ => powers(i),
@@ -260,16 +334,18 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     #[expect(clippy::too_many_arguments, reason = "what a step is made of")]
     fn up_to(
         &mut self,
+        pace: &mut Pace<S, M>,
         mode: Mode,
         cell: &Cell<S>,
-        from: S,
-        width: S,
+        (from, part): (S, S),
         state: &Vector<S, M>,
         slope: &Vector<S, M>,
         switch: &Switch,
     ) -> (Vector<S, M>, S) {
-        let part = width * switch.at;
-        let step = self.step(mode, cell, from, part, state, slope);
+        if let Pace::Exact { again, .. } = pace {
+            *again = false;
+        }
+        let (step, _) = self.step(pace, mode, cell, (from, part), state, slope);
         let to = from + part;
         let there = self.signal(switch.event, mode, cell.at(to), &step.end);
         // The signal's rate along the motion, which an exact derivative of every law
@@ -279,11 +355,11 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                 std::array::from_fn(|i| step.end[i] + step.end_slope()[i] * (du * cell.length_s));
             self.signal(switch.event, mode, cell.at(to + du), &moved).value()
         };
-        let du = 1e-4 * width.value();
+        let du = 1e-4 * part.value() / switch.at.max(1e-9);
         let rate = (ahead(du) - ahead(-du)) / (2.0 * du);
         let correction = if rate != 0.0 { -there * (1.0 / rate) } else { S::constant(0.0) };
         // Further than a step's own error it would be no correction.
-        let correction = if correction.value().abs() > 0.01 * width.value() {
+        let correction = if correction.value().abs() > 100.0 * du {
             correction - correction.value()
         } else {
             correction

@@ -42,7 +42,7 @@ const DENSE: [f64; 7] = [
 ];
 
 /// One step.
-pub(super) struct Step<S, const M: usize> {
+pub(super) struct Stages<S, const M: usize> {
     length_s: S,
     start: Vector<S, M>,
     /// State at its end.
@@ -50,7 +50,7 @@ pub(super) struct Step<S, const M: usize> {
     slopes: [Vector<S, M>; 7],
 }
 
-impl<S: Scalar, const M: usize> Step<S, M> {
+impl<S: Scalar, const M: usize> Stages<S, M> {
     /// From `start`, where the derivative is `slope`, over `length_s`; `f` gives
     /// the derivative at stage 0 … 4 of [`NODES`].
     #[inline]
@@ -104,29 +104,6 @@ impl<S: Scalar, const M: usize> Step<S, M> {
             .fold(0.0, f64::max)
     }
 
-    /// Whether state `i` cannot have met `level` within the step: from values at
-    /// both ends a cubic departs by 4/27 of what its slopes there make, at most.
-    #[inline]
-    pub fn stays_beyond(&self, i: usize, level: f64) -> bool {
-        let (start, end) = (self.start[i].value() - level, self.end[i].value() - level);
-        let slopes = self.slopes[0][i].value().abs() + self.slopes[6][i].value().abs();
-        let departs = 0.2 * slopes * self.length_s.value();
-        start * end > 0.0 && start.abs().min(end.abs()) > departs
-    }
-
-    /// State `i` over the step, as powers of u from 0 to 1, without derivatives.
-    pub fn number_powers(&self, i: usize) -> [f64; 6] {
-        let h = self.length_s.value();
-        let slope = |stage: usize| self.slopes[stage][i].value() * h;
-        let start = self.start[i].value();
-        let change = self.end[i].value() - start;
-        let first = slope(0) - change;
-        let second = change - slope(6) - first;
-        let last: f64 = (0..7).map(|stage| DENSE[stage] * slope(stage)).sum();
-        let linear = change + first;
-        [start, linear, second + last - first, -(second + last * 2.0), last, 0.0]
-    }
-
     /// State `i` over the step, as powers of u from 0 to 1.
     #[inline]
     pub fn powers(&self, i: usize) -> [S; 6] {
@@ -160,7 +137,7 @@ mod tests {
         let start = [1.0];
         let f = |t: f64, x: &Vector<f64, 1>| [t - x[0]];
         let slope = f(0.0, &start);
-        let step = Step::new(&start, &slope, h, |stage, x| f(NODES[stage] * h, x));
+        let step = Stages::new(&start, &slope, h, |stage, x| f(NODES[stage] * h, x));
         let middle = super::super::super::wave::value(&step.powers(0), 0.5);
         ((step.end[0] - exact(h)).abs(), (middle - exact(0.5 * h)).abs())
     }

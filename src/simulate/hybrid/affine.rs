@@ -1,0 +1,164 @@
+//! Exact steps of mechanics that are affine between switches.
+//!
+//! x' = A·x + b·τ + d with τ a quintic over the step. The solution's power series
+//! is c₀ = x, cₘ₊₁ = (A·cₘ + b·τₘ + d·[m = 0])·h/(m + 1). Steps of a length that
+//! comes again and again are kept as what the series makes of each entry:
+//! x goes to Φx + Σ τᵢΓᵢ + δ. A, b and d are read off the equations of motion
+//! themselves. No error control is needed, and no step follows the oscillations
+//! of a stiff joint more finely than the search for switches does.
+
+use crate::plant::Scalar;
+
+use super::super::wave::Quintic;
+use super::mechanics::{Mechanics, Mode};
+use super::runge_kutta::Vector;
+
+/// Largest rate times length of a step.
+pub(super) const REACH: f64 = 1.2;
+
+/// Terms of the series: 1.2²⁰/20! = 2e-17.
+const TERMS: usize = 20;
+
+type Matrix<S, const M: usize> = [Vector<S, M>; M];
+
+/// The equations of one mode.
+pub(super) struct Affine<S, const M: usize> {
+    pub mode: Mode,
+    /// Columns of A.
+    matrix: Matrix<S, M>,
+    by_torque: Vector<S, M>,
+    constant: Vector<S, M>,
+    kept: Option<Kept<S, M>>,
+}
+
+/// A step of a length that comes again.
+struct Kept<S, const M: usize> {
+    length_s: f64,
+    /// Columns of Φ.
+    propagator: Matrix<S, M>,
+    gains: [Vector<S, M>; 6],
+    drift: Vector<S, M>,
+}
+
+impl<S: Scalar, const M: usize> Affine<S, M> {
+    pub fn new(mechanics: &Mechanics<S>, mode: Mode) -> Self {
+        let zero = S::constant(0.0);
+        let rest = [zero; M];
+        let constant = mechanics.slope(mode, zero, &rest);
+        let beyond = |slope: Vector<S, M>| {
+            let mut left = slope;
+            left.iter_mut().zip(&constant).for_each(|(value, at_rest)| *value -= *at_rest);
+            left
+        };
+        let by_torque = beyond(mechanics.slope(mode, S::constant(1.0), &rest));
+        let mut matrix = [rest; M];
+        for (i, column) in matrix.iter_mut().enumerate() {
+            *column = beyond(mechanics.slope(mode, zero, &unit(i)));
+        }
+        Self { mode, matrix, by_torque, constant, kept: None }
+    }
+
+    /// The state after a step under the torque `powers`; a length that comes
+    /// `again` is kept.
+    #[inline]
+    pub fn step(
+        &mut self,
+        state: &Vector<S, M>,
+        powers: &Quintic<S>,
+        length_s: S,
+        again: bool,
+    ) -> Vector<S, M> {
+        if !again {
+            return self.series(state, powers, &self.constant, length_s);
+        }
+        if self.kept.as_ref().is_none_or(|kept| kept.length_s != length_s.value()) {
+            self.kept = Some(self.keep(length_s));
+        }
+        let Some(kept) = &self.kept else { return *state };
+        let mut end = kept.drift;
+        for (column, value) in kept.propagator.iter().zip(state) {
+            add(&mut end, &scaled(column, *value));
+        }
+        for (gain, power) in kept.gains.iter().zip(powers) {
+            add(&mut end, &scaled(gain, *power));
+        }
+        end
+    }
+
+    fn keep(&self, length_s: S) -> Kept<S, M> {
+        let (zero, silence) = ([S::constant(0.0); M], [S::constant(0.0); 6]);
+        Kept {
+            length_s: length_s.value(),
+            propagator: std::array::from_fn(|i| self.series(&unit(i), &silence, &zero, length_s)),
+            gains: std::array::from_fn(|i| self.series(&zero, &unit(i), &zero, length_s)),
+            drift: self.series(&zero, &silence, &self.constant, length_s),
+        }
+    }
+
+    fn series(
+        &self,
+        state: &Vector<S, M>,
+        powers: &Quintic<S>,
+        constant: &Vector<S, M>,
+        length_s: S,
+    ) -> Vector<S, M> {
+        let (mut term, mut sum) = (*state, *state);
+        for m in 0..TERMS {
+            let mut next = times(&self.matrix, &term);
+            if let Some(power) = powers.get(m) {
+                add(&mut next, &scaled(&self.by_torque, *power));
+            }
+            if m == 0 {
+                add(&mut next, constant);
+            }
+            term = scaled(&next, length_s * (1.0 / (m + 1) as f64));
+            add(&mut sum, &term);
+        }
+        sum
+    }
+
+    /// Derivative of the state by time.
+    #[inline]
+    pub fn slope(&self, state: &Vector<S, M>, torque: S) -> Vector<S, M> {
+        let mut slope = self.constant;
+        add(&mut slope, &times(&self.matrix, state));
+        add(&mut slope, &scaled(&self.by_torque, torque));
+        slope
+    }
+
+    /// Derivative of the slope by time.
+    #[inline]
+    pub fn curvature(&self, slope: &Vector<S, M>, torque_rate: S) -> Vector<S, M> {
+        let mut curvature = times(&self.matrix, slope);
+        add(&mut curvature, &scaled(&self.by_torque, torque_rate));
+        curvature
+    }
+}
+
+/// The vector that is 1 at one entry.
+fn unit<S: Scalar, const L: usize>(i: usize) -> [S; L] {
+    let mut unit = [S::constant(0.0); L];
+    unit[i] = S::constant(1.0);
+    unit
+}
+
+#[inline(always)]
+fn scaled<S: Scalar, const M: usize>(vector: &Vector<S, M>, factor: S) -> Vector<S, M> {
+    let mut product = *vector;
+    product.iter_mut().for_each(|value| *value = *value * factor);
+    product
+}
+
+#[inline(always)]
+fn add<S: Scalar, const M: usize>(sum: &mut Vector<S, M>, vector: &Vector<S, M>) {
+    sum.iter_mut().zip(vector).for_each(|(sum, value)| *sum += *value);
+}
+
+#[inline(always)]
+fn times<S: Scalar, const M: usize>(matrix: &Matrix<S, M>, vector: &Vector<S, M>) -> Vector<S, M> {
+    let mut product = scaled(&matrix[0], vector[0]);
+    for (column, value) in matrix.iter().zip(vector).skip(1) {
+        add(&mut product, &scaled(column, *value));
+    }
+    product
+}

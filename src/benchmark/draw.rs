@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::simulator::{Settings, SimulatorError, respond};
+use super::simulator::{Effect, Machine, Settings, SimulatorError, respond};
 use crate::measurement::{
     Complex, Experiment, Harmonic, InvalidMeasurement, Measurement, Metadata, Repeat,
 };
@@ -29,8 +29,10 @@ pub enum NoiseStatement {
 /// A machine and how it is measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draw {
-    /// The machine.
+    /// The base model of the machine.
     pub plant: Plant,
+    /// What the machine has beyond it.
+    pub effects: Vec<Effect>,
     /// Magnitude (input units) and fundamental (rad/s) of each experiment.
     pub design: Vec<(f64, f64)>,
     /// Highest harmonic measured.
@@ -116,6 +118,7 @@ pub fn draw(actuator_order: u8, seed: u64) -> Draw {
         .collect();
     Draw {
         plant: Plant { viscous_rate_rad_s: a, constant, actuator, friction },
+        effects: Vec::new(),
         design,
         harmonics: 7,
         noise_db: Some(60.0),
@@ -123,29 +126,36 @@ pub fn draw(actuator_order: u8, seed: u64) -> Draw {
     }
 }
 
-/// Simulates every experiment of a draw and adds the noise that `seed` gives.
+/// Simulates every experiment of a draw, in the order of acquisition, and adds the noise
+/// that `seed` gives. An experiment without a response of its own period is left out; the
+/// others keep their place in the order.
 ///
 /// # Errors
 /// See [`DrawError`].
 pub fn measure(draw: &Draw, seed: u64) -> Result<Measurement, DrawError> {
-    let simulate = |&(magnitude, omega_rad_s): &(f64, f64)| {
-        let input = cosine(magnitude);
-        respond(&draw.plant, omega_rad_s, &input, draw.harmonics, &Settings::default())
-            .map_err(|source| DrawError::Simulator { magnitude, omega_rad_s, source })
+    let machine = Machine { plant: draw.plant, effects: &draw.effects };
+    let last_run = draw.design.len().saturating_sub(1).max(1);
+    let simulate = |(run, &(magnitude, omega_rad_s)): (usize, &(f64, f64))| {
+        let share = run as f64 / last_run as f64;
+        let (input, settings) = (cosine(magnitude), Settings::default());
+        match respond(&machine, share, omega_rad_s, &input, draw.harmonics, &settings) {
+            Ok(response) => Ok(Some((run, response))),
+            Err(SimulatorError::NotPeriodic { .. }) => Ok(None),
+            Err(source) => Err(DrawError::Simulator { magnitude, omega_rad_s, source }),
+        }
     };
-    let responses: Vec<Vec<Complex>> =
-        draw.design.par_iter().map(simulate).collect::<Result<_, _>>()?;
+    let points = draw.design.par_iter().enumerate().map(simulate).collect::<Result<Vec<_>, _>>()?;
+    let (runs, responses): (Vec<usize>, Vec<Vec<Complex>>) = points.into_iter().flatten().unzip();
     let std = match draw.noise_db {
         Some(noise_db) => Some(noise_std(&responses, noise_db).ok_or(DrawError::Still)?),
         None => None,
     };
     let rng = &mut ChaCha8Rng::seed_from_u64(seed);
-    let experiments = draw
-        .design
-        .iter()
+    let experiments = runs
+        .into_iter()
         .zip(responses)
-        .enumerate()
-        .map(|(index, (&(magnitude, omega_rad_s), exact))| {
+        .map(|(run, exact)| {
+            let (magnitude, omega_rad_s) = draw.design[run];
             let (response, repeats) = observe(&exact, std, draw.noise_statement, rng);
             Experiment {
                 magnitude,
@@ -153,7 +163,7 @@ pub fn measure(draw: &Draw, seed: u64) -> Result<Measurement, DrawError> {
                 input: cosine(magnitude),
                 input_mean_measured: false,
                 response,
-                run: Some(index as f64),
+                run: Some(run as f64),
                 repeats,
                 from_record: false,
             }

@@ -45,6 +45,7 @@ pub fn g_draw(order: u8) -> Draw {
         .collect();
     Draw {
         plant: g(order),
+        effects: Vec::new(),
         design,
         harmonics: 9,
         noise_db: None,

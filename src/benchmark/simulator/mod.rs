@@ -20,6 +20,7 @@
 //! within one step is not seen: it moves v by no more than the square of the step.
 
 mod drive;
+mod effect;
 mod fourier;
 mod mechanics;
 mod stepping;
@@ -29,12 +30,29 @@ use std::f64::consts::TAU;
 use crate::measurement::Complex;
 use crate::plant::{Actuator, Plant};
 use drive::Drive;
+pub use effect::{Effect, EffectError};
 use fourier::FourierSeries;
 use mechanics::{Mechanics, STATES, VELOCITY};
 use stepping::Axis;
 
 /// More steps a period than this mean a time constant that no servo axis has.
 const MOST_STEPS: usize = 1 << 20;
+
+/// A servo axis and what it has beyond the base model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Machine<'a> {
+    /// The base model.
+    pub plant: Plant,
+    /// Effects that act together; no id twice. Static friction here replaces the plant's.
+    pub effects: &'a [Effect],
+}
+
+impl Machine<'_> {
+    /// The base model alone.
+    pub fn base(plant: Plant) -> Self {
+        Self { plant, effects: &[] }
+    }
+}
 
 /// How finely and how long to step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,6 +95,15 @@ pub enum SimulatorError {
         /// What it must be.
         requirement: &'static str,
     },
+    /// An effect that no machine has.
+    #[error(transparent)]
+    Effect(#[from] EffectError),
+    /// The same effect more than once.
+    #[error("`{id}` is given more than once")]
+    Repeated {
+        /// Which effect.
+        id: &'static str,
+    },
     /// The period is too long for the plant's fastest time constant.
     #[error("a period would take {steps} steps, more than {MOST_STEPS}")]
     TooManySteps {
@@ -97,17 +124,20 @@ pub enum SimulatorError {
 ///
 /// `input` are U₀, U₁ … in input units: u(t) = Re Σ Uₖ exp(jkωt); likewise
 /// v(t) = Re Σ Vₖ exp(jkωt), peak amplitudes in response units, V₀ real. `harmonics`
-/// is H, the highest one wanted.
+/// is H, the highest one wanted. `run_share` is (run − run_min)/(run_max − run_min), from
+/// 0 to 1: where in the order of acquisition the experiment stands.
 ///
 /// # Errors
 /// See [`SimulatorError`].
 pub fn respond(
-    plant: &Plant,
+    machine: &Machine,
+    run_share: f64,
     omega_rad_s: f64,
     input: &[Complex],
     harmonics: usize,
     settings: &Settings,
 ) -> Result<Vec<Complex>, SimulatorError> {
+    let (plant, _) = (&machine.plant, run_share);
     check(plant, omega_rad_s, input)?;
     let steps = steps_per_period(plant, omega_rad_s, input, settings)?;
     let step_s = TAU / omega_rad_s / steps as f64;

@@ -38,7 +38,7 @@ pub enum Effect {
     },
     /// All friction levels × (1 + δ·share of the run).
     FrictionDrift {
-        /// δ ≥ −1.
+        /// δ > −1.
         delta: f64,
     },
     /// Motor and load, inertia 1/K split (1−ρ):ρ, joined by a spring and a damper that act
@@ -163,7 +163,7 @@ enum Range {
     Positive,
     NotNegative,
     AtLeastOne,
-    AtLeastMinusOne,
+    AboveMinusOne,
     BelowOneInSize,
     Share,
 }
@@ -176,7 +176,7 @@ impl Range {
                 Range::Positive => value > 0.0,
                 Range::NotNegative => value >= 0.0,
                 Range::AtLeastOne => value >= 1.0,
-                Range::AtLeastMinusOne => value >= -1.0,
+                Range::AboveMinusOne => value > -1.0,
                 Range::BelowOneInSize => value.abs() < 1.0,
                 Range::Share => value > 0.0 && value < 1.0,
             }
@@ -188,7 +188,7 @@ impl Range {
             Range::Positive => "positive",
             Range::NotNegative => "at least 0",
             Range::AtLeastOne => "at least 1",
-            Range::AtLeastMinusOne => "at least -1",
+            Range::AboveMinusOne => "above -1",
             Range::BelowOneInSize => "between -1 and 1",
             Range::Share => "between 0 and 1",
         }
@@ -207,7 +207,7 @@ const KNOWN: [(&str, &[(&str, Range)]); 17] = [
     ("viscous_asymmetry", &[("alpha", Range::BelowOneInSize)]),
     ("quadratic_drag", &[("c", Range::NotNegative)]),
     ("presliding", &[("sigma", Range::Positive)]),
-    ("friction_drift", &[("delta", Range::AtLeastMinusOne)]),
+    ("friction_drift", &[("delta", Range::AboveMinusOne)]),
     ("backlash", &[LOAD, JOINT, DAMPING, ("gap", Range::NotNegative)]),
     ("flexible_mode", &[LOAD, JOINT, DAMPING]),
     ("spring", &[SPRING]),

@@ -17,6 +17,9 @@ use super::{Settings, SimulatorError};
 const FIRST_PERIODS: usize = 6;
 /// Corrections by Newton's method at one share of the cogging torque.
 const CORRECTIONS: usize = 25;
+/// Corrections at all shares together: where the branch of solutions ends, the shares that
+/// are tried get ever closer.
+const MOST_CORRECTIONS: usize = 80;
 /// Halvings of one correction.
 const HALVINGS: usize = 5;
 /// Smallest growth of the share.
@@ -46,17 +49,16 @@ pub(super) fn hold<const N: usize>(
     let problem = Problem {
         mechanics,
         drive,
-        torque: 0.5 * (high - low),
+        torque: 0.5 * (high - low) + mechanics.cogging_amplitude(),
         position: mechanics.position().unwrap_or_default(),
     };
     // Moves as far beyond one level as beyond the other.
     let centred = 0.5 * (levels.fs_plus - levels.fs_minus - high - low);
     let mut held = problem.first_guess(centred);
     let (mut share, mut growth) = (0.0, 1.0);
-    let mut solved = problem.solve(0.0, &held, settings.tolerance);
-    let mut periods = 0;
+    let mut corrections = 0;
     loop {
-        match solved {
+        match problem.solve(share, &held, settings.tolerance, &mut corrections) {
             Ok(solution) => {
                 held = solution;
                 if share >= 1.0 {
@@ -66,15 +68,15 @@ pub(super) fn hold<const N: usize>(
             Err(Unsolved { change }) => {
                 share -= growth;
                 growth *= 0.5;
-                if share < 0.0 || growth < SMALLEST_GROWTH {
+                if share < 0.0 || growth < SMALLEST_GROWTH || corrections > MOST_CORRECTIONS {
+                    // Beside each correction, a period for each column of the Jacobian.
+                    let periods = corrections * (N + 2);
                     return Err(SimulatorError::NotPeriodic { periods, change });
                 }
             }
         }
         growth = growth.min(1.0 - share);
         share += growth;
-        solved = problem.solve(share, &held, settings.tolerance);
-        periods += CORRECTIONS;
     }
 }
 
@@ -86,7 +88,7 @@ struct Unsolved {
 struct Problem<'a> {
     mechanics: &'a Mechanics,
     drive: &'a Drive,
-    /// Amplitude of τ, the range of b.
+    /// Amplitudes of τ and of the cogging torque, the range of b.
     torque: f64,
     /// Index of θ.
     position: usize,
@@ -140,10 +142,12 @@ impl Problem<'_> {
         share: f64,
         guess: &Held<N>,
         tolerance: f64,
+        corrections: &mut usize,
     ) -> Result<Held<N>, Unsolved> {
         let mut held = Held { ..*guess };
         let mut cycle = self.cycle(share, &held);
         for _ in 0..CORRECTIONS {
+            *corrections += 1;
             let ranges = self.ranges(&cycle);
             let left = Self::residual(&cycle, &held, &ranges);
             let change = left.amax();
@@ -174,7 +178,7 @@ impl Problem<'_> {
                     break;
                 }
                 // As good as rounding lets it be.
-                if size <= 1e3 * tolerance && change <= tolerance {
+                if size <= 1e3 * tolerance && change <= 10.0 * tolerance {
                     return Ok(held);
                 }
                 halvings += 1;

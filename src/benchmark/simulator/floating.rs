@@ -5,10 +5,9 @@
 //! goes at the motor's mean velocity and touches nothing. Stepping gets there in no finite
 //! time; but the motor then moves as if it were alone.
 
-use super::Settings;
 use super::drive::Drive;
 use super::mechanics::Mechanics;
-use super::shooting::{Cycle, settle};
+use super::shooting::{Cycle, Search, settle};
 use super::stepping::Axis;
 
 /// The periodic state in which the load floats, near `state`; `None` where the gap is too
@@ -18,7 +17,7 @@ pub(super) fn float<const N: usize>(
     drive: &Drive,
     period_s: f64,
     state: [f64; N],
-    settings: &Settings,
+    search: &Search,
 ) -> Option<[f64; N]> {
     let twist = mechanics.twist()?;
     let gap = mechanics.gap();
@@ -43,7 +42,7 @@ pub(super) fn float<const N: usize>(
     };
     let mut start = state;
     (start[twist], start[twist + 1]) = (0.0, 0.0);
-    let mut periodic = settle(&run, &|_| None, start, settings).ok()?;
+    let mut periodic = settle(&run, &|_| None, start, search).ok()??;
     let mean_velocity = drifts(periodic, 0.0).0[twist] / period_s;
     let (_, _, lowest, highest) = drifts(periodic, mean_velocity);
     (periodic[twist], periodic[twist + 1]) = (-0.5 * (lowest + highest), mean_velocity);

@@ -186,6 +186,11 @@ impl Mechanics {
         self.cogging.is_some()
     }
 
+    /// T, input units; 0 without cogging.
+    pub(super) fn cogging_amplitude(&self) -> f64 {
+        self.cogging.map_or(0.0, |cogging| cogging.amplitude)
+    }
+
     /// The same with the constant torque b and this share of the cogging torque.
     pub(super) fn with_cogging(&self, constant_torque: f64, share: f64) -> Self {
         let scaled = |cogging: Cogging| Cogging { amplitude: share * cogging.amplitude, ..cogging };

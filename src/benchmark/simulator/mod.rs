@@ -49,7 +49,7 @@ pub use effect::{Effect, EffectError};
 use floating::float;
 use fourier::FourierSeries;
 use mechanics::{Mechanics, VELOCITY};
-use shooting::{Cycle, settle};
+use shooting::{Cycle, Search, settle};
 use stepping::Axis;
 
 /// More steps a period than this mean a time constant that no servo axis has.
@@ -94,7 +94,7 @@ impl Default for Settings {
             steps_per_input_line: 64,
             steps_per_time_constant: 10.0,
             tolerance: 1e-9,
-            most_periods: 10_000,
+            most_periods: 2_000,
         }
     }
 }
@@ -160,7 +160,9 @@ pub fn respond(
     check(machine, run_share, omega_rad_s, input)?;
     let Machine { plant, effects } = machine;
     let mechanics = Mechanics::of(plant, effects, run_share);
-    let steps = steps_per_period(plant, &mechanics, omega_rad_s, input, settings)?;
+    let speed = linear_speed(plant, omega_rad_s, input);
+    let fastest_rad_s = mechanics.fastest_rad_s(speed).max(actuator_rate_rad_s(&plant.actuator));
+    let steps = steps_per_period(fastest_rad_s, omega_rad_s, input, settings)?;
     let command = Command::periodic(effects, omega_rad_s, input);
     let longest_step_s = command.period_s() / steps as f64;
     let drive = Drive::periodic(&plant.actuator, &command, longest_step_s);
@@ -171,7 +173,8 @@ pub fn respond(
         4 => periodic_harmonics::<4>,
         _ => periodic_harmonics::<5>,
     };
-    let mut velocity = solve(&mechanics, &drive, omega_rad_s, harmonics, settings)?;
+    let mut velocity =
+        solve(&mechanics, &drive, omega_rad_s, harmonics, &Search { settings, speed })?;
     for effect in *effects {
         if let Effect::SensorLag { time_constant } = effect {
             for (k, line) in velocity.iter_mut().enumerate() {
@@ -188,12 +191,14 @@ fn periodic_harmonics<const N: usize>(
     drive: &Drive,
     omega_rad_s: f64,
     harmonics: usize,
-    settings: &Settings,
+    search: &Search,
 ) -> Result<Vec<Complex>, SimulatorError> {
+    let at_rest = vec![Complex::new(0.0, 0.0); harmonics + 1];
     let mut series = FourierSeries::new(harmonics, omega_rad_s);
     let (mechanics, state) = if mechanics.has_cogging() {
-        let Some(Held { state, constant_torque }) = hold::<N>(mechanics, drive, settings)? else {
-            return Ok(vec![Complex::new(0.0, 0.0); harmonics + 1]);
+        let Some(Held { state, constant_torque }) = hold::<N>(mechanics, drive, search.settings)?
+        else {
+            return Ok(at_rest);
         };
         (&mechanics.with_cogging(constant_torque, 1.0), state)
     } else {
@@ -211,36 +216,39 @@ fn periodic_harmonics<const N: usize>(
             Cycle { end: axis.state(), largest, floats }
         };
         let period_s = TAU / omega_rad_s;
-        let float = |state| float(mechanics, drive, period_s, state, settings);
-        (mechanics, settle(&run, &float, [0.0; N], settings)?)
+        let float = |state| float(mechanics, drive, period_s, state, search);
+        let Some(state) = settle(&run, &float, [0.0; N], search)? else { return Ok(at_rest) };
+        (mechanics, state)
     };
     Axis::new(mechanics, drive, state).run_period(&mut |piece| series.add(piece, VELOCITY));
     Ok(series.harmonics())
 }
 
+/// A velocity that the axis does not exceed without friction.
+fn linear_speed(plant: &Plant, omega_rad_s: f64, input: &[Complex]) -> f64 {
+    let line_speed = |(k, line): (usize, &Complex)| {
+        let at = k as f64 * omega_rad_s;
+        (plant.actuator.response(at) * plant.mechanics_response(at) * line).norm()
+    };
+    input.iter().enumerate().map(line_speed).sum()
+}
+
+/// The fastest rate of A(s), rad/s.
+fn actuator_rate_rad_s(actuator: &Actuator) -> f64 {
+    match *actuator {
+        Actuator::Direct => 0.0,
+        Actuator::FirstOrder { corner_rad_s } => corner_rad_s,
+        Actuator::SecondOrder { natural_frequency_rad_s, .. } => natural_frequency_rad_s,
+    }
+}
+
 /// A power of two, for the Fourier transform that samples the input.
 fn steps_per_period(
-    plant: &Plant,
-    mechanics: &Mechanics,
+    fastest_rad_s: f64,
     omega_rad_s: f64,
     input: &[Complex],
     settings: &Settings,
 ) -> Result<usize, SimulatorError> {
-    let actuator_rate_rad_s = match plant.actuator {
-        Actuator::Direct => 0.0,
-        Actuator::FirstOrder { corner_rad_s } => corner_rad_s,
-        Actuator::SecondOrder { natural_frequency_rad_s, .. } => natural_frequency_rad_s,
-    };
-    // Without friction the axis would move at most as fast.
-    let speed: f64 = input
-        .iter()
-        .enumerate()
-        .map(|(k, line)| (k as f64 * omega_rad_s, line.norm()))
-        .map(|(at, size)| {
-            size * (plant.actuator.response(at) * plant.mechanics_response(at)).norm()
-        })
-        .sum();
-    let fastest_rad_s = mechanics.fastest_rad_s(speed).max(actuator_rate_rad_s);
     let highest_line = input.iter().rposition(|line| *line != Complex::new(0.0, 0.0)).unwrap_or(0);
     let steps = (TAU * fastest_rad_s / omega_rad_s * settings.steps_per_time_constant)
         .max(settings.steps_per_period as f64)

@@ -1,3 +1,5 @@
+mod effects;
+
 use super::*;
 use crate::plant::Friction;
 

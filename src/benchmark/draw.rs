@@ -341,6 +341,43 @@ mod tests {
     }
 
     #[test]
+    fn friction_drifts_from_the_first_experiment_to_the_last() {
+        let mut drifting = cheap(None, NoiseStatement::Silent);
+        drifting.effects = vec![Effect::FrictionDrift { delta: 0.3 }];
+        let last = drifting.design.len() - 1;
+        let drifted = measure(&drifting, 1).unwrap();
+        let plain = |factor: f64| {
+            let mut draw = cheap(None, NoiseStatement::Silent);
+            let Friction { fc_plus, fc_minus, .. } = draw.plant.friction;
+            draw.plant.friction = Friction::coulomb(factor * fc_plus, factor * fc_minus);
+            measure(&draw, 1).unwrap()
+        };
+        for (run, factor) in [(0, 1.0), (last, 1.3)] {
+            let expected = plain(factor).experiments()[run].response[1].value;
+            let found = drifted.experiments()[run].response[1].value;
+            assert!((found - expected).norm() < 1e-9 * expected.norm(), "run {run}");
+        }
+    }
+
+    #[test]
+    fn an_experiment_without_a_periodic_response_is_left_out_of_the_run() {
+        let mut draw = cheap(None, NoiseStatement::Silent);
+        draw.plant = Plant {
+            viscous_rate_rad_s: 10.0,
+            constant: 10.0,
+            actuator: Actuator::Direct,
+            friction: Friction::coulomb(0.5, 0.4),
+        };
+        // A load on a hardly damped joint rattles in its gap without end; below breakaway it rests.
+        let (load_inertia_fraction, stiffness, damping, gap) = (0.5, 200.0, 0.1, 0.01);
+        draw.effects = vec![Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
+        draw.design = vec![(0.2, 20.0), (1.0, 20.0), (0.2, 30.0)];
+        let measurement = measure(&draw, 1).unwrap();
+        let runs: Vec<_> = measurement.experiments().iter().map(|e| e.run).collect();
+        assert_eq!(runs, [Some(0.0), Some(2.0)]);
+    }
+
+    #[test]
     fn the_same_seed_gives_the_same_measurement_and_another_one_does_not() {
         let draw = cheap(Some(60.0), NoiseStatement::Silent);
         assert_eq!(measure(&draw, 1), measure(&draw, 1));

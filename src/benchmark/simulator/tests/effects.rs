@@ -342,3 +342,27 @@ fn sets_of_effects_that_make_no_machine_are_refused() {
     assert!(refused(&[low], 0.0).starts_with("Fs+ is 0.4"));
     assert!(refused(&[], 1.5).starts_with("the share of the run is 1.5"));
 }
+
+// A load on a hardly damped joint rattles in its gap without end.
+#[test]
+fn a_load_that_rattles_has_no_periodic_response() {
+    let rattling = [Effect::Backlash {
+        load_inertia_fraction: 0.5,
+        stiffness: 200.0,
+        damping: 0.1,
+        gap: 0.01,
+    }];
+    let machine = Machine { plant: plant(0.5, 0.4), effects: &rattling };
+    let result = respond(&machine, 0.0, 20.0, &cosine(1.0), 1, &Settings::default());
+    assert!(matches!(result, Err(SimulatorError::NotPeriodic { .. })), "{result:?}");
+}
+
+// The torque hardly exceeds the level on one side: the spring is wound up by ever less a
+// period, as the square of what is left.
+#[test]
+fn an_axis_that_creeps_against_its_spring_comes_to_rest() {
+    let spring = [Effect::Spring { stiffness: 0.8 }];
+    let found = with(&spring, plant(0.5, 0.4), 30.0, &cosine(0.45));
+    assert_eq!(found, vec![ZERO; 8]);
+    assert!(with(&spring, plant(0.5, 0.4), 30.0, &cosine(0.46))[1].norm() > 1e-6);
+}

@@ -49,8 +49,8 @@ pub(super) struct Search<'a> {
 }
 
 /// The state at the beginning of a period that ends as it began, from a state of rest;
-/// `None` where the axis comes to rest: against a spring it may creep ever more slowly,
-/// down to a millionth of a millionth of its way a period, towards where it sticks.
+/// `None` where the axis comes to rest: against a spring it may creep ever more slowly
+/// towards where it sticks, without ever getting there.
 ///
 /// `float` is asked for the state where a load floats: it comes to float for ever, but its
 /// collisions only get rarer.

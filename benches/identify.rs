@@ -21,7 +21,14 @@ fn machine(actuator: Actuator, highest_rad_s: f64) -> Draw {
         .into_iter()
         .flat_map(|m| (0..13).map(move |i| (m, highest_rad_s.powf(f64::from(i) / 12.0))))
         .collect();
-    Draw { plant, design, harmonics: 9, noise_db: None, noise_statement: NoiseStatement::Silent }
+    Draw {
+        plant,
+        effects: Vec::new(),
+        design,
+        harmonics: 9,
+        noise_db: None,
+        noise_statement: NoiseStatement::Silent,
+    }
 }
 
 fn identification(criterion: &mut Criterion) {

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::simulator::{Settings, SimulatorError, respond};
+use super::simulator::{Effect, Machine, Settings, SimulatorError, respond};
 use crate::measurement::{
     Complex, Experiment, Harmonic, InvalidMeasurement, Measurement, Metadata, Repeat,
 };
@@ -29,8 +29,10 @@ pub enum NoiseStatement {
 /// A machine and how it is measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draw {
-    /// The machine.
+    /// The base model of the machine.
     pub plant: Plant,
+    /// What the machine has beyond it.
+    pub effects: Vec<Effect>,
     /// Magnitude (input units) and fundamental (rad/s) of each experiment.
     pub design: Vec<(f64, f64)>,
     /// Highest harmonic measured.
@@ -116,6 +118,7 @@ pub fn draw(actuator_order: u8, seed: u64) -> Draw {
         .collect();
     Draw {
         plant: Plant { viscous_rate_rad_s: a, constant, actuator, friction },
+        effects: Vec::new(),
         design,
         harmonics: 7,
         noise_db: Some(60.0),
@@ -123,29 +126,36 @@ pub fn draw(actuator_order: u8, seed: u64) -> Draw {
     }
 }
 
-/// Simulates every experiment of a draw and adds the noise that `seed` gives.
+/// Simulates every experiment of a draw, in the order of acquisition, and adds the noise
+/// that `seed` gives. An experiment without a response of its own period is left out; the
+/// others keep their place in the order.
 ///
 /// # Errors
 /// See [`DrawError`].
 pub fn measure(draw: &Draw, seed: u64) -> Result<Measurement, DrawError> {
-    let simulate = |&(magnitude, omega_rad_s): &(f64, f64)| {
-        let input = cosine(magnitude);
-        respond(&draw.plant, omega_rad_s, &input, draw.harmonics, &Settings::default())
-            .map_err(|source| DrawError::Simulator { magnitude, omega_rad_s, source })
+    let machine = Machine { plant: draw.plant, effects: &draw.effects };
+    let last_run = draw.design.len().saturating_sub(1).max(1);
+    let simulate = |(run, &(magnitude, omega_rad_s)): (usize, &(f64, f64))| {
+        let share = run as f64 / last_run as f64;
+        let (input, settings) = (cosine(magnitude), Settings::default());
+        match respond(&machine, share, omega_rad_s, &input, draw.harmonics, &settings) {
+            Ok(response) => Ok(Some((run, response))),
+            Err(SimulatorError::NotPeriodic { .. }) => Ok(None),
+            Err(source) => Err(DrawError::Simulator { magnitude, omega_rad_s, source }),
+        }
     };
-    let responses: Vec<Vec<Complex>> =
-        draw.design.par_iter().map(simulate).collect::<Result<_, _>>()?;
+    let points = draw.design.par_iter().enumerate().map(simulate).collect::<Result<Vec<_>, _>>()?;
+    let (runs, responses): (Vec<usize>, Vec<Vec<Complex>>) = points.into_iter().flatten().unzip();
     let std = match draw.noise_db {
         Some(noise_db) => Some(noise_std(&responses, noise_db).ok_or(DrawError::Still)?),
         None => None,
     };
     let rng = &mut ChaCha8Rng::seed_from_u64(seed);
-    let experiments = draw
-        .design
-        .iter()
+    let experiments = runs
+        .into_iter()
         .zip(responses)
-        .enumerate()
-        .map(|(index, (&(magnitude, omega_rad_s), exact))| {
+        .map(|(run, exact)| {
+            let (magnitude, omega_rad_s) = draw.design[run];
             let (response, repeats) = observe(&exact, std, draw.noise_statement, rng);
             Experiment {
                 magnitude,
@@ -153,7 +163,7 @@ pub fn measure(draw: &Draw, seed: u64) -> Result<Measurement, DrawError> {
                 input: cosine(magnitude),
                 input_mean_measured: false,
                 response,
-                run: Some(index as f64),
+                run: Some(run as f64),
                 repeats,
                 from_record: false,
             }
@@ -328,6 +338,43 @@ mod tests {
         // independent.
         let margin = 4.0 / (2.0 * squares.len() as f64 * 5.0 / 6.0).sqrt();
         assert!((rms(&squares) / (5.0_f64.sqrt() * std) - 1.0).abs() < margin);
+    }
+
+    #[test]
+    fn friction_drifts_from_the_first_experiment_to_the_last() {
+        let mut drifting = cheap(None, NoiseStatement::Silent);
+        drifting.effects = vec![Effect::FrictionDrift { delta: 0.3 }];
+        let last = drifting.design.len() - 1;
+        let drifted = measure(&drifting, 1).unwrap();
+        let plain = |factor: f64| {
+            let mut draw = cheap(None, NoiseStatement::Silent);
+            let Friction { fc_plus, fc_minus, .. } = draw.plant.friction;
+            draw.plant.friction = Friction::coulomb(factor * fc_plus, factor * fc_minus);
+            measure(&draw, 1).unwrap()
+        };
+        for (run, factor) in [(0, 1.0), (last, 1.3)] {
+            let expected = plain(factor).experiments()[run].response[1].value;
+            let found = drifted.experiments()[run].response[1].value;
+            assert!((found - expected).norm() < 1e-9 * expected.norm(), "run {run}");
+        }
+    }
+
+    #[test]
+    fn an_experiment_without_a_periodic_response_is_left_out_of_the_run() {
+        let mut draw = cheap(None, NoiseStatement::Silent);
+        draw.plant = Plant {
+            viscous_rate_rad_s: 10.0,
+            constant: 10.0,
+            actuator: Actuator::Direct,
+            friction: Friction::coulomb(0.5, 0.4),
+        };
+        // A load on a hardly damped joint rattles in its gap without end; below breakaway it rests.
+        let (load_inertia_fraction, stiffness, damping, gap) = (0.5, 200.0, 0.1, 0.01);
+        draw.effects = vec![Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
+        draw.design = vec![(0.2, 20.0), (1.0, 20.0), (0.2, 30.0)];
+        let measurement = measure(&draw, 1).unwrap();
+        let runs: Vec<_> = measurement.experiments().iter().map(|e| e.run).collect();
+        assert_eq!(runs, [Some(0.0), Some(2.0)]);
     }
 
     #[test]

@@ -3,9 +3,11 @@
 mod axis;
 mod bench;
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
 
+use crate::benchmark::simulator::Effect;
 use crate::measurement::ResponseKind;
 use crate::measurement::formats::{MAX_ROWS, write_harmonic_csv};
 
@@ -28,6 +30,11 @@ const MAX_HARMONIC: usize = 1000;
 pub(super) struct Args {
     #[command(flatten)]
     axis: Axis,
+    /// What the axis has beyond its base model, by id and parameters; repeatable. An id alone or
+    /// an unknown one is refused with what there is.
+    #[arg(long = "effect", value_name = "ID:NAME=VALUE,…", value_parser = effect)]
+    #[arg(help_heading = "Axis")]
+    effects: Vec<Effect>,
     #[command(flatten)]
     design: Design,
     #[command(flatten)]
@@ -121,7 +128,10 @@ impl Range {
 
 /// Simulates a measurement and writes it as a harmonic table.
 pub(super) fn run(args: Args) -> Result<(), Failure> {
-    let measurement = bench(&args)?.measure().map_err(Failure::input)?;
+    let (measurement, left_out) = bench(&args)?.measure().map_err(Failure::input)?;
+    for point in left_out {
+        eprintln!("left out: {point}");
+    }
     let mut table = Vec::new();
     write_harmonic_csv(&measurement, &mut table).map_err(Failure::other)?;
     match &args.output {
@@ -163,6 +173,7 @@ fn bench(args: &Args) -> Result<Bench, Failure> {
     }
     Ok(Bench {
         plant,
+        effects: args.effects.clone(),
         magnitudes,
         frequencies_rad_s,
         harmonics,
@@ -202,6 +213,24 @@ fn positive(flag: &str, values: &[f64]) -> Result<Vec<f64>, Failure> {
         Some(value) => Err(Failure::Input(format!("{flag}: {value} is not a positive number"))),
         None => Ok(values.to_vec()),
     }
+}
+
+fn effect(text: &str) -> Result<Effect, String> {
+    let (id, list) = text.split_once(':').unwrap_or((text, ""));
+    let mut parameters = BTreeMap::new();
+    for assignment in list.split(',').filter(|assignment| !assignment.trim().is_empty()) {
+        let parameter = assignment.split_once('=').and_then(|(name, value)| {
+            Some((name.trim().to_owned(), value.trim().parse::<f64>().ok()?))
+        });
+        let Some((name, value)) = parameter else {
+            let reason = format!("`{assignment}` is not NAME=VALUE, such as stiffness=0.8");
+            return Err(reason);
+        };
+        if parameters.insert(name.clone(), value).is_some() {
+            return Err(format!("`{name}` is given twice"));
+        }
+    }
+    Effect::from_parameters(id.trim(), &parameters).map_err(|error| error.to_string())
 }
 
 fn frequency_range(text: &str) -> Result<Range, String> {
@@ -263,6 +292,29 @@ mod tests {
         let pairs = bench.frequencies_rad_s.iter().zip(expected);
         assert!(pairs.clone().all(|(found, wanted)| (found / wanted - 1.0).abs() < 1e-12));
         assert_eq!(pairs.len(), 3);
+    }
+
+    #[test]
+    fn effects_are_given_by_id_and_parameters() {
+        let bench = asked(
+            "--effect stribeck:fs_over_fc=1.6,stribeck_velocity=0.1 --effect slew_limit:rate=60",
+        );
+        let expected = [
+            Effect::Stribeck { fs_over_fc: 1.6, stribeck_velocity: 0.1 },
+            Effect::SlewLimit { rate: 60.0 },
+        ];
+        assert_eq!(bench.unwrap().effects, expected);
+        for (line, wanted) in [
+            ("--effect friction", "there are static_friction, stribeck"),
+            ("--effect spring", "`spring` needs `stiffness`"),
+            ("--effect spring:k=1", "it has stiffness"),
+            ("--effect spring:stiffness", "is not NAME=VALUE"),
+            ("--effect spring:stiffness=1,stiffness=2", "`stiffness` is given twice"),
+            ("--effect spring:stiffness=-1", "at least 0"),
+        ] {
+            let refused = asked(line).unwrap_err();
+            assert!(refused.contains(wanted), "{line}: {refused}");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Measurements for the tests of this layer, made by the independent simulator.
 
-use crate::benchmark::simulator::{self, Settings};
+use crate::benchmark::simulator::{self, Machine, Settings};
 use crate::measurement::{Complex, Experiment, Harmonic, Measurement, Metadata};
 use crate::plant::{Actuator, Friction, Plant};
 
@@ -53,7 +53,9 @@ fn experiment(
     highest: usize,
 ) -> Experiment {
     let settings = Settings::default();
-    let velocity = simulator::respond(plant, omega_rad_s, &input, highest, &settings).unwrap();
+    let machine = Machine::base(*plant);
+    let velocity =
+        simulator::respond(&machine, 0.0, omega_rad_s, &input, highest, &settings).unwrap();
     let harmonic = |(order, value)| Harmonic { order, value, std: None };
     Experiment {
         magnitude,

@@ -14,6 +14,8 @@ use crate::shared_files::shared;
 pub struct Point {
     pub magnitude: f64,
     pub omega_rad_s: f64,
+    /// Position in the order of acquisition.
+    pub run: u64,
     /// Y₀ … Y_H.
     pub harmonics: Vec<Complex>,
 }
@@ -45,6 +47,7 @@ pub fn g_draw(order: u8) -> Draw {
         .collect();
     Draw {
         plant: g(order),
+        effects: Vec::new(),
         design,
         harmonics: 9,
         noise_db: None,
@@ -73,20 +76,37 @@ pub fn points(name: &str) -> Option<Vec<Point>> {
     for row in reader.deserialize() {
         let (magnitude, omega_rad_s, harmonic, re, im, run): (f64, f64, usize, f64, f64, u64) =
             row.expect("a row of the reference");
-        let point =
-            points.entry(run).or_insert(Point { magnitude, omega_rad_s, harmonics: Vec::new() });
+        let point = points.entry(run).or_insert(Point {
+            magnitude,
+            omega_rad_s,
+            run,
+            harmonics: Vec::new(),
+        });
         assert_eq!(point.harmonics.len(), harmonic, "harmonics in order");
         point.harmonics.push(Complex::new(re, im));
     }
     Some(points.into_values().collect())
 }
 
-/// Plant and friction of a reference file, from the index beside it.
-pub fn plant(name: &str) -> Plant {
+/// What the index says of a reference file.
+fn entry(name: &str) -> Value {
     let index = shared("reference/index.json").expect("an index beside the reference");
     let index = std::fs::read_to_string(index).expect("an index");
     let index: Vec<Value> = serde_json::from_str(&index).expect("an index");
-    let entry = index.iter().find(|entry| entry["file"] == name).expect("an entry");
+    index.into_iter().find(|entry| entry["file"] == name).expect("an entry")
+}
+
+/// Id and parameters of the effect in a reference file, if it has one.
+pub fn effect(name: &str) -> Option<(String, BTreeMap<String, f64>)> {
+    let effect = entry(name)["effect"].take();
+    let id = effect["name"].as_str()?.to_owned();
+    let parameters = serde_json::from_value(effect["parameters"].clone()).expect("parameters");
+    Some((id, parameters))
+}
+
+/// Plant and friction of a reference file, from the index beside it.
+pub fn plant(name: &str) -> Plant {
+    let entry = entry(name);
     let number = |value: &Value| value.as_f64().expect("a number");
     let (plant, friction) = (&entry["plant"], &entry["friction"]);
     let actuator = match entry["actuator_order"].as_u64() {

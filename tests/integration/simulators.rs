@@ -6,7 +6,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use servoscope::benchmark::draw::draw;
-use servoscope::benchmark::simulator::{self, Settings};
+use servoscope::benchmark::simulator::{self, Machine, Settings};
 use servoscope::effects::{Effect, StaticFriction};
 use servoscope::measurement::Complex;
 use servoscope::plant::{Friction, Plant};
@@ -39,8 +39,15 @@ impl Case {
         }
         // Steps so short that no visit to v = 0 hides within one.
         let settings = Settings { steps_per_input_line: 256, ..Settings::default() };
-        let stepped = simulator::respond(&plant, self.omega_rad_s, &self.input, highest, &settings)
-            .unwrap_or_else(|error| panic!("{self:?}: {error}"));
+        let stepped = simulator::respond(
+            &Machine::base(plant),
+            0.0,
+            self.omega_rad_s,
+            &self.input,
+            highest,
+            &settings,
+        )
+        .unwrap_or_else(|error| panic!("{self:?}: {error}"));
         let largest = stepped.iter().map(|v| v.norm()).fold(0.0, f64::max);
         let difference =
             exact.iter().zip(&stepped).map(|(e, s)| (e - s).norm()).fold(0.0, f64::max);

@@ -1,44 +1,38 @@
 //! Fourier integrals of one period, piece by piece.
 
-use std::f64::consts::TAU;
-
 use super::stepping::Piece;
 use crate::measurement::Complex;
 
 /// Sums ∫ x(t) exp(−jkωt) dt over the pieces of a period.
 pub(super) struct FourierSeries {
-    steps: f64,
+    omega_rad_s: f64,
     elapsed_s: f64,
     integrals: Vec<Complex>,
 }
 
 impl FourierSeries {
-    pub(super) fn new(highest: usize, steps: usize) -> Self {
+    pub(super) fn new(highest: usize, omega_rad_s: f64) -> Self {
         let integrals = vec![Complex::new(0.0, 0.0); highest + 1];
-        Self { steps: steps as f64, elapsed_s: 0.0, integrals }
+        Self { omega_rad_s, elapsed_s: 0.0, integrals }
     }
 
-    /// Simpson's rule; the value in the middle is the cubic's through both ends and
-    /// slopes.
-    pub(super) fn add(&mut self, piece: &Piece, state: usize) {
-        let (start, end) = (piece.start[state], piece.end[state]);
-        let slopes = piece.start_slope[state] - piece.end_slope[state];
-        let middle = 0.5 * (start + end) + piece.duration_s / 8.0 * slopes;
-        let middle_steps = 0.5 * (piece.from_steps + piece.to_steps);
-        let weight = piece.duration_s / 6.0;
-        for (value, time_steps) in [
-            (weight * start, piece.from_steps),
-            (4.0 * weight * middle, middle_steps),
-            (weight * end, piece.to_steps),
+    /// Simpson's rule.
+    pub(super) fn add<const N: usize>(&mut self, piece: &Piece<N>, state: usize) {
+        let duration_s = piece.to_s - piece.from_s;
+        let weight = duration_s / 6.0;
+        for (value, time_s) in [
+            (weight * piece.start[state], piece.from_s),
+            (4.0 * weight * piece.middle(state), 0.5 * (piece.from_s + piece.to_s)),
+            (weight * piece.end[state], piece.to_s),
         ] {
-            let turn = Complex::from_polar(1.0, -TAU * time_steps / self.steps);
+            let turn = Complex::from_polar(1.0, -self.omega_rad_s * time_s);
             let mut phasor = Complex::new(value, 0.0);
             for integral in &mut self.integrals {
                 *integral += phasor;
                 phasor *= turn;
             }
         }
-        self.elapsed_s += piece.duration_s;
+        self.elapsed_s += duration_s;
     }
 
     /// X₀, X₁ … of x(t) = Re Σ Xₖ exp(jkωt).

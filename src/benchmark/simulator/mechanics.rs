@@ -1,13 +1,23 @@
-//! Equations of motion behind the actuator, and the law of dry friction.
+//! Equations of motion behind the actuator.
+//!
+//! ```text
+//!   v'      = −a(v) v + K (τ + b − f − g(θ, v) − Tₛ)/(1−ρ)     b: constant torque
+//!   θ'      = v
+//!   z'      = v − |v| σ z/Fc(sgn v), f = σ z                    with a bristle
+//!   φ'      = v − v_load                                        with a joint
+//!   v_load' = K Tₛ/ρ
+//! ```
+//!
+//! The viscous term acts on the motor, so that a, too, stands over 1−ρ. Without a joint
+//! ρ = Tₛ = 0. A state that a machine does not have is not stepped: N is the number of
+//! those it has.
 
-use crate::plant::{Friction, Plant};
+use super::effect::Effect;
+use super::friction::DryFriction;
+use crate::plant::Plant;
 
-/// Number of states.
-pub(super) const STATES: usize = 1;
-/// Index of v, response units.
+/// Index of v, response units: the first state of every machine.
 pub(super) const VELOCITY: usize = 0;
-/// What moves.
-pub(super) type State = [f64; STATES];
 
 /// What friction does at the moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,60 +28,366 @@ pub(super) enum Motion {
     Sliding(f64),
 }
 
-/// v' = −a v + K (τ − f − g).
+/// What the joint between motor and load does at the moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Contact {
+    /// The twist is within the gap.
+    Free,
+    /// It is beyond the gap on this side, +1 or −1.
+    At(f64),
+}
+
+/// Which set of equations holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Mode {
+    pub(super) motion: Motion,
+    pub(super) contact: Contact,
+}
+
+/// The elastic joint of two masses.
+#[derive(Debug, Clone, Copy)]
+struct Joint {
+    load_fraction: f64,
+    stiffness: f64,
+    damping: f64,
+    half_gap: f64,
+    /// Index of φ; v_load follows it.
+    twist: usize,
+}
+
+/// The cogging torque T·sin(N·θ + φ).
+#[derive(Debug, Clone, Copy)]
+struct Cogging {
+    amplitude: f64,
+    cycles_per_unit: f64,
+    phase: f64,
+}
+
+/// Everything behind the actuator.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Mechanics {
-    viscous_rate_rad_s: f64,
+    /// a for v > 0 and v < 0, over 1−ρ.
+    viscous_rate_rad_s: [f64; 2],
+    /// K/(1−ρ).
     constant: f64,
-    friction: Friction,
+    /// K.
+    whole_constant: f64,
+    friction: DryFriction,
+    drag: f64,
+    stiffness: f64,
+    cubic_stiffness: f64,
+    cogging: Option<Cogging>,
+    joint: Option<Joint>,
+    /// b, input units.
+    constant_torque: f64,
+    /// Index of θ.
+    position: Option<usize>,
+    /// Index of z, and σ.
+    bristle: Option<(usize, f64)>,
+    states: usize,
 }
 
 impl Mechanics {
-    pub(super) fn of(plant: &Plant) -> Self {
+    pub(super) fn of(plant: &Plant, effects: &[Effect], run_share: f64) -> Self {
+        let friction = DryFriction::of(&plant.friction, effects, run_share);
+        let (mut alpha, mut drag) = (0.0, 0.0);
+        let (mut stiffness, mut cubic_stiffness) = (0.0, 0.0);
+        let (mut cogging, mut joint, mut has_position) = (None, None, false);
+        for effect in effects {
+            match *effect {
+                Effect::ViscousAsymmetry { alpha: asymmetry } => alpha = asymmetry,
+                Effect::QuadraticDrag { c } => drag = c,
+                Effect::Spring { stiffness: k } => {
+                    stiffness += k;
+                    has_position = true;
+                }
+                Effect::HardeningSpring { stiffness: k, cubic_stiffness: k3 } => {
+                    stiffness += k;
+                    cubic_stiffness = k3;
+                    has_position = true;
+                }
+                Effect::Cogging { amplitude, cycles_per_unit, phase } => {
+                    cogging = Some(Cogging { amplitude, cycles_per_unit, phase });
+                    has_position = true;
+                }
+                Effect::Backlash { load_inertia_fraction, stiffness, damping, gap } => {
+                    joint = Some((load_inertia_fraction, stiffness, damping, 0.5 * gap));
+                }
+                Effect::FlexibleMode { load_inertia_fraction, stiffness, damping } => {
+                    joint = Some((load_inertia_fraction, stiffness, damping, 0.0));
+                }
+                _ => {}
+            }
+        }
+        let mut states = 1;
+        let mut place = |count| {
+            states += count;
+            states - count
+        };
+        let position = has_position.then(|| place(1));
+        let bristle = friction.bristle_stiffness.map(|sigma| (place(1), sigma));
+        let joint = joint.map(|(load_fraction, stiffness, damping, half_gap)| Joint {
+            load_fraction,
+            stiffness,
+            damping,
+            half_gap,
+            twist: place(2),
+        });
+        let motor_fraction = 1.0 - joint.map_or(0.0, |joint| joint.load_fraction);
+        let a = plant.viscous_rate_rad_s / motor_fraction;
         Self {
-            viscous_rate_rad_s: plant.viscous_rate_rad_s,
-            constant: plant.constant,
-            friction: plant.friction,
+            viscous_rate_rad_s: [a * (1.0 + alpha), a * (1.0 - alpha)],
+            constant: plant.constant / motor_fraction,
+            whole_constant: plant.constant,
+            friction,
+            drag,
+            stiffness,
+            cubic_stiffness,
+            cogging,
+            joint,
+            constant_torque: 0.0,
+            position,
+            bristle,
+            states,
         }
     }
 
-    /// τ − g, input units: what friction has to balance at rest. The base model has no
-    /// other torque g.
-    fn net_torque(&self, torque: f64, _state: &State) -> f64 {
-        torque
+    /// Number of states.
+    pub(super) fn states(&self) -> usize {
+        self.states
     }
 
-    /// f while sliding, input units.
-    fn kinetic_friction(&self, direction: f64) -> f64 {
-        if direction > 0.0 { self.friction.fc_plus } else { -self.friction.fc_minus }
+    /// Index of θ, if the machine has one.
+    pub(super) fn position(&self) -> Option<usize> {
+        self.position
+    }
+
+    /// Index of φ, if the machine has a joint; v_load follows it.
+    pub(super) fn twist(&self) -> Option<usize> {
+        self.joint.map(|joint| joint.twist)
+    }
+
+    /// Width of the joint's gap; 0 without a joint.
+    pub(super) fn gap(&self) -> f64 {
+        self.joint.map_or(0.0, |joint| 2.0 * joint.half_gap)
+    }
+
+    /// The same with another gap.
+    pub(super) fn with_gap(&self, gap: f64) -> Self {
+        let widened = |joint: Joint| Joint { half_gap: 0.5 * gap, ..joint };
+        Self { joint: self.joint.map(widened), ..*self }
+    }
+
+    pub(super) fn friction(&self) -> &DryFriction {
+        &self.friction
+    }
+
+    pub(super) fn has_cogging(&self) -> bool {
+        self.cogging.is_some()
+    }
+
+    /// T, input units; 0 without cogging.
+    pub(super) fn cogging_amplitude(&self) -> f64 {
+        self.cogging.map_or(0.0, |cogging| cogging.amplitude)
+    }
+
+    /// The same with the constant torque b and this share of the cogging torque.
+    pub(super) fn with_cogging(&self, constant_torque: f64, share: f64) -> Self {
+        let scaled = |cogging: Cogging| Cogging { amplitude: share * cogging.amplitude, ..cogging };
+        Self { constant_torque, cogging: self.cogging.map(scaled), ..*self }
+    }
+
+    /// The fastest rate that steps have to follow, rad/s, at speeds up to `speed`.
+    pub(super) fn fastest_rad_s(&self, speed: f64) -> f64 {
+        let level = self.friction.levels.fc_plus.max(self.friction.levels.fc_minus);
+        let lowest = self.friction.levels.fc_plus.min(self.friction.levels.fc_minus);
+        let mut fastest = self.viscous_rate_rad_s[0].max(self.viscous_rate_rad_s[1])
+            + 2.0 * self.constant * self.drag * speed;
+        let mut elastic =
+            |stiffness: f64| fastest = fastest.max((self.constant * stiffness).sqrt());
+        // A cubic spring is at its stiffest where the speed takes it within its own period:
+        // k₃θ² with θ = speed/rate.
+        elastic(self.stiffness + speed * (3.0 * self.cubic_stiffness / self.constant).sqrt());
+        if let Some(Cogging { amplitude, cycles_per_unit, .. }) = self.cogging {
+            elastic(amplitude * cycles_per_unit);
+            fastest = fastest.max(cycles_per_unit * speed);
+        }
+        if let Some((excess, vs)) = self.friction.stribeck {
+            fastest = fastest.max(self.constant * level * excess / vs);
+        }
+        if let Some((_, sigma)) = self.bristle {
+            fastest = fastest.max((self.constant * sigma).sqrt());
+            // The bristle's end state is stable up to 2.8 of this a step, and constant.
+            fastest = fastest.max(0.1 * sigma * speed / lowest);
+        }
+        if let Some(joint) = self.joint {
+            let against_both = self.constant / joint.load_fraction;
+            fastest = fastest
+                .max((against_both * joint.stiffness).sqrt())
+                .max(against_both * joint.damping);
+        }
+        fastest
+    }
+
+    /// Tₛ, input units.
+    #[inline]
+    fn joint_torque<const N: usize>(&self, contact: Contact, state: &[f64; N]) -> f64 {
+        match (self.joint, contact) {
+            (Some(joint), Contact::At(side)) if N > 2 => {
+                let beyond = state[joint.twist] - side * joint.half_gap;
+                let rate = state[VELOCITY] - state[joint.twist + 1];
+                joint.stiffness * beyond + joint.damping * rate
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// τ + b − g − Tₛ, input units, drag aside: what friction has to balance at rest.
+    #[inline]
+    fn net_torque<const N: usize>(&self, contact: Contact, torque: f64, state: &[f64; N]) -> f64 {
+        if N == 1 {
+            return torque;
+        }
+        let mut net = torque - self.joint_torque(contact, state);
+        if let Some(position) = self.position {
+            let theta = state[position];
+            net -= theta * (self.stiffness + self.cubic_stiffness * theta * theta);
+            if let Some(cogging) = self.cogging {
+                let angle = cogging.cycles_per_unit * theta + cogging.phase;
+                net += self.constant_torque - cogging.amplitude * angle.sin();
+            }
+        }
+        net
     }
 
     /// Time derivative of the state.
-    pub(super) fn slope(&self, motion: Motion, torque: f64, state: State) -> State {
-        let Motion::Sliding(direction) = motion else { return [0.0] };
-        let driving = self.net_torque(torque, &state) - self.kinetic_friction(direction);
-        [self.constant * driving - self.viscous_rate_rad_s * state[VELOCITY]]
+    #[inline]
+    pub(super) fn slope<const N: usize>(
+        &self,
+        mode: Mode,
+        torque: f64,
+        state: [f64; N],
+    ) -> [f64; N] {
+        let mut slope = [0.0; N];
+        let v = state[VELOCITY];
+        if let Motion::Sliding(direction) = mode.motion {
+            let rate = self.viscous_rate_rad_s[usize::from(direction < 0.0)];
+            let friction = match self.bristle {
+                Some((bristle, sigma)) if N > 1 => {
+                    let z = state[bristle];
+                    slope[bristle] = self.friction.bristle_slope(sigma, direction, v, z);
+                    sigma * z
+                }
+                _ => direction * self.friction.kinetic(direction, v),
+            };
+            let drag = direction * self.drag * v * v;
+            let driving = self.net_torque(mode.contact, torque, &state) - friction - drag;
+            slope[VELOCITY] = self.constant * driving - rate * v;
+        }
+        if N > 1
+            && let Some(position) = self.position
+        {
+            slope[position] = v;
+        }
+        if N > 2
+            && let Some(joint) = self.joint
+        {
+            let load = self.whole_constant / joint.load_fraction;
+            slope[joint.twist] = v - state[joint.twist + 1];
+            slope[joint.twist + 1] = load * self.joint_torque(mode.contact, &state);
+        }
+        slope
     }
 
-    /// How friction meets an axis at v = 0: it holds it unless the torque exceeds the
-    /// static level.
-    pub(super) fn at_zero(&self, torque: f64, state: &State) -> Motion {
-        let net = self.net_torque(torque, state);
-        if net > self.friction.fs_plus {
+    /// The mode in which a state moves on.
+    pub(super) fn mode<const N: usize>(&self, torque: f64, state: &[f64; N]) -> Mode {
+        let contact = self.contact(state);
+        let motion = match state[VELOCITY] {
+            0.0 => self.at_zero(contact, torque, state),
+            v => Motion::Sliding(v.signum()),
+        };
+        Mode { motion, contact }
+    }
+
+    fn contact<const N: usize>(&self, state: &[f64; N]) -> Contact {
+        let Some(joint) = self.joint else { return Contact::Free };
+        let twist = state[joint.twist];
+        let outwards = twist.signum() * (state[VELOCITY] - state[joint.twist + 1]);
+        let beyond = twist.abs() - joint.half_gap;
+        if joint.half_gap == 0.0 {
+            Contact::At(1.0)
+        } else if beyond > 0.0 || (beyond == 0.0 && outwards > 0.0) {
+            Contact::At(twist.signum())
+        } else {
+            Contact::Free
+        }
+    }
+
+    /// How friction meets an axis at v = 0: it holds it unless the torque exceeds the static
+    /// level. A bristle holds nothing.
+    pub(super) fn at_zero<const N: usize>(
+        &self,
+        contact: Contact,
+        torque: f64,
+        state: &[f64; N],
+    ) -> Motion {
+        let net = self.net_torque(contact, torque, state);
+        if let Some((bristle, sigma)) = self.bristle {
+            return Motion::Sliding(if net < sigma * state[bristle] { -1.0 } else { 1.0 });
+        }
+        if net > self.friction.levels.fs_plus {
             Motion::Sliding(1.0)
-        } else if net < -self.friction.fs_minus {
+        } else if net < -self.friction.levels.fs_minus {
             Motion::Sliding(-1.0)
         } else {
             Motion::Stuck
         }
     }
 
-    /// Whether the motion has come to its end: sliding at v = 0 or beyond, sticking
-    /// where the torque exceeds the static level.
-    pub(super) fn is_over(&self, motion: Motion, torque: f64, state: &State) -> bool {
-        match motion {
+    /// Whether the motion has come to its end: sliding at v = 0 or beyond, sticking where
+    /// the torque exceeds the static level.
+    #[inline]
+    pub(super) fn motion_is_over<const N: usize>(
+        &self,
+        mode: Mode,
+        torque: f64,
+        state: &[f64; N],
+    ) -> bool {
+        match mode.motion {
             Motion::Sliding(direction) => direction * state[VELOCITY] <= 0.0,
-            Motion::Stuck => self.at_zero(torque, state) != Motion::Stuck,
+            Motion::Stuck => self.at_zero(mode.contact, torque, state) != Motion::Stuck,
+        }
+    }
+
+    /// Whether the joint has met or left an edge of its gap.
+    #[inline]
+    pub(super) fn contact_is_over<const N: usize>(&self, mode: Mode, state: &[f64; N]) -> bool {
+        match self.joint {
+            Some(joint) if N > 2 && joint.half_gap > 0.0 => match mode.contact {
+                Contact::Free => state[joint.twist].abs() > joint.half_gap,
+                Contact::At(side) => side * state[joint.twist] < joint.half_gap,
+            },
+            _ => false,
+        }
+    }
+
+    /// The state at an edge of the gap, exactly, and the contact beyond it.
+    pub(super) fn at_edge<const N: usize>(
+        &self,
+        contact: Contact,
+        state: &mut [f64; N],
+    ) -> Contact {
+        let Some(joint) = self.joint else { return contact };
+        let twist = &mut state[joint.twist];
+        match contact {
+            Contact::Free => {
+                *twist = joint.half_gap.copysign(*twist);
+                Contact::At(twist.signum())
+            }
+            Contact::At(side) => {
+                *twist = side * joint.half_gap;
+                Contact::Free
+            }
         }
     }
 }

@@ -1,40 +1,75 @@
-//! Plain time stepping of a servo axis with set-valued friction.
+//! Plain time stepping of a servo axis with set-valued friction and all it may have beyond
+//! the base model.
 //!
 //! ```text
 //!   u ─ signal chain ─ A(s) ─ τ ─ mechanics and friction ─ v ─ sensor ─ harmonics
-//!       └────── drive ──────┘    └────── mechanics ─────┘
+//!       └ chain, slew ┘
+//!       └────── drive ──────┘    └─ mechanics, friction ─┘
 //! ```
 //!
+//! - `effect`: the effects and their parameters by name.
+//! - `chain`, `slew`: delay, dead zone, gain asymmetry, saturation and slew limit turn the
+//!   input into stretches without a kink.
 //! - `drive`: nothing of the axis acts back on its actuator, so the torque τ(t) is
 //!   stepped once, over one period, from the actuator's own periodic state.
-//! - `mechanics`: the equations of motion, and when friction holds or lets go.
-//! - `stepping`: classical Runge–Kutta steps of fixed length. Where the velocity reaches
-//!   zero or the torque leaves the static band within a step, the instant is found by
-//!   bisection and the step is cut there; no step crosses a kink.
+//! - `mechanics`, `friction`: the equations of motion, and when friction holds or lets go.
+//! - `stepping`: classical Runge–Kutta steps of fixed length within a stretch. Where the
+//!   velocity reaches zero, the torque leaves the static band or a joint crosses its gap
+//!   within a step, the instant is found by bisection and the step is cut there; no step
+//!   crosses a kink.
+//! - `shooting`, `floating`, `cogging`: a state that a period ends with as it began.
 //! - `fourier`: Simpson's rule over every piece of a step.
 //!
 //! The axis starts at rest and runs until a period ends as it began; the harmonics are
 //! those of one more period. All rules are of fourth order, and so is the result: half
-//! the step, a sixteenth of the error. At the default settings it is near 1e-9 of the
-//! largest harmonic. A visit to v = 0 or to the static level that begins and ends
-//! within one step is not seen: it moves v by no more than the square of the step.
+//! the step, a sixteenth of the error. At the default settings the base model's is near
+//! 1e-9 of the largest harmonic. A visit to v = 0 or to the static level that begins and
+//! ends within one step is not seen: it moves v by no more than the square of the step.
 
+mod chain;
+mod cogging;
 mod drive;
+mod effect;
+mod floating;
 mod fourier;
+mod friction;
 mod mechanics;
+mod shooting;
+mod slew;
 mod stepping;
 
 use std::f64::consts::TAU;
 
 use crate::measurement::Complex;
 use crate::plant::{Actuator, Plant};
+use chain::Command;
+use cogging::{Held, hold};
 use drive::Drive;
+pub use effect::{Effect, EffectError};
+use floating::float;
 use fourier::FourierSeries;
-use mechanics::{Mechanics, STATES, VELOCITY};
+use mechanics::{Mechanics, VELOCITY};
+use shooting::{Cycle, Search, settle};
 use stepping::Axis;
 
 /// More steps a period than this mean a time constant that no servo axis has.
 const MOST_STEPS: usize = 1 << 20;
+
+/// A servo axis and what it has beyond the base model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Machine<'a> {
+    /// The base model.
+    pub plant: Plant,
+    /// Effects that act together; no id twice. Static friction here replaces the plant's.
+    pub effects: &'a [Effect],
+}
+
+impl Machine<'_> {
+    /// The base model alone.
+    pub fn base(plant: Plant) -> Self {
+        Self { plant, effects: &[] }
+    }
+}
 
 /// How finely and how long to step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +94,7 @@ impl Default for Settings {
             steps_per_input_line: 64,
             steps_per_time_constant: 10.0,
             tolerance: 1e-9,
-            most_periods: 10_000,
+            most_periods: 2_000,
         }
     }
 }
@@ -77,6 +112,18 @@ pub enum SimulatorError {
         /// What it must be.
         requirement: &'static str,
     },
+    /// An effect that no machine has.
+    #[error(transparent)]
+    Effect(#[from] EffectError),
+    /// The same effect more than once.
+    #[error("`{id}` is given more than once")]
+    Repeated {
+        /// Which effect.
+        id: &'static str,
+    },
+    /// A joint with and without a gap at once.
+    #[error("`backlash` and `flexible_mode` describe the same joint: give one of them")]
+    TwoJoints,
     /// The period is too long for the plant's fastest time constant.
     #[error("a period would take {steps} steps, more than {MOST_STEPS}")]
     TooManySteps {
@@ -97,69 +144,111 @@ pub enum SimulatorError {
 ///
 /// `input` are U₀, U₁ … in input units: u(t) = Re Σ Uₖ exp(jkωt); likewise
 /// v(t) = Re Σ Vₖ exp(jkωt), peak amplitudes in response units, V₀ real. `harmonics`
-/// is H, the highest one wanted.
+/// is H, the highest one wanted. `run_share` is (run − run_min)/(run_max − run_min), from
+/// 0 to 1: where in the order of acquisition the experiment stands.
 ///
 /// # Errors
 /// See [`SimulatorError`].
 pub fn respond(
-    plant: &Plant,
+    machine: &Machine,
+    run_share: f64,
     omega_rad_s: f64,
     input: &[Complex],
     harmonics: usize,
     settings: &Settings,
 ) -> Result<Vec<Complex>, SimulatorError> {
-    check(plant, omega_rad_s, input)?;
-    let steps = steps_per_period(plant, omega_rad_s, input, settings)?;
-    let step_s = TAU / omega_rad_s / steps as f64;
-    let drive = Drive::periodic(&plant.actuator, input, steps, step_s);
-    let mut axis = Axis::at_rest(Mechanics::of(plant), &drive, step_s);
-
-    let mut previous_change = f64::INFINITY;
-    for _ in 0..settings.most_periods {
-        let before = axis.state();
-        let mut largest = before.map(f64::abs);
-        axis.run_period(&mut |piece| {
-            for (largest, value) in largest.iter_mut().zip(piece.end) {
-                *largest = largest.max(value.abs());
+    check(machine, run_share, omega_rad_s, input)?;
+    let Machine { plant, effects } = machine;
+    let mechanics = Mechanics::of(plant, effects, run_share);
+    let speed = linear_speed(plant, omega_rad_s, input);
+    let fastest_rad_s = mechanics.fastest_rad_s(speed).max(actuator_rate_rad_s(&plant.actuator));
+    let steps = steps_per_period(fastest_rad_s, omega_rad_s, input, settings)?;
+    let command = Command::periodic(effects, omega_rad_s, input);
+    let longest_step_s = command.period_s() / steps as f64;
+    let drive = Drive::periodic(&plant.actuator, &command, longest_step_s);
+    let solve = match mechanics.states() {
+        1 => periodic_harmonics::<1>,
+        2 => periodic_harmonics::<2>,
+        3 => periodic_harmonics::<3>,
+        4 => periodic_harmonics::<4>,
+        _ => periodic_harmonics::<5>,
+    };
+    let mut velocity =
+        solve(&mechanics, &drive, omega_rad_s, harmonics, &Search { settings, speed })?;
+    for effect in *effects {
+        if let Effect::SensorLag { time_constant } = effect {
+            for (k, line) in velocity.iter_mut().enumerate() {
+                *line /= Complex::new(1.0, k as f64 * omega_rad_s * time_constant);
             }
-        });
-        let after = axis.state();
-        let change = (0..STATES)
-            .filter(|&i| largest[i] > 0.0)
-            .map(|i| (after[i] - before[i]).abs() / largest[i])
-            .fold(0.0, f64::max);
-        if settled(change, previous_change, settings.tolerance) {
-            let mut series = FourierSeries::new(harmonics, steps);
-            axis.run_period(&mut |piece| series.add(piece, VELOCITY));
-            return Ok(series.harmonics());
         }
-        previous_change = change;
     }
-    Err(SimulatorError::NotPeriodic { periods: settings.most_periods, change: previous_change })
+    Ok(velocity)
 }
 
-/// Whether what is left of the transients is below the tolerance: changes that shrink
-/// by a factor r a period still add up to change · r/(1 − r).
-fn settled(change: f64, previous_change: f64, tolerance: f64) -> bool {
-    let shrinks = change < previous_change && previous_change.is_finite();
-    let left = change * change / (previous_change - change);
-    // Changes of rounding size shrink no more.
-    change <= 1e-3 * tolerance || (shrinks && left <= tolerance)
+/// V₀ … V_H of a machine with N states.
+fn periodic_harmonics<const N: usize>(
+    mechanics: &Mechanics,
+    drive: &Drive,
+    omega_rad_s: f64,
+    harmonics: usize,
+    search: &Search,
+) -> Result<Vec<Complex>, SimulatorError> {
+    let at_rest = vec![Complex::new(0.0, 0.0); harmonics + 1];
+    let mut series = FourierSeries::new(harmonics, omega_rad_s);
+    let (mechanics, state) = if mechanics.has_cogging() {
+        let Some(Held { state, constant_torque }) = hold::<N>(mechanics, drive, search.settings)?
+        else {
+            return Ok(at_rest);
+        };
+        (&mechanics.with_cogging(constant_torque, 1.0), state)
+    } else {
+        let half_gap = 0.5 * mechanics.gap();
+        let twist = mechanics.twist();
+        let run = |state: [f64; N]| {
+            let mut axis = Axis::new(mechanics, drive, state);
+            let mut largest = state.map(f64::abs);
+            axis.run_period(&mut |piece| {
+                for (largest, value) in largest.iter_mut().zip(piece.end) {
+                    *largest = largest.max(value.abs());
+                }
+            });
+            let floats = twist.is_some_and(|twist| largest[twist] < half_gap);
+            Cycle { end: axis.state(), largest, floats }
+        };
+        let period_s = TAU / omega_rad_s;
+        let float = |state| float(mechanics, drive, period_s, state, search);
+        let Some(state) = settle(&run, &float, [0.0; N], search)? else { return Ok(at_rest) };
+        (mechanics, state)
+    };
+    Axis::new(mechanics, drive, state).run_period(&mut |piece| series.add(piece, VELOCITY));
+    Ok(series.harmonics())
+}
+
+/// A velocity that the axis does not exceed without friction.
+fn linear_speed(plant: &Plant, omega_rad_s: f64, input: &[Complex]) -> f64 {
+    let line_speed = |(k, line): (usize, &Complex)| {
+        let at = k as f64 * omega_rad_s;
+        (plant.actuator.response(at) * plant.mechanics_response(at) * line).norm()
+    };
+    input.iter().enumerate().map(line_speed).sum()
+}
+
+/// The fastest rate of A(s), rad/s.
+fn actuator_rate_rad_s(actuator: &Actuator) -> f64 {
+    match *actuator {
+        Actuator::Direct => 0.0,
+        Actuator::FirstOrder { corner_rad_s } => corner_rad_s,
+        Actuator::SecondOrder { natural_frequency_rad_s, .. } => natural_frequency_rad_s,
+    }
 }
 
 /// A power of two, for the Fourier transform that samples the input.
 fn steps_per_period(
-    plant: &Plant,
+    fastest_rad_s: f64,
     omega_rad_s: f64,
     input: &[Complex],
     settings: &Settings,
 ) -> Result<usize, SimulatorError> {
-    let actuator_rate_rad_s = match plant.actuator {
-        Actuator::Direct => 0.0,
-        Actuator::FirstOrder { corner_rad_s } => corner_rad_s,
-        Actuator::SecondOrder { natural_frequency_rad_s, .. } => natural_frequency_rad_s,
-    };
-    let fastest_rad_s = plant.viscous_rate_rad_s.max(actuator_rate_rad_s);
     let highest_line = input.iter().rposition(|line| *line != Complex::new(0.0, 0.0)).unwrap_or(0);
     let steps = (TAU * fastest_rad_s / omega_rad_s * settings.steps_per_time_constant)
         .max(settings.steps_per_period as f64)
@@ -171,7 +260,13 @@ fn steps_per_period(
     }
 }
 
-fn check(plant: &Plant, omega_rad_s: f64, input: &[Complex]) -> Result<(), SimulatorError> {
+fn check(
+    machine: &Machine,
+    run_share: f64,
+    omega_rad_s: f64,
+    input: &[Complex],
+) -> Result<(), SimulatorError> {
+    let plant = &machine.plant;
     let positive = |quantity, value: f64| {
         let requirement = "positive";
         let usable = value.is_finite() && value > 0.0;
@@ -192,11 +287,38 @@ fn check(plant: &Plant, omega_rad_s: f64, input: &[Complex]) -> Result<(), Simul
             positive("the actuator's damping ratio", damping_ratio)?;
         }
     }
+    for (place, effect) in machine.effects.iter().enumerate() {
+        effect.check()?;
+        if machine.effects[..place].iter().any(|earlier| earlier.id() == effect.id()) {
+            return Err(SimulatorError::Repeated { id: effect.id() });
+        }
+    }
+    let has = |id: &str| machine.effects.iter().any(|effect| effect.id() == id);
+    if has("backlash") && has("flexible_mode") {
+        return Err(SimulatorError::TwoJoints);
+    }
     let friction = &plant.friction;
     level("Fc+", friction.fc_plus, 0.0, "at least 0")?;
     level("Fc-", friction.fc_minus, 0.0, "at least 0")?;
     level("Fs+", friction.fs_plus, friction.fc_plus, "at least Fc+")?;
     level("Fs-", friction.fs_minus, friction.fc_minus, "at least Fc-")?;
+    for effect in machine.effects {
+        match *effect {
+            Effect::StaticFriction { fs_plus, fs_minus } => {
+                level("Fs+", fs_plus, friction.fc_plus, "at least Fc+")?;
+                level("Fs-", fs_minus, friction.fc_minus, "at least Fc-")?;
+            }
+            Effect::Presliding { .. } => {
+                positive("Fc+ of a bristle", friction.fc_plus)?;
+                positive("Fc- of a bristle", friction.fc_minus)?;
+            }
+            _ => {}
+        }
+    }
+    if !(0.0..=1.0).contains(&run_share) {
+        let (quantity, requirement) = ("the share of the run", "from 0 to 1");
+        return Err(SimulatorError::Unusable { quantity, value: run_share, requirement });
+    }
     for value in input.iter().flat_map(|line| [line.re, line.im]) {
         level("a line of the input", value, f64::NEG_INFINITY, "a number")?;
     }

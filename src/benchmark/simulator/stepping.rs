@@ -1,90 +1,134 @@
-//! Runge–Kutta steps, cut where the motion changes.
+//! Runge–Kutta steps, cut where the mode changes.
 
-use super::drive::Drive;
-use super::mechanics::{Mechanics, Motion, State, VELOCITY};
+use super::drive::{Drive, Segment};
+use super::mechanics::{Mechanics, Mode, Motion, VELOCITY};
 
 /// Halvings that find an event: to 2⁻⁴⁵ of a step, the rounding of the time itself.
 const HALVINGS: usize = 45;
+/// Events within one step after which the rest of it is passed over: a joint that chatters
+/// faster has lost its energy.
+const MOST_EVENTS: usize = 64;
 
 /// A stretch of time within one step in which nothing switches.
-pub(super) struct Piece {
-    /// Beginning and end, steps from the beginning of the period.
-    pub(super) from_steps: f64,
-    pub(super) to_steps: f64,
-    /// Its length, s.
-    pub(super) duration_s: f64,
+pub(super) struct Piece<const N: usize> {
+    /// Beginning and end, s from the beginning of the period.
+    pub(super) from_s: f64,
+    pub(super) to_s: f64,
     /// State and its time derivative at both ends.
-    pub(super) start: State,
-    pub(super) start_slope: State,
-    pub(super) end: State,
-    pub(super) end_slope: State,
+    pub(super) start: [f64; N],
+    pub(super) start_slope: [f64; N],
+    pub(super) end: [f64; N],
+    pub(super) end_slope: [f64; N],
+}
+
+impl<const N: usize> Piece<N> {
+    /// A state in the middle: the cubic's through both ends and slopes.
+    pub(super) fn middle(&self, state: usize) -> f64 {
+        let slopes = self.start_slope[state] - self.end_slope[state];
+        0.5 * (self.start[state] + self.end[state]) + (self.to_s - self.from_s) / 8.0 * slopes
+    }
+
+    /// ∫ x dt by Simpson's rule.
+    pub(super) fn integral(&self, state: usize) -> f64 {
+        let ends = self.start[state] + self.end[state];
+        (self.to_s - self.from_s) / 6.0 * (ends + 4.0 * self.middle(state))
+    }
 }
 
 /// A servo axis in time.
-pub(super) struct Axis<'a> {
-    mechanics: Mechanics,
+pub(super) struct Axis<'a, const N: usize> {
+    mechanics: &'a Mechanics,
     drive: &'a Drive,
-    step_s: f64,
-    state: State,
-    motion: Motion,
+    state: [f64; N],
+    mode: Mode,
 }
 
-impl<'a> Axis<'a> {
-    /// At the beginning of a period, at rest.
-    pub(super) fn at_rest(mechanics: Mechanics, drive: &'a Drive, step_s: f64) -> Self {
-        let state = State::default();
-        let motion = mechanics.at_zero(drive.whole_step(0)[0], &state);
-        Self { mechanics, drive, step_s, state, motion }
+impl<'a, const N: usize> Axis<'a, N> {
+    /// At the beginning of a period.
+    pub(super) fn new(mechanics: &'a Mechanics, drive: &'a Drive, state: [f64; N]) -> Self {
+        let mode = mechanics.mode(drive.first(), &state);
+        Self { mechanics, drive, state, mode }
     }
 
-    pub(super) fn state(&self) -> State {
+    pub(super) fn state(&self) -> [f64; N] {
         self.state
     }
 
     /// Runs one period; `visit` sees every piece of it in order.
-    pub(super) fn run_period(&mut self, visit: &mut impl FnMut(&Piece)) {
-        for step in 0..self.drive.steps() {
-            let torques = self.drive.whole_step(step);
-            let end = self.stepped(torques, self.step_s);
-            if self.mechanics.is_over(self.motion, torques[2], &end) {
-                self.run_through_events(step as f64, visit);
-            } else {
-                self.move_to(end, step as f64, step as f64 + 1.0, torques, visit);
+    pub(super) fn run_period(&mut self, visit: &mut impl FnMut(&Piece<N>)) {
+        for segment in self.drive.segments() {
+            for step in 0..segment.steps() {
+                let torques = segment.whole_step(step);
+                let end = self.stepped(torques, segment.step_s());
+                let from_steps = step as f64;
+                if self.is_over(torques[2], &end) {
+                    self.run_through_events(segment, from_steps, visit);
+                } else {
+                    self.move_to(end, segment, [from_steps, from_steps + 1.0], torques, visit);
+                }
             }
         }
     }
 
-    /// One step in which the motion ends, perhaps more than once.
-    fn run_through_events(&mut self, first_steps: f64, visit: &mut impl FnMut(&Piece)) {
-        let last_steps = first_steps + 1.0;
-        let mut from_steps = first_steps;
+    /// One step in which the mode changes, perhaps more than once.
+    fn run_through_events(
+        &mut self,
+        segment: &Segment,
+        mut from_steps: f64,
+        visit: &mut impl FnMut(&Piece<N>),
+    ) {
+        let last_steps = from_steps + 1.0;
+        let mut events = 0;
         while from_steps < last_steps {
-            let (torques, end) = self.attempt(from_steps, last_steps);
-            if !self.mechanics.is_over(self.motion, torques[2], &end) {
-                self.move_to(end, from_steps, last_steps, torques, visit);
+            let (torques, end) = self.attempt(segment, from_steps, last_steps);
+            events += 1;
+            if !self.is_over(torques[2], &end) || events > MOST_EVENTS {
+                self.move_to(end, segment, [from_steps, last_steps], torques, visit);
                 return;
             }
             // An axis that leaves v = 0 and is back within this step has not moved enough
             // to be followed: it counts as at rest. So every pass gets further.
-            let just_left = self.motion != Motion::Stuck && self.state[VELOCITY] == 0.0;
-            let to_steps =
-                if just_left { last_steps } else { self.end_of_motion(from_steps, last_steps) };
-            let (torques, mut end) = self.attempt(from_steps, to_steps);
-            end[VELOCITY] = 0.0;
-            self.move_to(end, from_steps, to_steps, torques, visit);
-            self.motion = self.mechanics.at_zero(torques[2], &end);
+            let just_left = self.mode.motion != Motion::Stuck && self.state[VELOCITY] == 0.0;
+            let over = |torque: f64, end: &[f64; N]| {
+                self.mechanics.contact_is_over(self.mode, end)
+                    || (!just_left && self.mechanics.motion_is_over(self.mode, torque, end))
+            };
+            let to_steps = if over(torques[2], &end) {
+                self.first_time(segment, from_steps, last_steps, over)
+            } else {
+                last_steps
+            };
+            let (torques, mut end) = self.attempt(segment, from_steps, to_steps);
+            let mut next = self.mode;
+            if self.mechanics.contact_is_over(self.mode, &end) {
+                next.contact = self.mechanics.at_edge(self.mode.contact, &mut end);
+            }
+            let stops = self.mechanics.motion_is_over(self.mode, torques[2], &end);
+            if stops {
+                end[VELOCITY] = 0.0;
+            }
+            self.move_to(end, segment, [from_steps, to_steps], torques, visit);
+            if stops {
+                next.motion = self.mechanics.at_zero(next.contact, torques[2], &end);
+            }
+            self.mode = next;
             from_steps = to_steps;
         }
     }
 
-    /// The instant, to within rounding, at which the motion that lasts at `from_steps`
-    /// comes to its end; it is over at `to_steps`.
-    fn end_of_motion(&self, from_steps: f64, to_steps: f64) -> f64 {
+    /// The instant, to within rounding, at which `over` becomes true; it is at `to_steps`.
+    fn first_time(
+        &self,
+        segment: &Segment,
+        from_steps: f64,
+        to_steps: f64,
+        over: impl Fn(f64, &[f64; N]) -> bool,
+    ) -> f64 {
         let (mut before, mut after) = (from_steps, to_steps);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (before + after);
-            let (torques, end) = self.attempt(from_steps, middle);
-            if self.mechanics.is_over(self.motion, torques[2], &end) {
+            let (torques, end) = self.attempt(segment, from_steps, middle);
+            if over(torques[2], &end) {
                 after = middle;
             } else {
                 before = middle;
@@ -93,34 +137,41 @@ impl<'a> Axis<'a> {
         after
     }
 
-    /// Torques over part of a step and the state at its end, if nothing switched.
-    fn attempt(&self, from_steps: f64, to_steps: f64) -> ([f64; 3], State) {
-        let torques =
-            [from_steps, 0.5 * (from_steps + to_steps), to_steps].map(|time| self.drive.at(time));
-        (torques, self.stepped(torques, (to_steps - from_steps) * self.step_s))
+    #[inline]
+    fn is_over(&self, torque: f64, end: &[f64; N]) -> bool {
+        self.mechanics.motion_is_over(self.mode, torque, end)
+            || self.mechanics.contact_is_over(self.mode, end)
     }
 
-    fn stepped(&self, torques: [f64; 3], duration_s: f64) -> State {
-        let slope = |torque, state| self.mechanics.slope(self.motion, torque, state);
+    /// Torques over part of a step and the state at its end, if nothing switched.
+    fn attempt(&self, segment: &Segment, from_steps: f64, to_steps: f64) -> ([f64; 3], [f64; N]) {
+        let times = [from_steps, 0.5 * (from_steps + to_steps), to_steps];
+        let torques = times.map(|steps| segment.at(steps));
+        (torques, self.stepped(torques, (to_steps - from_steps) * segment.step_s()))
+    }
+
+    #[inline]
+    fn stepped(&self, torques: [f64; 3], duration_s: f64) -> [f64; N] {
+        let slope = |torque, state| self.mechanics.slope(self.mode, torque, state);
         runge_kutta(&slope, torques, self.state, duration_s)
     }
 
+    #[inline]
     fn move_to(
         &mut self,
-        end: State,
-        from_steps: f64,
-        to_steps: f64,
+        end: [f64; N],
+        segment: &Segment,
+        [from_steps, to_steps]: [f64; 2],
         torques: [f64; 3],
-        visit: &mut impl FnMut(&Piece),
+        visit: &mut impl FnMut(&Piece<N>),
     ) {
         visit(&Piece {
-            from_steps,
-            to_steps,
-            duration_s: (to_steps - from_steps) * self.step_s,
+            from_s: segment.time_s(from_steps),
+            to_s: segment.time_s(to_steps),
             start: self.state,
-            start_slope: self.mechanics.slope(self.motion, torques[0], self.state),
+            start_slope: self.mechanics.slope(self.mode, torques[0], self.state),
             end,
-            end_slope: self.mechanics.slope(self.motion, torques[2], end),
+            end_slope: self.mechanics.slope(self.mode, torques[2], end),
         });
         self.state = end;
     }

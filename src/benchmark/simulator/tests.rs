@@ -1,3 +1,5 @@
+mod effects;
+
 use super::*;
 use crate::plant::Friction;
 
@@ -8,6 +10,12 @@ fn plant(fc_plus: f64, fc_minus: f64) -> Plant {
         actuator: Actuator::Direct,
         friction: Friction::coulomb(fc_plus, fc_minus),
     }
+}
+
+/// Harmonics of the base model at the default settings.
+fn base(plant: &Plant, omega_rad_s: f64, input: &[Complex], harmonics: usize) -> Vec<Complex> {
+    let machine = Machine::base(*plant);
+    respond(&machine, 0.0, omega_rad_s, input, harmonics, &Settings::default()).unwrap()
 }
 
 fn cosine(magnitude: f64) -> Vec<Complex> {
@@ -32,7 +40,7 @@ fn without_friction_the_response_is_the_transfer_function() {
                     actuator.response(at) * plant.mechanics_response(at) * line
                 })
                 .collect();
-            let found = respond(&plant, omega, &input, 3, &Settings::default()).unwrap();
+            let found = base(&plant, omega, &input, 3);
             // The tolerance on transients.
             assert!(worst(&found, &exact) < 2e-9, "{actuator:?} at {omega} rad/s");
         }
@@ -41,7 +49,7 @@ fn without_friction_the_response_is_the_transfer_function() {
 
 #[test]
 fn a_torque_below_the_static_level_leaves_the_axis_stuck() {
-    let found = respond(&plant(0.5, 0.4), 5.0, &cosine(0.39), 4, &Settings::default()).unwrap();
+    let found = base(&plant(0.5, 0.4), 5.0, &cosine(0.39), 4);
     assert_eq!(found, vec![Complex::new(0.0, 0.0); 5]);
 }
 
@@ -54,7 +62,7 @@ fn an_axis_held_in_one_direction_creeps_in_the_other() {
         ..plant(0.0, 0.0)
     };
     let (omega, magnitude) = (2.0, 1.0);
-    let found = respond(&held, omega, &cosine(magnitude), 1, &Settings::default()).unwrap();
+    let found = base(&held, omega, &cosine(magnitude), 1);
 
     // Closed form: a forced oscillation, a constant and one exponential; its zero by bisection.
     let response = held.mechanics_response(omega);
@@ -85,7 +93,7 @@ fn a_reversal_sticks_until_the_torque_exceeds_the_static_level() {
     let response = |fs: f64| {
         let friction = Friction { fs_plus: fs, fs_minus: fs, ..Friction::coulomb(0.4, 0.4) };
         let plant = Plant { friction, ..plant(0.0, 0.0) };
-        respond(&plant, 30.0, &cosine(1.0), 3, &Settings::default()).unwrap()
+        base(&plant, 30.0, &cosine(1.0), 3)
     };
     // The velocity lags by about 35° where it passes zero, so that |τ| is then near 0.57.
     // What is left of the first periods differs: the tolerance on transients.
@@ -95,8 +103,8 @@ fn a_reversal_sticks_until_the_torque_exceeds_the_static_level() {
 
 #[test]
 fn mirrored_friction_mirrors_the_response() {
-    let found = respond(&plant(0.5, 0.4), 3.0, &cosine(1.0), 5, &Settings::default()).unwrap();
-    let mirrored = respond(&plant(0.4, 0.5), 3.0, &cosine(-1.0), 5, &Settings::default()).unwrap();
+    let found = base(&plant(0.5, 0.4), 3.0, &cosine(1.0), 5);
+    let mirrored = base(&plant(0.4, 0.5), 3.0, &cosine(-1.0), 5);
     let negative: Vec<Complex> = mirrored.iter().map(|v| -v).collect();
     assert!(worst(&found, &negative) < 1e-14);
 }
@@ -114,7 +122,7 @@ fn half_the_step_leaves_a_sixteenth_of_the_error() {
                 tolerance: 1e-13,
                 ..Settings::default()
             };
-            respond(&plant, omega, &cosine(1.5), 5, &settings).unwrap()
+            respond(&Machine::base(plant), 0.0, omega, &cosine(1.5), 5, &settings).unwrap()
         };
         let exact = with_steps(8192);
         let errors = [128, 256, 512].map(|steps| worst(&with_steps(steps), &exact));
@@ -136,7 +144,7 @@ fn a_multisine_of_240_lines_is_resolved() {
     let plant = plant(0.3, 0.25);
     let with = |steps_per_input_line| {
         let settings = Settings { steps_per_input_line, ..Settings::default() };
-        respond(&plant, 0.5, &input, 240, &settings).unwrap()
+        respond(&Machine::base(plant), 0.0, 0.5, &input, 240, &settings).unwrap()
     };
     let (found, finer) = (with(64), with(256));
     let largest = finer.iter().map(|v| v.norm()).fold(0.0, f64::max);
@@ -147,7 +155,8 @@ fn a_multisine_of_240_lines_is_resolved() {
 #[test]
 fn what_no_axis_has_is_refused_with_its_name() {
     let refused = |plant: Plant, omega: f64, input: &[Complex]| {
-        respond(&plant, omega, input, 1, &Settings::default()).unwrap_err().to_string()
+        let machine = Machine::base(plant);
+        respond(&machine, 0.0, omega, input, 1, &Settings::default()).unwrap_err().to_string()
     };
     let base = plant(0.5, 0.4);
     let slow = Plant { viscous_rate_rad_s: f64::NAN, ..base };
@@ -163,6 +172,7 @@ fn what_no_axis_has_is_refused_with_its_name() {
 #[test]
 fn a_transient_that_has_not_died_is_an_error() {
     let settings = Settings { most_periods: 2, ..Settings::default() };
-    let error = respond(&plant(0.1, 0.1), 300.0, &cosine(1.0), 1, &settings).unwrap_err();
+    let machine = Machine::base(plant(0.1, 0.1));
+    let error = respond(&machine, 0.0, 300.0, &cosine(1.0), 1, &settings).unwrap_err();
     assert!(matches!(error, SimulatorError::NotPeriodic { periods: 2, .. }), "{error}");
 }

@@ -5,11 +5,15 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::benchmark::draw::{NoiseStatement, noise_std, observe};
+use crate::benchmark::simulator::{self, Effect, Machine, Settings, SimulatorError};
 use crate::measurement::{
     Complex, Experiment, InvalidMeasurement, Measurement, Metadata, Quantity, ResponseKind,
 };
 use crate::plant::{Friction, Plant};
 use crate::simulate::{Excitation, NoResponse, respond};
+
+/// Corrections of the input that holds a position.
+const CORRECTIONS: usize = 40;
 
 /// How noisy a measurement is: the standard deviation of re and im of every
 /// harmonic, of re alone of harmonic 0.
@@ -27,6 +31,8 @@ pub(super) enum Noise {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Bench {
     pub plant: Plant,
+    /// What the axis has beyond it.
+    pub effects: Vec<Effect>,
     /// Input units.
     pub magnitudes: Vec<f64>,
     /// Each measured at every magnitude.
@@ -47,6 +53,12 @@ pub(super) struct Bench {
 pub(super) enum BenchError {
     #[error("magnitude {magnitude} at {omega_rad_s} rad/s: {source}")]
     NoResponse { magnitude: f64, omega_rad_s: f64, source: NoResponse },
+    #[error("magnitude {magnitude} at {omega_rad_s} rad/s: {source}")]
+    Simulator { magnitude: f64, omega_rad_s: f64, source: SimulatorError },
+    #[error("magnitude {magnitude} at {omega_rad_s} rad/s: no constant input holds the position")]
+    NotHeld { magnitude: f64, omega_rad_s: f64 },
+    #[error("no experiment has a response of its own period, the first of them: {first}")]
+    Nothing { first: Box<BenchError> },
     #[error(
         "half of the experiments or more do not move, so --noise-db is relative to 0; raise \
          --magnitudes above the friction, {level}, or give --noise-std"
@@ -61,18 +73,60 @@ pub(super) enum BenchError {
     Invalid(#[from] InvalidMeasurement),
 }
 
+impl BenchError {
+    /// Whether this experiment alone is without a response.
+    fn concerns_one_point(&self) -> bool {
+        matches!(
+            self,
+            BenchError::NotHeld { .. }
+                | BenchError::Simulator { source: SimulatorError::NotPeriodic { .. }, .. }
+        )
+    }
+}
+
+/// One experiment, simulated.
+struct Point {
+    magnitude: f64,
+    omega_rad_s: f64,
+    run: usize,
+    /// Constant input, input units.
+    offset: f64,
+    /// Y₀ …, response units.
+    response: Vec<Complex>,
+}
+
 impl Bench {
-    /// Simulates every experiment and adds the noise.
-    pub(super) fn measure(&self) -> Result<Measurement, BenchError> {
-        let offset = self.input_offset()?;
-        let axis = Plant { friction: shifted(self.plant.friction, offset), ..self.plant };
-        let points: Vec<(f64, f64)> = self
+    /// Simulates every experiment and adds the noise. Beside the measurement, why an
+    /// experiment without a periodic response is not in it.
+    pub(super) fn measure(&self) -> Result<(Measurement, Vec<BenchError>), BenchError> {
+        let design: Vec<(f64, f64)> = self
             .magnitudes
             .iter()
             .flat_map(|m| self.frequencies_rad_s.iter().map(move |omega| (*m, *omega)))
             .collect();
+        let last_run = design.len().saturating_sub(1).max(1) as f64;
+        let simulated: Vec<Result<Point, BenchError>> = design
+            .par_iter()
+            .enumerate()
+            .map(|(run, &(magnitude, omega_rad_s))| {
+                let share = run as f64 / last_run;
+                let (offset, response) = self.respond(share, magnitude, omega_rad_s)?;
+                Ok(Point { magnitude, omega_rad_s, run, offset, response })
+            })
+            .collect();
+        let (mut points, mut left_out) = (Vec::new(), Vec::new());
+        for point in simulated {
+            match point {
+                Ok(point) => points.push(point),
+                Err(error) if error.concerns_one_point() => left_out.push(error),
+                Err(error) => return Err(error),
+            }
+        }
+        if points.is_empty() && !left_out.is_empty() {
+            return Err(BenchError::Nothing { first: Box::new(left_out.swap_remove(0)) });
+        }
         let responses: Vec<Vec<Complex>> =
-            points.par_iter().map(|point| self.respond(&axis, *point)).collect::<Result<_, _>>()?;
+            points.iter().map(|point| point.response.clone()).collect();
         let std = match self.noise {
             Noise::None => None,
             Noise::Std(std) => Some(std),
@@ -86,10 +140,8 @@ impl Bench {
         let rng = &mut ChaCha8Rng::seed_from_u64(self.seed);
         let experiments = points
             .iter()
-            .zip(&responses)
-            .enumerate()
-            .map(|(index, (&(magnitude, omega_rad_s), exact))| {
-                let (mut response, mut repeats) = observe(exact, std, statement, rng);
+            .map(|point| {
+                let (mut response, mut repeats) = observe(&point.response, std, statement, rng);
                 if self.response != ResponseKind::Velocity {
                     // The mean of a position or an acceleration says nothing.
                     response.remove(0);
@@ -98,19 +150,21 @@ impl Bench {
                     }
                 }
                 Experiment {
-                    magnitude,
-                    omega_rad_s,
-                    input: vec![Complex::new(offset, 0.0), Complex::new(magnitude, 0.0)],
-                    input_mean_measured: offset != 0.0,
+                    magnitude: point.magnitude,
+                    omega_rad_s: point.omega_rad_s,
+                    input: input(point.offset, point.magnitude),
+                    input_mean_measured: point.offset != 0.0,
                     response,
-                    run: Some(index as f64),
+                    run: Some(point.run as f64),
                     repeats,
                     from_record: false,
                 }
             })
             .collect();
         // No bytes were read, so there is nothing to take a digest of.
-        Ok(Measurement::new(self.metadata(), experiments, Vec::new(), String::new())?)
+        let measurement =
+            Measurement::new(self.metadata(), experiments, Vec::new(), String::new())?;
+        Ok((measurement, left_out))
     }
 
     /// Constant input, input units. An axis whose position is periodic does not
@@ -129,15 +183,23 @@ impl Bench {
         Ok(0.5 * (fc_plus - fc_minus))
     }
 
-    /// Y₀ … of one experiment, response units.
+    /// The constant input of one experiment and its Y₀ …, response units.
     fn respond(
         &self,
-        axis: &Plant,
-        (magnitude, omega_rad_s): (f64, f64),
-    ) -> Result<Vec<Complex>, BenchError> {
-        let input = Excitation::cosine(omega_rad_s, magnitude);
-        let mut harmonics = respond(axis, &[], &input, self.harmonics)
-            .map_err(|source| BenchError::NoResponse { magnitude, omega_rad_s, source })?;
+        run_share: f64,
+        magnitude: f64,
+        omega_rad_s: f64,
+    ) -> Result<(f64, Vec<Complex>), BenchError> {
+        let (offset, mut harmonics) = if self.effects.is_empty() {
+            let offset = self.input_offset()?;
+            let axis = Plant { friction: shifted(self.plant.friction, offset), ..self.plant };
+            let excitation = Excitation::cosine(omega_rad_s, magnitude);
+            let harmonics = respond(&axis, &[], &excitation, self.harmonics)
+                .map_err(|source| BenchError::NoResponse { magnitude, omega_rad_s, source })?;
+            (offset, harmonics)
+        } else {
+            self.stepped(run_share, magnitude, omega_rad_s)?
+        };
         for (order, value) in harmonics.iter_mut().enumerate().skip(1) {
             let derivative = Complex::new(0.0, order as f64 * omega_rad_s);
             match self.response {
@@ -146,7 +208,47 @@ impl Bench {
                 ResponseKind::Acceleration => *value *= derivative,
             }
         }
-        Ok(harmonics)
+        Ok((offset, harmonics))
+    }
+
+    /// The same of an axis with effects, as a velocity; where a position is measured, the
+    /// constant input that holds it is found by the secant method.
+    fn stepped(
+        &self,
+        run_share: f64,
+        magnitude: f64,
+        omega_rad_s: f64,
+    ) -> Result<(f64, Vec<Complex>), BenchError> {
+        let machine = Machine { plant: self.plant, effects: &self.effects };
+        let velocity = |offset: f64| {
+            let (input, settings) = (input(offset, magnitude), Settings::default());
+            simulator::respond(&machine, run_share, omega_rad_s, &input, self.harmonics, &settings)
+                .map_err(|source| BenchError::Simulator { magnitude, omega_rad_s, source })
+        };
+        let mut offset = 0.0;
+        let mut harmonics = velocity(offset)?;
+        if self.response != ResponseKind::Position {
+            return Ok((offset, harmonics));
+        }
+        let Friction { fc_plus, fc_minus, .. } = self.plant.friction;
+        let mut next = 0.5 * (fc_plus - fc_minus);
+        if next == 0.0 {
+            next = 1e-3 * magnitude;
+        }
+        for _ in 0..CORRECTIONS {
+            // The simulator's tolerance.
+            if harmonics[0].norm() <= 1e-9 * harmonics[1].norm() {
+                return Ok((offset, harmonics));
+            }
+            let moved = velocity(next)?;
+            let slope = (moved[0].re - harmonics[0].re) / (next - offset);
+            (offset, harmonics) = (next, moved);
+            next = offset - harmonics[0].re / slope;
+            if !next.is_finite() {
+                break;
+            }
+        }
+        Err(BenchError::NotHeld { magnitude, omega_rad_s })
     }
 
     fn metadata(&self) -> Metadata {
@@ -167,6 +269,11 @@ impl Bench {
             ..Metadata::default()
         }
     }
+}
+
+/// A cosine beside a constant, as U₀, U₁.
+fn input(offset: f64, magnitude: f64) -> Vec<Complex> {
+    vec![Complex::new(offset, 0.0), Complex::new(magnitude, 0.0)]
 }
 
 /// Friction as it acts beside a constant input: the same motion, without it.
@@ -192,6 +299,7 @@ mod tests {
                 actuator: Actuator::Direct,
                 friction: Friction::coulomb(0.5, 0.4),
             },
+            effects: Vec::new(),
             magnitudes: vec![1.0, 2.0, 4.0],
             frequencies_rad_s: vec![1.0, 3.0, 10.0, 30.0, 100.0],
             harmonics: 7,
@@ -205,8 +313,9 @@ mod tests {
     }
 
     fn noise(noisy: &Bench) -> Vec<f64> {
-        let exact = Bench { noise: Noise::None, repeats: None, ..noisy.clone() }.measure().unwrap();
-        let noisy = noisy.measure().unwrap();
+        let exact =
+            Bench { noise: Noise::None, repeats: None, ..noisy.clone() }.measure().unwrap().0;
+        let noisy = noisy.measure().unwrap().0;
         let pairs = noisy.experiments().iter().zip(exact.experiments());
         pairs
             .flat_map(|(noisy, exact)| noisy.response.iter().zip(&exact.response))
@@ -227,7 +336,7 @@ mod tests {
             // The rms of n normals is known to 1/√(2n); four of that.
             let margin = 4.0 / (2.0 * values.len() as f64).sqrt();
             assert!((rms / 0.01 - 1.0).abs() < margin, "{rms} with {repeats:?} repeats");
-            for experiment in bench.measure().unwrap().experiments() {
+            for experiment in bench.measure().unwrap().0.experiments() {
                 assert_eq!(experiment.repeats.len(), repeats.unwrap_or(0));
                 assert_eq!(experiment.std_given(), repeats.is_none());
             }
@@ -238,11 +347,11 @@ mod tests {
     fn decibels_are_below_the_median_fundamental_of_the_response_as_measured() {
         for response in [ResponseKind::Velocity, ResponseKind::Position] {
             let bench = Bench { response, ..bench() };
-            let exact = bench.measure().unwrap();
+            let exact = bench.measure().unwrap().0;
             let mut sizes: Vec<f64> =
                 exact.experiments().iter().map(|e| e.harmonic(1).unwrap().value.norm()).collect();
             sizes.sort_by(f64::total_cmp);
-            let noisy = Bench { noise: Noise::Decibels(40.0), ..bench }.measure().unwrap();
+            let noisy = Bench { noise: Noise::Decibels(40.0), ..bench }.measure().unwrap().0;
             let std = noisy.experiments()[0].response[0].std.unwrap();
             assert!((std / (0.01 * sizes[7]) - 1.0).abs() < 1e-12, "{std}");
         }
@@ -258,7 +367,7 @@ mod tests {
     #[test]
     fn a_position_is_held_in_place_by_a_constant_input() {
         let bench = Bench { response: ResponseKind::Position, ..bench() };
-        let measurement = bench.measure().unwrap();
+        let measurement = bench.measure().unwrap().0;
         for experiment in measurement.experiments() {
             assert!((experiment.input[0].re - 0.05).abs() < 1e-15);
             assert!(experiment.input_mean_measured && experiment.harmonic(0).is_none());
@@ -276,9 +385,48 @@ mod tests {
     }
 
     #[test]
+    fn a_position_is_held_in_place_with_effects_too() {
+        let effects = vec![Effect::GainAsymmetry { gamma: 0.1 }];
+        let bench = Bench { response: ResponseKind::Position, effects, ..bench() };
+        let (measurement, left_out) = bench.measure().unwrap();
+        assert!(left_out.is_empty());
+        let machine = Machine { plant: bench.plant, effects: &bench.effects };
+        for experiment in measurement.experiments() {
+            let (omega, settings) = (experiment.omega_rad_s, Settings::default());
+            let velocity =
+                simulator::respond(&machine, 0.0, omega, &experiment.input, 1, &settings).unwrap();
+            assert!(velocity[0].norm() <= 1e-9 * velocity[1].norm());
+            let position = velocity[1] / Complex::new(0.0, omega);
+            assert_eq!(experiment.harmonic(1).unwrap().value, position);
+        }
+    }
+
+    // A load on a hardly damped joint rattles in its gap without end; below breakaway it rests.
+    #[test]
+    fn a_point_without_a_response_of_its_period_is_left_out_and_named() {
+        let joint = Effect::Backlash {
+            load_inertia_fraction: 0.5,
+            stiffness: 200.0,
+            damping: 0.1,
+            gap: 0.01,
+        };
+        let bench = Bench {
+            effects: vec![joint],
+            magnitudes: vec![0.2, 1.0],
+            frequencies_rad_s: vec![20.0],
+            ..bench()
+        };
+        let (measurement, left_out) = bench.measure().unwrap();
+        assert_eq!((measurement.experiments().len(), left_out.len()), (1, 1));
+        assert_eq!(measurement.experiments()[0].run, Some(0.0));
+        assert!(left_out[0].to_string().contains("magnitude 1 at 20 rad/s"));
+    }
+
+    #[test]
     fn an_acceleration_is_the_derivative_of_the_velocity() {
-        let velocity = bench().measure().unwrap();
-        let measured = Bench { response: ResponseKind::Acceleration, ..bench() }.measure().unwrap();
+        let velocity = bench().measure().unwrap().0;
+        let measured =
+            Bench { response: ResponseKind::Acceleration, ..bench() }.measure().unwrap().0;
         for (v, a) in velocity.experiments().iter().zip(measured.experiments()) {
             let expected = v.harmonic(3).unwrap().value * Complex::new(0.0, 3.0 * v.omega_rad_s);
             assert_eq!(a.harmonic(3).unwrap().value, expected);

@@ -1,0 +1,226 @@
+//! The signal chain before the actuator: delay, dead zone, gain asymmetry, saturation,
+//! slew limit.
+
+use std::f64::consts::TAU;
+
+use rustfft::FftPlanner;
+
+use super::effect::Effect;
+use super::slew::slew_limited;
+use crate::measurement::Complex;
+
+/// Halvings that find an instant to the rounding of the time.
+const HALVINGS: usize = 50;
+/// Instants a period, and a period of the highest line, between which a level is looked
+/// for. A visit beyond a level that begins and ends between two of them is not seen: it
+/// reaches (2π/1024)²/8 = 5e-6 of the amplitude.
+const LOOKS: usize = 1024;
+
+/// A stretch of time in which the command is offset + gain·u(t) + slope·(t − from).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stretch {
+    pub(super) from_s: f64,
+    pub(super) to_s: f64,
+    pub(super) offset: f64,
+    pub(super) gain: f64,
+    pub(super) slope: f64,
+}
+
+/// One period of a periodic input.
+pub(super) struct Input {
+    lines: Vec<Complex>,
+    omega_rad_s: f64,
+}
+
+impl Input {
+    /// u(t) at any time.
+    pub(super) fn at(&self, time_s: f64) -> f64 {
+        self.value_and_rate(time_s).0
+    }
+
+    /// u(t) and u'(t).
+    pub(super) fn value_and_rate(&self, time_s: f64) -> (f64, f64) {
+        let turn = Complex::from_polar(1.0, self.omega_rad_s * time_s);
+        let mut phasor = Complex::new(1.0, 0.0);
+        let (mut value, mut rate) = (0.0, 0.0);
+        for (k, line) in self.lines.iter().enumerate() {
+            let turned = line * phasor;
+            value += turned.re;
+            rate -= k as f64 * self.omega_rad_s * turned.im;
+            phasor *= turn;
+        }
+        (value, rate)
+    }
+
+    pub(super) fn period_s(&self) -> f64 {
+        TAU / self.omega_rad_s
+    }
+
+    /// Distance of the instants between which events are looked for.
+    pub(super) fn look_s(&self) -> f64 {
+        self.period_s() / (LOOKS * self.lines.len().saturating_sub(1).max(1)) as f64
+    }
+
+    /// u(t) at `count` instants of the period, by one inverse transform.
+    fn sampled(&self, count: usize) -> Vec<f64> {
+        let mut values = vec![Complex::new(0.0, 0.0); count];
+        values.iter_mut().zip(&self.lines).for_each(|(value, line)| *value = *line);
+        FftPlanner::new().plan_fft_inverse(count).process(&mut values);
+        values.iter().map(|value| value.re).collect()
+    }
+}
+
+/// What the actuator is told, over one period.
+pub(super) struct Command {
+    input: Input,
+    stretches: Vec<Stretch>,
+}
+
+impl Command {
+    pub(super) fn periodic(effects: &[Effect], omega_rad_s: f64, lines: &[Complex]) -> Self {
+        let delay_s: f64 = effects
+            .iter()
+            .map(|effect| if let Effect::TransportDelay { delay } = effect { *delay } else { 0.0 })
+            .sum();
+        let delayed = |(k, line): (usize, &Complex)| {
+            line * Complex::from_polar(1.0, -(k as f64) * omega_rad_s * delay_s)
+        };
+        let lines = lines.iter().enumerate().map(delayed).collect();
+        let input = Input { lines, omega_rad_s };
+        let mut stretches = Shape::of(effects).stretches(&input);
+        for effect in effects {
+            if let Effect::SlewLimit { rate } = effect {
+                stretches = slew_limited(&input, &stretches, *rate);
+            }
+        }
+        Self { input, stretches }
+    }
+
+    pub(super) fn period_s(&self) -> f64 {
+        self.input.period_s()
+    }
+
+    /// Stretches without a kink within, in order; they fill the period.
+    pub(super) fn stretches(&self) -> &[Stretch] {
+        &self.stretches
+    }
+
+    /// The command at `count` + 1 instants of a stretch, both ends included.
+    pub(super) fn sampled(&self, stretch: &Stretch, count: usize) -> Vec<f64> {
+        let Stretch { from_s, to_s, offset, gain, slope } = *stretch;
+        // Of a general input with hundreds of lines, the transform is a thousand times faster.
+        if self.stretches.len() == 1 && count.is_power_of_two() && count > self.input.lines.len() {
+            let mut input = self.input.sampled(count);
+            input.push(input[0]);
+            return input.into_iter().map(|u| offset + gain * u).collect();
+        }
+        let width_s = (to_s - from_s) / count as f64;
+        let value = |i: usize| {
+            let elapsed_s = i as f64 * width_s;
+            let driven = if gain == 0.0 { 0.0 } else { gain * self.input.at(from_s + elapsed_s) };
+            offset + driven + slope * elapsed_s
+        };
+        (0..=count).map(value).collect()
+    }
+}
+
+/// Dead zone, gain asymmetry and saturation, one after the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Shape {
+    half_width: f64,
+    gamma: f64,
+    limit: f64,
+}
+
+impl Shape {
+    fn of(effects: &[Effect]) -> Self {
+        let mut shape = Self { half_width: 0.0, gamma: 0.0, limit: f64::INFINITY };
+        for effect in effects {
+            match *effect {
+                Effect::ActuatorDeadZone { half_width } => shape.half_width = half_width,
+                Effect::GainAsymmetry { gamma } => shape.gamma = gamma,
+                Effect::ActuatorSaturation { limit } => shape.limit = limit,
+                _ => {}
+            }
+        }
+        shape
+    }
+
+    /// Offset and gain where the input is u.
+    fn line(&self, u: f64) -> (f64, f64) {
+        if self.half_width > 0.0 && u.abs() <= self.half_width {
+            return (0.0, 0.0);
+        }
+        let side = u.signum();
+        let gain = 1.0 + side * self.gamma;
+        let offset = -side * self.half_width * gain;
+        if (offset + gain * u).abs() > self.limit {
+            (side * self.limit, 0.0)
+        } else {
+            (offset, gain)
+        }
+    }
+
+    /// Values of u at which the line changes.
+    fn levels(&self) -> Vec<f64> {
+        let mut levels = Vec::new();
+        if self.half_width > 0.0 {
+            levels.extend([-self.half_width, self.half_width]);
+        } else if self.gamma != 0.0 {
+            levels.push(0.0);
+        }
+        if self.limit.is_finite() {
+            let level =
+                |side: f64| side * (self.limit / (1.0 + side * self.gamma) + self.half_width);
+            levels.extend([level(-1.0), level(1.0)]);
+        }
+        levels
+    }
+
+    fn stretches(&self, input: &Input) -> Vec<Stretch> {
+        let period_s = input.period_s();
+        let levels = self.levels();
+        let mut bounds_s = vec![0.0];
+        if !levels.is_empty() {
+            let looks = (period_s / input.look_s()).round() as usize;
+            let time_s = |i: usize| period_s * i as f64 / looks as f64;
+            let values: Vec<f64> = (0..=looks).map(|i| input.at(time_s(i))).collect();
+            for (i, pair) in values.windows(2).enumerate() {
+                let mut crossed: Vec<f64> = levels
+                    .iter()
+                    .filter(|level| (pair[0] > **level) != (pair[1] > **level))
+                    .map(|level| {
+                        let changed = |t: f64| (input.at(t) > *level) != (pair[0] > *level);
+                        first_change(time_s(i), time_s(i + 1), changed)
+                    })
+                    .collect();
+                crossed.sort_by(f64::total_cmp);
+                bounds_s.extend(crossed);
+            }
+        }
+        bounds_s.push(period_s);
+        bounds_s.dedup_by(|later, earlier| *later - *earlier < 1e-13 * period_s);
+        if let Some(last) = bounds_s.last_mut() {
+            *last = period_s;
+        }
+        let stretch = |bounds: &[f64]| {
+            let (offset, gain) = self.line(input.at(0.5 * (bounds[0] + bounds[1])));
+            Stretch { from_s: bounds[0], to_s: bounds[1], offset, gain, slope: 0.0 }
+        };
+        bounds_s.windows(2).map(stretch).collect()
+    }
+}
+
+/// The instant at which `changed` becomes true; it is at `to_s`.
+pub(super) fn first_change(from_s: f64, to_s: f64, changed: impl Fn(f64) -> bool) -> f64 {
+    let (mut before, mut after) = (from_s, to_s);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (before + after);
+        if changed(middle) {
+            after = middle;
+        } else {
+            before = middle;
+        }
+    }
+    after
+}

@@ -3,8 +3,9 @@
 use indexmap::IndexMap;
 
 use crate::answers::{
-    Correlations, Fit, Identification, IdentifyOptions, Method, NoiseSource, OrderCandidate,
-    OrderChoice, ParameterEstimate, Provenance, Stage, TransferFunction,
+    ComparedExperiment, ComparedHarmonic, Comparison, Correlations, Fit, Identification,
+    IdentifyOptions, Method, NoiseSource, OrderCandidate, OrderChoice, ParameterEstimate,
+    Provenance, Stage, TransferFunction,
 };
 
 /// G1 of the paper as an adequate answer, with a lower friction level that the
@@ -90,5 +91,41 @@ fn stage(name: &str, evaluations: u64, seconds: f64, cost: f64) -> Stage {
         cost,
         parameters: IndexMap::from([("pole".to_owned(), -10.02)]),
         stop_reason: "the cost no longer changes".into(),
+    }
+}
+
+/// Three magnitudes at six frequencies of an axis that loses a share of its
+/// amplitude to friction, harmonics 0 to 3, measured with a slight excess.
+pub(crate) fn comparison() -> Comparison {
+    let experiment = |index: usize, magnitude: f64, omega_rad_s: f64| {
+        let harmonic = |order: usize| {
+            let slow = 1.0 + omega_rad_s / 10.0;
+            let size = magnitude / (slow * (1.0 + (order * order) as f64));
+            let [re, im] = if order == 0 { [-0.02 * size, 0.0] } else { [size, -0.4 * size] };
+            ComparedHarmonic {
+                order,
+                input: [if order == 1 { magnitude } else { 0.0 }, 0.0],
+                measured: [1.01 * re, 1.01 * im],
+                simulated: [re, im],
+                std: 0.002,
+            }
+        };
+        ComparedExperiment {
+            experiment: index,
+            magnitude,
+            omega_rad_s,
+            run: Some(index as f64),
+            harmonics: (0..4).map(harmonic).collect(),
+        }
+    };
+    let design = [1.0, 2.0, 4.0].into_iter();
+    let design = design.flat_map(|m| [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].map(|omega| (m, omega)));
+    Comparison {
+        input_unit: "A".into(),
+        response_unit: "rad/s".into(),
+        response_quantity: "velocity".into(),
+        std_estimated: false,
+        experiments: design.enumerate().map(|(i, (m, w))| experiment(i, m, w)).collect(),
+        unanswered: Vec::new(),
     }
 }

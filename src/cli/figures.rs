@@ -8,6 +8,7 @@ use super::Failure;
 
 /// Arguments of every command that can draw its answer.
 #[derive(Debug, Default, clap::Args)]
+#[group(skip)]
 pub(super) struct Args {
     /// Draws the answer: writes bode.svg, spectrum.svg … into this folder.
     #[arg(long = "figures", value_name = "DIR")]

@@ -3,9 +3,9 @@
 use indexmap::IndexMap;
 
 use crate::answers::{
-    ComparedExperiment, ComparedHarmonic, Comparison, Correlations, Fit, Identification,
-    IdentifyOptions, Method, NoiseSource, OrderCandidate, OrderChoice, ParameterEstimate,
-    Provenance, Stage, TransferFunction,
+    ComparedExperiment, ComparedHarmonic, Comparison, Correlations, Discrepancy, Fit,
+    Identification, IdentifyOptions, Method, NoiseSource, OrderCandidate, OrderChoice,
+    ParameterEstimate, Pattern, Provenance, Stage, TransferFunction,
 };
 
 /// G1 of the paper as an adequate answer, with a lower friction level that the
@@ -127,5 +127,47 @@ pub(crate) fn comparison() -> Comparison {
         std_estimated: false,
         experiments: design.enumerate().map(|(i, (m, w))| experiment(i, m, w)).collect(),
         unanswered: Vec::new(),
+    }
+}
+
+/// A pattern that reaches over everything.
+pub(crate) fn pattern(sentence: &str) -> Pattern {
+    Pattern {
+        magnitudes: None,
+        frequencies_hz: None,
+        harmonics: Vec::new(),
+        runs: None,
+        count: 12,
+        rms_sigmas: 9.0,
+        rms_response: 0.02,
+        relative_size: Some(0.01),
+        phase_deg: None,
+        share: 0.4,
+        sentence: sentence.to_owned(),
+    }
+}
+
+/// Three patterns of [`comparison`] that overlap.
+pub(crate) fn discrepancy() -> Discrepancy {
+    let high = Pattern {
+        magnitudes: Some([4.0, 4.0]),
+        frequencies_hz: Some([0.3, 3.0]),
+        harmonics: vec![1],
+        ..pattern("At 4 A from 0.3 to 3 Hz the fundamental is 1 % larger than simulated (9 σ).")
+    };
+    let odd = Pattern {
+        harmonics: vec![1, 3],
+        ..pattern("At every magnitude the odd harmonics are larger than simulated.")
+    };
+    let late = Pattern { runs: Some([10.0, 17.0]), ..pattern("It grows with the run.") };
+    Discrepancy {
+        sentence: "The simulation is wrong in the fundamental at the largest magnitude.".into(),
+        noise_like: false,
+        tests: Vec::new(),
+        patterns: vec![high, odd, late],
+        by_magnitude: Vec::new(),
+        by_frequency: Vec::new(),
+        by_harmonic: Vec::new(),
+        by_run: Vec::new(),
     }
 }

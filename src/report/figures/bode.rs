@@ -22,6 +22,10 @@ const BELOW_MEASURED_DB: f64 = 20.0;
 /// Points above which markers are small and have no hints.
 const FEW_POINTS: usize = 300;
 
+/// Most that the phase of an axis and its actuator turns over a band, degrees:
+/// beyond it, noise was counted as turns.
+const MOST_TURNED_DEG: f64 = 720.0;
+
 /// Branch of the first phase: its middle, degrees. Position, velocity and
 /// acceleration of an axis all begin within half a turn of it.
 const FIRST_BRANCH_DEG: f64 = -90.0;
@@ -58,13 +62,12 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let title = format!("Frequency response from input to {quantity}");
     let mut canvas = Canvas::new("bode", &title, &says(&curves), curves.len());
     let rests = curves.iter().flat_map(|curve| &curve.points).any(|p| p.measured.is_none());
-    let last = format!("s{}", curves.len() - 1);
     let mut keys = vec![
-        Key::new(Look::Marker(Marker::Circle), &last, "measured"),
-        Key::new(Look::Line("line"), &last, "simulated"),
+        Key::new(Look::Marker(Marker::Circle), "key", "measured"),
+        Key::new(Look::Line("line"), "key", "simulated"),
     ];
     if rests {
-        keys.push(Key::new(Look::Beyond, &last, "measured, no motion above the noise"));
+        keys.push(Key::new(Look::Beyond, "key", "measured, no motion above the noise"));
     }
     legend(&mut canvas, &keys);
     panels(&mut canvas, comparison, &curves, points <= FEW_POINTS);
@@ -82,8 +85,8 @@ fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], few: b
     let phases = |of: fn(&Point) -> Option<Ratio>| every().filter_map(of).map(|r| r.phase_deg);
     let [lowest, _] = range(gains(|p| p.measured));
     let simulated = gains(|p| p.simulated).filter(|gain| *gain > lowest - BELOW_MEASURED_DB);
-    let gain_range = padded(gains(|p| p.measured).chain(simulated), 0.06);
-    let phase_range = padded(phases(|p| p.measured).chain(phases(|p| p.simulated)), 0.06);
+    let gain_range = padded(gains(|p| p.measured).chain(simulated), 0.06, 1.0);
+    let phase_range = padded(phases(|p| p.measured).chain(phases(|p| p.simulated)), 0.06, 5.0);
 
     let top = canvas.y + 22.0;
     let bottom = top + GAIN_HEIGHT;
@@ -120,8 +123,11 @@ fn trace(canvas: &mut Canvas, panel: &Panel, curves: &[Curve], few: bool, value:
         canvas.close();
     }
     for (index, curve) in curves.iter().enumerate() {
-        let (shape, radius) = if few { (Marker::of(index), 3.2) } else { (Marker::Circle, 1.8) };
-        canvas.open(&format!("s{index} measured data"));
+        let (look, shape, radius) = match few {
+            true => ("measured", Marker::of(index), 3.2),
+            false => ("dense", Marker::Circle, 1.7),
+        };
+        canvas.open(&format!("s{index} {look} data"));
         for point in &curve.points {
             let Some(ratio) = point.measured else { continue };
             let Some(place) = panel.at(point.frequency_hz, value(ratio)) else { continue };
@@ -211,8 +217,8 @@ fn says(curves: &[Curve]) -> String {
             let half = number(departures[departures.len() / 2], 2);
             let (gain, phase) = (number(gain, 2), number(phase, 2));
             format!(
-                "Half of the simulated gains lie within {half} dB of the measured ones; \
-                 the worst is {gain} dB and {phase}° off ({place})."
+                "Half of the simulated gains are within {half} dB; the worst is {gain} dB and \
+                 {phase}° off, at {place}."
             )
         }
     }
@@ -262,19 +268,29 @@ fn ratio(response: [f64; 2], input: [f64; 2]) -> Option<Ratio> {
 /// Takes whole turns out of the phases: the simulated curve follows itself, the
 /// measured points follow the simulated curve, which has no noise.
 fn unwrap(curve: &mut Curve) {
+    follow(curve, true);
+    let phases = curve.points.iter().filter_map(|point| point.simulated.or(point.measured));
+    let [low, high] = range(phases.map(|ratio| ratio.phase_deg));
+    if high - low > MOST_TURNED_DEG {
+        follow(curve, false);
+    }
+}
+
+/// Moves every phase by whole turns towards its predecessor, or all towards the
+/// branch of the first.
+fn follow(curve: &mut Curve, predecessor: bool) {
     let near = |phase: f64, reference: f64| phase - 360.0 * ((phase - reference) / 360.0).round();
     let mut previous = FIRST_BRANCH_DEG;
     for point in &mut curve.points {
-        if let Some(simulated) = &mut point.simulated {
-            simulated.phase_deg = near(simulated.phase_deg, previous);
-            previous = simulated.phase_deg;
-        }
-        if let Some(measured) = &mut point.measured {
-            measured.phase_deg = near(measured.phase_deg, previous);
-            if point.simulated.is_none() {
-                previous = measured.phase_deg;
+        let mut turn = |ratio: &mut Ratio, leads: bool| {
+            ratio.phase_deg = near(ratio.phase_deg, previous);
+            if predecessor && leads {
+                previous = ratio.phase_deg;
             }
-        }
+        };
+        let answers = point.simulated.is_some();
+        point.simulated.iter_mut().for_each(|ratio| turn(ratio, true));
+        point.measured.iter_mut().for_each(|ratio| turn(ratio, !answers));
     }
 }
 

@@ -129,11 +129,6 @@ impl Canvas {
         self.description.push_str(sentence);
     }
 
-    pub fn push(&mut self, element: impl Display) {
-        // Writing to a string cannot fail.
-        let _ = write!(self.body, "{element}");
-    }
-
     /// Begins a group of this class.
     pub fn open(&mut self, class: &str) {
         let _ = write!(self.body, "<g class=\"{class}\">");

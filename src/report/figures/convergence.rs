@@ -50,7 +50,7 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
             let text = if order.is_empty() {
                 "best so far".to_owned()
             } else {
-                format!("best so far, actuator {order}")
+                format!("best so far, {order}")
             };
             Key::new(Look::Line("line"), format!("s{i}"), text)
         })
@@ -58,12 +58,16 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let has_means =
         stages.iter().flat_map(|s| &s.traces).flat_map(|t| &t.rows).any(|row| row.mean.is_some());
     if has_means {
-        let text = "dashed: mean of the colony, or training loss of the network";
+        let text = "mean of the colony, training loss of the network";
         keys.push(Key::new(Look::Line("thin"), "key", text));
     }
     let dof = subject.identification.filter(|_| chi2).map(|a| a.fit.dof as f64);
     if dof.is_some_and(|dof| dof > 0.0) {
         keys.push(Key::new(Look::Line("floor"), "key", "what noise alone leaves"));
+    }
+    if let Some(stage) = stages.iter().find(|stage| is_point(stage)) {
+        let text = capitalised(stage.name).to_lowercase();
+        keys.push(Key::new(Look::Marker(Marker::Diamond), "key", text));
     }
     legend(&mut canvas, &keys);
     let cost = if chi2 { "Cost χ² (–)" } else { "Cost (–)" };
@@ -98,11 +102,12 @@ fn stages(rows: &[ConvergenceRow]) -> (Vec<&str>, Vec<Stage<'_>>) {
     (orders, stages)
 }
 
+/// Whether a stage is a single evaluation: a point, shown where the next begins.
+fn is_point(stage: &Stage<'_>) -> bool {
+    stage.name != NETWORK && stage.traces.iter().all(|trace| trace.rows.len() == 1)
+}
+
 fn panels(canvas: &mut Canvas, stages: &[Stage<'_>], cost: &str, noise: Option<f64>) {
-    // A stage of a single row a trace is a point, shown where the next begins.
-    let is_point = |stage: &Stage<'_>| {
-        stages.len() > 1 && stage.name != NETWORK && stage.traces.iter().all(|t| t.rows.len() == 1)
-    };
     let (points, panels): (Vec<&Stage<'_>>, Vec<_>) = stages.iter().partition(|s| is_point(s));
     let (points, panels) = if panels.iter().any(|stage| stage.name != NETWORK) {
         (points, panels)
@@ -145,10 +150,6 @@ fn panels(canvas: &mut Canvas, stages: &[Stage<'_>], cost: &str, noise: Option<f
             starts(canvas, &panel, &points);
         }
         canvas.y = bottom + 44.0;
-    }
-    for stage in points {
-        let name = capitalised(stage.name);
-        canvas.note(&format!("{name}: the mark at 0 evaluations, before the search begins."));
     }
 }
 
@@ -228,7 +229,7 @@ fn says(subject: &Subject<'_>) -> String {
     let taken = order
         .map_or_else(String::new, |o| format!(" Actuator order {} was taken.", o.actuator_order));
     format!(
-        "{} of the whole measurement in {} s; the last stage ended because: {}.{taken}",
+        "{} of the measurement in {} s; ended: {}.{taken}",
         counted(evaluations as usize, "simulation", "simulations"),
         number(seconds, 2),
         answer.stop_reason

@@ -24,6 +24,9 @@ const STEPS: usize = 40;
 /// Magnitudes whose range of velocity is shown.
 const MOST_RANGES: usize = 8;
 
+/// Class of what the model says: no magnitude's colour.
+const MODEL: &str = "model";
+
 /// One direction of motion.
 struct Side {
     /// 1: positive velocity; −1: negative.
@@ -59,20 +62,22 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let unit = input_unit(answer, comparison);
     let says = says(answer, &viscous, &sides, &unit);
     let title = "Friction torque over velocity";
-    let mut canvas = Canvas::new("friction", title, &says, groups.len() + 1);
-    let model = format!("s{}", groups.len());
+    let mut canvas = Canvas::new("friction", title, &says, groups.len());
     let mut keys = vec![
-        Key::new(Look::Line("line"), &model, "dry and viscous friction of the model"),
-        Key::new(Look::Area, &model, "95 % band"),
+        Key::new(Look::Line("line"), MODEL, "dry and viscous friction of the model"),
+        Key::new(Look::Area, MODEL, "95 % band"),
     ];
     if sides.iter().any(|side| side.static_level.is_some()) {
-        keys.push(Key::new(Look::Marker(Marker::Diamond), &model, "static level"));
+        keys.push(Key::new(Look::Marker(Marker::Diamond), MODEL, "static level"));
     }
     legend(&mut canvas, &keys);
     let top = canvas.y + 22.0;
     let reach = reach(&sides, &viscous, &ranges);
-    let span =
-        if sides.len() == 2 { [-reach, reach] } else { padded([0.0, sides[0].sign * reach], 0.05) };
+    let span = if sides.len() == 2 {
+        [-reach, reach]
+    } else {
+        padded([0.0, sides[0].sign * reach], 0.05, 0.0)
+    };
     let x = Scale::linear(span, [LEFT, RIGHT]);
     let bottom = top + HEIGHT;
     let covered: Vec<([f64; 2], &Side)> = sides
@@ -81,11 +86,11 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
         .collect();
     let statics = sides.iter().filter_map(|side| Some(side.sign * side.static_level?));
     let torques = covered.iter().map(|(point, _)| point[1]).chain(statics).chain([0.0]);
-    let y = Scale::linear(padded(torques, 0.1), [bottom, top]);
+    let y = Scale::linear(padded(torques, 0.1, 0.0), [bottom, top]);
     let panel = Panel { x, y, left: LEFT, top, right: RIGHT, bottom };
     let velocity = velocity_unit(comparison);
     let x_name = format!("Velocity ({velocity})");
-    let y_name = text::shorten(&format!("Friction torque ({unit})"), 11.5, 400.0);
+    let y_name = format!("Friction torque ({})", unit_or(&unit, "input units"));
     let x_name = if ranges.is_empty() { x_name.as_str() } else { "" };
     panel.draw(
         &mut canvas,
@@ -94,9 +99,15 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     );
     axes(&mut canvas, &panel);
     for side in &sides {
-        curve(&mut canvas, &panel, answer, side, &viscous, reach, &model);
+        curve(&mut canvas, &panel, answer, side, &viscous, reach);
     }
-    names(&mut canvas, &panel, &sides, &model, &unit);
+    names(&mut canvas, &panel, &sides, &unit);
+    let per_velocity = if unit.is_empty() {
+        String::new()
+    } else {
+        text::shorten(&format!("{unit}/{}", in_fraction(&velocity)), 12.0, 90.0)
+    };
+    slope(&mut canvas, &panel, &sides, &viscous, reach, &per_velocity);
     canvas.y = bottom + if ranges.is_empty() { 44.0 } else { 12.0 };
     if let Some(comparison) = comparison.filter(|_| !ranges.is_empty()) {
         extents(&mut canvas, &panel, &groups, &ranges, comparison, &velocity);
@@ -235,11 +246,10 @@ fn curve(
     side: &Side,
     viscous: &Viscous,
     reach: f64,
-    class: &str,
 ) {
     let area = band(answer, side, viscous, reach);
     let area: Vec<[f64; 2]> = area.iter().filter_map(|[v, t]| panel.at(*v, *t)).collect();
-    canvas.open_clipped(class, panel.sides());
+    canvas.open_clipped(MODEL, panel.sides());
     canvas.area("band", &area);
     // From rest: whatever value holds the axis, up to the static level.
     let breakaway = side.static_level.unwrap_or(side.level).max(side.level);
@@ -255,26 +265,46 @@ fn curve(
     );
     canvas.close();
     if let Some(place) = side.static_level.and_then(|level| panel.at(0.0, side.sign * level)) {
-        canvas.open(&format!("{class} measured"));
+        canvas.open(&format!("{MODEL} measured"));
         canvas.marker(Marker::Diamond, place, 4.2, "static level");
         canvas.close();
     }
 }
 
 /// Names the levels where the curve leaves rest.
-fn names(canvas: &mut Canvas, panel: &Panel, sides: &[Side], class: &str, unit: &str) {
+fn names(canvas: &mut Canvas, panel: &Panel, sides: &[Side], unit: &str) {
     for side in sides {
         let Some([x, y]) = panel.at(0.0, side.sign * side.level) else { continue };
-        let label = format!("{} {}", side.name, text::quantity(side.level, 3, unit));
+        let label = format!("{} = {}", side.name, text::quantity(side.level, 3, unit));
         // On the side where the curve is not.
         let (anchor, x) = match side.sign > 0.0 {
             true => (Anchor::End, x - 10.0),
             false => (Anchor::Start, x + 10.0),
         };
-        canvas.open(class);
+        // Clear of the axis, where a level is small.
+        let y = y - 4.0 * side.sign;
+        canvas.open(MODEL);
         canvas.text(x, y + 4.0, LABEL, anchor, &label);
         canvas.close();
     }
+}
+
+/// Names the slope below the branch of positive velocity, which it leaves free.
+fn slope(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    sides: &[Side],
+    viscous: &Viscous,
+    reach: f64,
+    unit: &str,
+) {
+    let Some(side) = sides.iter().find(|side| side.sign > 0.0) else { return };
+    let v = 0.55 * reach;
+    let Some([x, y]) = panel.at(v, side.level + viscous.slope * v) else { return };
+    canvas.open(MODEL);
+    let label = format!("slope a/K = {}", text::quantity(viscous.slope, 3, unit));
+    canvas.text(x + 8.0, (y + 20.0).min(panel.bottom - 8.0), LABEL, Anchor::Start, &label);
+    canvas.close();
 }
 
 /// The velocities each magnitude reached, as bars below.
@@ -354,7 +384,7 @@ fn input_unit(answer: &Identification, comparison: Option<&Comparison>) -> Strin
         level.map(|estimate| estimate.unit.clone()).unwrap_or_default()
     };
     let unit = comparison.map_or_else(of_level, |comparison| comparison.input_unit.clone());
-    text::shorten(unit_or(&unit, "input units"), 12.0, 80.0)
+    text::shorten(&unit, 12.0, 80.0)
 }
 
 fn velocity_unit(comparison: Option<&Comparison>) -> String {
@@ -382,12 +412,10 @@ fn says(answer: &Identification, viscous: &Viscous, sides: &[Side], unit: &str) 
         }
         _ => number(value, 4),
     };
-    let levels = sides
-        .iter()
-        .map(|side| format!("{} {} {unit}", side.name, with_band(side.level, side.level_std)));
-    let levels = levels.collect::<Vec<_>>().join(", ");
-    format!(
-        "{levels}; viscous a/K {} {unit} per unit of velocity (± 95 %).",
-        with_band(viscous.slope, viscous.std)
-    )
+    let space = if unit.is_empty() { "" } else { " " };
+    let level = |side: &Side| {
+        format!("{} = {}{space}{unit}", side.name, with_band(side.level, side.level_std))
+    };
+    let levels = sides.iter().map(level).collect::<Vec<_>>().join(", ");
+    format!("{levels}; viscous a/K = {} (± 95 %).", with_band(viscous.slope, viscous.std))
 }

@@ -4,12 +4,6 @@ use super::canvas::{AXIS, Anchor, Canvas, Font, HEADING, MARGIN, Marker, NOTE, T
 use super::scale::{Scale, Tick};
 use super::text;
 
-/// Height above a panel for what its vertical axis shows.
-pub(super) const ABOVE: f64 = 20.0;
-
-/// Height below a panel for numbers and name of its horizontal axis.
-pub(super) const BELOW: f64 = 40.0;
-
 /// Where a panel stands, and its scales.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Panel {
@@ -85,9 +79,9 @@ impl Panel {
             let begin = if naming.heading.is_empty() { left - 40.0 } else { left };
             let begin = begin.max(MARGIN);
             canvas.text(begin, y, AXIS, Anchor::Start, naming.y);
-            y -= 16.0;
         }
         if !naming.heading.is_empty() {
+            y -= 16.0;
             let heading = text::shorten(naming.heading, HEADING.size, right - left + 12.0);
             canvas.text(left, y, HEADING, Anchor::Start, &heading);
         }

@@ -106,12 +106,14 @@ impl Scale {
                 clear
             })
         };
-        let labelled =
-            |ticks: &[Tick]| ticks.iter().filter(|tick| !tick.label.is_empty()).count() >= 2;
         if self.kind == Kind::Log {
-            for within in [&[1.0, 2.0, 3.0, 5.0, 7.0][..], DECIMAL, &[1.0, 3.0], &[1.0]] {
-                let ticks = self.within_decades(within);
-                if labelled(&ticks) && fits(&ticks) {
+            // The plainest first; only a short axis needs more numbers than 1, 2 and 5.
+            let enough = |ticks: &[Tick], least: usize| ticks.len() >= least && fits(ticks);
+            let choices =
+                [(DECIMAL, 4), (&[1.0, 2.0, 3.0, 5.0, 7.0][..], 4), (&[1.0, 3.0], 3), (&[1.0], 2)];
+            for (factors, least) in choices {
+                let ticks = self.within_decades(factors);
+                if enough(&ticks, least) {
                     return ticks;
                 }
             }
@@ -215,10 +217,11 @@ fn power_of_ten(power: i32) -> String {
     }
 }
 
-/// The range of values, widened by a share of itself at both ends.
-pub(super) fn padded(values: impl IntoIterator<Item = f64>, share: f64) -> [f64; 2] {
+/// The range of values, widened by a share of itself at both ends, and to
+/// `least` at least: what hardly varies is not blown up.
+pub(super) fn padded(values: impl IntoIterator<Item = f64>, share: f64, least: f64) -> [f64; 2] {
     let [low, high] = range(values);
-    let pad = (share * (high - low)).max(1e-9 * low.abs().max(high.abs()));
+    let pad = (share * (high - low)).max(0.5 * (least - (high - low)));
     [low - pad, high + pad]
 }
 
@@ -252,13 +255,15 @@ mod tests {
         let wide = Scale::log([0.1, 100.0], [0.0, 600.0]);
         assert_eq!(
             labels(&wide.horizontal_ticks(11.0)),
-            [
-                "0.1", "0.2", "0.3", "0.5", "0.7", "1", "2", "3", "5", "7", "10", "20", "30", "50",
-                "70", "100"
-            ]
+            ["0.1", "0.2", "0.5", "1", "2", "5", "10", "20", "50", "100"]
         );
         let narrow = Scale::log([0.1, 100.0], [0.0, 200.0]);
-        assert_eq!(labels(&narrow.horizontal_ticks(11.0)), ["0.1", "1", "10", "100"]);
+        assert_eq!(
+            labels(&narrow.horizontal_ticks(11.0)),
+            ["0.1", "0.3", "1", "3", "10", "30", "100"]
+        );
+        let short = Scale::log([0.1, 100.0], [0.0, 120.0]);
+        assert_eq!(labels(&short.horizontal_ticks(11.0)), ["0.1", "1", "10", "100"]);
         let one = Scale::log([11.0, 14.0], [0.0, 600.0]);
         assert!(one.horizontal_ticks(11.0).len() > 3);
     }

@@ -6,8 +6,8 @@ use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
 
 use super::text;
 
-/// Share of the largest line of an input above which a line counts as excited.
-const EXCITED_SHARE: f64 = 0.02;
+/// Share of the power of an input that its excited lines carry.
+const EXCITED_POWER: f64 = 0.995;
 
 /// Excited lines above which an experiment is a record of many lines.
 const FEW_LINES: usize = 3;
@@ -55,11 +55,22 @@ pub(super) fn frequency_hz(experiment: &ComparedExperiment, order: usize) -> f64
     experiment.omega_rad_s * order as f64 / TAU
 }
 
-/// Excited harmonics of an experiment.
+/// Excited harmonics of an experiment, ascending: the strongest lines of its
+/// input, as many as carry nearly all its power. What an amplifier adds between
+/// and beyond them is too weak for a ratio of response to input.
 pub(super) fn excited(experiment: &ComparedExperiment) -> Vec<&ComparedHarmonic> {
-    let lines = experiment.harmonics.iter().filter(|h| h.order > 0);
-    let largest = lines.clone().map(|h| size(h.input)).fold(0.0, f64::max);
-    lines.filter(|h| largest > 0.0 && size(h.input) > EXCITED_SHARE * largest).collect()
+    let mut lines: Vec<&ComparedHarmonic> =
+        experiment.harmonics.iter().filter(|h| h.order > 0 && size(h.input) > 0.0).collect();
+    lines.sort_by(|a, b| size(b.input).total_cmp(&size(a.input)));
+    let power: f64 = lines.iter().map(|h| size(h.input).powi(2)).sum();
+    let mut carried = 0.0;
+    lines.retain(|h| {
+        let wanted = carried < EXCITED_POWER * power;
+        carried += size(h.input).powi(2);
+        wanted
+    });
+    lines.sort_by_key(|h| h.order);
+    lines
 }
 
 /// Whether the comparison is of records whose input has many lines.
@@ -101,7 +112,11 @@ pub(super) fn unit_or<'a>(unit: &'a str, words: &'a str) -> &'a str {
 
 /// A magnitude as a label.
 pub(super) fn magnitude_label(magnitude: f64, comparison: &Comparison) -> String {
-    text::quantity(magnitude, 3, &text::shorten(&comparison.input_unit, 12.0, 40.0))
+    match comparison.input_unit.as_str() {
+        // A bare number would not say what it is the number of.
+        "" => format!("m = {}", text::number(magnitude, 3)),
+        unit => text::quantity(magnitude, 3, &text::shorten(unit, 12.0, 30.0)),
+    }
 }
 
 /// `count` things with the right form of the word.

@@ -15,7 +15,7 @@ use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
 const MOST_PANELS: usize = 4;
 
 /// Decades shown below the largest amplitude, at most.
-const MOST_DECADES: f64 = 8.0;
+const MOST_DECADES: f64 = 10.0;
 
 const LEFT: f64 = 64.0;
 
@@ -42,15 +42,12 @@ fn amplitudes<'a>(harmonics: impl Iterator<Item = &'a ComparedHarmonic>) -> [f64
 
 fn amplitude_name(comparison: &Comparison) -> String {
     let unit = unit_or(&comparison.response_unit, "response units");
-    text::shorten(&format!("Amplitude |Yₖ| ({unit})"), 11.5, 170.0)
+    text::shorten(&format!("Amplitude ({unit})"), 11.5, 200.0)
 }
 
 fn keys(comparison: &Comparison) -> Vec<Key> {
-    let noise = if comparison.std_estimated {
-        "standard deviation, estimated from the residual"
-    } else {
-        "standard deviation of the noise"
-    };
+    let noise =
+        if comparison.std_estimated { "std, estimated from the residual" } else { "noise (std)" };
     vec![
         Key::new(Look::Marker(Marker::Circle), "key", "measured"),
         Key::new(Look::Line("bar"), "key", "simulated"),
@@ -102,8 +99,12 @@ fn stepped(comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
         let magnitude = magnitude_label(experiment.magnitude, comparison);
         let frequency = number(frequency_hz(experiment, 1), 3);
         let heading = format!("{magnitude} at {frequency} Hz");
-        let naming =
-            Naming { heading: &heading, x: "Harmonic k (–)", y: &amplitude_name(comparison) };
+        // All share the axis: once a row says it.
+        let name = match place % columns {
+            0 => amplitude_name(comparison),
+            _ => String::new(),
+        };
+        let naming = Naming { heading: &heading, x: "Harmonic k (–)", y: &name };
         panel.draw_with(&mut canvas, &orders(&x, highest), &y.vertical_ticks(DECIMAL), naming);
         harmonics(&mut canvas, &panel, *index, experiment);
         canvas.y = bottom + 44.0;
@@ -132,11 +133,11 @@ fn harmonics(canvas: &mut Canvas, panel: &Panel, index: usize, experiment: &Comp
         Some([panel.at(k - half, value)?, panel.at(k + half, value)?])
     };
     canvas.open_clipped(&format!("s{index}"), panel.sides());
-    for harmonic in &experiment.harmonics {
-        if let Some([from, to]) = span(harmonic, harmonic.std, 0.5) {
-            canvas.line("floor", from, to);
-        }
-    }
+    let floor = experiment.harmonics.iter().flat_map(|h| match span(h, h.std, 0.5) {
+        Some(ends) => ends.map(Some),
+        None => [None; 2],
+    });
+    canvas.polyline("floor", floor);
     for harmonic in &experiment.harmonics {
         let value = size(harmonic.measured);
         if let Some([x, y]) = panel.at(harmonic.order as f64, value).filter(|_| lowest(value)) {
@@ -184,8 +185,8 @@ fn says(chosen: &[(usize, &ComparedExperiment)], comparison: &Comparison) -> Str
     match shares.max_by(|a, b| a.0.total_cmp(&b.0)) {
         None => "Nothing moved in these experiments.".to_owned(),
         Some((share, experiment)) => format!(
-            "Each magnitude at the frequency where its harmonics are largest. At {} they reach \
-             {} % of the fundamental.",
+            "Where they are largest at each magnitude. At {} the harmonics above the first reach \
+             {} % of it.",
             magnitude_label(experiment.magnitude, comparison),
             number(100.0 * share, 2)
         ),
@@ -202,14 +203,13 @@ fn records(comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
     let lines: usize = shown.iter().map(|e| e.harmonics.len()).sum();
     let input: usize = shown.iter().map(|e| excited(e).len()).sum();
     let subtitle = format!(
-        "{lines} harmonics compared, of which {input} are lines of the input; the others are the \
-         work of friction and of whatever else is not linear."
+        "{lines} harmonics, {input} of them lines of the input; the others show what is not linear."
     );
     let mut canvas = Canvas::new("spectrum", "Spectrum of the response", &subtitle, 2);
     let mut keys = vec![
-        Key::new(Look::Marker(Marker::Circle), "s1", "measured, lines of the input"),
-        Key::new(Look::Marker(Marker::Circle), "s0", "measured, other harmonics"),
-        Key::new(Look::Line("line"), "s1", "simulated, likewise"),
+        Key::new(Look::Marker(Marker::Circle), "s1", "measured at lines of the input"),
+        Key::new(Look::Marker(Marker::Circle), "s0", "at other harmonics"),
+        Key::new(Look::Line("line"), "s1", "simulated"),
     ];
     keys.extend(self::keys(comparison).pop());
     legend(&mut canvas, &keys);
@@ -250,9 +250,15 @@ fn record(
     let lines = excited(experiment);
     let is_line = |h: &ComparedHarmonic| lines.iter().any(|line| line.order == h.order);
     let (input, other): (Vec<&ComparedHarmonic>, Vec<_>) = shown.iter().partition(|h| is_line(h));
-    let radius = if shown.len() > 300 { 1.7 } else { 2.6 };
-    for (class, harmonics) in [("s0", &other), ("s1", &input)] {
-        canvas.open_clipped(&format!("{class} measured data"), panel.sides());
+    for (class, look, harmonics) in [("s0", "faint", &other), ("s1", "line", &input)] {
+        canvas.open_clipped(class, panel.sides());
+        let line = with_gaps(harmonics).map(|h| h.and_then(|h| place(h, size(h.simulated))));
+        canvas.polyline(look, line);
+        canvas.close();
+    }
+    let radius = if shown.len() > 300 { 1.7 } else { 2.4 };
+    for (class, harmonics) in [("s0", other), ("s1", input)] {
+        canvas.open_clipped(&format!("{class} dense data"), panel.sides());
         for harmonic in harmonics {
             if let Some(at) = place(harmonic, size(harmonic.measured)) {
                 canvas.marker(Marker::Circle, at, radius, "");
@@ -260,13 +266,21 @@ fn record(
         }
         canvas.close();
     }
-    for (class, harmonics) in [("s0", other), ("s1", input)] {
-        canvas.open_clipped(class, panel.sides());
-        canvas.polyline("line", harmonics.iter().map(|h| place(h, size(h.simulated))));
-        canvas.close();
-    }
     canvas.open_clipped("", panel.sides());
     canvas.polyline("floor", shown.iter().map(|h| place(h, h.std)));
     canvas.close();
     canvas.y = bottom + 44.0;
+}
+
+/// Harmonics with a break where many in a row are missing: a line across would
+/// claim what nobody simulated.
+fn with_gaps<'a>(
+    harmonics: &[&'a ComparedHarmonic],
+) -> impl Iterator<Item = Option<&'a ComparedHarmonic>> {
+    let mut previous: Option<usize> = None;
+    harmonics.iter().flat_map(move |harmonic| {
+        let gap = previous.is_some_and(|before| harmonic.order > before + 4 + before / 4);
+        previous = Some(harmonic.order);
+        gap.then_some(None).into_iter().chain([Some(*harmonic)])
+    })
 }

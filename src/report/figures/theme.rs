@@ -115,6 +115,7 @@ impl Palette {
             (".rest>*".into(), format!("fill:{}", self.background)),
             (".halo".into(), format!("stroke:{}", self.background)),
             (".key".into(), format!("color:{}", self.muted)),
+            (".model".into(), format!("color:{}", self.text)),
             (".shade".into(), format!("fill:{}", self.grid)),
         ];
         rules.extend(
@@ -144,7 +145,7 @@ const SHAPES: &[(&str, &str)] = &[
     (".minor", "fill:none;stroke-width:1"),
     (".floor", "fill:none;stroke-width:1.2;stroke-dasharray:5 3"),
     (".ink", "fill:none;stroke-width:1.6;stroke-linecap:square"),
-    (".halo", "fill:none;stroke-width:4;stroke-linecap:square"),
+    (".halo", "fill:none;stroke-width:3.4;stroke-linecap:square"),
     (
         ".line",
         "fill:none;stroke:currentColor;stroke-width:1.7;stroke-linejoin:round;\
@@ -155,6 +156,8 @@ const SHAPES: &[(&str, &str)] = &[
     (".bar", "fill:none;stroke:currentColor;stroke-width:2.4"),
     (".band", "fill:currentColor;stroke:none;opacity:.22"),
     (".measured", "fill:currentColor;stroke-width:.9"),
+    (".dense", "fill:currentColor;stroke:none"),
+    (".faint", "fill:none;stroke:currentColor;stroke-width:1;opacity:.55"),
     (".rest>*", "stroke:currentColor;stroke-width:1.2"),
     (".label", "fill:currentColor;font-weight:600"),
     (".fill", "fill:currentColor"),

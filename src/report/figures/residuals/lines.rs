@@ -58,8 +58,8 @@ fn lines(experiment: &ComparedExperiment) -> impl Iterator<Item = (f64, f64)> {
 }
 
 fn points(canvas: &mut Canvas, panel: &Panel, series: usize, experiment: &ComparedExperiment) {
-    let radius = if experiment.harmonics.len() > 300 { 1.8 } else { 2.8 };
-    canvas.open(&format!("s{series} measured data"));
+    let radius = if experiment.harmonics.len() > 300 { 1.8 } else { 2.6 };
+    canvas.open(&format!("s{series} dense data"));
     for (frequency, size) in lines(experiment) {
         let Some([x, y]) = panel.at(frequency, size.max(1e-300)) else { continue };
         canvas.marker(Marker::Circle, [x, y.min(panel.bottom)], radius, "");

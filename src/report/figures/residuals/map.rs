@@ -42,18 +42,19 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
     let height = (WANTED_HEIGHT / rows.max(1) as f64).clamp(5.0, 24.0);
     let x = frequencies(&groups);
     canvas.text(LEFT - 8.0, canvas.y + 10.0, AXIS, Anchor::End, "Harmonic k (–)");
-    canvas.text(24.0, canvas.y + 10.0, AXIS, Anchor::Start, "");
     let mut y = canvas.y + 18.0;
     let mut blocks: Vec<Vec<Cell>> = Vec::new();
     // The largest magnitude on top, as in a diagram over magnitude.
     for (group, orders) in groups.iter().zip(&orders).rev() {
         let bottom = y + height * orders.len() as f64;
         let cells = cells(group, orders, &x, y, height, comparison);
-        canvas.rectangle("frame", [LEFT, y, RIGHT, bottom], "");
         canvas.open("cells");
         for cell in &cells {
             if let Some(size) = cell.sigmas {
-                canvas.rectangle(&class(size), cell.sides, &cell.hint);
+                let [left, top, right, bottom] = cell.sides;
+                // A hairline of background keeps neighbours apart.
+                let tile = [left + 0.5, top + 0.5, right - 0.5, bottom - 0.5];
+                canvas.rectangle(&class(size), tile, &cell.hint);
             }
         }
         canvas.close();
@@ -195,48 +196,61 @@ fn colours(canvas: &mut Canvas) {
     canvas.y = y + 46.0;
 }
 
-/// Outlines what belongs to each pattern and numbers it.
+/// Outlines what belongs to each pattern and numbers it in every block.
 fn mark(canvas: &mut Canvas, blocks: &[Vec<Cell>], patterns: &[Pattern]) {
-    let mut taken: Vec<[f64; 2]> = Vec::new();
+    let mut outlines = Vec::new();
+    let mut badges: Vec<(usize, [f64; 2])> = Vec::new();
     for (index, pattern) in patterns.iter().enumerate() {
-        let belongs = |cell: &Cell| {
-            within(pattern.magnitudes, cell.magnitude)
-                && within(pattern.frequencies_hz, cell.frequency_hz)
-                && (pattern.harmonics.is_empty() || pattern.harmonics.contains(&cell.order))
-                && pattern
-                    .runs
-                    .is_none_or(|runs| cell.run.is_some_and(|run| within(Some(runs), run)))
-        };
         // Outlines of patterns that overlap stand side by side, not on each other.
         let inset = 1.0 + 2.5 * (index % 3) as f64;
         let mut edges = Vec::new();
-        let mut corner: Option<[f64; 2]> = None;
         for block in blocks {
+            let cells: Vec<&Cell> = block.iter().filter(|c| belongs(pattern, c)).collect();
             let inside: BTreeSet<(usize, usize)> =
-                block.iter().filter(|c| belongs(c)).map(|c| (c.row, c.column)).collect();
-            for cell in block.iter().filter(|c| inside.contains(&(c.row, c.column))) {
-                edges.extend(outline(cell, &inside, inset));
-                let [left, top, ..] = cell.sides;
-                corner.get_or_insert([left, top]);
-            }
+                cells.iter().map(|c| (c.row, c.column)).collect();
+            edges.extend(cells.iter().flat_map(|cell| outline(cell, &inside, inset)));
+            let first = cells.iter().min_by_key(|cell| (cell.row, cell.column));
+            badges.extend(first.map(|cell| (index, free_place(cell, &badges))));
         }
-        for class in ["halo", "ink"] {
-            canvas.open("outline");
+        outlines.push(edges);
+    }
+    // Every outline on top of every halo, every number on top of every outline.
+    for class in ["halo", "ink"] {
+        canvas.open("outlines");
+        for edges in &outlines {
             let path = edges.iter().flat_map(|[from, to]| [Some(*from), Some(*to), None]);
             canvas.polyline(class, path);
-            canvas.close();
         }
-        if let Some([left, top]) = corner {
-            let mut place = [left + 9.0, top + 9.0];
-            while taken.iter().any(|other| {
-                (other[0] - place[0]).abs() < 18.0 && (other[1] - place[1]).abs() < 18.0
-            }) {
-                place[0] += 18.0;
-            }
-            taken.push(place);
-            badge(canvas, index, place);
-        }
+        canvas.close();
     }
+    for (index, place) in badges {
+        badge(canvas, index, place);
+    }
+}
+
+fn belongs(pattern: &Pattern, cell: &Cell) -> bool {
+    let of_run = |runs| cell.run.is_some_and(|run| within(Some(runs), run));
+    within(pattern.magnitudes, cell.magnitude)
+        && within(pattern.frequencies_hz, cell.frequency_hz)
+        && (pattern.harmonics.is_empty() || pattern.harmonics.contains(&cell.order))
+        && pattern.runs.is_none_or(of_run)
+}
+
+/// Where a number has room beside those there are: the corner of its cell, or
+/// right of it.
+fn free_place(cell: &Cell, badges: &[(usize, [f64; 2])]) -> [f64; 2] {
+    const APART: f64 = 18.0;
+    let [left, top, ..] = cell.sides;
+    let mut place = [left + 9.0, top + 9.0];
+    let taken = |place: [f64; 2]| {
+        badges.iter().any(|(_, other)| {
+            (other[0] - place[0]).abs() < APART && (other[1] - place[1]).abs() < APART
+        })
+    };
+    while taken(place) {
+        place[0] += APART;
+    }
+    place
 }
 
 /// The sides of a cell at which its pattern ends, moved inwards.

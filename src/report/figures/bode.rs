@@ -20,7 +20,7 @@ const PHASE_HEIGHT: f64 = 180.0;
 const BELOW_MEASURED_DB: f64 = 20.0;
 
 /// Points above which markers are small and have no hints.
-const FEW_POINTS: usize = 300;
+const FEW_POINTS: usize = 150;
 
 /// Most that the phase of an axis and its actuator turns over a band, degrees:
 /// beyond it, noise was counted as turns.
@@ -214,14 +214,19 @@ fn says(curves: &[Curve]) -> String {
     match worst {
         None => "Nothing moved, measured or simulated: every point is at rest.".to_owned(),
         Some((gain, phase, place)) => {
-            let half = number(departures[departures.len() / 2], 2);
-            let (gain, phase) = (number(gain, 2), number(phase, 2));
+            let half = rounded(departures[departures.len() / 2]);
+            let (gain, phase) = (rounded(gain), rounded(phase));
             format!(
                 "Half of the simulated gains are within {half} dB; the worst is {gain} dB and \
                  {phase}° off, at {place}."
             )
         }
     }
+}
+
+/// A departure with two digits, and none beyond what a plot could show.
+fn rounded(departure: f64) -> String {
+    number((departure * 1e3).round() / 1e3, 2)
 }
 
 fn curves(comparison: &Comparison) -> Vec<Curve> {

@@ -229,7 +229,7 @@ fn says(subject: &Subject<'_>) -> String {
     let taken = order
         .map_or_else(String::new, |o| format!(" Actuator order {} was taken.", o.actuator_order));
     format!(
-        "{} of the measurement in {} s; ended: {}.{taken}",
+        "{} of the measurement in {} s; end of the last stage: {}.{taken}",
         counted(evaluations as usize, "simulation", "simulations"),
         number(seconds, 2),
         answer.stop_reason

@@ -299,11 +299,15 @@ fn slope(
     unit: &str,
 ) {
     let Some(side) = sides.iter().find(|side| side.sign > 0.0) else { return };
-    let v = 0.55 * reach;
-    let Some([x, y]) = panel.at(v, side.level + viscous.slope * v) else { return };
-    canvas.open(MODEL);
     let label = format!("slope a/K = {}", text::quantity(viscous.slope, 3, unit));
-    canvas.text(x + 8.0, (y + 20.0).min(panel.bottom - 8.0), LABEL, Anchor::Start, &label);
+    let right = panel.right - 10.0;
+    let left = right - text::width(&label, LABEL.size);
+    let (Some(zero), Some(end)) = (panel.x.at(0.0), panel.x.at(reach)) else { return };
+    let v = reach * (left - zero) / (end - zero);
+    let Some(y) = panel.y.at(side.level + viscous.slope * v) else { return };
+    canvas.open(MODEL);
+    // Below the lowest point of the branch that the text passes.
+    canvas.text(right, (y + 18.0).min(panel.bottom - 8.0), LABEL, Anchor::End, &label);
     canvas.close();
 }
 
@@ -418,4 +422,59 @@ fn says(answer: &Identification, viscous: &Viscous, sides: &[Side], unit: &str) 
     };
     let levels = sides.iter().map(level).collect::<Vec<_>>().join(", ");
     format!("{levels}; viscous a/K = {} (± 95 %).", with_band(viscous.slope, viscous.std))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answers::ComparedHarmonic;
+    use crate::report::sample;
+
+    #[test]
+    fn velocities_follow_from_any_kind_of_response() {
+        // v = 2 cos ωt − 0.5 cos 3ωt.
+        let lines = [(1, 2.0), (3, -0.5)];
+        let omega: f64 = 7.0;
+        let experiment = |power: i32| ComparedExperiment {
+            experiment: 0,
+            magnitude: 1.0,
+            omega_rad_s: omega,
+            run: None,
+            harmonics: lines
+                .iter()
+                .map(|&(order, v)| {
+                    let s = order as f64 * omega;
+                    let measured = match power {
+                        1 => [0.0, -v / s],
+                        -1 => [0.0, v * s],
+                        _ => [v, 0.0],
+                    };
+                    let zero = [0.0; 2];
+                    ComparedHarmonic { order, input: zero, measured, simulated: zero, std: 1.0 }
+                })
+                .collect(),
+        };
+        let truth = (0..10_000).map(|i| {
+            let angle = TAU * f64::from(i) / 10_000.0;
+            2.0 * angle.cos() - 0.5 * (3.0 * angle).cos()
+        });
+        let [low, high] = range(truth);
+        for power in [0, 1, -1] {
+            let [from, to] = extremes(&experiment(power), power);
+            // A grid of 64 samples misses an extreme by (π/64)²/2 times its curvature, 7.
+            assert!((from - low).abs() < 0.02 && (to - high).abs() < 0.02, "{power}: {from} {to}");
+        }
+    }
+
+    #[test]
+    fn the_band_knows_that_pole_and_constant_go_together() {
+        let mut answer = sample::identification();
+        let gradient = gradient(&answer, None).unwrap();
+        let loose = deviation(&answer, &gradient, 1.0).unwrap();
+        // a/K with both terms of the same size: σ√2 without correlation, 0 with that of −1
+        // between pole (negative) and constant, which is what the sample nearly has.
+        answer.correlations.matrix = vec![vec![1.0, 0.0], vec![0.0, 1.0]];
+        let free = deviation(&answer, &gradient, 1.0).unwrap();
+        assert!(loose < 0.2 * free, "{loose} {free}");
+    }
 }

@@ -172,10 +172,17 @@ impl Scale {
         }
         let stride = (decades / room).ceil().max(1.0) as i32;
         let (first, last) = (self.low.ceil() as i32, self.high.floor() as i32);
+        // All as powers or all as numbers: mixed, the step is harder to see.
+        let plain = first >= -3 && last <= 3;
+        let written = |power: i32| match power {
+            0 | 1 => text::number(10.0_f64.powi(power), 1),
+            _ if plain => text::number(10.0_f64.powi(power), 1),
+            _ => format!("10{}", text::superscript(&power.to_string())),
+        };
         (first..=last)
             .filter_map(|power| {
                 let label =
-                    if power.rem_euclid(stride) == 0 { power_of_ten(power) } else { String::new() };
+                    if power.rem_euclid(stride) == 0 { written(power) } else { String::new() };
                 Some(Tick { px: self.at(10.0_f64.powi(power))?, label })
             })
             .collect()

@@ -7,7 +7,7 @@ use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
 use super::text;
 
 /// Share of the power of an input that its excited lines carry.
-const EXCITED_POWER: f64 = 0.995;
+const EXCITED_POWER: f64 = 0.99;
 
 /// Excited lines above which an experiment is a record of many lines.
 const FEW_LINES: usize = 3;

@@ -275,3 +275,24 @@ fn outline(cell: &Cell, inside: &BTreeSet<(usize, usize)>, inset: f64) -> Vec<[[
     .filter_map(|(ends, edge)| ends.then_some(edge))
     .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn experiment(omega_rad_s: f64) -> ComparedExperiment {
+        let harmonics = Vec::new();
+        ComparedExperiment { experiment: 0, magnitude: 1.0, omega_rad_s, run: None, harmonics }
+    }
+
+    #[test]
+    fn columns_meet_half_way_and_share_a_frequency_measured_twice() {
+        let experiments = [1.0, 4.0, 4.0, 16.0].map(|hz| experiment(std::f64::consts::TAU * hz));
+        let group = Group { magnitude: 1.0, experiments: experiments.iter().collect() };
+        let wanted = [[0.5, 2.0], [2.0, 4.0], [4.0, 8.0], [8.0, 32.0]];
+        for (got, wanted) in bounds(&group).iter().flatten().zip(wanted.iter().flatten()) {
+            // Rounding of a few roots and powers.
+            assert!((got / wanted - 1.0).abs() < 1e-12, "{got} {wanted}");
+        }
+    }
+}

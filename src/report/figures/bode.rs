@@ -4,8 +4,8 @@ use super::canvas::{Anchor, Canvas, LABEL, Marker, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, DEGREES, Scale, padded, range};
 use super::series::{
-    by_magnitude, excited, frequency_hz, has_many_lines, in_fraction, is_seen, largest_measured,
-    left_out, magnitude_label, size,
+    by_magnitude, excited, experiment_label, frequency_hz, has_many_lines, in_fraction, is_seen,
+    largest_measured, left_out, magnitude_label, size,
 };
 use super::text::{self, number};
 use super::{NothingToDraw, Subject, comparison};
@@ -84,13 +84,18 @@ fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], few: b
     let gains = |of: fn(&Point) -> Option<Ratio>| every().filter_map(of).map(|r| r.gain_db);
     let phases = |of: fn(&Point) -> Option<Ratio>| every().filter_map(of).map(|r| r.phase_deg);
     let [lowest, _] = range(gains(|p| p.measured));
-    let simulated = gains(|p| p.simulated).filter(|gain| *gain > lowest - BELOW_MEASURED_DB);
+    let floor = if lowest.is_finite() { lowest - BELOW_MEASURED_DB } else { f64::NEG_INFINITY };
+    let simulated = gains(|p| p.simulated).filter(|gain| *gain > floor);
+    // Where nothing moves there is nothing to take a range from.
+    let or_usual = |[low, high]: [f64; 2], usual: [f64; 2]| {
+        if low.is_finite() && high.is_finite() { [low, high] } else { usual }
+    };
     let gain_range = padded(gains(|p| p.measured).chain(simulated), 0.06, 1.0);
     let phase_range = padded(phases(|p| p.measured).chain(phases(|p| p.simulated)), 0.06, 5.0);
 
     let top = canvas.y + 22.0;
     let bottom = top + GAIN_HEIGHT;
-    let y = Scale::linear(gain_range, [bottom, top]);
+    let y = Scale::linear(or_usual(gain_range, [-40.0, 0.0]), [bottom, top]);
     let gain = Panel { x, y, left: LEFT, top, right: RIGHT, bottom };
     let input = comparison.input_unit.as_str();
     let response = comparison.response_unit.as_str();
@@ -107,7 +112,7 @@ fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], few: b
 
     let top = bottom + 34.0;
     let bottom = top + PHASE_HEIGHT;
-    let y = Scale::linear(phase_range, [bottom, top]);
+    let y = Scale::linear(or_usual(phase_range, [-180.0, 0.0]), [bottom, top]);
     let phase = Panel { x, y, left: LEFT, top, right: RIGHT, bottom };
     let naming = Naming { x: "Frequency (Hz)", y: "Phase (degrees)", ..Naming::default() };
     phase.draw(canvas, &y.vertical_ticks(DEGREES), naming);
@@ -120,6 +125,15 @@ fn trace(canvas: &mut Canvas, panel: &Panel, curves: &[Curve], few: bool, value:
         canvas.open_clipped(&format!("s{index} simulated"), panel.sides());
         let line = curve.points.iter();
         canvas.polyline("line", line.map(|p| panel.at(p.frequency_hz, value(p.simulated?))));
+        // A point without neighbours is no line: a dash stands for it.
+        for (i, point) in curve.points.iter().enumerate() {
+            let beside = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
+            let joined = beside.filter_map(|n| curve.points.get(n)).any(|p| p.simulated.is_some());
+            let Some(ratio) = point.simulated.filter(|_| !joined) else { continue };
+            if let Some([x, y]) = panel.at(point.frequency_hz, value(ratio)) {
+                canvas.line("line", [x - 8.0, y], [x + 8.0, y]);
+            }
+        }
         canvas.close();
     }
     for (index, curve) in curves.iter().enumerate() {
@@ -252,10 +266,7 @@ fn curves(comparison: &Comparison) -> Vec<Curve> {
             continue;
         }
         for experiment in &group.experiments {
-            let label = match group.experiments.len() {
-                1 => label.clone(),
-                _ => format!("{label}, no. {}", experiment.experiment + 1),
-            };
+            let label = experiment_label(experiment, comparison);
             let points = excited(experiment).into_iter().map(|h| point(experiment, h)).collect();
             curves.push(Curve { label, points });
         }

@@ -23,6 +23,9 @@ const GAP: f64 = 56.0;
 /// of a search may be wrong beyond measure.
 const MOST_DECADES: f64 = 9.0;
 
+/// Costs from here on stand for a model without a response.
+const NO_RESPONSE: f64 = 1e100;
+
 /// Rows of one stage at one actuator order.
 struct Trace<'a> {
     order: usize,
@@ -205,7 +208,7 @@ fn thinned<'a>(rows: &[&'a ConvergenceRow]) -> Vec<&'a ConvergenceRow> {
 
 /// A logarithmic range of costs with some space around them.
 fn limits(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let [low, high] = range(values.filter(|value| *value > 0.0));
+    let [low, high] = range(values.filter(|value| *value > 0.0 && *value < NO_RESPONSE));
     let high = high.min(low * 10.0_f64.powf(MOST_DECADES));
     let space = (high / low).powf(0.06).max(1.05);
     [low / space, high * space]
@@ -229,7 +232,7 @@ fn says(subject: &Subject<'_>) -> String {
     let taken = order
         .map_or_else(String::new, |o| format!(" Actuator order {} was taken.", o.actuator_order));
     format!(
-        "{} of the measurement in {} s; end of the last stage: {}.{taken}",
+        "{} in {} s; ended: {}.{taken}",
         counted(evaluations as usize, "simulation", "simulations"),
         number(seconds, 2),
         answer.stop_reason

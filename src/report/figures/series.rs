@@ -119,6 +119,19 @@ pub(super) fn magnitude_label(magnitude: f64, comparison: &Comparison) -> String
     }
 }
 
+/// An experiment as a label: its magnitude, and its number where others have
+/// the same.
+pub(super) fn experiment_label(experiment: &ComparedExperiment, comparison: &Comparison) -> String {
+    let magnitude = experiment.magnitude;
+    let label = magnitude_label(magnitude, comparison);
+    let same =
+        |other: &&ComparedExperiment| (other.magnitude - magnitude).abs() <= SAME * magnitude;
+    match comparison.experiments.iter().filter(same).count() {
+        0 | 1 => label,
+        _ => format!("{label}, no. {}", experiment.experiment + 1),
+    }
+}
+
 /// `count` things with the right form of the word.
 pub(super) fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })

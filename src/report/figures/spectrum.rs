@@ -4,8 +4,8 @@ use super::canvas::{Canvas, MARGIN, Marker, TICK, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, Tick, range};
 use super::series::{
-    by_magnitude, excited, frequency_hz, has_many_lines, left_out, magnitude_label, size, spread,
-    unit_or,
+    by_magnitude, excited, experiment_label, frequency_hz, has_many_lines, left_out,
+    magnitude_label, size, spread, unit_or,
 };
 use super::text::{self, number};
 use super::{NothingToDraw, Subject, comparison};
@@ -239,7 +239,7 @@ fn record(
     let y = Scale::log(amplitudes(shown.iter().copied()), [bottom, top]);
     let panel = Panel { x, y, left, top, right, bottom };
     let heading = match several {
-        true => magnitude_label(experiment.magnitude, comparison),
+        true => experiment_label(experiment, comparison),
         false => String::new(),
     };
     let name = amplitude_name(comparison);

@@ -5,7 +5,7 @@ use crate::answers::{ComparedExperiment, Comparison, Pattern};
 use super::super::canvas::{Canvas, MARGIN, Marker, WIDTH};
 use super::super::panel::{Key, Look, Naming, Panel, legend};
 use super::super::scale::{DECIMAL, Scale, range};
-use super::super::series::{frequency_hz, magnitude_label, sigmas, spread};
+use super::super::series::{experiment_label, frequency_hz, sigmas, spread};
 use super::{badge, within};
 
 /// Records shown at most.
@@ -37,7 +37,7 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
         let x = Scale::log([low / 1.1, high * 1.1], [left, right]);
         let y = Scale::log(sizes, [bottom, top]);
         let panel = Panel { x, y, left, top, right, bottom };
-        let label = magnitude_label(experiment.magnitude, comparison);
+        let label = experiment_label(experiment, comparison);
         let heading = if few { String::new() } else { label };
         let naming = Naming { heading: &heading, x: "Frequency (Hz)", y: "|Residual| (σ)" };
         let bands = bands(canvas, &panel, experiment, patterns);

@@ -108,7 +108,7 @@ fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], few: b
     gain.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
     trace(canvas, &gain, curves, few, |ratio| ratio.gain_db);
     resting(canvas, &gain, curves);
-    labels(canvas, &gain, curves);
+    labels(canvas, &gain, curves, few);
 
     let top = bottom + 34.0;
     let bottom = top + PHASE_HEIGHT;
@@ -183,7 +183,7 @@ fn hint(curve: &Curve, point: &Point) -> String {
 }
 
 /// Names each curve where it ends.
-fn labels(canvas: &mut Canvas, panel: &Panel, curves: &[Curve]) {
+fn labels(canvas: &mut Canvas, panel: &Panel, curves: &[Curve], few: bool) {
     const SPACING: f64 = 16.0;
     let most = (GAIN_HEIGHT / SPACING) as usize;
     let shown = super::series::spread(curves.len(), most);
@@ -199,7 +199,8 @@ fn labels(canvas: &mut Canvas, panel: &Panel, curves: &[Curve]) {
     text::dodge(&mut heights, SPACING, panel.top + 6.0, panel.bottom - 6.0);
     for (&index, y) in shown.iter().zip(heights) {
         canvas.open(&format!("s{index} measured"));
-        canvas.marker(Marker::of(index), [panel.right + 12.0, y], 3.2, "");
+        let shape = if few { Marker::of(index) } else { Marker::Circle };
+        canvas.marker(shape, [panel.right + 12.0, y], 3.2, "");
         canvas.close();
         canvas.open(&format!("s{index}"));
         let label = text::shorten(&curves[index].label, LABEL.size, 64.0);
@@ -238,9 +239,9 @@ fn says(curves: &[Curve]) -> String {
     }
 }
 
-/// A departure with two digits, and none beyond what a plot could show.
+/// A departure with two digits, and no smaller than a plot could show.
 fn rounded(departure: f64) -> String {
-    number((departure * 1e3).round() / 1e3, 2)
+    number(departure.max(1e-3), 2)
 }
 
 fn curves(comparison: &Comparison) -> Vec<Curve> {

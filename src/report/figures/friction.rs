@@ -1,48 +1,29 @@
 //! Friction torque against velocity, as the model has it.
 
-use std::f64::consts::TAU;
+mod model;
+mod velocities;
 
-use crate::answers::{ComparedExperiment, Comparison, Identification, ParameterEstimate};
+use crate::answers::{Comparison, Identification};
 
-use super::canvas::{Anchor, Canvas, Font, LABEL, Marker, NOTE, WIDTH};
+use super::canvas::{Anchor, Canvas, LABEL, Marker, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, padded, range};
-use super::series::{Group, by_magnitude, in_fraction, magnitude_label, spread, unit_or};
+use super::series::{by_magnitude, in_fraction, spread, unit_or};
 use super::text::{self, number};
 use super::{NothingToDraw, Subject};
+
+use model::{Side, Viscous, band, quantile, side, viscous};
+use velocities::{extents, velocities};
 
 const LEFT: f64 = 64.0;
 const RIGHT: f64 = WIDTH - 92.0;
 const HEIGHT: f64 = 320.0;
-
-/// Samples of a period on which its extremes are looked for, per harmonic.
-const SAMPLES_PER_HARMONIC: usize = 8;
-
-/// Velocities on which the band is drawn, each side.
-const STEPS: usize = 40;
 
 /// Magnitudes whose range of velocity is shown.
 const MOST_RANGES: usize = 8;
 
 /// Class of what the model says: no magnitude's colour.
 const MODEL: &str = "model";
-
-/// One direction of motion.
-struct Side {
-    /// 1: positive velocity; −1: negative.
-    sign: f64,
-    level: f64,
-    level_std: Option<f64>,
-    static_level: Option<f64>,
-    name: &'static str,
-    key: &'static str,
-}
-
-/// Viscous friction a/K, input per velocity.
-struct Viscous {
-    slope: f64,
-    std: Option<f64>,
-}
 
 pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let missing = |what: &str| NothingToDraw(what.to_owned());
@@ -116,104 +97,6 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
         canvas.note("The data tells only the mean of the levels of both directions.");
     }
     Ok(canvas)
-}
-
-fn std(estimate: &ParameterEstimate) -> Option<f64> {
-    estimate.std.filter(|std| std.is_finite())
-}
-
-fn viscous(answer: &Identification) -> Option<Viscous> {
-    let [pole, constant] = ["pole", "constant"].map(|name| answer.parameters.get(name));
-    let (pole, constant) = (pole?, constant?);
-    let slope = -pole.value? / constant.value?;
-    let gradient = gradient(answer, None);
-    let std = std(pole).and(std(constant)).and_then(|_| deviation(answer, &gradient?, slope));
-    slope.is_finite().then_some(Viscous { slope, std })
-}
-
-/// Derivatives of a/K by the parameters, or with a level: of the torque at
-/// velocity v in its direction.
-fn gradient<'a>(
-    answer: &Identification,
-    level_at: Option<(&'a str, f64)>,
-) -> Option<Vec<(&'a str, f64)>> {
-    let [pole, constant] =
-        ["pole", "constant"].map(|name| answer.parameters.get(name).and_then(|e| e.value));
-    let (pole, constant) = (pole?, constant?);
-    let v = level_at.map_or(1.0, |(_, v)| v.abs());
-    let mut gradient =
-        vec![("pole", -v / constant), ("constant", v * pole / (constant * constant))];
-    gradient.extend(level_at.map(|(name, _)| (name, 1.0)));
-    Some(gradient)
-}
-
-/// Standard deviation of a function of the parameters, to first order, with
-/// their correlations.
-fn deviation(answer: &Identification, gradient: &[(&str, f64)], scale: f64) -> Option<f64> {
-    let correlations = &answer.correlations;
-    let index = |name: &str| correlations.names.iter().position(|known| known == name);
-    let term = |(name, slope): &(&str, f64)| {
-        Some((slope * std(answer.parameters.get(*name)?)?, index(name)))
-    };
-    let terms: Vec<(f64, Option<usize>)> = gradient.iter().map(term).collect::<Option<_>>()?;
-    let mut variance = 0.0;
-    for (i, (a, row)) in terms.iter().enumerate() {
-        for (j, (b, column)) in terms.iter().enumerate() {
-            let listed = row.zip(*column).and_then(|(r, c)| correlations.matrix.get(r)?.get(c));
-            variance += a * b * if i == j { 1.0 } else { listed.copied().unwrap_or(0.0) };
-        }
-    }
-    // Rounding may leave a little less than nothing.
-    let deviation = variance.max(0.0).sqrt();
-    (deviation.is_finite() && scale.is_finite()).then_some(deviation)
-}
-
-fn side(answer: &Identification, sign: f64) -> Option<Side> {
-    let (key, static_key, name) = if sign > 0.0 {
-        ("fc_plus", "fs_plus", "Fc⁺")
-    } else {
-        ("fc_minus", "fs_minus", "Fc⁻")
-    };
-    let estimate =
-        |key: &str| answer.parameters.get(key).filter(|estimate| estimate.value.is_some());
-    let (key, estimate_of_level) = match estimate(key) {
-        Some(own) => (key, own),
-        None => ("fc_mean", estimate("fc_mean")?),
-    };
-    Some(Side {
-        sign,
-        level: estimate_of_level.value?,
-        level_std: std(estimate_of_level),
-        static_level: estimate(static_key).and_then(|estimate| estimate.value),
-        name,
-        key,
-    })
-}
-
-/// Widths of a 95 % interval in standard deviations, as the answer has them.
-fn quantile(answer: &Identification) -> f64 {
-    let widths = answer.parameters.values().filter(|e| !e.at_bound).filter_map(|estimate| {
-        let [from, to] = estimate.interval95?;
-        let width = 0.5 * (to - from) / estimate.std?;
-        (1.9..13.0).contains(&width).then_some(width)
-    });
-    widths.fold(1.96, f64::max)
-}
-
-/// Lower edge outwards, upper edge back: the area of the 95 % band.
-fn band(answer: &Identification, side: &Side, viscous: &Viscous, reach: f64) -> Vec<[f64; 2]> {
-    let quantile = quantile(answer);
-    let edge = |end: f64| {
-        (0..=STEPS).map(move |i| {
-            let v = reach * i as f64 / STEPS as f64;
-            let gradient = gradient(answer, Some((side.key, v))).unwrap_or_default();
-            let std = side.level_std.and(viscous.std);
-            let std = std.and_then(|_| deviation(answer, &gradient, side.level)).unwrap_or(0.0);
-            let torque = side.level + viscous.slope * v + end * quantile * std;
-            [side.sign * v, side.sign * torque]
-        })
-    };
-    edge(-1.0).chain(edge(1.0).collect::<Vec<_>>().into_iter().rev()).collect()
 }
 
 /// Largest velocity shown: what was measured, or what makes the slope visible.
@@ -311,77 +194,6 @@ fn slope(
     canvas.close();
 }
 
-/// The velocities each magnitude reached, as bars below.
-fn extents(
-    canvas: &mut Canvas,
-    panel: &Panel,
-    groups: &[Group<'_>],
-    ranges: &[(usize, [f64; 2])],
-    comparison: &Comparison,
-    velocity: &str,
-) {
-    const HEIGHT: f64 = 17.0;
-    const FONT: Font = NOTE;
-    let top = canvas.y + 20.0;
-    let bottom = top + HEIGHT * ranges.len() as f64 + 6.0;
-    let below = Panel { top, bottom, y: Scale::linear([0.0, 1.0], [bottom, top]), ..*panel };
-    let naming = Naming {
-        x: &format!("Velocity ({velocity})"),
-        y: "Velocities measured at each magnitude",
-        heading: "",
-    };
-    below.draw(canvas, &[], naming);
-    for (row, (index, range)) in ranges.iter().rev().enumerate() {
-        let y = top + 3.0 + HEIGHT * (row as f64 + 0.5);
-        let [Some(from), Some(to)] = range.map(|v| panel.x.at(v)) else { continue };
-        canvas.open_clipped(&format!("s{index}"), below.sides());
-        canvas.rectangle("fill", [from, y - 4.0, to.max(from + 1.0), y + 4.0], "");
-        canvas.close();
-        let label = magnitude_label(groups[*index].magnitude, comparison);
-        canvas.text(panel.right + 8.0, y + 4.0, FONT, Anchor::Start, &label);
-    }
-    canvas.y = bottom + 44.0;
-}
-
-/// Lowest and highest velocity at a magnitude.
-fn velocities(group: &Group<'_>, comparison: &Comparison) -> Option<[f64; 2]> {
-    let power = match comparison.response_quantity.as_str() {
-        "position" => 1,
-        "acceleration" => -1,
-        _ => 0,
-    };
-    let [low, high] = range(group.experiments.iter().flat_map(|e| extremes(e, power)));
-    (high > low).then_some([low, high])
-}
-
-/// Lowest and highest velocity of a period, from Yₖ·(jkω)^power.
-fn extremes(experiment: &ComparedExperiment, power: i32) -> [f64; 2] {
-    let highest = experiment.harmonics.last().map_or(1, |h| h.order).max(8);
-    let samples = SAMPLES_PER_HARMONIC * highest;
-    let mut velocity = vec![0.0; samples];
-    for harmonic in &experiment.harmonics {
-        let k = harmonic.order as f64;
-        if harmonic.order == 0 && power != 0 {
-            continue;
-        }
-        let [re, im] = harmonic.measured;
-        let factor = if power == 0 { 1.0 } else { (k * experiment.omega_rad_s).powi(power) };
-        // Times j or 1/j.
-        let (re, im) = match power {
-            1 => (-im * factor, re * factor),
-            -1 => (im * factor, -re * factor),
-            _ => (re, im),
-        };
-        for (i, value) in velocity.iter_mut().enumerate() {
-            // The angle in whole steps of the grid: exact for any harmonic.
-            let step = (i * harmonic.order) % samples;
-            let (sin, cos) = (TAU * step as f64 / samples as f64).sin_cos();
-            *value += re * cos - im * sin;
-        }
-    }
-    range(velocity)
-}
-
 fn input_unit(answer: &Identification, comparison: Option<&Comparison>) -> String {
     let of_level = || {
         let level = ["fc_plus", "fc_mean"].into_iter().find_map(|key| answer.parameters.get(key));
@@ -422,59 +234,4 @@ fn says(answer: &Identification, viscous: &Viscous, sides: &[Side], unit: &str) 
     };
     let levels = sides.iter().map(level).collect::<Vec<_>>().join(", ");
     format!("{levels}; viscous a/K = {} (± 95 %).", with_band(viscous.slope, viscous.std))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::answers::ComparedHarmonic;
-    use crate::report::sample;
-
-    #[test]
-    fn velocities_follow_from_any_kind_of_response() {
-        // v = 2 cos ωt − 0.5 cos 3ωt.
-        let lines = [(1, 2.0), (3, -0.5)];
-        let omega: f64 = 7.0;
-        let experiment = |power: i32| ComparedExperiment {
-            experiment: 0,
-            magnitude: 1.0,
-            omega_rad_s: omega,
-            run: None,
-            harmonics: lines
-                .iter()
-                .map(|&(order, v)| {
-                    let s = order as f64 * omega;
-                    let measured = match power {
-                        1 => [0.0, -v / s],
-                        -1 => [0.0, v * s],
-                        _ => [v, 0.0],
-                    };
-                    let zero = [0.0; 2];
-                    ComparedHarmonic { order, input: zero, measured, simulated: zero, std: 1.0 }
-                })
-                .collect(),
-        };
-        let truth = (0..10_000).map(|i| {
-            let angle = TAU * f64::from(i) / 10_000.0;
-            2.0 * angle.cos() - 0.5 * (3.0 * angle).cos()
-        });
-        let [low, high] = range(truth);
-        for power in [0, 1, -1] {
-            let [from, to] = extremes(&experiment(power), power);
-            // A grid of 64 samples misses an extreme by (π/64)²/2 times its curvature, 7.
-            assert!((from - low).abs() < 0.02 && (to - high).abs() < 0.02, "{power}: {from} {to}");
-        }
-    }
-
-    #[test]
-    fn the_band_knows_that_pole_and_constant_go_together() {
-        let mut answer = sample::identification();
-        let gradient = gradient(&answer, None).unwrap();
-        let loose = deviation(&answer, &gradient, 1.0).unwrap();
-        // a/K with both terms of the same size: σ√2 without correlation, 0 with that of −1
-        // between pole (negative) and constant, which is what the sample nearly has.
-        answer.correlations.matrix = vec![vec![1.0, 0.0], vec![0.0, 1.0]];
-        let free = deviation(&answer, &gradient, 1.0).unwrap();
-        assert!(loose < 0.2 * free, "{loose} {free}");
-    }
 }

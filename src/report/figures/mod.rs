@@ -1,4 +1,4 @@
-//! Figures as SVG: one file a figure, one line in [`FIGURES`].
+//! Figures as SVG: one file a figure, one line in the list `FIGURES`.
 //!
 //! A figure is a pure function from answers to text. Its colours suit light and
 //! dark, its text is text, it runs no script and needs no other file.

@@ -33,7 +33,7 @@ pub(super) fn viscous(answer: &Identification) -> Option<Viscous> {
     let (pole, constant) = (pole?, constant?);
     let slope = -pole.value? / constant.value?;
     let gradient = gradient(answer, None);
-    let std = std(pole).and(std(constant)).and_then(|_| deviation(answer, &gradient?, slope));
+    let std = std(pole).and(std(constant)).and_then(|_| deviation(answer, &gradient?));
     slope.is_finite().then_some(Viscous { slope, std })
 }
 
@@ -55,7 +55,7 @@ fn gradient<'a>(
 
 /// Standard deviation of a function of the parameters, to first order, with
 /// their correlations.
-fn deviation(answer: &Identification, gradient: &[(&str, f64)], scale: f64) -> Option<f64> {
+fn deviation(answer: &Identification, gradient: &[(&str, f64)]) -> Option<f64> {
     let correlations = &answer.correlations;
     let index = |name: &str| correlations.names.iter().position(|known| known == name);
     let term = |(name, slope): &(&str, f64)| {
@@ -71,7 +71,7 @@ fn deviation(answer: &Identification, gradient: &[(&str, f64)], scale: f64) -> O
     }
     // Rounding may leave a little less than nothing.
     let deviation = variance.max(0.0).sqrt();
-    (deviation.is_finite() && scale.is_finite()).then_some(deviation)
+    deviation.is_finite().then_some(deviation)
 }
 
 /// One direction of an answer, where the data determines its level.
@@ -120,7 +120,7 @@ pub(super) fn band(
             let v = reach * i as f64 / STEPS as f64;
             let gradient = gradient(answer, Some((side.key, v))).unwrap_or_default();
             let std = side.level_std.and(viscous.std);
-            let std = std.and_then(|_| deviation(answer, &gradient, side.level)).unwrap_or(0.0);
+            let std = std.and_then(|_| deviation(answer, &gradient)).unwrap_or(0.0);
             let torque = side.level + viscous.slope * v + end * quantile * std;
             [side.sign * v, side.sign * torque]
         })
@@ -137,11 +137,11 @@ mod tests {
     fn the_band_knows_that_pole_and_constant_go_together() {
         let mut answer = sample::identification();
         let gradient = gradient(&answer, None).unwrap();
-        let loose = deviation(&answer, &gradient, 1.0).unwrap();
+        let loose = deviation(&answer, &gradient).unwrap();
         // a/K with both terms of the same size: σ√2 without correlation, 0 with that of −1
         // between pole (negative) and constant, which is what the sample nearly has.
         answer.correlations.matrix = vec![vec![1.0, 0.0], vec![0.0, 1.0]];
-        let free = deviation(&answer, &gradient, 1.0).unwrap();
+        let free = deviation(&answer, &gradient).unwrap();
         assert!(loose < 0.2 * free, "{loose} {free}");
     }
 }

@@ -2,8 +2,8 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -13,9 +13,10 @@ use crate::identify::IdentifyError;
 use crate::measurement::formats::Source;
 use crate::observer::Observer;
 use crate::report;
+use crate::report::figures::Subject;
 use crate::service::{BuiltIn, JobRequest, Numerics, Submission};
 
-use super::{Failure, interrupt};
+use super::{Failure, figures, interrupt};
 
 /// Steps of the progress bar.
 const STEPS: u64 = 1000;
@@ -45,6 +46,8 @@ pub(super) struct Args {
     /// Prints the result object alone.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    figures: figures::Args,
 }
 
 /// Fits the base model to a measurement and prints the answer.
@@ -67,7 +70,17 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
             Failure::input(error)
         }
     })?;
-    std::io::stdout().write_all(printed(&answer, args.json)?.as_bytes()).map_err(Failure::other)
+    std::io::stdout().write_all(printed(&answer, args.json)?.as_bytes()).map_err(Failure::other)?;
+    if args.figures.are_wanted() {
+        let comparison = BuiltIn.compare(&measurement, &answer).map_err(Failure::other)?;
+        args.figures.write(&Subject {
+            identification: Some(&answer),
+            comparison: Some(&comparison),
+            discrepancy: None,
+            convergence: &watch.rows(),
+        })?;
+    }
+    Ok(())
 }
 
 fn submission(args: &Args) -> Result<Submission, Failure> {
@@ -108,9 +121,10 @@ fn printed(answer: &Identification, json: bool) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// Shows progress on a terminal and stops on an interrupt.
+/// Shows progress on a terminal, keeps the history and stops on an interrupt.
 struct Watch {
     began: Instant,
+    history: Mutex<Vec<ConvergenceRow>>,
     interrupted: Arc<AtomicBool>,
     bar: ProgressBar,
 }
@@ -121,7 +135,17 @@ impl Watch {
         // Draws on standard error, and only where that is a terminal.
         let bar = ProgressBar::new(STEPS);
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self { began: Instant::now(), interrupted: interrupt::flag(), bar }
+        Self {
+            began: Instant::now(),
+            history: Mutex::default(),
+            interrupted: interrupt::flag(),
+            bar,
+        }
+    }
+
+    /// The history so far.
+    fn rows(&self) -> Vec<ConvergenceRow> {
+        self.history.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
@@ -137,6 +161,7 @@ impl Observer for Watch {
 
     fn row(&self, row: ConvergenceRow) {
         self.bar.set_message(format!("best {:.6}", row.best));
+        self.history.lock().unwrap_or_else(PoisonError::into_inner).push(row);
     }
 
     fn cancelled(&self) -> bool {
@@ -157,6 +182,7 @@ mod tests {
             noise_std: None,
             options: None,
             json: false,
+            figures: figures::Args::default(),
         }
     }
 

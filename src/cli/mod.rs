@@ -2,6 +2,7 @@
 //! server itself. One file a subcommand.
 
 mod failure;
+mod figures;
 mod identify;
 mod interrupt;
 mod logging;

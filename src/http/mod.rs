@@ -8,6 +8,7 @@ mod health;
 mod jobs;
 mod layers;
 mod measurements;
+mod plots;
 mod problem;
 mod routes;
 mod server;

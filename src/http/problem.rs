@@ -134,6 +134,9 @@ impl From<ServiceError> for Problem {
             ServiceError::NoResult { .. } => {
                 Self::new(StatusCode::NOT_FOUND, "no-result", "No result", text)
             }
+            ServiceError::NoPlot { .. } => {
+                Self::new(StatusCode::NOT_FOUND, "no-plot", "No such plot", text)
+            }
             ServiceError::Ended { .. } => {
                 Self::new(StatusCode::CONFLICT, "already-ended", "Already ended", text)
             }

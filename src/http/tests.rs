@@ -319,6 +319,53 @@ fn a_failed_job_says_why_and_cannot_be_cancelled() {
 }
 
 #[test]
+fn a_plot_is_an_image_that_may_be_kept() {
+    let server = Server::start();
+    let id = server.job(SUCCEED);
+    assert_eq!(server.ended(&id)["status"], "succeeded");
+    let path = format!("/v1/jobs/{id}/plots/bode.svg");
+    let mut plot = server.get(&path);
+    assert_eq!(plot.status(), 200);
+    assert_eq!(header(&plot, "content-type"), "image/svg+xml");
+    assert!(header(&plot, "content-security-policy").contains("default-src 'none'"));
+    assert!(header(&plot, "cache-control").contains("max-age"));
+    let tag = header(&plot, "etag").to_owned();
+    let svg = plot.body_mut().read_to_string().unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("prefers-color-scheme"));
+    let again = server.agent.get(format!("{}{path}", server.address));
+    assert_eq!(again.header("if-none-match", tag.as_str()).call().unwrap().status(), 304);
+
+    let mut dark = server.get(&format!("{path}?theme=dark"));
+    assert_ne!(header(&dark, "etag"), tag);
+    assert!(!dark.body_mut().read_to_string().unwrap().contains("prefers-color-scheme"));
+    problem(server.get(&format!("{path}?theme=sepia")), 400);
+    for name in ["spectrum", "residuals", "convergence"] {
+        assert_eq!(server.get(&format!("/v1/jobs/{id}/plots/{name}.svg")).status(), 200, "{name}");
+    }
+}
+
+#[test]
+fn a_plot_there_is_none_of_is_refused_with_those_there_are() {
+    let server = Server::start();
+    let id = server.job(SUCCEED);
+    server.ended(&id);
+    let unknown = problem(server.get(&format!("/v1/jobs/{id}/plots/pie.svg")), 404);
+    assert!(string(&unknown, "detail").contains("available: bode, spectrum"), "{unknown}");
+    problem(server.get("/v1/jobs/nobody/plots/bode.svg"), 404);
+}
+
+#[test]
+fn a_running_job_shows_how_it_converges_and_nothing_else() {
+    let server = Server::start();
+    let id = server.job(RUN_UNTIL_CANCELLED);
+    problem(server.get(&format!("/v1/jobs/{id}/plots/bode.svg")), 409);
+    json_of(server.post(&format!("/v1/jobs/{id}/cancel"), &[], b""), 202);
+    assert_eq!(server.ended(&id)["status"], "cancelled");
+    assert_eq!(server.get(&format!("/v1/jobs/{id}/plots/convergence.svg")).status(), 200);
+    problem(server.get(&format!("/v1/jobs/{id}/plots/bode.svg")), 404);
+}
+
+#[test]
 fn the_service_describes_itself() {
     let server = Server::start();
     assert_eq!(server.get("/livez").status(), 200);

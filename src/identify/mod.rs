@@ -3,6 +3,7 @@
 mod abc_ann;
 pub mod bee_colony;
 mod closed_form;
+mod comparison;
 mod estimates;
 mod features;
 #[cfg(test)]
@@ -27,6 +28,8 @@ use crate::answers::{
 };
 use crate::measurement::Measurement;
 use crate::observer::Observer;
+
+pub use comparison::compare;
 
 use abc_ann::{Fitted, Run};
 use history::History;

@@ -3,8 +3,9 @@
 use indexmap::IndexMap;
 
 use crate::answers::{
-    Correlations, Fit, Identification, IdentifyOptions, Method, NoiseSource, OrderCandidate,
-    OrderChoice, ParameterEstimate, Provenance, Stage, TransferFunction,
+    ComparedExperiment, ComparedHarmonic, Comparison, Correlations, Discrepancy, Fit,
+    Identification, IdentifyOptions, Method, NoiseSource, OrderCandidate, OrderChoice,
+    ParameterEstimate, Pattern, Provenance, Stage, TransferFunction,
 };
 
 /// G1 of the paper as an adequate answer, with a lower friction level that the
@@ -90,5 +91,83 @@ fn stage(name: &str, evaluations: u64, seconds: f64, cost: f64) -> Stage {
         cost,
         parameters: IndexMap::from([("pole".to_owned(), -10.02)]),
         stop_reason: "the cost no longer changes".into(),
+    }
+}
+
+/// Three magnitudes at six frequencies of an axis that loses a share of its
+/// amplitude to friction, harmonics 0 to 3, measured with a slight excess.
+pub(crate) fn comparison() -> Comparison {
+    let experiment = |index: usize, magnitude: f64, omega_rad_s: f64| {
+        let harmonic = |order: usize| {
+            let slow = 1.0 + omega_rad_s / 10.0;
+            let size = magnitude / (slow * (1.0 + (order * order) as f64));
+            let [re, im] = if order == 0 { [-0.02 * size, 0.0] } else { [size, -0.4 * size] };
+            ComparedHarmonic {
+                order,
+                input: [if order == 1 { magnitude } else { 0.0 }, 0.0],
+                measured: [1.01 * re, 1.01 * im],
+                simulated: [re, im],
+                std: 0.002,
+            }
+        };
+        ComparedExperiment {
+            experiment: index,
+            magnitude,
+            omega_rad_s,
+            run: Some(index as f64),
+            harmonics: (0..4).map(harmonic).collect(),
+        }
+    };
+    let design = [1.0, 2.0, 4.0].into_iter();
+    let design = design.flat_map(|m| [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].map(|omega| (m, omega)));
+    Comparison {
+        input_unit: "A".into(),
+        response_unit: "rad/s".into(),
+        response_quantity: "velocity".into(),
+        std_estimated: false,
+        experiments: design.enumerate().map(|(i, (m, w))| experiment(i, m, w)).collect(),
+        unanswered: Vec::new(),
+    }
+}
+
+/// A pattern that reaches over everything.
+pub(crate) fn pattern(sentence: &str) -> Pattern {
+    Pattern {
+        magnitudes: None,
+        frequencies_hz: None,
+        harmonics: Vec::new(),
+        runs: None,
+        count: 12,
+        rms_sigmas: 9.0,
+        rms_response: 0.02,
+        relative_size: Some(0.01),
+        phase_deg: None,
+        share: 0.4,
+        sentence: sentence.to_owned(),
+    }
+}
+
+/// Three patterns of [`comparison`] that overlap.
+pub(crate) fn discrepancy() -> Discrepancy {
+    let high = Pattern {
+        magnitudes: Some([4.0, 4.0]),
+        frequencies_hz: Some([0.3, 3.0]),
+        harmonics: vec![1],
+        ..pattern("At 4 A from 0.3 to 3 Hz the fundamental is 1 % larger than simulated (9 σ).")
+    };
+    let odd = Pattern {
+        harmonics: vec![1, 3],
+        ..pattern("At every magnitude the odd harmonics are larger than simulated.")
+    };
+    let late = Pattern { runs: Some([10.0, 17.0]), ..pattern("It grows with the run.") };
+    Discrepancy {
+        sentence: "The simulation is wrong in the fundamental at the largest magnitude.".into(),
+        noise_like: false,
+        tests: Vec::new(),
+        patterns: vec![high, odd, late],
+        by_magnitude: Vec::new(),
+        by_frequency: Vec::new(),
+        by_harmonic: Vec::new(),
+        by_run: Vec::new(),
     }
 }

@@ -45,6 +45,18 @@ pub enum ServiceError {
         /// How it ended.
         how: String,
     },
+    /// A figure that cannot be drawn of a job.
+    #[error("job `{id}` has no plot `{name}`: {reason}; available: {}", listed(available))]
+    NoPlot {
+        /// The job.
+        id: String,
+        /// What was asked for.
+        name: String,
+        /// What is missing.
+        reason: String,
+        /// The figures there are.
+        available: Vec<&'static str>,
+    },
     /// Cancelling a job that has ended.
     #[error("job `{id}` has already {}; there is nothing to cancel", status_name(*status))]
     Ended {
@@ -70,6 +82,10 @@ pub enum ServiceError {
         /// Why it is not.
         source: serde_json::Error,
     },
+}
+
+fn listed(names: &[&str]) -> String {
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }
 
 /// The name of a status on the wire.

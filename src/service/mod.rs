@@ -7,6 +7,7 @@ mod error;
 mod jobs;
 mod measurements;
 mod numerics;
+mod plots;
 mod request;
 mod signals;
 #[cfg(test)]
@@ -18,10 +19,13 @@ pub use error::ServiceError;
 pub use jobs::{Failure, Job, RunError};
 pub use measurements::{Measured, Upload};
 pub use numerics::{BuiltIn, Numerics};
+pub use plots::Plot;
 pub use request::{JobRequest, Submission};
 pub use signals::Signals;
 
 use crate::store::Store;
+
+pub use crate::report::figures::Theme;
 
 /// The most items a list returns at once.
 pub const MAX_PAGE: u32 = 200;

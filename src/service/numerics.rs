@@ -1,6 +1,6 @@
 //! The numeric core as the service sees it.
 
-use crate::answers::Identification;
+use crate::answers::{Comparison, Identification};
 use crate::identify::{self, IdentifyError, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::measurement::formats::{self, ParseError, Source};
@@ -25,6 +25,16 @@ pub trait Numerics: Send + Sync + 'static {
         request: &IdentifyRequest,
         observer: &dyn Observer,
     ) -> Result<Identification, IdentifyError>;
+
+    /// Simulates an identified model on a measurement's own excitations.
+    ///
+    /// # Errors
+    /// See [`IdentifyError`].
+    fn compare(
+        &self,
+        measurement: &Measurement,
+        answer: &Identification,
+    ) -> Result<Comparison, IdentifyError>;
 }
 
 /// The numeric core of this crate.
@@ -43,5 +53,13 @@ impl Numerics for BuiltIn {
         observer: &dyn Observer,
     ) -> Result<Identification, IdentifyError> {
         identify::identify(measurement, request, observer)
+    }
+
+    fn compare(
+        &self,
+        measurement: &Measurement,
+        answer: &Identification,
+    ) -> Result<Comparison, IdentifyError> {
+        identify::compare(measurement, answer)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::answers::{ConvergenceRow, Identification, Progress};
+use crate::answers::{Comparison, ConvergenceRow, Identification, Progress};
 use crate::identify::{IdentifyError, IdentifyRequest};
 use crate::measurement::formats::{ParseError, Source};
 use crate::measurement::{Complex, Experiment, Harmonic, Measurement, Metadata};
@@ -80,5 +80,13 @@ impl Numerics for Scripted {
             UNUSABLE => Err(IdentifyError::Unusable { reason: "one frequency only".into() }),
             seed => Ok(Identification { seed, ..crate::report::sample::identification() }),
         }
+    }
+
+    fn compare(
+        &self,
+        _measurement: &Measurement,
+        _answer: &Identification,
+    ) -> Result<Comparison, IdentifyError> {
+        Ok(crate::report::sample::comparison())
     }
 }

@@ -87,6 +87,26 @@ fn identify_prints_the_result_object_alone_on_standard_output() {
 }
 
 #[test]
+fn identify_draws_its_figures_into_a_folder_and_says_which() {
+    let (directory, file) = noisy();
+    let figures = directory.path().join("drawn").join("here");
+    let folder = figures.to_str().unwrap();
+    let arguments = ["identify", &file, "--actuator-order", "0", "--figures", folder, "--json"];
+    let output = servoscope(&[&arguments[..], &["--theme", "light"]].concat());
+    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    assert!(serde_json::from_slice::<Value>(&output.stdout).is_ok());
+    for name in ["bode", "spectrum", "residuals", "convergence", "friction"] {
+        let path = figures.join(format!("{name}.svg"));
+        assert!(error(&output).contains(path.to_str().unwrap()), "{}", error(&output));
+        let svg = std::fs::read_to_string(path).unwrap();
+        assert!(svg.starts_with("<svg") && !svg.contains("prefers-color-scheme"), "{name}");
+    }
+    let sepia = servoscope(&["identify", &file, "--figures", folder, "--theme", "sepia"]);
+    assert_eq!(code(&sepia), Some(2));
+    assert!(error(&sepia).contains("auto, light, dark"), "{}", error(&sepia));
+}
+
+#[test]
 fn identify_prints_a_report_for_a_person() {
     let (_directory, file) = noisy();
     let output = servoscope(&["identify", &file, "--actuator-order", "0"]);

@@ -1,0 +1,337 @@
+//! Frequency response at every magnitude, measured and simulated.
+
+use super::canvas::{Anchor, Canvas, LABEL, Marker, WIDTH};
+use super::panel::{Key, Look, Naming, Panel, legend};
+use super::scale::{DECIMAL, DEGREES, Scale, padded, range};
+use super::series::{
+    by_magnitude, excited, experiment_label, frequency_hz, has_many_lines, in_fraction, is_seen,
+    largest_measured, left_out, magnitude_label, size,
+};
+use super::text::{self, number};
+use super::{NothingToDraw, Subject, comparison};
+use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
+
+const LEFT: f64 = 64.0;
+const RIGHT: f64 = WIDTH - 92.0;
+const GAIN_HEIGHT: f64 = 240.0;
+const PHASE_HEIGHT: f64 = 180.0;
+
+/// How far below the measured gains a simulated one may take the axis, dB.
+const BELOW_MEASURED_DB: f64 = 20.0;
+
+/// Points above which markers are small and have no hints.
+const FEW_POINTS: usize = 150;
+
+/// Most that the phase of an axis and its actuator turns over a band, degrees:
+/// beyond it, noise was counted as turns.
+const MOST_TURNED_DEG: f64 = 720.0;
+
+/// Branch of the first phase: its middle, degrees. Position, velocity and
+/// acceleration of an axis all begin within half a turn of it.
+const FIRST_BRANCH_DEG: f64 = -90.0;
+
+#[derive(Debug, Clone, Copy)]
+struct Ratio {
+    gain_db: f64,
+    phase_deg: f64,
+}
+
+#[derive(Debug)]
+struct Point {
+    frequency_hz: f64,
+    /// `None` where nothing moved.
+    measured: Option<Ratio>,
+    simulated: Option<Ratio>,
+}
+
+#[derive(Debug)]
+struct Curve {
+    label: String,
+    points: Vec<Point>,
+}
+
+pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
+    let comparison = comparison(subject)?;
+    let mut curves = curves(comparison);
+    curves.iter_mut().for_each(unwrap);
+    let points: usize = curves.iter().map(|curve| curve.points.len()).sum();
+    if points == 0 {
+        return Err(NothingToDraw("no line of the response is a line of the input".into()));
+    }
+    let quantity = &comparison.response_quantity;
+    let title = format!("Frequency response from input to {quantity}");
+    let mut canvas = Canvas::new("bode", &title, &says(&curves), curves.len());
+    let rests = curves.iter().flat_map(|curve| &curve.points).any(|p| p.measured.is_none());
+    let mut keys = vec![
+        Key::new(Look::Marker(Marker::Circle), "key", "measured"),
+        Key::new(Look::Line("line"), "key", "simulated"),
+    ];
+    if rests {
+        keys.push(Key::new(Look::Beyond, "key", "measured, no motion above the noise"));
+    }
+    legend(&mut canvas, &keys);
+    panels(&mut canvas, comparison, &curves, points <= FEW_POINTS);
+    if let Some(sentence) = left_out(comparison) {
+        canvas.note(&sentence);
+    }
+    Ok(canvas)
+}
+
+fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], few: bool) {
+    let every = || curves.iter().flat_map(|curve| &curve.points);
+    let [low, high] = range(every().map(|point| point.frequency_hz));
+    let x = Scale::log([low / 1.12, high * 1.12], [LEFT, RIGHT]);
+    let gains = |of: fn(&Point) -> Option<Ratio>| every().filter_map(of).map(|r| r.gain_db);
+    let phases = |of: fn(&Point) -> Option<Ratio>| every().filter_map(of).map(|r| r.phase_deg);
+    let [lowest, _] = range(gains(|p| p.measured));
+    let floor = if lowest.is_finite() { lowest - BELOW_MEASURED_DB } else { f64::NEG_INFINITY };
+    let simulated = gains(|p| p.simulated).filter(|gain| *gain > floor);
+    // Where nothing moves there is nothing to take a range from.
+    let or_usual = |[low, high]: [f64; 2], usual: [f64; 2]| {
+        if low.is_finite() && high.is_finite() { [low, high] } else { usual }
+    };
+    let gain_range = padded(gains(|p| p.measured).chain(simulated), 0.06, 1.0);
+    let phase_range = padded(phases(|p| p.measured).chain(phases(|p| p.simulated)), 0.06, 5.0);
+
+    let top = canvas.y + 22.0;
+    let bottom = top + GAIN_HEIGHT;
+    let y = Scale::linear(or_usual(gain_range, [-40.0, 0.0]), [bottom, top]);
+    let gain = Panel { x, y, left: LEFT, top, right: RIGHT, bottom };
+    let input = comparison.input_unit.as_str();
+    let response = comparison.response_unit.as_str();
+    let reference = match (input.is_empty(), response.is_empty()) {
+        (false, false) => format!("{}/{}", in_fraction(response), in_fraction(input)),
+        _ => "response unit/input unit".to_owned(),
+    };
+    let gain_name = text::shorten(&format!("Gain (dB re 1 {reference})"), 11.5, RIGHT - LEFT);
+    let naming = Naming { y: &gain_name, ..Naming::default() };
+    gain.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
+    trace(canvas, &gain, curves, few, |ratio| ratio.gain_db);
+    resting(canvas, &gain, curves);
+    labels(canvas, &gain, curves, few);
+
+    let top = bottom + 34.0;
+    let bottom = top + PHASE_HEIGHT;
+    let y = Scale::linear(or_usual(phase_range, [-180.0, 0.0]), [bottom, top]);
+    let phase = Panel { x, y, left: LEFT, top, right: RIGHT, bottom };
+    let naming = Naming { x: "Frequency (Hz)", y: "Phase (degrees)", ..Naming::default() };
+    phase.draw(canvas, &y.vertical_ticks(DEGREES), naming);
+    trace(canvas, &phase, curves, few, |ratio| ratio.phase_deg);
+    canvas.y = bottom + 44.0;
+}
+
+fn trace(canvas: &mut Canvas, panel: &Panel, curves: &[Curve], few: bool, value: fn(Ratio) -> f64) {
+    for (index, curve) in curves.iter().enumerate() {
+        canvas.open_clipped(&format!("s{index} simulated"), panel.sides());
+        let line = curve.points.iter();
+        canvas.polyline("line", line.map(|p| panel.at(p.frequency_hz, value(p.simulated?))));
+        // A point without neighbours is no line: a dash stands for it.
+        for (i, point) in curve.points.iter().enumerate() {
+            let beside = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
+            let joined = beside.filter_map(|n| curve.points.get(n)).any(|p| p.simulated.is_some());
+            let Some(ratio) = point.simulated.filter(|_| !joined) else { continue };
+            if let Some([x, y]) = panel.at(point.frequency_hz, value(ratio)) {
+                canvas.line("line", [x - 8.0, y], [x + 8.0, y]);
+            }
+        }
+        canvas.close();
+    }
+    for (index, curve) in curves.iter().enumerate() {
+        let (look, shape, radius) = match few {
+            true => ("measured", Marker::of(index), 3.2),
+            false => ("dense", Marker::Circle, 1.7),
+        };
+        canvas.open(&format!("s{index} {look} data"));
+        for point in &curve.points {
+            let Some(ratio) = point.measured else { continue };
+            let Some(place) = panel.at(point.frequency_hz, value(ratio)) else { continue };
+            let hint = if few { hint(curve, point) } else { String::new() };
+            canvas.marker(shape, place, radius, &hint);
+        }
+        canvas.close();
+    }
+}
+
+/// What did not move, at the lower edge.
+fn resting(canvas: &mut Canvas, panel: &Panel, curves: &[Curve]) {
+    for (index, curve) in curves.iter().enumerate() {
+        let resting: Vec<&Point> = curve.points.iter().filter(|p| p.measured.is_none()).collect();
+        if resting.is_empty() {
+            continue;
+        }
+        canvas.open(&format!("s{index} rest data"));
+        // One above the other, where several magnitudes rest at a frequency.
+        let y = panel.bottom - 6.0 - 8.0 * index.min(6) as f64;
+        for point in resting {
+            let Some(x) = panel.x.at(point.frequency_hz) else { continue };
+            canvas.marker(Marker::Beyond, [x, y], 3.6, &hint(curve, point));
+        }
+        canvas.close();
+    }
+}
+
+fn hint(curve: &Curve, point: &Point) -> String {
+    let ratio = |ratio: Option<Ratio>| match ratio {
+        Some(Ratio { gain_db, phase_deg }) => {
+            format!("{} dB, {}°", number(gain_db, 4), number(phase_deg, 4))
+        }
+        None => "at rest".to_owned(),
+    };
+    let (measured, simulated) = (ratio(point.measured), ratio(point.simulated));
+    let frequency = number(point.frequency_hz, 4);
+    format!("{} at {frequency} Hz: measured {measured}; simulated {simulated}", curve.label)
+}
+
+/// Names each curve where it ends.
+fn labels(canvas: &mut Canvas, panel: &Panel, curves: &[Curve], few: bool) {
+    const SPACING: f64 = 16.0;
+    let most = (GAIN_HEIGHT / SPACING) as usize;
+    let shown = super::series::spread(curves.len(), most);
+    let end = |curve: &Curve| {
+        let last = curve.points.iter().rev().find_map(|p| p.measured.or(p.simulated));
+        let y = last.and_then(|ratio| panel.y.at(ratio.gain_db)).unwrap_or(panel.bottom);
+        y.clamp(panel.top, panel.bottom)
+    };
+    let mut heights: Vec<f64> = shown.iter().map(|i| end(&curves[*i])).collect();
+    // Equal ends keep the order of the magnitudes: the largest on top.
+    let count = heights.len();
+    heights.iter_mut().enumerate().for_each(|(i, y)| *y += 1e-6 * (count - i) as f64);
+    text::dodge(&mut heights, SPACING, panel.top + 6.0, panel.bottom - 6.0);
+    for (&index, y) in shown.iter().zip(heights) {
+        canvas.open(&format!("s{index} measured"));
+        let shape = if few { Marker::of(index) } else { Marker::Circle };
+        canvas.marker(shape, [panel.right + 12.0, y], 3.2, "");
+        canvas.close();
+        canvas.open(&format!("s{index}"));
+        let label = text::shorten(&curves[index].label, LABEL.size, 64.0);
+        canvas.text(panel.right + 21.0, y + 4.0, LABEL, Anchor::Start, &label);
+        canvas.close();
+    }
+}
+
+/// What the figure says, in one line.
+fn says(curves: &[Curve]) -> String {
+    let mut worst: Option<(f64, f64, String)> = None;
+    let mut departures = Vec::new();
+    for curve in curves {
+        for point in &curve.points {
+            let Some((measured, simulated)) = point.measured.zip(point.simulated) else { continue };
+            let gain = (measured.gain_db - simulated.gain_db).abs();
+            let phase = (measured.phase_deg - simulated.phase_deg).abs();
+            departures.push(gain);
+            if worst.as_ref().is_none_or(|(largest, ..)| gain > *largest) {
+                let place = format!("{}, {} Hz", curve.label, number(point.frequency_hz, 3));
+                worst = Some((gain, phase, place));
+            }
+        }
+    }
+    departures.sort_by(f64::total_cmp);
+    match worst {
+        None => "Nothing moved, measured or simulated: every point is at rest.".to_owned(),
+        Some((gain, phase, place)) => {
+            let half = rounded(departures[departures.len() / 2]);
+            let (gain, phase) = (rounded(gain), rounded(phase));
+            format!(
+                "Half of the simulated gains are within {half} dB; the worst is {gain} dB and \
+                 {phase}° off, at {place}."
+            )
+        }
+    }
+}
+
+/// A departure with two digits, and no smaller than a plot could show.
+fn rounded(departure: f64) -> String {
+    number(departure.max(1e-3), 2)
+}
+
+fn curves(comparison: &Comparison) -> Vec<Curve> {
+    let largest = largest_measured(comparison);
+    let point = |experiment: &ComparedExperiment, harmonic: &ComparedHarmonic| {
+        let seen = is_seen(comparison, harmonic, largest);
+        Point {
+            frequency_hz: frequency_hz(experiment, harmonic.order),
+            measured: ratio(harmonic.measured, harmonic.input).filter(|_| seen),
+            simulated: ratio(harmonic.simulated, harmonic.input),
+        }
+    };
+    let many = has_many_lines(comparison);
+    let mut curves = Vec::new();
+    for group in by_magnitude(comparison) {
+        let label = magnitude_label(group.magnitude, comparison);
+        if !many {
+            let points = group.experiments.iter().filter_map(|experiment| {
+                let fundamental = excited(experiment).into_iter().next()?;
+                Some(point(experiment, fundamental))
+            });
+            curves.push(Curve { label, points: points.collect() });
+            continue;
+        }
+        for experiment in &group.experiments {
+            let label = experiment_label(experiment, comparison);
+            let points = excited(experiment).into_iter().map(|h| point(experiment, h)).collect();
+            curves.push(Curve { label, points });
+        }
+    }
+    curves.retain(|curve| !curve.points.is_empty());
+    curves
+}
+
+fn ratio(response: [f64; 2], input: [f64; 2]) -> Option<Ratio> {
+    let gain_db = 20.0 * (size(response) / size(input)).log10();
+    let phase_deg = (response[1].atan2(response[0]) - input[1].atan2(input[0])).to_degrees();
+    (gain_db.is_finite() && phase_deg.is_finite()).then_some(Ratio { gain_db, phase_deg })
+}
+
+/// Takes whole turns out of the phases: the simulated curve follows itself, the
+/// measured points follow the simulated curve, which has no noise.
+fn unwrap(curve: &mut Curve) {
+    follow(curve, true);
+    let phases = curve.points.iter().filter_map(|point| point.simulated.or(point.measured));
+    let [low, high] = range(phases.map(|ratio| ratio.phase_deg));
+    if high - low > MOST_TURNED_DEG {
+        follow(curve, false);
+    }
+}
+
+/// Moves every phase by whole turns towards its predecessor, or all towards the
+/// branch of the first.
+fn follow(curve: &mut Curve, predecessor: bool) {
+    let near = |phase: f64, reference: f64| phase - 360.0 * ((phase - reference) / 360.0).round();
+    let mut previous = FIRST_BRANCH_DEG;
+    for point in &mut curve.points {
+        let mut turn = |ratio: &mut Ratio, leads: bool| {
+            ratio.phase_deg = near(ratio.phase_deg, previous);
+            if predecessor && leads {
+                previous = ratio.phase_deg;
+            }
+        };
+        let answers = point.simulated.is_some();
+        point.simulated.iter_mut().for_each(|ratio| turn(ratio, true));
+        point.measured.iter_mut().for_each(|ratio| turn(ratio, !answers));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phases_have_no_jumps_of_a_whole_turn() {
+        let truth: Vec<f64> = (0..40).map(|i| -20.0 - 15.0 * f64::from(i)).collect();
+        let wrapped = |phase: f64| (phase + 180.0).rem_euclid(360.0) - 180.0;
+        let ratio = |phase_deg: f64| Some(Ratio { gain_db: 0.0, phase_deg: wrapped(phase_deg) });
+        let points = truth.iter().enumerate().map(|(i, phase)| Point {
+            frequency_hz: 1.0,
+            measured: ratio(phase + 7.0),
+            // A point of rest in the middle does not lose the count of turns.
+            simulated: ratio(*phase).filter(|_| i != 20),
+        });
+        let mut curve = Curve { label: String::new(), points: points.collect() };
+        unwrap(&mut curve);
+        for (point, phase) in curve.points.iter().zip(truth) {
+            let measured = point.measured.unwrap().phase_deg;
+            // Rounding of angles of a few hundred degrees.
+            assert!((measured - phase - 7.0).abs() < 1e-9, "{measured} {phase}");
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Friction torque against velocity, as the model has it.
+
+mod model;
+mod velocities;
+
+use crate::answers::{Comparison, Identification};
+
+use super::canvas::{Anchor, Canvas, LABEL, Marker, WIDTH};
+use super::panel::{Key, Look, Naming, Panel, legend};
+use super::scale::{DECIMAL, Scale, padded, range};
+use super::series::{by_magnitude, in_fraction, spread, unit_or};
+use super::text::{self, number};
+use super::{NothingToDraw, Subject};
+
+use model::{Side, Viscous, band, quantile, side, viscous};
+use velocities::{extents, velocities};
+
+const LEFT: f64 = 64.0;
+const RIGHT: f64 = WIDTH - 92.0;
+const HEIGHT: f64 = 320.0;
+
+/// Magnitudes whose range of velocity is shown.
+const MOST_RANGES: usize = 8;
+
+/// Class of what the model says: no magnitude's colour.
+const MODEL: &str = "model";
+
+pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
+    let missing = |what: &str| NothingToDraw(what.to_owned());
+    let answer = subject.identification.ok_or_else(|| missing("there is no identified model"))?;
+    let viscous =
+        viscous(answer).ok_or_else(|| missing("the data does not determine pole and constant"))?;
+    let sides: Vec<Side> = [1.0, -1.0].into_iter().filter_map(|sign| side(answer, sign)).collect();
+    if sides.is_empty() {
+        return Err(missing("the data does not determine the friction levels"));
+    }
+    let comparison = subject.comparison;
+    let groups = comparison.map(by_magnitude).unwrap_or_default();
+    let ranges: Vec<(usize, [f64; 2])> = spread(groups.len(), MOST_RANGES)
+        .into_iter()
+        .filter_map(|i| Some((i, velocities(&groups[i], comparison?)?)))
+        .collect();
+    let unit = input_unit(answer, comparison);
+    let says = says(answer, &viscous, &sides, &unit);
+    let title = "Friction torque over velocity";
+    let mut canvas = Canvas::new("friction", title, &says, groups.len());
+    let mut keys = vec![
+        Key::new(Look::Line("line"), MODEL, "dry and viscous friction of the model"),
+        Key::new(Look::Area, MODEL, "95 % band"),
+    ];
+    if sides.iter().any(|side| side.static_level.is_some()) {
+        keys.push(Key::new(Look::Marker(Marker::Diamond), MODEL, "static level"));
+    }
+    legend(&mut canvas, &keys);
+    let top = canvas.y + 22.0;
+    let reach = reach(&sides, &viscous, &ranges);
+    let span = if sides.len() == 2 {
+        [-reach, reach]
+    } else {
+        padded([0.0, sides[0].sign * reach], 0.05, 0.0)
+    };
+    let x = Scale::linear(span, [LEFT, RIGHT]);
+    let bottom = top + HEIGHT;
+    let covered: Vec<([f64; 2], &Side)> = sides
+        .iter()
+        .flat_map(|side| band(answer, side, &viscous, reach).into_iter().map(move |p| (p, side)))
+        .collect();
+    let statics = sides.iter().filter_map(|side| Some(side.sign * side.static_level?));
+    let torques = covered.iter().map(|(point, _)| point[1]).chain(statics).chain([0.0]);
+    let y = Scale::linear(padded(torques, 0.1, 0.0), [bottom, top]);
+    let panel = Panel { x, y, left: LEFT, top, right: RIGHT, bottom };
+    let velocity = velocity_unit(comparison);
+    let x_name = format!("Velocity ({velocity})");
+    let y_name = format!("Friction torque ({})", unit_or(&unit, "input units"));
+    let x_name = if ranges.is_empty() { x_name.as_str() } else { "" };
+    panel.draw(
+        &mut canvas,
+        &y.vertical_ticks(DECIMAL),
+        Naming { x: x_name, y: &y_name, heading: "" },
+    );
+    axes(&mut canvas, &panel);
+    for side in &sides {
+        curve(&mut canvas, &panel, answer, side, &viscous, reach);
+    }
+    names(&mut canvas, &panel, &sides, &unit);
+    let per_velocity = if unit.is_empty() {
+        String::new()
+    } else {
+        text::shorten(&format!("{unit}/{}", in_fraction(&velocity)), 12.0, 90.0)
+    };
+    slope(&mut canvas, &panel, &sides, &viscous, reach, &per_velocity);
+    canvas.y = bottom + if ranges.is_empty() { 44.0 } else { 12.0 };
+    if let Some(comparison) = comparison.filter(|_| !ranges.is_empty()) {
+        extents(&mut canvas, &panel, &groups, &ranges, comparison, &velocity);
+    }
+    if sides.iter().any(|side| side.key == "fc_mean") {
+        canvas.note("The data tells only the mean of the levels of both directions.");
+    }
+    Ok(canvas)
+}
+
+/// Largest velocity shown: what was measured, or what makes the slope visible.
+fn reach(sides: &[Side], viscous: &Viscous, ranges: &[(usize, [f64; 2])]) -> f64 {
+    let [low, high] = range(ranges.iter().flat_map(|(_, range)| *range));
+    let measured = low.abs().max(high.abs());
+    let level = sides.iter().map(|side| side.level).fold(0.0, f64::max);
+    let guess = 2.0 * level / viscous.slope;
+    match (measured.is_finite() && measured > 0.0, guess.is_finite() && guess > 0.0) {
+        (true, _) => 1.05 * measured,
+        (false, true) => guess,
+        (false, false) => 1.0,
+    }
+}
+
+fn axes(canvas: &mut Canvas, panel: &Panel) {
+    let zero = [panel.x.at(0.0), panel.y.at(0.0)];
+    if let Some(x) = zero[0].filter(|x| (panel.left..=panel.right).contains(x)) {
+        canvas.line("frame", [x, panel.top], [x, panel.bottom]);
+    }
+    if let Some(y) = zero[1].filter(|y| (panel.top..=panel.bottom).contains(y)) {
+        canvas.line("frame", [panel.left, y], [panel.right, y]);
+    }
+}
+
+fn curve(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    answer: &Identification,
+    side: &Side,
+    viscous: &Viscous,
+    reach: f64,
+) {
+    let area = band(answer, side, viscous, reach);
+    let area: Vec<[f64; 2]> = area.iter().filter_map(|[v, t]| panel.at(*v, *t)).collect();
+    canvas.open_clipped(MODEL, panel.sides());
+    canvas.area("band", &area);
+    // From rest: whatever value holds the axis, up to the static level.
+    let breakaway = side.static_level.unwrap_or(side.level).max(side.level);
+    canvas.polyline(
+        "line",
+        [
+            panel.at(0.0, 0.0),
+            panel.at(0.0, side.sign * breakaway),
+            None,
+            panel.at(0.0, side.sign * side.level),
+            panel.at(side.sign * reach, side.sign * (side.level + viscous.slope * reach)),
+        ],
+    );
+    canvas.close();
+    if let Some(place) = side.static_level.and_then(|level| panel.at(0.0, side.sign * level)) {
+        canvas.open(&format!("{MODEL} measured"));
+        canvas.marker(Marker::Diamond, place, 4.2, "static level");
+        canvas.close();
+    }
+}
+
+/// Names the levels where the curve leaves rest.
+fn names(canvas: &mut Canvas, panel: &Panel, sides: &[Side], unit: &str) {
+    for side in sides {
+        let Some([x, y]) = panel.at(0.0, side.sign * side.level) else { continue };
+        let label = format!("{} = {}", side.name, text::quantity(side.level, 3, unit));
+        // On the side where the curve is not.
+        let (anchor, x) = match side.sign > 0.0 {
+            true => (Anchor::End, x - 10.0),
+            false => (Anchor::Start, x + 10.0),
+        };
+        // Clear of the axis, where a level is small.
+        let y = y - 4.0 * side.sign;
+        canvas.open(MODEL);
+        canvas.text(x, y + 4.0, LABEL, anchor, &label);
+        canvas.close();
+    }
+}
+
+/// Names the slope below the branch of positive velocity, which it leaves free.
+fn slope(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    sides: &[Side],
+    viscous: &Viscous,
+    reach: f64,
+    unit: &str,
+) {
+    let Some(side) = sides.iter().find(|side| side.sign > 0.0) else { return };
+    let label = format!("slope a/K = {}", text::quantity(viscous.slope, 3, unit));
+    let right = panel.right - 10.0;
+    let left = right - text::width(&label, LABEL.size);
+    let (Some(zero), Some(end)) = (panel.x.at(0.0), panel.x.at(reach)) else { return };
+    let v = reach * (left - zero) / (end - zero);
+    let Some(y) = panel.y.at(side.level + viscous.slope * v) else { return };
+    canvas.open(MODEL);
+    // Below the lowest point of the branch that the text passes.
+    canvas.text(right, (y + 18.0).min(panel.bottom - 8.0), LABEL, Anchor::End, &label);
+    canvas.close();
+}
+
+fn input_unit(answer: &Identification, comparison: Option<&Comparison>) -> String {
+    let of_level = || {
+        let level = ["fc_plus", "fc_mean"].into_iter().find_map(|key| answer.parameters.get(key));
+        level.map(|estimate| estimate.unit.clone()).unwrap_or_default()
+    };
+    let unit = comparison.map_or_else(of_level, |comparison| comparison.input_unit.clone());
+    text::shorten(&unit, 12.0, 80.0)
+}
+
+fn velocity_unit(comparison: Option<&Comparison>) -> String {
+    let Some(comparison) = comparison else { return "velocity units".to_owned() };
+    let unit = comparison.response_unit.as_str();
+    let unit = match (unit.is_empty(), comparison.response_quantity.as_str()) {
+        (true, "position") => "position units/s".to_owned(),
+        (true, "acceleration") => "acceleration units·s".to_owned(),
+        (true, _) => "response units".to_owned(),
+        (false, "position") => format!("{}/s", in_fraction(unit)),
+        (false, "acceleration") => format!("{}·s", in_fraction(unit)),
+        (false, _) => unit.to_owned(),
+    };
+    text::shorten(&unit, 11.5, 300.0)
+}
+
+fn says(answer: &Identification, viscous: &Viscous, sides: &[Side], unit: &str) -> String {
+    let quantile = quantile(answer);
+    let with_band = |value: f64, std: Option<f64>| match std {
+        Some(std) if std > 0.0 => {
+            let half = quantile * std;
+            // As many digits as the interval leaves any meaning.
+            let digits = (value.abs() / half).log10().ceil().clamp(1.0, 6.0) as usize + 1;
+            format!("{} ± {}", number(value, digits), number(half, 2))
+        }
+        _ => number(value, 4),
+    };
+    let space = if unit.is_empty() { "" } else { " " };
+    let level = |side: &Side| {
+        format!("{} = {}{space}{unit}", side.name, with_band(side.level, side.level_std))
+    };
+    let levels = sides.iter().map(level).collect::<Vec<_>>().join(", ");
+    format!("{levels}; viscous a/K = {} (± 95 %).", with_band(viscous.slope, viscous.std))
+}

@@ -1,0 +1,88 @@
+//! Figures as SVG: one file a figure, one line in the list `FIGURES`.
+//!
+//! A figure is a pure function from answers to text. Its colours suit light and
+//! dark, its text is text, it runs no script and needs no other file.
+//!
+//! The SVG is written here rather than by a plotting crate: those looked at
+//! (plotters, charming, plotly) fix every colour as an attribute or need a
+//! script, so that one file cannot follow the reader's colour scheme.
+
+mod bode;
+mod canvas;
+mod convergence;
+mod friction;
+mod panel;
+mod residuals;
+mod scale;
+mod series;
+mod spectrum;
+#[cfg(test)]
+mod tests;
+mod text;
+mod theme;
+
+use crate::answers::{Comparison, ConvergenceRow, Discrepancy, Identification};
+
+use canvas::Canvas;
+
+pub use theme::Theme;
+
+/// What figures are drawn of. What is not known is left out, and with it the
+/// figures that need it.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Subject<'a> {
+    /// The identified model.
+    pub identification: Option<&'a Identification>,
+    /// The measurement beside what that model makes of it.
+    pub comparison: Option<&'a Comparison>,
+    /// Where the two depart.
+    pub discrepancy: Option<&'a Discrepancy>,
+    /// How the identification converged.
+    pub convergence: &'a [ConvergenceRow],
+}
+
+/// There is nothing to draw; says what is missing.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NothingToDraw(pub String);
+
+type Draw = fn(&Subject<'_>) -> Result<Canvas, NothingToDraw>;
+
+/// Every figure: its name and how it is drawn.
+const FIGURES: &[(&str, Draw)] = &[
+    ("bode", bode::draw),
+    ("spectrum", spectrum::draw),
+    ("residuals", residuals::draw),
+    ("convergence", convergence::draw),
+    ("friction", friction::draw),
+];
+
+/// Names of all figures, in the order they are shown to a reader.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    FIGURES.iter().map(|(name, _)| *name)
+}
+
+/// Names of the figures that can be drawn of a subject.
+pub fn available(subject: &Subject<'_>) -> Vec<&'static str> {
+    let drawn = FIGURES.iter().filter(|(_, draw)| draw(subject).is_ok());
+    drawn.map(|(name, _)| *name).collect()
+}
+
+/// Draws the figure of this name as an SVG document, 800 pixels wide.
+///
+/// # Errors
+/// [`NothingToDraw`] where there is no figure of this name or the subject lacks
+/// what it shows.
+pub fn draw(name: &str, subject: &Subject<'_>, theme: Theme) -> Result<String, NothingToDraw> {
+    let figure = FIGURES.iter().find(|(known, _)| *known == name);
+    let (_, draw) = figure.ok_or_else(|| NothingToDraw("no figure has this name".into()))?;
+    Ok(draw(subject)?.finish(theme))
+}
+
+/// The comparison of a subject, which several figures need.
+fn comparison<'a>(subject: &Subject<'a>) -> Result<&'a Comparison, NothingToDraw> {
+    let comparison = subject.comparison.filter(|comparison| !comparison.experiments.is_empty());
+    comparison.ok_or_else(|| {
+        NothingToDraw("it compares measured with simulated responses, and there are none".into())
+    })
+}

@@ -1,0 +1,298 @@
+//! Stepped sines: a map of harmonic over frequency, one block a magnitude.
+
+use std::collections::BTreeSet;
+
+use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison, Pattern};
+
+use super::super::canvas::{AXIS, Anchor, Canvas, HEADING, NOTE, TICK, WIDTH};
+use super::super::scale::Scale;
+use super::super::series::{Group, by_magnitude, frequency_hz, magnitude_label, sigmas};
+use super::super::text::{self, number};
+use super::super::theme::SIGMA_CLASSES;
+use super::{badge, within};
+
+const LEFT: f64 = 128.0;
+const RIGHT: f64 = WIDTH - 24.0;
+const BLOCK_GAP: f64 = 9.0;
+
+/// Height that all rows together are meant to have.
+const WANTED_HEIGHT: f64 = 420.0;
+
+/// Height of a row from which its number has room beside it.
+const LABELLED_ROW: f64 = 12.5;
+
+struct Cell {
+    sides: [f64; 4],
+    row: usize,
+    column: usize,
+    magnitude: f64,
+    frequency_hz: f64,
+    order: usize,
+    run: Option<f64>,
+    sigmas: Option<f64>,
+    /// What a pointer on it shows.
+    hint: String,
+}
+
+pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pattern]) {
+    let groups = by_magnitude(comparison);
+    colours(canvas);
+    let orders: Vec<Vec<usize>> = groups.iter().map(orders).collect();
+    let rows: usize = orders.iter().map(Vec::len).sum();
+    let height = (WANTED_HEIGHT / rows.max(1) as f64).clamp(5.0, 24.0);
+    let x = frequencies(&groups);
+    canvas.text(LEFT - 8.0, canvas.y + 10.0, AXIS, Anchor::End, "Harmonic k (–)");
+    let mut y = canvas.y + 18.0;
+    let mut blocks: Vec<Vec<Cell>> = Vec::new();
+    // The largest magnitude on top, as in a diagram over magnitude.
+    for (group, orders) in groups.iter().zip(&orders).rev() {
+        let bottom = y + height * orders.len() as f64;
+        let cells = cells(group, orders, &x, y, height, comparison);
+        canvas.open("cells");
+        for cell in &cells {
+            if let Some(size) = cell.sigmas {
+                let [left, top, right, bottom] = cell.sides;
+                // A hairline of background keeps neighbours apart.
+                let tile = [left + 0.5, top + 0.5, right - 0.5, bottom - 0.5];
+                canvas.rectangle(&class(size), tile, &cell.hint);
+            }
+        }
+        canvas.close();
+        let label = text::shorten(&magnitude_label(group.magnitude, comparison), 12.5, 68.0);
+        let middle = if bottom - y > 16.0 { y + 12.0 } else { 0.5 * (y + bottom) + 4.0 };
+        canvas.text(24.0, middle, HEADING, Anchor::Start, &label);
+        let every = (LABELLED_ROW / height).ceil() as usize;
+        for (row, order) in orders.iter().enumerate().step_by(every.max(1)) {
+            let middle = y + height * (row as f64 + 0.5) + 4.0;
+            canvas.text(LEFT - 8.0, middle, TICK, Anchor::End, &order.to_string());
+        }
+        y = bottom + BLOCK_GAP;
+        blocks.push(cells);
+    }
+    let bottom = y - BLOCK_GAP;
+    for tick in x.horizontal_ticks(TICK.size) {
+        canvas.line("frame", [tick.px, bottom], [tick.px, bottom + 4.0]);
+        canvas.text(tick.px, bottom + 17.0, TICK, Anchor::Middle, &tick.label);
+    }
+    let middle = 0.5 * (LEFT + RIGHT);
+    canvas.text(middle, bottom + 34.0, AXIS, Anchor::Middle, "Frequency of the input (Hz)");
+    mark(canvas, &blocks, patterns);
+    canvas.y = bottom + 50.0;
+}
+
+fn orders(group: &Group<'_>) -> Vec<usize> {
+    let orders = group.experiments.iter().flat_map(|e| &e.harmonics).map(|h| h.order);
+    orders.collect::<BTreeSet<usize>>().into_iter().collect()
+}
+
+fn frequencies(groups: &[Group<'_>]) -> Scale {
+    let every = groups.iter().flat_map(|group| bounds(group).into_iter().flatten());
+    let (low, high) = every.fold((f64::INFINITY, 0.0_f64), |(low, high), frequency| {
+        (low.min(frequency), high.max(frequency))
+    });
+    Scale::log([low, high], [LEFT, RIGHT])
+}
+
+/// Where the column of each experiment begins and ends, hertz: half-way to its
+/// neighbours on a logarithmic axis.
+fn bounds(group: &Group<'_>) -> Vec<[f64; 2]> {
+    let at: Vec<f64> = group.experiments.iter().map(|e| frequency_hz(e, 1)).collect();
+    let mut distinct = at.clone();
+    distinct.dedup_by(|a, b| (*a / *b - 1.0).abs() < 1e-9);
+    let bounds: Vec<[f64; 2]> = (0..distinct.len())
+        .map(|i| {
+            let here = distinct[i];
+            let before = (i > 0).then(|| (here / distinct[i - 1]).sqrt());
+            let after = distinct.get(i + 1).map(|next| (next / here).sqrt());
+            // At the ends as wide as towards the one neighbour; alone, an octave.
+            let [before, after] = match (before, after) {
+                (None, None) => [f64::sqrt(2.0); 2],
+                (before, after) => [before.or(after), after.or(before)].map(|w| w.unwrap_or(1.0)),
+            };
+            [here / before, here * after]
+        })
+        .collect();
+    // Experiments of the same frequency (repeated at another time) share a column.
+    at.iter()
+        .flat_map(|frequency| {
+            let index = distinct.iter().position(|d| (d / frequency - 1.0).abs() < 1e-9)?;
+            let sharing = at.iter().filter(|f| (*f / frequency - 1.0).abs() < 1e-9).count();
+            Some((index, sharing))
+        })
+        .scan((usize::MAX, 0_usize), |(last, nth), (index, sharing)| {
+            *nth = if *last == index { *nth + 1 } else { 0 };
+            *last = index;
+            let [from, to] = bounds[index];
+            let part = (to / from).powf(1.0 / sharing as f64);
+            Some([from * part.powi(*nth as i32), from * part.powi(*nth as i32 + 1)])
+        })
+        .collect()
+}
+
+fn cells(
+    group: &Group<'_>,
+    orders: &[usize],
+    x: &Scale,
+    top: f64,
+    height: f64,
+    comparison: &Comparison,
+) -> Vec<Cell> {
+    let mut cells = Vec::new();
+    for (column, (experiment, bounds)) in group.experiments.iter().zip(bounds(group)).enumerate() {
+        let [Some(left), Some(right)] = bounds.map(|frequency| x.at(frequency)) else { continue };
+        for harmonic in &experiment.harmonics {
+            let Ok(row) = orders.binary_search(&harmonic.order) else { continue };
+            let y = top + height * row as f64;
+            cells.push(Cell {
+                sides: [left, y, right, y + height],
+                row,
+                column,
+                magnitude: group.magnitude,
+                frequency_hz: frequency_hz(experiment, 1),
+                order: harmonic.order,
+                run: experiment.run,
+                sigmas: sigmas(harmonic),
+                hint: hint(experiment, harmonic, comparison),
+            });
+        }
+    }
+    cells
+}
+
+fn hint(
+    experiment: &ComparedExperiment,
+    harmonic: &ComparedHarmonic,
+    comparison: &Comparison,
+) -> String {
+    let size = sigmas(harmonic).map_or_else(String::new, |size| number(size, 3));
+    format!(
+        "{}, {} Hz, k = {}: {size} σ",
+        magnitude_label(experiment.magnitude, comparison),
+        number(frequency_hz(experiment, 1), 3),
+        harmonic.order
+    )
+}
+
+fn class(sigmas: f64) -> String {
+    let index = SIGMA_CLASSES.iter().rposition(|from| sigmas >= *from).unwrap_or(0);
+    format!("q{index}")
+}
+
+/// The legend of the colours.
+fn colours(canvas: &mut Canvas) {
+    const WIDTH: f64 = 56.0;
+    let (mut x, y) = (LEFT, canvas.y + 4.0);
+    canvas.text(24.0, y + 11.0, NOTE, Anchor::Start, "|residual| (σ)");
+    for (index, from) in SIGMA_CLASSES.iter().enumerate() {
+        canvas.rectangle(&format!("q{index}"), [x, y, x + WIDTH, y + 14.0], "");
+        let label = match SIGMA_CLASSES.get(index + 1) {
+            Some(to) => format!("{from}–{to}"),
+            None => format!("≥ {from}"),
+        };
+        canvas.text(x + 0.5 * WIDTH, y + 28.0, TICK, Anchor::Middle, &label);
+        x += WIDTH;
+    }
+    canvas.text(x + 14.0, y + 11.0, NOTE, Anchor::Start, "grey: may be noise");
+    canvas.y = y + 46.0;
+}
+
+/// Outlines what belongs to each pattern and numbers it in every block.
+fn mark(canvas: &mut Canvas, blocks: &[Vec<Cell>], patterns: &[Pattern]) {
+    let mut outlines = Vec::new();
+    let mut badges: Vec<(usize, [f64; 2])> = Vec::new();
+    for (index, pattern) in patterns.iter().enumerate() {
+        // Outlines of patterns that overlap stand side by side, not on each other.
+        let inset = 1.0 + 2.5 * (index % 3) as f64;
+        let mut edges = Vec::new();
+        for block in blocks {
+            let cells: Vec<&Cell> = block.iter().filter(|c| belongs(pattern, c)).collect();
+            let inside: BTreeSet<(usize, usize)> =
+                cells.iter().map(|c| (c.row, c.column)).collect();
+            edges.extend(cells.iter().flat_map(|cell| outline(cell, &inside, inset)));
+            let first = cells.iter().min_by_key(|cell| (cell.row, cell.column));
+            badges.extend(first.map(|cell| (index, free_place(cell, &badges))));
+        }
+        outlines.push(edges);
+    }
+    // Every outline on top of every halo, every number on top of every outline.
+    for class in ["halo", "ink"] {
+        canvas.open("outlines");
+        for edges in &outlines {
+            let path = edges.iter().flat_map(|[from, to]| [Some(*from), Some(*to), None]);
+            canvas.polyline(class, path);
+        }
+        canvas.close();
+    }
+    for (index, place) in badges {
+        badge(canvas, index, place);
+    }
+}
+
+fn belongs(pattern: &Pattern, cell: &Cell) -> bool {
+    let of_run = |runs| cell.run.is_some_and(|run| within(Some(runs), run));
+    within(pattern.magnitudes, cell.magnitude)
+        && within(pattern.frequencies_hz, cell.frequency_hz)
+        && (pattern.harmonics.is_empty() || pattern.harmonics.contains(&cell.order))
+        && pattern.runs.is_none_or(of_run)
+}
+
+/// Where a number has room beside those there are: the corner of its cell, or
+/// right of it.
+fn free_place(cell: &Cell, badges: &[(usize, [f64; 2])]) -> [f64; 2] {
+    const APART: f64 = 18.0;
+    let [left, top, ..] = cell.sides;
+    let mut place = [left + 9.0, top + 9.0];
+    let taken = |place: [f64; 2]| {
+        badges.iter().any(|(_, other)| {
+            (other[0] - place[0]).abs() < APART && (other[1] - place[1]).abs() < APART
+        })
+    };
+    while taken(place) {
+        place[0] += APART;
+    }
+    place
+}
+
+/// The sides of a cell at which its pattern ends, moved inwards.
+fn outline(cell: &Cell, inside: &BTreeSet<(usize, usize)>, inset: f64) -> Vec<[[f64; 2]; 2]> {
+    let (row, column) = (cell.row, cell.column);
+    let open = |dr: isize, dc: isize| {
+        let moved = row.checked_add_signed(dr).zip(column.checked_add_signed(dc));
+        !moved.is_some_and(|place| inside.contains(&place))
+    };
+    let [above, below, before, after] = [open(-1, 0), open(1, 0), open(0, -1), open(0, 1)];
+    let pull = |end: bool| if end { inset } else { 0.0 };
+    let [left, top, right, bottom] = cell.sides;
+    let (x0, x1) = (left + pull(before), right - pull(after));
+    let (y0, y1) = (top + pull(above), bottom - pull(below));
+    [
+        (above, [[x0, y0], [x1, y0]]),
+        (below, [[x0, y1], [x1, y1]]),
+        (before, [[x0, y0], [x0, y1]]),
+        (after, [[x1, y0], [x1, y1]]),
+    ]
+    .into_iter()
+    .filter_map(|(ends, edge)| ends.then_some(edge))
+    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn experiment(omega_rad_s: f64) -> ComparedExperiment {
+        let harmonics = Vec::new();
+        ComparedExperiment { experiment: 0, magnitude: 1.0, omega_rad_s, run: None, harmonics }
+    }
+
+    #[test]
+    fn columns_meet_half_way_and_share_a_frequency_measured_twice() {
+        let experiments = [1.0, 4.0, 4.0, 16.0].map(|hz| experiment(std::f64::consts::TAU * hz));
+        let group = Group { magnitude: 1.0, experiments: experiments.iter().collect() };
+        let wanted = [[0.5, 2.0], [2.0, 4.0], [4.0, 8.0], [8.0, 32.0]];
+        for (got, wanted) in bounds(&group).iter().flatten().zip(wanted.iter().flatten()) {
+            // Rounding of a few roots and powers.
+            assert!((got / wanted - 1.0).abs() < 1e-12, "{got} {wanted}");
+        }
+    }
+}

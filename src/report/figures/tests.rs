@@ -1,0 +1,363 @@
+//! What holds for every figure, whatever it is drawn of.
+
+use roxmltree::{Document, Node};
+
+use super::{Subject, Theme, available, draw, names, text};
+use crate::answers::{
+    ComparedExperiment, ComparedHarmonic, Comparison, ConvergenceRow, Discrepancy, Identification,
+    Pattern, Unanswered,
+};
+use crate::report::sample;
+
+/// The largest file, bytes: what a page of several figures may weigh.
+const MOST_BYTES: usize = 300_000;
+
+/// Everything a figure may be drawn of.
+#[derive(Clone)]
+struct Known {
+    identification: Identification,
+    comparison: Comparison,
+    discrepancy: Option<Discrepancy>,
+    convergence: Vec<ConvergenceRow>,
+}
+
+impl Known {
+    fn of(comparison: Comparison) -> Self {
+        let mut identification = sample::identification();
+        let level = identification.parameters["fc_plus"].clone();
+        identification.parameters.insert("fc_minus".into(), level);
+        Self { identification, comparison, discrepancy: None, convergence: history() }
+    }
+
+    fn subject(&self) -> Subject<'_> {
+        Subject {
+            identification: Some(&self.identification),
+            comparison: Some(&self.comparison),
+            discrepancy: self.discrepancy.as_ref(),
+            convergence: &self.convergence,
+        }
+    }
+
+    fn draw(&self, name: &str) -> String {
+        let svg = draw(name, &self.subject(), Theme::Auto);
+        svg.unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+}
+
+/// Two orders through every stage, the first costs beyond any measure.
+fn history() -> Vec<ConvergenceRow> {
+    let row = |stage: &str, order: u64, cycle: u64, best: f64, mean: Option<f64>| ConvergenceRow {
+        stage: format!("{stage} (order {order})"),
+        cycle,
+        evaluations: 20 * cycle,
+        best,
+        mean,
+        elapsed_s: 0.01 * cycle as f64,
+    };
+    let mut rows = Vec::new();
+    for order in 0..2 {
+        rows.push(row("closed_form", order, 0, 3e5, None));
+        rows.extend(
+            (1..60).map(|i| row("network", order, i, 2.0 / i as f64, Some(1.0 / i as f64))),
+        );
+        rows.push(row("colony", order, 1, f64::MAX, None));
+        rows.extend((2..50).map(|i| row("colony", order, i, 3e4 / i as f64, Some(1e9 / i as f64))));
+        rows.extend(
+            (0..9).map(|i| row("refinement", order, i, 640.0 + 10.0 / (1.0 + i as f64), None)),
+        );
+    }
+    rows
+}
+
+fn diagnosed() -> Known {
+    Known { discrepancy: Some(sample::discrepancy()), ..Known::of(sample::comparison()) }
+}
+
+fn experiment(
+    index: usize,
+    magnitude: f64,
+    omega: f64,
+    lines: &[usize],
+    highest: usize,
+) -> ComparedExperiment {
+    let harmonic = |order: usize| {
+        let excited = lines.contains(&order);
+        let frequency = order as f64 * omega;
+        let size = if excited { 1.0 } else { 1e-3 } / (1.0 + frequency / 50.0);
+        // Some scatter without a random number: the golden ratio fills the circle evenly.
+        let angle = 2.399_963 * order as f64;
+        let noise = [1e-5 * angle.cos(), if order == 0 { 0.0 } else { 1e-5 * angle.sin() }];
+        let im = if order == 0 { 0.0 } else { -0.5 * size };
+        ComparedHarmonic {
+            order,
+            input: [if excited { magnitude / lines.len() as f64 } else { 0.0 }, 0.0],
+            measured: [size + noise[0], im + noise[1]],
+            simulated: [size, im],
+            std: 1e-5,
+        }
+    };
+    let harmonics = (0..=highest).map(harmonic).collect();
+    ComparedExperiment { experiment: index, magnitude, omega_rad_s: omega, run: None, harmonics }
+}
+
+/// One record whose response has 1100 lines, every other one excited.
+fn record() -> Known {
+    let lines: Vec<usize> = (1..=1100).step_by(2).collect();
+    let experiments = vec![experiment(0, 2.5, 1.0, &lines, 1100)];
+    Known {
+        discrepancy: Some(Discrepancy {
+            patterns: vec![
+                Pattern { frequencies_hz: Some([1.0, 5.0]), ..sample::pattern("A band.") },
+                Pattern { frequencies_hz: Some([1.5, 2.0]), ..sample::pattern("Within the band.") },
+            ],
+            ..sample::discrepancy()
+        }),
+        ..Known::of(Comparison { experiments, ..sample::comparison() })
+    }
+}
+
+/// 48 experiments with 8 harmonics: 3 magnitudes at 16 frequencies.
+fn stepped() -> Known {
+    let design = [0.6, 1.2, 2.4].into_iter();
+    let design = design.flat_map(|m| (0..16).map(move |i| (m, 1.4_f64.powi(i))));
+    let experiments =
+        design.enumerate().map(|(i, (m, omega))| experiment(i, m, omega, &[1], 8)).collect();
+    Known::of(Comparison { experiments, ..sample::comparison() })
+}
+
+fn changed(change: impl Fn(&mut ComparedHarmonic)) -> Known {
+    let mut comparison = sample::comparison();
+    comparison.experiments.iter_mut().flat_map(|e| &mut e.harmonics).for_each(change);
+    Known::of(comparison)
+}
+
+/// What a figure must bear, each with the names of the figures it allows.
+fn extremes() -> Vec<(&'static str, Known)> {
+    let mut single = sample::comparison();
+    single.experiments.truncate(1);
+    single.experiments[0].harmonics.retain(|h| h.order == 1);
+    let mut odd_units = diagnosed();
+    odd_units.comparison.input_unit = "<A & \"B\">\u{1}".into();
+    odd_units.comparison.response_unit =
+        "a unit of a name far longer than any axis has room for, ".repeat(4);
+    odd_units.comparison.response_quantity = "position".into();
+    let mut bare = Known::of(sample::comparison());
+    bare.comparison.input_unit.clear();
+    bare.comparison.response_unit.clear();
+    bare.comparison.std_estimated = true;
+    bare.comparison.unanswered =
+        vec![Unanswered { experiment: 18, reason: "it does not settle".into() }];
+    let mut many = sample::comparison();
+    many.experiments =
+        (0..40).map(|i| experiment(i, 1.0 + i as f64, 2.0 + i as f64, &[1], 3)).collect();
+    let mut several = record();
+    several.comparison.experiments = (0..6)
+        .map(|i| experiment(i, 1.0 + (i / 2) as f64, 1.0, &(1..40).collect::<Vec<_>>(), 60))
+        .collect();
+    let mut steep = diagnosed();
+    for (i, experiment) in steep.comparison.experiments.iter_mut().enumerate() {
+        experiment.magnitude *= 1e-7;
+        experiment.omega_rad_s *= 10.0_f64.powi(i as i32 - 9);
+        experiment.harmonics.iter_mut().for_each(|h| h.measured = h.measured.map(|x| x * 1e12));
+    }
+    vec![
+        ("a diagnosis", diagnosed()),
+        ("a record", record()),
+        ("several records", several),
+        ("48 experiments", stepped()),
+        ("one harmonic", Known::of(single)),
+        ("all stuck", changed(|h| (h.measured, h.simulated) = ([0.0; 2], [0.0; 2]))),
+        ("simulated stuck", changed(|h| h.simulated = [0.0; 2])),
+        ("odd units", odd_units),
+        ("no units", bare),
+        ("40 magnitudes", Known::of(many)),
+        ("steep", steep),
+        ("no noise", changed(|h| h.std = 0.0)),
+    ]
+}
+
+/// Calls `check` with every figure that can be drawn of every extreme.
+fn every_figure(check: impl Fn(&str, &str, &Document<'_>)) {
+    for (case, known) in extremes() {
+        for name in available(&known.subject()) {
+            let svg = known.draw(name);
+            let parsed = Document::parse(&svg);
+            check(case, &svg, &parsed.unwrap_or_else(|error| panic!("{case}, {name}: {error}")));
+        }
+    }
+}
+
+fn texts<'a>(document: &'a Document<'a>) -> impl Iterator<Item = Node<'a, 'a>> {
+    document.descendants().filter(|node| node.has_tag_name("text"))
+}
+
+fn number(node: &Node<'_, '_>, attribute: &str) -> f64 {
+    node.attribute(attribute).unwrap().parse().unwrap()
+}
+
+/// Left, top, right and bottom of a text, from its estimated width.
+fn text_box(node: &Node<'_, '_>) -> [f64; 4] {
+    let [x, y, size] = ["x", "y", "font-size"].map(|attribute| number(node, attribute));
+    let width = text::width(node.text().unwrap_or_default(), size);
+    let left = match node.attribute("text-anchor") {
+        Some("middle") => x - 0.5 * width,
+        Some("end") => x - width,
+        _ => x,
+    };
+    [left, y - 0.75 * size, left + width, y + 0.2 * size]
+}
+
+/// Markers of measured points: those in groups of data.
+fn markers(document: &Document<'_>) -> usize {
+    let is_data =
+        |node: &Node<'_, '_>| node.attribute("class").is_some_and(|c| c.ends_with("data"));
+    let groups = document.descendants().filter(is_data);
+    groups.map(|group| group.children().filter(Node::is_element).count()).sum()
+}
+
+#[test]
+fn every_figure_is_well_formed_and_says_what_it_is() {
+    every_figure(|case, svg, document| {
+        let root = document.root_element();
+        assert_eq!(root.attribute("role"), Some("img"), "{case}");
+        let labels = root.attribute("aria-labelledby").unwrap();
+        for id in labels.split(' ') {
+            let node = document.descendants().find(|node| node.attribute("id") == Some(id));
+            assert!(node.is_some_and(|node| !node.text().unwrap_or_default().is_empty()), "{id}");
+        }
+        for word in ["NaN", "inf", "<script", "http://", "https://", "@import"] {
+            let found = svg.replace("http://www.w3.org/2000/svg", "").contains(word);
+            assert!(!found, "{case}: {word}");
+        }
+    });
+}
+
+#[test]
+fn no_text_meets_another_or_leaves_the_figure() {
+    let wrong = std::cell::RefCell::new(Vec::new());
+    every_figure(|case, _, document| {
+        let name = document.root_element().attribute("id").unwrap();
+        let height = number(&document.root_element(), "height");
+        let boxes: Vec<([f64; 4], &str)> =
+            texts(document).map(|node| (text_box(&node), node.text().unwrap_or(""))).collect();
+        for (i, ([left, top, right, bottom], text)) in boxes.iter().enumerate() {
+            let inside = *left >= 0.0 && *top >= 0.0 && *right <= 800.0 && *bottom <= height;
+            if !inside {
+                wrong.borrow_mut().push(format!("{case}, {name}: `{text}` leaves the figure"));
+            }
+            for ([l, t, r, b], other) in &boxes[..i] {
+                let meet = left < r && l < right && top < b && t < bottom;
+                if meet {
+                    wrong.borrow_mut().push(format!("{case}, {name}: `{text}` meets `{other}`"));
+                }
+            }
+        }
+    });
+    assert!(wrong.borrow().is_empty(), "{:#?}", wrong.borrow());
+}
+
+#[test]
+fn every_axis_says_its_unit() {
+    let axes: [(&str, &[&str]); 5] = [
+        ("bode", &["Gain (dB re 1 (rad/s)/A)", "Phase (degrees)", "Frequency (Hz)"]),
+        ("spectrum", &["Amplitude (rad/s)", "Harmonic k (–)"]),
+        ("residuals", &["|residual| (σ)", "Harmonic k (–)", "Frequency of the input (Hz)"]),
+        ("convergence", &["Held-out loss (–)", "Cost χ² (–)", "Epoch (–)"]),
+        ("friction", &["Friction torque (A)", "Velocity (rad/s)"]),
+    ];
+    assert!(axes.iter().map(|(name, _)| *name).eq(names()));
+    let known = diagnosed();
+    for (name, labels) in axes {
+        let svg = known.draw(name);
+        let document = Document::parse(&svg).unwrap();
+        for label in labels {
+            let found = texts(&document).any(|node| node.text() == Some(label));
+            assert!(found, "{name}: {label}");
+        }
+    }
+}
+
+#[test]
+fn every_measured_point_is_a_marker_at_rest_or_moving() {
+    let counted = |known: &Known, name: &str| {
+        let svg = known.draw(name);
+        markers(&Document::parse(&svg).unwrap())
+    };
+    // 18 experiments of one line each, in gain and in phase.
+    assert_eq!(counted(&diagnosed(), "bode"), 2 * 18);
+    // What rests has no phase.
+    let mut stuck = diagnosed();
+    stuck.comparison.experiments[7].harmonics.iter_mut().for_each(|h| h.measured = [0.0; 2]);
+    assert_eq!(counted(&stuck, "bode"), 2 * 17 + 1);
+    // Three magnitudes, harmonics 0 to 3.
+    assert_eq!(counted(&stuck, "spectrum"), 3 * 4);
+    // Excited: 550 of the harmonics 1 to 1100; the mean has no place on a log axis.
+    assert_eq!(counted(&record(), "spectrum"), 1100);
+    assert_eq!(counted(&record(), "residuals"), 1100);
+    let svg = stepped().draw("residuals");
+    let document = Document::parse(&svg).unwrap();
+    let cells = document.descendants().find(|n| n.attribute("class") == Some("cells"));
+    let blocks = document.descendants().filter(|n| n.attribute("class") == Some("cells"));
+    assert!(cells.is_some());
+    assert_eq!(blocks.map(|b| b.children().count()).sum::<usize>(), 48 * 9);
+}
+
+#[test]
+fn the_largest_records_stay_below_the_limit() {
+    for known in [record(), stepped()] {
+        for name in names() {
+            let bytes = known.draw(name).len();
+            assert!(bytes < MOST_BYTES, "{name}: {bytes} bytes");
+        }
+    }
+}
+
+#[test]
+fn patterns_are_numbered_in_the_map_and_explained_below() {
+    let svg = diagnosed().draw("residuals");
+    let document = Document::parse(&svg).unwrap();
+    for (number, count) in [("1", 2), ("2", 4), ("3", 3)] {
+        let badges = texts(&document).filter(|node| {
+            node.attribute("class") == Some("badge-text") && node.text() == Some(number)
+        });
+        // In every block of the map it reaches into, and beside its sentence.
+        assert_eq!(badges.count(), count, "{number}");
+    }
+    assert!(svg.contains("It grows with the run."));
+}
+
+#[test]
+fn a_theme_that_is_forced_leaves_no_choice_to_the_reader() {
+    let known = diagnosed();
+    let [auto, light, dark] = [Theme::Auto, Theme::Light, Theme::Dark]
+        .map(|theme| draw("bode", &known.subject(), theme).unwrap());
+    assert!(auto.contains("prefers-color-scheme:dark"));
+    for forced in [&light, &dark] {
+        assert!(!forced.contains("prefers-color-scheme"));
+    }
+    assert_ne!(light, dark);
+}
+
+#[test]
+fn what_is_missing_is_said_and_what_can_be_drawn_is_listed() {
+    let known = diagnosed();
+    let only_history = Subject { convergence: &known.convergence, ..Subject::default() };
+    assert_eq!(available(&only_history), ["convergence"]);
+    assert_eq!(available(&known.subject()), names().collect::<Vec<_>>());
+    let error = draw("bode", &only_history, Theme::Auto).unwrap_err().to_string();
+    assert!(error.contains("compares measured with simulated"), "{error}");
+    assert!(draw("pie", &known.subject(), Theme::Auto).is_err());
+}
+
+#[test]
+fn static_levels_and_a_mean_level_are_shown_where_they_are_known() {
+    let mut known = diagnosed();
+    let level = known.identification.parameters["fc_plus"].clone();
+    known.identification.parameters.insert("fs_plus".into(), level.clone());
+    assert!(known.draw("friction").contains("static level"));
+    known.identification.parameters.retain(|name, _| !name.starts_with('f'));
+    known.identification.parameters.insert("fc_mean".into(), level);
+    assert!(known.draw("friction").contains("only the mean"));
+    known.identification.parameters.shift_remove("fc_mean");
+    assert!(draw("friction", &known.subject(), Theme::Auto).is_err());
+}

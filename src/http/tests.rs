@@ -194,8 +194,12 @@ fn bad_jobs_are_refused_with_the_member_and_what_is_known() {
         problem(server.submit(&body), status)
     };
     let cases = [
-        (json!({"kind": "diagnose"}), "kind", "not available in this version"),
-        (json!({"kind": "divine"}), "kind", "known: identify"),
+        (json!({"kind": "divine"}), "kind", "known: identify, diagnose"),
+        (
+            json!({"kind": "diagnose", "validation_measurement_id": "x"}),
+            "validation_measurement_id",
+            "not available in this version",
+        ),
         (json!({"method": "magic"}), "method", "known: abc-ann"),
         (json!({"plant": {"actuator_order": 3}}), "plant.actuator_order", "known: 0, 1, 2"),
         (json!({"plant": {"actuator_order": "2"}}), "plant.actuator_order", "string"),

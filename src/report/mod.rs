@@ -1,9 +1,11 @@
 //! Answers as a person reads them. Knows results, never solvers.
 
 mod columns;
+mod diagnosis;
 mod number;
 #[cfg(test)]
 pub(crate) mod sample;
 mod text;
 
+pub use diagnosis::diagnosis;
 pub use text::identification;

@@ -1,6 +1,7 @@
 //! The numeric core as the service sees it.
 
-use crate::answers::Identification;
+use crate::answers::{Diagnosis, Identification};
+use crate::diagnose::{self, DiagnoseError};
 use crate::identify::{self, IdentifyError, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::measurement::formats::{self, ParseError, Source};
@@ -25,6 +26,17 @@ pub trait Numerics: Send + Sync + 'static {
         request: &IdentifyRequest,
         observer: &dyn Observer,
     ) -> Result<Identification, IdentifyError>;
+
+    /// Fits the base model and says where it is wrong.
+    ///
+    /// # Errors
+    /// See [`DiagnoseError`].
+    fn diagnose(
+        &self,
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        observer: &dyn Observer,
+    ) -> Result<Diagnosis, DiagnoseError>;
 }
 
 /// The numeric core of this crate.
@@ -43,5 +55,14 @@ impl Numerics for BuiltIn {
         observer: &dyn Observer,
     ) -> Result<Identification, IdentifyError> {
         identify::identify(measurement, request, observer)
+    }
+
+    fn diagnose(
+        &self,
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        observer: &dyn Observer,
+    ) -> Result<Diagnosis, DiagnoseError> {
+        diagnose::diagnose(measurement, request, observer)
     }
 }

@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use crate::answers::{ConvergenceRow, Identification, Progress};
+use crate::answers::{ConvergenceRow, Diagnosis, Identification, Progress};
+use crate::diagnose::DiagnoseError;
 use crate::identify::{IdentifyError, IdentifyRequest};
 use crate::measurement::formats::{ParseError, Source};
 use crate::measurement::{Complex, Experiment, Harmonic, Measurement, Metadata};
@@ -80,5 +81,15 @@ impl Numerics for Scripted {
             UNUSABLE => Err(IdentifyError::Unusable { reason: "one frequency only".into() }),
             seed => Ok(Identification { seed, ..crate::report::sample::identification() }),
         }
+    }
+
+    fn diagnose(
+        &self,
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        observer: &dyn Observer,
+    ) -> Result<Diagnosis, DiagnoseError> {
+        let base = self.identify(measurement, request, observer)?;
+        Ok(Diagnosis { base, ..crate::report::sample::diagnosis() })
     }
 }

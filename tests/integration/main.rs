@@ -3,6 +3,7 @@
 mod benchmark_simulator;
 mod cli;
 mod coverage;
+mod discrepancy;
 mod dockerfile;
 mod identification;
 mod layers;

@@ -23,6 +23,7 @@ const STEPS: u64 = 1000;
 
 /// Arguments of a computation from files.
 #[derive(Debug, clap::Args)]
+#[group(skip)]
 pub(super) struct Args {
     /// Harmonic tables or time records that together are one measurement.
     #[arg(required = true, value_name = "FILE")]

@@ -16,6 +16,9 @@ mod statistics;
 mod subspace;
 mod whiteness;
 
+#[cfg(test)]
+mod tests;
+
 use crate::answers::{
     ConvergenceRow, Diagnosis, Discrepancy, NoiseSource, Progress, ResidualTest, Verdict,
 };
@@ -27,7 +30,7 @@ use groups::Sizes;
 use layout::Cell;
 use regions::Regions;
 use residual::Residuals;
-use whiteness::Judgement;
+use whiteness::{Judgement, Nulls};
 
 /// Share of the largest response below which what is left is rounding in the
 /// upload and the solver, where the noise is unknown.
@@ -111,7 +114,8 @@ fn discrepancy(fit: &BaseFit, seed: u64) -> Discrepancy {
     let residuals = Residuals::of(fit);
     let regions = Regions::new(&residuals.layout, &residuals.freedom);
     let statistics = statistics::all(&residuals, &regions);
-    let judgement = whiteness::judge(&residuals, &statistics, seed);
+    let nulls = Nulls::draw(&residuals, &statistics, seed);
+    let judgement = nulls.judge(&statistics, &residuals.values);
     let rounding = is_rounding(&residuals);
     let noise_like = rounding || judgement.noise_like;
     let patterns = match noise_like {

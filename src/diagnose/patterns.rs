@@ -61,7 +61,7 @@ fn quiet(values: &DVector<f64>) -> f64 {
     (quartile / LOWER_QUARTILE).max(1e-12 * largest).max(f64::MIN_POSITIVE).sqrt()
 }
 
-/// Finds the patterns of residuals that are not noise, largest first.
+/// Finds the patterns of residuals that are not noise, the most conspicuous first.
 ///
 /// A drift of the parameters in the course of the acquisition is looked for
 /// first. Then, again and again, the region whose excess stands out most is
@@ -73,29 +73,24 @@ pub(super) fn find(residuals: &Residuals, regions: &Regions, limit: f64) -> Vec<
     while patterns.len() < MOST {
         let squares = |row: usize| left.values[row] * left.values[row];
         let found = regions.most_conspicuous(|row| left.freedom[row], squares);
-        let Some((region, score)) = found.filter(|(_, score)| *score > 0.0) else { break };
-        let layout = &residuals.layout;
-        let taken: Vec<&Cell> = layout
-            .cells
-            .iter()
-            .filter(|cell| region.holds(cell) && left.freedom[cell.rows.0] > 0.0)
-            .collect();
+        let Some((region, _)) = found.filter(|(_, score)| *score > 0.0) else { break };
+        let inside = residuals.layout.cells.iter().filter(|cell| region.holds(cell));
+        let (taken, before): (Vec<&Cell>, Vec<&Cell>) =
+            inside.partition(|cell| left.freedom[cell.rows.0] > 0.0);
         let rows: Vec<usize> = taken.iter().flat_map(|cell| cell.each_row()).collect();
         let sum: f64 = rows.iter().map(|row| squares(*row)).sum();
         let dof: f64 = rows.iter().map(|row| left.freedom[*row]).sum();
         let share = left.share(sum, dof);
         let worth = share >= LEAST_SHARE && Regions::score_of(dof, sum - dof) > limit;
-        debug_assert!(score.is_finite());
         if !patterns.is_empty() && !worth {
             break;
         }
-        patterns.extend(describe(residuals, &region, &taken, share));
+        patterns.extend(describe(residuals, &region, &taken, share, !before.is_empty()));
         for row in rows {
             left.values[row] = 0.0;
             left.freedom[row] = 0.0;
         }
     }
-    patterns.sort_by(|a, b| b.share.total_cmp(&a.share));
     patterns
 }
 
@@ -104,6 +99,7 @@ fn describe(
     region: &Region,
     cells: &[&Cell],
     share: f64,
+    overlaps: bool,
 ) -> Option<Pattern> {
     let sizes = Sizes::of(residuals, cells)?;
     let layout = &residuals.layout;
@@ -133,7 +129,10 @@ fn describe(
         relative_size: departure.relative_size,
         phase_deg: departure.phase_deg,
         share,
-        sentence: sentence::of_region(layout, region, &departure),
+        sentence: match sentence::of_region(layout, region, &departure) {
+            sentence if overlaps => format!("apart from that, {sentence}"),
+            sentence => sentence,
+        },
     })
 }
 
@@ -186,7 +185,7 @@ fn drift(residuals: &Residuals, left: &mut Left) -> Option<Pattern> {
     let change = Change { start: offset(layout, &ends[0]), end: offset(layout, &ends[1]) };
     let cells: Vec<&Cell> = layout.cells.iter().collect();
     let sizes = Sizes::of(residuals, &cells)?;
-    take(residuals, left, &space);
+    take(left, &space);
     Some(Pattern {
         magnitudes: None,
         frequencies_hz: None,
@@ -217,12 +216,11 @@ fn rivals(residuals: &Residuals, left: &Left) -> f64 {
     levels.into_iter().map(left_by).fold(left.whole, f64::min)
 }
 
-fn take(residuals: &Residuals, left: &mut Left, space: &Subspace) {
+fn take(left: &mut Left, space: &Subspace) {
     left.values = space.complement(&left.values);
     for (freedom, leverage) in left.freedom.iter_mut().zip(space.leverages()) {
         *freedom = (*freedom - leverage).max(0.0);
     }
-    debug_assert_eq!(left.freedom.len(), residuals.values.len());
 }
 
 /// First and last third of the runs.

@@ -162,12 +162,12 @@ fn how(layout: &Layout, departure: &Departure<'_>, plural: bool) -> String {
     words.join(" and ")
 }
 
-/// A number between two others with as few digits as possible.
+/// A number of at most two digits between two others; where they are too close
+/// for that, near them.
 fn between(low: f64, high: f64) -> String {
     let middle = (low.max(0.25 * high) * high).sqrt();
-    let candidates = (1..=6).map(|digits| rounded(middle, digits));
     let inside = |text: &String| text.parse::<f64>().is_ok_and(|v| v > low && v < high);
-    candidates.into_iter().find(inside).unwrap_or_else(|| rounded(high, 6))
+    Some(rounded(middle, 1)).filter(inside).unwrap_or_else(|| rounded(middle, 2))
 }
 
 fn percent(share: f64) -> String {
@@ -176,10 +176,7 @@ fn percent(share: f64) -> String {
 
 /// A number as it is said: two significant digits, all of an integer part.
 pub(super) fn short(value: f64) -> String {
-    rounded(
-        value,
-        if value.abs() >= 1.0 && value.abs() < 10.0 && value.fract() != 0.0 { 2 } else { 2 },
-    )
+    rounded(value, 2)
 }
 
 /// A number with so many significant digits at least, all of its integer part, and

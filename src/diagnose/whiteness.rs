@@ -7,6 +7,7 @@
 //! compared with the smallest of each draw (Westfall and Young 1993, ISBN
 //! 978-0-471-55761-6), which knows how the statistics depend on each other.
 
+use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -20,7 +21,7 @@ use super::statistics::Statistic;
 const DRAWS: u64 = 2000;
 
 /// Probability that residuals that are noise are called something else.
-pub(super) const LEVEL: f64 = 0.005;
+const LEVEL: f64 = 0.005;
 
 /// Share of the draws from which the tail is extrapolated.
 const TAIL: f64 = 0.05;
@@ -31,8 +32,6 @@ pub(super) struct Judgement {
     pub tests: Vec<ResidualTest>,
     /// Whether all pass.
     pub noise_like: bool,
-    /// Probability of a smallest p-value at least as small, if all were noise.
-    pub p_value: f64,
     /// What `region` must exceed to fail.
     pub region_limit: f64,
 }
@@ -73,59 +72,74 @@ impl Null {
     }
 }
 
-/// Judges residuals.
-pub(super) fn judge(residuals: &Residuals, statistics: &[Statistic<'_>], seed: u64) -> Judgement {
-    let available: Vec<_> =
-        statistics.iter().filter_map(|s| s.evaluate.as_ref().ok().map(|e| (s.name, e))).collect();
-    let drawn: Vec<Vec<f64>> = (0..DRAWS)
-        .into_par_iter()
-        .map(|draw| {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            rng.set_stream(draw + 1);
-            let left = residuals.left_of(&residuals.law.draw(&mut rng));
-            available.iter().map(|(_, evaluate)| evaluate(&left)).collect()
-        })
-        .collect();
-    let nulls: Vec<Null> = (0..available.len())
-        .map(|test| Null::new(drawn.iter().map(|values| values[test]).collect()))
-        .collect();
-    let smallest = |values: &[f64]| {
-        let p_values = nulls.iter().zip(values).map(|(null, value)| null.p_value(*value));
-        p_values.fold(1.0, f64::min)
-    };
-    let mut minima: Vec<f64> = drawn.iter().map(|values| smallest(values)).collect();
-    minima.sort_by(f64::total_cmp);
-    let limit = minima[(LEVEL * minima.len() as f64) as usize];
-    let observed: Vec<f64> =
-        available.iter().map(|(_, evaluate)| evaluate(&residuals.values)).collect();
-    let at_most = minima.partition_point(|minimum| *minimum <= smallest(&observed));
-    let mut next = observed.iter().zip(&nulls);
-    let tests: Vec<ResidualTest> = statistics
-        .iter()
-        .map(|statistic| match &statistic.evaluate {
-            Err(reason) => untested(statistic.name, reason),
-            Ok(_) => {
-                let (value, null) = next.next().expect("one value a statistic");
-                let p_value = null.p_value(*value);
-                let passed = p_value >= limit;
-                let explanation = if passed { statistic.small } else { statistic.large };
-                ResidualTest {
-                    name: statistic.name.into(),
-                    statistic: *value,
-                    p_value: Some(p_value),
-                    passed,
-                    explanation: explanation.into(),
-                }
-            }
-        })
-        .collect();
-    let region = available.iter().position(|(name, _)| *name == "region");
-    Judgement {
-        noise_like: tests.iter().all(|test| test.passed),
-        tests,
-        p_value: (at_most as f64 + 1.0) / (minima.len() as f64 + 1.0),
-        region_limit: region.map_or(f64::INFINITY, |index| nulls[index].limit(limit)),
+/// Distributions of all statistics under the null hypothesis.
+pub(super) struct Nulls {
+    /// In the order of the statistics that there are.
+    by_test: Vec<Null>,
+    /// p-value below which a test fails.
+    limit: f64,
+}
+
+impl Nulls {
+    /// Draws noise as the fit would leave it and takes every statistic of it.
+    pub fn draw(residuals: &Residuals, statistics: &[Statistic<'_>], seed: u64) -> Self {
+        let drawn: Vec<Vec<f64>> = (0..DRAWS)
+            .into_par_iter()
+            .map(|draw| {
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                rng.set_stream(draw + 1);
+                values(statistics, &residuals.left_of(&residuals.law.draw(&mut rng)))
+            })
+            .collect();
+        let tests = drawn.first().map_or(0, Vec::len);
+        let column = |test: usize| drawn.iter().map(|values| values[test]).collect();
+        let mut nulls =
+            Self { by_test: (0..tests).map(|test| Null::new(column(test))).collect(), limit: 0.0 };
+        let smallest = |values: &Vec<f64>| nulls.p_values(values).fold(1.0, f64::min);
+        let mut minima: Vec<f64> = drawn.iter().map(smallest).collect();
+        minima.sort_by(f64::total_cmp);
+        nulls.limit = minima[(LEVEL * minima.len() as f64) as usize];
+        nulls
     }
+
+    /// Judges residuals.
+    pub fn judge(&self, statistics: &[Statistic<'_>], residuals: &DVector<f64>) -> Judgement {
+        let observed = values(statistics, residuals);
+        let mut next = observed.iter().zip(self.p_values(&observed));
+        let mut judged = |statistic: &Statistic<'_>| {
+            if let Err(reason) = statistic.evaluate {
+                return untested(statistic.name, reason);
+            }
+            let (value, p_value) = next.next().expect("one value a statistic");
+            let passed = p_value >= self.limit;
+            ResidualTest {
+                name: statistic.name.into(),
+                statistic: *value,
+                p_value: Some(p_value),
+                passed,
+                explanation: if passed { statistic.small } else { statistic.large }.into(),
+            }
+        };
+        let tests: Vec<ResidualTest> = statistics.iter().map(&mut judged).collect();
+        let available = statistics.iter().filter(|statistic| statistic.evaluate.is_ok());
+        let region = available.zip(&self.by_test).find(|(s, _)| s.name == "region");
+        Judgement {
+            noise_like: tests.iter().all(|test| test.passed),
+            tests,
+            region_limit: region.map_or(f64::INFINITY, |(_, null)| null.limit(self.limit)),
+        }
+    }
+
+    fn p_values(&self, values: &[f64]) -> impl Iterator<Item = f64> {
+        self.by_test.iter().zip(values).map(|(null, value)| null.p_value(*value))
+    }
+}
+
+/// Every statistic that there is.
+fn values(statistics: &[Statistic<'_>], residuals: &DVector<f64>) -> Vec<f64> {
+    let evaluates = statistics.iter().filter_map(|statistic| statistic.evaluate.as_ref().ok());
+    // An answer is written as JSON, which knows no infinity.
+    evaluates.map(|evaluate| evaluate(residuals).clamp(f64::MIN, f64::MAX)).collect()
 }
 
 fn untested(name: &str, reason: &str) -> ResidualTest {

@@ -40,7 +40,8 @@ fn patterns(patterns: &[Pattern]) -> Vec<String> {
     patterns.iter().enumerate().map(line).collect()
 }
 
-/// Groups by magnitude and harmonic, frequency and run in one table.
+/// Residuals by magnitude and harmonic; by frequency and run, too, where it
+/// matters where they are.
 fn left(discrepancy: &Discrepancy, noise: NoiseSource) -> Vec<String> {
     let unit = if noise == NoiseSource::Estimated { "of the rest" } else { "sigmas" };
     let mut rows = vec![["by", "", "count", unit, "response", "relative"].map(str::to_owned)];
@@ -50,7 +51,8 @@ fn left(discrepancy: &Discrepancy, noise: NoiseSource) -> Vec<String> {
         ("frequency, Hz", &discrepancy.by_frequency),
         ("run", &discrepancy.by_run),
     ];
-    for (axis, groups) in axes {
+    let shown = if discrepancy.noise_like { 2 } else { axes.len() };
+    for (axis, groups) in axes.into_iter().take(shown) {
         for (i, group) in groups.iter().enumerate() {
             rows.push(row(if i == 0 { axis } else { "" }, group));
         }

@@ -125,6 +125,8 @@ fn discrepancy(fit: &BaseFit, seed: u64) -> Discrepancy {
     let sentence = if rounding {
         "the simulation agrees with the measurement to the last digits: what is left is rounding"
             .into()
+    } else if judgement.tests.iter().all(|test| test.p_value.is_none()) {
+        "there is too little data to say whether the simulation is wrong".into()
     } else if noise_like {
         adequate(&residuals, &judgement)
     } else {

@@ -210,3 +210,87 @@ fn harmonic_classes(harmonics: &[usize]) -> Vec<Vec<usize>> {
     }
     classes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use statrs::distribution::{ChiSquared, ContinuousCDF, Normal as Gauss};
+
+    /// Three magnitudes, five bands, harmonics 0 to 3; one row a cell.
+    fn layout() -> Layout {
+        let mut cells = Vec::new();
+        for (magnitude, band, harmonic) in
+            (0..3).flat_map(|m| (0..5).flat_map(move |b| (0..4).map(move |h| (m, b, h))))
+        {
+            let zero = crate::measurement::Complex::new(0.0, 0.0);
+            cells.push(Cell {
+                rows: (cells.len(), None),
+                magnitude,
+                band,
+                harmonic,
+                frequency_hz: band as f64,
+                input_magnitude: magnitude as f64,
+                experiment: 0,
+                order: harmonic,
+                run: None,
+                measured: zero,
+                simulated: zero,
+                std: 1.0,
+            });
+        }
+        Layout {
+            cells,
+            magnitudes: vec![[0.0; 2]; 3],
+            bands: vec![[0.0; 2]; 5],
+            harmonics: (0..4).collect(),
+            many_lines: false,
+            units: Default::default(),
+        }
+    }
+
+    #[test]
+    fn the_region_in_which_residuals_are_large_is_the_most_conspicuous() {
+        let layout = layout();
+        let regions = Regions::new(&layout, &[1.0; 60]);
+        let wanted = Region { magnitudes: (1, 2), bands: (0, 2), harmonics: vec![2] };
+        let squares = |row: usize| if wanted.holds(&layout.cells[row]) { 9.0 } else { 1.0 };
+        let (found, score) = regions.most_conspicuous(|_| 1.0, squares).unwrap();
+        assert_eq!(found, wanted);
+        assert!((score - 48.0 / (2.0 * (6.0 + HANDFUL)).sqrt()).abs() < 1e-12);
+        assert!(regions.largest_score(squares) >= Regions::score_of(6.0, 48.0) - 1e-12);
+        // Where it is spoken for, nothing stands out.
+        let free = |row: usize| if wanted.holds(&layout.cells[row]) { 0.0 } else { 1.0 };
+        let (_, left) = regions.most_conspicuous(free, |row| squares(row) * free(row)).unwrap();
+        assert!(left.abs() < 1e-12);
+    }
+
+    #[test]
+    fn every_rectangle_and_class_of_harmonics_has_its_sum() {
+        let layout = layout();
+        let regions = Regions::new(&layout, &[1.0; 60]);
+        let value = |row: usize| (row as f64).sin();
+        let mut count = 0;
+        regions.each(&regions.sums(value), |(class, m0, m1, b0, b1), sum| {
+            let harmonics = regions.classes[class].clone();
+            let region = Region { magnitudes: (m0, m1), bands: (b0, b1), harmonics };
+            let cells = layout.cells.iter().filter(|cell| region.holds(cell));
+            let wanted: f64 = cells.map(|cell| value(cell.rows.0)).sum();
+            assert!((sum - wanted).abs() < 1e-12);
+            count += 1;
+        });
+        // All, two or more, even, and four single harmonics; 6 ranges of magnitude, 15 of bands.
+        assert_eq!(count, 7 * 6 * 15);
+    }
+
+    // Wilson and Hilferty's form is good to 0.1 deviations at two degrees of freedom and better
+    // with more.
+    #[test]
+    fn scores_are_normal() {
+        for (dof, sum) in [(2.0, 13.8), (10.0, 25.2), (100.0, 140.2), (100.0, 70.0)] {
+            let tail = ChiSquared::new(dof).unwrap().sf(sum);
+            let wanted = -Gauss::standard().inverse_cdf(tail);
+            let score = Regions::score_of(dof, sum - dof);
+            assert!((score - wanted).abs() < 0.1, "{dof} {sum}: {score} {wanted}");
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! Departures in words a test engineer uses.
 
 use super::groups::Sizes;
-use super::layout::{Layout, Span};
+use super::layout::{LAST_HARMONIC, Layout, Span};
 use super::regions::Region;
 
 /// How the measurement departs from the simulation in a region.
@@ -111,7 +111,7 @@ fn harmonics(layout: &Layout, region: &Region) -> (String, bool) {
             [] | [_] => ("the response".into(), false),
             _ => ("the response with all its harmonics".into(), false),
         },
-        [single] => (one(*single), false),
+        [single] => (one(*single), *single >= LAST_HARMONIC),
         _ if all_of(&|h| h >= 2) => ("the harmonics above the fundamental".into(), true),
         _ if all_of(&|h| h % 2 == 0) => ("the mean and the even harmonics".into(), true),
         _ if all_of(&|h| h % 2 == 0 && h > 0) => ("the even harmonics".into(), true),
@@ -202,5 +202,117 @@ pub(super) fn span(span: Span) -> String {
     match short(span[0]) == short(span[1]) {
         true => short(span[0]),
         false => format!("{} to {}", short(span[0]), short(span[1])),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Magnitudes 1, 2 and 4 A, 0.1 to 12.8 Hz, harmonics 0 to 5.
+    fn layout() -> Layout {
+        Layout {
+            cells: Vec::new(),
+            magnitudes: [1.0, 2.0, 4.0].map(|m| [m, m]).to_vec(),
+            bands: (0..8).map(|i| [0.1 * f64::from(1 << i); 2]).collect(),
+            harmonics: (0..6).collect(),
+            many_lines: false,
+            units: ("A".into(), "rad/s".into()),
+        }
+    }
+
+    fn region(magnitudes: (usize, usize), bands: (usize, usize), harmonics: &[usize]) -> Region {
+        Region { magnitudes, bands, harmonics: harmonics.to_vec() }
+    }
+
+    /// Simulated 1 rad/s rms, left 0.1.
+    const SIZES: Sizes =
+        Sizes { rms_sigmas: 12.3, rms_left: 0.1, rms_measured: 1.0, rms_simulated: 1.0 };
+
+    fn larger(size: f64) -> Departure<'static> {
+        Departure {
+            relative_size: Some(size),
+            phase_deg: None,
+            mean: None,
+            in_sigmas: Some(12.3),
+            sizes: &SIZES,
+        }
+    }
+
+    #[test]
+    fn a_corner_is_said_by_its_ends() {
+        let said = |magnitudes, bands| {
+            let region = region(magnitudes, bands, &[3]);
+            of_region(&layout(), &region, &larger(0.1)).replace(
+                ", the third harmonic is 10 % larger than simulated (12 times the noise)",
+                "",
+            )
+        };
+        assert_eq!(said((0, 0), (0, 4)), "at the lowest magnitude (1 A), below 2 Hz");
+        assert_eq!(said((2, 2), (5, 7)), "at the highest magnitude (4 A), above 2 Hz");
+        assert_eq!(said((1, 1), (2, 3)), "at magnitude 2 A, between 0.3 and 1 Hz");
+        assert_eq!(
+            said((0, 1), (7, 7)),
+            "at magnitudes up to 2 A, at the highest frequency (13 Hz)"
+        );
+        assert_eq!(
+            said((1, 2), (0, 0)),
+            "at magnitudes from 2 A up, at the lowest frequency (0.1 Hz)"
+        );
+        assert_eq!(said((0, 2), (0, 7)), "at every magnitude, at every frequency");
+        assert_eq!(said((0, 2), (4, 4)), "at every magnitude, at 1.6 Hz");
+    }
+
+    #[test]
+    fn harmonics_are_said_in_words() {
+        let said =
+            |harmonics: &[usize]| super::harmonics(&layout(), &region((0, 0), (0, 0), harmonics)).0;
+        assert_eq!(said(&[]), "the response with all its harmonics");
+        assert_eq!(said(&[0]), "the mean");
+        assert_eq!(said(&[1]), "the fundamental");
+        assert_eq!(said(&[5]), "the fifth harmonic");
+        assert_eq!(said(&[2, 4]), "the even harmonics");
+        assert_eq!(said(&[0, 2, 4]), "the mean and the even harmonics");
+        assert_eq!(said(&[3, 5]), "the odd harmonics above the fundamental");
+        assert_eq!(said(&[2, 3, 4, 5]), "the harmonics above the fundamental");
+        let lines = Layout { harmonics: Vec::new(), many_lines: true, ..layout() };
+        assert_eq!(super::harmonics(&lines, &region((0, 0), (0, 0), &[])).0, "the response");
+    }
+
+    #[test]
+    fn a_departure_is_said_by_what_it_mostly_is() {
+        let said = |departure: Departure<'_>| how(&layout(), &departure, false);
+        assert_eq!(said(larger(0.1)), "is 10 % larger than simulated");
+        assert_eq!(said(larger(-0.083)), "is 8.3 % smaller than simulated");
+        assert_eq!(said(larger(3.2)), "is 4.2 times as large as simulated");
+        assert_eq!(said(larger(0.01)), "departs from the simulation by 10 % (rms)");
+        let turned = Departure { phase_deg: Some(-5.0), ..larger(0.01) };
+        assert_eq!(said(turned), "lags by 5°");
+        let both = Departure { phase_deg: Some(4.0), ..larger(0.06) };
+        assert_eq!(said(both), "is 6 % larger than simulated and leads by 4°");
+        let shifted = Departure { mean: Some(-0.09), ..larger(0.0) };
+        assert_eq!(said(shifted), "is 0.09 rad/s below the simulated one");
+        let sizes = Sizes { rms_simulated: 0.01, rms_measured: 0.1, ..SIZES };
+        let unknown = Departure { relative_size: None, sizes: &sizes, ..larger(0.0) };
+        assert_eq!(said(unknown), "is 0.1 rad/s where the simulation has 0.01 rad/s");
+        assert_eq!(how(&layout(), &larger(0.01), true), "depart from the simulation by 10 % (rms)");
+    }
+
+    #[test]
+    fn a_drift_is_said_by_its_ends() {
+        assert_eq!(
+            of_drift(&Change { start: 0.02, end: -0.031 }),
+            "the response falls during the acquisition: its fundamental goes from 2 % above the \
+             simulated one in the first third of the runs to 3.1 % below it in the last"
+        );
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let values = [0.0, 0.0123, 0.5, 1.0, 9.96, 12.3, 1234.5, 1.5e-7];
+        let said = values.map(short);
+        assert_eq!(said, ["0", "0.012", "0.5", "1", "10", "12", "1234", "1.5e-7"]);
+        // 52.0 and 52.3 have no number of two digits between them.
+        assert_eq!([between(0.8, 1.6), between(52.0, 52.3)], ["1", "52"]);
     }
 }

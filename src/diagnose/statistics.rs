@@ -6,11 +6,12 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::layout::Cell;
 use super::regions::Regions;
 use super::residual::Residuals;
+use super::subspace::Subspace;
 
 /// Degrees of freedom below which residuals have no structure to speak of.
 const FEWEST_DOF: f64 = 8.0;
@@ -133,8 +134,31 @@ fn run(residuals: &Residuals) -> Statistic<'_> {
             _ => Ok(Box::new(move |r| space.energy(r))),
         },
         small: "the same parameters fit from the first run to the last",
-        large: "early and late runs ask for different parameters",
+        large: match follows_design(residuals) {
+            true => {
+                "early and late runs ask for different parameters, but runs followed magnitude or \
+                 frequency: it may be those"
+            }
+            false => "early and late runs ask for different parameters",
+        },
     }
+}
+
+/// Whether the order of acquisition is little else than that of magnitude or
+/// frequency: a linear function of both explains more than half of it.
+fn follows_design(residuals: &Residuals) -> bool {
+    let cells = &residuals.layout.cells;
+    let magnitude = log_magnitude(residuals);
+    let column = |level: &dyn Fn(&Cell) -> f64| {
+        let column = DVector::from_iterator(cells.len(), cells.iter().map(level));
+        let mean = column.mean();
+        column.add_scalar(-mean)
+    };
+    let run = column(&|cell| cell.run.unwrap_or(0.0));
+    let design =
+        [column(&magnitude), column(&|cell| cell.frequency_hz.max(f64::MIN_POSITIVE).ln())];
+    let explained = Subspace::of(&DMatrix::from_columns(&design)).energy(&run);
+    explained > 0.5 * run.norm_squared()
 }
 
 /// Largest normal score of the residuals of one harmonic, and of their means at

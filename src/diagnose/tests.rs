@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::*;
 use crate::answers::{IdentifyOptions, PlantRequest};
 use crate::benchmark::draw::{Draw, NoiseStatement, draw, measure, noise_std, observe};
+use crate::benchmark::simulator;
 use crate::measurement::{Complex, Experiment, Metadata};
 use crate::observer::Silent;
 
@@ -223,6 +224,59 @@ fn a_single_point_that_is_off_is_named_by_where_it_is() {
     let [low, high] = pattern.frequencies_hz.unwrap();
     assert!((low - hertz).abs() < 1e-9 * hertz && (high - hertz).abs() < 1e-9 * hertz);
     assert_eq!(pattern.magnitudes, Some([experiments[12].magnitude; 2]));
+}
+
+/// One record of 60 lines between 0.5 and 30 rad/s, at 60 dB.
+fn multisine(change: impl Fn(usize) -> f64) -> Measurement {
+    let omega_rad_s = 0.5;
+    let mut input = vec![Complex::new(0.0, 0.0)];
+    input.extend((1..=60).map(|k| Complex::from_polar(0.5, f64::from(k * k))));
+    let plant = draw(0, 3).plant;
+    let settings = simulator::Settings::default();
+    let mut exact = simulator::respond(&plant, omega_rad_s, &input, 60, &settings).unwrap();
+    exact.iter_mut().enumerate().for_each(|(k, value)| *value *= change(k));
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let std = 1e-3 * exact[1].norm();
+    let (response, _) = observe(&exact, Some(std), NoiseStatement::Std, &mut rng);
+    let experiment = Experiment {
+        magnitude: 10.0,
+        omega_rad_s,
+        input,
+        input_mean_measured: false,
+        response,
+        run: None,
+        repeats: Vec::new(),
+        from_record: false,
+    };
+    Measurement::new(Metadata::default(), vec![experiment], Vec::new(), String::new()).unwrap()
+}
+
+#[test]
+fn a_band_of_lines_that_is_off_is_found_in_a_record() {
+    let clean = diagnose(&multisine(|_| 1.0), &request(), &Silent).unwrap();
+    assert_eq!(clean.verdict, Verdict::Adequate, "{:?}", clean.discrepancy.tests);
+    let off = multisine(|k| if (25..=34).contains(&k) { 1.05 } else { 1.0 });
+    let answer = diagnose(&off, &request(), &Silent).unwrap();
+    let pattern = &answer.discrepancy.patterns[0];
+    assert!(pattern.sentence.starts_with("between "), "{}", pattern.sentence);
+    assert!(pattern.sentence.contains("the response is "), "{}", pattern.sentence);
+    assert!(pattern.harmonics.is_empty() && pattern.magnitudes.is_none());
+    // To the bands that 60 lines are put into: 24 of two or three lines.
+    let [low, high] =
+        pattern.frequencies_hz.unwrap().map(|hertz| hertz * std::f64::consts::TAU / 0.5);
+    assert!((23.0..=27.0).contains(&low) && (32.0..=36.0).contains(&high), "{low} {high}");
+}
+
+#[test]
+fn too_little_data_is_said_not_judged() {
+    let all = noisy(&exact(), NoiseStatement::Silent, 1);
+    let mut few: Vec<Experiment> = all.experiments().iter().step_by(6).cloned().collect();
+    few.iter_mut().for_each(|experiment| experiment.response.retain(|h| h.order == 1));
+    let few = Measurement::new(Metadata::default(), few, Vec::new(), String::new()).unwrap();
+    let answer = diagnose(&few, &request(), &Silent).unwrap();
+    let Discrepancy { sentence, tests, .. } = answer.discrepancy;
+    assert!(tests.iter().all(|test| test.p_value.is_none() && test.passed));
+    assert!(sentence.contains("too little data"), "{sentence}");
 }
 
 #[test]

@@ -134,9 +134,9 @@ pub(super) async fn list(
 #[serde(untagged)]
 pub(super) enum ResultView {
     /// Of a job of kind `identify`.
-    Identification(Identification),
+    Identification(Box<Identification>),
     /// Of a job of kind `diagnose`.
-    Diagnosis(Diagnosis),
+    Diagnosis(Box<Diagnosis>),
 }
 
 /// The result of a job that has succeeded.

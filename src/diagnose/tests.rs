@@ -6,8 +6,11 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use super::regions::Regions;
+use super::residual::Residuals;
+use super::whiteness::{Judgement, Nulls};
 use super::*;
-use crate::answers::{IdentifyOptions, PlantRequest};
+use crate::answers::{Discrepancy, IdentifyOptions, PlantRequest};
 use crate::benchmark::draw::{Draw, NoiseStatement, draw, measure, noise_std, observe};
 use crate::benchmark::simulator;
 use crate::measurement::{Complex, Experiment, Metadata};

@@ -52,13 +52,12 @@ pub fn diagnose(
     observer: &dyn Observer,
 ) -> Result<Diagnosis, DiagnoseError> {
     let fit = identify::fit_base(measurement, request, &Fitting(observer))?;
-    observer.progress(Progress {
-        stage: "discrepancy".into(),
-        done: 0,
-        total: 1,
-        fraction: FITTING,
-    });
+    let progress = |done: u64, fraction: f64| {
+        observer.progress(Progress { stage: "discrepancy".into(), done, total: 1, fraction });
+    };
+    progress(0, FITTING);
     let discrepancy = discrepancy::of(&fit, request.options.seed);
+    progress(1, 1.0);
     if observer.cancelled() {
         return Err(IdentifyError::Cancelled.into());
     }

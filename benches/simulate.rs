@@ -5,6 +5,7 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use servoscope::effects::Wide;
 use servoscope::measurement::Complex;
 use servoscope::plant::{Actuator, Friction, Plant};
 use servoscope::simulate::{Excitation, respond, respond_with_sensitivities};
@@ -18,6 +19,17 @@ fn g1() -> Plant {
     }
 }
 
+/// The same with a, K, Fc⁺ = Fs⁺ and Fc⁻ = Fs⁻ as variables.
+fn variable(plant: &Plant) -> Plant<Wide> {
+    let Friction { fc_plus, fc_minus, .. } = plant.friction;
+    Plant {
+        viscous_rate_rad_s: Wide::variable(plant.viscous_rate_rad_s, 0),
+        constant: Wide::variable(plant.constant, 1),
+        actuator: Actuator::Direct,
+        friction: Friction::coulomb(Wide::variable(fc_plus, 2), Wide::variable(fc_minus, 3)),
+    }
+}
+
 /// The 39 points of the reference file of G1; throughput is points a second.
 fn stepped_sine(criterion: &mut Criterion) {
     let points: Vec<Excitation> = [1.0, 2.0, 4.0]
@@ -26,7 +38,7 @@ fn stepped_sine(criterion: &mut Criterion) {
             (0..13).map(move |i| Excitation::cosine(10_f64.powf(f64::from(i) / 6.0), magnitude))
         })
         .collect();
-    let plant = g1();
+    let (plant, variable) = (g1(), variable(&g1()));
     let mut group = criterion.benchmark_group("g1_39_points_harmonics_0_to_9");
     group.throughput(Throughput::Elements(points.len() as u64));
     group.bench_function("response", |bencher| {
@@ -39,7 +51,7 @@ fn stepped_sine(criterion: &mut Criterion) {
     group.bench_function("with_sensitivities", |bencher| {
         bencher.iter(|| {
             for point in &points {
-                black_box(respond_with_sensitivities(black_box(&plant), &[], point, 9))
+                black_box(respond_with_sensitivities(black_box(&variable), 4, &[], point, 9))
                     .expect("a response");
             }
         });
@@ -73,7 +85,7 @@ fn lines(criterion: &mut Criterion) {
 }
 
 fn multisines(criterion: &mut Criterion, name: &str, cases: [(usize, Excitation, usize); 3]) {
-    let plant = g1();
+    let (plant, variable) = (g1(), variable(&g1()));
     let mut group = criterion.benchmark_group(name);
     for (size, excitation, highest) in &cases {
         group.throughput(Throughput::Elements(*size as u64));
@@ -82,7 +94,7 @@ fn multisines(criterion: &mut Criterion, name: &str, cases: [(usize, Excitation,
         });
         group.bench_function(BenchmarkId::new("with_sensitivities", size), |bencher| {
             bencher.iter(|| {
-                respond_with_sensitivities(black_box(&plant), &[], excitation, *highest)
+                respond_with_sensitivities(black_box(&variable), 4, &[], excitation, *highest)
                     .expect("one")
             });
         });

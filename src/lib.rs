@@ -30,6 +30,7 @@ pub mod answers;
 pub mod benchmark;
 pub mod cli;
 pub mod config;
+pub mod diagnose;
 pub mod effects;
 pub mod http;
 pub mod identify;

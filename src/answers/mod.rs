@@ -4,12 +4,14 @@
 //! Their JSON form is the wire format of the service and of `--json`.
 
 mod comparison;
+mod diagnosis;
 mod discrepancy;
 mod identification;
 mod progress;
 mod request;
 
 pub use comparison::{ComparedExperiment, ComparedHarmonic, Comparison, Unanswered};
+pub use diagnosis::{Candidate, Cause, Diagnosis, Gain, NextExperiment, Verdict};
 pub use discrepancy::{Discrepancy, Pattern, ResidualGroup, ResidualTest};
 pub use identification::{
     Correlations, Fit, Identification, NoiseSource, OrderCandidate, OrderChoice, ParameterEstimate,

@@ -9,6 +9,8 @@ use utoipa::ToSchema;
 pub enum JobKind {
     /// Fit the base model.
     Identify,
+    /// Fit the base model and say where it is wrong.
+    Diagnose,
 }
 
 /// How parameters are estimated.

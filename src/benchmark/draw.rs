@@ -233,7 +233,7 @@ fn cosine(magnitude: f64) -> Vec<Complex> {
     vec![Complex::new(0.0, 0.0), Complex::new(magnitude, 0.0)]
 }
 
-fn log_uniform(low: f64, high: f64, rng: &mut ChaCha8Rng) -> f64 {
+pub(super) fn log_uniform(low: f64, high: f64, rng: &mut ChaCha8Rng) -> f64 {
     low * (high / low).powf(rng.random_range(0.0..=1.0))
 }
 

@@ -7,4 +7,5 @@
 //! with it.
 
 pub mod draw;
+pub mod hidden;
 pub mod simulator;

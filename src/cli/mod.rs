@@ -1,6 +1,8 @@
 //! The command line: the same questions as over HTTP, asked offline, and the
 //! server itself. One file a subcommand.
 
+mod computation;
+mod diagnose;
 mod failure;
 mod figures;
 mod identify;
@@ -30,8 +32,10 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Says where the base model departs from a measurement.
+    Diagnose(diagnose::Args),
     /// Fits the base model to a measurement.
-    Identify(identify::Args),
+    Identify(computation::Args),
     /// Prints the OpenAPI document of the service.
     Openapi,
     /// Runs the service.
@@ -48,9 +52,13 @@ pub fn main() -> ExitCode {
     // Ends the process itself: with 2 for bad usage, 0 for help.
     let cli = Cli::parse();
     let done = match cli.command {
+        Command::Diagnose(args) => {
+            logging::start("warn", cli.verbose);
+            diagnose::run(&args)
+        }
         Command::Identify(args) => {
             logging::start("warn", cli.verbose);
-            identify::run(args)
+            identify::run(&args)
         }
         Command::Openapi => openapi::run(),
         Command::Serve(args) => {

@@ -8,9 +8,9 @@ use axum::extract::{Path, Query, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
-use utoipa::IntoParams;
+use utoipa::{IntoParams, ToSchema};
 
-use crate::answers::Identification;
+use crate::answers::{Diagnosis, Identification};
 use crate::service::{Service, Submission};
 use crate::store::JobFilter;
 
@@ -127,12 +127,24 @@ pub(super) async fn list(
     Ok(Json(List::new(service.jobs(&filter, limit, query.cursor).await?)))
 }
 
+/// The result of a job, by its kind.
+#[derive(Debug, ToSchema)]
+#[schema(as = JobResult)]
+#[expect(dead_code, reason = "describes the JSON that is stored; nothing is made of it here")]
+#[serde(untagged)]
+pub(super) enum ResultView {
+    /// Of a job of kind `identify`.
+    Identification(Box<Identification>),
+    /// Of a job of kind `diagnose`.
+    Diagnosis(Box<Diagnosis>),
+}
+
 /// The result of a job that has succeeded.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/result", tag = "jobs", operation_id = "get_result",
     params(("id" = String, Path, description = "Id of the job")),
     responses(
-        (status = 200, body = Identification),
+        (status = 200, body = ResultView),
         (status = "4XX", body = Problem, content_type = "application/problem+json",
          description = "409 until the job has ended, 404 if it ended without a result"),
     )

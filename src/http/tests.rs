@@ -142,6 +142,26 @@ fn a_job_goes_from_upload_to_result() {
 }
 
 #[test]
+fn a_diagnosis_is_a_job_of_its_own_kind_and_result() {
+    let server = Server::start();
+    let submit = |seed: u64| {
+        let body = json!({
+            "measurement_id": server.measurement(), "kind": "diagnose", "options": {"seed": seed},
+        });
+        string(&json_of(server.submit(&body), 202), "id")
+    };
+    let id = submit(SUCCEED);
+    let job = server.ended(&id);
+    assert_eq!((&job["kind"], &job["status"]), (&json!("diagnose"), &json!("succeeded")));
+    let result = json_of(server.get(&format!("/v1/jobs/{id}/result")), 200);
+    assert_eq!(result["verdict"], "unexplained");
+    assert_eq!((&result["causes"], &result["extended"]), (&json!([]), &Value::Null));
+    assert_eq!(result["base"]["seed"], SUCCEED);
+    let failed = server.ended(&submit(UNUSABLE));
+    assert!(string(&failed["failure"], "reason").contains("one frequency only"));
+}
+
+#[test]
 fn a_measurement_shows_what_is_in_it() {
     let server = Server::start();
     let headers = [("content-type", "text/csv; charset=utf-8")];
@@ -194,8 +214,12 @@ fn bad_jobs_are_refused_with_the_member_and_what_is_known() {
         problem(server.submit(&body), status)
     };
     let cases = [
-        (json!({"kind": "diagnose"}), "kind", "not available in this version"),
-        (json!({"kind": "divine"}), "kind", "known: identify"),
+        (json!({"kind": "divine"}), "kind", "known: identify, diagnose"),
+        (
+            json!({"kind": "diagnose", "validation_measurement_id": "x"}),
+            "validation_measurement_id",
+            "not available in this version",
+        ),
         (json!({"method": "magic"}), "method", "known: abc-ann"),
         (json!({"plant": {"actuator_order": 3}}), "plant.actuator_order", "known: 0, 1, 2"),
         (json!({"plant": {"actuator_order": "2"}}), "plant.actuator_order", "string"),

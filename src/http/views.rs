@@ -208,7 +208,7 @@ pub(super) struct SubmitJob {
     /// How parameters are estimated; left out: `abc-ann`.
     #[schema(value_type = Option<Method>)]
     pub(super) method: Option<String>,
-    /// A second record, for kinds of job that use one; `identify` does not.
+    /// A second record, for kinds of job that use one; none does yet.
     pub(super) validation_measurement_id: Option<String>,
     /// Options of the method; each one left out takes its default.
     pub(super) options: Option<IdentifyOptions>,

@@ -1,9 +1,10 @@
 //! From a measurement to the parameters of the base model.
 
 mod abc_ann;
+mod base;
 pub mod bee_colony;
 mod closed_form;
-mod comparison;
+mod compare;
 mod estimates;
 mod features;
 #[cfg(test)]
@@ -14,6 +15,7 @@ mod moderation;
 mod naming;
 pub mod network;
 mod noise;
+mod noise_law;
 mod objective;
 mod order;
 mod parameters;
@@ -29,7 +31,9 @@ use crate::answers::{
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
-pub use comparison::compare;
+pub use base::{BaseFit, Component, fit_base};
+pub use compare::compare;
+pub use noise_law::NoiseLaw;
 
 use abc_ann::{Fitted, Run};
 use history::History;
@@ -73,6 +77,22 @@ pub fn identify(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<Identification, IdentifyError> {
+    let problem = Problem::new(measurement)?;
+    Ok(solve(measurement, &problem, request, observer)?.answer)
+}
+
+/// The chosen fit and what is said of it.
+struct Solved {
+    chosen: Fitted,
+    answer: Identification,
+}
+
+fn solve(
+    measurement: &Measurement,
+    problem: &Problem,
+    request: &IdentifyRequest,
+    observer: &dyn Observer,
+) -> Result<Solved, IdentifyError> {
     let IdentifyRequest { plant, method: Method::AbcAnn, options } = request;
     options.validate()?;
     let orders: Vec<u8> = match plant {
@@ -83,29 +103,25 @@ pub fn identify(
         }
         None => vec![0, 1, 2],
     };
-    let problem = Problem::new(measurement)?;
     let mut fits: Vec<Fitted> = Vec::new();
     for (before, order) in orders.iter().enumerate() {
         let history = History { observer, order: *order, orders: (before, orders.len()) };
         let lower = fits.last();
-        let run = Run { measurement, problem: &problem, options, lower, history };
+        let run = Run { measurement, problem, options, lower, history };
         fits.push(run.fit()?);
     }
-    let order_choice = (fits.len() > 1).then(|| order::choose(&problem, &fits, observer));
+    let order_choice = (fits.len() > 1).then(|| order::choose(problem, &fits, observer));
     let wanted = order_choice.as_ref().map_or(orders[0], |choice| choice.actuator_order);
-    let chosen = fits.iter().find(|fit| fit.order == wanted).expect("a fitted order is chosen");
-    let misfit = Misfit {
-        problem: &problem,
-        coordinates: &chosen.coordinates,
-        weights: &chosen.weights,
-        observer,
-    };
-    let summary = summary::summarise(measurement, &problem, chosen, &misfit).ok_or_else(|| {
-        IdentifyError::Unusable { reason: "the fitted plant has no periodic response".into() }
-    })?;
-    let limitations = limitations::of(measurement, &problem, options, chosen, &summary);
+    let stages = fits.iter().flat_map(|fit| fit.stages.clone()).collect();
+    let chosen = fits.into_iter().find(|fit| fit.order == wanted);
+    let chosen = chosen.expect("a fitted order is chosen");
+    let misfit =
+        Misfit { problem, coordinates: &chosen.coordinates, weights: &chosen.weights, observer };
+    let summary =
+        summary::summarise(measurement, problem, &chosen, &misfit).ok_or_else(no_response)?;
+    let limitations = limitations::of(measurement, problem, options, &chosen, &summary);
     let stop_reason = chosen.stages.last().map_or("nothing to do", |stage| &stage.stop_reason);
-    Ok(Identification {
+    let answer = Identification {
         method: Method::AbcAnn,
         seed: options.seed,
         noise: chosen.weights.source,
@@ -114,7 +130,7 @@ pub fn identify(
         fit: summary.fit,
         correlations: summary.correlations,
         stop_reason: stop_reason.to_owned(),
-        stages: fits.iter().flat_map(|fit| fit.stages.clone()).collect(),
+        stages,
         order_choice,
         limitations,
         provenance: Provenance {
@@ -123,5 +139,10 @@ pub fn identify(
             options: *options,
             actuator_order: plant.map(|plant| plant.actuator_order),
         },
-    })
+    };
+    Ok(Solved { chosen, answer })
+}
+
+fn no_response() -> IdentifyError {
+    IdentifyError::Unusable { reason: "the fitted plant has no periodic response".into() }
 }

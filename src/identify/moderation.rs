@@ -32,8 +32,20 @@ const NEIGHBOURHOOD_DOF: f64 = 60.0;
 /// Level of the test that variances are equal.
 const LEVEL: f64 = 0.01;
 
-/// Variances to use, in the same arrangement.
+/// Variances to weigh with, in the same arrangement.
 pub(super) fn moderate(rows: &[Vec<Cell>]) -> Vec<Vec<f64>> {
+    // The mean of 1/s² over an estimate with few degrees of freedom is
+    // ν/(ν − 2) times 1/σ².
+    shrink(rows, |variance, dof| variance * if dof > 4.0 { dof / (dof - 2.0) } else { 2.0 })
+}
+
+/// The variances themselves, as well as they are known, in the same arrangement.
+pub(super) fn expected(rows: &[Vec<Cell>]) -> Vec<Vec<f64>> {
+    shrink(rows, |variance, _| variance)
+}
+
+/// Pooled variances, or `answer` of each shrunk one and its degrees of freedom.
+fn shrink(rows: &[Vec<Cell>], answer: impl Fn(f64, f64) -> f64) -> Vec<Vec<f64>> {
     let largest = rows.iter().flatten().map(|cell| cell.variance).fold(0.0, f64::max);
     let floor = (largest * ROUNDING).max(f64::MIN_POSITIVE);
     let mut flat: Vec<Cell> = rows.iter().flatten().copied().collect();
@@ -51,10 +63,7 @@ pub(super) fn moderate(rows: &[Vec<Cell>]) -> Vec<Vec<f64>> {
             return *prior;
         }
         let dof = prior_dof + cell.dof;
-        let shrunk = (prior_dof * prior + cell.dof * cell.variance) / dof;
-        // The mean of 1/s² over an estimate with few degrees of freedom is
-        // ν/(ν − 2) times 1/σ².
-        shrunk * if dof > 4.0 { dof / (dof - 2.0) } else { 2.0 }
+        answer((prior_dof * prior + cell.dof * cell.variance) / dof, dof)
     });
     rows.iter().map(|row| moderated.by_ref().take(row.len()).collect()).collect()
 }

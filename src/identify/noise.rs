@@ -32,6 +32,8 @@ pub(super) struct Weights {
     pub scale_dof: f64,
     /// Whether they depend on the model, because the input scatters.
     pub depend_on_model: bool,
+    /// The scatter they were estimated from; empty where they were not.
+    pub scatter: Vec<Vec<Cell>>,
 }
 
 impl Weights {
@@ -55,6 +57,7 @@ pub(super) fn weights(
         source,
         scale_dof: f64::INFINITY,
         depend_on_model: false,
+        scatter: Vec::new(),
     };
     if experiments.iter().any(|e| !e.repeats.is_empty()) {
         return from_scatter(experiments, problem, model);
@@ -109,6 +112,7 @@ fn from_scatter(experiments: &[Experiment], problem: &Problem, model: Option<&Pl
         source: if from_record { NoiseSource::Periods } else { NoiseSource::Repeats },
         scale_dof,
         depend_on_model: input_scatters,
+        scatter: rows,
     }
 }
 

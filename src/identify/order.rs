@@ -144,6 +144,7 @@ mod tests {
                     source,
                     scale_dof: f64::INFINITY,
                     depend_on_model: false,
+                    scatter: Vec::new(),
                 };
                 let cost = costs[usize::from(order)] * data;
                 Fitted { order, coordinates, point, weights, cost, stages: Vec::new() }

@@ -120,30 +120,41 @@ impl Problem {
 
     /// A plant in scale as a plant in units of the upload.
     pub fn in_units(&self, plant: &Plant) -> Plant {
+        rescaled(plant, self.scales)
+    }
+
+    /// The opposite.
+    pub fn in_scale(&self, plant: &Plant) -> Plant {
         let Scales { omega, input, velocity } = self.scales;
-        let friction = plant.friction;
-        Plant {
-            viscous_rate_rad_s: plant.viscous_rate_rad_s * omega,
-            constant: plant.constant * velocity * omega / input,
-            actuator: match plant.actuator {
-                Actuator::Direct => Actuator::Direct,
-                Actuator::FirstOrder { corner_rad_s } => {
-                    Actuator::FirstOrder { corner_rad_s: corner_rad_s * omega }
+        let inverse = Scales { omega: 1.0 / omega, input: 1.0 / input, velocity: 1.0 / velocity };
+        rescaled(plant, inverse)
+    }
+}
+
+/// A plant with its rates, torques and velocities times these factors.
+fn rescaled(plant: &Plant, Scales { omega, input, velocity }: Scales) -> Plant {
+    let friction = plant.friction;
+    Plant {
+        viscous_rate_rad_s: plant.viscous_rate_rad_s * omega,
+        constant: plant.constant * velocity * omega / input,
+        actuator: match plant.actuator {
+            Actuator::Direct => Actuator::Direct,
+            Actuator::FirstOrder { corner_rad_s } => {
+                Actuator::FirstOrder { corner_rad_s: corner_rad_s * omega }
+            }
+            Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
+                Actuator::SecondOrder {
+                    natural_frequency_rad_s: natural_frequency_rad_s * omega,
+                    damping_ratio,
                 }
-                Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
-                    Actuator::SecondOrder {
-                        natural_frequency_rad_s: natural_frequency_rad_s * omega,
-                        damping_ratio,
-                    }
-                }
-            },
-            friction: Friction {
-                fc_plus: friction.fc_plus * input,
-                fc_minus: friction.fc_minus * input,
-                fs_plus: friction.fs_plus * input,
-                fs_minus: friction.fs_minus * input,
-            },
-        }
+            }
+        },
+        friction: Friction {
+            fc_plus: friction.fc_plus * input,
+            fc_minus: friction.fc_minus * input,
+            fs_plus: friction.fs_plus * input,
+            fs_minus: friction.fs_minus * input,
+        },
     }
 }
 

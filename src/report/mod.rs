@@ -1,10 +1,12 @@
 //! Answers as a person reads them. Knows results, never solvers.
 
 mod columns;
+mod diagnosis;
 pub mod figures;
 mod number;
 #[cfg(test)]
 pub(crate) mod sample;
 mod text;
 
+pub use diagnosis::diagnosis;
 pub use text::identification;

@@ -3,9 +3,10 @@
 use indexmap::IndexMap;
 
 use crate::answers::{
-    ComparedExperiment, ComparedHarmonic, Comparison, Correlations, Discrepancy, Fit,
+    ComparedExperiment, ComparedHarmonic, Comparison, Correlations, Diagnosis, Discrepancy, Fit,
     Identification, IdentifyOptions, Method, NoiseSource, OrderCandidate, OrderChoice,
-    ParameterEstimate, Pattern, Provenance, Stage, TransferFunction,
+    ParameterEstimate, Pattern, Provenance, ResidualGroup, ResidualTest, Stage, TransferFunction,
+    Verdict,
 };
 
 /// G1 of the paper as an adequate answer, with a lower friction level that the
@@ -169,5 +170,62 @@ pub(crate) fn discrepancy() -> Discrepancy {
         by_frequency: Vec::new(),
         by_harmonic: Vec::new(),
         by_run: Vec::new(),
+    }
+}
+
+/// A diagnosis of it that finds one pattern.
+pub(crate) fn diagnosis() -> Diagnosis {
+    let base = identification();
+    let sentence = "at the lowest magnitude (1 A), below 3 Hz, the third harmonic is 40 % larger than simulated";
+    let group = |from: f64, to: f64| ResidualGroup {
+        from,
+        to,
+        count: 96,
+        rms_sigmas: 3.21,
+        rms_response: 0.00123,
+        relative: 0.0456,
+    };
+    let test = |name: &str, p_value: Option<f64>, explanation: &str| ResidualTest {
+        name: name.into(),
+        statistic: 12.5,
+        p_value,
+        passed: p_value.is_none(),
+        explanation: explanation.into(),
+    };
+    Diagnosis {
+        verdict: Verdict::Unexplained,
+        discrepancy: Discrepancy {
+            sentence: format!("the simulation is wrong: {sentence}"),
+            noise_like: false,
+            tests: vec![
+                test("size", Some(1e-30), "the residuals are larger than the noise"),
+                test("run", None, "not tested: the order of acquisition is not given"),
+            ],
+            patterns: vec![Pattern {
+                magnitudes: Some([1.0, 1.0]),
+                frequencies_hz: Some([0.3, 2.8]),
+                harmonics: vec![3],
+                runs: None,
+                count: 12,
+                rms_sigmas: 14.2,
+                rms_response: 0.0021,
+                relative_size: Some(0.4),
+                phase_deg: None,
+                share: 0.62,
+                sentence: sentence.into(),
+            }],
+            by_magnitude: vec![group(1.0, 1.0), group(2.0, 2.0)],
+            by_frequency: vec![group(0.3, 2.8)],
+            by_harmonic: vec![group(1.0, 1.0), group(3.0, 3.0)],
+            by_run: Vec::new(),
+        },
+        causes: Vec::new(),
+        candidates: Vec::new(),
+        gain: None,
+        provenance: base.provenance.clone(),
+        base,
+        extended: None,
+        next_experiment: None,
+        limitations: Vec::new(),
     }
 }

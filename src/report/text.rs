@@ -34,7 +34,8 @@ pub fn identification(answer: &Identification) -> String {
     sections.join("\n")
 }
 
-fn section(title: &str, lines: Vec<String>) -> String {
+/// A title and its lines.
+pub(super) fn section(title: &str, lines: Vec<String>) -> String {
     lines.into_iter().fold(format!("{title}\n"), |mut text, line| {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "  {line}");

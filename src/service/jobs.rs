@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use tokio::time::Instant;
 
-use crate::answers::{ConvergenceRow, Progress};
+use crate::answers::{ConvergenceRow, JobKind, Progress};
+use crate::diagnose::DiagnoseError;
 use crate::identify::IdentifyError;
 use crate::measurement::formats::ParseError;
 use crate::observer::Observer;
@@ -58,7 +59,7 @@ pub enum RunError {
     Request(serde_json::Error),
     /// The computation gave no answer.
     #[error(transparent)]
-    Identify(IdentifyError),
+    Unanswered(IdentifyError),
     /// The result cannot be written as JSON.
     #[error("writing the result: {0}")]
     Result(serde_json::Error),
@@ -211,16 +212,31 @@ impl Service {
     ) -> Result<String, RunError> {
         let request: JobRequest = serde_json::from_str(request).map_err(RunError::Request)?;
         let measurement = self.numerics.read(&sources(files))?;
-        let answer = match request.kind {
-            crate::answers::JobKind::Identify => {
-                self.numerics.identify(&measurement, &request.identify(), observer)
+        let asked = request.identify();
+        let json = match request.kind {
+            JobKind::Identify => {
+                serde_json::to_string(&self.numerics.identify(&measurement, &asked, observer)?)
+            }
+            JobKind::Diagnose => {
+                serde_json::to_string(&self.numerics.diagnose(&measurement, &asked, observer)?)
             }
         };
-        match answer {
-            Ok(answer) => serde_json::to_string(&answer).map_err(RunError::Result),
-            Err(IdentifyError::Cancelled) => Err(RunError::Cancelled),
-            Err(error) => Err(RunError::Identify(error)),
+        json.map_err(RunError::Result)
+    }
+}
+
+impl From<IdentifyError> for RunError {
+    fn from(error: IdentifyError) -> Self {
+        match error {
+            IdentifyError::Cancelled => RunError::Cancelled,
+            error => RunError::Unanswered(error),
         }
+    }
+}
+
+impl From<DiagnoseError> for RunError {
+    fn from(DiagnoseError::Identify(error): DiagnoseError) -> Self {
+        error.into()
     }
 }
 

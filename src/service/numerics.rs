@@ -1,6 +1,7 @@
 //! The numeric core as the service sees it.
 
-use crate::answers::{Comparison, Identification};
+use crate::answers::{Comparison, Diagnosis, Identification};
+use crate::diagnose::{self, DiagnoseError};
 use crate::identify::{self, IdentifyError, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::measurement::formats::{self, ParseError, Source};
@@ -35,6 +36,17 @@ pub trait Numerics: Send + Sync + 'static {
         measurement: &Measurement,
         answer: &Identification,
     ) -> Result<Comparison, IdentifyError>;
+
+    /// Fits the base model and says where it is wrong.
+    ///
+    /// # Errors
+    /// See [`DiagnoseError`].
+    fn diagnose(
+        &self,
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        observer: &dyn Observer,
+    ) -> Result<Diagnosis, DiagnoseError>;
 }
 
 /// The numeric core of this crate.
@@ -61,5 +73,14 @@ impl Numerics for BuiltIn {
         answer: &Identification,
     ) -> Result<Comparison, IdentifyError> {
         identify::compare(measurement, answer)
+    }
+
+    fn diagnose(
+        &self,
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        observer: &dyn Observer,
+    ) -> Result<Diagnosis, DiagnoseError> {
+        diagnose::diagnose(measurement, request, observer)
     }
 }

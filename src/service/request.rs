@@ -7,9 +7,6 @@ use crate::identify::IdentifyRequest;
 
 use super::ServiceError;
 
-/// Kinds of job this version knows of and cannot do yet.
-const NOT_YET: &[&str] = &["diagnose"];
-
 /// What a caller asks for, unchecked.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Submission {
@@ -56,7 +53,14 @@ impl JobRequest {
         if submission.validation_measurement_id.is_some() {
             return Err(ServiceError::Request {
                 member: "validation_measurement_id".into(),
-                reason: "an `identify` job uses no second record; leave it out".into(),
+                reason: match kind {
+                    JobKind::Identify => "an `identify` job uses no second record; leave it out",
+                    JobKind::Diagnose => {
+                        "a diagnosis with a second record is not available in this version yet; \
+                         leave it out"
+                    }
+                }
+                .into(),
             });
         }
         submission.options.validate()?;
@@ -70,14 +74,14 @@ impl JobRequest {
 }
 
 fn kind(name: &str) -> Result<JobKind, ServiceError> {
-    let reason = match name {
-        "identify" => return Ok(JobKind::Identify),
-        later if NOT_YET.contains(&later) => {
-            format!("`{later}` is not available in this version yet; known: identify")
-        }
-        other => format!("`{other}` is not a kind of job; known: identify"),
-    };
-    Err(ServiceError::Request { member: "kind".into(), reason })
+    match name {
+        "identify" => Ok(JobKind::Identify),
+        "diagnose" => Ok(JobKind::Diagnose),
+        other => Err(ServiceError::Request {
+            member: "kind".into(),
+            reason: format!("`{other}` is not a kind of job; known: identify, diagnose"),
+        }),
+    }
 }
 
 fn plant(actuator_order: u8) -> Result<PlantRequest, ServiceError> {
@@ -126,11 +130,11 @@ mod tests {
     }
 
     #[test]
-    fn a_kind_of_later_versions_is_told_from_an_unknown_one() {
-        let text = refusal(Submission { kind: "diagnose".into(), ..identify() });
-        assert!(text.contains("not available in this version yet"), "{text}");
+    fn an_unknown_kind_is_refused_with_the_known_ones() {
+        let diagnose = Submission { kind: "diagnose".into(), ..identify() };
+        assert_eq!(JobRequest::check(&diagnose).unwrap().kind, JobKind::Diagnose);
         let text = refusal(Submission { kind: "divine".into(), ..identify() });
-        assert!(text.contains("not a kind of job; known: identify"), "{text}");
+        assert!(text.contains("not a kind of job; known: identify, diagnose"), "{text}");
     }
 
     #[test]
@@ -146,5 +150,9 @@ mod tests {
         let text =
             refusal(Submission { validation_measurement_id: Some("x".into()), ..identify() });
         assert!(text.starts_with("validation_measurement_id"), "{text}");
+        let validation_measurement_id = Some("x".into());
+        let kind = "diagnose".into();
+        let text = refusal(Submission { kind, validation_measurement_id, ..Submission::default() });
+        assert!(text.contains("not available in this version yet"), "{text}");
     }
 }

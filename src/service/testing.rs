@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use crate::answers::{Comparison, ConvergenceRow, Identification, Progress};
+use crate::answers::{Comparison, ConvergenceRow, Diagnosis, Identification, Progress};
+use crate::diagnose::DiagnoseError;
 use crate::identify::{IdentifyError, IdentifyRequest};
 use crate::measurement::formats::{ParseError, Source};
 use crate::measurement::{Complex, Experiment, Harmonic, Measurement, Metadata};
@@ -88,5 +89,15 @@ impl Numerics for Scripted {
         _answer: &Identification,
     ) -> Result<Comparison, IdentifyError> {
         Ok(crate::report::sample::comparison())
+    }
+
+    fn diagnose(
+        &self,
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        observer: &dyn Observer,
+    ) -> Result<Diagnosis, DiagnoseError> {
+        let base = self.identify(measurement, request, observer)?;
+        Ok(Diagnosis { base, ..crate::report::sample::diagnosis() })
     }
 }

@@ -118,6 +118,36 @@ fn identify_prints_a_report_for_a_person() {
 }
 
 #[test]
+fn diagnose_says_where_the_base_model_is_wrong() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("sticky.csv").to_str().unwrap().to_owned();
+    let stiction = ["--fs-plus", "0.8", "--fs-minus", "0.6", "--noise-db", "60"];
+    let output = servoscope(&[&["simulate"], &stiction[..], &["--output", &file]].concat());
+    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    let output = servoscope(&["diagnose", &file, "--actuator-order", "0"]);
+    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    let report = String::from_utf8(output.stdout).unwrap();
+    assert!(report.starts_with("UNEXPLAINED"), "{report}");
+    for part in ["Where it is wrong", "What is left", "Is it noise?", "NOT ADEQUATE"] {
+        assert!(report.contains(part), "{report}");
+    }
+    let (_directory, clean) = noisy();
+    let output = servoscope(&["diagnose", &clean, "--json", "--actuator-order", "0"]);
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(result["verdict"], "adequate", "{}", result["discrepancy"]);
+    assert_eq!(result["base"]["noise"], "given");
+}
+
+#[test]
+fn a_diagnosis_with_a_second_record_is_refused_not_ignored() {
+    let output = servoscope(&["diagnose", "a.csv", "--validate", "b.csv"]);
+    assert_eq!(code(&output), Some(2));
+    assert!(
+        error(&output).contains("--validate b.csv") && error(&output).contains("not available")
+    );
+}
+
+#[test]
 fn an_actuator_that_is_simulated_is_found_and_its_order_too() {
     let actuator = ["--natural-frequency", "31.6", "--damping-ratio", "0.08"];
     let table = simulated(&[&actuator[..], &["--noise-std", "0.001", "--repeats", "4"]].concat());

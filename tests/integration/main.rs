@@ -3,7 +3,9 @@
 mod benchmark_simulator;
 mod cli;
 mod coverage;
+mod discrepancy;
 mod dockerfile;
+mod effects;
 mod identification;
 mod layers;
 mod limits;

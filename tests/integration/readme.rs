@@ -47,6 +47,11 @@ fn every_shell_block_works_as_pasted() {
     let shown = reports.iter().find(|block| block.starts_with("ADEQUATE")).unwrap();
     let shown = shown.split("Stages").next().unwrap();
     assert!(report.starts_with(shown), "the README shows\n{shown}\nbut it is\n{report}");
+    let diagnosis = blocks.iter().find(|block| block.contains("diagnose")).unwrap();
+    let report = paste(diagnosis, directory.path(), None);
+    let shown = reports.iter().find(|block| block.starts_with("UNEXPLAINED")).unwrap();
+    let shown = shown.trim_end_matches('…');
+    assert!(report.starts_with(shown), "the README shows\n{shown}\nbut it is\n{report}");
     if Command::new("curl").arg("--version").output().is_err() {
         skipped("curl is absent");
         return;

@@ -88,6 +88,13 @@ pub fn points(name: &str) -> Option<Vec<Point>> {
     Some(points.into_values().collect())
 }
 
+/// Names of every reference file; `None`, with a message, where they are absent.
+pub fn names() -> Option<Vec<String>> {
+    let index = std::fs::read_to_string(shared("reference/index.json")?).expect("an index");
+    let index: Vec<Value> = serde_json::from_str(&index).expect("an index");
+    Some(index.iter().map(|entry| entry["file"].as_str().expect("a name").to_owned()).collect())
+}
+
 /// What the index says of a reference file.
 fn entry(name: &str) -> Value {
     let index = shared("reference/index.json").expect("an index beside the reference");

@@ -6,67 +6,83 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use servoscope::benchmark::draw::draw;
-use servoscope::benchmark::simulator::{self, Machine, Settings};
-use servoscope::effects::{Effect, StaticFriction};
+use servoscope::benchmark::simulator::{self, Effect, Machine, Settings, SimulatorError};
+use servoscope::effects::{self, ActiveEffect};
 use servoscope::measurement::Complex;
 use servoscope::plant::{Friction, Plant};
-use servoscope::simulate::{Excitation, respond};
+use servoscope::simulate::{Excitation, NoResponse, respond};
 
 /// Machines of each order, with the static level raised and not.
 const MACHINES: u64 = 40;
 
-/// A machine, the static friction it has beyond its Coulomb levels, and its input.
+/// A machine and its input.
 #[derive(Debug)]
-struct Case {
-    plant: Plant,
-    raised: Option<StaticFriction>,
-    omega_rad_s: f64,
-    input: Vec<Complex>,
+pub struct Case {
+    pub plant: Plant,
+    pub effects: Vec<Effect>,
+    pub run_share: f64,
+    pub omega_rad_s: f64,
+    pub input: Vec<Complex>,
+}
+
+/// What both simulators make of a case.
+pub struct Both {
+    /// The exact one's harmonics.
+    pub exact: Result<Vec<Complex>, NoResponse>,
+    /// The stepper's.
+    pub stepped: Result<Vec<Complex>, SimulatorError>,
 }
 
 impl Case {
+    /// Harmonics 0 to 9, or to the highest line of the input, from both simulators.
+    pub fn simulate(&self, settings: &Settings) -> Both {
+        let highest = 9.max(self.input.len() - 1);
+        let active = |effect: &Effect| {
+            let values = effect.parameters().iter().map(|(_, value)| *value).collect();
+            ActiveEffect::new(effects::find(effect.id()).unwrap(), values).unwrap()
+        };
+        let active: Vec<ActiveEffect> = self.effects.iter().map(active).collect();
+        let excitation = Excitation::new(self.omega_rad_s, self.input.clone());
+        let excitation = excitation.at_run_share(self.run_share);
+        let machine = Machine { plant: self.plant, effects: &self.effects };
+        let (share, omega) = (self.run_share, self.omega_rad_s);
+        Both {
+            exact: respond(&self.plant, &active, &excitation, highest),
+            stepped: simulator::respond(&machine, share, omega, &self.input, highest, settings),
+        }
+    }
+
     /// Largest difference between the simulators, as a share of the largest harmonic.
     fn difference(&self) -> f64 {
-        let highest = 9.max(self.input.len() - 1);
-        let effects: Vec<Box<dyn Effect>> =
-            self.raised.iter().map(|raised| Box::new(*raised) as Box<dyn Effect>).collect();
-        let excitation = Excitation::new(self.omega_rad_s, self.input.clone());
-        let exact = respond(&self.plant, &effects, &excitation, highest)
-            .unwrap_or_else(|error| panic!("{self:?}: {error}"));
-        let mut plant = self.plant;
-        if let Some(StaticFriction { fs_plus, fs_minus }) = self.raised {
-            plant.friction = Friction { fs_plus, fs_minus, ..plant.friction };
-        }
         // Steps so short that no visit to v = 0 hides within one.
         let settings = Settings { steps_per_input_line: 256, ..Settings::default() };
-        let stepped = simulator::respond(
-            &Machine::base(plant),
-            0.0,
-            self.omega_rad_s,
-            &self.input,
-            highest,
-            &settings,
-        )
-        .unwrap_or_else(|error| panic!("{self:?}: {error}"));
+        let Both { exact, stepped } = self.simulate(&settings);
+        let exact = exact.unwrap_or_else(|error| panic!("{self:?}: {error}"));
+        let stepped = stepped.unwrap_or_else(|error| panic!("{self:?}: {error}"));
         let largest = stepped.iter().map(|v| v.norm()).fold(0.0, f64::max);
-        let difference =
-            exact.iter().zip(&stepped).map(|(e, s)| (e - s).norm()).fold(0.0, f64::max);
+        let difference = largest_difference(&exact, &stepped);
         if difference > 0.0 { difference / largest } else { 0.0 }
     }
 }
 
-fn log_uniform(low: f64, high: f64, rng: &mut impl Rng) -> f64 {
+/// Largest difference of two lists of harmonics.
+pub fn largest_difference(left: &[Complex], right: &[Complex]) -> f64 {
+    left.iter().zip(right).map(|(l, r)| (l - r).norm()).fold(0.0, f64::max)
+}
+
+pub fn log_uniform(low: f64, high: f64, rng: &mut impl Rng) -> f64 {
     low * (high / low).powf(rng.random_range(0.0..=1.0))
 }
 
 fn machine(order: u8, raised: bool, seed: u64, rng: &mut impl Rng) -> Case {
     let plant = draw(order, seed).plant;
     let Friction { fc_plus, fc_minus, .. } = plant.friction;
-    let raised = raised.then(|| StaticFriction {
+    let raised = raised.then(|| Effect::StaticFriction {
         fs_plus: fc_plus * rng.random_range(1.0..=1.8),
         fs_minus: fc_minus * rng.random_range(1.0..=1.8),
     });
-    Case { plant, raised, omega_rad_s: 0.0, input: Vec::new() }
+    let effects = raised.into_iter().collect();
+    Case { plant, effects, run_share: 0.0, omega_rad_s: 0.0, input: Vec::new() }
 }
 
 /// A torque amplitude of 0.8 to 12 Coulomb levels: from no motion at all to sliding.

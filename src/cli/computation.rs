@@ -1,0 +1,225 @@
+//! What `identify` and `diagnose` share: reading, computing with progress, printing.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use crate::answers::{ConvergenceRow, Discrepancy, Identification, IdentifyOptions, Progress};
+use crate::identify::{IdentifyError, IdentifyRequest};
+use crate::measurement::Measurement;
+use crate::measurement::formats::Source;
+use crate::observer::Observer;
+use crate::report::figures::Subject;
+use crate::service::{BuiltIn, JobRequest, Numerics, Submission};
+
+use super::{Failure, figures, interrupt};
+
+/// Steps of the progress bar.
+const STEPS: u64 = 1000;
+
+/// Arguments of a computation from files.
+#[derive(Debug, clap::Args)]
+#[group(skip)]
+pub(super) struct Args {
+    /// Harmonic tables or time records that together are one measurement.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Order of the actuator: 0, 1 or 2 [default: chosen from the data].
+    #[arg(long, value_name = "N")]
+    actuator_order: Option<u8>,
+    /// How parameters are estimated [default: abc-ann].
+    #[arg(long, value_name = "NAME")]
+    method: Option<String>,
+    /// Seed of every random choice; the same seed gives the same bits.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Standard deviation of re and im of every harmonic, response units, for
+    /// data that carries neither deviations nor repeats.
+    #[arg(long, value_name = "S")]
+    noise_std: Option<f64>,
+    /// Every other option of the method, as in a request over HTTP.
+    #[arg(long, value_name = "JSON")]
+    options: Option<String>,
+    /// Prints the result object alone.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    figures: figures::Args,
+}
+
+/// What the figures of an answer are drawn of.
+pub(super) struct Drawn<'a> {
+    pub(super) identification: &'a Identification,
+    pub(super) discrepancy: Option<&'a Discrepancy>,
+}
+
+/// Computes an answer from the files, prints it, and draws what `drawn` takes of it.
+pub(super) fn answer<A: Serialize, E: Into<IdentifyError>>(
+    args: &Args,
+    kind: &str,
+    compute: impl FnOnce(&Measurement, &IdentifyRequest, &dyn Observer) -> Result<A, E>,
+    report: impl FnOnce(&A) -> String,
+    drawn: impl FnOnce(&A) -> Drawn<'_>,
+) -> Result<(), Failure> {
+    let request = JobRequest::check(&submission(args, kind)?)?;
+    let files = read(&args.files)?;
+    let sources = files.iter().map(|(name, bytes)| Source { name, bytes }).collect::<Vec<_>>();
+    let measurement = BuiltIn.read(&sources).map_err(Failure::input)?;
+    let watch = Watch::new();
+    let answer = compute(&measurement, &request.identify(), &watch);
+    watch.bar.finish_and_clear();
+    let answer = answer.map_err(|error| match error.into() {
+        error @ IdentifyError::Cancelled => Failure::other(error),
+        error @ IdentifyError::Options(_) => Failure::input(error),
+        error @ IdentifyError::Unusable { .. } => {
+            // They may say why; an answer carries them itself.
+            for note in measurement.notes() {
+                eprintln!("note: {note}");
+            }
+            Failure::input(error)
+        }
+    })?;
+    let text = if args.json { json(&answer)? } else { report(&answer) };
+    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)?;
+    if args.figures.are_wanted() {
+        let Drawn { identification, discrepancy } = drawn(&answer);
+        let comparison = BuiltIn.compare(&measurement, identification).map_err(Failure::other)?;
+        args.figures.write(&Subject {
+            identification: Some(identification),
+            comparison: Some(&comparison),
+            discrepancy,
+            convergence: &watch.rows(),
+        })?;
+    }
+    Ok(())
+}
+
+fn submission(args: &Args, kind: &str) -> Result<Submission, Failure> {
+    let mut options = args.options.as_deref().map_or(Ok(IdentifyOptions::default()), options)?;
+    options.seed = args.seed.unwrap_or(options.seed);
+    options.noise_std = args.noise_std.or(options.noise_std);
+    Ok(Submission {
+        kind: kind.into(),
+        actuator_order: args.actuator_order,
+        method: args.method.clone(),
+        options,
+        ..Submission::default()
+    })
+}
+
+fn options(text: &str) -> Result<IdentifyOptions, Failure> {
+    let mut json = serde_json::Deserializer::from_str(text);
+    let options = serde_path_to_error::deserialize(&mut json)
+        .map_err(|error| Failure::Input(format!("--options: {error}")))?;
+    json.end().map_err(|error| Failure::Input(format!("--options: {error}")))?;
+    Ok(options)
+}
+
+fn read(paths: &[PathBuf]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    let file = |path: &PathBuf| match std::fs::read(path) {
+        Ok(bytes) => Ok((path.display().to_string(), bytes)),
+        Err(error) => Err(Failure::Input(format!("{}: {error}", path.display()))),
+    };
+    paths.iter().map(file).collect()
+}
+
+fn json(answer: &impl Serialize) -> Result<String, Failure> {
+    let mut text = serde_json::to_string_pretty(answer).map_err(Failure::other)?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// Shows progress on a terminal, keeps the history and stops on an interrupt.
+struct Watch {
+    began: Instant,
+    history: Mutex<Vec<ConvergenceRow>>,
+    interrupted: Arc<AtomicBool>,
+    bar: ProgressBar,
+}
+
+impl Watch {
+    fn new() -> Self {
+        let style = ProgressStyle::with_template("{prefix:>12} [{bar:40}] {percent:>3} % {msg}");
+        // Draws on standard error, and only where that is a terminal.
+        let bar = ProgressBar::new(STEPS);
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Self {
+            began: Instant::now(),
+            history: Mutex::default(),
+            interrupted: interrupt::flag(),
+            bar,
+        }
+    }
+
+    /// The history so far.
+    fn rows(&self) -> Vec<ConvergenceRow> {
+        self.history.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+impl Observer for Watch {
+    fn elapsed_s(&self) -> f64 {
+        self.began.elapsed().as_secs_f64()
+    }
+
+    fn progress(&self, progress: Progress) {
+        self.bar.set_position((progress.fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
+        self.bar.set_prefix(progress.stage);
+    }
+
+    fn row(&self, row: ConvergenceRow) {
+        self.bar.set_message(format!("best {:.6}", row.best));
+        self.history.lock().unwrap_or_else(PoisonError::into_inner).push(row);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.interrupted.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report;
+
+    fn args() -> Args {
+        Args {
+            files: vec!["a.csv".into()],
+            actuator_order: None,
+            method: None,
+            seed: None,
+            noise_std: None,
+            options: None,
+            json: false,
+            figures: figures::Args::default(),
+        }
+    }
+
+    #[test]
+    fn flags_override_the_options() {
+        let options = Some(r#"{"seed": 5, "noise_std": 0.5, "refine": false}"#.to_owned());
+        let submission =
+            submission(&Args { options, seed: Some(7), ..args() }, "identify").unwrap();
+        assert_eq!((submission.options.seed, submission.options.noise_std), (7, Some(0.5)));
+        assert!(!submission.options.refine);
+    }
+
+    #[test]
+    fn an_unknown_option_is_refused_by_its_path() {
+        let options = Some(r#"{"colony": {"bees": 3}}"#.to_owned());
+        let refused = submission(&Args { options, ..args() }, "identify").unwrap_err().to_string();
+        assert!(refused.contains("colony.bees") && refused.contains("food_sources"), "{refused}");
+    }
+
+    #[test]
+    fn the_json_form_is_the_result_object_alone() {
+        let answer = report::sample::identification();
+        let text = json(&answer).unwrap();
+        assert_eq!(serde_json::from_str::<Identification>(&text).unwrap(), answer);
+    }
+}

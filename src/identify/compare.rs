@@ -1,0 +1,204 @@
+//! A measurement beside what an identified model makes of it.
+
+use rayon::prelude::*;
+
+use crate::answers::{
+    ComparedExperiment, ComparedHarmonic, Comparison, Identification, NoiseSource, Unanswered,
+};
+use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};
+use crate::plant::{Actuator, Friction, Plant};
+use crate::simulate;
+
+use super::IdentifyError;
+use super::noise::{self, Weights};
+use super::problem::{Prepared, Problem};
+
+/// Compares a measurement with the model of a stored answer.
+///
+/// The model is rebuilt from the reported parameters, the deviations are those
+/// of the fit. An experiment the model has no response for is listed, not fatal.
+///
+/// # Errors
+/// [`IdentifyError::Unusable`] where the answer lacks a parameter of the model,
+/// or the measurement cannot be fitted at all.
+pub fn compare(
+    measurement: &Measurement,
+    answer: &Identification,
+) -> Result<Comparison, IdentifyError> {
+    let problem = Problem::new(measurement)?;
+    let plant = problem.in_scale(&reported_plant(answer)?);
+    let noise_std = answer.provenance.options.noise_std;
+    let weights = noise::weights(measurement, &problem, noise_std, Some(&plant));
+    Ok(beside(measurement, &problem, &plant, &weights, answer.fit.dof))
+}
+
+/// The same from what a fit knows; `dof` are its degrees of freedom.
+pub(super) fn beside(
+    measurement: &Measurement,
+    problem: &Problem,
+    plant: &Plant,
+    weights: &Weights,
+    dof: i64,
+) -> Comparison {
+    let simulated: Vec<Result<Vec<Complex>, simulate::NoResponse>> = problem
+        .experiments
+        .par_iter()
+        .map(|e| simulate::respond(plant, &[], &e.excitation, e.highest))
+        .collect();
+    let mut experiments = Vec::new();
+    let mut unanswered = Vec::new();
+    for (index, response) in simulated.into_iter().enumerate() {
+        let (experiment, prepared) =
+            (&measurement.experiments()[index], &problem.experiments[index]);
+        match response {
+            Ok(velocity) => experiments.push(ComparedExperiment {
+                experiment: index,
+                magnitude: experiment.magnitude,
+                omega_rad_s: experiment.omega_rad_s,
+                run: experiment.run,
+                harmonics: harmonics(
+                    experiment,
+                    prepared,
+                    &velocity,
+                    &weights.sigma[index],
+                    problem.response_scale,
+                ),
+            }),
+            Err(error) => {
+                unanswered.push(Unanswered { experiment: index, reason: error.to_string() });
+            }
+        }
+    }
+    let metadata = measurement.metadata();
+    let mut comparison = Comparison {
+        input_unit: metadata.input.unit.clone(),
+        response_unit: metadata.response.unit.clone(),
+        response_quantity: match metadata.response_kind {
+            ResponseKind::Velocity => "velocity",
+            ResponseKind::Position => "position",
+            ResponseKind::Acceleration => "acceleration",
+        }
+        .to_owned(),
+        std_estimated: weights.source == NoiseSource::Estimated,
+        experiments,
+        unanswered,
+    };
+    if comparison.std_estimated {
+        estimate_std(&mut comparison, problem.data() as i64 - dof);
+    }
+    comparison
+}
+
+fn harmonics(
+    experiment: &Experiment,
+    prepared: &Prepared,
+    velocity: &[Complex],
+    sigma: &[f64],
+    response_scale: f64,
+) -> Vec<ComparedHarmonic> {
+    let pair = |z: Complex| [z.re, z.im];
+    let targets = prepared.targets.iter().zip(sigma).filter(|(target, _)| !target.constraint);
+    targets
+        .map(|(target, sigma)| {
+            let order = target.order;
+            let simulated = velocity[order] * target.per_velocity * response_scale;
+            let measured = experiment.harmonic(order).map_or(Complex::ZERO, |h| h.value);
+            ComparedHarmonic {
+                order,
+                input: pair(experiment.input.get(order).copied().unwrap_or(Complex::ZERO)),
+                measured: pair(measured),
+                simulated: pair(simulated),
+                std: sigma * response_scale,
+            }
+        })
+        .collect()
+}
+
+/// One deviation for all data: what the model leaves, per degree of freedom.
+fn estimate_std(comparison: &mut Comparison, parameters: i64) {
+    let harmonics = || comparison.experiments.iter().flat_map(|e| &e.harmonics);
+    let real = |h: &ComparedHarmonic| if h.order == 0 { 1 } else { 2 };
+    let data: i64 = harmonics().map(real).sum();
+    let squares: f64 = harmonics()
+        .map(|h| {
+            let left = [h.measured[0] - h.simulated[0], h.measured[1] - h.simulated[1]];
+            left[0] * left[0] + left[1] * left[1]
+        })
+        .sum();
+    let std = (squares / (data - parameters).max(1) as f64).sqrt();
+    // A deviation divides: where nothing at all is left it is as small as can be.
+    let std = std.max(f64::MIN_POSITIVE);
+    let experiments = comparison.experiments.iter_mut();
+    experiments.flat_map(|e| &mut e.harmonics).for_each(|h| h.std = std);
+}
+
+/// The plant an answer reports, in units of the upload.
+fn reported_plant(answer: &Identification) -> Result<Plant, IdentifyError> {
+    let value = |name: &str| {
+        let estimate = answer.parameters.get(name);
+        estimate.and_then(|estimate| estimate.value).ok_or_else(|| IdentifyError::Unusable {
+            reason: format!("the answer to compare with has no value of {name}"),
+        })
+    };
+    let actuator = if answer.parameters.contains_key("natural_frequency") {
+        Actuator::SecondOrder {
+            natural_frequency_rad_s: value("natural_frequency")?,
+            damping_ratio: value("damping_ratio")?,
+        }
+    } else if answer.parameters.contains_key("actuator_pole") {
+        Actuator::FirstOrder { corner_rad_s: -value("actuator_pole")? }
+    } else {
+        Actuator::Direct
+    };
+    Ok(Plant {
+        viscous_rate_rad_s: -value("pole")?,
+        constant: value("constant")?,
+        actuator,
+        friction: Friction::coulomb(value("fc_plus")?, value("fc_minus")?),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{ACTUATORS, axis, stepped_sine};
+    use super::super::{IdentifyRequest, fit_base};
+    use super::*;
+    use crate::answers::{IdentifyOptions, PlantRequest};
+    use crate::observer::Silent;
+
+    fn request(order: u8) -> IdentifyRequest {
+        let mut options = IdentifyOptions::default();
+        options.network.enabled = false;
+        options.colony.enabled = false;
+        let plant = Some(PlantRequest { actuator_order: order });
+        IdentifyRequest { plant, options, ..IdentifyRequest::default() }
+    }
+
+    // The plant goes through the reported parameters and back: rounding of a few operations,
+    // relative 1e-15, which a response may take ten times.
+    #[test]
+    fn a_comparison_from_a_stored_answer_is_the_one_of_the_fit() {
+        for actuator in ACTUATORS {
+            let measurement = stepped_sine(&axis(actuator), 3);
+            let fit = fit_base(&measurement, &request(actuator.order()), &Silent).unwrap();
+            let stored = serde_json::to_string(&fit.identification).unwrap();
+            let stored: Identification = serde_json::from_str(&stored).unwrap();
+            let comparison = compare(&measurement, &stored).unwrap();
+            assert!(comparison.std_estimated && comparison.unanswered.is_empty());
+            let pairs = comparison.experiments.iter().zip(&fit.comparison.experiments);
+            for (a, b) in pairs.flat_map(|(a, b)| a.harmonics.iter().zip(&b.harmonics)) {
+                assert_eq!((a.order, a.measured, a.input), (b.order, b.measured, b.input));
+                assert!((a.simulated[0] - b.simulated[0]).abs() < 1e-13);
+                assert!((a.simulated[1] - b.simulated[1]).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn an_answer_without_a_parameter_of_the_model_is_refused_by_its_name() {
+        let measurement = stepped_sine(&axis(ACTUATORS[0]), 3);
+        let mut answer = fit_base(&measurement, &request(0), &Silent).unwrap().identification;
+        answer.parameters.shift_remove("fc_minus");
+        assert!(compare(&measurement, &answer).unwrap_err().to_string().contains("fc_minus"));
+    }
+}

@@ -1,0 +1,123 @@
+//! The law of standardised noise, for drawing it.
+
+use nalgebra::DVector;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{ChiSquared, Distribution, StandardNormal};
+
+use super::moderation::{Cell, expected, moderate};
+use super::noise::Weights;
+use super::problem::Problem;
+
+/// How noise divided by its standard deviation is distributed.
+///
+/// With given deviations (or unknown ones, which are all alike) that is the
+/// normal law. Where the deviations were estimated from few repeats, a datum is
+/// divided by what this very scatter says: a draw repeats the scatter, too, and
+/// pools and shrinks it as the data's was. The mean of repeats and their
+/// scatter are independent, so both are drawn apart.
+#[derive(Debug, Clone)]
+pub struct NoiseLaw {
+    /// Cells of the scatter with the variances it was drawn from; empty where
+    /// nothing was estimated.
+    scatter: Vec<Vec<Cell>>,
+    /// Real components of every target, by experiment.
+    components: Vec<Vec<usize>>,
+}
+
+impl NoiseLaw {
+    pub(super) fn new(problem: &Problem, weights: &Weights) -> Self {
+        let mut scatter = weights.scatter.clone();
+        let variances = expected(&scatter);
+        for (cell, variance) in scatter.iter_mut().flatten().zip(variances.into_iter().flatten()) {
+            cell.variance = variance;
+        }
+        let count = |real: bool| if real { 1 } else { 2 };
+        let components = problem
+            .experiments
+            .iter()
+            .map(|experiment| experiment.targets.iter().map(|t| count(t.real)).collect())
+            .collect();
+        Self { scatter, components }
+    }
+
+    /// Whether standardised noise is standard normal.
+    pub fn is_normal(&self) -> bool {
+        self.scatter.is_empty()
+    }
+
+    /// Standardised noise of every real component, in the order of the residuals.
+    pub fn draw(&self, rng: &mut ChaCha8Rng) -> DVector<f64> {
+        let data = self.components.iter().flatten().sum();
+        let mut noise = DVector::from_fn(data, |_, _| StandardNormal.sample(rng));
+        if self.is_normal() {
+            return noise;
+        }
+        let mut drawn = self.scatter.clone();
+        for cell in drawn.iter_mut().flatten().filter(|cell| cell.dof > 0.0) {
+            if let Ok(chi2) = ChiSquared::new(cell.dof) {
+                cell.variance *= chi2.sample(rng) / cell.dof;
+            }
+        }
+        let estimated = moderate(&drawn);
+        let truth = self.scatter.iter().flatten();
+        let counts = self.components.iter().flatten();
+        let mut row = 0;
+        for ((cell, estimate), count) in truth.zip(estimated.iter().flatten()).zip(counts) {
+            for _ in 0..*count {
+                noise[row] *= (cell.variance / estimate).sqrt();
+                row += 1;
+            }
+        }
+        noise
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{ACTUATORS, axis, joined, stepped_sine};
+    use super::super::noise::weights;
+    use super::*;
+    use crate::measurement::{Complex, Repeat};
+    use rand::SeedableRng;
+
+    /// Mean square of many draws where every experiment was repeated so often.
+    fn mean_square(repeats: usize) -> f64 {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut experiments = stepped_sine(&axis(ACTUATORS[0]), 5).experiments().to_vec();
+        for experiment in &mut experiments {
+            let mut deviation = |size: f64| {
+                let mut part = || -> f64 { StandardNormal.sample(&mut rng) };
+                Complex::new(size * part(), size * part())
+            };
+            experiment.repeats = (0..repeats)
+                .map(|_| Repeat {
+                    input: Vec::new(),
+                    // Every harmonic has a scatter of its own: nothing is pooled.
+                    response: experiment
+                        .response
+                        .iter()
+                        .map(|h| deviation(1e-3 * 3.0_f64.powi((h.order % 3) as i32)))
+                        .collect(),
+                })
+                .collect();
+        }
+        let measurement = joined(experiments);
+        let problem = Problem::new(&measurement).unwrap();
+        let law = NoiseLaw::new(&problem, &weights(&measurement, &problem, None, None));
+        assert_eq!(law.is_normal(), repeats == 0);
+        let draws = 200;
+        let sum: f64 = (0..draws).map(|_| law.draw(&mut rng).norm_squared()).sum();
+        sum / (draws * problem.data()) as f64
+    }
+
+    // 200 draws of 176 data: 1 is met to √(2/35200) = 0.8 %, four of that. Shrunk variances
+    // are made so that the mean of 1/s² is 1/σ²; how far they are shrunk is itself estimated.
+    #[test]
+    fn drawn_noise_has_the_size_that_its_deviations_say() {
+        assert!((mean_square(0) - 1.0).abs() < 0.032);
+        for repeats in [3, 8] {
+            let size = mean_square(repeats);
+            assert!((size - 1.0).abs() < 0.1, "{repeats}: {size}");
+        }
+    }
+}

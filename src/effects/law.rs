@@ -28,6 +28,11 @@ pub trait Form: Debug + Sync {
     /// Whether it depends on θ.
     fn uses_position(&self) -> bool;
 
+    /// A velocity below which it changes quickly, where there is one.
+    fn velocity_scale(&self, _parameters: &[f64; LAW_PARAMETERS]) -> Option<f64> {
+        None
+    }
+
     /// Whether it is linear in v and θ, and 0 with them.
     fn is_linear(&self) -> bool {
         false
@@ -62,6 +67,11 @@ impl<S: Scalar> Law<S> {
     /// The same law with every parameter passed through `f`.
     pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T) -> Law<T> {
         Law::new(self.form, &self.parameters.map(f))
+    }
+
+    /// A velocity below which it changes quickly, where there is one.
+    pub fn velocity_scale(&self) -> Option<f64> {
+        self.form.velocity_scale(&self.values)
     }
 
     /// The law at velocity v and position θ.

@@ -49,6 +49,10 @@ impl Form for Curve {
         }
     }
 
+    fn velocity_scale(&self, [_, vs, _]: &[f64; LAW_PARAMETERS]) -> Option<f64> {
+        Some(*vs)
+    }
+
     fn uses_position(&self) -> bool {
         false
     }

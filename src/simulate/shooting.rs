@@ -71,6 +71,9 @@ fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
         let pivot = matrix[(0, 0)];
         return right.map(|value| if pivot == 0.0 { 0.0 } else { value / pivot });
     }
+    if !matrix.iter().all(|entry| entry.is_finite()) {
+        return DMatrix::repeat(matrix.ncols(), right.ncols(), f64::NAN);
+    }
     let svd = matrix.clone().svd(true, true);
     let largest = svd.singular_values.max();
     svd.solve(right, 1e-12 * largest)

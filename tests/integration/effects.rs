@@ -54,7 +54,9 @@ struct Agreement {
 fn agreement(cases: impl ParallelIterator<Item = Case>) -> Agreement {
     let settings = Settings::default();
     let one = |case: Case| {
+        let t0=std::time::Instant::now();
         let both = case.simulate(&settings);
+        if t0.elapsed().as_secs_f64()>3.0 {println!("SLOW {:?} {case:?}",t0.elapsed());}
         match (&both.exact, &both.stepped) {
             (Ok(exact), Ok(stepped)) => {
                 let lines = case.input.iter().enumerate().skip(1);
@@ -89,9 +91,12 @@ fn points(points: u64) -> impl ParallelIterator<Item = (u8, u64)> {
 
 #[test]
 fn every_effect_acts_alike_in_both_simulators_on_cosines() {
-    for id in IDS {
+    let apart = IDS.map(|id| {
         let found = agreement(points(POINTS).map(|(order, seed)| cosine(order, &[id], seed)));
         println!("{id}: {found:?}");
+        (id, found)
+    });
+    for (id, found) in apart {
         assert!(found.worst < 1e-5, "{id}: {found:?}");
         assert!(found.compared >= 3 * POINTS as usize * 9 / 10, "{id}: {found:?}");
     }
@@ -99,9 +104,12 @@ fn every_effect_acts_alike_in_both_simulators_on_cosines() {
 
 #[test]
 fn every_effect_acts_alike_in_both_simulators_on_general_inputs() {
-    for id in IDS {
+    let apart = IDS.map(|id| {
         let found = agreement(points(6).map(|(order, seed)| general(order, &[id], seed)));
         println!("{id}: {found:?}");
+        (id, found)
+    });
+    for (id, found) in apart {
         assert!(found.worst < 1e-5, "{id}: {found:?}");
         assert!(found.compared >= 16, "{id}: {found:?}");
     }

@@ -95,6 +95,15 @@ impl<S: Scalar> Mechanics<S> {
             && self.torques.iter().all(|law| law.form().contracts())
     }
 
+    /// Size of an error of v that matters at velocity v: near zero a friction curve
+    /// makes much of little.
+    pub fn velocity_size(&self, velocity: f64, size: f64) -> f64 {
+        match self.curve.as_ref().and_then(Law::velocity_scale) {
+            Some(scale) => (velocity.abs() + scale).min(size),
+            None => size,
+        }
+    }
+
     /// The fastest rate at which the state changes between switches, where the
     /// equations are affine there. Play aside: what contact excites dies out
     /// quickly, and steps under error control take less than even ones.

@@ -11,10 +11,10 @@ use super::runge_kutta::{NODES, Stages, Vector};
 use super::step::Step;
 
 /// Switches of one cell beyond which time has stopped passing.
-const MOST_SWITCHES_PER_CELL: usize = 64;
+const MOST_SWITCHES_PER_CELL: usize = 1024;
 
 /// Steps of one cell beyond which the equations are too stiff to follow.
-const MOST_STEPS_PER_CELL: usize = 4096;
+const MOST_STEPS_PER_CELL: usize = 20_000;
 
 /// Share of a state's size below which it is as good as zero.
 const ROUNDING: f64 = 1e-13;
@@ -195,7 +195,10 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
             let stages = Stages::new(state, slope, length_s, |stage, state| {
                 self.mechanics.slope(mode, cell.at(from + width * NODES[stage]), state)
             });
-            let error = stages.error(&self.precision.sizes) / self.precision.tolerance;
+            let mut sizes = self.precision.sizes;
+            let v = state[VELOCITY].value();
+            sizes[VELOCITY] = self.mechanics.velocity_size(v, sizes[VELOCITY]);
+            let error = stages.error(&sizes) / self.precision.tolerance;
             return (Step::of_stages(state, slope, length_s, stages), error);
         };
         let at = steps.iter().position(|affine| affine.mode == mode).unwrap_or_else(|| {
@@ -268,6 +271,10 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
             let end = first.as_ref().map_or(1.0, |switch| switch.at);
             let mut low = 0.0;
             for look in LOOKS.map(|look| look * end) {
+                // Its first instants are as small as what the polynomial errs by.
+                if fresh && look < end {
+                    continue;
+                }
                 if signal(look) > threshold {
                     if fresh && low == 0.0 {
                         low = departure(&signal, look);

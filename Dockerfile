@@ -9,7 +9,7 @@ COPY src ./src
 COPY migrations ./migrations
 # The manifest names the integration tests and the benches; nothing here builds them.
 RUN mkdir -p tests/integration benches \
-    && touch tests/integration/main.rs benches/simulate.rs benches/identify.rs \
+    && touch tests/integration/main.rs benches/effects.rs benches/simulate.rs benches/identify.rs \
     && cargo build --release --locked --bin servoscope
 
 FROM debian:bookworm-slim

@@ -23,10 +23,10 @@ use super::wave::{Cell, Wave, through};
 const RADIANS_PER_CELL: f64 = 0.8;
 
 /// Growth of the cells behind a kink, while what it excited dies out.
-const LAYER_GROWTH: f64 = 0.6;
+const LAYER_GROWTH: f64 = 0.8;
 
 /// Time constants after which nothing of it is left.
-const LAYER_END: f64 = 40.0;
+const LAYER_END: f64 = 20.0;
 
 /// The torque on the mechanics, and the grid of its cells: at least `fewest` of
 /// them for a period of a cosine.

@@ -42,7 +42,7 @@ pub(super) fn respond(
     if mass.rests() {
         return Ok(vec![Complex::new(0.0, 0.0); highest + 1]);
     }
-    let start = periodic(axis, &mass, &wave)?;
+    let start = periodic(&mass, &wave)?;
     let mut slides = Slides::new(&mass, grid, excitation.omega_rad_s(), highest);
     mass.pass(&wave, start, Some(&mut slides)).ok_or(NoResponse::NotPeriodic { periods: 1 })?;
     let velocity = slides.velocity(&mass, axis.plant.constant, wave.period_s);
@@ -63,7 +63,7 @@ pub(super) fn differentiate(
         let zero = vec![Complex::new(0.0, 0.0); highest + 1];
         return Ok((zero.clone(), vec![zero; rows]));
     }
-    let start = periodic(values, &mass, &wave)?;
+    let start = periodic(&mass, &wave)?;
     // One lane carries the state at the start.
     let run = |first: usize| match rows {
         ..=7 => chunk::<8>(axis, start, excitation, highest, first..rows),
@@ -106,16 +106,15 @@ fn chunk<const N: usize>(
 }
 
 /// State at the beginning of the period of the motion reached from rest.
-fn periodic(axis: &Axis, mass: &OneMass<f64>, wave: &Wave<f64>) -> Result<State<f64>, NoResponse> {
+fn periodic(mass: &OneMass<f64>, wave: &Wave<f64>) -> Result<State<f64>, NoResponse> {
     let failed = |periods: usize| NoResponse::NotPeriodic { periods };
     let rest = State { x: 0.0, motion: Motion::Stuck };
     let mut start = mass.pass(wave, rest, None).ok_or(failed(1))?;
     if start.motion == Motion::Stuck {
         return Ok(start);
     }
-    let lifted_axis = axis.map(Dual::<1>::constant);
     let lifted_wave = wave.map(Dual::<1>::constant);
-    let lifted = OneMass::new(&lifted_axis, &lifted_wave);
+    let lifted = mass.map(Dual::<1>::constant);
     let size = mass.scale();
     for iteration in 1..MOST_ITERATIONS {
         let state = State { x: Dual::<1>::variable(start.x, 0), motion: start.motion };
@@ -141,7 +140,7 @@ fn periodic(axis: &Axis, mass: &OneMass<f64>, wave: &Wave<f64>) -> Result<State<
         let jumps = same_side && end.motion == start.motion && slope != 0.0;
         start = State { x: if jumps { next } else { x }, motion: end.motion };
         // Newton's error after a step is of the order of the step squared.
-        if jumps && step.abs() <= 1e-7 * size {
+        if jumps && step.abs() <= 1e-6 * size {
             return Ok(start);
         }
     }

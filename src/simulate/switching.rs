@@ -16,7 +16,7 @@ use super::fourier::Fourier;
 use super::orbit::Motion;
 use super::pair::Pair;
 use super::relaxation::Relaxation;
-use super::wave::{Cell, Quintic, Wave, bisect, restricted, root};
+use super::wave::{Cell, Quintic, Wave, bisect, restricted, root, slope, through, value};
 
 /// Share of the largest x that is lost in rounding.
 const ROUNDING: f64 = 1e-13;
@@ -96,6 +96,20 @@ impl<S: Scalar> OneMass<S> {
             scale: most.abs().max(least.abs()) * reach,
             relaxation: viscous_rate.map(|a| Relaxation::new(a * whole_s)),
             whole_s,
+        }
+    }
+
+    /// The same with other numbers: what `f` makes of every one.
+    pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T + Copy) -> OneMass<T> {
+        let viscous_rate = self.viscous_rate.map(f);
+        OneMass {
+            viscous_rate,
+            coulomb: self.coulomb.map(f),
+            breakaway: self.breakaway.map(f),
+            range: self.range,
+            scale: self.scale,
+            relaxation: viscous_rate.map(|a| Relaxation::new(a * self.whole_s)),
+            whole_s: self.whole_s,
         }
     }
 
@@ -279,6 +293,14 @@ impl Sliding {
             let length_s = (u - from) * h;
             Relaxation::new(self.rate * length_s).step(start, &driving, length_s)
         };
+        if crosses && !fresh {
+            let first_guess = self.meets_zero(cell, (from, start), (1.0, end));
+            let found = first_guess
+                .and_then(|u| newton(u, (from, 1.0), &x, |u, x| growth(u, x) * self.sign));
+            if found.is_some() {
+                return found;
+            }
+        }
         let (mut low, mut high) = (from, 1.0);
         if !crosses {
             high = bisect(low, high, |u| growth(u, x(u)) < 0.0);
@@ -292,4 +314,45 @@ impl Sliding {
         let fallen = |u: f64| -self.sign * x(u);
         Some(root(low, high, fallen, |u| -growth(u, x(u))))
     }
+
+    /// Where the quintic through both ends of x meets zero.
+    fn meets_zero<S: Scalar>(
+        &self,
+        cell: &Cell<S>,
+        (from, start): (f64, f64),
+        (to, end): (f64, f64),
+    ) -> Option<f64> {
+        let (h, width) = (cell.length_s, to - from);
+        let node = |u: f64, x: f64| {
+            let first = h * (cell.number(u) - self.friction - self.rate * x);
+            let second = h * (cell.number_slope(u) - self.rate * first);
+            [self.sign * x, self.sign * first * width, self.sign * second * width * width]
+        };
+        let quintic = through(node(from, start), node(to, end));
+        let falls = |u: f64| -value(&quintic, u);
+        (falls(0.0) < 0.0 && falls(1.0) > 0.0)
+            .then(|| from + width * root(0.0, 1.0, falls, |u| -slope(&quintic, u)))
+    }
+}
+
+/// Newton's method from a good guess; `None` where it leaves the bracket or takes
+/// more than a few steps.
+fn newton(
+    mut u: f64,
+    (low, high): (f64, f64),
+    f: impl Fn(f64) -> f64,
+    slope: impl Fn(f64, f64) -> f64,
+) -> Option<f64> {
+    for _ in 0..5 {
+        let value = f(u);
+        let step = value / slope(u, value);
+        u -= step;
+        if !(u > low && u < high) {
+            return None;
+        }
+        if step.abs() < 1e-10 {
+            return Some(u);
+        }
+    }
+    None
 }

@@ -54,9 +54,7 @@ struct Agreement {
 fn agreement(cases: impl ParallelIterator<Item = Case>) -> Agreement {
     let settings = Settings::default();
     let one = |case: Case| {
-        let t0=std::time::Instant::now();
         let both = case.simulate(&settings);
-        if t0.elapsed().as_secs_f64()>3.0 {println!("SLOW {:?} {case:?}",t0.elapsed());}
         match (&both.exact, &both.stepped) {
             (Ok(exact), Ok(stepped)) => {
                 let lines = case.input.iter().enumerate().skip(1);

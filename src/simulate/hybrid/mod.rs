@@ -72,6 +72,8 @@ struct Periodic<const M: usize> {
     state: Vector<f64, M>,
     leash: f64,
     precision: Precision<M>,
+    /// Sizes of the unknowns: those of the states, and of the torque.
+    sizes: [f64; M],
 }
 
 /// Harmonics of v, and what must vanish over a period.
@@ -163,6 +165,7 @@ impl<const M: usize> Periodic<M> {
             state: [0.0; M],
             leash: LEASH[usize::from(mechanics.contracts() || axis.balanced)],
             precision: Precision { tolerance: LOOSE, sizes },
+            sizes,
         };
         if let Some(i) = mechanics.position_integral {
             mechanics.balance = mechanics.first_balance();
@@ -176,8 +179,10 @@ impl<const M: usize> Periodic<M> {
         for (size, largest) in periodic.precision.sizes.iter_mut().zip(largest) {
             *size = if largest > 0.0 { largest } else { *size };
         }
-        if !axis.balanced {
-            periodic.state = end;
+        periodic.state = end;
+        periodic.sizes = periodic.precision.sizes;
+        if let Some(i) = mechanics.position_integral {
+            periodic.sizes[i] = range.0.abs().max(range.1.abs());
         }
         periodic.close(axis, &wave)?;
         Ok(Some(periodic))
@@ -249,7 +254,7 @@ impl<const M: usize> Periodic<M> {
 
     /// A step's largest entry as a share of the states' sizes.
     fn longest(&self, step: &[f64]) -> f64 {
-        let shares = step.iter().zip(&self.precision.sizes).map(|(s, size)| (s / size).abs());
+        let shares = step.iter().zip(&self.sizes).map(|(s, size)| (s / size).abs());
         shares.fold(0.0, |most: f64, share| if share.is_nan() { share } else { most.max(share) })
     }
 

@@ -9,7 +9,7 @@
 
 use crate::effects::{Axis, InputMap};
 use crate::measurement::Complex;
-use crate::plant::{Actuator, Scalar};
+use crate::plant::{Actuator, Dual, Scalar};
 
 use super::excitation::{Excitation, Grid};
 use super::pair::Pair;
@@ -59,6 +59,35 @@ pub(super) fn torque<'e, S: Scalar>(
     }
     (behind(actuator, wave), grid)
 }
+
+/// The same for an axis of many variables: the torque depends on those few that
+/// stand ahead of the mechanics, and is computed with them alone.
+pub(super) fn torque_of_few<'e, const N: usize>(
+    axis: &Axis<Dual<N>>,
+    excitation: &'e Excitation,
+    fewest: usize,
+) -> (Wave<Dual<N>>, &'e Grid) {
+    let mut ahead: Vec<Dual<N>> = axis.rate_limit.into_iter().collect();
+    let _ = axis.plant.actuator.map(|value| ahead.push(value));
+    for map in &axis.input_maps {
+        ahead.extend(map.breaks.iter().chain(&map.slopes));
+    }
+    let used: Vec<usize> =
+        (0..N).filter(|lane| ahead.iter().any(|value| value.lane(*lane) != 0.0)).collect();
+    if used.len() > FEW {
+        return torque(axis, excitation, fewest);
+    }
+    let few = axis.map(|x| {
+        Dual::<FEW>::with_lanes(x.value(), |lane| used.get(lane).map_or(0.0, |l| x.lane(*l)))
+    });
+    let (wave, grid) = torque(&few, excitation, fewest);
+    let mut place = [FEW; N];
+    used.iter().enumerate().for_each(|(i, lane)| place[*lane] = i);
+    (wave.map(|x| Dual::with_lanes(x.value(), |lane| x.lane(place[lane]))), grid)
+}
+
+/// Variables of a torque that are few.
+const FEW: usize = 4;
 
 /// A(s)·u where nothing bends u.
 fn linear<S: Scalar>(actuator: &Actuator<S>, excitation: &Excitation, grid: &Grid) -> Wave<S> {

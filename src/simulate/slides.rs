@@ -86,7 +86,7 @@ fn chunk<const N: usize>(
 ) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
     let count = rows.len().min(N - 1);
     let narrow = shooting::narrowed::<N>(axis, rows.start, count);
-    let (wave, grid) = drive::torque(&narrow, excitation, cells(highest));
+    let (wave, grid) = drive::torque_of_few(&narrow, excitation, cells(highest));
     let mass = OneMass::new(&narrow, &wave);
     let x = match start.motion {
         Motion::Stuck => Dual::constant(0.0),

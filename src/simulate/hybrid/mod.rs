@@ -22,7 +22,7 @@ use crate::plant::{Dual, Scalar};
 
 use super::NoResponse;
 use super::drive;
-use super::excitation::Excitation;
+use super::excitation::{Excitation, Grid};
 use super::fourier::Fourier;
 use super::orbit::Motion;
 use super::pair::Pair;
@@ -119,6 +119,11 @@ pub(super) fn differentiate(
     Ok((velocity, sensitivities))
 }
 
+/// Cells of a period of a cosine for harmonics up to the highest.
+fn cells(highest: usize) -> usize {
+    TIGHT_CELLS.max(2 * highest)
+}
+
 fn velocity<const M: usize>(
     axis: &Axis,
     excitation: &Excitation,
@@ -127,7 +132,9 @@ fn velocity<const M: usize>(
     let Some(mut periodic) = Periodic::<M>::find(axis, excitation)? else {
         return Ok(vec![Complex::new(0.0, 0.0); highest + 1]);
     };
-    let followed = periodic.velocity(&axis.map(Dual::<M>::constant), excitation, highest, 0)?;
+    let (wave, grid) = drive::torque(axis, excitation, cells(highest));
+    let lifted = (wave.map(Dual::<M>::constant), grid);
+    let followed = periodic.velocity(&axis.map(Dual::<M>::constant), lifted, highest, 0)?;
     Ok(followed.velocity.into_iter().map(Pair::value).collect())
 }
 
@@ -145,8 +152,8 @@ fn chunk<const M: usize, const N: usize>(
     };
     let count = rows.len().min(N - M);
     let narrow = shooting::narrowed::<N>(axis, rows.start, count);
-    let Followed { velocity, residuals } =
-        periodic.velocity(&narrow, excitation, highest, count)?;
+    let torque = drive::torque_of_few(&narrow, excitation, cells(highest));
+    let Followed { velocity, residuals } = periodic.velocity(&narrow, torque, highest, count)?;
     let rows = shooting::differentiate(&velocity, &residuals, count);
     Ok((velocity.into_iter().map(Pair::value).collect(), rows))
 }
@@ -319,14 +326,14 @@ impl<const M: usize> Periodic<M> {
     fn velocity<S: Scalar>(
         &mut self,
         axis: &Axis<S>,
-        excitation: &Excitation,
+        (wave, grid): (Wave<S>, &Grid),
         highest: usize,
         parameters: usize,
     ) -> Result<Followed<S, M>, NoResponse> {
-        let (wave, grid) = drive::torque(axis, excitation, TIGHT_CELLS.max(2 * highest));
+        let omega = std::f64::consts::TAU / wave.period_s;
         self.precision.tolerance = TIGHT;
         for _ in 0..MOST_ITERATIONS {
-            let sums = Fourier::new(grid, excitation.omega_rad_s(), highest);
+            let sums = Fourier::new(grid, omega, highest);
             let Some(mut followed) = self.follow(axis, &wave, Some(sums), parameters) else {
                 break;
             };

@@ -4,7 +4,7 @@ use crate::plant::Scalar;
 
 use super::super::fourier::Fourier;
 use super::super::orbit::Motion;
-use super::super::wave::{Cell, Wave, restricted, slope as wave_slope, value};
+use super::super::wave::{Cell, Quintic, Wave, restricted, slope as wave_slope, value};
 use super::affine::{Affine, REACH};
 use super::mechanics::{Contact, Mechanics, Mode, VELOCITY};
 use super::runge_kutta::{NODES, Stages, Vector};
@@ -223,16 +223,22 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     }
 
     fn add(&mut self, cell: &Cell<S>, from: S, width: S, step: &Step<S, M>) {
-        let Some(sums) = self.sums.as_deref_mut() else { return };
+        if self.sums.is_none() {
+            return;
+        }
         let powers = step.powers(VELOCITY);
-        match cell.whole {
-            Some(n) if from == S::constant(0.0) && width == S::constant(1.0) => {
+        match (cell.whole, self.sums.as_deref_mut()) {
+            (Some(n), Some(sums)) if from == S::constant(0.0) && width == S::constant(1.0) => {
                 sums.add_whole(n, powers);
             }
-            _ => {
-                let from_s = from * cell.length_s + cell.from_s;
-                sums.add_part(from_s, width * cell.length_s, &powers);
-            }
+            _ => self.add_part(cell, from, width, &powers),
+        }
+    }
+
+    fn add_part(&mut self, cell: &Cell<S>, from: S, width: S, powers: &Quintic<S>) {
+        if let Some(sums) = self.sums.as_deref_mut() {
+            let from_s = from * cell.length_s + cell.from_s;
+            sums.add_part(from_s, width * cell.length_s, powers);
         }
     }
 
@@ -247,21 +253,17 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     ) -> Option<Switch> {
         let mut first: Option<Switch> = None;
         let mut consider = |event: Event| {
-            let powers = |i: usize| step.powers(i).map(S::value);
-            let needed: [[f64; 6]; M] = std::array::from_fn(|i| match event {
-                Event::Stops if i != VELOCITY => [0.0; 6],
-                _ => powers(i),
+            let one = self.state_of(event, mode);
+            let needed: [Quintic<f64>; M] = std::array::from_fn(|i| match one {
+                Some((only, _, _)) if only != i => [0.0; 6],
+                _ => step.powers(i).map(S::value),
             });
-            let signal = |u: f64| {
-                let part = |i: usize| value(&needed[i], u);
-                match event {
-                    Event::Stops if mode.motion == Motion::Forward => -part(VELOCITY),
-                    Event::Stops => part(VELOCITY),
-                    _ => {
-                        let state = std::array::from_fn(|i| S::constant(part(i)));
-                        let torque = S::constant(cell.number(from + width * u));
-                        self.signal(event, mode, torque, &state).value()
-                    }
+            let signal = |u: f64| match one {
+                Some((i, sign, level)) => sign * (value(&needed[i], u) - level),
+                None => {
+                    let state = std::array::from_fn(|i| S::constant(value(&needed[i], u)));
+                    let torque = S::constant(cell.number(from + width * u));
+                    self.signal(event, mode, torque, &state).value()
                 }
             };
             let least = self.least(event);
@@ -312,6 +314,22 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         first
     }
 
+    /// The state that alone decides on an event, the direction in which it passes
+    /// its level, and the level; `None` where several decide.
+    fn state_of(&self, event: Event, mode: Mode) -> Option<(usize, f64, f64)> {
+        let half = self.mechanics.half_gap().unwrap_or(0.0);
+        let twist = self.mechanics.twist;
+        match event {
+            Event::Stops if mode.motion == Motion::Forward => Some((VELOCITY, -1.0, 0.0)),
+            Event::Stops => Some((VELOCITY, 1.0, 0.0)),
+            Event::Touches(true) => Some((twist, 1.0, half)),
+            Event::Touches(false) => Some((twist, -1.0, -half)),
+            Event::Leaves(true) => Some((twist, -1.0, half)),
+            Event::Leaves(false) => Some((twist, 1.0, -half)),
+            Event::Starts(_) => None,
+        }
+    }
+
     /// Size below which an event's signal is rounding.
     fn least(&self, event: Event) -> f64 {
         let sizes = &self.precision.sizes;
@@ -355,15 +373,20 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         let (step, _) = self.step(pace, mode, cell, (from, part), state, slope);
         let to = from + part;
         let there = self.signal(switch.event, mode, cell.at(to), &step.end);
-        // The signal's rate along the motion, which an exact derivative of every law
-        // would give no better: central differences over a thousandth of the step.
-        let ahead = |du: f64| {
-            let moved: Vector<S, M> =
-                std::array::from_fn(|i| step.end[i] + step.end_slope()[i] * (du * cell.length_s));
-            self.signal(switch.event, mode, cell.at(to + du), &moved).value()
-        };
         let du = 1e-4 * part.value() / switch.at.max(1e-9);
-        let rate = (ahead(du) - ahead(-du)) / (2.0 * du);
+        let rate = match self.state_of(switch.event, mode) {
+            Some((i, sign, _)) => sign * step.end_slope()[i].value() * cell.length_s,
+            None => {
+                // Of several states: central differences along the motion.
+                let ahead = |du: f64| {
+                    let moved: Vector<S, M> = std::array::from_fn(|i| {
+                        step.end[i] + step.end_slope()[i] * (du * cell.length_s)
+                    });
+                    self.signal(switch.event, mode, cell.at(to + du), &moved).value()
+                };
+                (ahead(du) - ahead(-du)) / (2.0 * du)
+            }
+        };
         let correction = if rate != 0.0 { -there * (1.0 / rate) } else { S::constant(0.0) };
         // Further than a step's own error it would be no correction.
         let correction = if correction.value().abs() > 100.0 * du {
@@ -375,7 +398,10 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         for (value, slope) in end.iter_mut().zip(step.end_slope()) {
             *value += *slope * correction * cell.length_s;
         }
-        self.add(cell, from, part + correction, &step);
+        // The motion goes on as it was; what moves is where the step ends.
+        let reach = correction / part + 1.0;
+        let powers = restricted(&step.powers(VELOCITY), S::constant(0.0), reach);
+        self.add_part(cell, from, part + correction, &powers);
         (end, to + correction)
     }
 

@@ -33,10 +33,10 @@ use pass::{Pass, Precision};
 use runge_kutta::Vector;
 
 /// Largest error of a step while the periodic motion is looked for.
-const LOOSE: f64 = 1e-4;
+const LOOSE: f64 = 2e-4;
 
 /// The same for the motion that is reported.
-const TIGHT: f64 = 2e-7;
+const TIGHT: f64 = 1e-6;
 
 /// Most states of a motion: velocity, position, its integral, bristle, load and twist.
 const MOST_STATES: usize = 6;
@@ -61,7 +61,7 @@ const LEASH: [f64; 2] = [0.2, 4.0];
 const NEAR: f64 = 1e-2;
 
 /// Step behind which the rest is linear: its square is below what a pass errs.
-const CLOSED: f64 = 2e-4;
+const CLOSED: f64 = 5e-4;
 
 /// Error of a period in errors of a step.
 const PASS_ERROR: f64 = 10.0;

@@ -18,15 +18,15 @@ use super::relaxation::Relaxation;
 use super::sensitivity::actuator_derivatives;
 use super::wave::{Cell, Wave, through};
 
-/// Radians of an oscillation in one cell: its quintic misses by 6e-6 of what
-/// rings after a kink, itself a small share of the torque.
-const RADIANS_PER_CELL: f64 = 0.8;
+/// Radians of an oscillation in one cell: its quintic misses by 7e-5 of what
+/// rings after a kink, itself a hundredth of the torque at most.
+const RADIANS_PER_CELL: f64 = 1.2;
 
 /// Growth of the cells behind a kink, while what it excited dies out.
-const LAYER_GROWTH: f64 = 0.8;
+const LAYER_GROWTH: f64 = 1.5;
 
 /// Time constants after which nothing of it is left.
-const LAYER_END: f64 = 20.0;
+const LAYER_END: f64 = 14.0;
 
 /// The torque on the mechanics, and the grid of its cells: at least `fewest` of
 /// them for a period of a cosine.
@@ -145,7 +145,9 @@ fn mapped<S: Scalar>(wave: &Wave<S>, map: &InputMap<S>) -> Wave<S> {
             let mut part = cell.part(cut[0], cut[1]);
             let middle = part.number(0.5);
             let (offset, slope) = pieces[breaks.iter().filter(|at| **at < middle).count()];
-            part.powers = part.powers.map(|power| power * slope);
+            for power in &mut part.powers {
+                *power = *power * slope;
+            }
             part.powers[0] += offset;
             cells.push(part);
         }
@@ -221,9 +223,12 @@ fn behind<S: Scalar>(actuator: &Actuator<S>, wave: Wave<S>) -> Wave<S> {
     // τ, τ' and τ'' at both ends of every cell.
     let mut ends = vec![([zero; 3], [zero; 3]); wave.cells.len()];
     for mode in &modes {
-        let steps = steps(mode, &wave);
-        let travelled =
-            wave.cells.iter().zip(&steps).fold(Pair::real(zero), |state, (cell, step)| {
+        let steps = Steps::new(mode, &wave);
+        let travelled = wave
+            .cells
+            .iter()
+            .zip(steps.over(&wave))
+            .fold(Pair::real(zero), |state, (cell, step)| {
                 step.step(state, &cell.powers, cell.length_s)
             });
         let kept = mode.rate.scaled(S::constant(wave.period_s)).exp();
@@ -236,7 +241,8 @@ fn behind<S: Scalar>(actuator: &Actuator<S>, wave: Wave<S>) -> Wave<S> {
                 *sum += (part * mode.residue).re * mode.count;
             }
         };
-        for ((cell, step), (left, right)) in wave.cells.iter().zip(&steps).zip(&mut ends) {
+        for ((cell, step), (left, right)) in wave.cells.iter().zip(steps.over(&wave)).zip(&mut ends)
+        {
             let per_second = 1.0 / cell.length_s;
             node(state, cell.powers[0], cell.powers[1] * per_second, left);
             state = step.step(state, &cell.powers, cell.length_s);
@@ -252,17 +258,32 @@ fn behind<S: Scalar>(actuator: &Actuator<S>, wave: Wave<S>) -> Wave<S> {
     Wave { cells: cells.collect(), period_s: wave.period_s }
 }
 
-/// The step of a mode over each cell; cells of the same length share it.
-fn steps<S: Scalar>(mode: &Mode<S>, wave: &Wave<S>) -> Vec<Relaxation<Pair<S>>> {
-    let new = |length_s: f64| {
-        Relaxation::complex(Pair::new(-mode.rate.re, -mode.rate.im).scaled(S::constant(length_s)))
-    };
-    let mut whole: Option<Relaxation<Pair<S>>> = None;
-    let of = |cell: &Cell<S>| match cell.whole {
-        Some(_) => *whole.get_or_insert_with(|| new(cell.length_s)),
-        None => new(cell.length_s),
-    };
-    wave.cells.iter().map(of).collect()
+/// The step of a mode over each cell: whole cells share theirs.
+struct Steps<S> {
+    whole: Option<Relaxation<Pair<S>>>,
+    others: Vec<Relaxation<Pair<S>>>,
+}
+
+impl<S: Scalar> Steps<S> {
+    fn new(mode: &Mode<S>, wave: &Wave<S>) -> Self {
+        let new = |cell: &Cell<S>| {
+            let rate = Pair::new(-mode.rate.re, -mode.rate.im);
+            Relaxation::complex(rate.scaled(S::constant(cell.length_s)))
+        };
+        Self {
+            whole: wave.cells.iter().find(|cell| cell.whole.is_some()).map(new),
+            others: wave.cells.iter().filter(|cell| cell.whole.is_none()).map(new).collect(),
+        }
+    }
+
+    /// The steps in the order of the cells.
+    fn over<'a>(&'a self, wave: &'a Wave<S>) -> impl Iterator<Item = &'a Relaxation<Pair<S>>> {
+        let mut others = self.others.iter();
+        wave.cells.iter().filter_map(move |cell| match cell.whole {
+            Some(_) => self.whole.as_ref(),
+            None => others.next(),
+        })
+    }
 }
 
 /// The wave with cells behind a kink so short that a quintic follows what the

@@ -32,8 +32,13 @@ struct Tables {
     moments: Vec<[Complex; 6]>,
 }
 
-/// Smallest grid of the ladder, and how often it is doubled.
-const LADDER: (usize, usize) = (8, 14);
+/// Grids of the ladder: 8, 12, 16, 24 … samples.
+const LADDER: usize = 28;
+
+/// Samples of a grid of the ladder.
+const fn rung(step: usize) -> usize {
+    if step.is_multiple_of(2) { 8 << (step / 2) } else { 12 << (step / 2) }
+}
 
 impl Grid {
     fn new(highest_line: usize) -> Self {
@@ -60,10 +65,9 @@ impl Grid {
     /// The smallest grid of the ladder with at least so many samples, or the
     /// largest of all; made once.
     pub fn at_least(samples: usize) -> &'static Self {
-        static GRIDS: [OnceLock<Grid>; LADDER.1] = [const { OnceLock::new() }; LADDER.1];
-        let (smallest, count) = LADDER;
-        let step = (0..count).find(|i| smallest << i >= samples).unwrap_or(count - 1);
-        GRIDS[step].get_or_init(|| Self::of(smallest << step))
+        static GRIDS: [OnceLock<Grid>; LADDER] = [const { OnceLock::new() }; LADDER];
+        let step = (0..LADDER).find(|step| rung(*step) >= samples).unwrap_or(LADDER - 1);
+        GRIDS[step].get_or_init(|| Self::of(rung(step)))
     }
 
     /// exp(2πj·n/N).

@@ -55,11 +55,14 @@ impl<S: Scalar> Cell<S> {
 
     /// The part between two positions as a cell of its own.
     pub fn part(&self, from: f64, to: f64) -> Self {
+        if from == 0.0 && to == 1.0 {
+            return *self;
+        }
         Self {
             from_s: self.from_s + from * self.length_s,
             length_s: (to - from) * self.length_s,
             powers: restricted(&self.powers, S::constant(from), S::constant(to)),
-            whole: if from == 0.0 && to == 1.0 { self.whole } else { None },
+            whole: None,
         }
     }
 

@@ -3,6 +3,8 @@
 //! g += T·sin(N·θ + φ), together with the constant torque that makes mean v
 //! zero; θ has zero mean.
 
+use std::f64::consts::PI;
+
 use super::{
     Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
     Wide,
@@ -39,7 +41,8 @@ const PARAMETERS: [Parameter; 3] = [
         name: "phase",
         dimension: Dimension::NONE,
         coordinate: Coordinate::Linear,
-        range: |_| Range { bounds: [-7.0, 7.0], likely: [-3.1416, 3.1416], absent: None },
+        // A whole turn and a little more, so that no solution lies on a bound.
+        range: |_| Range { bounds: [-7.0, 7.0], likely: [-PI, PI], absent: None },
     },
 ];
 

@@ -180,6 +180,7 @@ impl<const N: usize> Sub for Dual<N> {
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
     #[inline(always)]
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule")]
     fn mul(self, other: Self) -> Self {
         let lanes = each(|i| self.lanes[i] * other.value + self.value * other.lanes[i]);
         Self { value: self.value * other.value, lanes }

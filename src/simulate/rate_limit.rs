@@ -59,7 +59,7 @@ pub(super) fn limited<S: Scalar>(wave: &Wave<S>, rate: S) -> Wave<S> {
 fn triangle<S: Scalar>(wave: &Wave<S>, rate: S) -> Option<State<S>> {
     let amplitude = rate * (0.25 * wave.period_s);
     let numbers = |time_s: f64| {
-        let cell = wave.cells.iter().find(|cell| time_s <= cell.to_s()).or(wave.cells.last());
+        let cell = wave.cells.iter().find(|cell| time_s <= cell.end_s()).or(wave.cells.last());
         cell.map_or(0.0, |cell| cell.number((time_s - cell.from_s) / cell.length_s))
     };
     let scale = wave.range().1;

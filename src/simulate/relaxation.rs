@@ -43,8 +43,8 @@ impl<S: Scalar> Relaxation<S> {
     #[inline]
     pub fn step(&self, state: S, powers: &Quintic<S>, length_s: S) -> S {
         let mut gained = powers[0] * self.gains[0];
-        for i in 1..6 {
-            gained += powers[i] * self.gains[i];
+        for (power, gain) in powers.iter().zip(&self.gains).skip(1) {
+            gained += *power * *gain;
         }
         state * self.kept + gained * length_s
     }

@@ -296,7 +296,7 @@ impl Sliding {
         if crosses && !fresh {
             let first_guess = self.meets_zero(cell, (from, start), (1.0, end));
             let found = first_guess
-                .and_then(|u| newton(u, (from, 1.0), &x, |u, x| growth(u, x) * self.sign));
+                .and_then(|u| newton(u, (from, 1.0), x, |u, x| growth(u, x) * self.sign));
             if found.is_some() {
                 return found;
             }

@@ -67,7 +67,7 @@ impl<S: Scalar> Cell<S> {
     }
 
     /// End, seconds.
-    pub fn to_s(&self) -> f64 {
+    pub fn end_s(&self) -> f64 {
         self.from_s + self.length_s
     }
 
@@ -114,7 +114,8 @@ pub(super) fn restricted<S: Scalar>(powers: &Quintic<S>, from: S, to: S) -> Quin
     // Horner's scheme, repeated: the Taylor coefficients at `from`.
     for i in 0..5 {
         for j in (i..5).rev() {
-            shifted[j] = shifted[j] + from * shifted[j + 1];
+            let above = shifted[j + 1];
+            shifted[j] += from * above;
         }
     }
     let width = to - from;

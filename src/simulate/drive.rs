@@ -334,3 +334,6 @@ fn layered<S: Scalar>(wave: Wave<S>, modes: &[Mode<S>]) -> Wave<S> {
     }
     Wave { cells, period_s: wave.period_s }
 }
+
+#[cfg(test)]
+mod tests;

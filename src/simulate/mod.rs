@@ -1,13 +1,27 @@
 //! The exact periodic response of a servo axis to a periodic input.
 //!
-//! With K taken out (v = K·x) the mechanics are x' = −a·x + τ − f. Between two
-//! switches of the friction this is linear, so x is known in closed form and a
-//! periodic motion is nothing but its switching instants ([`Orbit`]):
-//! `cosine` finds them for a pure cosine, `periodic` for any periodic input.
-//! The harmonics follow from the instants alone (`spectrum`), and so do their
-//! derivatives (`sensitivity`). Sticking is a constraint of the motion, never
-//! a smoothed sign. The actuator is linear and upstream of the friction: its
-//! steady state is closed form and every order costs the same.
+//! The base model: with K taken out (v = K·x) the mechanics are
+//! x' = −a·x + τ − f. Between two switches of the friction this is linear, so x
+//! is known in closed form and a periodic motion is nothing but its switching
+//! instants ([`Orbit`]): `cosine` finds them for a pure cosine, `periodic` for
+//! any periodic input. The harmonics follow from the instants alone (`spectrum`),
+//! and so do their derivatives (`sensitivity`). Sticking is a constraint of the
+//! motion, never a smoothed sign. The actuator is linear and upstream of the
+//! friction: its steady state is closed form and every order costs the same.
+//!
+//! With effects ([`crate::effects`]) one of three ways is taken:
+//!
+//! - Levels that change, delays and sensor lags leave the base model's motion:
+//!   other numbers go in, and every harmonic takes a factor (`sensor`).
+//! - An input that is bent (`drive`, `rate_limit`) becomes a wave of quintics
+//!   (`wave`); damping may depend on the direction. Slides are still exact for each
+//!   quintic (`relaxation`, `switching`), and `slides` closes them to a period.
+//! - Everything else goes to `hybrid`: exact steps where the equations are affine,
+//!   Runge–Kutta steps under error control otherwise, cut at every switch.
+//!
+//! The last two are written for any [`Scalar`]: in dual numbers the same code
+//! gives the derivatives by every number of the axis, and by the state at the
+//! beginning of the period, which Newton's method needs to close it (`shooting`).
 
 mod cosine;
 mod drive;

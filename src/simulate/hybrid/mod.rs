@@ -9,7 +9,9 @@
 //! so short that it follows the motion's own slow approach.
 
 mod affine;
+mod crossing;
 mod mechanics;
+mod pace;
 mod pass;
 mod runge_kutta;
 mod step;

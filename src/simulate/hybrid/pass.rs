@@ -6,7 +6,9 @@ use super::super::fourier::Fourier;
 use super::super::orbit::Motion;
 use super::super::wave::{Cell, Quintic, Wave, restricted, slope as wave_slope, value};
 use super::affine::{Affine, REACH};
+use super::crossing::{departure, root};
 use super::mechanics::{Contact, Mechanics, Mode, VELOCITY};
+use super::pace::Pace;
 use super::runge_kutta::{NODES, Stages, Vector};
 use super::step::Step;
 
@@ -32,55 +34,6 @@ pub(super) struct Precision<const M: usize> {
 
 /// Share of a cell too short for a step of its own.
 const SLIVER: f64 = 1e-9;
-
-/// How steps are taken.
-enum Pace<S, const M: usize> {
-    /// Exactly, no longer than this, by the equations of every mode seen; the
-    /// step's length comes `again` where it is an even part of a cell.
-    Exact { longest_s: f64, steps: Vec<Affine<S, M>>, again: bool },
-    /// By Runge–Kutta stages, as long as the error allows.
-    Controlled { length_s: f64 },
-}
-
-impl<S: Scalar, const M: usize> Pace<S, M> {
-    /// The share of a cell to try from position `from`.
-    #[inline]
-    fn width(&mut self, cell: &Cell<S>, from: S) -> S {
-        let left = -from + 1.0;
-        match self {
-            Pace::Exact { longest_s, again, .. } => {
-                // The cell's own even parts, so that their steps come again.
-                let parts = (cell.length_s / *longest_s).ceil().max(1.0);
-                let done = from.value() * parts;
-                let fixed = (0..S::LANES).all(|lane| from.lane(lane) == 0.0);
-                *again = fixed && (done - done.round()).abs() < 1e-6;
-                if *again {
-                    return S::constant(1.0 / parts);
-                }
-                -from + (((done + 1e-6).floor() + 1.0) / parts).min(1.0)
-            }
-            Pace::Controlled { length_s } => {
-                let share = *length_s / cell.length_s;
-                // No sliver at the end of a cell.
-                if share * 1.1 >= left.value() { left } else { S::constant(share) }
-            }
-        }
-    }
-
-    /// Whether a step's error is allowed, and how long the next may be.
-    #[inline]
-    fn accepts(&mut self, error: f64, tried_s: f64, cell_s: f64) -> bool {
-        let Pace::Controlled { length_s } = self else { return true };
-        let growth = 0.9 * f64::from((error.max(1e-10) as f32).powf(-0.2));
-        if error > 1.0 {
-            *length_s = tried_s * growth.max(0.2);
-            return false;
-        }
-        // The end of a cell may have cut it short: it says nothing then.
-        *length_s = (length_s.max(tried_s) * growth.clamp(0.3, 4.0)).min(cell_s.max(tried_s));
-        true
-    }
-}
 
 /// A motion under way.
 pub(super) struct Pass<'a, 'g, S, const M: usize> {
@@ -441,52 +394,4 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
             _ => mode,
         }
     }
-}
-
-/// A position at which a signal that begins at zero has gone negative, before
-/// it is positive at `end`; 0 where it has not.
-fn departure(signal: &impl Fn(f64) -> f64, end: f64) -> f64 {
-    let mut at = 0.5 * end;
-    for _ in 0..24 {
-        if signal(at) < 0.0 {
-            return at;
-        }
-        at *= 0.5;
-    }
-    0.0
-}
-
-/// The root of a signal that is not positive at `low` and positive at `high`
-/// (regula falsi, Illinois: Dowell, Jarratt 1971, doi:10.1007/BF01934364).
-fn root(mut low: f64, mut high: f64, signal: impl Fn(f64) -> f64) -> f64 {
-    let (mut below, mut above) = (signal(low), signal(high));
-    let mut last = 0;
-    for _ in 0..60 {
-        if high - low < 1e-13 {
-            break;
-        }
-        let share = below / (below - above);
-        let at = if share.is_finite() { low + share * (high - low) } else { 0.5 * (low + high) };
-        let there = signal(at);
-        if there == 0.0 {
-            return at;
-        }
-        if there > 0.0 {
-            (high, above) = (at, there);
-            if last == 1 {
-                below *= 0.5;
-            }
-            last = 1;
-        } else {
-            (low, below) = (at, there);
-            if last == -1 {
-                above *= 0.5;
-            }
-            last = -1;
-        }
-        if there.abs() < 1e-15 * above.abs().max(below.abs()) {
-            break;
-        }
-    }
-    0.5 * (low + high)
 }

@@ -1,0 +1,69 @@
+//! Where a signal turns positive.
+
+/// A position at which a signal that begins at zero has gone negative, before
+/// it is positive at `end`; 0 where it has not.
+pub(super) fn departure(signal: &impl Fn(f64) -> f64, end: f64) -> f64 {
+    let mut at = 0.5 * end;
+    for _ in 0..24 {
+        if signal(at) < 0.0 {
+            return at;
+        }
+        at *= 0.5;
+    }
+    0.0
+}
+
+/// The root of a signal that is not positive at `low` and positive at `high`
+/// (regula falsi, Illinois: Dowell, Jarratt 1971, doi:10.1007/BF01934364).
+pub(super) fn root(mut low: f64, mut high: f64, signal: impl Fn(f64) -> f64) -> f64 {
+    let (mut below, mut above) = (signal(low), signal(high));
+    let mut last = 0;
+    for _ in 0..60 {
+        if high - low < 1e-13 {
+            break;
+        }
+        let share = below / (below - above);
+        let at = if share.is_finite() { low + share * (high - low) } else { 0.5 * (low + high) };
+        let there = signal(at);
+        if there == 0.0 {
+            return at;
+        }
+        if there > 0.0 {
+            (high, above) = (at, there);
+            if last == 1 {
+                below *= 0.5;
+            }
+            last = 1;
+        } else {
+            (low, below) = (at, there);
+            if last == -1 {
+                above *= 0.5;
+            }
+            last = -1;
+        }
+        if there.abs() < 1e-15 * above.abs().max(below.abs()) {
+            break;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_root_is_found_where_the_signal_turns_positive() {
+        let root = root(0.0, 1.0, |u| u * u * u - 0.3);
+        assert!((root - 0.3_f64.cbrt()).abs() < 1e-12, "{root}");
+    }
+
+    #[test]
+    fn a_signal_that_begins_at_zero_is_followed_from_where_it_is_negative() {
+        let signal = |u: f64| u * (u - 0.01);
+        let from = departure(&signal, 1.0);
+        assert!(from > 0.0 && signal(from) < 0.0);
+        assert!((root(from, 1.0, signal) - 0.01).abs() < 1e-12);
+        assert_eq!(departure(&|u: f64| u, 1.0), 0.0);
+    }
+}

@@ -8,9 +8,8 @@ use crate::plant::{Dual, Scalar};
 
 use super::NoResponse;
 use super::drive;
-use super::excitation::{Excitation, Grid};
+use super::excitation::Excitation;
 use super::orbit::Motion;
-use super::pair::Pair;
 use super::shooting;
 use super::switching::{OneMass, Slides, State};
 use super::wave::Wave;
@@ -21,13 +20,8 @@ const MOST_ITERATIONS: usize = 400;
 /// Share of x's size that a step may move it where motions may not be unique.
 const LEASH: f64 = 0.2;
 
-/// Step, as a share of x's size, behind which the next is taken with the
-/// harmonics: Newton's error after a step is of the order of the step squared.
-const NEAR: f64 = 1e-2;
-
-/// Step along which harmonics are taken to first order: its square is lost in
-/// what the quintics miss.
-const CLOSED: f64 = 2e-4;
+/// Change a period, as a share of x's size, at which the motion is periodic.
+const CLOSED: f64 = 1e-12;
 
 /// Cells of a period of a cosine, at least: its quintics miss by 8e-8.
 const CELLS: usize = 16;
@@ -49,10 +43,9 @@ pub(super) fn respond(
         return Ok(vec![Complex::new(0.0, 0.0); highest + 1]);
     }
     let start = periodic(&mass, &wave)?;
-    let wave = wave.map(Dual::<1>::constant);
-    let lifted = (&mass.map(Dual::<1>::constant), &wave, grid);
-    let constant = Dual::constant(axis.plant.constant);
-    let (velocity, _) = closed(lifted, constant, start, highest, 0)?;
+    let mut slides = Slides::new(&mass, grid, excitation.omega_rad_s(), highest);
+    mass.pass(&wave, start, Some(&mut slides)).ok_or(NoResponse::NotPeriodic { periods: 1 })?;
+    let velocity = slides.velocity(&mass, axis.plant.constant, wave.period_s);
     Ok(velocity.into_iter().map(|v| v.value()).collect())
 }
 
@@ -95,46 +88,24 @@ fn chunk<const N: usize>(
     let narrow = shooting::narrowed::<N>(axis, rows.start, count);
     let (wave, grid) = drive::torque_of_few(&narrow, excitation, cells(highest));
     let mass = OneMass::new(&narrow, &wave);
-    let (harmonics, residual) =
-        closed((&mass, &wave, grid), narrow.plant.constant, start, highest, count)?;
+    let x = match start.motion {
+        Motion::Stuck => Dual::constant(0.0),
+        _ => Dual::variable(start.x, count),
+    };
+    let mut slides = Slides::new(&mass, grid, excitation.omega_rad_s(), highest);
+    let state = State { x, motion: start.motion };
+    let end = mass.pass(&wave, state, Some(&mut slides));
+    let end = end.ok_or(NoResponse::NotPeriodic { periods: 1 })?;
+    let harmonics = slides.velocity(&mass, narrow.plant.constant, wave.period_s);
+    let residual = match start.motion {
+        Motion::Stuck => Dual::constant(0.0),
+        _ => end.x - x,
+    };
     let sensitivities = shooting::differentiate(&harmonics, &[residual], count);
     Ok((harmonics.iter().map(|v| v.value()).collect(), sensitivities))
 }
 
-/// Harmonics of v from a state near the periodic one, and what the state changes
-/// by in a period; the state rides in the lane behind `parameters`.
-fn closed<S: Scalar>(
-    (mass, wave, grid): (&OneMass<S>, &Wave<S>, &Grid),
-    constant: S,
-    mut start: State<f64>,
-    highest: usize,
-    parameters: usize,
-) -> Result<(Vec<Pair<S>>, S), NoResponse> {
-    let omega = std::f64::consts::TAU / wave.period_s;
-    for periods in 1..MOST_ITERATIONS {
-        let moves = start.motion != Motion::Stuck;
-        let own = |lane: usize| f64::from(u8::from(moves && lane == parameters));
-        let x = S::with_lanes(start.x, own);
-        let mut slides = Slides::new(mass, grid, omega, highest);
-        let state = State { x, motion: start.motion };
-        let end = mass.pass(wave, state, Some(&mut slides));
-        let end = end.ok_or(NoResponse::NotPeriodic { periods })?;
-        let residual = end.x - x;
-        let step = if moves { shooting::newton_step(&[residual], parameters)[0] } else { 0.0 };
-        if end.motion == start.motion && step.abs() <= CLOSED * mass.scale() {
-            let mut velocity = slides.velocity(mass, constant, wave.period_s);
-            shooting::correct(&mut velocity, &[step], parameters);
-            return Ok((velocity, residual));
-        }
-        let same = end.motion == start.motion && (start.x + step) * start.x > 0.0;
-        let x = if same { start.x + step } else { end.x.value() };
-        start = State { x, motion: end.motion };
-    }
-    Err(NoResponse::NotPeriodic { periods: MOST_ITERATIONS })
-}
-
-/// State near the one at the beginning of the period of the motion reached from
-/// rest.
+/// State at the beginning of the period of the motion reached from rest.
 fn periodic(mass: &OneMass<f64>, wave: &Wave<f64>) -> Result<State<f64>, NoResponse> {
     let failed = |periods: usize| NoResponse::NotPeriodic { periods };
     let rest = State { x: 0.0, motion: Motion::Stuck };
@@ -153,6 +124,9 @@ fn periodic(mass: &OneMass<f64>, wave: &Wave<f64>) -> Result<State<f64>, NoRespo
         if end.motion == Motion::Stuck {
             return Ok(State { x, motion: end.motion });
         }
+        if end.motion == start.motion && change.abs() <= CLOSED * size {
+            return Ok(start);
+        }
         let mut step = change / (1.0 - slope);
         if !mass.contracts() {
             let leash = change.abs().max(LEASH * size);
@@ -163,9 +137,10 @@ fn periodic(mass: &OneMass<f64>, wave: &Wave<f64>) -> Result<State<f64>, NoRespo
             Motion::Forward => next > 0.0,
             _ => next < 0.0,
         };
-        let same = end.motion == start.motion;
-        start = State { x: if same && same_side { next } else { x }, motion: end.motion };
-        if same && step.abs() <= NEAR * size {
+        let jumps = same_side && end.motion == start.motion && slope != 0.0;
+        start = State { x: if jumps { next } else { x }, motion: end.motion };
+        // Newton's error after a step is of the order of the step squared.
+        if jumps && step.abs() <= 1e-6 * size {
             return Ok(start);
         }
     }

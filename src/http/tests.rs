@@ -1,7 +1,7 @@
 //! The service over HTTP with a scripted computation behind it.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use tokio::net::TcpListener;
@@ -382,10 +382,17 @@ fn a_plot_there_is_none_of_is_refused_with_those_there_are() {
 fn a_running_job_shows_how_it_converges_and_nothing_else() {
     let server = Server::start();
     let id = server.job(RUN_UNTIL_CANCELLED);
+    let status = |name: &str| server.get(&format!("/v1/jobs/{id}/plots/{name}.svg")).status();
+    // Rows reach the store with the next heartbeat after the job was taken up.
+    let patience = Instant::now() + Duration::from_secs(60);
+    while status("convergence") != 200 {
+        assert!(Instant::now() < patience, "nothing was shown of a running job");
+        std::thread::sleep(Duration::from_millis(10));
+    }
     problem(server.get(&format!("/v1/jobs/{id}/plots/bode.svg")), 409);
     json_of(server.post(&format!("/v1/jobs/{id}/cancel"), &[], b""), 202);
     assert_eq!(server.ended(&id)["status"], "cancelled");
-    assert_eq!(server.get(&format!("/v1/jobs/{id}/plots/convergence.svg")).status(), 200);
+    assert_eq!(status("convergence"), 200);
     problem(server.get(&format!("/v1/jobs/{id}/plots/bode.svg")), 404);
 }
 

@@ -1,7 +1,7 @@
 //! Everything a diagnosis says of where a base model departs from its data.
 
 use crate::answers::{Discrepancy, NoiseSource, Pattern, ResidualTest};
-use crate::identify::BaseFit;
+use crate::identify::ModelFit;
 
 use super::groups::{self, Sizes};
 use super::layout::Cell;
@@ -16,14 +16,17 @@ use super::whiteness::{Judgement, Nulls};
 /// upload and the solver, where the noise is unknown.
 const ROUNDING: f64 = 1e-6;
 
+/// The same for a model with effects, whose simulation rounds more.
+const EXTENDED_ROUNDING: f64 = 2e-5;
+
 /// Where a fitted base model departs from its data.
-pub(super) fn of(fit: &BaseFit, seed: u64) -> Discrepancy {
+pub(super) fn of(fit: &ModelFit, seed: u64) -> Discrepancy {
     let residuals = Residuals::of(fit);
     let regions = Regions::new(&residuals.layout, &residuals.freedom);
     let statistics = statistics::all(&residuals, &regions);
     let nulls = Nulls::draw(&residuals, &statistics, seed);
     let judgement = nulls.judge(&statistics, &residuals.values);
-    let rounding = is_rounding(&residuals);
+    let rounding = is_rounding(&residuals, ROUNDING);
     let noise_like = rounding || judgement.noise_like;
     let patterns = match noise_like {
         true => Vec::new(),
@@ -51,12 +54,23 @@ pub(super) fn of(fit: &BaseFit, seed: u64) -> Discrepancy {
     }
 }
 
+/// Whether what an extended model leaves is noise.
+pub(super) fn is_noise(fit: &ModelFit, seed: u64) -> bool {
+    let residuals = Residuals::of(fit);
+    if is_rounding(&residuals, EXTENDED_ROUNDING) {
+        return true;
+    }
+    let regions = Regions::new(&residuals.layout, &residuals.freedom);
+    let statistics = statistics::all(&residuals, &regions);
+    Nulls::draw(&residuals, &statistics, seed).judge(&statistics, &residuals.values).noise_like
+}
+
 /// Whether what is left is rounding: only where nothing else tells the noise.
-fn is_rounding(residuals: &Residuals) -> bool {
+fn is_rounding(residuals: &Residuals, share: f64) -> bool {
     let cells: Vec<&Cell> = residuals.layout.cells.iter().collect();
     let sizes = Sizes::of(residuals, &cells);
     !residuals.scale_known
-        && sizes.is_none_or(|sizes| sizes.rms_left <= ROUNDING * sizes.rms_measured)
+        && sizes.is_none_or(|sizes| sizes.rms_left <= share * sizes.rms_measured)
 }
 
 fn wrong(patterns: &[Pattern], judgement: &Judgement) -> String {
@@ -123,7 +137,7 @@ fn seen(dof: f64, limit: f64) -> f64 {
 }
 
 /// What this diagnosis cannot tell.
-pub(super) fn limitations(fit: &BaseFit, discrepancy: &Discrepancy) -> Vec<String> {
+pub(super) fn limitations(fit: &ModelFit, discrepancy: &Discrepancy) -> Vec<String> {
     let mut sentences = Vec::new();
     if fit.identification.noise == NoiseSource::Estimated {
         sentences.push(

@@ -1,7 +1,7 @@
 //! Where each residual lies: magnitude, frequency, harmonic, order of acquisition.
 
 use crate::answers::Comparison;
-use crate::identify::{BaseFit, Component};
+use crate::identify::{ModelFit, Component};
 use crate::measurement::Complex;
 
 /// Magnitudes told apart, at most; more are joined to classes.
@@ -74,7 +74,7 @@ pub(super) struct Layout {
 
 impl Layout {
     /// Of a fitted base model.
-    pub fn of(fit: &BaseFit) -> Self {
+    pub fn of(fit: &ModelFit) -> Self {
         Self::new(&fit.comparison, &fit.components)
     }
 

@@ -6,12 +6,19 @@
 //! simulation departs most are found (`regions`, `patterns`) and said in words
 //! (`sentence`); `discrepancy` puts it together.
 
+mod anchor;
+mod causes;
 mod discrepancy;
+mod evidence;
+mod family;
 mod groups;
 mod layout;
+mod null;
 mod patterns;
+mod probes;
 mod regions;
 mod residual;
+mod search;
 mod sentence;
 mod statistics;
 mod subspace;
@@ -21,12 +28,19 @@ mod whiteness;
 mod tests;
 
 use crate::answers::{ConvergenceRow, Diagnosis, Progress, Verdict};
-use crate::identify::{self, IdentifyError, IdentifyRequest};
+use crate::identify::{Effort, IdentifyError, IdentifyRequest, Model, Workbench};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
+/// Share of the largest component below which a difference between model and data
+/// is rounding in the upload and the simulation.
+const ROUNDING: f64 = 2e-6;
+
 /// Share of a diagnosis that is fitting.
 const FITTING: f64 = 0.95;
+
+use evidence::Yardstick;
+use search::Search;
 
 /// Why a diagnosis gave no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -51,27 +65,65 @@ pub fn diagnose(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let fit = identify::fit_base(measurement, request, &Fitting(observer))?;
+    let seed = request.options.seed;
+    let fitting = Fitting(observer);
+    let workbench = Workbench::new(measurement, request, &fitting)?;
+    let fit = workbench.judge(workbench.base())?;
     let progress = |done: u64, fraction: f64| {
         observer.progress(Progress { stage: "discrepancy".into(), done, total: 1, fraction });
     };
     progress(0, FITTING);
-    let discrepancy = discrepancy::of(&fit, request.options.seed);
+    let discrepancy = discrepancy::of(&fit, seed);
     progress(1, 1.0);
+    let yardstick = Yardstick {
+        known: workbench.noise_known(),
+        rounding: workbench.rounding(ROUNDING),
+        dof: fit.identification.fit.dof.max(1) as f64,
+    };
+    let mut search = Search::new(&workbench, observer, seed, yardstick);
+    let noise_like = |model: &Model| {
+        workbench.judge(model).is_ok_and(|fit| discrepancy::is_noise(&fit, seed))
+    };
+    let mut chosen = search.run(&mut |model| noise_like(model));
+    let mut explained = discrepancy.noise_like;
+    if !chosen.is_empty() {
+        explained = noise_like(&search.visited[&chosen].model);
+        if !explained && yardstick.known {
+            // What remains widens every uncertainty.
+            search.yardstick = Yardstick { known: false, ..yardstick };
+            chosen = search.best_supported();
+        }
+    }
     if observer.cancelled() {
         return Err(IdentifyError::Cancelled.into());
     }
-    let verdict = if discrepancy.noise_like { Verdict::Adequate } else { Verdict::Unexplained };
+    let verdict = match (chosen.is_empty(), explained) {
+        (true, true) => Verdict::Adequate,
+        (true, false) => Verdict::Unexplained,
+        (false, true) => Verdict::Explained,
+        (false, false) => Verdict::Improved,
+    };
+    let extended = match chosen.is_empty() {
+        true => None,
+        false => {
+            let model = workbench.refine(&search.visited[&chosen].model, Effort::Thorough);
+            Some(workbench.judge(&model)?.identification)
+        }
+    };
+    let causes = extended
+        .as_ref()
+        .map(|extended| causes::named(&search, &chosen, extended, explained))
+        .unwrap_or_default();
     Ok(Diagnosis {
         verdict,
         limitations: discrepancy::limitations(&fit, &discrepancy),
         discrepancy,
-        causes: Vec::new(),
-        candidates: Vec::new(),
+        causes,
+        candidates: causes::candidates(&search, &chosen),
         gain: None,
         provenance: fit.identification.provenance.clone(),
         base: fit.identification,
-        extended: None,
+        extended,
         next_experiment: None,
     })
 }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::answers::NoiseSource;
-use crate::identify::{BaseFit, NoiseLaw};
+use crate::identify::{ModelFit, NoiseLaw};
 
 use super::layout::{Cell, Layout};
 use super::subspace::Subspace;
@@ -34,7 +34,7 @@ pub(super) struct Residuals {
 
 impl Residuals {
     /// Of a fitted base model.
-    pub fn of(fit: &BaseFit) -> Self {
+    pub fn of(fit: &ModelFit) -> Self {
         let known = fit.identification.noise != NoiseSource::Estimated;
         Self::new(
             Layout::of(fit),

@@ -65,6 +65,11 @@ impl Subspace {
         vector - self.project(vector)
     }
 
+    /// The parts of columns outside.
+    pub fn complements(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        columns - &self.basis * self.basis.tr_mul(columns)
+    }
+
     /// Squared length of the part inside.
     pub fn energy(&self, vector: &DVector<f64>) -> f64 {
         self.basis.tr_mul(vector).norm_squared()

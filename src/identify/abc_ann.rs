@@ -188,7 +188,7 @@ impl Run<'_> {
         let (mut evaluations, mut steps) = (0, 0);
         let mut descend = |weights: &Weights, start: &[f64], bar: f64| {
             let misfit = self.misfit(coordinates, weights);
-            let refined = refine::refine(&misfit, start, &mut |_, used, cost| {
+            let refined = refine::refine(&misfit, start, refine::THOROUGH, &mut |_, used, cost| {
                 begun.row(steps, evaluations + used, cost.min(bar), None);
                 steps += 1;
             });
@@ -229,7 +229,7 @@ impl Run<'_> {
     }
 
     fn misfit<'m>(&'m self, coordinates: &'m Coordinates, weights: &'m Weights) -> Misfit<'m> {
-        Misfit { problem: self.problem, coordinates, weights, observer: self.history.observer }
+        Misfit { problem: self.problem, coordinates, weights, observer: self.history.observer, stand_in: None }
     }
 
     fn in_units(&self, misfit: &Misfit<'_>, point: &[f64]) -> Plant {

@@ -5,13 +5,14 @@ use rayon::prelude::*;
 use crate::answers::{
     ComparedExperiment, ComparedHarmonic, Comparison, Identification, NoiseSource, Unanswered,
 };
+use crate::effects::{self, ActiveEffect, Parameter};
 use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};
 use crate::plant::{Actuator, Friction, Plant};
 use crate::simulate;
 
 use super::IdentifyError;
 use super::noise::{self, Weights};
-use super::problem::{Prepared, Problem};
+use super::problem::{Prepared, Problem, Scales};
 
 /// Compares a measurement with the model of a stored answer.
 ///
@@ -27,9 +28,10 @@ pub fn compare(
 ) -> Result<Comparison, IdentifyError> {
     let problem = Problem::new(measurement)?;
     let plant = problem.in_scale(&reported_plant(answer)?);
+    let effects = reported_effects(answer, &problem)?;
     let noise_std = answer.provenance.options.noise_std;
     let weights = noise::weights(measurement, &problem, noise_std, Some(&plant));
-    Ok(beside(measurement, &problem, &plant, &weights, answer.fit.dof))
+    Ok(beside(measurement, &problem, &plant, &effects, &weights, answer.fit.dof))
 }
 
 /// The same from what a fit knows; `dof` are its degrees of freedom.
@@ -37,13 +39,14 @@ pub(super) fn beside(
     measurement: &Measurement,
     problem: &Problem,
     plant: &Plant,
+    effects: &[ActiveEffect],
     weights: &Weights,
     dof: i64,
 ) -> Comparison {
     let simulated: Vec<Result<Vec<Complex>, simulate::NoResponse>> = problem
         .experiments
         .par_iter()
-        .map(|e| simulate::respond(plant, &[], &e.excitation, e.highest))
+        .map(|e| simulate::respond(plant, effects, &e.excitation, e.highest))
         .collect();
     let mut experiments = Vec::new();
     let mut unanswered = Vec::new();
@@ -156,6 +159,30 @@ fn reported_plant(answer: &Identification) -> Result<Plant, IdentifyError> {
         actuator,
         friction: Friction::coulomb(value("fc_plus")?, value("fc_minus")?),
     })
+}
+
+/// The effects an answer reports, in the problem's scales.
+fn reported_effects(
+    answer: &Identification,
+    problem: &Problem,
+) -> Result<Vec<ActiveEffect>, IdentifyError> {
+    let Scales { omega, input, velocity } = problem.scales;
+    let mut ids: Vec<&str> = answer.parameters.keys().filter_map(|key| key.split('.').next()).collect();
+    ids.dedup();
+    let mut reported = Vec::new();
+    for effect in ids.into_iter().filter_map(effects::find) {
+        let value = |parameter: &Parameter| {
+            let name = format!("{}.{}", effect.id(), parameter.name);
+            let value = answer.parameters.get(&name).and_then(|estimate| estimate.value);
+            let scale = parameter.dimension.factor(input, velocity, 1.0 / omega);
+            value.map(|value| value / scale).ok_or_else(|| IdentifyError::Unusable {
+                reason: format!("the answer to compare with has no value of {name}"),
+            })
+        };
+        let values = effect.parameters().iter().map(value).collect::<Result<_, _>>()?;
+        reported.extend(ActiveEffect::new(effect, values).ok());
+    }
+    Ok(reported)
 }
 
 #[cfg(test)]

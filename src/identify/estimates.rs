@@ -3,13 +3,14 @@
 use indexmap::IndexMap;
 
 use crate::answers::{Correlations, ParameterEstimate};
+use crate::effects::{self, Dimension};
 use crate::measurement::{Measurement, ResponseKind};
 use crate::plant::{Actuator, Plant};
 
 use super::abc_ann::Fitted;
 use super::naming;
 use super::parameters::{CONSTANT, Coordinate};
-use super::problem::Problem;
+use super::problem::{Problem, Scales};
 use super::uncertainty::{Uncertainty, unit};
 
 /// Units of the parameters, made of those of the upload.
@@ -31,6 +32,29 @@ impl Units {
             ResponseKind::Acceleration => format!("{response}·s"),
         };
         Self { input: or(&metadata.input.unit, "input"), velocity }
+    }
+
+    /// The unit of a quantity; powers of each unit where there are several.
+    fn unit(&self, dimension: Dimension) -> String {
+        let Dimension { input, velocity, time } = dimension;
+        let powers = [(&*self.input, input), (&*self.velocity, velocity), ("s", time)];
+        let join = |sign: i8| -> Vec<String> {
+            let wanted = powers.iter().filter(|(_, power)| power.signum() == sign);
+            wanted
+                .map(|(unit, power)| match power.abs() {
+                    1 => (*unit).to_owned(),
+                    power => format!("{}{}", bracketed(unit), superscript(power)),
+                })
+                .collect()
+        };
+        match (join(1).as_slice(), join(-1).as_slice()) {
+            ([], []) => String::new(),
+            (above, []) => above.join("·"),
+            ([], [below]) => format!("1/{}", bracketed(below)),
+            ([], below) => format!("1/({})", below.join("·")),
+            (above, [below]) => format!("{}/{}", bracketed(&above.join("·")), bracketed(below)),
+            (above, below) => format!("{}/({})", bracketed(&above.join("·")), below.join("·")),
+        }
     }
 }
 
@@ -66,7 +90,8 @@ impl Estimates<'_> {
         insert("dc_gain", self.dc_gain(plant, &gain));
         for (i, coordinate) in self.fitted.coordinates.list.iter().enumerate() {
             let friction = plant.friction;
-            let level = |value: f64| self.linear(value, i, input);
+            let scale = self.problem.scales.input;
+            let level = |value: f64| self.linear(value, i, scale, [0.0, f64::INFINITY], input);
             match coordinate {
                 Coordinate::ViscousRate | Coordinate::Constant => {}
                 Coordinate::FcPlus => insert("fc_plus", level(friction.fc_plus)),
@@ -98,6 +123,10 @@ impl Estimates<'_> {
                     if let Actuator::SecondOrder { damping_ratio, .. } = plant.actuator {
                         insert("damping_ratio", self.logarithmic(damping_ratio, i, ""));
                     }
+                }
+                Coordinate::OfEffect { effect, parameter } => {
+                    let name = naming::name(&self.fitted.coordinates, i);
+                    insert(&name, self.of_effect(*effect, *parameter, i, units));
                 }
             }
         }
@@ -134,17 +163,44 @@ impl Estimates<'_> {
         }
     }
 
-    /// A friction level: its interval ends at zero, where it may lie itself.
-    fn linear(&self, value: f64, i: usize, unit_text: &str) -> ParameterEstimate {
+    /// A parameter of an effect.
+    fn of_effect(&self, effect: usize, parameter: usize, i: usize, units: &Units) -> ParameterEstimate {
+        let coordinates = &self.fitted.coordinates;
+        let parameter = &coordinates.effects[effect].parameters()[parameter];
+        let Scales { omega, input, velocity } = self.problem.scales;
+        let scale = parameter.dimension.factor(input, velocity, 1.0 / omega);
+        let value = scale * coordinates.value(i, self.fitted.point[i]).0;
+        let unit_text = units.unit(parameter.dimension);
+        match parameter.coordinate {
+            effects::Coordinate::Logarithmic => self.logarithmic(value, i, &unit_text),
+            effects::Coordinate::Linear => {
+                let ends = [coordinates.lower[i] * scale, coordinates.upper[i] * scale];
+                self.linear(value, i, scale, ends, &unit_text)
+            }
+        }
+    }
+
+    /// A parameter that was estimated as it is, in units of `scale`: its interval
+    /// ends where it can lie itself, as a friction level does at zero.
+    fn linear(
+        &self,
+        value: f64,
+        i: usize,
+        scale: f64,
+        [low, high]: [f64; 2],
+        unit_text: &str,
+    ) -> ParameterEstimate {
         let at_bound = self.held[i];
         let uncertainty = if at_bound { self.released } else { self.uncertainty };
-        let scale = self.problem.scales.input;
         let std = uncertainty.std(&unit(&self.fitted.coordinates, i)).map(|std| std * scale);
-        let reach = |std: f64| self.quantile * std;
+        let interval = |std: f64| {
+            let reach = self.quantile * std;
+            [(value - reach).max(low.min(value)), (value + reach).min(high.max(value))]
+        };
         ParameterEstimate {
             value: Some(value),
             std,
-            interval95: std.map(|std| [(value - reach(std)).max(0.0), value + reach(std)]),
+            interval95: std.map(interval),
             unit: unit_text.to_owned(),
             at_bound,
             identifiable: std.is_some(),
@@ -178,9 +234,13 @@ impl Estimates<'_> {
                 *value *= sign(which[r]) * sign(which[c]);
             }
         }
-        let names = which.iter().map(|i| naming::name(list[*i]).to_owned()).collect();
+        let names = which.iter().map(|i| naming::name(&self.fitted.coordinates, *i)).collect();
         Correlations { names, matrix }
     }
+}
+
+fn superscript(power: i8) -> &'static str {
+    ["⁰", "¹", "²", "³", "⁴", "⁵"].get(power.unsigned_abs() as usize).unwrap_or(&"ⁿ")
 }
 
 /// A unit as it stands in a quotient.

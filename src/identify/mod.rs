@@ -1,10 +1,10 @@
 //! From a measurement to the parameters of the base model.
 
 mod abc_ann;
-mod base;
 pub mod bee_colony;
 mod closed_form;
 mod compare;
+mod effect_coordinates;
 mod estimates;
 mod features;
 #[cfg(test)]
@@ -13,6 +13,7 @@ mod history;
 mod limitations;
 mod moderation;
 mod naming;
+mod model_fit;
 pub mod network;
 mod noise;
 mod noise_law;
@@ -24,16 +25,18 @@ mod proposal;
 mod refine;
 mod summary;
 mod uncertainty;
+mod workbench;
 
 use crate::answers::{
-    Identification, IdentifyOptions, InvalidOptions, Method, PlantRequest, Provenance,
+    Identification, IdentifyOptions, InvalidOptions, Method, OrderChoice, PlantRequest, Provenance,
 };
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
-pub use base::{BaseFit, Component, fit_base};
 pub use compare::compare;
+pub use model_fit::{Component, ModelFit, fit_base};
 pub use noise_law::NoiseLaw;
+pub use workbench::{Effort, Linear, Model, Workbench};
 
 use abc_ann::{Fitted, Run};
 use history::History;
@@ -78,13 +81,16 @@ pub fn identify(
     observer: &dyn Observer,
 ) -> Result<Identification, IdentifyError> {
     let problem = Problem::new(measurement)?;
-    Ok(solve(measurement, &problem, request, observer)?.answer)
+    let Solved { chosen, order_choice } = solve(measurement, &problem, request, observer)?;
+    let (coordinates, weights) = (&chosen.coordinates, &chosen.weights);
+    let misfit = Misfit { problem: &problem, coordinates, weights, observer, stand_in: None };
+    answer(measurement, &misfit, request, &chosen, order_choice)
 }
 
-/// The chosen fit and what is said of it.
+/// The chosen fit.
 struct Solved {
     chosen: Fitted,
-    answer: Identification,
+    order_choice: Option<OrderChoice>,
 }
 
 fn solve(
@@ -115,22 +121,33 @@ fn solve(
     let stages = fits.iter().flat_map(|fit| fit.stages.clone()).collect();
     let chosen = fits.into_iter().find(|fit| fit.order == wanted);
     let chosen = chosen.expect("a fitted order is chosen");
-    let misfit =
-        Misfit { problem, coordinates: &chosen.coordinates, weights: &chosen.weights, observer };
+    Ok(Solved { chosen: Fitted { stages, ..chosen }, order_choice })
+}
+
+/// What is said of a fit.
+fn answer(
+    measurement: &Measurement,
+    misfit: &Misfit<'_>,
+    request: &IdentifyRequest,
+    fitted: &Fitted,
+    order_choice: Option<OrderChoice>,
+) -> Result<Identification, IdentifyError> {
+    let IdentifyRequest { plant, method, options } = request;
+    let Misfit { problem, weights, .. } = misfit;
     let summary =
-        summary::summarise(measurement, problem, &chosen, &misfit).ok_or_else(no_response)?;
-    let limitations = limitations::of(measurement, problem, options, &chosen, &summary);
-    let stop_reason = chosen.stages.last().map_or("nothing to do", |stage| &stage.stop_reason);
-    let answer = Identification {
-        method: Method::AbcAnn,
+        summary::summarise(measurement, problem, fitted, misfit).ok_or_else(no_response)?;
+    let limitations = limitations::of(measurement, problem, options, fitted, &summary);
+    let stop_reason = fitted.stages.last().map_or("nothing to do", |stage| &stage.stop_reason);
+    Ok(Identification {
+        method: *method,
         seed: options.seed,
-        noise: chosen.weights.source,
+        noise: weights.source,
         parameters: summary.parameters,
         transfer_function: summary.transfer_function,
         fit: summary.fit,
         correlations: summary.correlations,
         stop_reason: stop_reason.to_owned(),
-        stages,
+        stages: fitted.stages.clone(),
         order_choice,
         limitations,
         provenance: Provenance {
@@ -139,8 +156,7 @@ fn solve(
             options: *options,
             actuator_order: plant.map(|plant| plant.actuator_order),
         },
-    };
-    Ok(Solved { chosen, answer })
+    })
 }
 
 fn no_response() -> IdentifyError {

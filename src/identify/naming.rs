@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 
 use crate::plant::{Actuator, Plant};
 
-use super::parameters::Coordinate;
+use super::parameters::{Coordinate, Coordinates};
 
 /// Parameters of a plant by name, in its units.
 pub(super) fn values(plant: &Plant) -> IndexMap<String, f64> {
@@ -28,9 +28,10 @@ pub(super) fn values(plant: &Plant) -> IndexMap<String, f64> {
     values
 }
 
-/// The name of the parameter a coordinate stands for.
-pub(super) fn name(coordinate: Coordinate) -> &'static str {
-    match coordinate {
+/// The name of the parameter that the coordinate at `i` stands for; of an
+/// effect's it is `effect.parameter`.
+pub(super) fn name(coordinates: &Coordinates, i: usize) -> String {
+    let base = match coordinates.list[i] {
         Coordinate::ViscousRate => "pole",
         Coordinate::Constant => "constant",
         Coordinate::FcPlus => "fc_plus",
@@ -39,5 +40,10 @@ pub(super) fn name(coordinate: Coordinate) -> &'static str {
         Coordinate::ActuatorRate => "actuator_pole",
         Coordinate::NaturalFrequency => "natural_frequency",
         Coordinate::DampingRatio => "damping_ratio",
-    }
+        Coordinate::OfEffect { effect, parameter } => {
+            let effect = coordinates.effects[effect];
+            return format!("{}.{}", effect.id(), effect.parameters()[parameter].name);
+        }
+    };
+    base.to_owned()
 }

@@ -1,6 +1,7 @@
 //! The noise-weighted misfit of all harmonics.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::measurement::Complex;
 use crate::observer::Observer;
@@ -8,7 +9,7 @@ use crate::simulate::{self, NoResponse};
 
 use super::noise::Weights;
 use super::parameters::{CONSTANT, Coordinates};
-use super::problem::Problem;
+use super::problem::{Prepared, Problem};
 
 /// Misfit of a problem as a function of its coordinates.
 pub(super) struct Misfit<'a> {
@@ -20,7 +21,14 @@ pub(super) struct Misfit<'a> {
     pub weights: &'a Weights,
     /// Who may cancel.
     pub observer: &'a dyn Observer,
+    /// Predictions that take the place of those of a model with effects in an
+    /// experiment for which it has no periodic response; `None`: such a model
+    /// is worth nothing.
+    pub stand_in: Option<&'a [Vec<Complex>]>,
 }
+
+/// Share of the experiments in which a model may lack a response.
+const UNANSWERED: f64 = 0.1;
 
 /// Residuals and their derivatives.
 pub(super) struct Linearisation {
@@ -34,16 +42,38 @@ impl Misfit<'_> {
     /// Simulated value of every target, by experiment, in scale.
     pub fn predict(&self, point: &[f64]) -> Result<Vec<Vec<Complex>>, NoResponse> {
         let plant = self.coordinates.plant(point);
-        self.problem
-            .experiments
-            .iter()
-            .map(|experiment| {
-                let velocity =
-                    simulate::respond(&plant, &[], &experiment.excitation, experiment.highest)?;
-                let value = |t: &super::problem::Target| velocity[t.order] * t.per_velocity;
-                Ok(experiment.targets.iter().map(value).collect())
-            })
-            .collect()
+        let effects = self.coordinates.effects_at(point);
+        let predict = |experiment: &Prepared| {
+            let Prepared { excitation, highest, targets } = experiment;
+            let velocity = simulate::respond(&plant, &effects, excitation, *highest)?;
+            Ok(targets.iter().map(|t| velocity[t.order] * t.per_velocity).collect())
+        };
+        let predicted = self.every(predict);
+        self.stood_in(predicted, |e| self.stand_in.map(|values| values[e].clone()))
+    }
+
+    /// Something of every experiment. What is simulated with effects takes long
+    /// enough to be shared among threads.
+    fn every<T: Send>(&self, f: impl Fn(&Prepared) -> T + Send + Sync) -> Vec<T> {
+        match self.coordinates.effects.is_empty() {
+            true => self.problem.experiments.iter().map(f).collect(),
+            false => self.problem.experiments.par_iter().map(f).collect(),
+        }
+    }
+
+    /// All of these, with something in the place of the few that are missing.
+    fn stood_in<T>(
+        &self,
+        values: Vec<Result<T, NoResponse>>,
+        stand_in: impl Fn(usize) -> Option<T>,
+    ) -> Result<Vec<T>, NoResponse> {
+        let mut left = (UNANSWERED * values.len() as f64) as usize;
+        let mut replace = |e: usize, error: NoResponse| {
+            left = left.checked_sub(1).ok_or(error)?;
+            stand_in(e).ok_or(error)
+        };
+        let values = values.into_iter().enumerate();
+        values.map(|(e, value)| value.or_else(|error| replace(e, error))).collect()
     }
 
     /// Residuals (Ŷ − Y)/σ.
@@ -65,18 +95,29 @@ impl Misfit<'_> {
     /// Residuals and their derivatives by every coordinate.
     pub fn linearise(&self, point: &[f64]) -> Result<Linearisation, NoResponse> {
         let plant = self.coordinates.variable_plant(point);
-        let columns = self.coordinates.len();
+        let effects = self.coordinates.effects_at(point);
+        let (base, columns) = (self.coordinates.base_len(), self.coordinates.len());
+        let respond = |experiment: &Prepared| {
+            let Prepared { excitation, highest, .. } = experiment;
+            simulate::respond_with_sensitivities(&plant, base, &effects, excitation, *highest)
+        };
+        let responses = self.stood_in(self.every(respond), |e| {
+            let targets = &self.problem.experiments[e].targets;
+            let zero = vec![Complex::ZERO; self.problem.experiments[e].highest + 1];
+            let mut velocity = zero.clone();
+            for (target, value) in targets.iter().zip(&self.stand_in?[e]) {
+                velocity[target.order] = value / target.per_velocity;
+            }
+            Some(simulate::Response { velocity, sensitivities: vec![zero; columns] })
+        })?;
+        let slopes: Vec<f64> =
+            point.iter().enumerate().map(|(i, x)| self.coordinates.value(i, *x).1).collect();
         let mut residuals = DVector::zeros(self.problem.data());
         let mut jacobian = DMatrix::zeros(self.problem.data(), columns);
         let mut row = 0;
-        for (e, experiment) in self.problem.experiments.iter().enumerate() {
-            let response = simulate::respond_with_sensitivities(
-                &plant,
-                columns,
-                &[],
-                &experiment.excitation,
-                experiment.highest,
-            )?;
+        for (e, (experiment, response)) in
+            self.problem.experiments.iter().zip(&responses).enumerate()
+        {
             for (t, target) in experiment.targets.iter().enumerate() {
                 let k = target.order;
                 let weight = target.per_velocity / self.weights.sigma[e][t];
@@ -87,7 +128,7 @@ impl Misfit<'_> {
                     residuals[row + 1] = left.im;
                 }
                 for (i, derivatives) in response.sensitivities.iter().enumerate() {
-                    let slope = derivatives[k] * weight;
+                    let slope = derivatives[k] * weight * slopes[i];
                     jacobian[(row, i)] = slope.re;
                     if !target.real {
                         jacobian[(row + 1, i)] = slope.im;

@@ -5,7 +5,7 @@
 //! ratio are searched as logarithms, friction levels as they are, because 0 is
 //! a friction level.
 
-use crate::effects::Wide;
+use crate::effects::{Effect, Wide};
 use crate::plant::{Actuator, Friction, Plant, Scalar};
 
 /// One searched parameter.
@@ -27,15 +27,22 @@ pub(super) enum Coordinate {
     NaturalFrequency,
     /// ln ζ.
     DampingRatio,
+    /// A parameter of an effect, or its logarithm: see `effect_coordinates`.
+    OfEffect {
+        /// Index of the effect.
+        effect: usize,
+        /// Index of its parameter.
+        parameter: usize,
+    },
 }
-
-impl Coordinate {}
 
 /// Which parameters are searched, and between which bounds.
 #[derive(Debug, Clone)]
 pub(super) struct Coordinates {
-    /// The coordinates, K always second.
+    /// The coordinates, K always second, those of effects last.
     pub list: Vec<Coordinate>,
+    /// The effects of the model.
+    pub effects: Vec<&'static dyn Effect>,
     /// What is possible at all: refinement stays within.
     pub lower: Vec<f64>,
     /// Upper end of the same.
@@ -72,6 +79,7 @@ impl Coordinates {
         let Prior { omega_low, omega_high, .. } = *prior;
         let mut these = Self {
             list: Vec::new(),
+            effects: Vec::new(),
             lower: Vec::new(),
             upper: Vec::new(),
             search_lower: Vec::new(),
@@ -120,7 +128,7 @@ impl Coordinates {
         self.push(coordinate, bounds.map(f64::ln), search.map(f64::ln));
     }
 
-    fn push(&mut self, coordinate: Coordinate, bounds: [f64; 2], search: [f64; 2]) {
+    pub(super) fn push(&mut self, coordinate: Coordinate, bounds: [f64; 2], search: [f64; 2]) {
         self.list.push(coordinate);
         self.lower.push(bounds[0]);
         self.upper.push(bounds[1]);
@@ -133,6 +141,12 @@ impl Coordinates {
         self.list.len()
     }
 
+    /// Number of those of the base model.
+    pub fn base_len(&self) -> usize {
+        let of_effect = |c: &Coordinate| matches!(c, Coordinate::OfEffect { .. });
+        self.list.iter().position(of_effect).unwrap_or(self.list.len())
+    }
+
     /// The plant at a point, in the problem's scales.
     pub fn plant(&self, point: &[f64]) -> Plant {
         self.plant_of(point)
@@ -140,8 +154,11 @@ impl Coordinates {
 
     /// The same with the coordinates as variables, each in a lane of its own.
     pub fn variable_plant(&self, point: &[f64]) -> Plant<Wide> {
-        let variables: Vec<Wide> =
-            point.iter().enumerate().map(|(i, value)| Wide::variable(*value, i)).collect();
+        let variables: Vec<Wide> = point[..self.base_len()]
+            .iter()
+            .enumerate()
+            .map(|(i, value)| Wide::variable(*value, i))
+            .collect();
         self.plant_of(&variables)
     }
 
@@ -172,6 +189,7 @@ impl Coordinates {
                         damping_ratio: value.exp(),
                     };
                 }
+                Coordinate::OfEffect { .. } => {}
             }
         }
         plant.friction = Friction::coulomb(fc_plus, fc_minus);
@@ -199,6 +217,8 @@ impl Coordinates {
                 Coordinate::FcMean => 0.5 * (friction.fc_plus + friction.fc_minus),
                 Coordinate::ActuatorRate | Coordinate::NaturalFrequency => first.ln(),
                 Coordinate::DampingRatio => second.ln(),
+                // A plant says nothing of effects: the middle of the range.
+                Coordinate::OfEffect { .. } => f64::NAN,
             })
             .collect();
         self.clamp(&mut point);

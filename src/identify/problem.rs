@@ -4,6 +4,7 @@
 //! from the data: the same machine in other units is the same problem, and its
 //! parameters differ by exactly the change of units.
 
+use crate::effects::Scope;
 use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};
 use crate::plant::{Actuator, Friction, Plant};
 use crate::simulate::Excitation;
@@ -64,6 +65,10 @@ pub(super) struct Problem {
     pub tied_friction: bool,
     /// Units of a response in scale, in units of the upload.
     pub response_scale: f64,
+    /// Whether the order of acquisition is given, and more than one.
+    pub runs_known: bool,
+    /// Largest amplitude of the position, in scale.
+    pub largest_travel: f64,
 }
 
 impl Problem {
@@ -98,8 +103,16 @@ impl Problem {
             ResponseKind::Position => scales.velocity / scales.omega,
             ResponseKind::Acceleration => scales.velocity * scales.omega,
         };
-        let prepared: Vec<Prepared> =
-            experiments.iter().map(|e| prepare(e, kind, &scales, response_scale)).collect();
+        let (first, last) = acquisition(experiments);
+        let share = |run: Option<f64>| run.map_or(0.0, |run| (run - first) / (last - first));
+        let runs_known = last > first && experiments.iter().all(|e| e.run.is_some());
+        let prepared: Vec<Prepared> = experiments
+            .iter()
+            .map(|e| {
+                let share = if runs_known { share(e.run) } else { 0.0 };
+                prepare(e, kind, &scales, response_scale, share)
+            })
+            .collect();
         if prepared.iter().all(|e| e.targets.is_empty()) {
             return Err(unusable("only means were measured; give harmonic 1 at least"));
         }
@@ -109,13 +122,34 @@ impl Problem {
         let tied_friction = prepared.iter().all(|e| {
             e.excitation.is_pure_cosine() && e.targets.iter().all(|target| target.order % 2 == 1)
         });
-        Ok(Self { scales, experiments: prepared, prior, tied_friction, response_scale })
+        Ok(Self {
+            scales,
+            experiments: prepared,
+            prior,
+            tied_friction,
+            response_scale,
+            runs_known,
+            largest_travel: largest_travel(experiments, kind) * scales.omega / scales.velocity,
+        })
     }
 
     /// Number of real data, constraints included.
     pub fn data(&self) -> usize {
         let components = |target: &Target| if target.real { 1 } else { 2 };
         self.experiments.iter().flat_map(|e| &e.targets).map(components).sum()
+    }
+
+    /// What is known of scales once a plant (in scale) is; in scale.
+    pub fn scope(&self, plant: &Plant) -> Scope {
+        Scope {
+            plant: *plant,
+            omega_low: self.prior.omega_low,
+            omega_high: self.prior.omega_high,
+            moving_level: self.prior.moving_level,
+            largest_level: self.prior.largest_level,
+            largest_velocity: 1.0,
+            largest_travel: self.largest_travel,
+        }
     }
 
     /// A plant in scale as a plant in units of the upload.
@@ -177,6 +211,25 @@ fn largest_velocity(experiment: &Experiment, kind: ResponseKind) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// Largest position amplitude of any harmonic.
+fn largest_travel(experiments: &[Experiment], kind: ResponseKind) -> f64 {
+    let of = |e: &Experiment| {
+        let moving = e.response.iter().filter(|h| h.order > 0);
+        let travel = moving.map(|h| {
+            let turn = Complex::new(0.0, h.order as f64 * e.omega_rad_s);
+            (h.value / per_velocity(kind, h.order, e.omega_rad_s) / turn).norm()
+        });
+        travel.fold(0.0, f64::max)
+    };
+    experiments.iter().map(of).fold(0.0, f64::max)
+}
+
+/// First and last position in the order of acquisition.
+fn acquisition(experiments: &[Experiment]) -> (f64, f64) {
+    let runs = || experiments.iter().filter_map(|e| e.run);
+    (runs().fold(f64::INFINITY, f64::min), runs().fold(f64::NEG_INFINITY, f64::max))
+}
+
 /// Largest torque the input could be: its peak, mean included.
 fn peak_input(experiment: &Experiment) -> f64 {
     let mean = experiment.input.first().map_or(0.0, |u| u.re.abs());
@@ -200,6 +253,7 @@ fn prepare(
     kind: ResponseKind,
     scales: &Scales,
     response_scale: f64,
+    run_share: f64,
 ) -> Prepared {
     let omega = experiment.omega_rad_s / scales.omega;
     let input = experiment.input.iter().map(|u| u / scales.input).collect();
@@ -227,7 +281,8 @@ fn prepare(
         );
     }
     let highest = targets.last().map_or(0, |target| target.order);
-    Prepared { excitation: Excitation::new(omega, input), highest, targets }
+    let excitation = Excitation::new(omega, input).at_run_share(run_share);
+    Prepared { excitation, highest, targets }
 }
 
 fn levels(

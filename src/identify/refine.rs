@@ -9,11 +9,17 @@ use nalgebra::{DMatrix, DVector};
 
 use super::objective::{Linearisation, Misfit};
 
-/// Steps after which refinement ends in any case.
-const MOST_STEPS: usize = 100;
+/// When to be content.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Patience {
+    /// Steps after which refinement ends in any case.
+    pub steps: usize,
+    /// Relative decrease of the cost below which it counts as converged.
+    pub cost_tolerance: f64,
+}
 
-/// Relative decrease of the cost below which it counts as converged.
-const COST_TOLERANCE: f64 = 1e-14;
+/// To the last digit.
+pub(super) const THOROUGH: Patience = Patience { steps: 100, cost_tolerance: 1e-14 };
 
 /// Step, in logarithms and input scales, below which it counts as converged.
 const STEP_TOLERANCE: f64 = 1e-11;
@@ -38,6 +44,7 @@ pub(super) struct Refined {
 pub(super) fn refine(
     misfit: &Misfit<'_>,
     start: &[f64],
+    patience: Patience,
     on_step: &mut dyn FnMut(u64, u64, f64),
 ) -> Refined {
     let coordinates = misfit.coordinates;
@@ -51,7 +58,7 @@ pub(super) fn refine(
     let mut scaling = DVector::from_element(point.len(), 0.0);
     let mut damping = 1e-3;
     on_step(0, evaluations, cost);
-    for step in 1..=MOST_STEPS {
+    for step in 1..=patience.steps {
         if misfit.observer.cancelled() {
             return Refined { point, cost, evaluations, stop: "cancelled" };
         }
@@ -86,7 +93,7 @@ pub(super) fn refine(
             Ok(linearisation) => here = linearisation,
             Err(_) => return Refined { point, cost: trial_cost, evaluations, stop: "no response" },
         }
-        let converged = decrease <= COST_TOLERANCE * cost || moved < STEP_TOLERANCE;
+        let converged = decrease <= patience.cost_tolerance * cost || moved < STEP_TOLERANCE;
         cost = trial_cost;
         on_step(step as u64, evaluations, cost);
         if converged {
@@ -178,10 +185,10 @@ mod tests {
         let coordinates = Coordinates::new(order, false, &problem.prior);
         let weights = noise::weights(measurement, &problem, None, None);
         let misfit =
-            Misfit { problem: &problem, coordinates: &coordinates, weights: &weights, observer };
+            Misfit { problem: &problem, coordinates: &coordinates, weights: &weights, observer, stand_in: None };
         let mut start = coordinates.within_search(&vec![0.5; coordinates.len() - 1]);
         misfit.solve_for_constant(&mut start);
-        let refined = refine(&misfit, &start, &mut |_, _, _| ());
+        let refined = refine(&misfit, &start, THOROUGH, &mut |_, _, _| ());
         let held = held(&misfit, &refined.point, &misfit.linearise(&refined.point).unwrap());
         let found = problem.in_units(&coordinates.plant(&refined.point));
         (refined, held, found)

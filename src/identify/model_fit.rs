@@ -1,4 +1,4 @@
-//! A fitted base model with everything needed to judge it.
+//! A fitted model with everything needed to judge it.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,12 +6,10 @@ use crate::answers::{Comparison, Identification};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
-use super::compare;
 use super::noise_law::NoiseLaw;
-use super::objective::Misfit;
 use super::problem::Problem;
-use super::refine;
-use super::{IdentifyError, IdentifyRequest, Solved, no_response, solve};
+use super::workbench::Workbench;
+use super::{IdentifyError, IdentifyRequest};
 
 /// One real number that was compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,9 +24,9 @@ pub struct Component {
     pub constraint: bool,
 }
 
-/// The base model fitted to a measurement, and its linearisation there.
+/// A model fitted to a measurement, and its linearisation there.
 #[derive(Debug, Clone)]
-pub struct BaseFit {
+pub struct ModelFit {
     /// The answer to an `identify` job.
     pub identification: Identification,
     /// Measured beside simulated.
@@ -52,31 +50,13 @@ pub fn fit_base(
     measurement: &Measurement,
     request: &IdentifyRequest,
     observer: &dyn Observer,
-) -> Result<BaseFit, IdentifyError> {
-    let problem = Problem::new(measurement)?;
-    let Solved { chosen, answer } = solve(measurement, &problem, request, observer)?;
-    let (coordinates, weights) = (&chosen.coordinates, &chosen.weights);
-    let misfit = Misfit { problem: &problem, coordinates, weights, observer };
-    let here = misfit.linearise(&chosen.point).map_err(|_| no_response())?;
-    let held = refine::held(&misfit, &chosen.point, &here);
-    let free: Vec<usize> = (0..held.len()).filter(|i| !held[*i]).collect();
-    let plant = coordinates.plant(&chosen.point);
-    let comparison = compare::beside(measurement, &problem, &plant, weights, answer.fit.dof);
-    let sigma = match weights.known() {
-        true => 1.0,
-        false => (chosen.cost / answer.fit.dof.max(1) as f64).sqrt().max(f64::MIN_POSITIVE),
-    };
-    Ok(BaseFit {
-        identification: answer,
-        comparison,
-        components: components(&problem),
-        residuals: -here.residuals / sigma,
-        jacobian: here.jacobian.select_columns(&free) / sigma,
-        noise: NoiseLaw::new(&problem, weights),
-    })
+) -> Result<ModelFit, IdentifyError> {
+    let workbench = Workbench::new(measurement, request, observer)?;
+    workbench.judge(workbench.base())
 }
 
-fn components(problem: &Problem) -> Vec<Component> {
+/// What each row of the residuals of a problem is.
+pub(super) fn components(problem: &Problem) -> Vec<Component> {
     let mut components = Vec::with_capacity(problem.data());
     for (experiment, prepared) in problem.experiments.iter().enumerate() {
         for target in &prepared.targets {

@@ -1,0 +1,126 @@
+//! From the models that were fitted to the causes that are named.
+
+use indexmap::IndexMap;
+
+use crate::answers::{Candidate, Cause, Identification};
+use crate::effects::{self, ALL};
+
+use super::search::{Key, Search};
+
+/// Difference in −2 ln of the evidence below which an effect in another's place
+/// cannot be told from it.
+const EQUIVALENT: f64 = 9.0;
+
+/// Equivalents that are listed, at most.
+const MOST_EQUIVALENTS: usize = 2;
+
+/// Confidence in a cause is at most this where something remains that nothing
+/// in the library explains.
+const MOST_WITH_REMAINDER: f64 = 0.85;
+
+/// The causes of the model `chosen`, strongest first.
+pub(super) fn named(
+    search: &Search<'_>,
+    chosen: &Key,
+    extended: &Identification,
+    noise_like: bool,
+) -> Vec<Cause> {
+    let mut causes: Vec<(f64, Cause)> = chosen
+        .iter()
+        .filter_map(|id| effects::find(id))
+        .map(|effect| {
+            let id = effect.id();
+            let parameters: IndexMap<_, _> = effect
+                .parameters()
+                .iter()
+                .filter_map(|parameter| {
+                    let estimate = extended.parameters.get(&format!("{id}.{}", parameter.name))?;
+                    Some((parameter.name.to_owned(), estimate.clone()))
+                })
+                .collect();
+            let confidence = probability(search, id);
+            let most = if noise_like { 1.0 } else { MOST_WITH_REMAINDER };
+            let cause = Cause {
+                effect: id.to_owned(),
+                parameters,
+                confidence: confidence.min(most),
+                explanation: effect.signature().to_owned(),
+                gain: None,
+                equivalents: equivalents(search, chosen, id),
+            };
+            (search.loss(chosen, id), cause)
+        })
+        .collect();
+    causes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    causes.into_iter().map(|(_, cause)| cause).collect()
+}
+
+/// The probability that an effect is present: the weight of the fitted models
+/// that have it among all.
+fn probability(search: &Search<'_>, id: &str) -> f64 {
+    let criteria: Vec<(&Key, f64)> =
+        search.visited.keys().map(|key| (key, search.criterion(key))).collect();
+    let best = criteria.iter().map(|(_, criterion)| *criterion).fold(f64::INFINITY, f64::min);
+    let weight = |criterion: f64| (-0.5 * (criterion - best)).exp();
+    let sum = |with: &dyn Fn(&Key) -> bool| -> f64 {
+        criteria.iter().filter(|(key, _)| with(key)).map(|(_, c)| weight(*c)).sum()
+    };
+    sum(&|key| key.contains(&id)) / sum(&|_| true)
+}
+
+/// Effects that explain the data as well in the place of `id`.
+fn equivalents(search: &Search<'_>, chosen: &Key, id: &str) -> Vec<String> {
+    let rest: Vec<&str> = chosen.iter().copied().filter(|other| *other != id).collect();
+    let own = search.criterion(chosen);
+    let mut rivals: Vec<(f64, &str)> = search
+        .visited
+        .keys()
+        .filter(|key| key.len() == chosen.len() && *key != chosen)
+        .filter(|key| rest.iter().all(|other| key.contains(other)))
+        .filter_map(|key| {
+            let other = key.iter().find(|other| !rest.contains(other))?;
+            Some((search.criterion(key) - own, *other))
+        })
+        .filter(|(difference, _)| *difference < EQUIVALENT)
+        .collect();
+    rivals.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rivals.into_iter().take(MOST_EQUIVALENTS).map(|(_, id)| id.to_owned()).collect()
+}
+
+/// Every effect that was tried on the base model, the best first.
+pub(super) fn candidates(search: &Search<'_>, chosen: &Key) -> Vec<Candidate> {
+    let base = Key::new();
+    let before = search.visited[&base].model.cost;
+    let mut candidates: Vec<Candidate> = ALL
+        .iter()
+        .filter_map(|effect| {
+            let id = effect.id();
+            let key = vec![id];
+            let visited = search.visited.get(&key)?;
+            let rejected = (!chosen.contains(&id)).then(|| rejection(search, chosen, id));
+            Some(Candidate {
+                effect: id.to_owned(),
+                cost: visited.model.cost,
+                delta_chi2: before - visited.model.cost,
+                criterion: search.criterion(&key),
+                heldout_error: None,
+                rejected,
+            })
+        })
+        .collect();
+    candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    candidates
+}
+
+fn rejection(search: &Search<'_>, chosen: &Key, id: &'static str) -> String {
+    let single = vec![id];
+    if !search.supported(&single) {
+        return "it gains no more than chance makes any effect gain".into();
+    }
+    let mut with: Key = chosen.iter().copied().chain([id]).collect();
+    with.sort_unstable();
+    match search.visited.contains_key(&with) && !chosen.is_empty() {
+        true => format!("beside {} it gains no more than chance", chosen.join(" and ")),
+        false => format!("{} explains the data better", chosen.join(" with ")),
+    }
+}

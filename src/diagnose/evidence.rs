@@ -1,0 +1,65 @@
+//! What speaks for a model.
+//!
+//! −2 ln of the probability of the data under a model whose parameters are
+//! uncertain within their likely ranges (Laplace's approximation: Kass and
+//! Raftery 1995, doi:10.1080/01621459.1995.10476572): the misfit, plus
+//! ln det(I + S·Λ·S) with S the prior deviations of the effects' parameters and
+//! Λ what the data says of them once the base parameters are fitted too. What
+//! the data does not determine costs nothing.
+
+use nalgebra::DMatrix;
+
+use crate::identify::{Linear, Model, Workbench};
+
+use super::subspace::Subspace;
+
+/// −2 ln of the prior odds of one more effect against none: each of some twenty
+/// is as likely as all together are not.
+const RARITY: f64 = 6.0;
+
+/// How large a misfit is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Yardstick {
+    /// Whether costs are χ²; otherwise their logarithms count.
+    pub known: bool,
+    /// Sum of squares that rounding leaves.
+    pub rounding: f64,
+    /// Residuals less parameters of the base model.
+    pub dof: f64,
+}
+
+impl Yardstick {
+    /// −2 ln of the likelihood of a cost, up to a constant.
+    pub fn misfit(&self, cost: f64) -> f64 {
+        match self.known {
+            true => cost,
+            false => self.dof * ((cost + self.rounding) / self.dof).ln(),
+        }
+    }
+
+    /// Variance of the noise in units of the weights, after a model of this cost.
+    fn variance(&self, cost: f64) -> f64 {
+        if self.known { 1.0 } else { (cost + self.rounding) / self.dof }
+    }
+}
+
+/// What parameters cost, given what the data says of them.
+pub(super) fn complexity(workbench: &Workbench<'_>, model: &Model, yardstick: &Yardstick) -> f64 {
+    if model.effects().is_empty() {
+        return 0.0;
+    }
+    let Some(Linear { jacobian, .. }) = workbench.linearise(model) else { return f64::INFINITY };
+    let first = model.parameters_of(0).start;
+    let base = Subspace::of(&jacobian.columns(0, first).into_owned());
+    let own = base.complements(&jacobian.columns(first, model.parameters() - first).into_owned());
+    let scaled = DMatrix::from_fn(own.nrows(), own.ncols(), |row, i| {
+        own[(row, i)] * model.prior_std(first + i)
+    });
+    let information = scaled.tr_mul(&scaled) / yardstick.variance(model.cost);
+    let volume: f64 = information
+        .symmetric_eigenvalues()
+        .iter()
+        .map(|eigenvalue| (1.0 + eigenvalue.max(0.0)).ln())
+        .sum();
+    volume + RARITY * model.effects().len() as f64
+}

@@ -1,0 +1,270 @@
+//! Which effects the base model lacks.
+//!
+//! Every effect is fitted together with the base model, from several starts;
+//! then pairs and triples grow from the best. An effect stays only while its
+//! model is worse without it by more than chance makes any effect of the
+//! library gain (`family`), each model refitted; among the models of which that
+//! holds the evidence decides (`evidence`).
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use crate::effects::{ALL, Effect};
+use crate::identify::{Effort, Model, Workbench};
+use crate::observer::Observer;
+
+use super::anchor::Anchor;
+use super::evidence::{self, Yardstick};
+use super::family::Family;
+use super::probes::{self, Probe};
+
+/// Starts of a fit of which a few steps are taken.
+const STARTS: usize = 4;
+
+/// Starts that are followed to their end.
+const FOLLOWED: usize = 2;
+
+/// Effects that are fitted in addition to others, those of the largest gain.
+const FURTHER: usize = 5;
+
+/// Models of one size from which larger ones grow.
+const BREADTH: usize = 3;
+
+/// Effects of a model, at most.
+const MOST_EFFECTS: usize = 3;
+
+/// Share of the limit that a probe's gain must reach for a fit to be worthwhile.
+const PROMISING: f64 = 0.5;
+
+/// Ids of a model's effects, in order.
+pub(super) type Key = Vec<&'static str>;
+
+/// A model that was fitted.
+pub(super) struct Visited {
+    /// The model.
+    pub model: Model,
+    /// −2 ln of what speaks for its parameters: see [`evidence`].
+    pub complexity: f64,
+}
+
+/// The models that were fitted, and what they are judged by.
+pub(super) struct Search<'a> {
+    workbench: &'a Workbench<'a>,
+    observer: &'a dyn Observer,
+    seed: u64,
+    /// How costs are compared.
+    pub yardstick: Yardstick,
+    /// Every fitted model.
+    pub visited: BTreeMap<Key, Visited>,
+    /// What an effect must gain at the base model.
+    pub family: Option<Family>,
+}
+
+/// Ids of a model's effects, in order.
+pub(super) fn key(model: &Model) -> Key {
+    let mut key: Key = model.effects().iter().map(|effect| effect.id()).collect();
+    key.sort_unstable();
+    key
+}
+
+impl<'a> Search<'a> {
+    /// With nothing but the base model.
+    pub fn new(
+        workbench: &'a Workbench<'a>,
+        observer: &'a dyn Observer,
+        seed: u64,
+        yardstick: Yardstick,
+    ) -> Self {
+        let base = Visited { model: workbench.base().clone(), complexity: 0.0 };
+        let visited = BTreeMap::from([(Key::new(), base)]);
+        Self { workbench, observer, seed, yardstick, visited, family: None }
+    }
+
+    /// Fits every effect alone.
+    pub fn singles(&mut self) {
+        let Some(anchor) = Anchor::new(self.workbench, self.workbench.base()) else { return };
+        let probed = self.probe(&anchor);
+        self.family = Some(self.family(&anchor, &probed));
+        let fits = self.fit(&probed);
+        fits.into_iter().for_each(|model| self.keep(model));
+    }
+
+    /// Fits models with one more effect than `from`, those that promise most;
+    /// says whether there was any.
+    pub fn grow(&mut self, from: &Key, everything: bool) -> bool {
+        let Some(anchor) = self.visited.get(from).and_then(|v| Anchor::new(self.workbench, &v.model))
+        else {
+            return false;
+        };
+        let mut probed = self.probe(&anchor);
+        let family = self.family(&anchor, &probed);
+        let scale = self.variance(&anchor);
+        probed.retain(|(effect, probes)| {
+            let gain = probes.first().map_or(0.0, |probe| probe.gain / scale);
+            everything || gain > PROMISING * family.limit(effect.id())
+        });
+        let gain = |probes: &[Probe]| probes.first().map_or(0.0, |probe| probe.gain);
+        probed.sort_by(|a, b| gain(&b.1).total_cmp(&gain(&a.1)));
+        probed.truncate(FURTHER);
+        let fits = self.fit(&probed);
+        let any = !fits.is_empty();
+        fits.into_iter().for_each(|model| self.keep(model));
+        any
+    }
+
+    fn variance(&self, anchor: &Anchor) -> f64 {
+        let known = self.yardstick.known;
+        if known { 1.0 } else { anchor.model.cost / anchor.dof() }
+    }
+
+    /// Fits what a model is without each of its effects, where it was not yet.
+    pub fn shrink(&mut self, from: &Key) {
+        let Some(Visited { model, .. }) = self.visited.get(from) else { return };
+        let missing: Vec<Model> = (0..model.effects().len())
+            .map(|index| self.workbench.reduce(model, index))
+            .filter(|model| !self.visited.contains_key(&key(model)))
+            .collect();
+        let fits: Vec<Model> =
+            missing.par_iter().map(|model| self.workbench.refine(model, Effort::Settle)).collect();
+        fits.into_iter().for_each(|model| self.keep(model));
+    }
+
+    /// Probes of every effect that the model lacks and can have.
+    fn probe(&self, anchor: &Anchor) -> Vec<(&'static dyn Effect, Vec<Probe>)> {
+        let has = |effect: &&&'static dyn Effect| {
+            anchor.model.effects().iter().any(|own| own.id() == effect.id())
+        };
+        let testable = |effect: &&&'static dyn Effect| {
+            self.workbench.runs_known() || !effect.needs_run()
+        };
+        let effects: Vec<&&dyn Effect> =
+            ALL.iter().filter(|e| !has(e)).filter(testable).collect();
+        effects
+            .into_par_iter()
+            .map(|effect| match self.observer.cancelled() {
+                true => (*effect, Vec::new()),
+                false => (*effect, probes::probe(self.workbench, anchor, *effect)),
+            })
+            .collect()
+    }
+
+    fn family(&self, anchor: &Anchor, probed: &[(&'static dyn Effect, Vec<Probe>)]) -> Family {
+        Family::new(anchor, &self.workbench.noise(), self.yardstick.known, probed, self.seed)
+    }
+
+    fn fit(&self, probed: &[(&'static dyn Effect, Vec<Probe>)]) -> Vec<Model> {
+        probed.par_iter().filter_map(|(_, probes)| self.best(probes)).collect()
+    }
+
+    /// The best of the fits from an effect's probes.
+    fn best(&self, probes: &[Probe]) -> Option<Model> {
+        let refine = |model: &Model, effort| match self.observer.cancelled() {
+            true => model.clone(),
+            false => self.workbench.refine(model, effort),
+        };
+        let best_first = |models: &mut Vec<Model>| {
+            models.retain(|model| model.cost.is_finite());
+            models.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        };
+        let starts: Vec<&Probe> = probes.iter().take(STARTS).collect();
+        let mut tried: Vec<Model> =
+            starts.par_iter().map(|probe| refine(&probe.start, Effort::Glance)).collect();
+        best_first(&mut tried);
+        tried.truncate(FOLLOWED);
+        let mut settled: Vec<Model> =
+            tried.par_iter().map(|model| refine(model, Effort::Settle)).collect();
+        best_first(&mut settled);
+        settled.into_iter().next()
+    }
+
+    /// Keeps a model, unless one with the same effects fits better.
+    fn keep(&mut self, model: Model) {
+        let key = key(&model);
+        if self.visited.get(&key).is_some_and(|known| known.model.cost <= model.cost) {
+            return;
+        }
+        let complexity = evidence::complexity(self.workbench, &model, &self.yardstick);
+        self.visited.insert(key, Visited { model, complexity });
+    }
+
+    /// −2 ln of what speaks for a model, by a yardstick.
+    pub fn criterion(&self, key: &Key) -> f64 {
+        self.visited.get(key).map_or(f64::INFINITY, |visited| {
+            self.yardstick.misfit(visited.model.cost) + visited.complexity
+        })
+    }
+
+    /// By how much the misfit grows where this effect is taken away, everything
+    /// else refitted; 0 where that was not computed.
+    pub fn loss(&self, key: &Key, id: &str) -> f64 {
+        let without: Key = key.iter().copied().filter(|other| *other != id).collect();
+        let misfit = |key: &Key| {
+            self.visited.get(key).map(|visited| self.yardstick.misfit(visited.model.cost))
+        };
+        match (misfit(&without), misfit(key)) {
+            (Some(without), Some(with)) => without - with,
+            _ => 0.0,
+        }
+    }
+
+    /// Whether each effect of a model is more than chance.
+    pub fn supported(&self, key: &Key) -> bool {
+        let limit = |id: &str| self.family.as_ref().map_or(f64::INFINITY, |f| f.limit(id));
+        key.iter().all(|id| self.loss(key, id) > limit(id))
+    }
+
+    /// Models with so many effects, the best first.
+    pub fn ranked(&self, effects: usize) -> Vec<Key> {
+        let mut keys: Vec<Key> =
+            self.visited.keys().filter(|key| key.len() == effects).cloned().collect();
+        keys.sort_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)));
+        keys
+    }
+
+    /// The best of the models each of whose effects is more than chance.
+    pub fn best_supported(&self) -> Key {
+        self.visited
+            .keys()
+            .filter(|key| self.supported(key))
+            .min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))
+            .cloned()
+            .unwrap_or_default()
+    }
+
+    /// Fits singles, then pairs and triples as long as `sufficient` does not
+    /// hold of the best.
+    pub fn run(&mut self, sufficient: &mut dyn FnMut(&Model) -> bool) -> Key {
+        self.singles();
+        for size in 1..MOST_EFFECTS {
+            let best = self.best_supported();
+            if best.len() < size || self.observer.cancelled() {
+                break;
+            }
+            let enough = sufficient(&self.visited[&best].model);
+            let mut grown = self.grow(&best, !enough);
+            if !enough {
+                for other in self.ranked(size).into_iter().take(BREADTH) {
+                    if other != best {
+                        grown |= self.grow(&other, true);
+                    }
+                }
+            }
+            if !grown {
+                break;
+            }
+            // The best of the larger models is held against all that it contains,
+            // and against its rivals in the place of each of its effects.
+            if let Some(next) = self.ranked(size + 1).first().cloned() {
+                self.shrink(&next);
+                for id in &next {
+                    let rest: Key = next.iter().copied().filter(|other| other != id).collect();
+                    if rest != best {
+                        self.grow(&rest, !enough);
+                    }
+                }
+            }
+        }
+        self.best_supported()
+    }
+}

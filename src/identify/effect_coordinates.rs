@@ -1,0 +1,93 @@
+//! The parameters of effects as coordinates, after those of the base model.
+
+use crate::effects::{self, ActiveEffect, Effect, Scope};
+
+use super::parameters::{Coordinate, Coordinates};
+
+impl Coordinates {
+    /// These with the parameters of one more effect; `scope` is in the problem's scales.
+    pub fn with_effect(&self, effect: &'static dyn Effect, scope: &Scope) -> Self {
+        let mut these = self.clone();
+        for (index, parameter) in effect.parameters().iter().enumerate() {
+            let range = (parameter.range)(scope);
+            let transformed = |ends: [f64; 2]| match parameter.coordinate {
+                effects::Coordinate::Linear => ends,
+                effects::Coordinate::Logarithmic => ends.map(f64::ln),
+            };
+            these.push(
+                Coordinate::OfEffect { effect: self.effects.len(), parameter: index },
+                transformed(range.bounds),
+                transformed(range.likely),
+            );
+        }
+        these.effects.push(effect);
+        these
+    }
+
+    /// These without the effect at `index`, and where they stood before.
+    pub fn without_effect(&self, index: usize) -> (Self, Vec<usize>) {
+        let is_of = |i: &usize| {
+            matches!(self.list[*i], Coordinate::OfEffect { effect, .. } if effect == index)
+        };
+        let kept: Vec<usize> = (0..self.len()).filter(|i| !is_of(i)).collect();
+        let pick = |values: &[f64]| kept.iter().map(|i| values[*i]).collect();
+        let renumbered = |i: &usize| match self.list[*i] {
+            Coordinate::OfEffect { effect, parameter } if effect > index => {
+                Coordinate::OfEffect { effect: effect - 1, parameter }
+            }
+            other => other,
+        };
+        let mut effects = self.effects.clone();
+        effects.remove(index);
+        let these = Self {
+            list: kept.iter().map(renumbered).collect(),
+            effects,
+            lower: pick(&self.lower),
+            upper: pick(&self.upper),
+            search_lower: pick(&self.search_lower),
+            search_upper: pick(&self.search_upper),
+        };
+        (these, kept)
+    }
+
+    /// The value of the parameter a coordinate stands for, and its derivative by
+    /// the coordinate; of the base model's coordinates they are themselves.
+    pub fn value(&self, i: usize, coordinate: f64) -> (f64, f64) {
+        match self.list[i] {
+            Coordinate::OfEffect { effect, parameter } => {
+                match self.effects[effect].parameters()[parameter].coordinate {
+                    effects::Coordinate::Linear => (coordinate, 1.0),
+                    effects::Coordinate::Logarithmic => (coordinate.exp(), coordinate.exp()),
+                }
+            }
+            _ => (coordinate, 1.0),
+        }
+    }
+
+    /// The coordinate of an effect's parameter that has this value.
+    pub fn coordinate(&self, i: usize, value: f64) -> f64 {
+        match self.list[i] {
+            Coordinate::OfEffect { effect, parameter } => {
+                match self.effects[effect].parameters()[parameter].coordinate {
+                    effects::Coordinate::Linear => value,
+                    effects::Coordinate::Logarithmic => value.ln(),
+                }
+            }
+            _ => value,
+        }
+    }
+
+    /// The effects at a point, in the problem's scales.
+    pub fn effects_at(&self, point: &[f64]) -> Vec<ActiveEffect> {
+        let mut next = self.base_len();
+        self.effects
+            .iter()
+            .map(|effect| {
+                let count = effect.parameters().len();
+                let values = (next..next + count).map(|i| self.value(i, point[i]).0).collect();
+                next += count;
+                ActiveEffect::new(*effect, values).expect("one value a parameter")
+            })
+            .collect()
+    }
+}

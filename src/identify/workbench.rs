@@ -1,0 +1,322 @@
+//! A measurement with its base model, on which extended models are tried.
+
+use std::ops::Range as Span;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::answers::{NoiseSource, OrderChoice, Stage};
+use crate::effects::{Effect, Range, Scope};
+use crate::measurement::{Complex, Measurement};
+use crate::observer::Observer;
+
+use super::abc_ann::Fitted;
+use super::compare;
+use super::model_fit::{self, ModelFit};
+use super::noise_law::NoiseLaw;
+use super::objective::Misfit;
+use super::parameters::Coordinates;
+use super::problem::Problem;
+use super::refine::{self, Patience};
+use super::{IdentifyError, IdentifyRequest, Solved, answer, no_response, solve};
+
+/// How long a refinement goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// A few steps: which of several starts is worth more.
+    Glance,
+    /// Until χ² settles to far less than a unit.
+    Settle,
+    /// To the last digit.
+    Thorough,
+}
+
+/// The base model with some effects, at some values of all parameters.
+#[derive(Debug, Clone)]
+pub struct Model {
+    coordinates: Coordinates,
+    point: Vec<f64>,
+    /// Sum of squared residuals; infinite where it has no response.
+    pub cost: f64,
+    /// Simulations of the whole measurement that led here.
+    pub evaluations: u64,
+}
+
+impl Model {
+    /// Its effects.
+    pub fn effects(&self) -> &[&'static dyn Effect] {
+        &self.coordinates.effects
+    }
+
+    /// Number of parameters.
+    pub fn parameters(&self) -> usize {
+        self.point.len()
+    }
+
+    /// Which of the parameters belong to the effect at `index`.
+    pub fn parameters_of(&self, index: usize) -> Span<usize> {
+        let count = |effect: &&dyn Effect| effect.parameters().len();
+        let before: usize = self.effects()[..index].iter().map(count).sum();
+        let begin = self.coordinates.base_len() + before;
+        begin..begin + count(&self.effects()[index])
+    }
+
+    /// Sets a parameter to a value in the problem's scales.
+    pub fn set(&mut self, parameter: usize, value: f64) {
+        self.point[parameter] = self.coordinates.coordinate(parameter, value);
+        self.coordinates.clamp(&mut self.point);
+        self.cost = f64::NAN;
+    }
+
+    /// The value of a parameter in the problem's scales.
+    pub fn value(&self, parameter: usize) -> f64 {
+        self.coordinates.value(parameter, self.point[parameter]).0
+    }
+
+    /// Standard deviation, before the data is seen, of each coordinate: that of
+    /// a uniform law over the range where a search looks first.
+    pub fn prior_std(&self, parameter: usize) -> f64 {
+        let Coordinates { search_lower, search_upper, .. } = &self.coordinates;
+        (search_upper[parameter] - search_lower[parameter]) / 12.0_f64.sqrt()
+    }
+}
+
+/// A model's residuals, and how they move with its parameters.
+#[derive(Debug, Clone)]
+pub struct Linear {
+    /// (Y − Ŷ)/σ.
+    pub residuals: DVector<f64>,
+    /// ∂Ŷ/∂p/σ, one column for each parameter.
+    pub jacobian: DMatrix<f64>,
+    /// Which parameters are held by a bound.
+    pub held: Vec<bool>,
+}
+
+/// A measurement with its base model fitted.
+pub struct Workbench<'a> {
+    measurement: &'a Measurement,
+    request: &'a IdentifyRequest,
+    observer: &'a dyn Observer,
+    problem: Problem,
+    fitted: Fitted,
+    order_choice: Option<OrderChoice>,
+    base: Model,
+    stand_in: Vec<Vec<Complex>>,
+}
+
+impl<'a> Workbench<'a> {
+    /// Fits the base model.
+    ///
+    /// # Errors
+    /// See [`IdentifyError`].
+    pub fn new(
+        measurement: &'a Measurement,
+        request: &'a IdentifyRequest,
+        observer: &'a dyn Observer,
+    ) -> Result<Self, IdentifyError> {
+        let problem = Problem::new(measurement)?;
+        let Solved { chosen: fitted, order_choice } = solve(measurement, &problem, request, observer)?;
+        let base = Model {
+            coordinates: fitted.coordinates.clone(),
+            point: fitted.point.clone(),
+            cost: fitted.cost,
+            evaluations: fitted.stages.iter().map(|stage| stage.evaluations).sum(),
+        };
+        let mut this = Self {
+            measurement,
+            request,
+            observer,
+            problem,
+            fitted,
+            order_choice,
+            base,
+            stand_in: Vec::new(),
+        };
+        this.stand_in = this.misfit(&this.base).predict(&this.base.point).map_err(|_| no_response())?;
+        Ok(this)
+    }
+
+    /// The base model, fitted.
+    pub fn base(&self) -> &Model {
+        &self.base
+    }
+
+    /// The measurement.
+    pub fn measurement(&self) -> &'a Measurement {
+        self.measurement
+    }
+
+    /// Whether the size of the noise is known.
+    pub fn noise_known(&self) -> bool {
+        self.fitted.weights.source != NoiseSource::Estimated
+    }
+
+    /// Number of real data.
+    pub fn data(&self) -> usize {
+        self.problem.data()
+    }
+
+    /// Sum of squares that rounding in the upload and in the simulation alone
+    /// leaves: `share` of the largest measured component in each.
+    pub fn rounding(&self, share: f64) -> f64 {
+        let mut sum = 0.0;
+        let targets = || self.problem.experiments.iter().flat_map(|e| &e.targets);
+        let largest = targets().map(|target| target.value.norm()).fold(0.0, f64::max);
+        for (experiment, sigma) in self.problem.experiments.iter().zip(&self.fitted.weights.sigma) {
+            for (target, sigma) in experiment.targets.iter().zip(sigma) {
+                let parts = if target.real { 1.0 } else { 2.0 };
+                sum += parts * (share * largest / sigma).powi(2);
+            }
+        }
+        sum
+    }
+
+    /// Whether the order of acquisition is known.
+    pub fn runs_known(&self) -> bool {
+        self.problem.runs_known
+    }
+
+    /// The law of the noise in residuals.
+    pub fn noise(&self) -> NoiseLaw {
+        NoiseLaw::new(&self.problem, &self.fitted.weights)
+    }
+
+    /// What is known of scales, in the problem's own.
+    fn scope(&self) -> Scope {
+        self.problem.scope(&self.base.coordinates.plant(&self.base.point))
+    }
+
+    /// Where the parameters of an effect can lie, in the problem's scales.
+    pub fn ranges(&self, effect: &dyn Effect) -> Vec<Range> {
+        let scope = self.scope();
+        effect.parameters().iter().map(|parameter| (parameter.range)(&scope)).collect()
+    }
+
+    /// A model with one more effect, its parameters in the middle of where a
+    /// search looks first; not fitted.
+    pub fn extend(&self, model: &Model, effect: &'static dyn Effect) -> Model {
+        let coordinates = model.coordinates.with_effect(effect, &self.scope());
+        let mut point = model.point.clone();
+        // What is not a number goes to the middle.
+        point.resize(coordinates.len(), f64::NAN);
+        coordinates.clamp(&mut point);
+        Model { coordinates, point, cost: f64::NAN, evaluations: 0 }
+    }
+
+    /// A model without the effect at `index`; not fitted.
+    pub fn reduce(&self, model: &Model, index: usize) -> Model {
+        let (coordinates, kept) = model.coordinates.without_effect(index);
+        let point = kept.iter().map(|i| model.point[*i]).collect();
+        Model { coordinates, point, cost: f64::NAN, evaluations: 0 }
+    }
+
+    /// Ŷ/σ of a model, row by row; `None` where it has no response.
+    pub fn predict(&self, model: &Model) -> Option<DVector<f64>> {
+        // Residuals are (Ŷ − Y)/σ: the data is added again.
+        let residuals = self.misfit(model).residuals(&model.point).ok()?;
+        Some(residuals + self.data_in_sigmas())
+    }
+
+    fn data_in_sigmas(&self) -> DVector<f64> {
+        let mut rows = Vec::with_capacity(self.problem.data());
+        for (experiment, sigma) in self.problem.experiments.iter().zip(&self.fitted.weights.sigma) {
+            for (target, sigma) in experiment.targets.iter().zip(sigma) {
+                rows.push(target.value.re / sigma);
+                if !target.real {
+                    rows.push(target.value.im / sigma);
+                }
+            }
+        }
+        DVector::from_vec(rows)
+    }
+
+    /// A model's residuals and derivatives; `None` where it has no response.
+    pub fn linearise(&self, model: &Model) -> Option<Linear> {
+        let misfit = self.misfit(model);
+        let here = misfit.linearise(&model.point).ok()?;
+        let held = refine::held(&misfit, &model.point, &here);
+        Some(Linear { residuals: -here.residuals, jacobian: here.jacobian, held })
+    }
+
+    /// Fits all parameters of a model, from where they are.
+    pub fn refine(&self, model: &Model, effort: Effort) -> Model {
+        let patience = match effort {
+            Effort::Glance => Patience { steps: 4, cost_tolerance: 1e-3 },
+            Effort::Settle => Patience { steps: 60, cost_tolerance: 1e-5 },
+            Effort::Thorough => refine::THOROUGH,
+        };
+        let refined =
+            refine::refine(&self.misfit(model), &model.point, patience, &mut |_, _, _| ());
+        Model {
+            coordinates: model.coordinates.clone(),
+            point: refined.point,
+            cost: refined.cost,
+            evaluations: model.evaluations + refined.evaluations,
+        }
+    }
+
+    /// Everything needed to judge a fitted model.
+    ///
+    /// # Errors
+    /// When it has no response.
+    pub fn judge(&self, model: &Model) -> Result<ModelFit, IdentifyError> {
+        let fitted = self.fitted(model);
+        let (coordinates, weights) = (&fitted.coordinates, &fitted.weights);
+        let misfit = self.misfit(model);
+        let choice = self.order_choice.clone();
+        let identification = answer(self.measurement, &misfit, self.request, &fitted, choice)?;
+        let here = misfit.linearise(&model.point).map_err(|_| no_response())?;
+        let held = refine::held(&misfit, &model.point, &here);
+        let free: Vec<usize> = (0..held.len()).filter(|i| !held[*i]).collect();
+        let plant = coordinates.plant(&model.point);
+        let effects = coordinates.effects_at(&model.point);
+        let dof = identification.fit.dof;
+        let comparison =
+            compare::beside(self.measurement, &self.problem, &plant, &effects, weights, dof);
+        let sigma = match weights.known() {
+            true => 1.0,
+            false => (model.cost / dof.max(1) as f64).sqrt().max(f64::MIN_POSITIVE),
+        };
+        Ok(ModelFit {
+            identification,
+            comparison,
+            components: model_fit::components(&self.problem),
+            residuals: -here.residuals / sigma,
+            jacobian: here.jacobian.select_columns(&free) / sigma,
+            noise: self.noise(),
+        })
+    }
+
+    fn fitted(&self, model: &Model) -> Fitted {
+        let mut stages = self.fitted.stages.clone();
+        if !model.effects().is_empty() {
+            stages.push(Stage {
+                name: "extension".into(),
+                evaluations: model.evaluations,
+                seconds: 0.0,
+                cost: model.cost,
+                parameters: super::naming::values(
+                    &self.problem.in_units(&model.coordinates.plant(&model.point)),
+                ),
+                stop_reason: "converged".into(),
+            });
+        }
+        Fitted {
+            order: self.fitted.order,
+            coordinates: model.coordinates.clone(),
+            point: model.point.clone(),
+            weights: self.fitted.weights.clone(),
+            cost: model.cost,
+            stages,
+        }
+    }
+
+    fn misfit<'m>(&'m self, model: &'m Model) -> Misfit<'m> {
+        Misfit {
+            problem: &self.problem,
+            coordinates: &model.coordinates,
+            weights: &self.fitted.weights,
+            observer: self.observer,
+            stand_in: (!self.stand_in.is_empty()).then_some(&self.stand_in),
+        }
+    }
+}

@@ -18,6 +18,8 @@ pub(super) struct Anchor {
     pub jacobian: DMatrix<f64>,
     /// Its span.
     pub fitted: Subspace,
+    /// Which parameters the columns are of.
+    free: Vec<usize>,
 }
 
 impl Anchor {
@@ -28,7 +30,15 @@ impl Anchor {
         let free: Vec<usize> = (0..held.len()).filter(|i| !held[*i]).collect();
         let jacobian = jacobian.select_columns(&free);
         let fitted = Subspace::of(&jacobian);
-        Some(Self { model: model.clone(), prediction, residuals, jacobian, fitted })
+        Some(Self { model: model.clone(), prediction, residuals, jacobian, fitted, free })
+    }
+
+    /// Steps of the parameters that take up this, to first order.
+    pub fn steps(&self, left: &DVector<f64>) -> Vec<(usize, f64)> {
+        let normal = self.jacobian.tr_mul(&self.jacobian);
+        let Some(factor) = normal.cholesky() else { return Vec::new() };
+        let steps = factor.solve(&self.jacobian.tr_mul(left));
+        self.free.iter().copied().zip(steps.iter().copied()).collect()
     }
 
     /// Residuals less free parameters.

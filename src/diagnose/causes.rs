@@ -4,6 +4,7 @@ use indexmap::IndexMap;
 
 use crate::answers::{Candidate, Cause, Identification};
 use crate::effects::{self, ALL};
+use crate::identify::Model;
 
 use super::search::{Key, Search};
 
@@ -44,9 +45,9 @@ pub(super) fn named(
                 effect: id.to_owned(),
                 parameters,
                 confidence: confidence.min(most),
-                explanation: effect.signature().to_owned(),
+                explanation: format!("{}. It shows as {}", effect.meaning(), effect.signature()),
                 gain: None,
-                equivalents: equivalents(search, chosen, id),
+                equivalents: rivals(search, chosen, id).into_iter().map(|r| r.0.into()).collect(),
             };
             (search.loss(chosen, id), cause)
         })
@@ -68,23 +69,28 @@ fn probability(search: &Search<'_>, id: &str) -> f64 {
     sum(&|key| key.contains(&id)) / sum(&|_| true)
 }
 
-/// Effects that explain the data as well in the place of `id`.
-fn equivalents(search: &Search<'_>, chosen: &Key, id: &str) -> Vec<String> {
-    let rest: Vec<&str> = chosen.iter().copied().filter(|other| *other != id).collect();
+/// Effects that explain the data as well in the place of `id`, the best first,
+/// each with its model.
+pub(super) fn rivals<'s>(
+    search: &'s Search<'_>,
+    chosen: &Key,
+    id: &str,
+) -> Vec<(&'static str, &'s Model)> {
+    let rest: Key = chosen.iter().copied().filter(|other| *other != id).collect();
     let own = search.criterion(chosen);
-    let mut rivals: Vec<(f64, &str)> = search
+    let mut rivals: Vec<(f64, &'static str, &Model)> = search
         .visited
-        .keys()
-        .filter(|key| key.len() == chosen.len() && *key != chosen)
-        .filter(|key| rest.iter().all(|other| key.contains(other)))
-        .filter_map(|key| {
+        .iter()
+        .filter(|(key, _)| key.len() == chosen.len() && *key != chosen)
+        .filter(|(key, _)| rest.iter().all(|other| key.contains(other)))
+        .filter_map(|(key, visited)| {
             let other = key.iter().find(|other| !rest.contains(other))?;
-            Some((search.criterion(key) - own, *other))
+            Some((search.criterion(key) - own, *other, &visited.model))
         })
-        .filter(|(difference, _)| *difference < EQUIVALENT)
+        .filter(|(difference, ..)| *difference < EQUIVALENT)
         .collect();
     rivals.sort_by(|a, b| a.0.total_cmp(&b.0));
-    rivals.into_iter().take(MOST_EQUIVALENTS).map(|(_, id)| id.to_owned()).collect()
+    rivals.into_iter().take(MOST_EQUIVALENTS).map(|(_, id, model)| (id, model)).collect()
 }
 
 /// Every effect that was tried on the base model, the best first.

@@ -5,7 +5,7 @@
 //! Raftery 1995, doi:10.1080/01621459.1995.10476572): the misfit, plus
 //! ln det(I + S·Λ·S) with S the prior deviations of the effects' parameters and
 //! Λ what the data says of them once the base parameters are fitted too. What
-//! the data does not determine costs nothing.
+//! the data does not determine costs little.
 
 use nalgebra::DMatrix;
 
@@ -16,6 +16,10 @@ use super::subspace::Subspace;
 /// −2 ln of the prior odds of one more effect against none: each of some twenty
 /// is as likely as all together are not.
 const RARITY: f64 = 6.0;
+
+/// Least that a parameter costs: one that the data does not determine is no reason
+/// to prefer the model that has it.
+const LEAST: f64 = 4.0;
 
 /// How large a misfit is.
 #[derive(Debug, Clone, Copy)]
@@ -59,7 +63,7 @@ pub(super) fn complexity(workbench: &Workbench<'_>, model: &Model, yardstick: &Y
     let volume: f64 = information
         .symmetric_eigenvalues()
         .iter()
-        .map(|eigenvalue| (1.0 + eigenvalue.max(0.0)).ln())
+        .map(|eigenvalue| (1.0 + eigenvalue.max(0.0)).ln().max(LEAST))
         .sum();
     volume + RARITY * model.effects().len() as f64
 }

@@ -13,11 +13,13 @@ mod evidence;
 mod family;
 mod groups;
 mod layout;
+mod next_experiment;
 mod null;
 mod patterns;
 mod probes;
 mod regions;
 mod residual;
+mod scan;
 mod search;
 mod sentence;
 mod statistics;
@@ -114,6 +116,11 @@ pub fn diagnose(
         .as_ref()
         .map(|extended| causes::named(&search, &chosen, extended, explained))
         .unwrap_or_default();
+    let next_experiment = causes.iter().find_map(|cause| {
+        let (rival, model) = causes::rivals(&search, &chosen, &cause.effect).into_iter().next()?;
+        let named = (&search.visited[&chosen].model, cause.effect.as_str());
+        next_experiment::between(&workbench, named, (model, rival))
+    });
     Ok(Diagnosis {
         verdict,
         limitations: discrepancy::limitations(&fit, &discrepancy),
@@ -124,7 +131,7 @@ pub fn diagnose(
         provenance: fit.identification.provenance.clone(),
         base: fit.identification,
         extended,
-        next_experiment: None,
+        next_experiment,
     })
 }
 

@@ -10,18 +10,29 @@
 
 use std::ops::Range as Span;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use crate::effects::{Coordinate, Effect, Range};
 use crate::identify::{Model, Workbench};
 
 use super::anchor::Anchor;
+use super::scan;
+use super::subspace::Subspace;
 
 /// Probes of an effect, at most.
 const MOST_PROBES: usize = 32;
 
 /// Shares of the way from where an effect vanishes to the end of its likely range.
 const SIZES: [f64; 2] = [0.15, 0.6];
+
+/// The same where the effect has one parameter.
+const SIZES_ALONE: [f64; 4] = [0.05, 0.2, 0.5, 0.8];
+
+/// Longest step of a parameter of the anchor on the way to a start.
+const LONGEST_SHIFT: f64 = 0.3;
+
+/// Cosine above which two probes show the same.
+const SAME: f64 = 0.9999;
 
 /// By how much a probe's change may be scaled up to fit the residuals.
 const LARGEST_SCALE: f64 = 1.5;
@@ -30,22 +41,43 @@ const LARGEST_SCALE: f64 = 1.5;
 pub(super) struct Probe {
     /// Where a fit may start.
     pub start: Model,
-    /// Change of the response beyond what fitted parameters take up, in σ.
-    pub direction: DVector<f64>,
     /// By how much it would lower χ².
     pub gain: f64,
 }
 
-/// Probes of one effect at an anchor, that of the largest gain first.
+/// What trying an effect at an anchor showed.
+pub(super) struct Probed {
+    /// The effect.
+    pub effect: &'static dyn Effect,
+    /// Its probes, that of the largest gain first.
+    pub probes: Vec<Probe>,
+    /// The directions in which it would show around each place of its parameters.
+    pub spans: Vec<Subspace>,
+}
+
+impl Probed {
+    /// The largest gain of a probe.
+    pub fn gain(&self) -> f64 {
+        self.probes.first().map_or(0.0, |probe| probe.gain)
+    }
+}
+
+/// Tries an effect at an anchor.
 pub(super) fn probe(
     workbench: &Workbench<'_>,
     anchor: &Anchor,
     effect: &'static dyn Effect,
-) -> Vec<Probe> {
+) -> Probed {
     let extended = workbench.extend(&anchor.model, effect);
     let own = extended.parameters_of(extended.effects().len() - 1);
     let ranges = workbench.ranges(effect);
-    let mut probes: Vec<Probe> = grid(effect, &ranges)
+    let (places, scanned) = match effect.oscillates() {
+        true => scan::scan(workbench, anchor, effect, &extended, &ranges),
+        false => (grid(effect, &ranges), Vec::new()),
+    };
+    let vanishes = ranges.iter().any(|range| range.absent.is_some());
+    let mut directions = Vec::new();
+    let mut probes: Vec<Probe> = places
         .into_iter()
         .filter_map(|values| {
             let mut model = extended.clone();
@@ -56,14 +88,44 @@ pub(super) fn probe(
             if !(size > 0.0 && size.is_finite()) {
                 return None;
             }
-            let scale = (slope / size).clamp(0.0, LARGEST_SCALE);
+            // What cannot be made smaller must fit as it is.
+            let scale = if vanishes { (slope / size).clamp(0.0, LARGEST_SCALE) } else { 1.0 };
             let gain = scale * (2.0 * slope - scale * size);
             shrink(&mut model, own.clone(), &ranges, scale);
-            Some(Probe { start: model, direction, gain })
+            let left = &anchor.residuals - change * scale;
+            model.shift(anchor.steps(&left).into_iter(), LONGEST_SHIFT);
+            directions.push(direction.normalize());
+            Some(Probe { start: model, gain })
         })
         .collect();
     probes.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    probes
+    let spans = match scanned.is_empty() {
+        true => neighbourhoods(&directions, effect.parameters().len()),
+        false => scanned,
+    };
+    Probed { effect, probes, spans }
+}
+
+/// The spans of each direction with its nearest: an effect with p parameters,
+/// refitted, follows noise in p directions around the best place.
+fn neighbourhoods(directions: &[DVector<f64>], parameters: usize) -> Vec<Subspace> {
+    let cosine = |a: &DVector<f64>, b: &DVector<f64>| a.dot(b).abs();
+    let mut different: Vec<&DVector<f64>> = Vec::new();
+    for direction in directions {
+        if different.iter().all(|other| cosine(direction, other) < SAME) {
+            different.push(direction);
+        }
+    }
+    different
+        .iter()
+        .map(|direction| {
+            let mut nearest = different.clone();
+            nearest.sort_by(|a, b| cosine(b, direction).total_cmp(&cosine(a, direction)));
+            nearest.truncate(parameters);
+            let columns: Vec<DVector<f64>> = nearest.into_iter().cloned().collect();
+            Subspace::of(&DMatrix::from_columns(&columns))
+        })
+        .collect()
 }
 
 /// Moves parameters at which the effect vanishes towards there.
@@ -78,13 +140,14 @@ fn shrink(model: &mut Model, own: Span<usize>, ranges: &[Range], scale: f64) {
 
 /// Values to try: every combination of a few of each parameter.
 fn grid(effect: &dyn Effect, ranges: &[Range]) -> Vec<Vec<f64>> {
+    let sizes: &[f64] = if ranges.len() == 1 { &SIZES_ALONE } else { &SIZES };
     let mut step = 1.4_f64;
     loop {
         let axes: Vec<Vec<f64>> = effect
             .parameters()
             .iter()
             .zip(ranges)
-            .map(|(parameter, range)| axis(parameter.coordinate, range, step))
+            .map(|(parameter, range)| axis(parameter.coordinate, range, step, sizes))
             .collect();
         let count: usize = axes.iter().map(Vec::len).product();
         if count <= MOST_PROBES || step > 100.0 {
@@ -101,13 +164,17 @@ fn grid(effect: &dyn Effect, ranges: &[Range]) -> Vec<Vec<f64>> {
 }
 
 /// A few values of one parameter; logarithms in steps of about this factor.
-fn axis(coordinate: Coordinate, range: &Range, step: f64) -> Vec<f64> {
+fn axis(coordinate: Coordinate, range: &Range, step: f64, sizes: &[f64]) -> Vec<f64> {
     let [low, high] = range.likely;
     let ends = || [low, high].into_iter();
     match (coordinate, range.absent) {
+        (Coordinate::Logarithmic, Some(absent)) if absent > 0.0 => ends()
+            .filter(|end| (end / absent).ln().abs() > 0.1 * (high / low).ln())
+            .flat_map(|end| sizes.iter().map(move |size| absent * (end / absent).powf(*size)))
+            .collect(),
         (_, Some(absent)) => ends()
             .filter(|end| (end - absent).abs() > 0.1 * (high - low))
-            .flat_map(|end| SIZES.map(|size| absent + size * (end - absent)))
+            .flat_map(|end| sizes.iter().map(move |size| absent + size * (end - absent)))
             .collect(),
         (Coordinate::Logarithmic, None) => {
             let ratio = (high / low).ln();

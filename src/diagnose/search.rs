@@ -6,7 +6,7 @@
 //! library gain (`family`), each model refitted; among the models of which that
 //! holds the evidence decides (`evidence`).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
@@ -17,7 +17,7 @@ use crate::observer::Observer;
 use super::anchor::Anchor;
 use super::evidence::{self, Yardstick};
 use super::family::Family;
-use super::probes::{self, Probe};
+use super::probes::{self, Probe, Probed};
 
 /// Starts of a fit of which a few steps are taken.
 const STARTS: usize = 4;
@@ -57,6 +57,8 @@ pub(super) struct Search<'a> {
     pub yardstick: Yardstick,
     /// Every fitted model.
     pub visited: BTreeMap<Key, Visited>,
+    /// Models from which larger ones were grown.
+    grown: BTreeSet<Key>,
     /// What an effect must gain at the base model.
     pub family: Option<Family>,
 }
@@ -78,7 +80,7 @@ impl<'a> Search<'a> {
     ) -> Self {
         let base = Visited { model: workbench.base().clone(), complexity: 0.0 };
         let visited = BTreeMap::from([(Key::new(), base)]);
-        Self { workbench, observer, seed, yardstick, visited, family: None }
+        Self { workbench, observer, seed, yardstick, visited, grown: BTreeSet::new(), family: None }
     }
 
     /// Fits every effect alone.
@@ -93,6 +95,9 @@ impl<'a> Search<'a> {
     /// Fits models with one more effect than `from`, those that promise most;
     /// says whether there was any.
     pub fn grow(&mut self, from: &Key, everything: bool) -> bool {
+        if !self.grown.insert(from.clone()) {
+            return false;
+        }
         let Some(anchor) = self.visited.get(from).and_then(|v| Anchor::new(self.workbench, &v.model))
         else {
             return false;
@@ -100,12 +105,11 @@ impl<'a> Search<'a> {
         let mut probed = self.probe(&anchor);
         let family = self.family(&anchor, &probed);
         let scale = self.variance(&anchor);
-        probed.retain(|(effect, probes)| {
-            let gain = probes.first().map_or(0.0, |probe| probe.gain / scale);
-            everything || gain > PROMISING * family.limit(effect.id())
+        probed.retain(|probed| {
+            let least = PROMISING * family.limit(probed.effect.id());
+            everything || probed.gain() / scale > least
         });
-        let gain = |probes: &[Probe]| probes.first().map_or(0.0, |probe| probe.gain);
-        probed.sort_by(|a, b| gain(&b.1).total_cmp(&gain(&a.1)));
+        probed.sort_by(|a, b| b.gain().total_cmp(&a.gain()));
         probed.truncate(FURTHER);
         let fits = self.fit(&probed);
         let any = !fits.is_empty();
@@ -131,7 +135,7 @@ impl<'a> Search<'a> {
     }
 
     /// Probes of every effect that the model lacks and can have.
-    fn probe(&self, anchor: &Anchor) -> Vec<(&'static dyn Effect, Vec<Probe>)> {
+    fn probe(&self, anchor: &Anchor) -> Vec<Probed> {
         let has = |effect: &&&'static dyn Effect| {
             anchor.model.effects().iter().any(|own| own.id() == effect.id())
         };
@@ -142,19 +146,17 @@ impl<'a> Search<'a> {
             ALL.iter().filter(|e| !has(e)).filter(testable).collect();
         effects
             .into_par_iter()
-            .map(|effect| match self.observer.cancelled() {
-                true => (*effect, Vec::new()),
-                false => (*effect, probes::probe(self.workbench, anchor, *effect)),
-            })
+            .filter(|_| !self.observer.cancelled())
+            .map(|effect| {let t=std::time::Instant::now(); let b=probes::probe(self.workbench, anchor, *effect); if std::env::var("T").is_ok(){eprintln!("probe {} {} {:.3}s",effect.id(),b.probes.len(),t.elapsed().as_secs_f64());} b})
             .collect()
     }
 
-    fn family(&self, anchor: &Anchor, probed: &[(&'static dyn Effect, Vec<Probe>)]) -> Family {
+    fn family(&self, anchor: &Anchor, probed: &[Probed]) -> Family {
         Family::new(anchor, &self.workbench.noise(), self.yardstick.known, probed, self.seed)
     }
 
-    fn fit(&self, probed: &[(&'static dyn Effect, Vec<Probe>)]) -> Vec<Model> {
-        probed.par_iter().filter_map(|(_, probes)| self.best(probes)).collect()
+    fn fit(&self, probed: &[Probed]) -> Vec<Model> {
+        probed.par_iter().filter_map(|probed| {let t=std::time::Instant::now(); let b=self.best(&probed.probes); if std::env::var("T").is_ok(){eprintln!("fit {} {:?} {:.3}s evals {:?} cost {:?}",probed.effect.id(),probed.gain(),t.elapsed().as_secs_f64(),b.as_ref().map(|b|b.evaluations),b.as_ref().map(|b|b.cost));} b}).collect()
     }
 
     /// The best of the fits from an effect's probes.

@@ -25,6 +25,10 @@ impl Effect for ActuatorDeadZone {
         "actuator_dead_zone"
     }
 
+    fn meaning(&self) -> &'static str {
+        "small commands have no effect: the amplifier or valve has a dead zone around zero"
+    }
+
     fn signature(&self) -> &'static str {
         "a loss of fundamental and odd harmonics that matter most at the lowest magnitude, at \
          every frequency"

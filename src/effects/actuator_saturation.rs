@@ -26,6 +26,10 @@ impl Effect for ActuatorSaturation {
         "actuator_saturation"
     }
 
+    fn meaning(&self) -> &'static str {
+        "the amplifier clips: what is commanded beyond a limit is cut off"
+    }
+
     fn signature(&self) -> &'static str {
         "nothing below a threshold of the magnitude, above it at every frequency a smaller \
          fundamental and odd harmonics"

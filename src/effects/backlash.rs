@@ -30,6 +30,11 @@ impl Effect for Backlash {
         "backlash"
     }
 
+    fn meaning(&self) -> &'static str {
+        "there is play between motor and load: at every reversal the motor crosses a gap \
+         alone"
+    }
+
     fn signature(&self) -> &'static str {
         "impacts after every reversal: harmonics of high order, even ones and a mean where \
          friction is asymmetric; above the contact's resonance a lighter axis, the more so the \

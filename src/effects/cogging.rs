@@ -32,8 +32,8 @@ const PARAMETERS: [Parameter; 3] = [
         // Radians per position unit: from a fraction of a tooth over the whole
         // travel to so many that their torque averages out.
         range: |scope| Range {
-            bounds: [0.1, 100.0].map(|angle| angle / scope.largest_travel),
-            likely: [0.5, 20.0].map(|angle| angle / scope.largest_travel),
+            bounds: [0.1, 1000.0].map(|angle| angle / scope.largest_travel),
+            likely: [0.5, 300.0].map(|angle| angle / scope.largest_travel),
             absent: None,
         },
     },
@@ -75,6 +75,11 @@ impl Effect for Cogging {
         "cogging"
     }
 
+    fn meaning(&self) -> &'static str {
+        "a torque ripples with the position: cogging of the motor, teeth of a gear, an \
+         eccentric"
+    }
+
     fn signature(&self) -> &'static str {
         "harmonics, even ones too, that come and go as the travel covers one tooth more; \
          strongest at low frequencies, where the travel is long"
@@ -86,6 +91,10 @@ impl Effect for Cogging {
 
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
+    }
+
+    fn oscillates(&self) -> bool {
+        true
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

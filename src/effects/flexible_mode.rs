@@ -64,6 +64,11 @@ impl Effect for FlexibleMode {
         "flexible_mode"
     }
 
+    fn meaning(&self) -> &'static str {
+        "the load hangs on an elastic joint (shaft, belt or coupling) and swings against \
+         the motor"
+    }
+
     fn signature(&self) -> &'static str {
         "an antiresonance and a resonance in the fundamental, the same at every magnitude"
     }

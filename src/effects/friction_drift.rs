@@ -21,6 +21,10 @@ impl Effect for FrictionDrift {
         "friction_drift"
     }
 
+    fn meaning(&self) -> &'static str {
+        "friction changed while the measurement was taken, as when a machine warms up"
+    }
+
     fn signature(&self) -> &'static str {
         "residuals follow the order of acquisition, not magnitude or frequency, with the shape \
          that a change of friction has"

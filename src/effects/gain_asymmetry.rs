@@ -21,6 +21,10 @@ impl Effect for GainAsymmetry {
         "gain_asymmetry"
     }
 
+    fn meaning(&self) -> &'static str {
+        "the amplifier is stronger in one direction than in the other"
+    }
+
     fn signature(&self) -> &'static str {
         "a mean and even harmonics in proportion to the magnitude, at every frequency"
     }

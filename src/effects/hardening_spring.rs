@@ -54,6 +54,11 @@ impl Effect for HardeningSpring {
         "hardening_spring"
     }
 
+    fn meaning(&self) -> &'static str {
+        "a restoring torque grows faster than the position, as of a bellows or near an end \
+         stop"
+    }
+
     fn signature(&self) -> &'static str {
         "as a spring in the lowest band, and the stiffer the larger the travel: the resonance \
          rises with the magnitude"

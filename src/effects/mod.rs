@@ -62,6 +62,9 @@ pub trait Effect: Debug + Sync {
     /// Identifier used on the wire and on the command line.
     fn id(&self) -> &'static str;
 
+    /// What it is in the machine, for a person.
+    fn meaning(&self) -> &'static str;
+
     /// What it looks like in a response, for a person.
     fn signature(&self) -> &'static str;
 
@@ -73,6 +76,13 @@ pub trait Effect: Debug + Sync {
 
     /// Whether a measurement must say in which order it was acquired.
     fn needs_run(&self) -> bool {
+        false
+    }
+
+    /// Whether the misfit has a valley for every radian that an angle in proportion
+    /// to the travel turns further: a search must then scan finely. Such an effect
+    /// is a torque; its parameters are a size, that proportion, and an angle.
+    fn oscillates(&self) -> bool {
         false
     }
 

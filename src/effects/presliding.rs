@@ -14,13 +14,13 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "sigma",
     dimension: Dimension::INPUT.per(Dimension::POSITION),
     coordinate: Coordinate::Logarithmic,
-    // From a bristle as long as the whole travel to one a thousandth of it,
-    // which nothing tells from set-valued friction.
+    // From a bristle as long as the longest travel to one that is short beside
+    // the shortest, which nothing tells from set-valued friction.
     range: |scope| {
         let softest = scope.friction_level() / scope.largest_travel;
         Range {
-            bounds: [0.1 * softest, 1e3 * softest],
-            likely: [softest, 100.0 * softest],
+            bounds: [0.1 * softest, 1e5 * softest],
+            likely: [softest, 3e3 * softest],
             absent: None,
         }
     },
@@ -29,6 +29,10 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
 impl Effect for Presliding {
     fn id(&self) -> &'static str {
         "presliding"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "before it slides the contact yields like a spring: the axis moves below breakaway"
     }
 
     fn signature(&self) -> &'static str {

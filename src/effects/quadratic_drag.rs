@@ -51,6 +51,10 @@ impl Effect for QuadraticDrag {
         "quadratic_drag"
     }
 
+    fn meaning(&self) -> &'static str {
+        "a drag grows with the square of the speed, as of a fan or churned lubricant"
+    }
+
     fn signature(&self) -> &'static str {
         "the gain falls as the magnitude grows, most below the pole, with a third harmonic that \
          grows faster than the magnitude"

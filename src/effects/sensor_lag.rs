@@ -24,6 +24,10 @@ impl Effect for SensorLag {
         "sensor_lag"
     }
 
+    fn meaning(&self) -> &'static str {
+        "the sensor, or a filter behind it, follows the motion with a first-order lag"
+    }
+
     fn signature(&self) -> &'static str {
         "a phase lag that grows with frequency and harmonic and a loss of gain along with it, the \
          same at every magnitude"

@@ -29,6 +29,10 @@ impl Effect for SlewLimit {
         "slew_limit"
     }
 
+    fn meaning(&self) -> &'static str {
+        "the amplifier cannot follow fast commands: its output changes at a limited rate"
+    }
+
     fn signature(&self) -> &'static str {
         "nothing below a threshold of magnitude times frequency, above it a falling gain, a phase \
          lag and odd harmonics"

@@ -61,6 +61,11 @@ impl Effect for Spring {
         "spring"
     }
 
+    fn meaning(&self) -> &'static str {
+        "a restoring torque is in proportion to the position, as of a cable, a hose or \
+         gravity"
+    }
+
     fn signature(&self) -> &'static str {
         "in the lowest band the response is smaller and leads; the mean vanishes at every \
          magnitude"

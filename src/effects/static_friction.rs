@@ -36,6 +36,11 @@ impl Effect for StaticFriction {
         "static_friction"
     }
 
+    fn meaning(&self) -> &'static str {
+        "breakaway takes more torque than sliding: at every reversal the axis sticks until \
+         the static level is exceeded"
+    }
+
     fn signature(&self) -> &'static str {
         "at the lowest magnitudes and frequencies the axis rests longer at every reversal and \
          starts with a jump of acceleration; nothing changes where it slides through"

@@ -67,6 +67,11 @@ impl Effect for Stribeck {
         "stribeck"
     }
 
+    fn meaning(&self) -> &'static str {
+        "friction falls as the axis gains speed, as in a bearing, guide or seal with mixed \
+         lubrication"
+    }
+
     fn signature(&self) -> &'static str {
         "strongest at the lowest magnitude and lowest frequencies, in the odd harmonics; fades as \
          the magnitude grows"

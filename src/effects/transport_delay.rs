@@ -24,6 +24,11 @@ impl Effect for TransportDelay {
         "transport_delay"
     }
 
+    fn meaning(&self) -> &'static str {
+        "the command arrives late by a fixed time, as behind a field bus or a sampled \
+         controller"
+    }
+
     fn signature(&self) -> &'static str {
         "a phase lag in proportion to frequency and harmonic, the same at every magnitude, and no \
          change of gain"

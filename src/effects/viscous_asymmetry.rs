@@ -20,6 +20,10 @@ impl Effect for ViscousAsymmetry {
         "viscous_asymmetry"
     }
 
+    fn meaning(&self) -> &'static str {
+        "the damping depends on the direction of motion, as with a one-sided seal or gear"
+    }
+
     fn signature(&self) -> &'static str {
         "a mean velocity and even harmonics that grow in proportion to the magnitude, strongest \
          below the pole"

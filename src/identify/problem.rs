@@ -193,7 +193,7 @@ fn rescaled(plant: &Plant, Scales { omega, input, velocity }: Scales) -> Plant {
 }
 
 /// Response per velocity at harmonic k.
-fn per_velocity(kind: ResponseKind, k: usize, omega: f64) -> Complex {
+pub(super) fn per_velocity(kind: ResponseKind, k: usize, omega: f64) -> Complex {
     let s = Complex::new(0.0, k as f64 * omega);
     match kind {
         ResponseKind::Velocity => Complex::new(1.0, 0.0),

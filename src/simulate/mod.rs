@@ -40,10 +40,12 @@ mod shooting;
 mod slides;
 mod spectrum;
 mod switching;
+mod torque;
 mod wave;
 
 pub use excitation::Excitation;
 pub use orbit::{Motion, Orbit, Phase};
+pub use torque::{Torque, respond_to_torques};
 
 use crate::effects::{self, ActiveEffect, Axis, Wide};
 use crate::measurement::Complex;
@@ -202,7 +204,7 @@ impl Settled<'_> {
     fn held(&self, highest: usize) -> Vec<Complex> {
         match &self.torque {
             Some(torque) => self.held_samples(torque, highest),
-            None => spectrum::held_cosine(&self.orbit, self.lines[1], highest),
+            None => spectrum::held_lines(&self.orbit, &self.lines, highest),
         }
     }
 
@@ -215,7 +217,7 @@ impl Settled<'_> {
                 self.held_samples(&signal, highest)
             }
             Some(_) => vec![Complex::new(0.0, 0.0); highest + 1],
-            None => spectrum::held_cosine(&self.orbit, lines[1], highest),
+            None => spectrum::held_lines(&self.orbit, lines, highest),
         }
     }
 

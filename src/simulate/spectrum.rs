@@ -93,16 +93,18 @@ impl PhaseIntegrals {
     }
 }
 
-/// ∫ Re(T·exp(jωt))·exp(−jkωt) dt over the phases of rest, k = 0 … `highest`.
-pub(super) fn held_cosine(orbit: &Orbit, line: Complex, highest: usize) -> Vec<Complex> {
+/// ∫ Re(Σ Tₗ·exp(jlωt))·exp(−jkωt) dt over the phases of rest, k = 0 … `highest`.
+pub(super) fn held_lines(orbit: &Orbit, lines: &[Complex], highest: usize) -> Vec<Complex> {
+    let mut held = vec![Complex::new(0.0, 0.0); highest + 1];
     if !orbit.sticks() {
-        return vec![Complex::new(0.0, 0.0); highest + 1];
+        return held;
     }
-    let stuck = PhaseIntegrals::new(orbit, highest + 1).stuck;
-    (0..=highest)
-        .map(|k| {
-            let below = if k == 0 { stuck[1].conj() } else { stuck[k - 1] };
-            0.5 * (line * below + line.conj() * stuck[k + 1])
-        })
-        .collect()
+    let stuck = PhaseIntegrals::new(orbit, highest + lines.len()).stuck;
+    for (l, line) in lines.iter().enumerate().filter(|(_, line)| line.norm_sqr() > 0.0) {
+        for (k, sum) in held.iter_mut().enumerate() {
+            let below = if k >= l { stuck[k - l] } else { stuck[l - k].conj() };
+            *sum += 0.5 * (line * below + line.conj() * stuck[k + l]);
+        }
+    }
+    held
 }

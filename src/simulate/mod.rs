@@ -23,6 +23,7 @@
 //! gives the derivatives by every number of the axis, and by the state at the
 //! beginning of the period, which Newton's method needs to close it (`shooting`).
 
+mod bent;
 mod cosine;
 mod drive;
 mod excitation;
@@ -48,6 +49,7 @@ pub use orbit::{Motion, Orbit, Phase};
 use crate::effects::{self, ActiveEffect, Axis, Wide};
 use crate::measurement::Complex;
 use crate::plant::{Actuator, Plant, Scalar};
+use bent::motion as bent_motion;
 use samples::Samples;
 use sensitivity::Direction;
 
@@ -97,6 +99,8 @@ pub fn respond(
     let mut velocity = if axis.is_base() {
         let settled = settle(&axis, excitation)?;
         spectrum::velocity(&settled, highest)
+    } else if bent_motion::applies(&axis, excitation) {
+        bent_motion::respond(&axis, excitation, highest)?
     } else if axis.is_piecewise_linear() {
         slides::respond(&axis, excitation, highest)?
     } else {
@@ -133,6 +137,8 @@ pub fn respond_with_sensitivities(
         let by_number = sensitivity::along(&settled, &velocity, &directions);
         let rows = sensitivity::by_lane(&axis, &velocity, &by_number, rows);
         (velocity, rows)
+    } else if bent_motion::applies(&axis, excitation) {
+        bent_motion::differentiate(&axis, &values, excitation, highest, rows)?
     } else if axis.is_piecewise_linear() {
         slides::differentiate(&axis, &values, excitation, highest, rows)?
     } else {

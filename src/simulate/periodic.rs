@@ -317,7 +317,7 @@ impl<C: Course> Followed<'_, C> {
                 low = time_s;
             }
             let newton = time_s - excess / rate;
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
             let moved = (next - time_s).abs();
             time_s = next;
             if moved <= LAST_STEP * length_s {
@@ -409,7 +409,7 @@ impl<C: Course> Followed<'_, C> {
                 high = time_s;
             }
             let newton = time_s - value / rate;
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
             let moved = (next - time_s).abs();
             time_s = next;
             if moved <= LAST_STEP * length_s {

@@ -1,13 +1,13 @@
 //! Motion under any periodic torque.
 //!
-//! Torque τ and the steady response w of 1/(s + a) to it are computed on a
-//! uniform grid by FFT (`samples`). While the axis slides, x = w − σ/a + C·exp(−a·t): the
-//! free part shrinks by the same factor every sample, so one pass over the grid
-//! finds the cells in which the motion switches, and a bracketed Newton's
-//! method on the interpolated w finds the instant. The pass is linear in
-//! samples and in switches. Periods follow one another from rest; the state at
-//! their start converges by Newton's method on the return map, whose slope the
-//! pass gives along the way.
+//! Torque τ and the steady response w of 1/(s + a) to it come in cells
+//! ([`Course`]): of a general input by FFT on a uniform grid (`samples`), of a bent
+//! cosine in closed form. While the axis slides, x = w − σ/a + C·exp(−a·t), so one
+//! pass over the cells finds those in which the motion switches, and a bracketed
+//! Newton's method on x finds the instant. The pass is linear in cells and in
+//! switches. Periods follow one another from rest; the state at their start
+//! converges by Newton's method on the return map, whose slope the pass gives
+//! along the way.
 
 use crate::measurement::Complex;
 use crate::plant::{Friction, Plant};
@@ -17,7 +17,7 @@ use super::excitation::{Excitation, Grid};
 use super::orbit::{Motion, Orbit, Phase};
 use super::samples::{Samples, quintic_at};
 use super::spectrum::sliding_friction;
-use super::wave::root;
+use super::wave::{bisect, root};
 
 /// Periods after which a motion from rest counts as not periodic.
 const MOST_PERIODS: usize = 400;
@@ -424,17 +424,4 @@ impl<C: Course> Followed<'_, C> {
         };
         Some((time_s, next))
     }
-}
-
-/// The end of the stretch from `low` on which `holds`; it fails at `high`.
-fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if holds(middle) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
 }

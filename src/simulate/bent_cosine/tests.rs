@@ -1,6 +1,7 @@
 use super::*;
 use crate::effects::{ActiveEffect, enter_values, find};
 use crate::plant::{Friction, Plant};
+use crate::simulate::spectrum::weight;
 
 fn bent(actuator: Actuator, omega: f64) -> BentCosine<f64> {
     let plant = Plant {

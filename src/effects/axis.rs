@@ -193,11 +193,15 @@ impl<S: Scalar> Axis<S> {
             && self.second_mass.is_none()
     }
 
-    /// Whether the base model's own solution holds, sensor and delay aside.
-    pub fn is_base(&self) -> bool {
+    /// Whether damping is the same in both directions.
+    pub fn damps_alike(&self) -> bool {
         // A number that may vary counts, even where it is zero at the moment.
         let alpha = self.viscous_asymmetry;
-        let varies = (0..S::LANES).any(|lane| alpha.lane(lane) != 0.0);
-        self.has_linear_input() && self.is_piecewise_linear() && alpha.value() == 0.0 && !varies
+        alpha.value() == 0.0 && (0..S::LANES).all(|lane| alpha.lane(lane) == 0.0)
+    }
+
+    /// Whether the base model's own solution holds, sensor and delay aside.
+    pub fn is_base(&self) -> bool {
+        self.has_linear_input() && self.is_piecewise_linear() && self.damps_alike()
     }
 }

@@ -220,7 +220,7 @@ impl Normalised {
                 high = end;
             }
             let newton = end - z / (cos - level - self.alpha * z);
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
             let step = (next - end).abs();
             end = next;
             if step < 1e-15 * end.abs().max(1.0) || high - low < 1e-15 * end.abs().max(1.0) {

@@ -115,7 +115,7 @@ fn linear<S: Scalar>(actuator: &Actuator<S>, excitation: &Excitation, grid: &Gri
 }
 
 /// A(jω).
-fn response<S: Scalar>(actuator: &Actuator<S>, omega: f64) -> Pair<S> {
+pub(super) fn response<S: Scalar>(actuator: &Actuator<S>, omega: f64) -> Pair<S> {
     let one = S::constant(1.0);
     match *actuator {
         Actuator::Direct => Pair::real(one),
@@ -167,14 +167,15 @@ fn crossings<S: Scalar>(cell: &Cell<S>, level: f64) -> Vec<f64> {
 }
 
 /// A first-order mode η' = λη + u of the actuator, and what it adds to τ.
-struct Mode<S> {
-    rate: Pair<S>,
-    residue: Pair<S>,
+#[derive(Clone, Copy)]
+pub(super) struct Mode<S> {
+    pub rate: Pair<S>,
+    pub residue: Pair<S>,
     /// 2 where its conjugate adds the same.
-    count: f64,
+    pub count: f64,
 }
 
-fn modes<S: Scalar>(actuator: &Actuator<S>) -> Vec<Mode<S>> {
+pub(super) fn modes<S: Scalar>(actuator: &Actuator<S>) -> Vec<Mode<S>> {
     match *actuator {
         Actuator::Direct => vec![],
         Actuator::FirstOrder { corner_rad_s: p } => {

@@ -9,11 +9,13 @@
 //! motion, never a smoothed sign. The actuator is linear and upstream of the
 //! friction: its steady state is closed form and every order costs the same.
 //!
-//! With effects ([`crate::effects`]) one of three ways is taken:
+//! With effects ([`crate::effects`]) one of four ways is taken:
 //!
 //! - Levels that change, delays and sensor lags leave the base model's motion:
 //!   other numbers go in, and every harmonic takes a factor (`sensor`).
-//! - An input that is bent (`drive`, `rate_limit`) becomes a wave of quintics
+//! - A cosine bent by static maps stays closed form behind the actuator
+//!   (`bent_cosine`), and so does the motion between its instants (`bent`).
+//! - Any other input that is bent (`drive`, `rate_limit`) becomes a wave of quintics
 //!   (`wave`); damping may depend on the direction. Slides are still exact for each
 //!   quintic (`relaxation`, `switching`), and `slides` closes them to a period.
 //! - Everything else goes to `hybrid`: exact steps where the equations are affine,
@@ -23,6 +25,8 @@
 //! gives the derivatives by every number of the axis, and by the state at the
 //! beginning of the period, which Newton's method needs to close it (`shooting`).
 
+mod bent;
+mod bent_cosine;
 mod cosine;
 mod drive;
 mod excitation;
@@ -99,6 +103,8 @@ pub fn respond(
     let mut velocity = if axis.is_base() {
         let settled = settle(&axis, excitation)?;
         spectrum::velocity(&settled, highest)
+    } else if bent::applies(&axis, excitation) {
+        bent::respond(&axis, excitation, highest)?
     } else if axis.is_piecewise_linear() {
         slides::respond(&axis, excitation, highest)?
     } else {
@@ -135,6 +141,8 @@ pub fn respond_with_sensitivities(
         let by_number = sensitivity::along(&settled, &velocity, &directions);
         let rows = sensitivity::by_lane(&axis, &velocity, &by_number, rows);
         (velocity, rows)
+    } else if bent::applies(&axis, excitation) {
+        bent::differentiate(&axis, &values, excitation, highest, rows)?
     } else if axis.is_piecewise_linear() {
         slides::differentiate(&axis, &values, excitation, highest, rows)?
     } else {

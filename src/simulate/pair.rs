@@ -49,6 +49,10 @@ impl<S: Scalar> Pair<S> {
         Self { re: self.re * factor, im: self.im * factor }
     }
 
+    pub fn conj(self) -> Self {
+        Self { re: self.re, im: -self.im }
+    }
+
     pub fn inverse(self) -> Self {
         let size = self.re * self.re + self.im * self.im;
         Self { re: self.re / size, im: -self.im / size }

@@ -188,7 +188,10 @@ pub(super) const GAUSS_5: [(f64, f64); 5] = [
 ];
 
 /// A span of time as one or two spans within [0, period].
-fn within_period((start, end): (f64, f64), period_s: f64) -> impl Iterator<Item = (f64, f64)> {
+pub(super) fn within_period(
+    (start, end): (f64, f64),
+    period_s: f64,
+) -> impl Iterator<Item = (f64, f64)> {
     let (first, rest) = if end > period_s {
         ((start, period_s), Some((0.0, end - period_s)))
     } else {

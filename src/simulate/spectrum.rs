@@ -5,7 +5,7 @@
 //! integral over phases in which f is either constant or equal to τ.
 
 use crate::measurement::Complex;
-use crate::plant::Friction;
+use crate::plant::{Friction, Scalar};
 
 use super::Settled;
 use super::orbit::{Motion, Orbit};
@@ -39,7 +39,7 @@ pub(super) fn weight(k: usize, period_s: f64) -> f64 {
 }
 
 /// Friction while sliding; what it is at rest the torque decides.
-pub(super) fn sliding_friction(friction: &Friction, motion: Motion) -> Option<f64> {
+pub(super) fn sliding_friction<S: Scalar>(friction: &Friction<S>, motion: Motion) -> Option<S> {
     match motion {
         Motion::Forward => Some(friction.fc_plus),
         Motion::Backward => Some(-friction.fc_minus),

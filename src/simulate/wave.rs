@@ -163,7 +163,7 @@ pub(super) fn root(
             low = u
         }
         let newton = u - value / slope(u);
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
         let moved = (next - u).abs();
         u = next;
         if moved <= 1e-13 {

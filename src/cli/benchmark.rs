@@ -195,7 +195,7 @@ impl Watch {
         self.bar.set_message(format!("{missed} missed; {case}"));
         // The bar draws on terminals only.
         let stride = (self.total / 50).max(1);
-        if self.bar.is_hidden() && (done % stride == 0 || done == self.total) {
+        if self.bar.is_hidden() && (done.is_multiple_of(stride) || done == self.total) {
             eprintln!("{done} of {} draws, {missed} missed; {case}", self.total);
         }
     }

@@ -16,10 +16,15 @@ use crate::benchmark::responses::Responses;
 use crate::benchmark::simulator::{Effect, Settings};
 use crate::diagnose::DiagnoseError;
 use crate::measurement::Measurement;
+use crate::observer::Observer;
 use crate::plant::{Actuator, Plant};
 
 /// Machines and shapes tried before a draw is given up.
-const MOST_ATTEMPTS: usize = 40;
+const MOST_ATTEMPTS: usize = 24;
+/// Of them, those for the excess that was drawn first: one that is hard to reach must not
+/// become rare, and one out of reach (of a bristle softer than can be simulated) must not
+/// empty the draw.
+const SAME_TARGET: usize = 6;
 /// What must remain of an outsider however the library imitates it.
 const NOT_IMITATED: f64 = 60.0;
 /// Repeats where a measurement carries them.
@@ -55,6 +60,9 @@ pub struct Made {
 /// Why a draw was not made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MakeError {
+    /// The observer asked to stop.
+    #[error("cancelled")]
+    Cancelled,
     /// No attempt met the conditions.
     #[error("none of {MOST_ATTEMPTS} machines and shapes has the wanted excess")]
     Unreachable,
@@ -72,15 +80,21 @@ pub enum MakeError {
     Draw(#[from] DrawError),
 }
 
-/// Draws a case; everything random follows from `base_seed` and the case's key.
+/// Draws a case; everything random follows from `base_seed` and the case's key. The observer
+/// is asked before every attempt whether to go on.
 ///
 /// # Errors
 /// See [`MakeError`].
-pub fn make(case: &Case, base_seed: u64) -> Result<Made, MakeError> {
+pub fn make(case: &Case, base_seed: u64, observer: &dyn Observer) -> Result<Made, MakeError> {
     let rng = &mut case.rng(base_seed);
-    // Drawn once: a target that is hard to reach must not become rare.
-    let targets = [(); 2].map(|()| log_uniform(DETECTABLE, most_excess(case.level_db), rng));
+    let mut targets = targets(case, rng);
     for attempt in 1..=MOST_ATTEMPTS {
+        if observer.cancelled() {
+            return Err(MakeError::Cancelled);
+        }
+        if attempt > SAME_TARGET {
+            targets = self::targets(case, rng);
+        }
         let mut machine = draw(case.order, rng.random());
         let Some(effects) = effects(case, &machine, targets, attempt, rng) else { continue };
         machine.effects = effects;
@@ -105,6 +119,11 @@ pub fn make(case: &Case, base_seed: u64) -> Result<Made, MakeError> {
         });
     }
     Err(MakeError::Unreachable)
+}
+
+/// Excesses to reach, one for each effect that may be hidden.
+fn targets(case: &Case, rng: &mut ChaCha8Rng) -> [f64; 2] {
+    [(); 2].map(|()| log_uniform(DETECTABLE, most_excess(case.level_db), rng))
 }
 
 /// Largest excess that is drawn at a noise level.

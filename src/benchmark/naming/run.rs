@@ -52,7 +52,7 @@ pub struct Unmade {
 /// Where the draw cannot be made.
 pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Result<Run, Unmade> {
     let began = Instant::now();
-    let made = make(case, settings.seed)
+    let made = make(case, settings.seed, observer)
         .map_err(|error| Unmade { key: case.to_string(), reason: error.to_string() })?;
     let data = began.elapsed().as_secs_f64();
     let given = PlantRequest { actuator_order: case.order };

@@ -6,7 +6,7 @@
 //! | `stribeck` | r − 1 | 2 |
 //! | `viscous_asymmetry` | α | ± 0.9 |
 //! | `quadratic_drag` | c | c·V² = 3 m |
-//! | `presliding` | 1/σ | σ = F/X; no stiffer than 10⁴ F/X |
+//! | `presliding` | 1/σ | σ = F/X; no stiffer than 10³ F/X |
 //! | `friction_drift` | δ | ± 0.9 |
 //! | `backlash`, `flexible_mode` | ρ, at the same resonance, damping ratio and gap | 0.85 |
 //! | `spring` | k | K·k = a² |
@@ -31,7 +31,7 @@ use crate::benchmark::draw::Draw;
 use crate::benchmark::simulator::{Effect, Outsider};
 
 /// Stiffest bristle, in F/X: the time to step through its period grows with it.
-const STIFFEST_BRISTLE: f64 = 1e4;
+const STIFFEST_BRISTLE: f64 = 1e3;
 
 /// Scales of a machine and its design.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,12 +3,10 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
 
-use super::simulator::{Effect, Machine, Settings, SimulatorError, respond};
-use crate::measurement::{
-    Complex, Experiment, Harmonic, InvalidMeasurement, Measurement, Metadata, Repeat,
-};
+use super::responses::Responses;
+use super::simulator::{Effect, Settings, SimulatorError};
+use crate::measurement::{Complex, Harmonic, InvalidMeasurement, Measurement, Repeat};
 use crate::plant::{Actuator, Friction, Plant};
 
 /// Frequencies of a drawn design, at each of three magnitudes.
@@ -133,44 +131,12 @@ pub fn draw(actuator_order: u8, seed: u64) -> Draw {
 /// # Errors
 /// See [`DrawError`].
 pub fn measure(draw: &Draw, seed: u64) -> Result<Measurement, DrawError> {
-    let machine = Machine { plant: draw.plant, effects: &draw.effects };
-    let last_run = draw.design.len().saturating_sub(1).max(1);
-    let simulate = |(run, &(magnitude, omega_rad_s)): (usize, &(f64, f64))| {
-        let share = run as f64 / last_run as f64;
-        let (input, settings) = (cosine(magnitude), Settings::default());
-        match respond(&machine, share, omega_rad_s, &input, draw.harmonics, &settings) {
-            Ok(response) => Ok(Some((run, response))),
-            Err(SimulatorError::NotPeriodic { .. }) => Ok(None),
-            Err(source) => Err(DrawError::Simulator { magnitude, omega_rad_s, source }),
-        }
-    };
-    let points = draw.design.par_iter().enumerate().map(simulate).collect::<Result<Vec<_>, _>>()?;
-    let (runs, responses): (Vec<usize>, Vec<Vec<Complex>>) = points.into_iter().flatten().unzip();
-    let std = match draw.noise_db {
-        Some(noise_db) => Some(noise_std(&responses, noise_db).ok_or(DrawError::Still)?),
-        None => None,
-    };
+    let responses = Responses::simulate(draw, &Settings::default())?;
     let rng = &mut ChaCha8Rng::seed_from_u64(seed);
-    let experiments = runs
-        .into_iter()
-        .zip(responses)
-        .map(|(run, exact)| {
-            let (magnitude, omega_rad_s) = draw.design[run];
-            let (response, repeats) = observe(&exact, std, draw.noise_statement, rng);
-            Experiment {
-                magnitude,
-                omega_rad_s,
-                input: cosine(magnitude),
-                input_mean_measured: false,
-                response,
-                run: Some(run as f64),
-                repeats,
-                from_record: false,
-            }
-        })
-        .collect();
-    // No bytes were read, so there is nothing to take a digest of.
-    Ok(Measurement::new(Metadata::default(), experiments, Vec::new(), String::new())?)
+    match draw.noise_db {
+        Some(noise_db) => responses.noisy(noise_db, draw.noise_statement, rng),
+        None => responses.exact(None),
+    }
 }
 
 /// What is measured of a response: its harmonics and the deviations of the repeats.
@@ -227,10 +193,6 @@ pub(crate) fn noise_std(responses: &[Vec<Complex>], noise_db: f64) -> Option<f64
         _ => 0.5 * (fundamentals[middle - 1] + fundamentals[middle]),
     };
     (median > 0.0).then(|| median * 10.0_f64.powf(-noise_db / 20.0))
-}
-
-fn cosine(magnitude: f64) -> Vec<Complex> {
-    vec![Complex::new(0.0, 0.0), Complex::new(magnitude, 0.0)]
 }
 
 pub(super) fn log_uniform(low: f64, high: f64, rng: &mut ChaCha8Rng) -> f64 {

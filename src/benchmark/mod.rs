@@ -8,4 +8,6 @@
 
 pub mod draw;
 pub mod hidden;
+pub mod naming;
+pub mod responses;
 pub mod simulator;

@@ -1,6 +1,7 @@
 //! The command line: the same questions as over HTTP, asked offline, and the
 //! server itself. One file a subcommand.
 
+mod benchmark;
 mod computation;
 mod diagnose;
 mod failure;
@@ -32,6 +33,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Hides effects in drawn machines, diagnoses them and scores what is named.
+    Benchmark(benchmark::Args),
     /// Says where the base model departs from a measurement.
     Diagnose(diagnose::Args),
     /// Fits the base model to a measurement.
@@ -52,6 +55,10 @@ pub fn main() -> ExitCode {
     // Ends the process itself: with 2 for bad usage, 0 for help.
     let cli = Cli::parse();
     let done = match cli.command {
+        Command::Benchmark(args) => {
+            logging::start("warn", cli.verbose);
+            benchmark::run(&args)
+        }
         Command::Diagnose(args) => {
             logging::start("warn", cli.verbose);
             diagnose::run(&args)

@@ -11,6 +11,7 @@ mod layers;
 mod limits;
 mod machines;
 mod measurements;
+mod naming;
 mod openapi;
 mod process;
 mod readme;

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use rustfft::FftPlanner;
 
 use super::effect::Effect;
+use super::outsider::Outsider;
 use super::slew::slew_limited;
 use crate::measurement::Complex;
 
@@ -130,16 +131,19 @@ struct Shape {
     half_width: f64,
     gamma: f64,
     limit: f64,
+    /// Whole steps that the input is rounded to, instead of all the others.
+    step: Option<f64>,
 }
 
 impl Shape {
     fn of(effects: &[Effect]) -> Self {
-        let mut shape = Self { half_width: 0.0, gamma: 0.0, limit: f64::INFINITY };
+        let mut shape = Self { half_width: 0.0, gamma: 0.0, limit: f64::INFINITY, step: None };
         for effect in effects {
             match *effect {
                 Effect::ActuatorDeadZone { half_width } => shape.half_width = half_width,
                 Effect::GainAsymmetry { gamma } => shape.gamma = gamma,
                 Effect::ActuatorSaturation { limit } => shape.limit = limit,
+                Effect::Outside(Outsider::InputQuantisation { step }) => shape.step = Some(step),
                 _ => {}
             }
         }
@@ -148,6 +152,9 @@ impl Shape {
 
     /// Offset and gain where the input is u.
     fn line(&self, u: f64) -> (f64, f64) {
+        if let Some(step) = self.step {
+            return (step * (u / step).round(), 0.0);
+        }
         if self.half_width > 0.0 && u.abs() <= self.half_width {
             return (0.0, 0.0);
         }
@@ -161,8 +168,12 @@ impl Shape {
         }
     }
 
-    /// Values of u at which the line changes.
-    fn levels(&self) -> Vec<f64> {
+    /// Values of u, up to a size of `largest`, at which the line changes.
+    fn levels(&self, largest: f64) -> Vec<f64> {
+        if let Some(step) = self.step {
+            let most = (largest / step).floor() as i64;
+            return (-most - 1..=most).map(|n| (n as f64 + 0.5) * step).collect();
+        }
         let mut levels = Vec::new();
         if self.half_width > 0.0 {
             levels.extend([-self.half_width, self.half_width]);
@@ -179,7 +190,7 @@ impl Shape {
 
     fn stretches(&self, input: &Input) -> Vec<Stretch> {
         let period_s = input.period_s();
-        let levels = self.levels();
+        let levels = self.levels(input.lines.iter().map(|line| line.norm()).sum());
         let mut bounds_s = vec![0.0];
         if !levels.is_empty() {
             let looks = (period_s / input.look_s()).round() as usize;

@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
-/// One effect with its parameters. Torques and levels are in input units.
+use super::outsider::Outsider;
+
+/// One effect with its parameters, by its id among those that a diagnosis may name, or
+/// outside of them. Torques and levels are in input units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effect {
     /// Static levels above the Coulomb levels, at v = 0 only. Without effect beside
@@ -115,6 +118,8 @@ pub enum Effect {
         /// Rate > 0, input units per second.
         rate: f64,
     },
+    /// Physics that is not to be named.
+    Outside(Outsider),
 }
 
 /// Why a name and parameters make no effect.
@@ -241,11 +246,17 @@ fn known_parameters(id: &str) -> String {
 impl Effect {
     /// The id under which the effect is known everywhere.
     pub fn id(&self) -> &'static str {
-        KNOWN[self.place().0].0
+        match self {
+            Self::Outside(outsider) => outsider.id(),
+            named => KNOWN[named.place().0].0,
+        }
     }
 
     /// Names and values of the parameters.
     pub fn parameters(&self) -> Vec<(&'static str, f64)> {
+        if let Self::Outside(outsider) = self {
+            return outsider.parameters();
+        }
         let (place, values) = self.place();
         KNOWN[place].1.iter().map(|(name, _)| *name).zip(values).collect()
     }
@@ -280,6 +291,12 @@ impl Effect {
     /// # Errors
     /// [`EffectError::Unusable`] names the first value that none has.
     pub fn check(&self) -> Result<(), EffectError> {
+        if let Self::Outside(outsider) = self {
+            return outsider.unusable().map_or(Ok(()), |(parameter, value, requirement)| {
+                let id = outsider.id();
+                Err(EffectError::Unusable { id, parameter, value, requirement })
+            });
+        }
         let (place, values) = self.place();
         let (id, known) = KNOWN[place];
         match known.iter().zip(values).find(|((_, range), value)| !range.holds(*value)) {
@@ -354,6 +371,7 @@ impl Effect {
             Self::ActuatorDeadZone { half_width } => (14, vec![half_width]),
             Self::GainAsymmetry { gamma } => (15, vec![gamma]),
             Self::SlewLimit { rate } => (16, vec![rate]),
+            Self::Outside(_) => unreachable!("its callers ask the outsider itself"),
         }
     }
 }

@@ -16,14 +16,19 @@ impl FourierSeries {
         Self { omega_rad_s, elapsed_s: 0.0, integrals }
     }
 
-    /// Simpson's rule.
-    pub(super) fn add<const N: usize>(&mut self, piece: &Piece<N>, state: usize) {
+    /// Simpson's rule, of what is read of a state.
+    pub(super) fn add<const N: usize>(
+        &mut self,
+        piece: &Piece<N>,
+        state: usize,
+        reading: impl Fn(f64) -> f64,
+    ) {
         let duration_s = piece.to_s - piece.from_s;
         let weight = duration_s / 6.0;
         for (value, time_s) in [
-            (weight * piece.start[state], piece.from_s),
-            (4.0 * weight * piece.middle(state), 0.5 * (piece.from_s + piece.to_s)),
-            (weight * piece.end[state], piece.to_s),
+            (weight * reading(piece.start[state]), piece.from_s),
+            (4.0 * weight * reading(piece.middle(state)), 0.5 * (piece.from_s + piece.to_s)),
+            (weight * reading(piece.end[state]), piece.to_s),
         ] {
             let turn = Complex::from_polar(1.0, -self.omega_rad_s * time_s);
             let mut phasor = Complex::new(value, 0.0);

@@ -14,6 +14,7 @@
 
 use super::effect::Effect;
 use super::friction::DryFriction;
+use super::outsider::{OutsideMechanics, Outsider};
 use crate::plant::Plant;
 
 /// Index of v, response units: the first state of every machine.
@@ -80,6 +81,7 @@ pub(super) struct Mechanics {
     joint: Option<Joint>,
     /// b, input units.
     constant_torque: f64,
+    outside: Option<OutsideMechanics>,
     /// Index of θ.
     position: Option<usize>,
     /// Index of z, and σ.
@@ -93,6 +95,7 @@ impl Mechanics {
         let (mut alpha, mut drag) = (0.0, 0.0);
         let (mut stiffness, mut cubic_stiffness) = (0.0, 0.0);
         let (mut cogging, mut joint, mut has_position) = (None, None, false);
+        let mut viscous_factor = 1.0;
         for effect in effects {
             match *effect {
                 Effect::ViscousAsymmetry { alpha: asymmetry } => alpha = asymmetry,
@@ -116,6 +119,9 @@ impl Mechanics {
                 Effect::FlexibleMode { load_inertia_fraction, stiffness, damping } => {
                     joint = Some((load_inertia_fraction, stiffness, damping, 0.0));
                 }
+                Effect::Outside(Outsider::ViscousDrift { delta }) => {
+                    viscous_factor = 1.0 + delta * run_share;
+                }
                 _ => {}
             }
         }
@@ -134,7 +140,12 @@ impl Mechanics {
             twist: place(2),
         });
         let motor_fraction = 1.0 - joint.map_or(0.0, |joint| joint.load_fraction);
-        let a = plant.viscous_rate_rad_s / motor_fraction;
+        let a = viscous_factor * plant.viscous_rate_rad_s / motor_fraction;
+        let outsiders = effects.iter().filter_map(|effect| match effect {
+            Effect::Outside(outsider) => Some(*outsider),
+            _ => None,
+        });
+        let outside = OutsideMechanics::of(outsiders, plant.viscous_rate_rad_s / plant.constant);
         Self {
             viscous_rate_rad_s: [a * (1.0 + alpha), a * (1.0 - alpha)],
             constant: plant.constant / motor_fraction,
@@ -146,6 +157,7 @@ impl Mechanics {
             cogging,
             joint,
             constant_torque: 0.0,
+            outside,
             position,
             bristle,
             states,
@@ -203,6 +215,9 @@ impl Mechanics {
         let lowest = self.friction.levels.fc_plus.min(self.friction.levels.fc_minus);
         let mut fastest = self.viscous_rate_rad_s[0].max(self.viscous_rate_rad_s[1])
             + 2.0 * self.constant * self.drag * speed;
+        if let Some(outside) = self.outside {
+            fastest += self.constant * outside.steepest(speed);
+        }
         let mut elastic =
             |stiffness: f64| fastest = fastest.max((self.constant * stiffness).sqrt());
         // A cubic spring is at its stiffest where the speed takes it within its own period:
@@ -280,7 +295,13 @@ impl Mechanics {
                 }
                 _ => direction * self.friction.kinetic(direction, v),
             };
-            let drag = direction * self.drag * v * v;
+            let mut drag = direction * self.drag * v * v;
+            let (mut torque, mut friction) = (torque, friction);
+            if let Some(outside) = self.outside {
+                drag += outside.drag(v);
+                friction *= outside.friction_factor(torque);
+                torque = outside.torque(torque, v);
+            }
             let driving = self.net_torque(mode.contact, torque, &state) - friction - drag;
             slope[VELOCITY] = self.constant * driving - rate * v;
         }
@@ -335,9 +356,10 @@ impl Mechanics {
         if let Some((bristle, sigma)) = self.bristle {
             return Motion::Sliding(if net < sigma * state[bristle] { -1.0 } else { 1.0 });
         }
-        if net > self.friction.levels.fs_plus {
+        let factor = self.outside.map_or(1.0, |outside| outside.friction_factor(torque));
+        if net > factor * self.friction.levels.fs_plus {
             Motion::Sliding(1.0)
-        } else if net < -self.friction.levels.fs_minus {
+        } else if net < -factor * self.friction.levels.fs_minus {
             Motion::Sliding(-1.0)
         } else {
             Motion::Stuck

@@ -7,7 +7,8 @@
 //!       └────── drive ──────┘    └─ mechanics, friction ─┘
 //! ```
 //!
-//! - `effect`: the effects and their parameters by name.
+//! - `effect`: the effects and their parameters by name; `outsider`: physics that no
+//!   diagnosis has a name for.
 //! - `chain`, `slew`: delay, dead zone, gain asymmetry, saturation and slew limit turn the
 //!   input into stretches without a kink.
 //! - `drive`: nothing of the axis acts back on its actuator, so the torque τ(t) is
@@ -34,6 +35,7 @@ mod floating;
 mod fourier;
 mod friction;
 mod mechanics;
+mod outsider;
 mod shooting;
 mod slew;
 mod stepping;
@@ -49,6 +51,7 @@ pub use effect::{Effect, EffectError};
 use floating::float;
 use fourier::FourierSeries;
 use mechanics::{Mechanics, VELOCITY};
+pub use outsider::Outsider;
 use shooting::{Cycle, Search, settle};
 use stepping::Axis;
 
@@ -163,7 +166,9 @@ pub fn respond(
     let speed = linear_speed(plant, omega_rad_s, input);
     let fastest_rad_s = mechanics.fastest_rad_s(speed).max(actuator_rate_rad_s(&plant.actuator));
     let steps = steps_per_period(fastest_rad_s, omega_rad_s, input, settings)?;
-    let command = Command::periodic(effects, omega_rad_s, input);
+    let gain = gain(effects, run_share);
+    let input: Vec<Complex> = input.iter().map(|line| gain * line).collect();
+    let command = Command::periodic(effects, omega_rad_s, &input);
     let longest_step_s = command.period_s() / steps as f64;
     let drive = Drive::periodic(&plant.actuator, &command, longest_step_s);
     let solve = match mechanics.states() {
@@ -173,8 +178,9 @@ pub fn respond(
         4 => periodic_harmonics::<4>,
         _ => periodic_harmonics::<5>,
     };
-    let mut velocity =
-        solve(&mechanics, &drive, omega_rad_s, harmonics, &Search { settings, speed })?;
+    let search = Search { settings, speed };
+    let compression = compression(effects);
+    let mut velocity = solve(&mechanics, &drive, omega_rad_s, harmonics, compression, &search)?;
     for effect in *effects {
         if let Effect::SensorLag { time_constant } = effect {
             for (k, line) in velocity.iter_mut().enumerate() {
@@ -191,6 +197,7 @@ fn periodic_harmonics<const N: usize>(
     drive: &Drive,
     omega_rad_s: f64,
     harmonics: usize,
+    compression: f64,
     search: &Search,
 ) -> Result<Vec<Complex>, SimulatorError> {
     let at_rest = vec![Complex::new(0.0, 0.0); harmonics + 1];
@@ -220,8 +227,29 @@ fn periodic_harmonics<const N: usize>(
         let Some(state) = settle(&run, &float, [0.0; N], search)? else { return Ok(at_rest) };
         (mechanics, state)
     };
-    Axis::new(mechanics, drive, state).run_period(&mut |piece| series.add(piece, VELOCITY));
+    // Without compression the reading is v to the last bit: v/√1.
+    let reading = |v: f64| v / (1.0 + (compression * v).powi(2)).sqrt();
+    let mut axis = Axis::new(mechanics, drive, state);
+    axis.run_period(&mut |piece| series.add(piece, VELOCITY, reading));
     Ok(series.harmonics())
+}
+
+/// Factor of the command at this share of the run.
+fn gain(effects: &[Effect], run_share: f64) -> f64 {
+    let drift = |effect: &Effect| match effect {
+        Effect::Outside(Outsider::GainDrift { delta }) => Some(1.0 + delta * run_share),
+        _ => None,
+    };
+    effects.iter().find_map(drift).unwrap_or(1.0)
+}
+
+/// e of a sensor that reads v/√(1 + (e·v)²).
+fn compression(effects: &[Effect]) -> f64 {
+    let sensor = |effect: &Effect| match effect {
+        Effect::Outside(Outsider::SensorCompression { e }) => Some(*e),
+        _ => None,
+    };
+    effects.iter().find_map(sensor).unwrap_or(0.0)
 }
 
 /// A velocity that the axis does not exceed without friction.

@@ -212,8 +212,8 @@ fn cogging_holds_the_means_of_velocity_and_position_at_zero() {
     let mut series = [FourierSeries::new(1, omega), FourierSeries::new(1, omega)];
     let mut axis = Axis::new(&mechanics, &drive, held.state);
     axis.run_period(&mut |piece| {
-        series[0].add(piece, 0);
-        series[1].add(piece, 1);
+        series[0].add(piece, 0, |v| v);
+        series[1].add(piece, 1, |v| v);
     });
     let [velocity, position] = series.map(|series| series.harmonics());
     // The tolerance on transients, a few times over.

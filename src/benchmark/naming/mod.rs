@@ -1,0 +1,36 @@
+//! The benchmark of naming: hides effects in drawn machines, asks for a diagnosis through the
+//! public interface, and scores what it names.
+//!
+//! - `case`: what a draw is, and the key from which it is drawn again.
+//! - `size`, `excess`: how much of an effect there is, and how much it shows: sizes are
+//!   searched until the base model's excess χ² is the one wanted.
+//! - `outsiders`, `rivals`: what the library does not have, and how well a single effect of
+//!   it would explain a response all the same.
+//! - `make`: a machine, what is hidden in it, and its measurement.
+//! - `judge`: one answer against the truth. `rate`, `summary`, `text`: all of them.
+//! - `run`: many draws at once.
+
+mod case;
+mod excess;
+#[cfg(test)]
+mod fixtures;
+mod judge;
+mod make;
+mod outsiders;
+mod rate;
+mod rivals;
+mod run;
+mod size;
+mod summary;
+mod text;
+
+pub use case::{Case, Kind, Plan, known_effect};
+pub use excess::{DETECTABLE, base_excess};
+pub use judge::{Answer, Estimated, Named, Outcome, Seconds};
+pub use make::{Hidden, Made, MakeError, make};
+pub use outsiders::{OUTSIDERS, draw_outsider};
+pub use rate::Rate;
+pub use rivals::Rivals;
+pub use run::{Run, Settings, Unmade, run_all, run_case};
+pub use summary::{ConfidenceBin, Confusion, EffectRates, Line, NONE, Summary, Times, Wanted};
+pub use text::{case_text, misses_text, summary_text};

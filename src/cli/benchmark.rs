@@ -1,0 +1,253 @@
+//! `servoscope benchmark`
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use crate::benchmark::hidden::IDS;
+use crate::benchmark::naming::{
+    Case, Kind, Outcome, Plan, Settings, Summary, Unmade, case_text, known_effect, misses_text,
+    run_all, run_case, summary_text,
+};
+use crate::observer::Observer;
+use crate::report;
+
+use super::{Failure, interrupt};
+
+/// Arguments of `benchmark`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Single draws of each effect at each level.
+    #[arg(long, value_name = "N", default_value_t = Plan::default().singles)]
+    draws: u32,
+    /// Draws in which nothing is hidden, at all levels together.
+    #[arg(long, value_name = "N", default_value_t = Plan::default().clean)]
+    clean: u32,
+    /// Pairs of effects at each level above 40 dB.
+    #[arg(long, value_name = "N", default_value_t = Plan::default().pairs)]
+    pairs: u32,
+    /// Draws with something that the library does not have, at the quietest level.
+    #[arg(long, value_name = "N", default_value_t = Plan::default().outsiders)]
+    outsiders: u32,
+    /// Noise levels: 60, 50 or 40 dB.
+    #[arg(long, value_name = "DB,…", value_delimiter = ',', default_values_t = [60, 50, 40])]
+    #[arg(value_parser = clap::value_parser!(u32).range(20..=100))]
+    levels: Vec<u32>,
+    /// Effects of the single draws [default: all].
+    #[arg(long, value_name = "ID,…", value_delimiter = ',', value_parser = known_effect)]
+    effects: Vec<&'static str>,
+    /// Kinds of draw: single, clean, pair, outsider [default: all].
+    #[arg(long, value_name = "KIND,…", value_delimiter = ',')]
+    kinds: Vec<Kind>,
+    /// Orders of the actuator, taken in turn.
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [0, 1, 2])]
+    #[arg(value_parser = clap::value_parser!(u8).range(0..=2))]
+    orders: Vec<u8>,
+    /// Seed of every draw.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Leaves the actuator's order to the data instead of giving the true one.
+    #[arg(long)]
+    order_from_data: bool,
+    /// Draws at once, each with its share of the cores [default: one a core].
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Writes every draw with its truth and its answer to a file.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Runs one draw by its key and prints the whole diagnosis.
+    #[arg(long, value_name = "KEY")]
+    case: Option<Case>,
+}
+
+/// What is written with `--json`.
+#[derive(Serialize)]
+struct File<'a> {
+    software_version: &'static str,
+    command: String,
+    summary: &'a Summary,
+    draws: &'a [Outcome],
+    unmade: &'a [Unmade],
+}
+
+impl Args {
+    fn plan(&self) -> Plan {
+        let or_all =
+            |given: &[&'static str]| if given.is_empty() { IDS.to_vec() } else { given.to_vec() };
+        Plan {
+            kinds: if self.kinds.is_empty() { Kind::ALL.to_vec() } else { self.kinds.clone() },
+            levels_db: self.levels.clone(),
+            orders: self.orders.clone(),
+            effects: or_all(&self.effects),
+            singles: self.draws,
+            clean: self.clean,
+            pairs: self.pairs,
+            outsiders: self.outsiders,
+        }
+    }
+
+    fn settings(&self) -> Settings {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let jobs = self.jobs.unwrap_or(threads);
+        Settings { seed: self.seed, order_from_data: self.order_from_data, jobs, threads }
+    }
+
+    /// What repeats a draw of this run, but for its key.
+    fn command(&self) -> String {
+        let order = if self.order_from_data { " --order-from-data" } else { "" };
+        format!("servoscope benchmark --seed {}{order}", self.seed)
+    }
+}
+
+/// Runs the draws and prints what they come to.
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(case) = &args.case {
+        return one(case, args);
+    }
+    let cases = args.plan().cases();
+    if cases.is_empty() {
+        return Err(Failure::Input("no draw is left of these kinds, levels and numbers".into()));
+    }
+    let watch = Watch::new(cases.len());
+    let done = |case: &Case, result: &Result<Outcome, Unmade>| watch.done(case, result);
+    let results = run_all(&cases, &args.settings(), &watch, &done).map_err(Failure::other)?;
+    watch.bar.finish_and_clear();
+    let begun = results.len();
+    let (mut outcomes, mut unmade) = (Vec::new(), Vec::new());
+    for result in results {
+        match result {
+            Ok(outcome) => outcomes.push(outcome),
+            Err(reason) => unmade.push(reason),
+        }
+    }
+    let summary = Summary::of(&outcomes);
+    let command = args.command();
+    let mut text = format!("{} draws of {}, seed {}\n\n", outcomes.len(), cases.len(), args.seed);
+    text.push_str(&summary_text(&summary));
+    text.push_str(&misses_text(&outcomes, &unmade, &command));
+    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)?;
+    if let Some(path) = &args.json {
+        let software_version = env!("CARGO_PKG_VERSION");
+        let (draws, unmade) = (&outcomes, &unmade);
+        let file = File { software_version, command, summary: &summary, draws, unmade };
+        let json = serde_json::to_string_pretty(&file).map_err(Failure::other)?;
+        let failed = |error| Failure::Other(format!("{}: {error}", path.display()));
+        std::fs::write(path, json + "\n").map_err(failed)?;
+    }
+    if begun < cases.len() {
+        return Err(Failure::Other(format!("interrupted after {begun} of {} draws", cases.len())));
+    }
+    Ok(())
+}
+
+/// One draw in full.
+fn one(case: &Case, args: &Args) -> Result<(), Failure> {
+    let watch = Watch::new(1);
+    let run = run_case(case, &args.settings(), &watch);
+    watch.bar.finish_and_clear();
+    let run = run.map_err(|unmade| Failure::Other(format!("{}: {}", unmade.key, unmade.reason)))?;
+    let mut text = case_text(&run.outcome);
+    let right = if run.outcome.is_right() { "right" } else { "missed" };
+    let seconds = run.outcome.seconds;
+    text.push_str(&format!(
+        "\n  {right}; {:.2} s to make, {:.2} s to diagnose\n\n",
+        seconds.data, seconds.job
+    ));
+    if let Some(diagnosis) = &run.diagnosis {
+        text.push_str(&report::diagnosis(diagnosis));
+        if let Some(path) = &args.json {
+            let json = serde_json::to_string_pretty(diagnosis).map_err(Failure::other)?;
+            let failed = |error| Failure::Other(format!("{}: {error}", path.display()));
+            std::fs::write(path, json + "\n").map_err(failed)?;
+        }
+    }
+    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)
+}
+
+/// Shows progress and stops on an interrupt.
+struct Watch {
+    interrupted: Arc<AtomicBool>,
+    bar: ProgressBar,
+    total: usize,
+    done: AtomicUsize,
+    missed: AtomicUsize,
+}
+
+impl Watch {
+    fn new(total: usize) -> Self {
+        let style = ProgressStyle::with_template("[{bar:40}] {pos}/{len} {elapsed} of {eta} {msg}");
+        let bar = ProgressBar::new(total as u64);
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        let (done, missed) = Default::default();
+        Self { interrupted: interrupt::flag(), bar, total, done, missed }
+    }
+
+    fn done(&self, case: &Case, result: &Result<Outcome, Unmade>) {
+        let right = result.as_ref().is_ok_and(Outcome::is_right);
+        let missed = self.missed.fetch_add(usize::from(!right), Ordering::Relaxed);
+        let missed = missed + usize::from(!right);
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        self.bar.inc(1);
+        self.bar.set_message(format!("{missed} missed; {case}"));
+        // The bar draws on terminals only.
+        let stride = (self.total / 50).max(1);
+        if self.bar.is_hidden() && (done.is_multiple_of(stride) || done == self.total) {
+            eprintln!("{done} of {} draws, {missed} missed; {case}", self.total);
+        }
+    }
+}
+
+impl Observer for Watch {
+    fn cancelled(&self) -> bool {
+        self.interrupted.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    fn asked(line: &str) -> Result<Args, String> {
+        let words = std::iter::once("benchmark").chain(line.split_whitespace());
+        Line::try_parse_from(words).map(|line| line.args).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn without_arguments_it_is_the_whole_plan() {
+        assert_eq!(asked("").unwrap().plan(), Plan::default());
+    }
+
+    #[test]
+    fn kinds_levels_effects_and_orders_can_be_chosen() {
+        let line = "--kinds single,clean --levels 50 --effects spring,stribeck --orders 2 \
+                    --draws 3 --clean 4";
+        let cases = asked(line).unwrap().plan().cases();
+        assert_eq!(cases.len(), 2 * 3 + 4);
+        assert!(cases.iter().all(|case| (case.level_db, case.order) == (50, 2)));
+        assert!(asked("--effects sprng").unwrap_err().contains("hardening_spring"));
+        assert!(asked("--kinds none").unwrap_err().contains("outsider"));
+        assert!(asked("--orders 3").is_err() && asked("--case spring").is_err());
+    }
+
+    #[test]
+    fn the_command_that_repeats_a_draw_has_what_it_depends_on() {
+        let args = asked("--seed 9 --order-from-data --orders 1 --jobs 1").unwrap();
+        assert_eq!(args.command(), "servoscope benchmark --seed 9 --order-from-data");
+        let repeated = format!("{} --case clean-60-o1-0", args.command());
+        let again = asked(repeated.trim_start_matches("servoscope benchmark ")).unwrap();
+        assert_eq!(again.settings().seed, args.settings().seed);
+        assert_eq!(again.case, "clean-60-o1-0".parse().ok());
+    }
+}

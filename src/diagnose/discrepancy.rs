@@ -69,8 +69,7 @@ pub(super) fn is_noise(fit: &ModelFit, seed: u64) -> bool {
 fn is_rounding(residuals: &Residuals, share: f64) -> bool {
     let cells: Vec<&Cell> = residuals.layout.cells.iter().collect();
     let sizes = Sizes::of(residuals, &cells);
-    !residuals.scale_known
-        && sizes.is_none_or(|sizes| sizes.rms_left <= share * sizes.rms_measured)
+    !residuals.scale_known && sizes.is_none_or(|sizes| sizes.rms_left <= share * sizes.rms_measured)
 }
 
 fn wrong(patterns: &[Pattern], judgement: &Judgement) -> String {

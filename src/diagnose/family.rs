@@ -64,7 +64,8 @@ impl Family {
             })
             .collect();
         let smallest = |values: &Vec<f64>| {
-            let p_values = members.iter().zip(values).map(|((_, null), value)| null.p_value(*value));
+            let p_values =
+                members.iter().zip(values).map(|((_, null), value)| null.p_value(*value));
             // As a statistic that is large where something is wrong.
             -p_values.fold(1.0, f64::min).ln()
         };

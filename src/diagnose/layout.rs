@@ -1,7 +1,7 @@
 //! Where each residual lies: magnitude, frequency, harmonic, order of acquisition.
 
 use crate::answers::Comparison;
-use crate::identify::{ModelFit, Component};
+use crate::identify::{Component, ModelFit};
 use crate::measurement::Complex;
 
 /// Magnitudes told apart, at most; more are joined to classes.

@@ -83,9 +83,8 @@ pub fn diagnose(
         dof: fit.identification.fit.dof.max(1) as f64,
     };
     let mut search = Search::new(&workbench, observer, seed, yardstick);
-    let noise_like = |model: &Model| {
-        workbench.judge(model).is_ok_and(|fit| discrepancy::is_noise(&fit, seed))
-    };
+    let noise_like =
+        |model: &Model| workbench.judge(model).is_ok_and(|fit| discrepancy::is_noise(&fit, seed));
     let mut chosen = search.run(&mut |model| noise_like(model));
     let mut explained = discrepancy.noise_like;
     if !chosen.is_empty() {

@@ -98,7 +98,8 @@ impl<'a> Search<'a> {
         if !self.grown.insert(from.clone()) {
             return false;
         }
-        let Some(anchor) = self.visited.get(from).and_then(|v| Anchor::new(self.workbench, &v.model))
+        let Some(anchor) =
+            self.visited.get(from).and_then(|v| Anchor::new(self.workbench, &v.model))
         else {
             return false;
         };
@@ -139,15 +140,25 @@ impl<'a> Search<'a> {
         let has = |effect: &&&'static dyn Effect| {
             anchor.model.effects().iter().any(|own| own.id() == effect.id())
         };
-        let testable = |effect: &&&'static dyn Effect| {
-            self.workbench.runs_known() || !effect.needs_run()
-        };
-        let effects: Vec<&&dyn Effect> =
-            ALL.iter().filter(|e| !has(e)).filter(testable).collect();
+        let testable =
+            |effect: &&&'static dyn Effect| self.workbench.runs_known() || !effect.needs_run();
+        let effects: Vec<&&dyn Effect> = ALL.iter().filter(|e| !has(e)).filter(testable).collect();
         effects
             .into_par_iter()
             .filter(|_| !self.observer.cancelled())
-            .map(|effect| {let t=std::time::Instant::now(); let b=probes::probe(self.workbench, anchor, *effect); if std::env::var("T").is_ok(){eprintln!("probe {} {} {:.3}s",effect.id(),b.probes.len(),t.elapsed().as_secs_f64());} b})
+            .map(|effect| {
+                let t = std::time::Instant::now();
+                let b = probes::probe(self.workbench, anchor, *effect);
+                if std::env::var("T").is_ok() {
+                    eprintln!(
+                        "probe {} {} {:.3}s",
+                        effect.id(),
+                        b.probes.len(),
+                        t.elapsed().as_secs_f64()
+                    );
+                }
+                b
+            })
             .collect()
     }
 
@@ -156,7 +167,24 @@ impl<'a> Search<'a> {
     }
 
     fn fit(&self, probed: &[Probed]) -> Vec<Model> {
-        probed.par_iter().filter_map(|probed| {let t=std::time::Instant::now(); let b=self.best(&probed.probes); if std::env::var("T").is_ok(){eprintln!("fit {} {:?} {:.3}s evals {:?} cost {:?}",probed.effect.id(),probed.gain(),t.elapsed().as_secs_f64(),b.as_ref().map(|b|b.evaluations),b.as_ref().map(|b|b.cost));} b}).collect()
+        probed
+            .par_iter()
+            .filter_map(|probed| {
+                let t = std::time::Instant::now();
+                let b = self.best(&probed.probes);
+                if std::env::var("T").is_ok() {
+                    eprintln!(
+                        "fit {} {:?} {:.3}s evals {:?} cost {:?}",
+                        probed.effect.id(),
+                        probed.gain(),
+                        t.elapsed().as_secs_f64(),
+                        b.as_ref().map(|b| b.evaluations),
+                        b.as_ref().map(|b| b.cost)
+                    );
+                }
+                b
+            })
+            .collect()
     }
 
     /// The best of the fits from an effect's probes.

@@ -51,7 +51,7 @@ fn request() -> IdentifyRequest {
 }
 
 fn residuals(measurement: &Measurement) -> Residuals {
-    Residuals::of(&identify::fit_base(measurement, &request(), &Silent).unwrap())
+    Residuals::of(&crate::identify::fit_base(measurement, &request(), &Silent).unwrap())
 }
 
 // Each measurement is fitted anew: nothing is linear but the null. 150 of them: a share of

@@ -229,7 +229,13 @@ impl Run<'_> {
     }
 
     fn misfit<'m>(&'m self, coordinates: &'m Coordinates, weights: &'m Weights) -> Misfit<'m> {
-        Misfit { problem: self.problem, coordinates, weights, observer: self.history.observer, stand_in: None }
+        Misfit {
+            problem: self.problem,
+            coordinates,
+            weights,
+            observer: self.history.observer,
+            stand_in: None,
+        }
     }
 
     fn in_units(&self, misfit: &Misfit<'_>, point: &[f64]) -> Plant {

@@ -167,7 +167,8 @@ fn reported_effects(
     problem: &Problem,
 ) -> Result<Vec<ActiveEffect>, IdentifyError> {
     let Scales { omega, input, velocity } = problem.scales;
-    let mut ids: Vec<&str> = answer.parameters.keys().filter_map(|key| key.split('.').next()).collect();
+    let mut ids: Vec<&str> =
+        answer.parameters.keys().filter_map(|key| key.split('.').next()).collect();
     ids.dedup();
     let mut reported = Vec::new();
     for effect in ids.into_iter().filter_map(effects::find) {

@@ -26,9 +26,7 @@ impl Coordinates {
 
     /// These without the effect at `index`, and where they stood before.
     pub fn without_effect(&self, index: usize) -> (Self, Vec<usize>) {
-        let is_of = |i: &usize| {
-            matches!(self.list[*i], Coordinate::OfEffect { effect, .. } if effect == index)
-        };
+        let is_of = |i: &usize| matches!(self.list[*i], Coordinate::OfEffect { effect, .. } if effect == index);
         let kept: Vec<usize> = (0..self.len()).filter(|i| !is_of(i)).collect();
         let pick = |values: &[f64]| kept.iter().map(|i| values[*i]).collect();
         let renumbered = |i: &usize| match self.list[*i] {

@@ -164,7 +164,13 @@ impl Estimates<'_> {
     }
 
     /// A parameter of an effect.
-    fn of_effect(&self, effect: usize, parameter: usize, i: usize, units: &Units) -> ParameterEstimate {
+    fn of_effect(
+        &self,
+        effect: usize,
+        parameter: usize,
+        i: usize,
+        units: &Units,
+    ) -> ParameterEstimate {
         let coordinates = &self.fitted.coordinates;
         let parameter = &coordinates.effects[effect].parameters()[parameter];
         let Scales { omega, input, velocity } = self.problem.scales;

@@ -86,7 +86,8 @@ fn comparable_costs(problem: &Problem, fits: &[Fitted], observer: &dyn Observer)
     fits.iter()
         .map(|fit| {
             let coordinates = &fit.coordinates;
-            let misfit = Misfit { problem, coordinates, weights: &best.weights, observer, stand_in: None };
+            let misfit =
+                Misfit { problem, coordinates, weights: &best.weights, observer, stand_in: None };
             refine::refine(&misfit, &fit.point, refine::THOROUGH, &mut |_, _, _| {}).cost
         })
         .collect()

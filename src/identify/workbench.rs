@@ -127,7 +127,8 @@ impl<'a> Workbench<'a> {
         observer: &'a dyn Observer,
     ) -> Result<Self, IdentifyError> {
         let problem = Problem::new(measurement)?;
-        let Solved { chosen: fitted, order_choice } = solve(measurement, &problem, request, observer)?;
+        let Solved { chosen: fitted, order_choice } =
+            solve(measurement, &problem, request, observer)?;
         let base = Model {
             coordinates: fitted.coordinates.clone(),
             point: fitted.point.clone(),
@@ -144,7 +145,8 @@ impl<'a> Workbench<'a> {
             base,
             stand_in: Vec::new(),
         };
-        this.stand_in = this.misfit(&this.base).predict(&this.base.point).map_err(|_| no_response())?;
+        this.stand_in =
+            this.misfit(&this.base).predict(&this.base.point).map_err(|_| no_response())?;
         Ok(this)
     }
 
@@ -279,7 +281,8 @@ impl<'a> Workbench<'a> {
             let angle = turns * travel.fold(0.0, f64::max);
             let samples = 4 * (angle.min(MOST_RADIANS) as usize + highest + 16);
             let moved =
-                simulate::respond_to_torques(&plant, excitation, *highest, &torques, samples).ok()?;
+                simulate::respond_to_torques(&plant, excitation, *highest, &torques, samples)
+                    .ok()?;
             for (change, moved) in changes.iter_mut().zip(&moved) {
                 let mut row = row;
                 for (target, sigma) in targets.iter().zip(sigma) {

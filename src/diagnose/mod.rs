@@ -29,8 +29,8 @@ mod whiteness;
 #[cfg(test)]
 mod tests;
 
-use crate::answers::{ConvergenceRow, Diagnosis, Progress, Verdict};
-use crate::identify::{Effort, IdentifyError, IdentifyRequest, Model, Workbench};
+use crate::answers::{ConvergenceRow, Diagnosis, Discrepancy, Identification, Progress, Verdict};
+use crate::identify::{self, Effort, IdentifyError, IdentifyRequest, Model, Workbench};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
@@ -58,7 +58,23 @@ impl From<DiagnoseError> for IdentifyError {
     }
 }
 
-/// Fits the base model to a measurement and says where it is wrong.
+/// Fits the base model to a measurement and says where it is wrong, without
+/// looking for the cause.
+///
+/// # Errors
+/// See [`DiagnoseError`].
+pub fn examine(
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    observer: &dyn Observer,
+) -> Result<(Identification, Discrepancy), DiagnoseError> {
+    let fit = identify::fit_base(measurement, request, observer)?;
+    let discrepancy = discrepancy::of(&fit, request.options.seed);
+    Ok((fit.identification, discrepancy))
+}
+
+/// Fits the base model to a measurement, says where it is wrong, names the
+/// effects it lacks and extends it with them.
 ///
 /// # Errors
 /// See [`DiagnoseError`].

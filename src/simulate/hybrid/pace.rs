@@ -6,6 +6,9 @@ use super::super::wave::Cell;
 use super::affine::{Affine, REACH};
 use super::mechanics::{Mechanics, Mode};
 
+/// Share of the length that would just be allowed: more is refused too often.
+const SAFETY: f64 = 0.8;
+
 /// How steps are taken.
 pub(super) enum Pace<S, const M: usize> {
     /// Exactly, no longer than this; the step's length comes `again` where it is an even
@@ -76,7 +79,7 @@ impl<S: Scalar, const M: usize> Pace<S, M> {
     #[inline]
     pub fn accepts(&mut self, error: f64, tried_s: f64, cell_s: f64) -> bool {
         let Pace::Controlled { length_s } = self else { return true };
-        let growth = 0.9 * f64::from((error.max(1e-10) as f32).powf(-0.2));
+        let growth = SAFETY * f64::from((error.max(1e-10) as f32).powf(-0.2));
         if error > 1.0 {
             *length_s = tried_s * growth.max(0.2);
             return false;

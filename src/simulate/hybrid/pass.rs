@@ -23,6 +23,9 @@ const ROUNDING: f64 = 1e-13;
 /// Positions within a step at which switches are looked for.
 const LOOKS: [f64; 3] = [0.35, 0.7, 1.0];
 
+/// The same in a step by series, over which contact may come and go.
+const LOOKS_IN_SERIES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
+
 /// How precisely a pass follows the motion.
 pub(super) struct Precision<const M: usize> {
     /// Largest error of a step, as a share of the states' sizes.
@@ -112,7 +115,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                         let span = (from, width);
                         let late_s;
                         (state, from, late_s) =
-                            self.up_to(&mut pace, mode, cell, span, &state, begin, step, &switch);
+                            self.up_to(&mut pace, mode, cell, span, &state, begin, &step, &switch);
                         mode = self.switched(mode, switch.event, cell.fixed(from), &mut state);
                         self.fix(mode, cell.fixed(from), &mut state, late_s);
                         slope = None;
@@ -207,6 +210,10 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         width: f64,
         step: &Step<S, M>,
     ) -> Option<Switch> {
+        let looks: &[f64] = match step {
+            Step::Series(_) => &LOOKS_IN_SERIES,
+            _ => &LOOKS,
+        };
         let mut first: Option<Switch> = None;
         let mut consider = |event: Event| {
             let one = self.state_of(event, mode);
@@ -228,7 +235,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
             let threshold = if fresh { least } else { 0.0 };
             let end = first.as_ref().map_or(1.0, |switch| switch.at);
             let mut low = 0.0;
-            for look in LOOKS.map(|look| look * end) {
+            for look in looks.iter().map(|look| look * end) {
                 // Its first instants are as small as what the polynomial errs by.
                 if fresh && look < end {
                     continue;
@@ -321,12 +328,13 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         (from, width): (f64, f64),
         state: &Vector<S, M>,
         slope: &Vector<S, M>,
-        step: Step<S, M>,
+        step: &Step<S, M>,
         switch: &Switch,
     ) -> (Vector<S, M>, f64, S) {
         let mut part = width * switch.at;
+        let cut;
         let (step, mut reach, mut end, end_slope) = match step {
-            Step::Series(ref series) => {
+            Step::Series(series) => {
                 let (end, end_slope) = series.at(switch.at);
                 (step, switch.at, end, end_slope)
             }
@@ -334,9 +342,8 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                 if let Pace::Exact { again, .. } = pace {
                     *again = false;
                 }
-                let step = self.step(pace, mode, cell, (from, &mut part), state, slope);
-                let (end, end_slope) = (*step.end(), *step.end_slope());
-                (step, 1.0, end, end_slope)
+                cut = self.step(pace, mode, cell, (from, &mut part), state, slope);
+                (&cut, 1.0, *cut.end(), *cut.end_slope())
             }
         };
         let there = self.signal(switch.event, mode, cell.fixed(from + part), &end);

@@ -5,6 +5,8 @@
 //! at both ends of a cell the quintic misses a line with n cells per cycle by
 //! (2π/n)⁶/46080 of it.
 
+use std::ops::{Mul, Sub};
+
 use crate::measurement::Complex;
 use crate::plant::Scalar;
 
@@ -35,6 +37,12 @@ impl<S: Scalar> Cell<S> {
         value(&self.powers, u)
     }
 
+    /// The signal at a position that does not vary.
+    #[inline]
+    pub fn fixed(&self, u: f64) -> S {
+        polynomial(&self.powers, u)
+    }
+
     /// Its derivative by u.
     #[inline]
     pub fn slope(&self, u: S) -> S {
@@ -61,7 +69,7 @@ impl<S: Scalar> Cell<S> {
         Self {
             from_s: self.from_s + from * self.length_s,
             length_s: (to - from) * self.length_s,
-            powers: restricted(&self.powers, S::constant(from), S::constant(to)),
+            powers: restricted(&self.powers, from, to),
             whole: None,
         }
     }
@@ -101,6 +109,16 @@ pub(super) fn value<S: Scalar>(powers: &Quintic<S>, u: S) -> S {
     ((((f * u + e) * u + d) * u + c) * u + b) * u + a
 }
 
+/// A polynomial of any degree at u.
+#[inline]
+pub(super) fn polynomial<S: Scalar>(powers: &[S], u: f64) -> S {
+    let mut sum = S::constant(0.0);
+    for power in powers.iter().rev() {
+        sum = sum * u + *power;
+    }
+    sum
+}
+
 /// Its derivative by u.
 #[inline]
 pub(super) fn slope<S: Scalar>(powers: &Quintic<S>, u: S) -> S {
@@ -108,14 +126,18 @@ pub(super) fn slope<S: Scalar>(powers: &Quintic<S>, u: S) -> S {
     (((f * 5.0 * u + e * 4.0) * u + d * 3.0) * u + c * 2.0) * u + b
 }
 
-/// A quintic's powers on the part from `from` to `to`.
-pub(super) fn restricted<S: Scalar>(powers: &Quintic<S>, from: S, to: S) -> Quintic<S> {
+/// A quintic's powers on the part from `from` to `to`, which may vary or not.
+pub(super) fn restricted<S, T>(powers: &Quintic<S>, from: T, to: T) -> Quintic<S>
+where
+    S: Scalar + Mul<T, Output = S>,
+    T: Copy + Sub<Output = T> + Mul<Output = T>,
+{
     let mut shifted = *powers;
     // Horner's scheme, repeated: the Taylor coefficients at `from`.
     for i in 0..5 {
         for j in (i..5).rev() {
             let above = shifted[j + 1];
-            shifted[j] += from * above;
+            shifted[j] += above * from;
         }
     }
     let width = to - from;

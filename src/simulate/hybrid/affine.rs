@@ -12,6 +12,7 @@ use crate::plant::Scalar;
 use super::super::wave::Quintic;
 use super::mechanics::{Mechanics, Mode};
 use super::runge_kutta::Vector;
+use super::series::Series;
 
 /// Largest rate times length of a step.
 pub(super) const REACH: f64 = 1.2;
@@ -65,13 +66,13 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         &mut self,
         state: &Vector<S, M>,
         powers: &Quintic<S>,
-        length_s: S,
+        length_s: f64,
         again: bool,
     ) -> Vector<S, M> {
         if !again {
             return self.series(state, powers, &self.constant, length_s);
         }
-        if self.kept.as_ref().is_none_or(|kept| kept.length_s != length_s.value()) {
+        if self.kept.as_ref().is_none_or(|kept| kept.length_s != length_s) {
             self.kept = Some(self.keep(length_s));
         }
         let Some(kept) = &self.kept else { return *state };
@@ -85,10 +86,10 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         end
     }
 
-    fn keep(&self, length_s: S) -> Kept<S, M> {
+    fn keep(&self, length_s: f64) -> Kept<S, M> {
         let (zero, silence) = ([S::constant(0.0); M], [S::constant(0.0); 6]);
         Kept {
-            length_s: length_s.value(),
+            length_s,
             propagator: std::array::from_fn(|i| self.series(&unit(i), &silence, &zero, length_s)),
             gains: std::array::from_fn(|i| self.series(&zero, &unit(i), &zero, length_s)),
             drift: self.series(&zero, &silence, &self.constant, length_s),
@@ -100,21 +101,50 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         state: &Vector<S, M>,
         powers: &Quintic<S>,
         constant: &Vector<S, M>,
-        length_s: S,
+        length_s: f64,
     ) -> Vector<S, M> {
         let (mut term, mut sum) = (*state, *state);
         for m in 0..TERMS {
-            let mut next = times(&self.matrix, &term);
-            if let Some(power) = powers.get(m) {
-                add(&mut next, &scaled(&self.by_torque, *power));
-            }
-            if m == 0 {
-                add(&mut next, constant);
-            }
-            term = scaled(&next, length_s * (1.0 / (m + 1) as f64));
+            term = self.next_term(m, &term, powers, constant, length_s);
             add(&mut sum, &term);
         }
         sum
+    }
+
+    /// Term m + 1 of the series from term m.
+    #[inline(always)]
+    fn next_term(
+        &self,
+        m: usize,
+        term: &Vector<S, M>,
+        powers: &Quintic<S>,
+        constant: &Vector<S, M>,
+        length_s: f64,
+    ) -> Vector<S, M> {
+        let mut next = times(&self.matrix, term);
+        if let Some(power) = powers.get(m) {
+            add(&mut next, &scaled(&self.by_torque, *power));
+        }
+        if m == 0 {
+            add(&mut next, constant);
+        }
+        let factor = length_s / (m + 1) as f64;
+        next.iter_mut().for_each(|value| *value = *value * factor);
+        next
+    }
+
+    /// A step of as much of a length as its errors allow, and the share it covers.
+    #[inline]
+    pub fn reach(
+        &self,
+        state: &Vector<S, M>,
+        powers: &Quintic<S>,
+        length_s: f64,
+        allowed: &[f64; M],
+    ) -> (Series<S, M>, f64) {
+        Series::new(state, length_s, allowed, |m, term| {
+            self.next_term(m, term, powers, &self.constant, length_s)
+        })
     }
 
     /// Derivative of the state by time.

@@ -104,15 +104,16 @@ impl<S: Scalar> Mechanics<S> {
         }
     }
 
-    /// The fastest rate at which the state changes between switches, where the
-    /// equations are affine there. Play aside: what contact excites dies out
-    /// quickly, and steps under error control take less than even ones.
-    pub fn affine_rate(&self) -> Option<f64> {
-        let affine = self.curve.is_none()
+    /// Whether the equations are affine between switches.
+    pub fn is_affine(&self) -> bool {
+        self.curve.is_none()
             && self.bristle.is_none()
-            && self.position_integral.is_none()
-            && self.half_gap().is_none()
-            && self.torques.iter().all(|law| law.form().is_linear());
+            && self.torques.iter().all(|law| law.form().is_linear())
+    }
+
+    /// The fastest rate at which the state changes between switches, where the
+    /// equations are affine there.
+    pub fn fastest_rate(&self) -> f64 {
         let constant = self.constant.value().abs();
         let mut inverse_inertia = constant;
         let mut damping = self.viscous_rate[0].value().max(self.viscous_rate[1].value());
@@ -128,7 +129,7 @@ impl<S: Scalar> Mechanics<S> {
             damping = damping / (1.0 - share) + inverse_inertia * mass.damping.value();
             stiffness += mass.stiffness.value();
         }
-        affine.then(|| damping.max((inverse_inertia * stiffness).sqrt()))
+        damping.max((inverse_inertia * stiffness).sqrt())
     }
 
     /// Whether no constant torque lets a torque of this range move the axis.

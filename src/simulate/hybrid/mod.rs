@@ -14,6 +14,7 @@ mod mechanics;
 mod pace;
 mod pass;
 mod runge_kutta;
+mod series;
 mod step;
 
 use std::ops::Range;
@@ -111,7 +112,8 @@ pub(super) fn differentiate(
         (1, _) => chunk::<1, 16>(axis, values, excitation, highest, first..rows),
         (2, ..=6) => chunk::<2, 8>(axis, values, excitation, highest, first..rows),
         (2, _) => chunk::<2, 16>(axis, values, excitation, highest, first..rows),
-        (3, _) => chunk::<3, 12>(axis, values, excitation, highest, first..rows),
+        (3, ..=9) => chunk::<3, 12>(axis, values, excitation, highest, first..rows),
+        (3, _) => chunk::<3, 16>(axis, values, excitation, highest, first..rows),
         _ => chunk::<MOST_STATES, 16>(axis, values, excitation, highest, first..rows),
     };
     let (velocity, mut sensitivities) = next(0)?;
@@ -298,7 +300,7 @@ impl<const M: usize> Periodic<M> {
             mechanics.balance = unknown(self.state[i], i);
             start[i] = S::constant(0.0);
         }
-        let torque = wave.cells[0].at(S::constant(0.0));
+        let torque = wave.cells[0].fixed(0.0);
         if mechanics.mode_at(torque, &start).motion == Motion::Stuck {
             start[mechanics::VELOCITY] = S::constant(0.0);
         }

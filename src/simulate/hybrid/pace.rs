@@ -3,38 +3,74 @@
 use crate::plant::Scalar;
 
 use super::super::wave::Cell;
-use super::affine::Affine;
+use super::affine::{Affine, REACH};
+use super::mechanics::{Mechanics, Mode};
+
+/// Share of the length that would just be allowed: more is refused too often.
+const SAFETY: f64 = 0.8;
 
 /// How steps are taken.
 pub(super) enum Pace<S, const M: usize> {
-    /// Exactly, no longer than this, by the equations of every mode seen; the
-    /// step's length comes `again` where it is an even part of a cell.
-    Exact { longest_s: f64, steps: Vec<Affine<S, M>>, again: bool },
+    /// Exactly, no longer than this; the step's length comes `again` where it is an even
+    /// part of a cell.
+    Exact { longest_s: f64, modes: Modes<S, M>, again: bool },
+    /// By power series, as far as the error allows.
+    Series { modes: Modes<S, M> },
     /// By Runge–Kutta stages, as long as the error allows.
     Controlled { length_s: f64 },
 }
 
+/// The equations of every mode seen.
+pub(super) struct Modes<S, const M: usize>(Vec<Affine<S, M>>);
+
+impl<S: Scalar, const M: usize> Modes<S, M> {
+    /// Those of a mode.
+    #[inline]
+    pub fn of(&mut self, mode: Mode, mechanics: &Mechanics<S>) -> &mut Affine<S, M> {
+        let at = self.0.iter().position(|affine| affine.mode == mode).unwrap_or_else(|| {
+            self.0.push(Affine::new(mechanics, mode));
+            self.0.len() - 1
+        });
+        &mut self.0[at]
+    }
+}
+
 impl<S: Scalar, const M: usize> Pace<S, M> {
+    /// What suits the equations of motion.
+    pub fn new(mechanics: &Mechanics<S>, cell_s: f64) -> Self {
+        let modes = Modes(Vec::new());
+        if !mechanics.is_affine() {
+            return Pace::Controlled { length_s: cell_s };
+        }
+        match mechanics.half_gap() {
+            Some(_) => Pace::Series { modes },
+            None => {
+                let longest_s = REACH / mechanics.fastest_rate();
+                Pace::Exact { longest_s, modes, again: false }
+            }
+        }
+    }
+
     /// The share of a cell to try from position `from`.
     #[inline]
-    pub fn width(&mut self, cell: &Cell<S>, from: S) -> S {
-        let left = -from + 1.0;
+    pub fn width(&mut self, cell: &Cell<S>, from: f64) -> f64 {
+        let left = 1.0 - from;
         match self {
             Pace::Exact { longest_s, again, .. } => {
                 // The cell's own even parts, so that their steps come again.
                 let parts = (cell.length_s / *longest_s).ceil().max(1.0);
-                let done = from.value() * parts;
-                let fixed = (0..S::LANES).all(|lane| from.lane(lane) == 0.0);
-                *again = fixed && (done - done.round()).abs() < 1e-6;
+                let done = from * parts;
+                *again = cell.whole.is_some() && (done - done.round()).abs() < 1e-6;
                 if *again {
-                    return S::constant(1.0 / parts);
+                    return 1.0 / parts;
                 }
-                -from + (((done + 1e-6).floor() + 1.0) / parts).min(1.0)
+                (((done + 1e-6).floor() + 1.0) / parts).min(1.0) - from
             }
+            Pace::Series { .. } => left,
             Pace::Controlled { length_s } => {
                 let share = *length_s / cell.length_s;
                 // No sliver at the end of a cell.
-                if share * 1.1 >= left.value() { left } else { S::constant(share) }
+                if share * 1.1 >= left { left } else { share }
             }
         }
     }
@@ -43,7 +79,7 @@ impl<S: Scalar, const M: usize> Pace<S, M> {
     #[inline]
     pub fn accepts(&mut self, error: f64, tried_s: f64, cell_s: f64) -> bool {
         let Pace::Controlled { length_s } = self else { return true };
-        let growth = 0.9 * f64::from((error.max(1e-10) as f32).powf(-0.2));
+        let growth = SAFETY * f64::from((error.max(1e-10) as f32).powf(-0.2));
         if error > 1.0 {
             *length_s = tried_s * growth.max(0.2);
             return false;

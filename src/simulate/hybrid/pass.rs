@@ -4,13 +4,12 @@ use crate::plant::Scalar;
 
 use super::super::fourier::Fourier;
 use super::super::orbit::Motion;
-use super::super::wave::{Cell, Quintic, Wave, restricted, slope as wave_slope, value};
-use super::affine::{Affine, REACH};
+use super::super::wave::{Cell, Wave, polynomial, restricted, slope as wave_slope};
 use super::crossing::{departure, root};
 use super::mechanics::{Contact, Mechanics, Mode, VELOCITY};
 use super::pace::Pace;
 use super::runge_kutta::{NODES, Stages, Vector};
-use super::step::Step;
+use super::step::{Ends, Powers, Step};
 
 /// Switches of one cell beyond which time has stopped passing.
 const MOST_SWITCHES_PER_CELL: usize = 1024;
@@ -23,6 +22,9 @@ const ROUNDING: f64 = 1e-13;
 
 /// Positions within a step at which switches are looked for.
 const LOOKS: [f64; 3] = [0.35, 0.7, 1.0];
+
+/// The same in a step by series, over which contact may come and go.
+const LOOKS_IN_SERIES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 
 /// How precisely a pass follows the motion.
 pub(super) struct Precision<const M: usize> {
@@ -69,54 +71,53 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     /// Follows the motion from `start` over one period; `None` where it
     /// switches without end or is too stiff to follow.
     pub fn run(&mut self, start: &Vector<S, M>) -> Option<Vector<S, M>> {
-        let zero = S::constant(0.0);
         let mut state = *start;
         let wave = self.wave;
-        let mut mode = self.mechanics.mode_at(wave.cells[0].at(zero), &state);
+        let mut mode = self.mechanics.mode_at(wave.cells[0].fixed(0.0), &state);
         let mut slope: Option<Vector<S, M>> = None;
-        let mut pace = match self.mechanics.affine_rate() {
-            Some(rate) => Pace::Exact { longest_s: REACH / rate, steps: Vec::new(), again: false },
-            None => Pace::Controlled { length_s: wave.cells[0].length_s },
-        };
+        let mut pace = Pace::new(self.mechanics, wave.cells[0].length_s);
         for cell in &wave.cells {
-            let mut from = zero;
+            let mut from = 0.0;
             let (mut switches, mut steps) = (0, 0);
-            while from.value() < 1.0 {
+            while from < 1.0 {
                 steps += 1;
                 if steps > MOST_STEPS_PER_CELL || switches > MOST_SWITCHES_PER_CELL {
                     return None;
                 }
                 if mode.motion == Motion::Stuck {
-                    let now = self.mechanics.motion_at_rest(mode.contact, cell.at(from), &state);
+                    let now = self.mechanics.motion_at_rest(mode.contact, cell.fixed(from), &state);
                     if now != Motion::Stuck {
                         (mode.motion, slope) = (now, None);
                         switches += 1;
                     }
                 }
-                let begin =
-                    *slope.get_or_insert_with(|| self.mechanics.slope(mode, cell.at(from), &state));
-                let width = pace.width(cell, from);
-                let (step, error) = self.step(&mut pace, mode, cell, (from, width), &state, &begin);
+                let begin = slope
+                    .get_or_insert_with(|| self.mechanics.slope(mode, cell.fixed(from), &state));
+                let mut width = pace.width(cell, from);
+                let step = self.step(&mut pace, mode, cell, (from, &mut width), &state, begin);
+                let error = self.error(&step, &state);
                 if error.is_nan() {
                     return None;
                 }
-                if !pace.accepts(error, width.value() * cell.length_s, cell.length_s) {
+                if !pace.accepts(error, width * cell.length_s, cell.length_s) {
                     continue;
                 }
-                match self.switch(mode, cell, from.value(), width.value(), &step) {
+                match self.switch(mode, cell, from, width, &step) {
                     None => {
                         self.add(cell, from, width, &step);
-                        state = step.end;
+                        state = *step.end();
                         slope = Some(*step.end_slope());
-                        let ends = from.value() + width.value() >= 1.0 - SLIVER;
-                        from = if ends { S::constant(1.0) } else { from + width };
+                        let ends = from + width >= 1.0 - SLIVER;
+                        from = if ends { 1.0 } else { from + width };
                     }
                     Some(switch) => {
                         switches += 1;
-                        let span = (from, width * switch.at);
-                        (state, from) =
-                            self.up_to(&mut pace, mode, cell, span, &state, &begin, &switch);
-                        mode = self.switched(mode, switch.event, cell.at(from), &mut state);
+                        let span = (from, width);
+                        let late_s;
+                        (state, from, late_s) =
+                            self.up_to(&mut pace, mode, cell, span, &state, begin, &step, &switch);
+                        mode = self.switched(mode, switch.event, cell.fixed(from), &mut state);
+                        self.fix(mode, cell.fixed(from), &mut state, late_s);
                         slope = None;
                     }
                 }
@@ -132,66 +133,71 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         }
     }
 
-    /// A step over part of a cell, and its error in errors allowed.
+    /// A step over part of a cell, or less.
     #[inline]
     fn step(
         &self,
         pace: &mut Pace<S, M>,
         mode: Mode,
         cell: &Cell<S>,
-        (from, width): (S, S),
+        (from, width): (f64, &mut f64),
         state: &Vector<S, M>,
         slope: &Vector<S, M>,
-    ) -> (Step<S, M>, f64) {
-        let length_s = width * cell.length_s;
-        let Pace::Exact { steps, again, .. } = pace else {
-            let stages = Stages::new(state, slope, length_s, |stage, state| {
-                self.mechanics.slope(mode, cell.at(from + width * NODES[stage]), state)
-            });
-            let mut sizes = self.precision.sizes;
-            let v = state[VELOCITY].value();
-            sizes[VELOCITY] = self.mechanics.velocity_size(v, sizes[VELOCITY]);
-            let error = stages.error(&sizes) / self.precision.tolerance;
-            return (Step::of_stages(state, slope, length_s, stages), error);
+    ) -> Step<S, M> {
+        let length_s = *width * cell.length_s;
+        let torque = || match *width {
+            1.0 => cell.powers,
+            width => restricted(&cell.powers, from, from + width),
         };
-        let at = steps.iter().position(|affine| affine.mode == mode).unwrap_or_else(|| {
-            steps.push(Affine::new(self.mechanics, mode));
-            steps.len() - 1
-        });
-        let affine = &mut steps[at];
-        let whole = width == S::constant(1.0);
-        let powers = if whole { cell.powers } else { restricted(&cell.powers, from, from + width) };
-        let end = affine.step(state, &powers, length_s, cell.whole.is_some() && *again);
-        let one = S::constant(1.0);
-        let end_slope = affine.slope(&end, value(&powers, one));
-        let mut step = Step::of_ends([*state, end], [*slope, end_slope], length_s);
-        if self.sums.is_some() || !step.stays_beyond(VELOCITY, 0.0) {
-            let rate = S::constant(1.0) / length_s;
-            step.bend([
-                affine.curvature(slope, powers[1] * rate),
-                affine.curvature(&end_slope, wave_slope(&powers, one) * rate),
-            ]);
-        }
-        (step, 0.0)
-    }
-
-    fn add(&mut self, cell: &Cell<S>, from: S, width: S, step: &Step<S, M>) {
-        if self.sums.is_none() {
-            return;
-        }
-        let powers = step.powers(VELOCITY);
-        match (cell.whole, self.sums.as_deref_mut()) {
-            (Some(n), Some(sums)) if from == S::constant(0.0) && width == S::constant(1.0) => {
-                sums.add_whole(n, powers);
+        match pace {
+            Pace::Controlled { .. } => {
+                Step::Stages(Stages::new(state, slope, length_s, |stage, state| {
+                    let torque = cell.fixed(from + *width * NODES[stage]);
+                    self.mechanics.slope(mode, torque, state)
+                }))
             }
-            _ => self.add_part(cell, from, width, &powers),
+            Pace::Series { modes } => {
+                let allowed = self.precision.sizes.map(|size| size * self.precision.tolerance);
+                let affine = modes.of(mode, self.mechanics);
+                let (series, share) = affine.reach(state, &torque(), length_s, &allowed);
+                *width *= share;
+                Step::Series(series)
+            }
+            Pace::Exact { modes, again, .. } => {
+                let (affine, powers) = (modes.of(mode, self.mechanics), torque());
+                let end = affine.step(state, &powers, length_s, *again);
+                let end_slope = affine.slope(&end, polynomial(&powers, 1.0));
+                let (states, slopes) = ([*state, end], [*slope, end_slope]);
+                let mut ends = Ends { length_s, states, slopes, curvatures: None };
+                if self.sums.is_some() || !ends.stays_beyond(VELOCITY, 0.0) {
+                    let rate = 1.0 / length_s;
+                    let last = wave_slope(&powers, S::constant(1.0));
+                    ends.curvatures = Some([
+                        affine.curvature(slope, powers[1] * rate),
+                        affine.curvature(&end_slope, last * rate),
+                    ]);
+                }
+                Step::Ends(ends)
+            }
         }
     }
 
-    fn add_part(&mut self, cell: &Cell<S>, from: S, width: S, powers: &Quintic<S>) {
-        if let Some(sums) = self.sums.as_deref_mut() {
-            let from_s = from * cell.length_s + cell.from_s;
-            sums.add_part(from_s, width * cell.length_s, powers);
+    /// A step's error in errors allowed, where it is not so small by itself.
+    fn error(&self, step: &Step<S, M>, state: &Vector<S, M>) -> f64 {
+        let Step::Stages(stages) = step else { return step.end()[VELOCITY].value() * 0.0 };
+        let mut sizes = self.precision.sizes;
+        let v = state[VELOCITY].value();
+        sizes[VELOCITY] = self.mechanics.velocity_size(v, sizes[VELOCITY]);
+        stages.error(&sizes) / self.precision.tolerance
+    }
+
+    fn add(&mut self, cell: &Cell<S>, from: f64, width: f64, step: &Step<S, M>) {
+        let Some(sums) = self.sums.as_deref_mut() else { return };
+        match (cell.whole, step) {
+            (Some(n), Step::Ends(ends)) if from == 0.0 && width == 1.0 => {
+                sums.add_whole(n, ends.powers(VELOCITY, |v| v));
+            }
+            _ => step.add(VELOCITY, sums, cell.from_s + from * cell.length_s, 1.0),
         }
     }
 
@@ -204,17 +210,21 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         width: f64,
         step: &Step<S, M>,
     ) -> Option<Switch> {
+        let looks: &[f64] = match step {
+            Step::Series(_) => &LOOKS_IN_SERIES,
+            _ => &LOOKS,
+        };
         let mut first: Option<Switch> = None;
         let mut consider = |event: Event| {
             let one = self.state_of(event, mode);
-            let needed: [Quintic<f64>; M] = std::array::from_fn(|i| match one {
-                Some((only, _, _)) if only != i => [0.0; 6],
-                _ => step.powers(i).map(S::value),
+            let needed: [Powers; M] = std::array::from_fn(|i| match one {
+                Some((only, _, _)) if only != i => Powers::NONE,
+                _ => step.numbers(i),
             });
             let signal = |u: f64| match one {
-                Some((i, sign, level)) => sign * (value(&needed[i], u) - level),
+                Some((i, sign, level)) => sign * (needed[i].at(u) - level),
                 None => {
-                    let state = std::array::from_fn(|i| S::constant(value(&needed[i], u)));
+                    let state = std::array::from_fn(|i| S::constant(needed[i].at(u)));
                     let torque = S::constant(cell.number(from + width * u));
                     self.signal(event, mode, torque, &state).value()
                 }
@@ -225,7 +235,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
             let threshold = if fresh { least } else { 0.0 };
             let end = first.as_ref().map_or(1.0, |switch| switch.at);
             let mut low = 0.0;
-            for look in LOOKS.map(|look| look * end) {
+            for look in looks.iter().map(|look| look * end) {
                 // Its first instants are as small as what the polynomial errs by.
                 if fresh && look < end {
                     continue;
@@ -307,55 +317,77 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         }
     }
 
-    /// State and position at a switch; with its derivatives, by one step of
-    /// Newton's method.
+    /// State and position at a switch, and how much later than there it happens: no
+    /// more than derivatives.
     #[expect(clippy::too_many_arguments, reason = "what a step is made of")]
     fn up_to(
         &mut self,
         pace: &mut Pace<S, M>,
         mode: Mode,
         cell: &Cell<S>,
-        (from, part): (S, S),
+        (from, width): (f64, f64),
         state: &Vector<S, M>,
         slope: &Vector<S, M>,
+        step: &Step<S, M>,
         switch: &Switch,
-    ) -> (Vector<S, M>, S) {
-        if let Pace::Exact { again, .. } = pace {
-            *again = false;
-        }
-        let (step, _) = self.step(pace, mode, cell, (from, part), state, slope);
-        let to = from + part;
-        let there = self.signal(switch.event, mode, cell.at(to), &step.end);
-        let du = 1e-4 * part.value() / switch.at.max(1e-9);
-        let rate = match self.state_of(switch.event, mode) {
-            Some((i, sign, _)) => sign * step.end_slope()[i].value() * cell.length_s,
-            None => {
-                // Of several states: central differences along the motion.
-                let ahead = |du: f64| {
-                    let moved: Vector<S, M> = std::array::from_fn(|i| {
-                        step.end[i] + step.end_slope()[i] * (du * cell.length_s)
-                    });
-                    self.signal(switch.event, mode, cell.at(to + du), &moved).value()
-                };
-                (ahead(du) - ahead(-du)) / (2.0 * du)
+    ) -> (Vector<S, M>, f64, S) {
+        let mut part = width * switch.at;
+        let cut;
+        let (step, mut reach, mut end, end_slope) = match step {
+            Step::Series(series) => {
+                let (end, end_slope) = series.at(switch.at);
+                (step, switch.at, end, end_slope)
+            }
+            _ => {
+                if let Pace::Exact { again, .. } = pace {
+                    *again = false;
+                }
+                cut = self.step(pace, mode, cell, (from, &mut part), state, slope);
+                (&cut, 1.0, *cut.end(), *cut.end_slope())
             }
         };
-        let correction = if rate != 0.0 { -there * (1.0 / rate) } else { S::constant(0.0) };
-        // Further than a step's own error it would be no correction.
-        let correction = if correction.value().abs() > 100.0 * du {
-            correction - correction.value()
-        } else {
-            correction
+        let there = self.signal(switch.event, mode, cell.fixed(from + part), &end);
+        let rate_s = match self.state_of(switch.event, mode) {
+            Some((i, sign, _)) => sign * end_slope[i].value(),
+            None => {
+                // Of several states: central differences along the motion.
+                let du = 1e-4 * width;
+                let ahead = |du: f64| {
+                    let by_s = du * cell.length_s;
+                    let moved = std::array::from_fn(|i| end[i] + end_slope[i] * by_s);
+                    let torque = cell.fixed(from + part + du);
+                    self.signal(switch.event, mode, torque, &moved).value()
+                };
+                (ahead(du) - ahead(-du)) / (2.0 * du * cell.length_s)
+            }
         };
-        let mut end = step.end;
-        for (value, slope) in end.iter_mut().zip(step.end_slope()) {
-            *value += *slope * correction * cell.length_s;
+        let late_s = if rate_s != 0.0 { -there * (1.0 / rate_s) } else { S::constant(0.0) };
+        // One step of Newton's method; further than a step's own error it would be no
+        // correction.
+        let most_s = 1e-2 * width * cell.length_s;
+        let late_s = if late_s.value().abs() > most_s { late_s - late_s.value() } else { late_s };
+        for (value, slope) in end.iter_mut().zip(&end_slope) {
+            *value += *slope * late_s;
         }
-        // The motion goes on as it was; what moves is where the step ends.
-        let reach = correction / part + 1.0;
-        let powers = restricted(&step.powers(VELOCITY), S::constant(0.0), reach);
-        self.add_part(cell, from, part + correction, &powers);
-        (end, to + correction)
+        let later = late_s.value() / cell.length_s;
+        reach *= 1.0 + later / part;
+        if let Some(sums) = self.sums.as_deref_mut() {
+            step.add(VELOCITY, sums, cell.from_s + from * cell.length_s, reach);
+        }
+        (end, from + part + later, late_s - late_s.value())
+    }
+
+    /// Takes the state behind a switch from the instant it happens to that of its value,
+    /// so that the instants of a pass do not vary: v is continuous, and what its sums gain
+    /// before the switch they lose behind it.
+    fn fix(&self, mode: Mode, torque: S, state: &mut Vector<S, M>, late_s: S) {
+        if S::LANES == 0 {
+            return;
+        }
+        let slope = self.mechanics.slope(mode, torque, state);
+        for (value, slope) in state.iter_mut().zip(&slope) {
+            *value -= late_s * slope.value();
+        }
     }
 
     /// The mode behind a switch.

@@ -43,11 +43,12 @@ const DENSE: [f64; 7] = [
 
 /// One step.
 pub(super) struct Stages<S, const M: usize> {
-    length_s: S,
-    start: Vector<S, M>,
+    pub length_s: f64,
+    pub start: Vector<S, M>,
     /// State at its end.
     pub end: Vector<S, M>,
-    slopes: [Vector<S, M>; 7],
+    /// Derivatives by time at every stage.
+    pub slopes: [Vector<S, M>; 7],
 }
 
 impl<S: Scalar, const M: usize> Stages<S, M> {
@@ -57,73 +58,65 @@ impl<S: Scalar, const M: usize> Stages<S, M> {
     pub fn new(
         start: &Vector<S, M>,
         slope: &Vector<S, M>,
-        length_s: S,
+        length_s: f64,
         f: impl Fn(usize, &Vector<S, M>) -> Vector<S, M>,
     ) -> Self {
-        let mut slopes = [*slope; 7];
-        let moved = |slopes: &[Vector<S, M>; 7], weights: &[f64]| -> Vector<S, M> {
-            // A loop: `array::from_fn` is not inlined.
-            let mut state = *start;
-            for (i, entry) in state.iter_mut().enumerate() {
-                let mut sum = slopes[0][i] * weights[0];
-                for (slope, weight) in slopes.iter().zip(weights).skip(1) {
-                    if *weight != 0.0 {
-                        sum += slope[i] * *weight;
-                    }
-                }
-                *entry += sum * length_s;
-            }
-            state
-        };
-        slopes[1] = f(0, &moved(&slopes, &A2));
-        slopes[2] = f(1, &moved(&slopes, &A3));
-        slopes[3] = f(2, &moved(&slopes, &A4));
-        slopes[4] = f(3, &moved(&slopes, &A5));
-        slopes[5] = f(4, &moved(&slopes, &A6));
-        let end = moved(&slopes, &A7);
-        slopes[6] = f(4, &end);
-        Self { length_s, start: *start, end, slopes }
+        let mut this =
+            Self { length_s, start: *start, end: *start, slopes: [[S::constant(0.0); M]; 7] };
+        this.slopes[0] = *slope;
+        this.slopes[1] = f(0, &this.moved(&A2));
+        this.slopes[2] = f(1, &this.moved(&A3));
+        this.slopes[3] = f(2, &this.moved(&A4));
+        this.slopes[4] = f(3, &this.moved(&A5));
+        this.slopes[5] = f(4, &this.moved(&A6));
+        this.end = this.moved(&A7);
+        this.slopes[6] = f(4, &this.end);
+        this
     }
 
-    /// Derivative at the end.
-    pub fn end_slope(&self) -> &Vector<S, M> {
-        &self.slopes[6]
+    /// The start moved along the first slopes.
+    #[inline(always)]
+    fn moved<const W: usize>(&self, weights: &[f64; W]) -> Vector<S, M> {
+        // Loops: `array::from_fn` is not inlined.
+        let mut state = self.start;
+        for (i, entry) in state.iter_mut().enumerate() {
+            let mut sum = self.slopes[0][i] * (weights[0] * self.length_s);
+            for (slope, weight) in self.slopes.iter().zip(weights).skip(1) {
+                if *weight != 0.0 {
+                    sum += slope[i] * (*weight * self.length_s);
+                }
+            }
+            *entry += sum;
+        }
+        state
     }
 
     /// Estimated error of the end, as a share of `scale`, the largest over all
     /// states.
     #[inline]
     pub fn error(&self, scale: &[f64; M]) -> f64 {
-        let h = self.length_s.value();
         (0..M)
             .map(|i| {
                 let sum: f64 =
                     self.slopes.iter().zip(ERROR).map(|(slope, e)| e * slope[i].value()).sum();
-                (h * sum / scale[i]).abs()
+                (self.length_s * sum / scale[i]).abs()
             })
             .fold(0.0, f64::max)
     }
 
-    /// State `i` over the step, as powers of u from 0 to 1.
+    /// Part of state `i` over the step, as powers of u from 0 to 1.
     #[inline]
-    pub fn powers(&self, i: usize) -> [S; 6] {
-        let h = self.length_s;
-        let change = self.end[i] - self.start[i];
-        let first = self.slopes[0][i] * h - change;
-        let second = change - self.slopes[6][i] * h - first;
-        let mut last = self.slopes[0][i] * DENSE[0];
+    pub fn powers<T: Scalar>(&self, i: usize, part: impl Fn(S) -> T) -> [T; 5] {
+        let (h, start) = (self.length_s, part(self.start[i]));
+        let change = part(self.end[i]) - start;
+        let first = part(self.slopes[0][i]) * h - change;
+        let second = change - part(self.slopes[6][i]) * h - first;
+        let mut last = part(self.slopes[0][i]) * DENSE[0];
         for (slope, weight) in self.slopes.iter().zip(DENSE).skip(2) {
-            last += slope[i] * weight;
+            last += part(slope[i]) * weight;
         }
         let last = last * h;
-        [
-            self.start[i],
-            change + first,
-            second + last - first,
-            -(second + last * 2.0),
-            last,
-            S::constant(0.0),
-        ]
+        [start, change + first, second + last - first, -(second + last * 2.0), last]
     }
 }
 
@@ -138,7 +131,7 @@ mod tests {
         let f = |t: f64, x: &Vector<f64, 1>| [t - x[0]];
         let slope = f(0.0, &start);
         let step = Stages::new(&start, &slope, h, |stage, x| f(NODES[stage] * h, x));
-        let middle = super::super::super::wave::value(&step.powers(0), 0.5);
+        let middle = super::super::super::wave::polynomial(&step.powers(0, |x| x), 0.5);
         ((step.end[0] - exact(h)).abs(), (middle - exact(0.5 * h)).abs())
     }
 

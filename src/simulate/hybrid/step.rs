@@ -2,90 +2,144 @@
 
 use crate::plant::Scalar;
 
-use super::super::wave::{Quintic, through};
+use super::super::fourier::Fourier;
+use super::super::wave::{Quintic, polynomial, through};
 use super::runge_kutta::{Stages, Vector};
-
-/// What a step knows beyond its ends.
-enum Between<S, const M: usize> {
-    /// A Runge–Kutta step's stages.
-    Stages(Stages<S, M>),
-    /// Nothing.
-    Ends,
-    /// Second derivatives at both ends.
-    Curvatures([Vector<S, M>; 2]),
-}
+use super::series::{MOST_POWERS, Series};
 
 /// A step of a motion.
-pub(super) struct Step<S, const M: usize> {
-    length_s: S,
-    start: Vector<S, M>,
-    /// State at its end.
-    pub end: Vector<S, M>,
-    /// Derivatives by time at both ends.
-    slopes: [Vector<S, M>; 2],
-    between: Between<S, M>,
+pub(super) enum Step<S, const M: usize> {
+    /// Of Runge–Kutta stages.
+    Stages(Stages<S, M>),
+    /// Of power series.
+    Series(Series<S, M>),
+    /// Of exact ends.
+    Ends(Ends<S, M>),
+}
+
+/// The exact ends of a step.
+pub(super) struct Ends<S, const M: usize> {
+    pub length_s: f64,
+    pub states: [Vector<S, M>; 2],
+    /// Derivatives by time.
+    pub slopes: [Vector<S, M>; 2],
+    /// Second derivatives, where what lies between matters.
+    pub curvatures: Option<[Vector<S, M>; 2]>,
+}
+
+/// A state over a step as powers of u from 0 to 1, derivatives aside.
+#[derive(Clone, Copy)]
+pub(super) struct Powers {
+    powers: [f64; MOST_POWERS],
+    count: usize,
+}
+
+impl Powers {
+    /// Of a state that does not matter.
+    pub const NONE: Self = Self { powers: [0.0; MOST_POWERS], count: 0 };
+
+    fn new(some: &[f64]) -> Self {
+        let mut powers = [0.0; MOST_POWERS];
+        powers[..some.len()].copy_from_slice(some);
+        Self { powers, count: some.len() }
+    }
+
+    #[inline]
+    pub fn at(&self, u: f64) -> f64 {
+        polynomial(&self.powers[..self.count], u)
+    }
 }
 
 impl<S: Scalar, const M: usize> Step<S, M> {
-    /// Of stages from `start`, where the derivative is `slope`.
-    #[inline]
-    pub fn of_stages(
-        start: &Vector<S, M>,
-        slope: &Vector<S, M>,
-        length_s: S,
-        stages: Stages<S, M>,
-    ) -> Self {
-        let (end, slopes) = (stages.end, [*slope, *stages.end_slope()]);
-        Self { length_s, start: *start, end, slopes, between: Between::Stages(stages) }
+    /// State at the end.
+    pub fn end(&self) -> &Vector<S, M> {
+        match self {
+            Step::Stages(stages) => &stages.end,
+            Step::Series(series) => &series.end,
+            Step::Ends(ends) => &ends.states[1],
+        }
     }
 
-    /// Of exact ends with their derivatives by time.
-    #[inline]
-    pub fn of_ends(ends: [Vector<S, M>; 2], slopes: [Vector<S, M>; 2], length_s: S) -> Self {
-        let [start, end] = ends;
-        Self { length_s, start, end, slopes, between: Between::Ends }
-    }
-
-    /// Adds second derivatives at both ends.
-    pub fn bend(&mut self, curvatures: [Vector<S, M>; 2]) {
-        self.between = Between::Curvatures(curvatures);
-    }
-
-    /// Derivative at the end.
+    /// Derivative by time at the end.
     pub fn end_slope(&self) -> &Vector<S, M> {
-        &self.slopes[1]
+        match self {
+            Step::Stages(stages) => &stages.slopes[6],
+            Step::Series(series) => &series.end_slope,
+            Step::Ends(ends) => &ends.slopes[1],
+        }
     }
 
-    /// Whether state `i` cannot have met `level` within the step: from values at
-    /// both ends a cubic departs by 4/27 of what its slopes there make, at most.
+    /// Whether state `i` cannot have met `level` within the step.
     #[inline]
     pub fn stays_beyond(&self, i: usize, level: f64) -> bool {
-        let (start, end) = (self.start[i].value() - level, self.end[i].value() - level);
-        let slopes = self.slopes[0][i].value().abs() + self.slopes[1][i].value().abs();
-        let departs = 0.2 * slopes * self.length_s.value();
-        start * end > 0.0 && start.abs().min(end.abs()) > departs
+        match self {
+            Step::Stages(Stages { length_s, start, end, slopes }) => {
+                cubic_stays_beyond([start, end], [&slopes[0], &slopes[6]], *length_s, i, level)
+            }
+            Step::Series(series) => series.stays_beyond(i, level),
+            Step::Ends(ends) => ends.stays_beyond(i, level),
+        }
     }
 
-    /// State `i` over the step, as powers of u from 0 to 1.
+    /// State `i` over the step.
     #[inline]
-    pub fn powers(&self, i: usize) -> Quintic<S> {
-        let (begin, finish) = match &self.between {
-            Between::Stages(stages) => return stages.powers(i),
-            Between::Curvatures([begin, finish]) => (begin[i], finish[i]),
-            Between::Ends => {
+    pub fn numbers(&self, i: usize) -> Powers {
+        match self {
+            Step::Stages(stages) => Powers::new(&stages.powers(i, S::value)),
+            Step::Series(series) => Powers::new(&series.powers(i, S::value)),
+            Step::Ends(ends) => Powers::new(&ends.powers(i, S::value)),
+        }
+    }
+
+    /// Adds up state `i` over a step that begins at `from_s`, up to position `reach`.
+    pub fn add(&self, i: usize, sums: &mut Fourier<'_, S>, from_s: f64, reach: f64) {
+        let same = |x| x;
+        match self {
+            Step::Stages(s) => {
+                sums.add_fixed(from_s, s.length_s, reach, &s.powers(i, same));
+            }
+            Step::Series(s) => sums.add_fixed(from_s, s.length_s, reach, &s.powers(i, same)),
+            Step::Ends(s) => sums.add_fixed(from_s, s.length_s, reach, &s.powers(i, same)),
+        }
+    }
+}
+
+impl<S: Scalar, const M: usize> Ends<S, M> {
+    /// Whether state `i` cannot have met `level` within the step.
+    pub fn stays_beyond(&self, i: usize, level: f64) -> bool {
+        let [[start, end], [first, last]] = [&self.states, &self.slopes];
+        cubic_stays_beyond([start, end], [first, last], self.length_s, i, level)
+    }
+
+    /// Part of state `i` over the step, as powers of u from 0 to 1.
+    #[inline]
+    pub fn powers<T: Scalar>(&self, i: usize, part: impl Fn(S) -> T) -> Quintic<T> {
+        let h = self.length_s;
+        let [start, end] = [0, 1].map(|at| part(self.states[at][i]));
+        let [first, last] = [0, 1].map(|at| part(self.slopes[at][i]) * h);
+        let [begin, finish] = match &self.curvatures {
+            Some(both) => [0, 1].map(|at| part(both[at][i]) * (h * h)),
+            None => {
                 // The cubic: its own second derivatives.
-                let h = self.length_s;
-                let mean = (self.end[i] - self.start[i]) / h * 3.0;
-                let [first, last] = [self.slopes[0][i], self.slopes[1][i]];
-                let scale = S::constant(2.0) / h;
-                ((mean - first * 2.0 - last) * scale, (first + last * 2.0 - mean) * scale)
+                let mean = (end - start) * 3.0;
+                [(mean - first * 2.0 - last) * 2.0, (first + last * 2.0 - mean) * 2.0]
             }
         };
-        let (h, square) = (self.length_s, self.length_s * self.length_s);
-        let [first, last] = &self.slopes;
-        through(
-            [self.start[i], first[i] * h, begin * square],
-            [self.end[i], last[i] * h, finish * square],
-        )
+        through([start, first, begin], [end, last, finish])
     }
+}
+
+/// From values at both ends a cubic departs by 4/27 of what its slopes there make, at
+/// most.
+#[inline]
+fn cubic_stays_beyond<S: Scalar, const M: usize>(
+    [start, end]: [&Vector<S, M>; 2],
+    [first, last]: [&Vector<S, M>; 2],
+    length_s: f64,
+    i: usize,
+    level: f64,
+) -> bool {
+    let (start, end) = (start[i].value() - level, end[i].value() - level);
+    let departs = 0.2 * (first[i].value().abs() + last[i].value().abs()) * length_s;
+    start * end > 0.0 && start.abs().min(end.abs()) > departs
 }

@@ -1,0 +1,103 @@
+//! Steps of mechanics that are affine between switches, by power series.
+//!
+//! x' = A·x + b·τ + d with τ a quintic. The terms of the solution's series say by
+//! themselves how long the step may be, so none is tried in vain, and a switch is met
+//! on the series itself. Between contacts of a joint with play the motion is as slow
+//! as the torque: steps are then long, where even ones would be bound by the contact's
+//! stiffness.
+
+use crate::plant::Scalar;
+
+use super::runge_kutta::Vector;
+
+/// Highest power of a series. A step's cost grows with it as its length does.
+const ORDER: usize = 12;
+
+/// Powers of the longest polynomial in a step.
+pub(super) const MOST_POWERS: usize = ORDER + 1;
+
+/// A step.
+pub(super) struct Series<S, const M: usize> {
+    /// Powers of u from 0 to 1, all states each.
+    terms: [Vector<S, M>; ORDER + 1],
+    pub length_s: f64,
+    /// State at its end.
+    pub end: Vector<S, M>,
+    /// Derivative by time at its end.
+    pub end_slope: Vector<S, M>,
+}
+
+impl<S: Scalar, const M: usize> Series<S, M> {
+    /// From `start` over `length_s` or less, so that no state errs by more than
+    /// `allowed`; `next` makes the term after the m-th. Also the share of the length it
+    /// covers.
+    #[inline]
+    pub fn new(
+        start: &Vector<S, M>,
+        length_s: f64,
+        allowed: &[f64; M],
+        next: impl Fn(usize, &Vector<S, M>) -> Vector<S, M>,
+    ) -> (Self, f64) {
+        let mut this =
+            Self { terms: [*start; ORDER + 1], length_s, end: *start, end_slope: *start };
+        for m in 0..ORDER {
+            this.terms[m + 1] = next(m, &this.terms[m]);
+        }
+        let share = this.reach(allowed);
+        if share < 1.0 {
+            let mut scale = 1.0;
+            for term in &mut this.terms[1..] {
+                scale *= share;
+                term.iter_mut().for_each(|value| *value = *value * scale);
+            }
+            this.length_s *= share;
+        }
+        (this.end, this.end_slope) = this.at(1.0);
+        (this, share)
+    }
+
+    /// The share of its length after which the last terms are as small as allowed; where
+    /// two steps are due they are even.
+    fn reach(&self, allowed: &[f64; M]) -> f64 {
+        let share = |m: usize| {
+            let errors = self.terms[m].iter().zip(allowed).map(|(t, a)| (t.value() / a).abs());
+            let most = errors.fold(0.0, f64::max) as f32;
+            most.powf(-1.0 / m as f32)
+        };
+        match f64::from(share(ORDER - 1).min(share(ORDER))) {
+            1.0.. => 1.0,
+            0.5.. => 0.5,
+            share => share,
+        }
+    }
+
+    /// State at u, and its derivative by time.
+    pub fn at(&self, u: f64) -> (Vector<S, M>, Vector<S, M>) {
+        let (mut state, mut slope) = (self.terms[ORDER], [S::constant(0.0); M]);
+        for term in self.terms[..ORDER].iter().rev() {
+            for i in 0..M {
+                slope[i] = slope[i] * u + state[i];
+                state[i] = state[i] * u + term[i];
+            }
+        }
+        slope.iter_mut().for_each(|value| *value = *value * (1.0 / self.length_s));
+        (state, slope)
+    }
+
+    /// Whether state `i` cannot have met `level` within the step.
+    #[inline]
+    pub fn stays_beyond(&self, i: usize, level: f64) -> bool {
+        let departs: f64 = self.terms[1..].iter().map(|term| term[i].value().abs()).sum();
+        (self.terms[0][i].value() - level).abs() > departs
+    }
+
+    /// Part of state `i` over the step, as powers of u from 0 to 1.
+    #[inline]
+    pub fn powers<T: Scalar>(&self, i: usize, part: impl Fn(S) -> T) -> [T; ORDER + 1] {
+        let mut powers = [T::constant(0.0); ORDER + 1];
+        for (power, term) in powers.iter_mut().zip(&self.terms) {
+            *power = part(term[i]);
+        }
+        powers
+    }
+}

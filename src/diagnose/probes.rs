@@ -8,8 +8,6 @@
 //! much it would explain (the score of Rao 1948, doi:10.1017/S0305004100023987,
 //! at finite size).
 
-use std::ops::Range as Span;
-
 use nalgebra::{DMatrix, DVector};
 
 use crate::effects::{Coordinate, Effect, Range};
@@ -37,6 +35,9 @@ const SAME: f64 = 0.9999;
 /// By how much a probe's change may be scaled up to fit the residuals.
 const LARGEST_SCALE: f64 = 1.5;
 
+/// The same of a start, at least: where an effect is absent its shape is lost.
+const LEAST_SCALE: f64 = 0.02;
+
 /// An effect with values of its parameters, tried at an anchor.
 pub(super) struct Probe {
     /// Where a fit may start.
@@ -53,12 +54,14 @@ pub(super) struct Probed {
     pub probes: Vec<Probe>,
     /// The directions in which it would show around each place of its parameters.
     pub spans: Vec<Subspace>,
+    /// The most that such directions take up of the residuals.
+    energy: f64,
 }
 
 impl Probed {
-    /// The largest gain of a probe.
-    pub fn gain(&self) -> f64 {
-        self.probes.first().map_or(0.0, |probe| probe.gain)
+    /// By how much the effect may lower χ².
+    pub fn promise(&self) -> f64 {
+        self.probes.first().map_or(self.energy, |probe| probe.gain.max(self.energy))
     }
 }
 
@@ -91,7 +94,9 @@ pub(super) fn probe(
             // What cannot be made smaller must fit as it is.
             let scale = if vanishes { (slope / size).clamp(0.0, LARGEST_SCALE) } else { 1.0 };
             let gain = scale * (2.0 * slope - scale * size);
-            shrink(&mut model, own.clone(), &ranges, scale);
+            let mut values = values;
+            effect.resize(&mut values, &ranges, scale.max(LEAST_SCALE));
+            own.clone().zip(&values).for_each(|(i, value)| model.set(i, *value));
             let left = &anchor.residuals - change * scale;
             model.shift(anchor.steps(&left).into_iter(), LONGEST_SHIFT);
             directions.push(direction.normalize());
@@ -103,7 +108,8 @@ pub(super) fn probe(
         true => neighbourhoods(&directions, effect.parameters().len()),
         false => scanned,
     };
-    Probed { effect, probes, spans }
+    let energy = spans.iter().map(|span| span.energy(&anchor.residuals)).fold(0.0, f64::max);
+    Probed { effect, probes, spans, energy }
 }
 
 /// The spans of each direction with its nearest: an effect with p parameters,
@@ -126,16 +132,6 @@ fn neighbourhoods(directions: &[DVector<f64>], parameters: usize) -> Vec<Subspac
             Subspace::of(&DMatrix::from_columns(&columns))
         })
         .collect()
-}
-
-/// Moves parameters at which the effect vanishes towards there.
-fn shrink(model: &mut Model, own: Span<usize>, ranges: &[Range], scale: f64) {
-    for (i, range) in own.zip(ranges) {
-        if let Some(absent) = range.absent {
-            let value = model.value(i);
-            model.set(i, absent + scale.max(0.02) * (value - absent));
-        }
-    }
 }
 
 /// Values to try: every combination of a few of each parameter.
@@ -168,21 +164,21 @@ fn axis(coordinate: Coordinate, range: &Range, step: f64, sizes: &[f64]) -> Vec<
     let [low, high] = range.likely;
     let ends = || [low, high].into_iter();
     match (coordinate, range.absent) {
-        (Coordinate::Logarithmic, Some(absent)) if absent > 0.0 => ends()
+        (Coordinate::Logarithmic, Some(absent)) if absent > 0.0 && absent.is_finite() => ends()
             .filter(|end| (end / absent).ln().abs() > 0.1 * (high / low).ln())
             .flat_map(|end| sizes.iter().map(move |size| absent * (end / absent).powf(*size)))
             .collect(),
-        (_, Some(absent)) => ends()
+        (_, Some(absent)) if absent.is_finite() => ends()
             .filter(|end| (end - absent).abs() > 0.1 * (high - low))
             .flat_map(|end| sizes.iter().map(move |size| absent + size * (end - absent)))
             .collect(),
-        (Coordinate::Logarithmic, None) => {
+        (Coordinate::Logarithmic, _) => {
             let ratio = (high / low).ln();
             let count = ((ratio / step.ln()).round() as usize).max(1);
             let at = |i: usize| low * (ratio * (i as f64 + 0.5) / count as f64).exp();
             (0..count).map(at).collect()
         }
-        (Coordinate::Linear, None) => {
+        (Coordinate::Linear, _) => {
             let count = if step < 10.0 { 4 } else { 2 };
             let at = |i: usize| low + (high - low) * (i as f64 + 0.5) / f64::from(count);
             (0..count as usize).map(at).collect()

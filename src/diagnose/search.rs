@@ -70,6 +70,12 @@ pub(super) fn key(model: &Model) -> Key {
     key
 }
 
+/// Whether an effect may gain more than chance; `scale` is the noise's variance in
+/// units of the weights.
+fn promises(probed: &Probed, family: &Family, scale: f64) -> bool {
+    probed.promise() / scale > PROMISING * family.limit(probed.effect.id())
+}
+
 impl<'a> Search<'a> {
     /// With nothing but the base model.
     pub fn new(
@@ -87,8 +93,10 @@ impl<'a> Search<'a> {
     pub fn singles(&mut self) {
         let Some(anchor) = Anchor::new(self.workbench, self.workbench.base()) else { return };
         let probed = self.probe(&anchor);
-        self.family = Some(self.family(&anchor, &probed));
-        let fits = self.fit(&probed);
+        let family = self.family(&anchor, &probed);
+        let scale = self.variance(&anchor);
+        let fits = self.fit(&probed, |probed| promises(probed, &family, scale));
+        self.family = Some(family);
         fits.into_iter().for_each(|model| self.keep(model));
     }
 
@@ -106,13 +114,11 @@ impl<'a> Search<'a> {
         let mut probed = self.probe(&anchor);
         let family = self.family(&anchor, &probed);
         let scale = self.variance(&anchor);
-        probed.retain(|probed| {
-            let least = PROMISING * family.limit(probed.effect.id());
-            everything || probed.gain() / scale > least
-        });
-        probed.sort_by(|a, b| b.gain().total_cmp(&a.gain()));
+        let promising = |probed: &Probed| promises(probed, &family, scale);
+        probed.retain(|probed| everything || promising(probed));
+        probed.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
         probed.truncate(FURTHER);
-        let fits = self.fit(&probed);
+        let fits = self.fit(&probed, promising);
         let any = !fits.is_empty();
         fits.into_iter().for_each(|model| self.keep(model));
         any
@@ -146,19 +152,7 @@ impl<'a> Search<'a> {
         effects
             .into_par_iter()
             .filter(|_| !self.observer.cancelled())
-            .map(|effect| {
-                let t = std::time::Instant::now();
-                let b = probes::probe(self.workbench, anchor, *effect);
-                if std::env::var("T").is_ok() {
-                    eprintln!(
-                        "probe {} {} {:.3}s",
-                        effect.id(),
-                        b.probes.len(),
-                        t.elapsed().as_secs_f64()
-                    );
-                }
-                b
-            })
+            .map(|effect| probes::probe(self.workbench, anchor, *effect))
             .collect()
     }
 
@@ -166,44 +160,38 @@ impl<'a> Search<'a> {
         Family::new(anchor, &self.workbench.noise(), self.yardstick.known, probed, self.seed)
     }
 
-    fn fit(&self, probed: &[Probed]) -> Vec<Model> {
-        probed
-            .par_iter()
-            .filter_map(|probed| {
-                let t = std::time::Instant::now();
-                let b = self.best(&probed.probes);
-                if std::env::var("T").is_ok() {
-                    eprintln!(
-                        "fit {} {:?} {:.3}s evals {:?} cost {:?}",
-                        probed.effect.id(),
-                        probed.gain(),
-                        t.elapsed().as_secs_f64(),
-                        b.as_ref().map(|b| b.evaluations),
-                        b.as_ref().map(|b| b.cost)
-                    );
-                }
-                b
-            })
-            .collect()
+    /// Fits every effect from its probes; at length those that promise something.
+    fn fit(&self, probed: &[Probed], promising: impl Fn(&Probed) -> bool + Sync) -> Vec<Model> {
+        let fit = |probed: &Probed| match promising(probed) {
+            true => self.best(&probed.probes),
+            false => {
+                let start = &probed.probes.first()?.start;
+                Some(self.refine(start, Effort::Brief)).filter(|model| model.cost.is_finite())
+            }
+        };
+        probed.par_iter().filter_map(fit).collect()
+    }
+
+    fn refine(&self, model: &Model, effort: Effort) -> Model {
+        match self.observer.cancelled() {
+            true => model.clone(),
+            false => self.workbench.refine(model, effort),
+        }
     }
 
     /// The best of the fits from an effect's probes.
     fn best(&self, probes: &[Probe]) -> Option<Model> {
-        let refine = |model: &Model, effort| match self.observer.cancelled() {
-            true => model.clone(),
-            false => self.workbench.refine(model, effort),
-        };
         let best_first = |models: &mut Vec<Model>| {
             models.retain(|model| model.cost.is_finite());
             models.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         };
         let starts: Vec<&Probe> = probes.iter().take(STARTS).collect();
         let mut tried: Vec<Model> =
-            starts.par_iter().map(|probe| refine(&probe.start, Effort::Glance)).collect();
+            starts.par_iter().map(|probe| self.refine(&probe.start, Effort::Glance)).collect();
         best_first(&mut tried);
         tried.truncate(FOLLOWED);
         let mut settled: Vec<Model> =
-            tried.par_iter().map(|model| refine(model, Effort::Settle)).collect();
+            tried.par_iter().map(|model| self.refine(model, Effort::Settle)).collect();
         best_first(&mut settled);
         settled.into_iter().next()
     }

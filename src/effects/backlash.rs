@@ -5,7 +5,7 @@
 //! T_s = k·(φ beyond the gap) + c·(v − v_load) in contact (not clipped: it may
 //! pull just before contact ends), 0 inside the gap. y is the motor's velocity.
 
-use super::flexible_mode::{DAMPING, LOAD_INERTIA_FRACTION, STIFFNESS};
+use super::flexible_mode::{DAMPING, LOAD_INERTIA_FRACTION, STIFFNESS, resize_load};
 use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, SecondMass, Wide};
 
 /// ρ, k, c and the gap.
@@ -47,6 +47,10 @@ impl Effect for Backlash {
 
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
+    }
+
+    fn resize(&self, values: &mut [f64], _ranges: &[Range], factor: f64) {
+        resize_load(values, factor);
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

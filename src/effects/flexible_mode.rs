@@ -17,8 +17,8 @@ const PARAMETERS: [Parameter; 3] = [LOAD_INERTIA_FRACTION, STIFFNESS, DAMPING];
 pub(super) const LOAD_INERTIA_FRACTION: Parameter = Parameter {
     name: "load_inertia_fraction",
     dimension: Dimension::NONE,
-    coordinate: Coordinate::Linear,
-    range: |_| Range { bounds: [0.001, 0.99], likely: [0.1, 0.7], absent: None },
+    coordinate: Coordinate::Logarithmic,
+    range: |_| Range { bounds: [1e-4, 0.99], likely: [3e-3, 0.7], absent: Some(0.0) },
 };
 
 /// k.
@@ -27,11 +27,11 @@ pub(super) const STIFFNESS: Parameter = Parameter {
     dimension: Dimension::INPUT.per(Dimension::POSITION),
     coordinate: Coordinate::Logarithmic,
     // An antiresonance √(k/(ρJ)) from below the lowest frequency to far above
-    // the highest, where the joint is rigid.
+    // the highest, where the joint is rigid; of a small load with a small k.
     range: |scope| {
         let at = |omega: f64| omega * omega * load_inertia(scope);
         Range {
-            bounds: [at(0.3 * scope.omega_low), at(30.0 * scope.omega_high)],
+            bounds: [3e-4 * at(0.3 * scope.omega_low), at(30.0 * scope.omega_high)],
             likely: [at(scope.omega_low), at(3.0 * scope.omega_high)],
             absent: None,
         }
@@ -47,7 +47,7 @@ pub(super) const DAMPING: Parameter = Parameter {
     range: |scope| {
         let middle = (scope.omega_low * scope.omega_high).sqrt() * load_inertia(scope);
         Range {
-            bounds: [1e-5 * middle, 100.0 * middle],
+            bounds: [1e-7 * middle, 100.0 * middle],
             likely: [0.01 * middle, 3.0 * middle],
             absent: None,
         }
@@ -57,6 +57,12 @@ pub(super) const DAMPING: Parameter = Parameter {
 /// Inertia of a load that has a third of the whole.
 fn load_inertia(scope: &Scope) -> f64 {
     0.3 / scope.plant.constant.abs()
+}
+
+/// Makes a load (ρ, k, c, …) so many times as heavy, its motion beside the motor's
+/// as it was.
+pub(super) fn resize_load(values: &mut [f64], factor: f64) {
+    values.iter_mut().take(3).for_each(|value| *value *= factor);
 }
 
 impl Effect for FlexibleMode {
@@ -79,6 +85,10 @@ impl Effect for FlexibleMode {
 
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
+    }
+
+    fn resize(&self, values: &mut [f64], _ranges: &[Range], factor: f64) {
+        resize_load(values, factor);
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -86,6 +86,19 @@ pub trait Effect: Debug + Sync {
         false
     }
 
+    /// Makes the effect this many times as large to first order, its shape kept:
+    /// parameters at which it vanishes move away from there. `ranges` are those of
+    /// its parameters.
+    fn resize(&self, values: &mut [f64], ranges: &[Range], factor: f64) {
+        for (value, range) in values.iter_mut().zip(ranges) {
+            match range.absent {
+                Some(absent) if absent.is_infinite() => *value /= factor,
+                Some(absent) => *value = absent + factor * (*value - absent),
+                None => (),
+            }
+        }
+    }
+
     /// Enters the axis, by its parameters, in an experiment that stands at
     /// `run_share` (0 first, 1 last) of the acquisition.
     fn enter(&self, parameters: &[Wide], run_share: f64, axis: &mut Axis<Wide>);

@@ -87,7 +87,7 @@ pub struct Range {
     /// Where a search looks first.
     pub likely: [f64; 2],
     /// The value at which the effect vanishes whatever its other parameters
-    /// are; `None` where no value of this one does that.
+    /// are, perhaps infinite; `None` where no value of this one does that.
     pub absent: Option<f64>,
 }
 

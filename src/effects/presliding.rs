@@ -21,7 +21,7 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
         Range {
             bounds: [0.1 * softest, 1e5 * softest],
             likely: [softest, 3e3 * softest],
-            absent: None,
+            absent: Some(f64::INFINITY),
         }
     },
 }];

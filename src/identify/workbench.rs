@@ -28,6 +28,8 @@ const MOST_RADIANS: f64 = 2000.0;
 pub enum Effort {
     /// A few steps: which of several starts is worth more.
     Glance,
+    /// Some more: what an effect gains about, of which little is to be expected.
+    Brief,
     /// Until χ² settles to far less than a unit.
     Settle,
     /// To the last digit.
@@ -338,6 +340,7 @@ impl<'a> Workbench<'a> {
     pub fn refine(&self, model: &Model, effort: Effort) -> Model {
         let patience = match effort {
             Effort::Glance => Patience { steps: 4, cost_tolerance: 1e-3 },
+            Effort::Brief => Patience { steps: 8, cost_tolerance: 1e-4 },
             Effort::Settle => Patience { steps: 60, cost_tolerance: 1e-5 },
             Effort::Thorough => refine::THOROUGH,
         };

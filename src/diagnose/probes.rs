@@ -7,6 +7,9 @@
 //! in which the effect would show, and its product with the residuals says how
 //! much it would explain (the score of Rao 1948, doi:10.1017/S0305004100023987,
 //! at finite size).
+//!
+//! Beside other effects that are as small, it changes the response by as much:
+//! what was computed once serves for every model it may be added to.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -14,14 +17,14 @@ use crate::effects::{Coordinate, Effect, Range};
 use crate::identify::{Model, Workbench};
 
 use super::anchor::Anchor;
-use super::scan;
+use super::scan::{self, Pitch};
 use super::subspace::Subspace;
 
-/// Probes of an effect, at most.
-const MOST_PROBES: usize = 32;
+/// Places of an effect's parameters, at most.
+const MOST_PLACES: usize = 24;
 
-/// Shares of the way from where an effect vanishes to the end of its likely range.
-const SIZES: [f64; 2] = [0.15, 0.6];
+/// Share of the way from where an effect vanishes to the end of its likely range.
+const SIZE: f64 = 0.15;
 
 /// The same where the effect has one parameter.
 const SIZES_ALONE: [f64; 4] = [0.05, 0.2, 0.5, 0.8];
@@ -29,21 +32,36 @@ const SIZES_ALONE: [f64; 4] = [0.05, 0.2, 0.5, 0.8];
 /// Longest step of a parameter of the anchor on the way to a start.
 const LONGEST_SHIFT: f64 = 0.3;
 
-/// Cosine above which two probes show the same.
+/// Cosine above which two places show the same.
 const SAME: f64 = 0.9999;
 
-/// By how much a probe's change may be scaled up to fit the residuals.
+/// By how much a change may be scaled up to fit the residuals.
 const LARGEST_SCALE: f64 = 1.5;
 
 /// The same of a start, at least: where an effect is absent its shape is lost.
 const LEAST_SCALE: f64 = 0.02;
+
+/// What an effect changes, at many values of its parameters.
+pub(super) struct Changes {
+    /// The effect.
+    pub effect: &'static dyn Effect,
+    ranges: Vec<Range>,
+    places: Vec<Place>,
+    pitches: Vec<Pitch>,
+}
+
+/// Values of an effect's parameters, and by how much they change Ŷ/σ.
+struct Place {
+    values: Vec<f64>,
+    change: DVector<f64>,
+}
 
 /// An effect with values of its parameters, tried at an anchor.
 pub(super) struct Probe {
     /// Where a fit may start.
     pub start: Model,
     /// By how much it would lower χ².
-    pub gain: f64,
+    gain: f64,
 }
 
 /// What trying an effect at an anchor showed.
@@ -65,51 +83,79 @@ impl Probed {
     }
 }
 
-/// Tries an effect at an anchor.
-pub(super) fn probe(
-    workbench: &Workbench<'_>,
-    anchor: &Anchor,
-    effect: &'static dyn Effect,
-) -> Probed {
-    let extended = workbench.extend(&anchor.model, effect);
-    let own = extended.parameters_of(extended.effects().len() - 1);
-    let ranges = workbench.ranges(effect);
-    let (places, scanned) = match effect.oscillates() {
-        true => scan::scan(workbench, anchor, effect, &extended, &ranges),
-        false => (grid(effect, &ranges), Vec::new()),
-    };
-    let vanishes = ranges.iter().any(|range| range.absent.is_some());
-    let mut directions = Vec::new();
-    let mut probes: Vec<Probe> = places
-        .into_iter()
-        .filter_map(|values| {
-            let mut model = extended.clone();
-            own.clone().zip(&values).for_each(|(i, value)| model.set(i, *value));
-            let change = workbench.predict(&model)? - &anchor.prediction;
-            let direction = anchor.fitted.complement(&change);
-            let (size, slope) = (direction.norm_squared(), direction.dot(&anchor.residuals));
-            if !(size > 0.0 && size.is_finite()) {
-                return None;
+impl Changes {
+    /// Those of an effect beside the anchor's model.
+    pub fn of(workbench: &Workbench<'_>, anchor: &Anchor, effect: &'static dyn Effect) -> Self {
+        let ranges = workbench.ranges(effect);
+        let mut this = Self { effect, ranges, places: Vec::new(), pitches: Vec::new() };
+        if effect.oscillates() {
+            this.pitches = scan::pitches(workbench, anchor, effect, &this.ranges);
+            return this;
+        }
+        let mut extended = workbench.extend(&anchor.model, effect);
+        let own = extended.parameters_of(extended.effects().len() - 1);
+        for values in grid(effect, &this.ranges) {
+            own.clone().zip(&values).for_each(|(i, value)| extended.set(i, *value));
+            if let Some(prediction) = workbench.predict(&extended) {
+                this.places.push(Place { values, change: prediction - &anchor.prediction });
             }
-            // What cannot be made smaller must fit as it is.
-            let scale = if vanishes { (slope / size).clamp(0.0, LARGEST_SCALE) } else { 1.0 };
-            let gain = scale * (2.0 * slope - scale * size);
-            let mut values = values;
-            effect.resize(&mut values, &ranges, scale.max(LEAST_SCALE));
-            own.clone().zip(&values).for_each(|(i, value)| model.set(i, *value));
-            let left = &anchor.residuals - change * scale;
-            model.shift(anchor.steps(&left).into_iter(), LONGEST_SHIFT);
-            directions.push(direction.normalize());
-            Some(Probe { start: model, gain })
-        })
-        .collect();
-    probes.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let spans = match scanned.is_empty() {
-        true => neighbourhoods(&directions, effect.parameters().len()),
-        false => scanned,
-    };
-    let energy = spans.iter().map(|span| span.energy(&anchor.residuals)).fold(0.0, f64::max);
-    Probed { effect, probes, spans, energy }
+        }
+        this
+    }
+
+    /// Tries the effect at an anchor.
+    pub fn probe(&self, workbench: &Workbench<'_>, anchor: &Anchor) -> Probed {
+        let (places, spans);
+        if self.effect.oscillates() {
+            let found = scan::peaks(workbench, anchor, self.effect, &self.ranges, &self.pitches);
+            (places, spans) = found;
+        } else {
+            places = self.places.iter().filter_map(|place| self.scaled(place, anchor)).collect();
+            let directions: Vec<DVector<f64>> = self
+                .places
+                .iter()
+                .map(|place| anchor.fitted.complement(&place.change))
+                .filter(|direction| direction.norm() > 0.0)
+                .map(|direction| direction.normalize())
+                .collect();
+            spans = neighbourhoods(&directions, self.effect.parameters().len());
+        }
+        let mut probes: Vec<Probe> = places
+            .into_iter()
+            .map(|Tried { values, change, gain }| {
+                let mut start = workbench.extend(&anchor.model, self.effect);
+                let own = start.parameters_of(start.effects().len() - 1);
+                own.zip(&values).for_each(|(i, value)| start.set(i, *value));
+                let left = &anchor.residuals - change;
+                start.shift(anchor.steps(&left).into_iter(), LONGEST_SHIFT);
+                Probe { start, gain }
+            })
+            .collect();
+        probes.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let energy = spans.iter().map(|span| span.energy(&anchor.residuals)).fold(0.0, f64::max);
+        Probed { effect: self.effect, probes, spans, energy }
+    }
+
+    /// A place, made as large as fits the residuals best.
+    fn scaled(&self, place: &Place, anchor: &Anchor) -> Option<Tried> {
+        let direction = anchor.fitted.complement(&place.change);
+        let (size, slope) = (direction.norm_squared(), direction.dot(&anchor.residuals));
+        if !(size > 0.0 && size.is_finite()) {
+            return None;
+        }
+        let scale = (slope / size).clamp(0.0, LARGEST_SCALE);
+        let mut values = place.values.clone();
+        self.effect.resize(&mut values, &self.ranges, scale.max(LEAST_SCALE));
+        let gain = scale * (2.0 * slope - scale * size);
+        Some(Tried { values, change: &place.change * scale, gain })
+    }
+}
+
+/// Values of an effect's parameters, what they change, and by how much that lowers χ².
+pub(super) struct Tried {
+    pub values: Vec<f64>,
+    pub change: DVector<f64>,
+    pub gain: f64,
 }
 
 /// The spans of each direction with its nearest: an effect with p parameters,
@@ -136,8 +182,8 @@ fn neighbourhoods(directions: &[DVector<f64>], parameters: usize) -> Vec<Subspac
 
 /// Values to try: every combination of a few of each parameter.
 fn grid(effect: &dyn Effect, ranges: &[Range]) -> Vec<Vec<f64>> {
-    let sizes: &[f64] = if ranges.len() == 1 { &SIZES_ALONE } else { &SIZES };
-    let mut step = 1.4_f64;
+    let sizes: &[f64] = if ranges.len() == 1 { &SIZES_ALONE } else { &[SIZE] };
+    let mut step = if ranges.len() == 1 { 4.0_f64 } else { 1.4 };
     loop {
         let axes: Vec<Vec<f64>> = effect
             .parameters()
@@ -146,7 +192,7 @@ fn grid(effect: &dyn Effect, ranges: &[Range]) -> Vec<Vec<f64>> {
             .map(|(parameter, range)| axis(parameter.coordinate, range, step, sizes))
             .collect();
         let count: usize = axes.iter().map(Vec::len).product();
-        if count <= MOST_PROBES || step > 100.0 {
+        if count <= MOST_PLACES || step > 100.0 {
             return axes.iter().fold(vec![Vec::new()], |points, axis| {
                 let longer = |point: &Vec<f64>| {
                     let point = point.clone();

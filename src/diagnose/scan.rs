@@ -9,12 +9,13 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::effects::{Effect, Range};
-use crate::identify::{Model, Workbench};
+use crate::identify::Workbench;
 
 use super::anchor::Anchor;
+use super::probes::Tried;
 use super::subspace::Subspace;
 
-/// Places that are looked at in full.
+/// Places from which a fit may start.
 const PLACES: usize = 6;
 
 /// Steps of the angle over the longest travel, radians.
@@ -23,54 +24,65 @@ const STEP: f64 = 1.0;
 /// Longest step of the pitch, as a factor.
 const LONGEST: f64 = 1.15;
 
-/// A pitch with what its sine and cosine would explain.
-struct Pitch {
-    values: Vec<f64>,
-    gain: f64,
-    span: Subspace,
+/// What the sine and the cosine of a pitch change, each of size 1.
+pub(super) struct Pitch {
+    pitch: f64,
+    changes: DMatrix<f64>,
 }
 
-/// Parameters (size, pitch, angle) that promise most, and the span of every
-/// pitch that was tried; `extended` is the anchor's model with the effect.
-pub(super) fn scan(
+/// The changes of every pitch, beside the anchor's model.
+pub(super) fn pitches(
     workbench: &Workbench<'_>,
     anchor: &Anchor,
     effect: &'static dyn Effect,
-    extended: &Model,
     ranges: &[Range],
-) -> (Vec<Vec<f64>>, Vec<Subspace>) {
-    let own = extended.parameters_of(extended.effects().len() - 1);
-    let mut without = extended.clone();
-    without.set(own.start, ranges[0].absent.unwrap_or(0.0));
-    let Some(balanced) = workbench.predict(&without) else { return Default::default() };
-    let left = anchor.fitted.complement(&(&anchor.residuals + &anchor.prediction - balanced));
+) -> Vec<Pitch> {
     let [low, high] = ranges[1].likely;
     let travel = 0.5 / low;
     let next = |pitch: &f64| Some((pitch * LONGEST).min(pitch + STEP / travel));
     let grid: Vec<f64> =
         std::iter::successors(Some(low), next).take_while(|pitch| *pitch < high).collect();
-    let tried: Vec<Option<Pitch>> = grid
-        .par_iter()
-        .map(|pitch| {
+    grid.par_iter()
+        .filter_map(|pitch| {
             let settings = [0.0, std::f64::consts::FRAC_PI_2].map(|angle| vec![1.0, *pitch, angle]);
             let changes = workbench.torque_changes(&anchor.model, effect, &settings, *pitch)?;
-            let columns: Vec<DVector<f64>> =
-                changes.iter().map(|change| anchor.fitted.complement(change)).collect();
-            let columns = DMatrix::from_columns(&columns);
-            let span = Subspace::of(&columns);
-            let sizes = columns.tr_mul(&columns).cholesky()?.solve(&columns.tr_mul(&left));
-            let size = sizes.norm().min(ranges[0].likely[1]);
-            let values = vec![size, *pitch, sizes[1].atan2(sizes[0])];
-            Some(Pitch { values, gain: span.energy(&left), span })
+            Some(Pitch { pitch: *pitch, changes: DMatrix::from_columns(&changes) })
         })
+        .collect()
+}
+
+/// Where the effect promises most at an anchor, and the span of every pitch.
+pub(super) fn peaks(
+    workbench: &Workbench<'_>,
+    anchor: &Anchor,
+    effect: &'static dyn Effect,
+    ranges: &[Range],
+    pitches: &[Pitch],
+) -> (Vec<Tried>, Vec<Subspace>) {
+    // Its constant torque balances friction even where the ripple has no size.
+    let mut without = workbench.extend(&anchor.model, effect);
+    let size = without.parameters_of(without.effects().len() - 1).start;
+    without.set(size, ranges[0].absent.unwrap_or(0.0));
+    let Some(balanced) = workbench.predict(&without) else { return Default::default() };
+    let balancing = balanced - &anchor.prediction;
+    let left = anchor.fitted.complement(&(&anchor.residuals - &balancing));
+    let spans: Vec<Subspace> = pitches
+        .iter()
+        .map(|pitch| Subspace::of(&anchor.fitted.complements(&pitch.changes)))
         .collect();
-    let mut tried: Vec<Pitch> = tried.into_iter().flatten().collect();
-    let peak = |i: usize| {
-        let gain = |j: usize| tried.get(j).map_or(0.0, |pitch| pitch.gain);
-        gain(i) >= gain(i + 1) && (i == 0 || gain(i) >= gain(i - 1))
+    let gains: Vec<f64> = spans.iter().map(|span| span.energy(&left)).collect();
+    let gain = |i: usize| gains.get(i).copied().unwrap_or(0.0);
+    let peak = |i: &usize| gain(*i) >= gain(i + 1) && (*i == 0 || gain(*i) >= gain(i - 1));
+    let mut peaks: Vec<usize> = (0..pitches.len()).filter(peak).collect();
+    peaks.sort_by(|a, b| gain(*b).total_cmp(&gain(*a)));
+    let tried = |i: usize| {
+        let Pitch { pitch, changes } = &pitches[i];
+        let shown = anchor.fitted.complements(changes);
+        let sizes = shown.tr_mul(&shown).cholesky()?.solve(&shown.tr_mul(&left));
+        let size = sizes.norm().min(ranges[0].likely[1]);
+        let values = vec![size, *pitch, sizes[1].atan2(sizes[0])];
+        let change: DVector<f64> = changes * sizes + &balancing;
+        Some(Tried { values, change, gain: gain(i) })
     };
-    let mut peaks: Vec<&Pitch> = (0..tried.len()).filter(|i| peak(*i)).map(|i| &tried[i]).collect();
-    peaks.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let places = peaks.into_iter().take(PLACES).map(|pitch| pitch.values.clone()).collect();
-    (places, tried.drain(..).map(|pitch| pitch.span).collect())
+    (peaks.into_iter().take(PLACES).filter_map(tried).collect(), spans)
 }

@@ -17,7 +17,7 @@ use crate::observer::Observer;
 use super::anchor::Anchor;
 use super::evidence::{self, Yardstick};
 use super::family::Family;
-use super::probes::{self, Probe, Probed};
+use super::probes::{Changes, Probe, Probed};
 
 /// Starts of a fit of which a few steps are taken.
 const STARTS: usize = 4;
@@ -57,6 +57,8 @@ pub(super) struct Search<'a> {
     pub yardstick: Yardstick,
     /// Every fitted model.
     pub visited: BTreeMap<Key, Visited>,
+    /// What every effect changes beside the base model.
+    changes: Vec<Changes>,
     /// Models from which larger ones were grown.
     grown: BTreeSet<Key>,
     /// What an effect must gain at the base model.
@@ -86,12 +88,22 @@ impl<'a> Search<'a> {
     ) -> Self {
         let base = Visited { model: workbench.base().clone(), complexity: 0.0 };
         let visited = BTreeMap::from([(Key::new(), base)]);
-        Self { workbench, observer, seed, yardstick, visited, grown: BTreeSet::new(), family: None }
+        Self {
+            workbench,
+            observer,
+            seed,
+            yardstick,
+            visited,
+            changes: Vec::new(),
+            grown: BTreeSet::new(),
+            family: None,
+        }
     }
 
     /// Fits every effect alone.
     pub fn singles(&mut self) {
         let Some(anchor) = Anchor::new(self.workbench, self.workbench.base()) else { return };
+        self.changes = self.changes(&anchor);
         let probed = self.probe(&anchor);
         let family = self.family(&anchor, &probed);
         let scale = self.variance(&anchor);
@@ -141,18 +153,32 @@ impl<'a> Search<'a> {
         fits.into_iter().for_each(|model| self.keep(model));
     }
 
-    /// Probes of every effect that the model lacks and can have.
-    fn probe(&self, anchor: &Anchor) -> Vec<Probed> {
-        let has = |effect: &&&'static dyn Effect| {
-            anchor.model.effects().iter().any(|own| own.id() == effect.id())
-        };
+    /// What every effect of the library changes that can be tested.
+    fn changes(&self, anchor: &Anchor) -> Vec<Changes> {
         let testable =
             |effect: &&&'static dyn Effect| self.workbench.runs_known() || !effect.needs_run();
-        let effects: Vec<&&dyn Effect> = ALL.iter().filter(|e| !has(e)).filter(testable).collect();
+        let effects: Vec<&&dyn Effect> = ALL.iter().filter(testable).collect();
         effects
             .into_par_iter()
             .filter(|_| !self.observer.cancelled())
-            .map(|effect| probes::probe(self.workbench, anchor, *effect))
+            .map(|effect| Changes::of(self.workbench, anchor, *effect))
+            .collect()
+    }
+
+    /// Probes of every effect that the model lacks and can have.
+    fn probe(&self, anchor: &Anchor) -> Vec<Probed> {
+        let (own, workbench) = (anchor.model.effects(), self.workbench);
+        let lacks = |changes: &&Changes| own.iter().all(|own| own.id() != changes.effect.id());
+        let lacking: Vec<&Changes> = self.changes.iter().filter(lacks).collect();
+        let settles = own.iter().any(|effect| effect.settles());
+        lacking
+            .into_par_iter()
+            .filter(|_| !self.observer.cancelled())
+            .map(|changes| match settles && changes.effect.settles() {
+                // Half of what it changes beside the base model is there already.
+                true => Changes::of(workbench, anchor, changes.effect).probe(workbench, anchor),
+                false => changes.probe(workbench, anchor),
+            })
             .collect()
     }
 

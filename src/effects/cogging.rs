@@ -97,6 +97,10 @@ impl Effect for Cogging {
         true
     }
 
+    fn settles(&self) -> bool {
+        true
+    }
+
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
         axis.torques.push(Law::new(&Ripple, parameters));
         axis.balanced = true;

@@ -86,6 +86,11 @@ pub trait Effect: Debug + Sync {
         false
     }
 
+    /// Whether the mean of the velocity is zero with it, whatever friction does.
+    fn settles(&self) -> bool {
+        false
+    }
+
     /// Makes the effect this many times as large to first order, its shape kept:
     /// parameters at which it vanishes move away from there. `ranges` are those of
     /// its parameters.

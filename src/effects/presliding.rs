@@ -19,8 +19,8 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     range: |scope| {
         let softest = scope.friction_level() / scope.largest_travel;
         Range {
-            bounds: [0.1 * softest, 1e5 * softest],
-            likely: [softest, 3e3 * softest],
+            bounds: [0.1 * softest, 1e8 * softest],
+            likely: [softest, 1e6 * softest],
             absent: Some(f64::INFINITY),
         }
     },
@@ -46,6 +46,11 @@ impl Effect for Presliding {
 
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
+    }
+
+    // The bristle's share of a reversal lasts √(2·Fc/(σ·v')).
+    fn resize(&self, values: &mut [f64], _ranges: &[Range], factor: f64) {
+        values[0] /= factor * factor;
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -79,6 +79,10 @@ impl Effect for Spring {
         &PARAMETERS
     }
 
+    fn settles(&self) -> bool {
+        true
+    }
+
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {
         axis.torques.push(Law::new(&Linear, parameters));
     }

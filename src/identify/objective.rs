@@ -1,5 +1,7 @@
 //! The noise-weighted misfit of all harmonics.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -48,32 +50,31 @@ impl Misfit<'_> {
             let velocity = simulate::respond(&plant, &effects, excitation, *highest)?;
             Ok(targets.iter().map(|t| velocity[t.order] * t.per_velocity).collect())
         };
-        let predicted = self.every(predict);
-        self.stood_in(predicted, |e| self.stand_in.map(|values| values[e].clone()))
+        self.every(predict, |e| self.stand_in.map(|values| values[e].clone()))
     }
 
-    /// Something of every experiment. What is simulated with effects takes long
-    /// enough to be shared among threads.
-    fn every<T: Send>(&self, f: impl Fn(&Prepared) -> T + Send + Sync) -> Vec<T> {
-        match self.coordinates.effects.is_empty() {
-            true => self.problem.experiments.iter().map(f).collect(),
-            false => self.problem.experiments.par_iter().map(f).collect(),
-        }
-    }
-
-    /// All of these, with something in the place of the few that are missing.
-    fn stood_in<T>(
+    /// Something of every experiment, with something in the place of the few that
+    /// have no response. What is simulated with effects takes long enough to be
+    /// shared among threads.
+    fn every<T: Send>(
         &self,
-        values: Vec<Result<T, NoResponse>>,
-        stand_in: impl Fn(usize) -> Option<T>,
+        respond: impl Fn(&Prepared) -> Result<T, NoResponse> + Sync,
+        stand_in: impl Fn(usize) -> Option<T> + Sync,
     ) -> Result<Vec<T>, NoResponse> {
-        let mut left = (UNANSWERED * values.len() as f64) as usize;
-        let mut replace = |e: usize, error: NoResponse| {
-            left = left.checked_sub(1).ok_or(error)?;
-            stand_in(e).ok_or(error)
+        let experiments = &self.problem.experiments;
+        if self.coordinates.effects.is_empty() {
+            return experiments.iter().map(respond).collect();
+        }
+        let most = (UNANSWERED * experiments.len() as f64) as usize;
+        let missing = AtomicUsize::new(0);
+        let or_stand_in = |(e, experiment)| {
+            respond(experiment).or_else(|error| {
+                // What has no response takes longest to simulate: the rest is spared.
+                let enough = missing.fetch_add(1, Ordering::Relaxed) >= most;
+                if enough { Err(error) } else { stand_in(e).ok_or(error) }
+            })
         };
-        let values = values.into_iter().enumerate();
-        values.map(|(e, value)| value.or_else(|error| replace(e, error))).collect()
+        experiments.par_iter().enumerate().map(or_stand_in).collect()
     }
 
     /// Residuals (Ŷ − Y)/σ.
@@ -101,7 +102,7 @@ impl Misfit<'_> {
             let Prepared { excitation, highest, .. } = experiment;
             simulate::respond_with_sensitivities(&plant, base, &effects, excitation, *highest)
         };
-        let responses = self.stood_in(self.every(respond), |e| {
+        let responses = self.every(respond, |e| {
             let targets = &self.problem.experiments[e].targets;
             let zero = vec![Complex::ZERO; self.problem.experiments[e].highest + 1];
             let mut velocity = zero.clone();

@@ -37,30 +37,32 @@ pub fn respond_to_torques(
     let velocity = spectrum::velocity(&settled, highest.max(HARMONICS));
     let turns: Vec<Complex> =
         (0..samples).map(|n| Complex::from_polar(1.0, TAU * n as f64 / samples as f64)).collect();
-    let motion: Vec<(f64, f64)> = (0..samples)
-        .map(|n| {
-            let mut at = (velocity[0].re, 0.0);
-            for (k, v) in velocity.iter().enumerate().skip(1) {
-                let turned = v * turns[k * n % samples];
-                at.0 += turned.re;
-                // ∫ exp(jkωt) dt = exp(jkωt)/(jkω).
-                at.1 += turned.im / (k as f64 * excitation.omega_rad_s());
-            }
-            at
-        })
-        .collect();
+    // exp(jkωt) at every sample.
+    let line = |k: usize| {
+        let next = move |at: &usize| Some(if at + k < samples { at + k } else { at + k - samples });
+        std::iter::successors(Some(0), next).take(samples).map(|at| turns[at])
+    };
+    let mut motion = vec![(velocity[0].re, 0.0); samples];
+    for (k, v) in velocity.iter().enumerate().skip(1) {
+        // ∫ exp(jkωt) dt = exp(jkωt)/(jkω).
+        let by_rate = 1.0 / (k as f64 * excitation.omega_rad_s());
+        for (at, turn) in motion.iter_mut().zip(line(k)) {
+            let turned = v * turn;
+            at.0 += turned.re;
+            at.1 += turned.im * by_rate;
+        }
+    }
     let lines = highest.max(HARMONICS).min(samples / 2 - 1);
     let deviation = |torque: &&Torque<'_>| -> Vec<Complex> {
         let values: Vec<f64> = motion.iter().map(|(v, position)| torque(*v, *position)).collect();
-        let line = |k: usize| {
-            let sum: Complex =
-                values.iter().enumerate().map(|(n, g)| turns[k * n % samples].conj() * *g).sum();
+        let component = |k: usize| {
+            let sum: Complex = values.iter().zip(line(k)).map(|(g, turn)| turn.conj() * *g).sum();
             let weight = if k == 0 { 1.0 } else { 2.0 } / samples as f64;
             let omega = k as f64 * excitation.omega_rad_s();
             // A torque behind the actuator is an input A(jkω) times smaller.
             -sum * weight / plant.actuator.response(omega)
         };
-        (0..=lines).map(line).collect()
+        (0..=lines).map(component).collect()
     };
     let mut directions: Vec<Direction> = torques
         .iter()

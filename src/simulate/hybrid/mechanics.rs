@@ -22,11 +22,17 @@ pub(super) enum Contact {
     Lower,
 }
 
+/// Share of its level up to which friction on bristles is taken to balance what
+/// drives the axis, once their oscillation is left out.
+const BALANCED: f64 = 0.9;
+
 /// Which equations hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Mode {
     pub motion: Motion,
     pub contact: Contact,
+    /// Whether a bristle is bent as far as it goes: the axis slides.
+    pub slides: bool,
 }
 
 /// The axis behind its actuator.
@@ -158,7 +164,7 @@ impl<S: Scalar> Mechanics<S> {
             v if v < 0.0 => Motion::Backward,
             _ => self.motion_at_rest(contact, torque, state),
         };
-        Mode { motion, contact }
+        Mode { motion, contact, slides: false }
     }
 
     /// What friction lets an axis do that has v = 0.
@@ -190,6 +196,29 @@ impl<S: Scalar> Mechanics<S> {
         self.bristle.is_none()
     }
 
+    /// Bends a bristle as far as it goes, where that is within this share of it, and
+    /// says so. It comes nearer as the exponential of the travel: to follow that
+    /// further asks for short steps and changes nothing.
+    pub fn begins_to_slide<const M: usize>(
+        &self,
+        mode: Mode,
+        share: f64,
+        state: &mut Vector<S, M>,
+    ) -> bool {
+        // Along a friction curve the longest bend changes with the velocity.
+        let (Some(sigma), None, false) = (self.bristle, &self.curve, mode.slides) else {
+            return false;
+        };
+        let longest = self.coulomb[usize::from(mode.motion == Motion::Backward)] / sigma;
+        let bristle = &mut state[self.bristle_at];
+        let left = (longest.value() - bristle.value()).abs();
+        let slides = left <= share * longest.value().abs();
+        if slides {
+            *bristle = longest;
+        }
+        slides
+    }
+
     /// gap/2, where there is a gap.
     pub fn half_gap(&self) -> Option<f64> {
         self.second_mass.map(|mass| 0.5 * mass.gap.value()).filter(|half| *half > 0.0)
@@ -202,7 +231,46 @@ impl<S: Scalar> Mechanics<S> {
         if upper { gap * 0.5 - twist } else { gap * 0.5 + twist }
     }
 
-    /// By how much what is not friction exceeds breakaway: forward, backward.
+    /// What friction balances while the axis does not move: forward, backward.
+    fn held(&self) -> [S; 2] {
+        match self.bristle {
+            Some(_) => self.coulomb.map(|level| level * BALANCED),
+            None => self.breakaway,
+        }
+    }
+
+    /// What an axis does that friction has held so far.
+    pub fn motion_held<const M: usize>(
+        &self,
+        contact: Contact,
+        torque: S,
+        state: &Vector<S, M>,
+    ) -> Motion {
+        let net = self.net(contact, torque, state).value();
+        match self.held().map(S::value) {
+            [forward, _] if net > forward => Motion::Forward,
+            [_, backward] if net < backward => Motion::Backward,
+            _ => Motion::Stuck,
+        }
+    }
+
+    /// Bends the bristles of an axis that they have held so far as they balance what
+    /// drives it, and moves it as that changes at this rate: σ·v·(1 − σz/Fc) = τ'.
+    pub fn set_off<const M: usize>(
+        &self,
+        mode: Mode,
+        torque: S,
+        torque_rate: S,
+        state: &mut Vector<S, M>,
+    ) {
+        let Some(sigma) = self.bristle else { return };
+        let net = self.net(mode.contact, torque, state);
+        let level = self.coulomb[usize::from(mode.motion == Motion::Backward)];
+        state[self.bristle_at] = net / sigma;
+        state[VELOCITY] = torque_rate / (sigma * (-(net / level) + 1.0));
+    }
+
+    /// By how much what is not friction exceeds what it can balance: forward, backward.
     pub fn excess<const M: usize>(
         &self,
         contact: Contact,
@@ -210,7 +278,8 @@ impl<S: Scalar> Mechanics<S> {
         state: &Vector<S, M>,
     ) -> [S; 2] {
         let net = self.net(contact, torque, state);
-        [net - self.breakaway[0], self.breakaway[1] - net]
+        let [forward, backward] = self.held();
+        [net - forward, backward - net]
     }
 
     /// τ − g − T_s: everything but friction and damping, input units.
@@ -257,13 +326,13 @@ impl<S: Scalar> Mechanics<S> {
                 level = level * curve.at(v, S::constant(0.0));
             }
             match self.bristle {
-                Some(sigma) => {
+                Some(sigma) if !mode.slides => {
                     let bristle = state[self.bristle_at];
                     driving -= sigma * bristle;
                     // |v|/Fc(sgn v) is v over the signed level.
                     slope[self.bristle_at] = v - v * sigma * bristle / level;
                 }
-                None => driving -= level,
+                _ => driving -= level,
             }
             let mut acceleration = driving * self.constant - v * self.viscous_rate[direction];
             if let Some(mass) = self.second_mass {

@@ -41,6 +41,11 @@ const LOOSE: f64 = 2e-4;
 /// The same for the motion that is reported.
 const TIGHT: f64 = 1e-6;
 
+/// Swings on bristles that are followed while the periodic motion is looked for, and in the
+/// end.
+const LOOSE_SWINGS: usize = 16;
+const TIGHT_SWINGS: usize = 32;
+
 /// Most states of a motion: velocity, position, its integral, bristle, load and twist.
 const MOST_STATES: usize = 6;
 
@@ -175,7 +180,7 @@ impl<const M: usize> Periodic<M> {
         let mut periodic = Self {
             state: [0.0; M],
             leash: LEASH[usize::from(mechanics.contracts() || axis.balanced)],
-            precision: Precision { tolerance: LOOSE, sizes },
+            precision: Precision { tolerance: LOOSE, sizes, most_swings: LOOSE_SWINGS },
             sizes,
         };
         if let Some(i) = mechanics.position_integral {
@@ -205,8 +210,14 @@ impl<const M: usize> Periodic<M> {
         mechanics: &Mechanics<f64>,
         wave: &Wave<f64>,
     ) -> Option<(Vector<f64, M>, [f64; M])> {
-        let mut pass =
-            Pass { mechanics, wave, precision: &self.precision, sums: None, largest: [0.0; M] };
+        let mut pass = Pass {
+            mechanics,
+            wave,
+            precision: &self.precision,
+            sums: None,
+            largest: [0.0; M],
+            swings: 0,
+        };
         let mut start = self.state;
         if let Some(i) = mechanics.position_integral {
             start[i] = 0.0;
@@ -310,6 +321,7 @@ impl<const M: usize> Periodic<M> {
             precision: &self.precision,
             sums: sums.as_mut(),
             largest: [0.0; M],
+            swings: 0,
         };
         let end = pass.run(&start)?;
         let residual = |i: usize| match mechanics.position_integral {
@@ -335,7 +347,7 @@ impl<const M: usize> Periodic<M> {
         parameters: usize,
     ) -> Result<Followed<S, M>, NoResponse> {
         let omega = std::f64::consts::TAU / wave.period_s;
-        self.precision.tolerance = TIGHT;
+        (self.precision.tolerance, self.precision.most_swings) = (TIGHT, TIGHT_SWINGS);
         for _ in 0..MOST_ITERATIONS {
             let sums = Fourier::new(grid, omega, highest);
             let Some(mut followed) = self.follow(axis, &wave, Some(sums), parameters) else {

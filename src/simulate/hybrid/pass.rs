@@ -26,12 +26,19 @@ const LOOKS: [f64; 3] = [0.35, 0.7, 1.0];
 /// The same in a step by series, over which contact may come and go.
 const LOOKS_IN_SERIES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 
+/// Share of a bristle's length, in errors of a step, from which the axis slides.
+const SLIDING: f64 = 4.0;
+
 /// How precisely a pass follows the motion.
 pub(super) struct Precision<const M: usize> {
     /// Largest error of a step, as a share of the states' sizes.
     pub tolerance: f64,
     /// Sizes of the states.
     pub sizes: [f64; M],
+    /// How often an axis swings to and fro on its bristles before its oscillation is
+    /// left out: after n swings about 3/n of it is left, and what it adds to the motion
+    /// averages out.
+    pub most_swings: usize,
 }
 
 /// Share of a cell too short for a step of its own.
@@ -46,6 +53,8 @@ pub(super) struct Pass<'a, 'g, S, const M: usize> {
     pub sums: Option<&'a mut Fourier<'g, S>>,
     /// Largest |state| seen.
     pub largest: [f64; M],
+    /// Times the motion has turned on its bristles.
+    pub swings: usize,
 }
 
 /// A switch within a step.
@@ -85,11 +94,17 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                     return None;
                 }
                 if mode.motion == Motion::Stuck {
-                    let now = self.mechanics.motion_at_rest(mode.contact, cell.fixed(from), &state);
+                    let now = self.mechanics.motion_held(mode.contact, cell.fixed(from), &state);
                     if now != Motion::Stuck {
                         (mode.motion, slope) = (now, None);
+                        self.set_off(mode, cell, from, &mut state);
                         switches += 1;
                     }
+                }
+                let share = SLIDING * self.precision.tolerance;
+                if self.mechanics.begins_to_slide(mode, share, &mut state) {
+                    (mode.slides, slope) = (true, None);
+                    self.swings = 0;
                 }
                 let begin = slope
                     .get_or_insert_with(|| self.mechanics.slope(mode, cell.fixed(from), &state));
@@ -117,6 +132,9 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                         (state, from, late_s) =
                             self.up_to(&mut pace, mode, cell, span, &state, begin, &step, &switch);
                         mode = self.switched(mode, switch.event, cell.fixed(from), &mut state);
+                        if matches!(switch.event, Event::Starts(_)) {
+                            self.set_off(mode, cell, from, &mut state);
+                        }
                         self.fix(mode, cell.fixed(from), &mut state, late_s);
                         slope = None;
                     }
@@ -125,6 +143,13 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
             }
         }
         Some(state)
+    }
+
+    /// What bristles do as they begin to give way.
+    fn set_off(&mut self, mode: Mode, cell: &Cell<S>, at: f64, state: &mut Vector<S, M>) {
+        self.swings = 0;
+        let rate = cell.slope(S::constant(at)) * (1.0 / cell.length_s);
+        self.mechanics.set_off(mode, cell.fixed(at), rate, state);
     }
 
     fn note(&mut self, state: &Vector<S, M>) {
@@ -391,19 +416,24 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     }
 
     /// The mode behind a switch.
-    fn switched(&self, mode: Mode, event: Event, torque: S, state: &mut Vector<S, M>) -> Mode {
+    fn switched(&mut self, mode: Mode, event: Event, torque: S, state: &mut Vector<S, M>) -> Mode {
         let moving = [Motion::Forward, Motion::Backward];
         match event {
             Event::Stops => {
                 state[VELOCITY] = S::constant(0.0);
                 let motion = if self.mechanics.can_rest() {
                     self.mechanics.motion_at_rest(mode.contact, torque, state)
-                } else if mode.motion == Motion::Forward {
-                    Motion::Backward
                 } else {
-                    Motion::Forward
+                    self.swings += 1;
+                    let held = self.swings > self.precision.most_swings
+                        && self.mechanics.motion_held(mode.contact, torque, state) == Motion::Stuck;
+                    match mode.motion {
+                        _ if held => Motion::Stuck,
+                        Motion::Forward => Motion::Backward,
+                        _ => Motion::Forward,
+                    }
                 };
-                Mode { motion, ..mode }
+                Mode { motion, slides: false, ..mode }
             }
             Event::Starts(direction) => Mode { motion: moving[direction], ..mode },
             Event::Touches(upper) => {
@@ -420,7 +450,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     fn held_again(&self, mode: Mode, torque: S, state: &Vector<S, M>) -> Mode {
         match mode.motion {
             Motion::Stuck => {
-                let motion = self.mechanics.motion_at_rest(mode.contact, torque, state);
+                let motion = self.mechanics.motion_held(mode.contact, torque, state);
                 Mode { motion, ..mode }
             }
             _ => mode,

@@ -2,8 +2,9 @@
 //!
 //! g += c·v·|v|.
 
+use super::jet;
 use super::{
-    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
+    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials, Range,
     Wide,
 };
 
@@ -39,6 +40,21 @@ impl Form for Drag {
 
     fn uses_position(&self) -> bool {
         false
+    }
+
+    fn has_series(&self) -> bool {
+        true
+    }
+
+    fn extend(&self, [c, ..]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut Jet) {
+        // From rest the direction is that of the first term that is not zero; the
+        // products vanish up to there.
+        let moving = jet.argument[..=m].iter().find(|term| **term != 0.0);
+        let direction = moving.map_or(0.0, |term| term.signum());
+        let square = direction * jet::product(&jet.argument, &jet.argument, m);
+        jet.value[m] = c * square;
+        jet.by_argument[m] = 2.0 * c * direction * jet.argument[m];
+        jet.by_parameter[0][m] = square;
     }
 
     fn contracts(&self) -> bool {

@@ -1,6 +1,6 @@
 //! Equations of motion between switches, and what switches them.
 
-use crate::effects::{Axis, Law, SecondMass};
+use crate::effects::{Axis, Jet, Law, SecondMass};
 use crate::plant::Scalar;
 
 use super::super::orbit::Motion;
@@ -29,6 +29,12 @@ pub(super) struct Mode {
     pub contact: Contact,
 }
 
+/// A torque that is not linear, and where the state holds what it depends on.
+struct Bent<S> {
+    law: Law<S>,
+    argument: usize,
+}
+
 /// The axis behind its actuator.
 pub(super) struct Mechanics<S> {
     viscous_rate: [S; 2],
@@ -37,7 +43,9 @@ pub(super) struct Mechanics<S> {
     breakaway: [S; 2],
     curve: Option<Law<S>>,
     bristle: Option<S>,
-    torques: Vec<Law<S>>,
+    /// Linear torques, and others.
+    linear: Vec<Law<S>>,
+    bent: Vec<Bent<S>>,
     second_mass: Option<SecondMass<S>>,
     /// Constant torque that keeps the mean of v zero.
     pub balance: S,
@@ -67,6 +75,13 @@ impl<S: Scalar> Mechanics<S> {
         let (load_velocity, twist) =
             if axis.second_mass.is_some() { (next(), next()) } else { (0, 0) };
         let position_integral = axis.balanced.then(&mut next);
+        let (linear, bent): (Vec<_>, Vec<_>) =
+            axis.torques.iter().partition(|law| law.form().is_linear());
+        let of = |law: Law<S>| {
+            let argument = if law.form().uses_position() { position } else { None };
+            Bent { law, argument: argument.unwrap_or(VELOCITY) }
+        };
+        let bent = bent.into_iter().map(of).collect();
         Self {
             viscous_rate: axis.viscous_rates(),
             constant: axis.plant.constant,
@@ -74,7 +89,8 @@ impl<S: Scalar> Mechanics<S> {
             breakaway: [levels.fs_plus, -levels.fs_minus],
             curve: axis.friction_curve,
             bristle: axis.bristle,
-            torques: axis.torques.clone(),
+            linear,
+            bent,
             second_mass: axis.second_mass,
             balance: S::constant(0.0),
             states,
@@ -92,7 +108,7 @@ impl<S: Scalar> Mechanics<S> {
         self.curve.is_none()
             && !play
             && self.coulomb.map(S::value) == self.breakaway.map(S::value)
-            && self.torques.iter().all(|law| law.form().contracts())
+            && self.torques().all(|law| law.form().contracts())
     }
 
     /// Size of an error of v that matters at velocity v: near zero a friction curve
@@ -106,9 +122,33 @@ impl<S: Scalar> Mechanics<S> {
 
     /// Whether the equations are affine between switches.
     pub fn is_affine(&self) -> bool {
+        self.has_series() && self.bent.is_empty()
+    }
+
+    /// Whether the motion between switches is a power series whose terms are known.
+    pub fn has_series(&self) -> bool {
         self.curve.is_none()
             && self.bristle.is_none()
-            && self.torques.iter().all(|law| law.form().is_linear())
+            && self.bent.iter().all(|bent| bent.law.form().has_series())
+    }
+
+    fn torques(&self) -> impl Iterator<Item = &Law<S>> {
+        self.linear.iter().chain(self.bent.iter().map(|bent| &bent.law))
+    }
+
+    /// What follows the torques that are not linear along a motion.
+    pub fn jets(&self) -> Vec<Jet> {
+        self.bent.iter().map(|bent| bent.law.jet()).collect()
+    }
+
+    /// The last term of the torques that are not linear along a motion of these terms.
+    #[inline]
+    pub fn bent_term<const M: usize>(&self, jets: &mut [Jet], terms: &[Vector<S, M>]) -> S {
+        let mut sum = S::constant(0.0);
+        for (Bent { law, argument }, jet) in self.bent.iter().zip(jets) {
+            sum += law.term(jet, |m| terms[m][*argument], terms.len() - 1);
+        }
+        sum
     }
 
     /// The fastest rate at which the state changes between switches, where the
@@ -119,7 +159,7 @@ impl<S: Scalar> Mechanics<S> {
         let mut damping = self.viscous_rate[0].value().max(self.viscous_rate[1].value());
         let mut stiffness = 0.0;
         let (zero, one) = (S::constant(0.0), S::constant(1.0));
-        for law in &self.torques {
+        for law in &self.linear {
             stiffness += law.at(zero, one).value().abs();
             damping += constant * law.at(one, zero).value().abs();
         }
@@ -216,10 +256,32 @@ impl<S: Scalar> Mechanics<S> {
     /// τ − g − T_s: everything but friction and damping, input units.
     #[inline(always)]
     fn net<const M: usize>(&self, contact: Contact, torque: S, state: &Vector<S, M>) -> S {
+        self.linear_net(contact, torque - self.bent_torque(state), state)
+    }
+
+    /// Torques that are not linear.
+    #[inline(always)]
+    fn bent_torque<const M: usize>(&self, state: &Vector<S, M>) -> S {
+        let position = self.position.map_or(S::constant(0.0), |i| state[i]);
+        let mut sum = S::constant(0.0);
+        for Bent { law, .. } in &self.bent {
+            sum += law.at(state[VELOCITY], position);
+        }
+        sum
+    }
+
+    /// τ − g − T_s without the torques that are not linear.
+    #[inline(always)]
+    fn linear_net<const M: usize>(
+        &self,
+        contact: Contact,
+        torque: S,
+        state: &Vector<S, M>,
+    ) -> S {
         let mut net = torque + self.balance;
         let v = state[VELOCITY];
         let position = self.position.map_or(S::constant(0.0), |i| state[i]);
-        for law in &self.torques {
+        for law in &self.linear {
             net -= law.at(v, position);
         }
         net - self.joint(contact, state)
@@ -247,11 +309,26 @@ impl<S: Scalar> Mechanics<S> {
         torque: S,
         state: &Vector<S, M>,
     ) -> Vector<S, M> {
+        let bent = match mode.motion {
+            Motion::Stuck => S::constant(0.0),
+            _ => self.bent_torque(state),
+        };
+        self.linear_slope(mode, torque - bent, state)
+    }
+
+    /// The same without the torques that are not linear.
+    #[inline(always)]
+    pub fn linear_slope<const M: usize>(
+        &self,
+        mode: Mode,
+        torque: S,
+        state: &Vector<S, M>,
+    ) -> Vector<S, M> {
         let mut slope = [S::constant(0.0); M];
         let v = state[VELOCITY];
         let direction = usize::from(mode.motion == Motion::Backward);
         if mode.motion != Motion::Stuck {
-            let mut driving = self.net(mode.contact, torque, state);
+            let mut driving = self.linear_net(mode.contact, torque, state);
             let mut level = self.coulomb[direction];
             if let Some(curve) = &self.curve {
                 level = level * curve.at(v, S::constant(0.0));

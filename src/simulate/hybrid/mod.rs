@@ -346,6 +346,7 @@ impl<const M: usize> Periodic<M> {
             let rests = longest < self.leash && self.within_error(&followed.residuals);
             if longest < CLOSED || rests {
                 shooting::correct(&mut followed.velocity, step.as_slice(), parameters);
+                debug_assert!(followed.velocity.iter().all(|v| v.value().is_finite()));
                 return Ok(followed);
             }
             if !longest.is_finite() {

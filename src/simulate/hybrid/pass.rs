@@ -156,10 +156,12 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                     self.mechanics.slope(mode, torque, state)
                 }))
             }
-            Pace::Series { modes } => {
+            Pace::Series { modes, jets } => {
                 let allowed = self.precision.sizes.map(|size| size * self.precision.tolerance);
                 let affine = modes.of(mode, self.mechanics);
-                let (series, share) = affine.reach(state, &torque(), length_s, &allowed);
+                let bends = mode.motion != Motion::Stuck && !jets.is_empty();
+                let against = bends.then_some(|terms: &[_]| self.mechanics.bent_term(jets, terms));
+                let (series, share) = affine.reach(state, &torque(), length_s, &allowed, against);
                 *width *= share;
                 Step::Series(series)
             }
@@ -370,8 +372,8 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
             *value += *slope * late_s;
         }
         let later = late_s.value() / cell.length_s;
-        reach *= 1.0 + later / part;
-        if let Some(sums) = self.sums.as_deref_mut() {
+        if let Some(sums) = self.sums.as_deref_mut().filter(|_| part > 0.0) {
+            reach *= 1.0 + later / part;
             step.add(VELOCITY, sums, cell.from_s + from * cell.length_s, reach);
         }
         (end, from + part + later, late_s - late_s.value())

@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 
 use super::jet;
 use super::{
-    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Wide,
+    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials,
+    Range, Wide,
 };
 
 /// T, N and φ.

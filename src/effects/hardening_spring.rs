@@ -2,11 +2,11 @@
 //!
 //! g += k·θ + k₃·θ³, θ absolute, zero at the spring's rest.
 
-use super::spring::STIFFNESS;
 use super::jet;
+use super::spring::STIFFNESS;
 use super::{
-    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Wide,
+    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials,
+    Range, Wide,
 };
 
 /// k and k₃.

@@ -26,6 +26,8 @@ pub type Terms = [f64; MOST_TERMS];
 pub struct Jet {
     /// x: θ of a law that depends on it, v of any other.
     pub argument: Terms,
+    /// The sign of v, which at a breakaway nothing else tells.
+    pub direction: f64,
     /// The law.
     pub value: Terms,
     /// Its derivative by x.
@@ -44,6 +46,7 @@ impl Jet {
         let none = [0.0; MOST_TERMS];
         Self {
             argument: none,
+            direction: 0.0,
             value: none,
             by_argument: none,
             by_parameter: [none; LAW_PARAMETERS],

@@ -4,8 +4,8 @@
 
 use super::jet;
 use super::{
-    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Wide,
+    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials,
+    Range, Wide,
 };
 
 /// c.
@@ -47,10 +47,7 @@ impl Form for Drag {
     }
 
     fn extend(&self, [c, ..]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut Jet) {
-        // From rest the direction is that of the first term that is not zero; the
-        // products vanish up to there.
-        let moving = jet.argument[..=m].iter().find(|term| **term != 0.0);
-        let direction = moving.map_or(0.0, |term| term.signum());
+        let direction = jet.direction;
         let square = direction * jet::product(&jet.argument, &jet.argument, m);
         jet.value[m] = c * square;
         jet.by_argument[m] = 2.0 * c * direction * jet.argument[m];

@@ -27,6 +27,9 @@ pub(super) enum Contact {
 pub(super) struct Mode {
     pub motion: Motion,
     pub contact: Contact,
+    /// Whether the bristle is bent as far as it goes, so that its force is constant until
+    /// v turns.
+    pub yields: bool,
 }
 
 /// A torque that is not linear, and where the state holds what it depends on.
@@ -143,9 +146,16 @@ impl<S: Scalar> Mechanics<S> {
 
     /// The last term of the torques that are not linear along a motion of these terms.
     #[inline]
-    pub fn bent_term<const M: usize>(&self, jets: &mut [Jet], terms: &[Vector<S, M>]) -> S {
+    pub fn bent_term<const M: usize>(
+        &self,
+        mode: Mode,
+        jets: &mut [Jet],
+        terms: &[Vector<S, M>],
+    ) -> S {
+        let direction = if mode.motion == Motion::Backward { -1.0 } else { 1.0 };
         let mut sum = S::constant(0.0);
         for (Bent { law, argument }, jet) in self.bent.iter().zip(jets) {
+            jet.direction = direction;
             sum += law.term(jet, |m| terms[m][*argument], terms.len() - 1);
         }
         sum
@@ -198,7 +208,7 @@ impl<S: Scalar> Mechanics<S> {
             v if v < 0.0 => Motion::Backward,
             _ => self.motion_at_rest(contact, torque, state),
         };
-        Mode { motion, contact }
+        Mode { motion, contact, yields: false }
     }
 
     /// What friction lets an axis do that has v = 0.
@@ -223,6 +233,29 @@ impl<S: Scalar> Mechanics<S> {
         } else {
             Motion::Stuck
         }
+    }
+
+    /// Whether a bristle of constant friction is, within `tolerance`, bent as far as it goes
+    /// and not known to be yet. What it lacks falls as exp(−σ/Fc·travel), however stiff it
+    /// makes the equations.
+    pub fn yields<const M: usize>(&self, mode: Mode, state: &Vector<S, M>, tolerance: f64) -> bool {
+        let Some(sigma) = self.bristle.filter(|_| !mode.yields && self.curve.is_none()) else {
+            return false;
+        };
+        let level = self.level(mode).value();
+        (sigma.value() * state[self.bristle_at].value() - level).abs() < tolerance * level.abs()
+    }
+
+    /// Bends the bristle as far as it goes.
+    pub fn bend<const M: usize>(&self, mode: Mode, state: &mut Vector<S, M>) {
+        if let Some(sigma) = self.bristle {
+            state[self.bristle_at] = self.level(mode) / sigma;
+        }
+    }
+
+    /// Coulomb friction in the direction of motion, signed.
+    fn level(&self, mode: Mode) -> S {
+        self.coulomb[usize::from(mode.motion == Motion::Backward)]
     }
 
     /// Whether friction can hold the axis at all.
@@ -272,12 +305,7 @@ impl<S: Scalar> Mechanics<S> {
 
     /// τ − g − T_s without the torques that are not linear.
     #[inline(always)]
-    fn linear_net<const M: usize>(
-        &self,
-        contact: Contact,
-        torque: S,
-        state: &Vector<S, M>,
-    ) -> S {
+    fn linear_net<const M: usize>(&self, contact: Contact, torque: S, state: &Vector<S, M>) -> S {
         let mut net = torque + self.balance;
         let v = state[VELOCITY];
         let position = self.position.map_or(S::constant(0.0), |i| state[i]);
@@ -329,11 +357,11 @@ impl<S: Scalar> Mechanics<S> {
         let direction = usize::from(mode.motion == Motion::Backward);
         if mode.motion != Motion::Stuck {
             let mut driving = self.linear_net(mode.contact, torque, state);
-            let mut level = self.coulomb[direction];
+            let mut level = self.level(mode);
             if let Some(curve) = &self.curve {
                 level = level * curve.at(v, S::constant(0.0));
             }
-            match self.bristle {
+            match self.bristle.filter(|_| !mode.yields) {
                 Some(sigma) => {
                     let bristle = state[self.bristle_at];
                     driving -= sigma * bristle;

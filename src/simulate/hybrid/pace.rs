@@ -50,6 +50,14 @@ impl<S: Scalar, const M: usize> Pace<S, M> {
         Pace::Series { modes, jets: mechanics.jets() }
     }
 
+    /// What a step takes, in exact steps.
+    pub fn effort(&self) -> usize {
+        match self {
+            Pace::Exact { .. } => 1,
+            Pace::Series { .. } | Pace::Controlled { .. } => 4,
+        }
+    }
+
     /// The share of a cell to try from position `from`.
     #[inline]
     pub fn width(&mut self, cell: &Cell<S>, from: f64) -> f64 {

@@ -14,8 +14,8 @@ use super::step::{Ends, Powers, Step};
 /// Switches of one cell beyond which time has stopped passing.
 const MOST_SWITCHES_PER_CELL: usize = 1024;
 
-/// Steps of one cell beyond which the equations are too stiff to follow.
-const MOST_STEPS_PER_CELL: usize = 20_000;
+/// What it takes to find a switch, in exact steps.
+const SWITCH_EFFORT: usize = 12;
 
 /// Share of a state's size below which it is as good as zero.
 const ROUNDING: f64 = 1e-13;
@@ -46,6 +46,8 @@ pub(super) struct Pass<'a, 'g, S, const M: usize> {
     pub sums: Option<&'a mut Fourier<'g, S>>,
     /// Largest |state| seen.
     pub largest: [f64; M],
+    /// Effort that may still be spent, in that of an exact step.
+    pub effort: &'a mut usize,
 }
 
 /// A switch within a step.
@@ -69,7 +71,7 @@ enum Event {
 
 impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     /// Follows the motion from `start` over one period; `None` where it
-    /// switches without end or is too stiff to follow.
+    /// switches without end or takes more effort than there is.
     pub fn run(&mut self, start: &Vector<S, M>) -> Option<Vector<S, M>> {
         let mut state = *start;
         let wave = self.wave;
@@ -78,10 +80,10 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         let mut pace = Pace::new(self.mechanics, wave.cells[0].length_s);
         for cell in &wave.cells {
             let mut from = 0.0;
-            let (mut switches, mut steps) = (0, 0);
+            let mut switches = 0;
             while from < 1.0 {
-                steps += 1;
-                if steps > MOST_STEPS_PER_CELL || switches > MOST_SWITCHES_PER_CELL {
+                *self.effort = self.effort.checked_sub(pace.effort())?;
+                if switches > MOST_SWITCHES_PER_CELL {
                     return None;
                 }
                 if mode.motion == Motion::Stuck {
@@ -90,6 +92,11 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                         (mode.motion, slope) = (now, None);
                         switches += 1;
                     }
+                }
+                if self.mechanics.yields(mode, &state, self.precision.tolerance) {
+                    mode.yields = true;
+                    self.mechanics.bend(mode, &mut state);
+                    slope = None;
                 }
                 let begin = slope
                     .get_or_insert_with(|| self.mechanics.slope(mode, cell.fixed(from), &state));
@@ -112,6 +119,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                     }
                     Some(switch) => {
                         switches += 1;
+                        *self.effort = self.effort.saturating_sub(SWITCH_EFFORT);
                         let span = (from, width);
                         let late_s;
                         (state, from, late_s) =
@@ -160,7 +168,8 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                 let allowed = self.precision.sizes.map(|size| size * self.precision.tolerance);
                 let affine = modes.of(mode, self.mechanics);
                 let bends = mode.motion != Motion::Stuck && !jets.is_empty();
-                let against = bends.then_some(|terms: &[_]| self.mechanics.bent_term(jets, terms));
+                let against =
+                    bends.then_some(|terms: &[_]| self.mechanics.bent_term(mode, jets, terms));
                 let (series, share) = affine.reach(state, &torque(), length_s, &allowed, against);
                 *width *= share;
                 Step::Series(series)
@@ -405,7 +414,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                 } else {
                     Motion::Forward
                 };
-                Mode { motion, ..mode }
+                Mode { motion, yields: false, ..mode }
             }
             Event::Starts(direction) => Mode { motion: moving[direction], ..mode },
             Event::Touches(upper) => {

@@ -1,8 +1,9 @@
-//! Steps of mechanics that are affine between switches, by power series.
+//! Steps by power series.
 //!
-//! x' = A·x + b·τ + d with τ a quintic. The terms of the solution's series say by
-//! themselves how long the step may be, so none is tried in vain, and a switch is met
-//! on the series itself. Between contacts of a joint with play the motion is as slow
+//! x' = A·x + b·(τ − g(x)) + d with τ a quintic and g a law whose own series is known
+//! term by term. The terms of the solution's series say by themselves how long the step
+//! may be, so none is tried in vain, and a switch is met on the series itself. Between
+//! contacts of a joint with play the motion is as slow
 //! as the torque: steps are then long, where even ones would be bound by the contact's
 //! stiffness.
 
@@ -94,7 +95,8 @@ impl<S: Scalar, const M: usize> Series<S, M> {
     /// Whether state `i` cannot have met `level` within the step.
     #[inline]
     pub fn stays_beyond(&self, i: usize, level: f64) -> bool {
-        let departs: f64 = self.terms[1..=self.order].iter().map(|term| term[i].value().abs()).sum();
+        let departs: f64 =
+            self.terms[1..=self.order].iter().map(|term| term[i].value().abs()).sum();
         (self.terms[0][i].value() - level).abs() > departs
     }
 

@@ -5,9 +5,10 @@
 
 use std::f64::consts::PI;
 
+use super::jet;
 use super::{
-    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Wide,
+    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials,
+    Range, Wide,
 };
 
 /// T, N and φ.
@@ -63,6 +64,28 @@ impl Form for Ripple {
 
     fn uses_position(&self) -> bool {
         true
+    }
+
+    fn has_series(&self) -> bool {
+        true
+    }
+
+    fn extend(&self, [t, n, phase]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut Jet) {
+        let [sin, cos] = &mut jet.kept;
+        (sin[m], cos[m]) = match m {
+            0 => (n * jet.argument[0] + phase).sin_cos(),
+            _ => {
+                let (rise, fall) = jet::sin_cos(&jet.argument, sin, cos, m);
+                (n * rise, n * fall)
+            }
+        };
+        jet.value[m] = t * sin[m];
+        jet.by_argument[m] = t * n * cos[m];
+        if jet.parameters_vary {
+            let by_cycles = t * jet::product(cos, &jet.argument, m);
+            let all = [sin[m], by_cycles, t * cos[m]];
+            jet.by_parameter.iter_mut().zip(all).for_each(|(terms, term)| terms[m] = term);
+        }
     }
 
     fn contracts(&self) -> bool {

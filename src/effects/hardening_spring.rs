@@ -2,10 +2,11 @@
 //!
 //! g += k·θ + k₃·θ³, θ absolute, zero at the spring's rest.
 
+use super::jet;
 use super::spring::STIFFNESS;
 use super::{
-    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Wide,
+    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials,
+    Range, Wide,
 };
 
 /// k and k₃.
@@ -42,6 +43,22 @@ impl Form for Hardening {
 
     fn uses_position(&self) -> bool {
         true
+    }
+
+    fn has_series(&self) -> bool {
+        true
+    }
+
+    fn extend(&self, [k, k3, _]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut Jet) {
+        let position = jet.argument[m];
+        let [square, _] = &mut jet.kept;
+        square[m] = jet::product(&jet.argument, &jet.argument, m);
+        let cube = jet::product(square, &jet.argument, m);
+        let linear = if m == 0 { *k } else { 0.0 };
+        jet.value[m] = k * position + k3 * cube;
+        jet.by_argument[m] = linear + 3.0 * k3 * square[m];
+        jet.by_parameter[0][m] = position;
+        jet.by_parameter[1][m] = cube;
     }
 
     fn contracts(&self) -> bool {

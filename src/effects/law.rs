@@ -4,6 +4,8 @@ use std::fmt::Debug;
 
 use crate::plant::Scalar;
 
+use super::Jet;
+
 /// Most parameters of one law.
 pub const LAW_PARAMETERS: usize = 3;
 
@@ -37,6 +39,16 @@ pub trait Form: Debug + Sync {
     fn is_linear(&self) -> bool {
         false
     }
+
+    /// Whether [`Form::extend`] knows its power series; it depends on one of v and θ
+    /// alone, then.
+    fn has_series(&self) -> bool {
+        false
+    }
+
+    /// Term `m` of every series of a jet, from its argument up to there and the terms
+    /// before.
+    fn extend(&self, _parameters: &[f64; LAW_PARAMETERS], _m: usize, _jet: &mut Jet) {}
 
     /// Whether, with it, any two motions under the same input still approach
     /// each other, so that the periodic one is unique.
@@ -72,6 +84,33 @@ impl<S: Scalar> Law<S> {
     /// A velocity below which it changes quickly, where there is one.
     pub fn velocity_scale(&self) -> Option<f64> {
         self.form.velocity_scale(&self.values)
+    }
+
+    /// What follows the law along a motion.
+    pub fn jet(&self) -> Jet {
+        let varies = |p: &S| (0..S::LANES).any(|lane| p.lane(lane) != 0.0);
+        Jet::new(self.parameters.iter().any(varies))
+    }
+
+    /// The last term of the law along a motion whose argument (θ where the form uses
+    /// it, v otherwise) has these terms, of which the jet knows all but the last.
+    #[inline]
+    pub fn term(&self, jet: &mut Jet, argument: impl Fn(usize) -> S, m: usize) -> S {
+        jet.argument[m] = argument(m).value();
+        self.form.extend(&self.values, m, jet);
+        let mut sum = S::constant(0.0);
+        if S::LANES > 0 {
+            for j in 0..=m {
+                sum += argument(j) * jet.by_argument[m - j];
+            }
+            if jet.parameters_vary {
+                for (by, parameter) in jet.by_parameter.iter().zip(&self.parameters) {
+                    sum += *parameter * by[m];
+                }
+            }
+        }
+        // The terms above carry the derivatives; their sum is not the law.
+        sum + (jet.value[m] - sum.value())
     }
 
     /// The law at velocity v and position θ.

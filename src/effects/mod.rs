@@ -7,6 +7,7 @@
 //! contract, section 3.
 
 mod axis;
+mod jet;
 mod law;
 mod parameter;
 
@@ -33,6 +34,7 @@ use std::fmt::Debug;
 use crate::plant::{Plant, Scalar};
 
 pub use axis::{Axis, InputMap, SecondMass, Stage, WIDE_LANES, Wide};
+pub use jet::{Jet, MOST_TERMS};
 pub use law::{Form, LAW_PARAMETERS, Law, Partials};
 pub use parameter::{Coordinate, Dimension, Parameter, Range, Scope};
 

@@ -2,9 +2,10 @@
 //!
 //! g += c·v·|v|.
 
+use super::jet;
 use super::{
-    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Wide,
+    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials,
+    Range, Wide,
 };
 
 /// c.
@@ -39,6 +40,18 @@ impl Form for Drag {
 
     fn uses_position(&self) -> bool {
         false
+    }
+
+    fn has_series(&self) -> bool {
+        true
+    }
+
+    fn extend(&self, [c, ..]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut Jet) {
+        let direction = jet.direction;
+        let square = direction * jet::product(&jet.argument, &jet.argument, m);
+        jet.value[m] = c * square;
+        jet.by_argument[m] = 2.0 * c * direction * jet.argument[m];
+        jet.by_parameter[0][m] = square;
     }
 
     fn contracts(&self) -> bool {

@@ -184,3 +184,42 @@ fn an_effect_refuses_another_number_of_parameters() {
     let error = ActiveEffect::new(find("backlash").unwrap(), vec![0.4]).unwrap_err();
     assert_eq!(error.to_string(), "`backlash` takes 4 parameters, not 1");
 }
+
+#[test]
+fn the_series_of_a_law_is_that_of_the_law_along_the_motion() {
+    type Number = crate::plant::Dual<4>;
+    let mut tried = 0;
+    for effect in ALL {
+        let ranges = effect.parameters().iter().map(|p| (p.range)(&scope()));
+        let values: Vec<f64> = ranges.map(|r| 0.7 * r.likely[0] + 0.3 * r.likely[1]).collect();
+        let active = ActiveEffect::new(*effect, values).unwrap();
+        for law in enter_values(plant(), &[active], 0.0).torques {
+            if !law.form().has_series() {
+                continue;
+            }
+            tried += 1;
+            let lane = std::cell::Cell::new(0);
+            let law =
+                law.map(|parameter| Number::variable(parameter, lane.replace(lane.get() + 1)));
+            // x = 0.3 + 0.02·t − 0.01·t², the last lane its slope by its own beginning.
+            let x = [Number::variable(0.3, 3), Number::constant(0.02), Number::constant(-0.01)];
+            let term = |m: usize| x.get(m).copied().unwrap_or(Number::constant(0.0));
+            let (mut jet, mut sum) = (law.jet(), Number::constant(0.0));
+            jet.direction = 1.0;
+            let t = 0.8_f64;
+            for m in 0..MOST_TERMS {
+                sum += law.term(&mut jet, term, m) * t.powi(m as i32);
+            }
+            let there = x[0] + x[1] * t + x[2] * (t * t);
+            let exact = law.at(there, there);
+            let size = 1.0 + exact.value().abs();
+            // Terms left out: (N·0.01)¹³ of a ripple, N up to 100.
+            let close = |a: f64, b: f64| (a - b).abs() < 1e-6 * size.max(b.abs());
+            assert!(close(sum.value(), exact.value()), "{}: {sum:?} {exact:?}", effect.id());
+            for lane in 0..4 {
+                assert!(close(sum.lane(lane), exact.lane(lane)), "{} {lane}", effect.id());
+            }
+        }
+    }
+    assert_eq!(tried, 3);
+}

@@ -74,7 +74,8 @@ impl<'g, S: Scalar> Fourier<'g, S> {
     /// goes to `reach`; `length_s` is what 1 is worth.
     #[inline]
     pub fn add_fixed(&mut self, from_s: f64, length_s: f64, reach: f64, powers: &[S]) {
-        for (node, weight) in self.nodes(reach * length_s) {
+        let nodes = if powers.len() > 6 { &GAUSS_5[..] } else { self.nodes(reach * length_s) };
+        for (node, weight) in nodes {
             let u = reach * (0.5 + 0.5 * node);
             let x = polynomial(powers, u) * (0.5 * weight * reach * length_s);
             let turn = Complex::from_polar(1.0, -self.omega * (from_s + length_s * u));
@@ -87,7 +88,7 @@ impl<'g, S: Scalar> Fourier<'g, S> {
         }
     }
 
-    /// Nodes of a part so long.
+    /// Nodes of a part so long, for no more than a quintic.
     fn nodes(&self, length_s: f64) -> &'static [(f64, f64)] {
         let turned = self.omega * length_s * self.sums.len() as f64;
         match SHORT.iter().filter(|most| turned > **most).count() {

@@ -169,3 +169,20 @@ fn without_friction_the_response_is_the_transfer_function() {
     assert!((velocity[1] - expected).norm() < 1e-12);
     assert!(velocity[3].norm() < 1e-12);
 }
+
+#[test]
+fn the_shorter_a_bristle_the_nearer_it_is_to_friction_that_holds() {
+    let plant = plant(RESONANT, Friction::coulomb(0.5, 0.4));
+    let presliding = effects::find("presliding").unwrap();
+    for omega in [1.5, 6.0] {
+        let excitation = Excitation::cosine(omega, 2.0);
+        let rigid = respond(&plant, &[], &excitation, 7).unwrap();
+        let difference = |sigma: f64| {
+            let effect = ActiveEffect::new(presliding, vec![sigma]).unwrap();
+            largest_difference(&rigid, &respond(&plant, &[effect], &excitation, 7).unwrap())
+        };
+        // It yields by Fc/σ, and swings back with √(K·σ): one or the other tells.
+        let (soft, stiff) = (difference(1e3), difference(1e5));
+        assert!(stiff < 0.1 * soft && stiff < 1e-3, "ω {omega}: {soft:e} {stiff:e}");
+    }
+}

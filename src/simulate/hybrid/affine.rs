@@ -29,6 +29,8 @@ pub(super) struct Affine<S, const M: usize> {
     matrix: Matrix<S, M>,
     by_torque: Vector<S, M>,
     constant: Vector<S, M>,
+    /// A and b where they do not vary: half the effort.
+    numbers: Option<([[f64; M]; M], [f64; M])>,
     kept: Option<Kept<S, M>>,
 }
 
@@ -45,18 +47,23 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
     pub fn new(mechanics: &Mechanics<S>, mode: Mode) -> Self {
         let zero = S::constant(0.0);
         let rest = [zero; M];
-        let constant = mechanics.slope(mode, zero, &rest);
+        let constant = mechanics.linear_slope(mode, zero, &rest);
         let beyond = |slope: Vector<S, M>| {
             let mut left = slope;
             left.iter_mut().zip(&constant).for_each(|(value, at_rest)| *value -= *at_rest);
             left
         };
-        let by_torque = beyond(mechanics.slope(mode, S::constant(1.0), &rest));
+        let by_torque = beyond(mechanics.linear_slope(mode, S::constant(1.0), &rest));
         let mut matrix = [rest; M];
         for (i, column) in matrix.iter_mut().enumerate() {
-            *column = beyond(mechanics.slope(mode, zero, &unit(i)));
+            *column = beyond(mechanics.linear_slope(mode, zero, &unit(i)));
         }
-        Self { mode, matrix, by_torque, constant, kept: None }
+        let fixed = |vector: &Vector<S, M>| {
+            vector.iter().all(|entry| (0..S::LANES).all(|lane| entry.lane(lane) == 0.0))
+        };
+        let numbers = (fixed(&by_torque) && matrix.iter().all(fixed))
+            .then(|| (matrix.map(|column| column.map(S::value)), by_torque.map(S::value)));
+        Self { mode, matrix, by_torque, constant, numbers, kept: None }
     }
 
     /// The state after a step under the torque `powers`; a length that comes
@@ -121,9 +128,9 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         constant: &Vector<S, M>,
         length_s: f64,
     ) -> Vector<S, M> {
-        let mut next = times(&self.matrix, term);
+        let mut next = self.moved(term);
         if let Some(power) = powers.get(m) {
-            add(&mut next, &scaled(&self.by_torque, *power));
+            add(&mut next, &self.driven(*power));
         }
         if m == 0 {
             add(&mut next, constant);
@@ -133,7 +140,8 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         next
     }
 
-    /// A step of as much of a length as its errors allow, and the share it covers.
+    /// A step of as much of a length as its errors allow, and the share it covers;
+    /// `against` gives the last term of a further torque along terms so far.
     #[inline]
     pub fn reach(
         &self,
@@ -141,9 +149,16 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         powers: &Quintic<S>,
         length_s: f64,
         allowed: &[f64; M],
+        mut against: Option<impl FnMut(&[Vector<S, M>]) -> S>,
     ) -> (Series<S, M>, f64) {
-        Series::new(state, length_s, allowed, |m, term| {
-            self.next_term(m, term, powers, &self.constant, length_s)
+        Series::new(state, length_s, allowed, against.is_some(), |terms| {
+            let m = terms.len() - 1;
+            let mut next = self.next_term(m, &terms[m], powers, &self.constant, length_s);
+            if let Some(against) = &mut against {
+                let torque = against(terms) * (-length_s / (m + 1) as f64);
+                add(&mut next, &self.driven(torque));
+            }
+            next
         })
     }
 
@@ -151,17 +166,37 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
     #[inline]
     pub fn slope(&self, state: &Vector<S, M>, torque: S) -> Vector<S, M> {
         let mut slope = self.constant;
-        add(&mut slope, &times(&self.matrix, state));
-        add(&mut slope, &scaled(&self.by_torque, torque));
+        add(&mut slope, &self.moved(state));
+        add(&mut slope, &self.driven(torque));
         slope
     }
 
     /// Derivative of the slope by time.
     #[inline]
     pub fn curvature(&self, slope: &Vector<S, M>, torque_rate: S) -> Vector<S, M> {
-        let mut curvature = times(&self.matrix, slope);
-        add(&mut curvature, &scaled(&self.by_torque, torque_rate));
+        let mut curvature = self.moved(slope);
+        add(&mut curvature, &self.driven(torque_rate));
         curvature
+    }
+
+    /// A·x.
+    #[inline(always)]
+    fn moved(&self, vector: &Vector<S, M>) -> Vector<S, M> {
+        let Some((matrix, _)) = &self.numbers else { return times(&self.matrix, vector) };
+        let mut product = [S::constant(0.0); M];
+        for (column, value) in matrix.iter().zip(vector) {
+            product.iter_mut().zip(column).for_each(|(sum, factor)| *sum += *value * *factor);
+        }
+        product
+    }
+
+    /// b·τ.
+    #[inline(always)]
+    fn driven(&self, torque: S) -> Vector<S, M> {
+        let Some((_, by_torque)) = &self.numbers else { return scaled(&self.by_torque, torque) };
+        let mut product = [S::constant(0.0); M];
+        product.iter_mut().zip(by_torque).for_each(|(entry, factor)| *entry = torque * *factor);
+        product
     }
 }
 

@@ -1,6 +1,6 @@
 //! Equations of motion between switches, and what switches them.
 
-use crate::effects::{Axis, Law, SecondMass};
+use crate::effects::{Axis, Jet, Law, SecondMass};
 use crate::plant::Scalar;
 
 use super::super::orbit::Motion;
@@ -31,8 +31,15 @@ const BALANCED: f64 = 0.9;
 pub(super) struct Mode {
     pub motion: Motion,
     pub contact: Contact,
-    /// Whether a bristle is bent as far as it goes: the axis slides.
-    pub slides: bool,
+    /// Whether the bristle is bent as far as it goes, so that its force is constant until
+    /// v turns.
+    pub yields: bool,
+}
+
+/// A torque that is not linear, and where the state holds what it depends on.
+struct Bent<S> {
+    law: Law<S>,
+    argument: usize,
 }
 
 /// The axis behind its actuator.
@@ -43,7 +50,9 @@ pub(super) struct Mechanics<S> {
     breakaway: [S; 2],
     curve: Option<Law<S>>,
     bristle: Option<S>,
-    torques: Vec<Law<S>>,
+    /// Linear torques, and others.
+    linear: Vec<Law<S>>,
+    bent: Vec<Bent<S>>,
     second_mass: Option<SecondMass<S>>,
     /// Constant torque that keeps the mean of v zero.
     pub balance: S,
@@ -73,6 +82,13 @@ impl<S: Scalar> Mechanics<S> {
         let (load_velocity, twist) =
             if axis.second_mass.is_some() { (next(), next()) } else { (0, 0) };
         let position_integral = axis.balanced.then(&mut next);
+        let (linear, bent): (Vec<_>, Vec<_>) =
+            axis.torques.iter().partition(|law| law.form().is_linear());
+        let of = |law: Law<S>| {
+            let argument = if law.form().uses_position() { position } else { None };
+            Bent { law, argument: argument.unwrap_or(VELOCITY) }
+        };
+        let bent = bent.into_iter().map(of).collect();
         Self {
             viscous_rate: axis.viscous_rates(),
             constant: axis.plant.constant,
@@ -80,7 +96,8 @@ impl<S: Scalar> Mechanics<S> {
             breakaway: [levels.fs_plus, -levels.fs_minus],
             curve: axis.friction_curve,
             bristle: axis.bristle,
-            torques: axis.torques.clone(),
+            linear,
+            bent,
             second_mass: axis.second_mass,
             balance: S::constant(0.0),
             states,
@@ -98,7 +115,7 @@ impl<S: Scalar> Mechanics<S> {
         self.curve.is_none()
             && !play
             && self.coulomb.map(S::value) == self.breakaway.map(S::value)
-            && self.torques.iter().all(|law| law.form().contracts())
+            && self.torques().all(|law| law.form().contracts())
     }
 
     /// Size of an error of v that matters at velocity v: near zero a friction curve
@@ -112,9 +129,40 @@ impl<S: Scalar> Mechanics<S> {
 
     /// Whether the equations are affine between switches.
     pub fn is_affine(&self) -> bool {
+        self.has_series() && self.bent.is_empty()
+    }
+
+    /// Whether the motion between switches is a power series whose terms are known.
+    pub fn has_series(&self) -> bool {
         self.curve.is_none()
             && self.bristle.is_none()
-            && self.torques.iter().all(|law| law.form().is_linear())
+            && self.bent.iter().all(|bent| bent.law.form().has_series())
+    }
+
+    fn torques(&self) -> impl Iterator<Item = &Law<S>> {
+        self.linear.iter().chain(self.bent.iter().map(|bent| &bent.law))
+    }
+
+    /// What follows the torques that are not linear along a motion.
+    pub fn jets(&self) -> Vec<Jet> {
+        self.bent.iter().map(|bent| bent.law.jet()).collect()
+    }
+
+    /// The last term of the torques that are not linear along a motion of these terms.
+    #[inline]
+    pub fn bent_term<const M: usize>(
+        &self,
+        mode: Mode,
+        jets: &mut [Jet],
+        terms: &[Vector<S, M>],
+    ) -> S {
+        let direction = if mode.motion == Motion::Backward { -1.0 } else { 1.0 };
+        let mut sum = S::constant(0.0);
+        for (Bent { law, argument }, jet) in self.bent.iter().zip(jets) {
+            jet.direction = direction;
+            sum += law.term(jet, |m| terms[m][*argument], terms.len() - 1);
+        }
+        sum
     }
 
     /// The fastest rate at which the state changes between switches, where the
@@ -125,7 +173,7 @@ impl<S: Scalar> Mechanics<S> {
         let mut damping = self.viscous_rate[0].value().max(self.viscous_rate[1].value());
         let mut stiffness = 0.0;
         let (zero, one) = (S::constant(0.0), S::constant(1.0));
-        for law in &self.torques {
+        for law in &self.linear {
             stiffness += law.at(zero, one).value().abs();
             damping += constant * law.at(one, zero).value().abs();
         }
@@ -164,7 +212,7 @@ impl<S: Scalar> Mechanics<S> {
             v if v < 0.0 => Motion::Backward,
             _ => self.motion_at_rest(contact, torque, state),
         };
-        Mode { motion, contact, slides: false }
+        Mode { motion, contact, yields: false }
     }
 
     /// What friction lets an axis do that has v = 0.
@@ -191,32 +239,32 @@ impl<S: Scalar> Mechanics<S> {
         }
     }
 
+    /// Whether a bristle of constant friction is, within `tolerance`, bent as far as it goes
+    /// and not known to be yet. What it lacks falls as exp(−σ/Fc·travel), however stiff it
+    /// makes the equations.
+    pub fn yields<const M: usize>(&self, mode: Mode, state: &Vector<S, M>, tolerance: f64) -> bool {
+        let Some(sigma) = self.bristle.filter(|_| !mode.yields && self.curve.is_none()) else {
+            return false;
+        };
+        let level = self.level(mode).value();
+        (sigma.value() * state[self.bristle_at].value() - level).abs() < tolerance * level.abs()
+    }
+
+    /// Bends the bristle as far as it goes.
+    pub fn bend<const M: usize>(&self, mode: Mode, state: &mut Vector<S, M>) {
+        if let Some(sigma) = self.bristle {
+            state[self.bristle_at] = self.level(mode) / sigma;
+        }
+    }
+
+    /// Coulomb friction in the direction of motion, signed.
+    fn level(&self, mode: Mode) -> S {
+        self.coulomb[usize::from(mode.motion == Motion::Backward)]
+    }
+
     /// Whether friction can hold the axis at all.
     pub fn can_rest(&self) -> bool {
         self.bristle.is_none()
-    }
-
-    /// Bends a bristle as far as it goes, where that is within this share of it, and
-    /// says so. It comes nearer as the exponential of the travel: to follow that
-    /// further asks for short steps and changes nothing.
-    pub fn begins_to_slide<const M: usize>(
-        &self,
-        mode: Mode,
-        share: f64,
-        state: &mut Vector<S, M>,
-    ) -> bool {
-        // Along a friction curve the longest bend changes with the velocity.
-        let (Some(sigma), None, false) = (self.bristle, &self.curve, mode.slides) else {
-            return false;
-        };
-        let longest = self.coulomb[usize::from(mode.motion == Motion::Backward)] / sigma;
-        let bristle = &mut state[self.bristle_at];
-        let left = (longest.value() - bristle.value()).abs();
-        let slides = left <= share * longest.value().abs();
-        if slides {
-            *bristle = longest;
-        }
-        slides
     }
 
     /// gap/2, where there is a gap.
@@ -285,10 +333,27 @@ impl<S: Scalar> Mechanics<S> {
     /// τ − g − T_s: everything but friction and damping, input units.
     #[inline(always)]
     fn net<const M: usize>(&self, contact: Contact, torque: S, state: &Vector<S, M>) -> S {
+        self.linear_net(contact, torque - self.bent_torque(state), state)
+    }
+
+    /// Torques that are not linear.
+    #[inline(always)]
+    fn bent_torque<const M: usize>(&self, state: &Vector<S, M>) -> S {
+        let position = self.position.map_or(S::constant(0.0), |i| state[i]);
+        let mut sum = S::constant(0.0);
+        for Bent { law, .. } in &self.bent {
+            sum += law.at(state[VELOCITY], position);
+        }
+        sum
+    }
+
+    /// τ − g − T_s without the torques that are not linear.
+    #[inline(always)]
+    fn linear_net<const M: usize>(&self, contact: Contact, torque: S, state: &Vector<S, M>) -> S {
         let mut net = torque + self.balance;
         let v = state[VELOCITY];
         let position = self.position.map_or(S::constant(0.0), |i| state[i]);
-        for law in &self.torques {
+        for law in &self.linear {
             net -= law.at(v, position);
         }
         net - self.joint(contact, state)
@@ -316,17 +381,32 @@ impl<S: Scalar> Mechanics<S> {
         torque: S,
         state: &Vector<S, M>,
     ) -> Vector<S, M> {
+        let bent = match mode.motion {
+            Motion::Stuck => S::constant(0.0),
+            _ => self.bent_torque(state),
+        };
+        self.linear_slope(mode, torque - bent, state)
+    }
+
+    /// The same without the torques that are not linear.
+    #[inline(always)]
+    pub fn linear_slope<const M: usize>(
+        &self,
+        mode: Mode,
+        torque: S,
+        state: &Vector<S, M>,
+    ) -> Vector<S, M> {
         let mut slope = [S::constant(0.0); M];
         let v = state[VELOCITY];
         let direction = usize::from(mode.motion == Motion::Backward);
         if mode.motion != Motion::Stuck {
-            let mut driving = self.net(mode.contact, torque, state);
-            let mut level = self.coulomb[direction];
+            let mut driving = self.linear_net(mode.contact, torque, state);
+            let mut level = self.level(mode);
             if let Some(curve) = &self.curve {
                 level = level * curve.at(v, S::constant(0.0));
             }
-            match self.bristle {
-                Some(sigma) if !mode.slides => {
+            match self.bristle.filter(|_| !mode.yields) {
+                Some(sigma) => {
                     let bristle = state[self.bristle_at];
                     driving -= sigma * bristle;
                     // |v|/Fc(sgn v) is v over the signed level.

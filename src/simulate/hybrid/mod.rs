@@ -1,8 +1,9 @@
 //! Motion of an axis that is not linear between switches, or has more than one
 //! mass, or a position that matters.
 //!
-//! The equations are stepped by an explicit Runge–Kutta pair with error control
-//! (`runge_kutta`), cut where the motion switches (`pass`). The state at the
+//! Affine equations are stepped exactly (`affine`), those whose power series is known by
+//! that series (`series`), the rest by an explicit Runge–Kutta pair with error control
+//! (`runge_kutta`), all cut where the motion switches (`pass`). The state at the
 //! beginning of the period is found by Newton's method on the return map; the
 //! derivatives it needs ride along in dual numbers. Where several periodic
 //! motions may exist the one reached from rest counts: Newton's step is then kept
@@ -60,6 +61,11 @@ const MOST_ITERATIONS: usize = 60;
 /// Periods followed without Newton's method, all together, likewise.
 const MOST_PERIODS: usize = 500;
 
+/// Effort for one point, in exact steps, beyond which it counts as not periodic. Most
+/// motions that settle take a fiftieth of it, and hardly any of those that take more
+/// settle after all; it bounds a point to a few milliseconds.
+const MOST_EFFORT: usize = 40_000;
+
 /// Share of a state's size that a step may move it, where motions may not be
 /// unique, and where they are.
 const LEASH: [f64; 2] = [0.2, 4.0];
@@ -82,6 +88,8 @@ struct Periodic<const M: usize> {
     precision: Precision<M>,
     /// Sizes of the unknowns: those of the states, and of the torque.
     sizes: [f64; M],
+    /// Effort that is left, in exact steps.
+    effort: usize,
 }
 
 /// Harmonics of v, and what must vanish over a period.
@@ -182,6 +190,7 @@ impl<const M: usize> Periodic<M> {
             leash: LEASH[usize::from(mechanics.contracts() || axis.balanced)],
             precision: Precision { tolerance: LOOSE, sizes, most_swings: LOOSE_SWINGS },
             sizes,
+            effort: MOST_EFFORT,
         };
         if let Some(i) = mechanics.position_integral {
             mechanics.balance = mechanics.first_balance();
@@ -206,7 +215,7 @@ impl<const M: usize> Periodic<M> {
 
     /// One period from where it stands, and the largest states seen.
     fn plain(
-        &self,
+        &mut self,
         mechanics: &Mechanics<f64>,
         wave: &Wave<f64>,
     ) -> Option<(Vector<f64, M>, [f64; M])> {
@@ -217,6 +226,7 @@ impl<const M: usize> Periodic<M> {
             sums: None,
             largest: [0.0; M],
             swings: 0,
+            effort: &mut self.effort,
         };
         let mut start = self.state;
         if let Some(i) = mechanics.position_integral {
@@ -296,7 +306,7 @@ impl<const M: usize> Periodic<M> {
     /// Follows the motion over a period with the unknowns riding behind
     /// `parameters` lanes, adding up v if asked.
     fn follow<S: Scalar>(
-        &self,
+        &mut self,
         axis: &Axis<S>,
         wave: &Wave<S>,
         mut sums: Option<Fourier<'_, S>>,
@@ -322,6 +332,7 @@ impl<const M: usize> Periodic<M> {
             sums: sums.as_mut(),
             largest: [0.0; M],
             swings: 0,
+            effort: &mut self.effort,
         };
         let end = pass.run(&start)?;
         let residual = |i: usize| match mechanics.position_integral {

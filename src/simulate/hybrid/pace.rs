@@ -1,5 +1,6 @@
 //! How long the next step is.
 
+use crate::effects::Jet;
 use crate::plant::Scalar;
 
 use super::super::wave::Cell;
@@ -15,7 +16,7 @@ pub(super) enum Pace<S, const M: usize> {
     /// part of a cell.
     Exact { longest_s: f64, modes: Modes<S, M>, again: bool },
     /// By power series, as far as the error allows.
-    Series { modes: Modes<S, M> },
+    Series { modes: Modes<S, M>, jets: Vec<Jet> },
     /// By Runge–Kutta stages, as long as the error allows.
     Controlled { length_s: f64 },
 }
@@ -39,15 +40,21 @@ impl<S: Scalar, const M: usize> Pace<S, M> {
     /// What suits the equations of motion.
     pub fn new(mechanics: &Mechanics<S>, cell_s: f64) -> Self {
         let modes = Modes(Vec::new());
-        if !mechanics.is_affine() {
+        if !mechanics.has_series() {
             return Pace::Controlled { length_s: cell_s };
         }
-        match mechanics.half_gap() {
-            Some(_) => Pace::Series { modes },
-            None => {
-                let longest_s = REACH / mechanics.fastest_rate();
-                Pace::Exact { longest_s, modes, again: false }
-            }
+        if mechanics.is_affine() && mechanics.half_gap().is_none() {
+            let longest_s = REACH / mechanics.fastest_rate();
+            return Pace::Exact { longest_s, modes, again: false };
+        }
+        Pace::Series { modes, jets: mechanics.jets() }
+    }
+
+    /// What a step takes, in exact steps.
+    pub fn effort(&self) -> usize {
+        match self {
+            Pace::Exact { .. } => 1,
+            Pace::Series { .. } | Pace::Controlled { .. } => 4,
         }
     }
 

@@ -14,8 +14,8 @@ use super::step::{Ends, Powers, Step};
 /// Switches of one cell beyond which time has stopped passing.
 const MOST_SWITCHES_PER_CELL: usize = 1024;
 
-/// Steps of one cell beyond which the equations are too stiff to follow.
-const MOST_STEPS_PER_CELL: usize = 20_000;
+/// What it takes to find a switch, in exact steps.
+const SWITCH_EFFORT: usize = 12;
 
 /// Share of a state's size below which it is as good as zero.
 const ROUNDING: f64 = 1e-13;
@@ -26,8 +26,9 @@ const LOOKS: [f64; 3] = [0.35, 0.7, 1.0];
 /// The same in a step by series, over which contact may come and go.
 const LOOKS_IN_SERIES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 
-/// Share of a bristle's length, in errors of a step, from which the axis slides.
-const SLIDING: f64 = 4.0;
+/// Errors of a step that a bristle may lack to being bent as far as it goes: a step's
+/// own error keeps it from less.
+const YIELDING: f64 = 4.0;
 
 /// How precisely a pass follows the motion.
 pub(super) struct Precision<const M: usize> {
@@ -55,6 +56,8 @@ pub(super) struct Pass<'a, 'g, S, const M: usize> {
     pub largest: [f64; M],
     /// Times the motion has turned on its bristles.
     pub swings: usize,
+    /// Effort that may still be spent, in that of an exact step.
+    pub effort: &'a mut usize,
 }
 
 /// A switch within a step.
@@ -78,7 +81,7 @@ enum Event {
 
 impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     /// Follows the motion from `start` over one period; `None` where it
-    /// switches without end or is too stiff to follow.
+    /// switches without end or takes more effort than there is.
     pub fn run(&mut self, start: &Vector<S, M>) -> Option<Vector<S, M>> {
         let mut state = *start;
         let wave = self.wave;
@@ -87,10 +90,10 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         let mut pace = Pace::new(self.mechanics, wave.cells[0].length_s);
         for cell in &wave.cells {
             let mut from = 0.0;
-            let (mut switches, mut steps) = (0, 0);
+            let mut switches = 0;
             while from < 1.0 {
-                steps += 1;
-                if steps > MOST_STEPS_PER_CELL || switches > MOST_SWITCHES_PER_CELL {
+                *self.effort = self.effort.checked_sub(pace.effort())?;
+                if switches > MOST_SWITCHES_PER_CELL {
                     return None;
                 }
                 if mode.motion == Motion::Stuck {
@@ -101,10 +104,10 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                         switches += 1;
                     }
                 }
-                let share = SLIDING * self.precision.tolerance;
-                if self.mechanics.begins_to_slide(mode, share, &mut state) {
-                    (mode.slides, slope) = (true, None);
-                    self.swings = 0;
+                if self.mechanics.yields(mode, &state, YIELDING * self.precision.tolerance) {
+                    mode.yields = true;
+                    self.mechanics.bend(mode, &mut state);
+                    (slope, self.swings) = (None, 0);
                 }
                 let begin = slope
                     .get_or_insert_with(|| self.mechanics.slope(mode, cell.fixed(from), &state));
@@ -127,6 +130,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                     }
                     Some(switch) => {
                         switches += 1;
+                        *self.effort = self.effort.saturating_sub(SWITCH_EFFORT);
                         let span = (from, width);
                         let late_s;
                         (state, from, late_s) =
@@ -181,10 +185,13 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                     self.mechanics.slope(mode, torque, state)
                 }))
             }
-            Pace::Series { modes } => {
+            Pace::Series { modes, jets } => {
                 let allowed = self.precision.sizes.map(|size| size * self.precision.tolerance);
                 let affine = modes.of(mode, self.mechanics);
-                let (series, share) = affine.reach(state, &torque(), length_s, &allowed);
+                let bends = mode.motion != Motion::Stuck && !jets.is_empty();
+                let against =
+                    bends.then_some(|terms: &[_]| self.mechanics.bent_term(mode, jets, terms));
+                let (series, share) = affine.reach(state, &torque(), length_s, &allowed, against);
                 *width *= share;
                 Step::Series(series)
             }
@@ -395,8 +402,8 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
             *value += *slope * late_s;
         }
         let later = late_s.value() / cell.length_s;
-        reach *= 1.0 + later / part;
-        if let Some(sums) = self.sums.as_deref_mut() {
+        if let Some(sums) = self.sums.as_deref_mut().filter(|_| part > 0.0) {
+            reach *= 1.0 + later / part;
             step.add(VELOCITY, sums, cell.from_s + from * cell.length_s, reach);
         }
         (end, from + part + later, late_s - late_s.value())
@@ -433,7 +440,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                         _ => Motion::Forward,
                     }
                 };
-                Mode { motion, slides: false, ..mode }
+                Mode { motion, yields: false, ..mode }
             }
             Event::Starts(direction) => Mode { motion: moving[direction], ..mode },
             Event::Touches(upper) => {

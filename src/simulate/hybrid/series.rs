@@ -1,17 +1,22 @@
-//! Steps of mechanics that are affine between switches, by power series.
+//! Steps by power series.
 //!
-//! x' = A·x + b·τ + d with τ a quintic. The terms of the solution's series say by
-//! themselves how long the step may be, so none is tried in vain, and a switch is met
-//! on the series itself. Between contacts of a joint with play the motion is as slow
+//! x' = A·x + b·(τ − g(x)) + d with τ a quintic and g a law whose own series is known
+//! term by term. The terms of the solution's series say by themselves how long the step
+//! may be, so none is tried in vain, and a switch is met on the series itself. Between
+//! contacts of a joint with play the motion is as slow
 //! as the torque: steps are then long, where even ones would be bound by the contact's
 //! stiffness.
 
+use crate::effects::MOST_TERMS;
 use crate::plant::Scalar;
 
 use super::runge_kutta::Vector;
 
 /// Highest power of a series. A step's cost grows with it as its length does.
-const ORDER: usize = 12;
+const ORDER: usize = MOST_TERMS - 1;
+
+/// The same where the effort for a term grows with those before it.
+const ORDER_BENT: usize = 9;
 
 /// Powers of the longest polynomial in a step.
 pub(super) const MOST_POWERS: usize = ORDER + 1;
@@ -20,6 +25,7 @@ pub(super) const MOST_POWERS: usize = ORDER + 1;
 pub(super) struct Series<S, const M: usize> {
     /// Powers of u from 0 to 1, all states each.
     terms: [Vector<S, M>; ORDER + 1],
+    order: usize,
     pub length_s: f64,
     /// State at its end.
     pub end: Vector<S, M>,
@@ -29,24 +35,26 @@ pub(super) struct Series<S, const M: usize> {
 
 impl<S: Scalar, const M: usize> Series<S, M> {
     /// From `start` over `length_s` or less, so that no state errs by more than
-    /// `allowed`; `next` makes the term after the m-th. Also the share of the length it
-    /// covers.
+    /// `allowed`, of equations that are `bent` or not; `next` makes the term that comes after those it is given. Also the share
+    /// of the length it covers.
     #[inline]
     pub fn new(
         start: &Vector<S, M>,
         length_s: f64,
         allowed: &[f64; M],
-        next: impl Fn(usize, &Vector<S, M>) -> Vector<S, M>,
+        bent: bool,
+        mut next: impl FnMut(&[Vector<S, M>]) -> Vector<S, M>,
     ) -> (Self, f64) {
+        let order = if bent { ORDER_BENT } else { ORDER };
         let mut this =
-            Self { terms: [*start; ORDER + 1], length_s, end: *start, end_slope: *start };
-        for m in 0..ORDER {
-            this.terms[m + 1] = next(m, &this.terms[m]);
+            Self { terms: [*start; ORDER + 1], order, length_s, end: *start, end_slope: *start };
+        for m in 0..order {
+            this.terms[m + 1] = next(&this.terms[..=m]);
         }
         let share = this.reach(allowed);
         if share < 1.0 {
             let mut scale = 1.0;
-            for term in &mut this.terms[1..] {
+            for term in &mut this.terms[1..=order] {
                 scale *= share;
                 term.iter_mut().for_each(|value| *value = *value * scale);
             }
@@ -64,7 +72,7 @@ impl<S: Scalar, const M: usize> Series<S, M> {
             let most = errors.fold(0.0, f64::max) as f32;
             most.powf(-1.0 / m as f32)
         };
-        match f64::from(share(ORDER - 1).min(share(ORDER))) {
+        match f64::from(share(self.order - 1).min(share(self.order))) {
             1.0.. => 1.0,
             0.5.. => 0.5,
             share => share,
@@ -73,8 +81,8 @@ impl<S: Scalar, const M: usize> Series<S, M> {
 
     /// State at u, and its derivative by time.
     pub fn at(&self, u: f64) -> (Vector<S, M>, Vector<S, M>) {
-        let (mut state, mut slope) = (self.terms[ORDER], [S::constant(0.0); M]);
-        for term in self.terms[..ORDER].iter().rev() {
+        let (mut state, mut slope) = (self.terms[self.order], [S::constant(0.0); M]);
+        for term in self.terms[..self.order].iter().rev() {
             for i in 0..M {
                 slope[i] = slope[i] * u + state[i];
                 state[i] = state[i] * u + term[i];
@@ -87,7 +95,8 @@ impl<S: Scalar, const M: usize> Series<S, M> {
     /// Whether state `i` cannot have met `level` within the step.
     #[inline]
     pub fn stays_beyond(&self, i: usize, level: f64) -> bool {
-        let departs: f64 = self.terms[1..].iter().map(|term| term[i].value().abs()).sum();
+        let departs: f64 =
+            self.terms[1..=self.order].iter().map(|term| term[i].value().abs()).sum();
         (self.terms[0][i].value() - level).abs() > departs
     }
 
@@ -95,7 +104,7 @@ impl<S: Scalar, const M: usize> Series<S, M> {
     #[inline]
     pub fn powers<T: Scalar>(&self, i: usize, part: impl Fn(S) -> T) -> [T; ORDER + 1] {
         let mut powers = [T::constant(0.0); ORDER + 1];
-        for (power, term) in powers.iter_mut().zip(&self.terms) {
+        for (power, term) in powers.iter_mut().zip(&self.terms[..=self.order]) {
             *power = part(term[i]);
         }
         powers

@@ -1,0 +1,113 @@
+//! Nonlinear functions of a motion that is a power series in time.
+
+use super::LAW_PARAMETERS;
+
+/// Most terms of a series.
+pub const MOST_TERMS: usize = 13;
+
+/// 1/m, where m > 0.
+const INVERSE: [f64; MOST_TERMS] = {
+    let mut inverse = [0.0; MOST_TERMS];
+    let mut m = 1;
+    while m < MOST_TERMS {
+        inverse[m] = 1.0 / m as f64;
+        m += 1;
+    }
+    inverse
+};
+
+/// Terms of a series.
+pub type Terms = [f64; MOST_TERMS];
+
+/// A law along a motion: the series of its argument x, and what the law makes of it.
+/// Its terms are found one after the other, each from those before it (Moore 1979,
+/// Methods and Applications of Interval Analysis, doi:10.1137/1.9781611970906).
+#[derive(Debug, Clone, Copy)]
+pub struct Jet {
+    /// x: θ of a law that depends on it, v of any other.
+    pub argument: Terms,
+    /// The sign of v, which at a breakaway nothing else tells.
+    pub direction: f64,
+    /// The law.
+    pub value: Terms,
+    /// Its derivative by x.
+    pub by_argument: Terms,
+    /// Its derivatives by the parameters.
+    pub by_parameter: [Terms; LAW_PARAMETERS],
+    /// Whether the parameters vary, so that the derivatives by them matter.
+    pub parameters_vary: bool,
+    /// What the law keeps for its next term.
+    pub kept: [Terms; 2],
+}
+
+impl Jet {
+    /// Before the first term.
+    pub fn new(parameters_vary: bool) -> Self {
+        let none = [0.0; MOST_TERMS];
+        Self {
+            argument: none,
+            direction: 0.0,
+            value: none,
+            by_argument: none,
+            by_parameter: [none; LAW_PARAMETERS],
+            parameters_vary,
+            kept: [none; 2],
+        }
+    }
+}
+
+/// Term `m` of a product.
+#[inline]
+pub fn product(a: &Terms, b: &Terms, m: usize) -> f64 {
+    (0..=m).map(|j| a[j] * b[m - j]).sum()
+}
+
+/// Terms `m` of the sine and the cosine of a series from those before; m > 0.
+#[inline]
+pub fn sin_cos(x: &Terms, sin: &Terms, cos: &Terms, m: usize) -> (f64, f64) {
+    let (mut rise, mut fall) = (0.0, 0.0);
+    for j in 1..=m {
+        let rate = j as f64 * x[j];
+        rise += rate * cos[m - j];
+        fall += rate * sin[m - j];
+    }
+    (rise * INVERSE[m], -fall * INVERSE[m])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x = 0.3 + 0.5 t − 0.2 t².
+    fn series() -> Terms {
+        let mut x = [0.0; MOST_TERMS];
+        x[..3].copy_from_slice(&[0.3, 0.5, -0.2]);
+        x
+    }
+
+    fn sum(terms: &Terms, t: f64) -> f64 {
+        terms.iter().rev().fold(0.0, |sum, term| sum * t + term)
+    }
+
+    #[test]
+    fn the_series_of_a_sine_is_that_of_the_sine() {
+        let x = series();
+        let (mut sin, mut cos) = ([0.0; MOST_TERMS], [0.0; MOST_TERMS]);
+        (sin[0], cos[0]) = x[0].sin_cos();
+        for m in 1..MOST_TERMS {
+            (sin[m], cos[m]) = sin_cos(&x, &sin, &cos, m);
+        }
+        // The first term left out: 0.3¹³.
+        let exact = sum(&x, 0.3).sin_cos();
+        assert!((sum(&sin, 0.3) - exact.0).abs() < 2e-7, "{}", sum(&sin, 0.3) - exact.0);
+        assert!((sum(&cos, 0.3) - exact.1).abs() < 2e-7, "{}", sum(&cos, 0.3) - exact.1);
+    }
+
+    #[test]
+    fn the_series_of_a_product_is_that_of_the_product() {
+        let x = series();
+        let square: Terms = std::array::from_fn(|m| product(&x, &x, m));
+        // A product of parabolas has five terms.
+        assert!((sum(&square, 0.7) - sum(&x, 0.7).powi(2)).abs() < 1e-15);
+    }
+}

@@ -41,6 +41,11 @@ impl Yardstick {
         }
     }
 
+    /// Whether a cost is no larger than noise makes it: 4 standard deviations of χ².
+    pub fn explains(&self, cost: f64) -> bool {
+        self.known && cost < self.dof + 4.0 * (2.0 * self.dof).sqrt() + self.rounding
+    }
+
     /// Variance of the noise in units of the weights, after a model of this cost.
     fn variance(&self, cost: f64) -> f64 {
         if self.known { 1.0 } else { (cost + self.rounding) / self.dof }

@@ -23,11 +23,9 @@ use super::subspace::Subspace;
 /// Places of an effect's parameters, at most.
 const MOST_PLACES: usize = 24;
 
-/// Share of the way from where an effect vanishes to the end of its likely range.
-const SIZE: f64 = 0.15;
-
-/// The same where the effect has one parameter.
-const SIZES_ALONE: [f64; 4] = [0.05, 0.2, 0.5, 0.8];
+/// Shares of the way from where an effect vanishes to the end of its likely range, of
+/// an effect with one parameter, with two, and with more, whose others say its shape.
+const SIZES: [&[f64]; 3] = [&[0.05, 0.2, 0.5, 0.8], &[0.15, 0.6], &[0.15]];
 
 /// Longest step of a parameter of the anchor on the way to a start.
 const LONGEST_SHIFT: f64 = 0.3;
@@ -182,7 +180,7 @@ fn neighbourhoods(directions: &[DVector<f64>], parameters: usize) -> Vec<Subspac
 
 /// Values to try: every combination of a few of each parameter.
 fn grid(effect: &dyn Effect, ranges: &[Range]) -> Vec<Vec<f64>> {
-    let sizes: &[f64] = if ranges.len() == 1 { &SIZES_ALONE } else { &[SIZE] };
+    let sizes = SIZES[ranges.len().min(SIZES.len()) - 1];
     let mut step = if ranges.len() == 1 { 4.0_f64 } else { 1.4 };
     loop {
         let axes: Vec<Vec<f64>> = effect

@@ -35,7 +35,7 @@ const BREADTH: usize = 3;
 const MOST_EFFECTS: usize = 3;
 
 /// Share of the limit that a probe's gain must reach for a fit to be worthwhile.
-const PROMISING: f64 = 0.5;
+const PROMISING: f64 = 0.7;
 
 /// Ids of a model's effects, in order.
 pub(super) type Key = Vec<&'static str>;
@@ -78,6 +78,13 @@ fn promises(probed: &Probed, family: &Family, scale: f64) -> bool {
     probed.promise() / scale > PROMISING * family.limit(probed.effect.id())
 }
 
+/// Models that have a response, the best first.
+fn best_first(mut models: Vec<Model>) -> Vec<Model> {
+    models.retain(|model| model.cost.is_finite());
+    models.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    models
+}
+
 impl<'a> Search<'a> {
     /// With nothing but the base model.
     pub fn new(
@@ -109,7 +116,7 @@ impl<'a> Search<'a> {
         let scale = self.variance(&anchor);
         let fits = self.fit(&probed, |probed| promises(probed, &family, scale));
         self.family = Some(family);
-        fits.into_iter().for_each(|model| self.keep(model));
+        fits.into_iter().for_each(|visited| self.keep(visited));
     }
 
     /// Fits models with one more effect than `from`, those that promise most;
@@ -132,7 +139,7 @@ impl<'a> Search<'a> {
         probed.truncate(FURTHER);
         let fits = self.fit(&probed, promising);
         let any = !fits.is_empty();
-        fits.into_iter().for_each(|model| self.keep(model));
+        fits.into_iter().for_each(|visited| self.keep(visited));
         any
     }
 
@@ -148,9 +155,11 @@ impl<'a> Search<'a> {
             .map(|index| self.workbench.reduce(model, index))
             .filter(|model| !self.visited.contains_key(&key(model)))
             .collect();
-        let fits: Vec<Model> =
-            missing.par_iter().map(|model| self.workbench.refine(model, Effort::Settle)).collect();
-        fits.into_iter().for_each(|model| self.keep(model));
+        let fits: Vec<Visited> = missing
+            .par_iter()
+            .map(|model| self.visit(self.refine(model, Effort::Settle)))
+            .collect();
+        fits.into_iter().for_each(|visited| self.keep(visited));
     }
 
     /// What every effect of the library changes that can be tested.
@@ -186,16 +195,63 @@ impl<'a> Search<'a> {
         Family::new(anchor, &self.workbench.noise(), self.yardstick.known, probed, self.seed)
     }
 
-    /// Fits every effect from its probes; at length those that promise something.
-    fn fit(&self, probed: &[Probed], promising: impl Fn(&Probed) -> bool + Sync) -> Vec<Model> {
-        let fit = |probed: &Probed| match promising(probed) {
-            true => self.best(&probed.probes),
-            false => {
-                let start = &probed.probes.first()?.start;
-                Some(self.refine(start, Effort::Brief)).filter(|model| model.cost.is_finite())
+    /// Fits every effect from its probes. What promises something is followed from
+    /// several starts; once one explains the data, only what may be mistaken for it
+    /// or is as good so far is followed to the end.
+    fn fit(&self, probed: &[Probed], promising: impl Fn(&Probed) -> bool + Sync) -> Vec<Visited> {
+        let tried: Vec<(&Probed, Vec<Model>)> = probed
+            .par_iter()
+            .map(|probed| (probed, self.tried(probed, promising(probed))))
+            .collect();
+        let (mut open, mut fits) = (Vec::new(), Vec::new());
+        for (probed, mut models) in tried {
+            match promising(probed) {
+                true if !models.is_empty() => open.push((probed.effect, models)),
+                _ => fits.extend(models.pop()),
             }
+        }
+        open.sort_by(|a, b| a.1[0].cost.total_cmp(&b.1[0].cost));
+        let rest = open.split_off(open.len().min(1));
+        fits.extend(open.into_iter().filter_map(|(_, models)| self.settled(models)));
+        let leader = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
+        let (near, far): (Vec<_>, Vec<_>) = rest.into_iter().partition(|(effect, models)| {
+            leader.as_ref().is_none_or(|leader| self.is_rival(leader, *effect, models[0].cost))
+        });
+        let near = near.into_par_iter().filter_map(|(_, models)| self.settled(models));
+        fits.extend(near.collect::<Vec<Model>>());
+        fits.extend(far.into_iter().filter_map(|(_, models)| models.into_iter().next()));
+        fits.into_par_iter().map(|model| self.visit(model)).collect()
+    }
+
+    /// Whether an effect whose fits have come to `cost` so far may yet be as good as
+    /// the leading model.
+    fn is_rival(&self, leader: &Model, effect: &'static dyn Effect, cost: f64) -> bool {
+        let before = self.workbench.base().cost;
+        let mistaken = |own: &&'static dyn Effect| {
+            own.imitators().contains(&effect.id()) || effect.imitators().contains(&own.id())
         };
-        probed.par_iter().filter_map(fit).collect()
+        !self.yardstick.explains(leader.cost)
+            || leader.effects().iter().any(mistaken)
+            || before - cost > 0.5 * (before - leader.cost)
+    }
+
+    /// The first steps from an effect's probes, the best first.
+    fn tried(&self, probed: &Probed, promising: bool) -> Vec<Model> {
+        let (starts, effort) = match (promising, probed.effect.parameters().len()) {
+            (false, _) => (1, Effort::Brief),
+            (true, 1) => (FOLLOWED, Effort::Glance),
+            (true, _) => (STARTS, Effort::Glance),
+        };
+        let starts: Vec<&Probe> = probed.probes.iter().take(starts).collect();
+        let tried = starts.par_iter().map(|probe| self.refine(&probe.start, effort)).collect();
+        best_first(tried)
+    }
+
+    /// The best of what these come to.
+    fn settled(&self, mut tried: Vec<Model>) -> Option<Model> {
+        tried.truncate(FOLLOWED);
+        let settled = tried.par_iter().map(|model| self.refine(model, Effort::Settle)).collect();
+        best_first(settled).into_iter().next()
     }
 
     fn refine(&self, model: &Model, effort: Effort) -> Model {
@@ -205,31 +261,18 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The best of the fits from an effect's probes.
-    fn best(&self, probes: &[Probe]) -> Option<Model> {
-        let best_first = |models: &mut Vec<Model>| {
-            models.retain(|model| model.cost.is_finite());
-            models.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        };
-        let starts: Vec<&Probe> = probes.iter().take(STARTS).collect();
-        let mut tried: Vec<Model> =
-            starts.par_iter().map(|probe| self.refine(&probe.start, Effort::Glance)).collect();
-        best_first(&mut tried);
-        tried.truncate(FOLLOWED);
-        let mut settled: Vec<Model> =
-            tried.par_iter().map(|model| self.refine(model, Effort::Settle)).collect();
-        best_first(&mut settled);
-        settled.into_iter().next()
+    fn visit(&self, model: Model) -> Visited {
+        let complexity = evidence::complexity(self.workbench, &model, &self.yardstick);
+        Visited { model, complexity }
     }
 
     /// Keeps a model, unless one with the same effects fits better.
-    fn keep(&mut self, model: Model) {
-        let key = key(&model);
-        if self.visited.get(&key).is_some_and(|known| known.model.cost <= model.cost) {
-            return;
+    fn keep(&mut self, visited: Visited) {
+        let key = key(&visited.model);
+        let best = self.visited.get(&key).map_or(f64::INFINITY, |known| known.model.cost);
+        if visited.model.cost < best {
+            self.visited.insert(key, visited);
         }
-        let complexity = evidence::complexity(self.workbench, &model, &self.yardstick);
-        self.visited.insert(key, Visited { model, complexity });
     }
 
     /// −2 ln of what speaks for a model, by a yardstick.

@@ -340,7 +340,7 @@ impl<'a> Workbench<'a> {
     pub fn refine(&self, model: &Model, effort: Effort) -> Model {
         let patience = match effort {
             Effort::Glance => Patience { steps: 4, cost_tolerance: 1e-3 },
-            Effort::Brief => Patience { steps: 8, cost_tolerance: 1e-4 },
+            Effort::Brief => Patience { steps: 5, cost_tolerance: 1e-3 },
             Effort::Settle => Patience { steps: 60, cost_tolerance: 1e-5 },
             Effort::Thorough => refine::THOROUGH,
         };

@@ -71,13 +71,11 @@ impl Form for Ripple {
     }
 
     fn extend(&self, [t, n, phase]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut Jet) {
-        let [sin, cos] = &mut jet.kept;
+        let [sin, cos, rates] = &mut jet.kept;
+        rates[m] = m as f64 * n * jet.argument[m];
         (sin[m], cos[m]) = match m {
             0 => (n * jet.argument[0] + phase).sin_cos(),
-            _ => {
-                let (rise, fall) = jet::sin_cos(&jet.argument, sin, cos, m);
-                (n * rise, n * fall)
-            }
+            _ => jet::sin_cos(rates, sin, cos, m),
         };
         jet.value[m] = t * sin[m];
         jet.by_argument[m] = t * n * cos[m];

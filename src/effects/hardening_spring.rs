@@ -51,7 +51,7 @@ impl Form for Hardening {
 
     fn extend(&self, [k, k3, _]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut Jet) {
         let position = jet.argument[m];
-        let [square, _] = &mut jet.kept;
+        let [square, ..] = &mut jet.kept;
         square[m] = jet::product(&jet.argument, &jet.argument, m);
         let cube = jet::product(square, &jet.argument, m);
         let linear = if m == 0 { *k } else { 0.0 };

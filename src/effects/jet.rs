@@ -37,7 +37,7 @@ pub struct Jet {
     /// Whether the parameters vary, so that the derivatives by them matter.
     pub parameters_vary: bool,
     /// What the law keeps for its next term.
-    pub kept: [Terms; 2],
+    pub kept: [Terms; 3],
 }
 
 impl Jet {
@@ -51,7 +51,7 @@ impl Jet {
             by_argument: none,
             by_parameter: [none; LAW_PARAMETERS],
             parameters_vary,
-            kept: [none; 2],
+            kept: [none; 3],
         }
     }
 }
@@ -59,17 +59,18 @@ impl Jet {
 /// Term `m` of a product.
 #[inline]
 pub fn product(a: &Terms, b: &Terms, m: usize) -> f64 {
-    (0..=m).map(|j| a[j] * b[m - j]).sum()
+    a[..=m].iter().zip(b[..=m].iter().rev()).map(|(a, b)| a * b).sum()
 }
 
-/// Terms `m` of the sine and the cosine of a series from those before; m > 0.
+/// Terms `m` of the sine and the cosine of a series x from those before; m > 0 and
+/// `rates` m·xₘ.
 #[inline]
-pub fn sin_cos(x: &Terms, sin: &Terms, cos: &Terms, m: usize) -> (f64, f64) {
+pub fn sin_cos(rates: &Terms, sin: &Terms, cos: &Terms, m: usize) -> (f64, f64) {
     let (mut rise, mut fall) = (0.0, 0.0);
-    for j in 1..=m {
-        let rate = j as f64 * x[j];
-        rise += rate * cos[m - j];
-        fall += rate * sin[m - j];
+    let before = sin[..m].iter().zip(&cos[..m]).rev();
+    for (rate, (sin, cos)) in rates[1..=m].iter().zip(before) {
+        rise += rate * cos;
+        fall += rate * sin;
     }
     (rise * INVERSE[m], -fall * INVERSE[m])
 }
@@ -92,10 +93,11 @@ mod tests {
     #[test]
     fn the_series_of_a_sine_is_that_of_the_sine() {
         let x = series();
+        let rates = std::array::from_fn(|m| m as f64 * x[m]);
         let (mut sin, mut cos) = ([0.0; MOST_TERMS], [0.0; MOST_TERMS]);
         (sin[0], cos[0]) = x[0].sin_cos();
         for m in 1..MOST_TERMS {
-            (sin[m], cos[m]) = sin_cos(&x, &sin, &cos, m);
+            (sin[m], cos[m]) = sin_cos(&rates, &sin, &cos, m);
         }
         // The first term left out: 0.3¹³.
         let exact = sum(&x, 0.3).sin_cos();

@@ -100,8 +100,8 @@ impl<S: Scalar> Law<S> {
         self.form.extend(&self.values, m, jet);
         let mut sum = S::constant(0.0);
         if S::LANES > 0 {
-            for j in 0..=m {
-                sum += argument(j) * jet.by_argument[m - j];
+            for (j, by) in jet.by_argument[..=m].iter().rev().enumerate() {
+                sum += argument(j) * *by;
             }
             if jet.parameters_vary {
                 for (by, parameter) in jet.by_parameter.iter().zip(&self.parameters) {

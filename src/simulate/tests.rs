@@ -181,8 +181,9 @@ fn the_shorter_a_bristle_the_nearer_it_is_to_friction_that_holds() {
             let effect = ActiveEffect::new(presliding, vec![sigma]).unwrap();
             largest_difference(&rigid, &respond(&plant, &[effect], &excitation, 7).unwrap())
         };
-        // It yields by Fc/σ, and swings back with √(K·σ): one or the other tells.
+        // Where it stops it swings back with a velocity of up to Fc·√(K/σ).
         let (soft, stiff) = (difference(1e3), difference(1e5));
-        assert!(stiff < 0.1 * soft && stiff < 1e-3, "ω {omega}: {soft:e} {stiff:e}");
+        let swing = 0.5 * (10.0_f64 / 1e5).sqrt();
+        assert!(stiff < 0.2 * soft && stiff < swing, "ω {omega}: {soft:e} {stiff:e}");
     }
 }

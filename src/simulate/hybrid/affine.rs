@@ -140,8 +140,7 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         next
     }
 
-    /// A step of as much of a length as its errors allow, and the share it covers;
-    /// `against` gives the last term of a further torque along terms so far.
+    /// A step of as much of a length as its errors allow; `against` gives the last term of a further torque along terms so far.
     #[inline]
     pub fn reach(
         &self,
@@ -150,7 +149,7 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         length_s: f64,
         allowed: &[f64; M],
         mut against: Option<impl FnMut(&[Vector<S, M>]) -> S>,
-    ) -> (Series<S, M>, f64) {
+    ) -> Series<S, M> {
         Series::new(state, length_s, allowed, against.is_some(), |terms| {
             let m = terms.len() - 1;
             let mut next = self.next_term(m, &terms[m], powers, &self.constant, length_s);
@@ -185,7 +184,12 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         let Some((matrix, _)) = &self.numbers else { return times(&self.matrix, vector) };
         let mut product = [S::constant(0.0); M];
         for (column, value) in matrix.iter().zip(vector) {
-            product.iter_mut().zip(column).for_each(|(sum, factor)| *sum += *value * *factor);
+            for (sum, factor) in product.iter_mut().zip(column) {
+                // Most couplings are absent.
+                if *factor != 0.0 {
+                    *sum += *value * *factor;
+                }
+            }
         }
         product
     }

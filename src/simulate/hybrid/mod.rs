@@ -61,10 +61,10 @@ const MOST_ITERATIONS: usize = 60;
 /// Periods followed without Newton's method, all together, likewise.
 const MOST_PERIODS: usize = 500;
 
-/// Effort for one point, in exact steps, beyond which it counts as not periodic. Most
-/// motions that settle take a fiftieth of it, and hardly any of those that take more
-/// settle after all; it bounds a point to a few milliseconds.
-const MOST_EFFORT: usize = 40_000;
+/// Effort for one point, in exact steps for each cell of its input, beyond which it counts
+/// as not periodic. Most motions that settle take a fiftieth of it, and hardly any of those
+/// that take more settle after all; it bounds a cosine to a few milliseconds.
+const EFFORT_PER_CELL: usize = 5_000;
 
 /// Share of a state's size that a step may move it, where motions may not be
 /// unique, and where they are.
@@ -190,7 +190,7 @@ impl<const M: usize> Periodic<M> {
             leash: LEASH[usize::from(mechanics.contracts() || axis.balanced)],
             precision: Precision { tolerance: LOOSE, sizes, most_swings: LOOSE_SWINGS },
             sizes,
-            effort: MOST_EFFORT,
+            effort: EFFORT_PER_CELL * wave.cells.len(),
         };
         if let Some(i) = mechanics.position_integral {
             mechanics.balance = mechanics.first_balance();

@@ -191,8 +191,8 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                 let bends = mode.motion != Motion::Stuck && !jets.is_empty();
                 let against =
                     bends.then_some(|terms: &[_]| self.mechanics.bent_term(mode, jets, terms));
-                let (series, share) = affine.reach(state, &torque(), length_s, &allowed, against);
-                *width *= share;
+                let series = affine.reach(state, &torque(), length_s, &allowed, against);
+                *width *= series.share;
                 Step::Series(series)
             }
             Pace::Exact { modes, again, .. } => {

@@ -27,6 +27,8 @@ pub(super) struct Series<S, const M: usize> {
     terms: [Vector<S, M>; ORDER + 1],
     order: usize,
     pub length_s: f64,
+    /// The share it covers of the length asked for.
+    pub share: f64,
     /// State at its end.
     pub end: Vector<S, M>,
     /// Derivative by time at its end.
@@ -35,8 +37,8 @@ pub(super) struct Series<S, const M: usize> {
 
 impl<S: Scalar, const M: usize> Series<S, M> {
     /// From `start` over `length_s` or less, so that no state errs by more than
-    /// `allowed`, of equations that are `bent` or not; `next` makes the term that comes after those it is given. Also the share
-    /// of the length it covers.
+    /// `allowed`, of equations that are `bent` or not; `next` makes the term that comes
+    /// after those it is given.
     #[inline]
     pub fn new(
         start: &Vector<S, M>,
@@ -44,15 +46,22 @@ impl<S: Scalar, const M: usize> Series<S, M> {
         allowed: &[f64; M],
         bent: bool,
         mut next: impl FnMut(&[Vector<S, M>]) -> Vector<S, M>,
-    ) -> (Self, f64) {
+    ) -> Self {
         let order = if bent { ORDER_BENT } else { ORDER };
-        let mut this =
-            Self { terms: [*start; ORDER + 1], order, length_s, end: *start, end_slope: *start };
+        let mut this = Self {
+            terms: [*start; ORDER + 1],
+            order,
+            length_s,
+            share: 1.0,
+            end: *start,
+            end_slope: *start,
+        };
         for m in 0..order {
             this.terms[m + 1] = next(&this.terms[..=m]);
         }
         let share = this.reach(allowed);
         if share < 1.0 {
+            this.share = share;
             let mut scale = 1.0;
             for term in &mut this.terms[1..=order] {
                 scale *= share;
@@ -61,7 +70,7 @@ impl<S: Scalar, const M: usize> Series<S, M> {
             this.length_s *= share;
         }
         (this.end, this.end_slope) = this.at(1.0);
-        (this, share)
+        this
     }
 
     /// The share of its length after which the last terms are as small as allowed; where
@@ -70,7 +79,7 @@ impl<S: Scalar, const M: usize> Series<S, M> {
         let share = |m: usize| {
             let errors = self.terms[m].iter().zip(allowed).map(|(t, a)| (t.value() / a).abs());
             let most = errors.fold(0.0, f64::max) as f32;
-            most.powf(-1.0 / m as f32)
+            if most <= 1.0 { 1.0 } else { most.powf(-1.0 / m as f32) }
         };
         match f64::from(share(self.order - 1).min(share(self.order))) {
             1.0.. => 1.0,

@@ -18,6 +18,7 @@ use super::anchor::Anchor;
 use super::evidence::{self, Yardstick};
 use super::family::Family;
 use super::probes::{Changes, Probe, Probed};
+use super::progress::{Part, Stage};
 
 /// Starts of a fit of which a few steps are taken.
 const STARTS: usize = 4;
@@ -37,6 +38,14 @@ const MOST_EFFECTS: usize = 3;
 /// Share of the limit that a probe's gain must reach for a fit to be worthwhile.
 const PROMISING: f64 = 0.7;
 
+/// Shares of a search: what every effect would change, and every effect alone.
+const PROBING: [f64; 2] = [0.0, 0.3];
+const CANDIDATES: [f64; 2] = [0.3, 0.7];
+
+/// Share of what is left of a search that adding one more effect takes: how often that
+/// will be done is not known.
+const COMBINATIONS: f64 = 0.3;
+
 /// Ids of a model's effects, in order.
 pub(super) type Key = Vec<&'static str>;
 
@@ -51,7 +60,7 @@ pub(super) struct Visited {
 /// The models that were fitted, and what they are judged by.
 pub(super) struct Search<'a> {
     workbench: &'a Workbench<'a>,
-    observer: &'a dyn Observer,
+    part: Part<'a>,
     seed: u64,
     /// How costs are compared.
     pub yardstick: Yardstick,
@@ -59,6 +68,8 @@ pub(super) struct Search<'a> {
     pub visited: BTreeMap<Key, Visited>,
     /// What every effect changes beside the base model.
     changes: Vec<Changes>,
+    /// Share of the search that is done.
+    reached: f64,
     /// Models from which larger ones were grown.
     grown: BTreeSet<Key>,
     /// What an effect must gain at the base model.
@@ -89,7 +100,7 @@ impl<'a> Search<'a> {
     /// With nothing but the base model.
     pub fn new(
         workbench: &'a Workbench<'a>,
-        observer: &'a dyn Observer,
+        part: Part<'a>,
         seed: u64,
         yardstick: Yardstick,
     ) -> Self {
@@ -97,11 +108,12 @@ impl<'a> Search<'a> {
         let visited = BTreeMap::from([(Key::new(), base)]);
         Self {
             workbench,
-            observer,
+            part,
             seed,
             yardstick,
             visited,
             changes: Vec::new(),
+            reached: CANDIDATES[1],
             grown: BTreeSet::new(),
             family: None,
         }
@@ -114,7 +126,8 @@ impl<'a> Search<'a> {
         let probed = self.probe(&anchor);
         let family = self.family(&anchor, &probed);
         let scale = self.variance(&anchor);
-        let fits = self.fit(&probed, |probed| promises(probed, &family, scale));
+        let stage = self.part.part(CANDIDATES).stage("candidates", probed.len());
+        let fits = self.fit(&probed, |probed| promises(probed, &family, scale), &stage);
         self.family = Some(family);
         fits.into_iter().for_each(|visited| self.keep(visited));
     }
@@ -137,7 +150,10 @@ impl<'a> Search<'a> {
         probed.retain(|probed| everything || promising(probed));
         probed.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
         probed.truncate(FURTHER);
-        let fits = self.fit(&probed, promising);
+        let reached = self.reached + COMBINATIONS * (1.0 - self.reached);
+        let stage = self.part.part([self.reached, reached]).stage("combinations", probed.len());
+        let fits = self.fit(&probed, promising, &stage);
+        self.reached = reached;
         let any = !fits.is_empty();
         fits.into_iter().for_each(|visited| self.keep(visited));
         any
@@ -167,11 +183,13 @@ impl<'a> Search<'a> {
         let testable =
             |effect: &&&'static dyn Effect| self.workbench.runs_known() || !effect.needs_run();
         let effects: Vec<&&dyn Effect> = ALL.iter().filter(testable).collect();
-        effects
-            .into_par_iter()
-            .filter(|_| !self.observer.cancelled())
-            .map(|effect| Changes::of(self.workbench, anchor, *effect))
-            .collect()
+        let stage = self.part.part(PROBING).stage("probing", effects.len());
+        let changes = |effect: &&'static dyn Effect| {
+            let changes = Changes::of(self.workbench, anchor, *effect);
+            stage.step();
+            changes
+        };
+        effects.into_par_iter().filter(|_| !self.part.cancelled()).map(changes).collect()
     }
 
     /// Probes of every effect that the model lacks and can have.
@@ -182,7 +200,7 @@ impl<'a> Search<'a> {
         let settles = own.iter().any(|effect| effect.settles());
         lacking
             .into_par_iter()
-            .filter(|_| !self.observer.cancelled())
+            .filter(|_| !self.part.cancelled())
             .map(|changes| match settles && changes.effect.settles() {
                 // Half of what it changes beside the base model is there already.
                 true => Changes::of(workbench, anchor, changes.effect).probe(workbench, anchor),
@@ -198,11 +216,18 @@ impl<'a> Search<'a> {
     /// Fits every effect from its probes. What promises something is followed from
     /// several starts; once one explains the data, only what may be mistaken for it
     /// or is as good so far is followed to the end.
-    fn fit(&self, probed: &[Probed], promising: impl Fn(&Probed) -> bool + Sync) -> Vec<Visited> {
-        let tried: Vec<(&Probed, Vec<Model>)> = probed
-            .par_iter()
-            .map(|probed| (probed, self.tried(probed, promising(probed))))
-            .collect();
+    fn fit(
+        &self,
+        probed: &[Probed],
+        promising: impl Fn(&Probed) -> bool + Sync,
+        stage: &Stage<'_>,
+    ) -> Vec<Visited> {
+        let try_out = |probed| {
+            let tried = self.tried(probed, promising(probed));
+            stage.step();
+            (probed, tried)
+        };
+        let tried: Vec<(&Probed, Vec<Model>)> = probed.par_iter().map(try_out).collect();
         let (mut open, mut fits) = (Vec::new(), Vec::new());
         for (probed, mut models) in tried {
             match promising(probed) {
@@ -255,7 +280,7 @@ impl<'a> Search<'a> {
     }
 
     fn refine(&self, model: &Model, effort: Effort) -> Model {
-        match self.observer.cancelled() {
+        match self.part.cancelled() {
             true => model.clone(),
             false => self.workbench.refine(model, effort),
         }
@@ -325,7 +350,7 @@ impl<'a> Search<'a> {
         self.singles();
         for size in 1..MOST_EFFECTS {
             let best = self.best_supported();
-            if best.len() < size || self.observer.cancelled() {
+            if best.len() < size || self.part.cancelled() {
                 break;
             }
             let enough = sufficient(&self.visited[&best].model);

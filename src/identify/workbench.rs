@@ -157,6 +157,11 @@ impl<'a> Workbench<'a> {
         &self.base
     }
 
+    /// Order of the actuator.
+    pub fn order(&self) -> u8 {
+        self.base.coordinates.plant(&self.base.point).actuator.order()
+    }
+
     /// The measurement.
     pub fn measurement(&self) -> &'a Measurement {
         self.measurement

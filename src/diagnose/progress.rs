@@ -1,0 +1,101 @@
+//! How far a diagnosis has come, as its observer sees it.
+
+use std::sync::{Mutex, PoisonError};
+
+use crate::answers::{ConvergenceRow, Progress};
+use crate::observer::Observer;
+
+/// A part of a diagnosis that reports its own progress from 0 to 1.
+#[derive(Clone, Copy)]
+pub(super) struct Part<'a> {
+    /// Who watches the whole.
+    pub whole: &'a dyn Observer,
+    /// Shares of the whole at which it begins and ends.
+    pub span: [f64; 2],
+}
+
+impl<'a> Part<'a> {
+    /// A part of this part.
+    pub fn part(&self, span: [f64; 2]) -> Part<'a> {
+        let [begin, end] = self.span;
+        Part { whole: self.whole, span: span.map(|share| begin + share * (end - begin)) }
+    }
+
+    /// A stage of so many steps, none of them done.
+    pub fn stage(&self, name: &'static str, total: usize) -> Stage<'a> {
+        let stage = Stage { part: *self, name, total: total as u64, done: Mutex::new(0) };
+        stage.report(0);
+        stage
+    }
+}
+
+impl Observer for Part<'_> {
+    fn elapsed_s(&self) -> f64 {
+        self.whole.elapsed_s()
+    }
+
+    fn progress(&self, progress: Progress) {
+        let [begin, end] = self.span;
+        let fraction = begin + (end - begin) * progress.fraction;
+        self.whole.progress(Progress { fraction, ..progress });
+    }
+
+    fn row(&self, row: ConvergenceRow) {
+        self.whole.row(row);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.whole.cancelled()
+    }
+}
+
+/// Steps of one kind, done by several threads.
+pub(super) struct Stage<'a> {
+    part: Part<'a>,
+    name: &'static str,
+    total: u64,
+    done: Mutex<u64>,
+}
+
+impl Stage<'_> {
+    /// One more step is done.
+    pub fn step(&self) {
+        // Held while reporting, so that counts arrive in order.
+        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += 1;
+        self.report(*done);
+    }
+
+    fn report(&self, done: u64) {
+        let fraction = done as f64 / self.total.max(1) as f64;
+        self.part.progress(Progress { stage: self.name.into(), done, total: self.total, fraction });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Default)]
+    struct Log(Mutex<Vec<(u64, f64)>>);
+
+    impl Observer for Log {
+        fn progress(&self, progress: Progress) {
+            self.0.lock().unwrap().push((progress.done, progress.fraction));
+        }
+    }
+
+    #[test]
+    fn the_steps_of_a_part_are_shares_of_the_whole() {
+        let log = Log::default();
+        let whole = Part { whole: &log, span: [0.2, 0.6] };
+        let stage = whole.part([0.5, 1.0]).stage("candidates", 2);
+        stage.step();
+        stage.step();
+        let seen = log.0.lock().unwrap().clone();
+        for (seen, wanted) in seen.iter().zip([(0, 0.4), (1, 0.5), (2, 0.6)]) {
+            assert_eq!(seen.0, wanted.0);
+            assert!((seen.1 - wanted.1).abs() < 1e-12, "{seen:?}");
+        }
+    }
+}

@@ -39,3 +39,33 @@ impl Null {
         start + mean * (TAIL / p_value).ln().max(0.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{ChiSquared, Distribution};
+    use statrs::distribution::ContinuousCDF;
+
+    use super::*;
+
+    #[test]
+    fn a_limit_is_where_the_p_value_is_reached() {
+        let null = Null::new((0..600).map(f64::from).collect());
+        for p_value in [0.04, 1e-2, 1e-5] {
+            assert!((null.p_value(null.limit(p_value)) / p_value - 1.0).abs() < 1e-9);
+        }
+        assert!((null.p_value(300.0) - 0.5).abs() < 0.01);
+    }
+
+    // Of 600 draws 30 lie in the tail: its scale is known to 18 %, so that a limit at
+    // 1e-4, 6.2 scales beyond its start, errs by 1.1 of 18.4 from draw to draw.
+    #[test]
+    fn the_tail_of_a_chi_squared_law_is_extrapolated() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let law = ChiSquared::new(2.0).unwrap();
+        let null = Null::new((0..600).map(|_| law.sample(&mut rng)).collect());
+        let exact = statrs::distribution::ChiSquared::new(2.0).unwrap().inverse_cdf(1.0 - 1e-4);
+        assert!((null.limit(1e-4) - exact).abs() < 0.2 * exact, "{}", null.limit(1e-4));
+    }
+}

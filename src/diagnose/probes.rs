@@ -13,7 +13,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::effects::{Coordinate, Effect, Range};
+use crate::effects::{ALL, Coordinate, Effect, Range};
 use crate::identify::{Model, Workbench};
 
 use super::anchor::Anchor;
@@ -90,12 +90,14 @@ impl Changes {
             this.pitches = scan::pitches(workbench, anchor, effect, &this.ranges);
             return this;
         }
+        let Some(aim) = Aim::of(workbench, anchor, effect) else { return this };
+        let before = &anchor.prediction + &aim.balancing;
         let mut extended = workbench.extend(&anchor.model, effect);
         let own = extended.parameters_of(extended.effects().len() - 1);
         for values in grid(effect, &this.ranges) {
             own.clone().zip(&values).for_each(|(i, value)| extended.set(i, *value));
             if let Some(prediction) = workbench.predict(&extended) {
-                this.places.push(Place { values, change: prediction - &anchor.prediction });
+                this.places.push(Place { values, change: prediction - &before });
             }
         }
         this
@@ -103,12 +105,15 @@ impl Changes {
 
     /// Tries the effect at an anchor.
     pub fn probe(&self, workbench: &Workbench<'_>, anchor: &Anchor) -> Probed {
+        let nothing =
+            || Probed { effect: self.effect, probes: Vec::new(), spans: Vec::new(), energy: 0.0 };
+        let Some(aim) = Aim::of(workbench, anchor, self.effect) else { return nothing() };
         let (places, spans);
         if self.effect.oscillates() {
-            let found = scan::peaks(workbench, anchor, self.effect, &self.ranges, &self.pitches);
-            (places, spans) = found;
+            (places, spans) = scan::peaks(anchor, &aim.left, &self.ranges, &self.pitches);
         } else {
-            places = self.places.iter().filter_map(|place| self.scaled(place, anchor)).collect();
+            let scaled = |place| self.scaled(place, anchor, &aim.left);
+            places = self.places.iter().filter_map(scaled).collect();
             let directions: Vec<DVector<f64>> = self
                 .places
                 .iter()
@@ -124,20 +129,20 @@ impl Changes {
                 let mut start = workbench.extend(&anchor.model, self.effect);
                 let own = start.parameters_of(start.effects().len() - 1);
                 own.zip(&values).for_each(|(i, value)| start.set(i, *value));
-                let left = &anchor.residuals - change;
+                let left = &anchor.residuals - change - &aim.balancing;
                 start.shift(anchor.steps(&left).into_iter(), LONGEST_SHIFT);
-                Probe { start, gain }
+                Probe { start, gain: gain - aim.price }
             })
             .collect();
         probes.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        let energy = spans.iter().map(|span| span.energy(&anchor.residuals)).fold(0.0, f64::max);
-        Probed { effect: self.effect, probes, spans, energy }
+        let energy = spans.iter().map(|span| span.energy(&aim.left)).fold(0.0, f64::max);
+        Probed { effect: self.effect, probes, spans, energy: energy - aim.price }
     }
 
-    /// A place, made as large as fits the residuals best.
-    fn scaled(&self, place: &Place, anchor: &Anchor) -> Option<Tried> {
+    /// A place, made as large as fits what is left best.
+    fn scaled(&self, place: &Place, anchor: &Anchor, left: &DVector<f64>) -> Option<Tried> {
         let direction = anchor.fitted.complement(&place.change);
-        let (size, slope) = (direction.norm_squared(), direction.dot(&anchor.residuals));
+        let (size, slope) = (direction.norm_squared(), direction.dot(left));
         if !(size > 0.0 && size.is_finite()) {
             return None;
         }
@@ -146,6 +151,36 @@ impl Changes {
         self.effect.resize(&mut values, &self.ranges, scale.max(LEAST_SCALE));
         let gain = scale * (2.0 * slope - scale * size);
         Some(Tried { values, change: &place.change * scale, gain })
+    }
+}
+
+/// What an effect would have to explain at an anchor.
+struct Aim {
+    /// What an effect changes however small it is: with one that settles, the mean of the
+    /// velocity becomes zero.
+    balancing: DVector<f64>,
+    /// Residuals once that is so, less what the anchor's parameters take up.
+    left: DVector<f64>,
+    /// By how much they are larger for it, in χ².
+    price: f64,
+}
+
+impl Aim {
+    fn of(workbench: &Workbench<'_>, anchor: &Anchor, effect: &dyn Effect) -> Option<Self> {
+        let before = anchor.fitted.complement(&anchor.residuals);
+        if !effect.settles() {
+            let balancing = DVector::zeros(before.len());
+            return Some(Self { balancing, left: before, price: 0.0 });
+        }
+        // A ripple of no size only balances.
+        let ripple = ALL.iter().find(|effect| effect.oscillates())?;
+        let mut balanced = workbench.extend(&anchor.model, *ripple);
+        let size = balanced.parameters_of(balanced.effects().len() - 1).start;
+        balanced.set(size, 0.0);
+        let balancing = workbench.predict(&balanced)? - &anchor.prediction;
+        let left = anchor.fitted.complement(&(&anchor.residuals - &balancing));
+        let price = left.norm_squared() - before.norm_squared();
+        Some(Self { balancing, left, price })
     }
 }
 

@@ -51,26 +51,19 @@ pub(super) fn pitches(
         .collect()
 }
 
-/// Where the effect promises most at an anchor, and the span of every pitch.
+/// Where the effect promises most at an anchor at which this is left, and the span of
+/// every pitch.
 pub(super) fn peaks(
-    workbench: &Workbench<'_>,
     anchor: &Anchor,
-    effect: &'static dyn Effect,
+    left: &DVector<f64>,
     ranges: &[Range],
     pitches: &[Pitch],
 ) -> (Vec<Tried>, Vec<Subspace>) {
-    // Its constant torque balances friction even where the ripple has no size.
-    let mut without = workbench.extend(&anchor.model, effect);
-    let size = without.parameters_of(without.effects().len() - 1).start;
-    without.set(size, ranges[0].absent.unwrap_or(0.0));
-    let Some(balanced) = workbench.predict(&without) else { return Default::default() };
-    let balancing = balanced - &anchor.prediction;
-    let left = anchor.fitted.complement(&(&anchor.residuals - &balancing));
     let spans: Vec<Subspace> = pitches
         .iter()
         .map(|pitch| Subspace::of(&anchor.fitted.complements(&pitch.changes)))
         .collect();
-    let gains: Vec<f64> = spans.iter().map(|span| span.energy(&left)).collect();
+    let gains: Vec<f64> = spans.iter().map(|span| span.energy(left)).collect();
     let gain = |i: usize| gains.get(i).copied().unwrap_or(0.0);
     let peak = |i: &usize| gain(*i) >= gain(i + 1) && (*i == 0 || gain(*i) >= gain(i - 1));
     let mut peaks: Vec<usize> = (0..pitches.len()).filter(peak).collect();
@@ -78,10 +71,10 @@ pub(super) fn peaks(
     let tried = |i: usize| {
         let Pitch { pitch, changes } = &pitches[i];
         let shown = anchor.fitted.complements(changes);
-        let sizes = shown.tr_mul(&shown).cholesky()?.solve(&shown.tr_mul(&left));
+        let sizes = shown.tr_mul(&shown).cholesky()?.solve(&shown.tr_mul(left));
         let size = sizes.norm().min(ranges[0].likely[1]);
         let values = vec![size, *pitch, sizes[1].atan2(sizes[0])];
-        let change: DVector<f64> = changes * sizes + &balancing;
+        let change: DVector<f64> = changes * sizes;
         Some(Tried { values, change, gain: gain(i) })
     };
     (peaks.into_iter().take(PLACES).filter_map(tried).collect(), spans)

@@ -262,10 +262,9 @@ impl<'a> Search<'a> {
 
     /// The first steps from an effect's probes, the best first.
     fn tried(&self, probed: &Probed, promising: bool) -> Vec<Model> {
-        let (starts, effort) = match (promising, probed.effect.parameters().len()) {
-            (false, _) => (1, Effort::Brief),
-            (true, 1) => (FOLLOWED, Effort::Glance),
-            (true, _) => (STARTS, Effort::Glance),
+        let (starts, effort) = match promising {
+            true => (STARTS, Effort::Glance),
+            false => (1, Effort::Brief),
         };
         let starts: Vec<&Probe> = probed.probes.iter().take(starts).collect();
         let tried = starts.par_iter().map(|probe| self.refine(&probe.start, effort)).collect();

@@ -1,4 +1,5 @@
 use super::*;
+use crate::effects::Range;
 use crate::plant::{Actuator, Friction};
 
 fn plant(actuator: Actuator, friction: Friction) -> Plant {
@@ -185,5 +186,61 @@ fn the_shorter_a_bristle_the_nearer_it_is_to_friction_that_holds() {
         let (soft, stiff) = (difference(1e3), difference(1e5));
         let swing = 0.5 * (10.0_f64 / 1e5).sqrt();
         assert!(stiff < 0.2 * soft && stiff < swing, "ω {omega}: {soft:e} {stiff:e}");
+    }
+}
+
+fn with_effect(id: &str, values: &[f64], omega: f64, magnitude: f64) -> Vec<Complex> {
+    let axis = plant(Actuator::Direct, Friction::coulomb(0.5, 0.4));
+    let effect = crate::effects::find(id).unwrap();
+    let active = ActiveEffect::new(effect, values.to_vec()).unwrap();
+    respond(&axis, &[active], &Excitation::cosine(omega, magnitude), 7).unwrap()
+}
+
+// Half as large a change, to the next order in an effect of a per cent or so of the response.
+#[test]
+fn an_effect_of_half_the_size_changes_the_response_by_half() {
+    let axis = plant(Actuator::Direct, Friction::coulomb(0.5, 0.4));
+    let cases: [(&str, &[f64]); 6] = [
+        ("flexible_mode", &[0.02, 0.8, 0.01]),
+        ("backlash", &[0.02, 0.8, 0.02, 0.002]),
+        ("presliding", &[1e4]),
+        ("transport_delay", &[1e-3]),
+        ("stribeck", &[1.04, 0.3]),
+        ("quadratic_drag", &[0.02]),
+    ];
+    for (id, values) in cases {
+        let effect = crate::effects::find(id).unwrap();
+        let absent = |i: usize| match (id, i) {
+            ("presliding", _) => Some(f64::INFINITY),
+            ("transport_delay" | "quadratic_drag", _) => Some(0.0),
+            ("stribeck", 0) => Some(1.0),
+            _ => None,
+        };
+        let ranges: Vec<Range> = (0..values.len())
+            .map(|i| Range { bounds: [0.0, 1.0], likely: [0.0, 1.0], absent: absent(i) })
+            .collect();
+        let mut halved = values.to_vec();
+        effect.resize(&mut halved, &ranges, 0.5);
+        // It slides through every reversal.
+        let base = respond(&axis, &[], &Excitation::cosine(20.0, 2.0), 7).unwrap();
+        let whole = largest_difference(&with_effect(id, values, 20.0, 2.0), &base);
+        let half = largest_difference(&with_effect(id, &halved, 20.0, 2.0), &base);
+        assert!(whole > 0.0 && (half / whole - 0.5).abs() < 0.1, "{id}: {half:e} of {whole:e}");
+    }
+}
+
+// What friction on bristles adds lasts √(2·Fc/(σ·v')) at a reversal, and where the axis rests
+// a time that falls as σ^(-2/3) at breakaway, while its travel falls as 1/σ: a hundred times
+// the stiffness leaves a tenth to a hundredth. At rest it swings hundreds of times.
+#[test]
+fn the_stiffer_the_bristles_the_nearer_comes_friction_without_them() {
+    for (omega, magnitude) in [(1.0, 1.1), (2.0, 2.0), (20.0, 2.0)] {
+        let axis = plant(Actuator::Direct, Friction::coulomb(0.5, 0.4));
+        let rigid = respond(&axis, &[], &Excitation::cosine(omega, magnitude), 7).unwrap();
+        let [soft, stiff] = [3e3, 3e5].map(|sigma| {
+            largest_difference(&with_effect("presliding", &[sigma], omega, magnitude), &rigid)
+        });
+        let ratio = soft / stiff;
+        assert!((9.0..110.0).contains(&ratio), "ω {omega} m {magnitude}: {soft:e} {stiff:e}");
     }
 }

@@ -278,7 +278,7 @@ pub(crate) fn explained() -> Diagnosis {
         next_experiment: Some(NextExperiment {
             magnitude: 1.25,
             omega_rad_s: 2.0,
-            reason: "static_friction and stribeck differ most there".into(),
+            reason: "at magnitude 1.250 and 0.3183 Hz their predictions differ most".into(),
         }),
         ..answer
     }

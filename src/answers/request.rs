@@ -9,7 +9,8 @@ use utoipa::ToSchema;
 pub enum JobKind {
     /// Fit the base model.
     Identify,
-    /// Fit the base model and say where it is wrong.
+    /// Fit the base model, say where it is wrong, name the effects it lacks and
+    /// fit the model that has them.
     Diagnose,
 }
 

@@ -9,12 +9,15 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use crate::answers::{ConvergenceRow, Discrepancy, Identification, IdentifyOptions, Progress};
+use crate::answers::{
+    Cause, ConvergenceRow, Discrepancy, Identification, IdentifyOptions, Progress,
+};
 use crate::identify::{IdentifyError, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::measurement::formats::Source;
 use crate::observer::Observer;
-use crate::report::figures::Subject;
+use crate::report::figures::{Extended, Subject};
+use crate::report::with_causes;
 use crate::service::{BuiltIn, JobRequest, Numerics, Submission};
 
 use super::{Failure, figures, interrupt};
@@ -56,6 +59,9 @@ pub(super) struct Args {
 pub(super) struct Drawn<'a> {
     pub(super) identification: &'a Identification,
     pub(super) discrepancy: Option<&'a Discrepancy>,
+    pub(super) causes: &'a [Cause],
+    /// The model with the causes.
+    pub(super) extended: Option<&'a Identification>,
 }
 
 /// Computes an answer from the files, prints it, and draws what `drawn` takes of it.
@@ -87,12 +93,16 @@ pub(super) fn answer<A: Serialize, E: Into<IdentifyError>>(
     let text = if args.json { json(&answer)? } else { report(&answer) };
     std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)?;
     if args.figures.are_wanted() {
-        let Drawn { identification, discrepancy } = drawn(&answer);
-        let comparison = BuiltIn.compare(&measurement, identification).map_err(Failure::other)?;
+        let Drawn { identification, discrepancy, causes, extended } = drawn(&answer);
+        let compare = |answer| BuiltIn.compare(&measurement, answer).map_err(Failure::other);
+        let comparison = compare(identification)?;
+        let extended = extended.map(compare).transpose()?;
+        let name = with_causes(causes);
         args.figures.write(&Subject {
             identification: Some(identification),
             comparison: Some(&comparison),
             discrepancy,
+            extended: extended.as_ref().map(|comparison| Extended { name: &name, comparison }),
             convergence: &watch.rows(),
         })?;
     }

@@ -17,7 +17,7 @@ pub(super) struct Args {
     validate: Option<PathBuf>,
 }
 
-/// Says where the base model departs from a measurement.
+/// Says where the base model departs from a measurement, and names what it lacks.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(file) = &args.validate {
         return Err(Failure::Input(format!(
@@ -34,6 +34,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         |answer| computation::Drawn {
             identification: &answer.base,
             discrepancy: Some(&answer.discrepancy),
+            causes: &answer.causes,
+            extended: answer.extended.as_ref(),
         },
     )
 }

@@ -12,6 +12,11 @@ pub(super) fn run(args: &computation::Args) -> Result<(), Failure> {
         "identify",
         |measurement, request, observer| BuiltIn.identify(measurement, request, observer),
         report::identification,
-        |answer| computation::Drawn { identification: answer, discrepancy: None },
+        |answer| computation::Drawn {
+            identification: answer,
+            discrepancy: None,
+            causes: &[],
+            extended: None,
+        },
     )
 }

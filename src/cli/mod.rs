@@ -35,7 +35,7 @@ struct Cli {
 enum Command {
     /// Hides effects in drawn machines, diagnoses them and scores what is named.
     Benchmark(benchmark::Args),
-    /// Says where the base model departs from a measurement.
+    /// Says where the base model departs from a measurement, and names what it lacks.
     Diagnose(diagnose::Args),
     /// Fits the base model to a measurement.
     Identify(computation::Args),

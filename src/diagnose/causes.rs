@@ -49,7 +49,7 @@ pub(super) fn named(
                 effect: id.to_owned(),
                 parameters,
                 confidence: confidence.min(most),
-                explanation: format!("{}. It shows as {}", effect.meaning(), effect.signature()),
+                explanation: format!("{}. How it shows: {}", effect.meaning(), effect.signature()),
                 gain: None,
                 equivalents: rivals(search, chosen, id).into_iter().map(|r| r.0.into()).collect(),
             };

@@ -2,15 +2,19 @@
 
 use crate::answers::{Diagnosis, Discrepancy, NoiseSource, Pattern, ResidualGroup, Verdict};
 
+use super::causes::{self, tried, with_causes};
 use super::columns::{Side, align_points, table};
 use super::number::{digits, significant};
-use super::text::{identification, section};
+use super::text::{identification, parameters, section};
 
-/// Writes a diagnosis the way it is read: what it comes to, where the simulation
-/// is wrong, how that was judged, and the base model it is about.
+/// Writes a diagnosis the way it is read: what it comes to and why, where the
+/// simulation is wrong, how both were judged, and the model: with the causes,
+/// where there are any, and of the base model its parameters alone, as all else
+/// is the same.
 pub fn diagnosis(answer: &Diagnosis) -> String {
-    let Diagnosis { discrepancy, base, .. } = answer;
+    let Diagnosis { discrepancy, base, extended, .. } = answer;
     let mut sections = vec![section(verdict(answer.verdict), vec![discrepancy.sentence.clone()])];
+    sections.extend(causes::sections(answer));
     if !answer.limitations.is_empty() {
         let lines = answer.limitations.iter().map(|text| format!("- {text}"));
         sections.push(section("Mind", lines.collect()));
@@ -20,7 +24,18 @@ pub fn diagnosis(answer: &Diagnosis) -> String {
     }
     sections.push(section("What is left", left(discrepancy, base.noise)));
     sections.push(section("Is it noise?", tests(discrepancy)));
-    sections.push(format!("The base model\n\n{}", identification(base)));
+    if !answer.candidates.is_empty() {
+        sections.push(section("What was tried", tried(&answer.candidates)));
+    }
+    match extended {
+        None => sections.push(format!("The base model\n\n{}", identification(base))),
+        Some(extended) => {
+            let title = "Parameters of the base model, which takes the causes for its own";
+            sections.push(section(title, parameters(&base.parameters)));
+            let title = format!("The model {}", with_causes(&answer.causes));
+            sections.push(format!("{title}\n\n{}", identification(extended)));
+        }
+    }
     sections.join("\n")
 }
 
@@ -106,6 +121,31 @@ mod tests {
         assert!(position(&answer.discrepancy.sentence) < position("Where it is wrong"));
         assert!(position("Where it is wrong") < position("What is left"));
         assert!(position("Is it noise?") < position("Parameters"));
+    }
+
+    #[test]
+    fn an_explained_diagnosis_goes_from_the_cause_to_the_model_with_it() {
+        let answer = sample::explained();
+        let text = diagnosis(&answer);
+        assert!(text.starts_with("EXPLAINED: with the named causes"), "{text}");
+        let order = [
+            &answer.discrepancy.sentence,
+            "\nCause\n",
+            "\nWhat to measure next\n",
+            "\nWhat the model explains\n",
+            "\nWhere it is wrong\n",
+            "\nWhat is left\n",
+            "\nIs it noise?\n",
+            "\nWhat was tried\n",
+            "\nParameters of the base model",
+            "\nThe model with static_friction\n\nADEQUATE",
+            "\n  static_friction.fs_plus ",
+            "\nservoscope 0.1.0",
+        ];
+        let position = |part: &str| text.find(part).unwrap_or_else(|| panic!("{part}: {text}"));
+        let positions = order.map(position);
+        assert!(positions.is_sorted(), "{positions:?}: {text}");
+        assert_eq!(text.matches("Stages").count(), 1, "{text}");
     }
 
     #[test]

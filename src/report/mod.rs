@@ -1,5 +1,6 @@
 //! Answers as a person reads them. Knows results, never solvers.
 
+mod causes;
 mod columns;
 mod diagnosis;
 pub mod figures;
@@ -8,5 +9,6 @@ mod number;
 pub(crate) mod sample;
 mod text;
 
+pub use causes::with_causes;
 pub use diagnosis::diagnosis;
 pub use text::identification;

@@ -3,37 +3,21 @@
 use indexmap::IndexMap;
 
 use crate::answers::{
-    ComparedExperiment, ComparedHarmonic, Comparison, Correlations, Diagnosis, Discrepancy, Fit,
-    Identification, IdentifyOptions, Method, NoiseSource, OrderCandidate, OrderChoice,
-    ParameterEstimate, Pattern, Provenance, ResidualGroup, ResidualTest, Stage, TransferFunction,
-    Verdict,
+    Candidate, Cause, ComparedExperiment, ComparedHarmonic, Comparison, Correlations, Diagnosis,
+    Discrepancy, Fit, Identification, IdentifyOptions, Method, NextExperiment, NoiseSource,
+    OrderCandidate, OrderChoice, ParameterEstimate, Pattern, Provenance, ResidualGroup,
+    ResidualTest, Stage, TransferFunction, Verdict,
 };
 
 /// G1 of the paper as an adequate answer, with a lower friction level that the
 /// data does not determine.
 pub(crate) fn identification() -> Identification {
-    let sure = |value: f64, std: f64, unit: &str| ParameterEstimate {
-        value: Some(value),
-        std: Some(std),
-        interval95: Some([value - 1.96 * std, value + 1.96 * std]),
-        unit: unit.to_owned(),
-        at_bound: false,
-        identifiable: true,
-    };
-    let unknown = ParameterEstimate {
-        value: None,
-        std: None,
-        interval95: None,
-        unit: "A".to_owned(),
-        at_bound: false,
-        identifiable: false,
-    };
     let parameters = IndexMap::from([
         ("pole".to_owned(), sure(-10.02, 0.031, "rad/s")),
         ("constant".to_owned(), sure(10.01, 0.028, "rad/s²/A")),
         ("dc_gain".to_owned(), sure(0.999, 0.0012, "rad/s/A")),
         ("fc_plus".to_owned(), ParameterEstimate { at_bound: true, ..sure(0.5004, 0.0021, "A") }),
-        ("fc_minus".to_owned(), unknown),
+        ("fc_minus".to_owned(), unknown("A")),
     ]);
     Identification {
         method: Method::AbcAnn,
@@ -84,7 +68,29 @@ pub(crate) fn identification() -> Identification {
     }
 }
 
-fn stage(name: &str, evaluations: u64, seconds: f64, cost: f64) -> Stage {
+fn sure(value: f64, std: f64, unit: &str) -> ParameterEstimate {
+    ParameterEstimate {
+        value: Some(value),
+        std: Some(std),
+        interval95: Some([value - 1.96 * std, value + 1.96 * std]),
+        unit: unit.to_owned(),
+        at_bound: false,
+        identifiable: true,
+    }
+}
+
+fn unknown(unit: &str) -> ParameterEstimate {
+    ParameterEstimate {
+        value: None,
+        std: None,
+        interval95: None,
+        unit: unit.to_owned(),
+        at_bound: false,
+        identifiable: false,
+    }
+}
+
+pub(crate) fn stage(name: &str, evaluations: u64, seconds: f64, cost: f64) -> Stage {
     Stage {
         name: name.into(),
         evaluations,
@@ -227,5 +233,53 @@ pub(crate) fn diagnosis() -> Diagnosis {
         extended: None,
         next_experiment: None,
         limitations: Vec::new(),
+    }
+}
+
+/// The same where static friction explains it, of which one direction is not
+/// determined and which two others imitate.
+pub(crate) fn explained() -> Diagnosis {
+    let mut answer = diagnosis();
+    let mut extended = identification();
+    let fit = &mut answer.base.fit;
+    (fit.chi2, fit.dof, fit.chi2_per_dof) = (Some(2740.6), 842, Some(3.25));
+    (fit.nrmse, fit.adequate) = (0.0381, Some(false));
+    let levels = [("fs_plus", sure(0.80135, 0.00332, "A")), ("fs_minus", unknown("A"))];
+    let parameters = IndexMap::from(levels.map(|(name, level)| (name.to_owned(), level)));
+    let named = |(name, level): (&String, &ParameterEstimate)| {
+        (format!("static_friction.{name}"), level.clone())
+    };
+    extended.parameters.extend(parameters.iter().map(named));
+    let candidate = |effect: &str, delta_chi2: f64, rejected: Option<&str>| Candidate {
+        effect: effect.into(),
+        cost: 2740.6 - delta_chi2,
+        delta_chi2,
+        criterion: 2764.1 - delta_chi2,
+        heldout_error: None,
+        rejected: rejected.map(str::to_owned),
+    };
+    let chance = "it gains no more than chance makes any effect gain";
+    Diagnosis {
+        verdict: Verdict::Explained,
+        causes: vec![Cause {
+            effect: "static_friction".into(),
+            parameters,
+            confidence: 0.93,
+            explanation: "breakaway takes more torque than sliding".into(),
+            gain: None,
+            equivalents: vec!["stribeck".into(), "presliding".into()],
+        }],
+        candidates: vec![
+            candidate("static_friction", 2131.9, None),
+            candidate("stribeck", 2013.8, Some("static_friction explains the data better")),
+            candidate("cogging", -47122.8, Some(chance)),
+        ],
+        extended: Some(extended),
+        next_experiment: Some(NextExperiment {
+            magnitude: 1.25,
+            omega_rad_s: 2.0,
+            reason: "at magnitude 1.250 and 0.3183 Hz their predictions differ most".into(),
+        }),
+        ..answer
     }
 }

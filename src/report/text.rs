@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use indexmap::IndexMap;
+
 use crate::answers::{
     Fit, Identification, NoiseSource, OrderChoice, ParameterEstimate, Stage, TransferFunction,
 };
@@ -17,7 +19,7 @@ pub fn identification(answer: &Identification) -> String {
         let lines = answer.limitations.iter().map(|text| format!("- {text}"));
         sections.push(section("Mind", lines.collect()));
     }
-    sections.push(section("Parameters", parameters(answer)));
+    sections.push(section("Parameters", parameters(&answer.parameters)));
     sections.push(section("Transfer function", transfer_function(answer)));
     if let Some(choice) = &answer.order_choice {
         sections.push(section("Actuator order", order(choice, answer)));
@@ -71,17 +73,13 @@ fn fit(answer: &Identification) -> Vec<String> {
     table([Side::Left, Side::Left], &rows)
 }
 
-fn parameters(answer: &Identification) -> Vec<String> {
-    let mut rows: Vec<[String; 7]> = answer
-        .parameters
+/// A table of parameters.
+pub(super) fn parameters(parameters: &IndexMap<String, ParameterEstimate>) -> Vec<String> {
+    let mut rows: Vec<[String; 7]> = parameters
         .iter()
         .map(|(name, estimate)| {
             let ParameterEstimate { value, std, interval95, unit, .. } = estimate;
-            let rounding = value.zip(*std).and_then(|(value, std)| Rounding::of(value, std));
-            let write = |number: f64| match rounding {
-                Some(rounding) => rounding.write(number),
-                None => significant(number, 6),
-            };
+            let write = |number: f64| in_digits(estimate, number);
             let [low, high] = interval95.map_or_else(Default::default, |ends| ends.map(write));
             [
                 name.clone(),
@@ -102,7 +100,17 @@ fn parameters(answer: &Identification) -> Vec<String> {
     table([left, right, right, right, right, left, left], &rows)
 }
 
-fn flags(estimate: &ParameterEstimate) -> &'static str {
+/// A number with the digits that the estimate's deviation leaves it.
+pub(super) fn in_digits(estimate: &ParameterEstimate, number: f64) -> String {
+    let known = estimate.value.zip(estimate.std);
+    match known.and_then(|(value, std)| Rounding::of(value, std)) {
+        Some(rounding) => rounding.write(number),
+        None => significant(number, 6),
+    }
+}
+
+/// What to mind of an estimate.
+pub(super) fn flags(estimate: &ParameterEstimate) -> &'static str {
     match (estimate.identifiable, estimate.at_bound) {
         (true, false) => "",
         (true, true) => "at the bound of what is possible",
@@ -148,8 +156,9 @@ fn stages(answer: &Identification) -> Vec<String> {
     // Where several orders were tried, a stage says in its name which it is of.
     let chosen = answer.order_choice.as_ref().map(|choice| choice.actuator_order);
     let suffix = chosen.map(|order| format!(" (order {order})")).unwrap_or_default();
+    let of_none = |stage: &Stage| !stage.name.contains(" (order ");
     let (of_chosen, others): (Vec<&Stage>, Vec<&Stage>) =
-        answer.stages.iter().partition(|stage| stage.name.ends_with(&suffix));
+        answer.stages.iter().partition(|stage| stage.name.ends_with(&suffix) || of_none(stage));
     let mut rows =
         vec![["", cost_name(&answer.fit), "evaluations", "seconds", "ended"].map(str::to_owned)];
     rows.extend(of_chosen.into_iter().map(|stage| {
@@ -270,6 +279,9 @@ mod tests {
         assert_eq!(words(&text, "refinement")[1..4], ["812.3", "37", "0.81"]);
         assert!(!text.contains("colony"), "{text}");
         assert!(text.contains("the other orders: 1057 evaluations, 1.90 s"), "{text}");
+        answer.stages.push(sample::stage("extension", 17, 0.1, 608.7));
+        let text = identification(&answer);
+        assert_eq!(words(&text, "extension")[1..4], ["608.7", "17", "0.10"]);
         answer.order_choice = None;
         let text = identification(&answer);
         assert!(text.contains("colony (order 1)") && !text.contains("the other orders"), "{text}");

@@ -37,7 +37,8 @@ pub trait Numerics: Send + Sync + 'static {
         answer: &Identification,
     ) -> Result<Comparison, IdentifyError>;
 
-    /// Fits the base model and says where it is wrong.
+    /// Fits the base model, says where it is wrong, names the effects it lacks and
+    /// extends it with them.
     ///
     /// # Errors
     /// See [`DiagnoseError`].

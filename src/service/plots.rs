@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 
-use crate::answers::{Comparison, ConvergenceRow, Discrepancy, Identification};
-use crate::report::figures::{self, Subject, Theme};
+use crate::answers::{Cause, Comparison, ConvergenceRow, Discrepancy, Identification};
+use crate::report::figures::{self, Extended, Subject, Theme};
+use crate::report::with_causes;
 use crate::store::{FileRow, JobRow};
 
 use super::measurements::sources;
@@ -26,6 +27,16 @@ pub struct Plot {
 struct Answered {
     base: Identification,
     discrepancy: Option<Discrepancy>,
+    #[serde(default)]
+    causes: Vec<Cause>,
+    extended: Option<Identification>,
+}
+
+/// A measurement beside what the models of a result make of it.
+struct Compared {
+    base: Result<Comparison, String>,
+    /// `None` where there is no such model, or no comparison with it.
+    extended: Option<Comparison>,
 }
 
 impl Service {
@@ -57,8 +68,8 @@ impl Service {
         let numerics = Arc::clone(&self.numerics);
         let (id, name) = (id.to_owned(), name.to_owned());
         let drawing = tokio::task::spawn_blocking(move || {
-            let compared = compare(numerics.as_ref(), &files, &answered.base);
-            drawn(&answered, compared, &convergence, &name, theme)
+            let compared = compare(numerics.as_ref(), &files, &answered);
+            drawn(&answered, &compared, &convergence, &name, theme)
                 .map_err(|(reason, available)| no_plot(&id, &name, &reason, available))
         });
         match drawing.await {
@@ -68,39 +79,52 @@ impl Service {
     }
 }
 
+impl Answered {
+    /// Nothing but a base model.
+    fn of(base: Identification) -> Self {
+        Self { base, discrepancy: None, causes: Vec::new(), extended: None }
+    }
+}
+
 fn answered(row: &JobRow, result: &str) -> Result<Answered, ServiceError> {
     let answered = match row.kind.as_str() {
-        "identify" => serde_json::from_str(result).map(|base| Answered { base, discrepancy: None }),
+        "identify" => serde_json::from_str(result).map(Answered::of),
         _ => serde_json::from_str(result),
     };
     answered.map_err(|source| ServiceError::Corrupt { what: "result", source })
 }
 
-fn compare(
-    numerics: &dyn Numerics,
-    files: &[FileRow],
-    answer: &Identification,
-) -> Result<Comparison, String> {
-    let measurement = numerics.read(&sources(files)).map_err(|error| error.to_string())?;
-    numerics.compare(&measurement, answer).map_err(|error| error.to_string())
+fn compare(numerics: &dyn Numerics, files: &[FileRow], answered: &Answered) -> Compared {
+    let measurement = match numerics.read(&sources(files)) {
+        Ok(measurement) => measurement,
+        Err(error) => return Compared { base: Err(error.to_string()), extended: None },
+    };
+    let base = numerics.compare(&measurement, &answered.base).map_err(|error| error.to_string());
+    let extended = answered.extended.as_ref();
+    let extended = extended.and_then(|extended| numerics.compare(&measurement, extended).ok());
+    Compared { base, extended }
 }
 
 /// The figure, or why there is none and which there are.
 fn drawn(
     answered: &Answered,
-    compared: Result<Comparison, String>,
+    compared: &Compared,
     convergence: &[ConvergenceRow],
     name: &str,
     theme: Theme,
 ) -> Result<String, (String, Vec<&'static str>)> {
+    let name_of_extended = with_causes(&answered.causes);
+    let extended = compared.extended.as_ref();
     let subject = Subject {
         identification: Some(&answered.base),
-        comparison: compared.as_ref().ok(),
+        comparison: compared.base.as_ref().ok(),
         discrepancy: answered.discrepancy.as_ref(),
+        extended: extended.map(|comparison| Extended { name: &name_of_extended, comparison }),
         convergence,
     };
     figures::draw(name, &subject, theme).map_err(|nothing| {
-        let cause = compared.as_ref().err().map(|error| format!(" ({error})")).unwrap_or_default();
+        let error = compared.base.as_ref().err();
+        let cause = error.map(|error| format!(" ({error})")).unwrap_or_default();
         (format!("{nothing}{cause}"), figures::available(&subject))
     })
 }
@@ -123,16 +147,27 @@ mod tests {
             "discrepancy": sample::discrepancy(),
         });
         let answered: Answered = serde_json::from_value(result).unwrap();
-        let compared = Ok(sample::comparison());
-        let svg = drawn(&answered, compared, &[], "residuals", Theme::Auto).unwrap();
+        let compared = Compared { base: Ok(sample::comparison()), extended: None };
+        let svg = drawn(&answered, &compared, &[], "residuals", Theme::Auto).unwrap();
         assert!(svg.contains("It grows with the run."));
     }
 
     #[test]
+    fn a_model_with_its_cause_is_drawn_beside_the_base_model() {
+        let result = serde_json::to_value(sample::explained()).unwrap();
+        let answered: Answered = serde_json::from_value(result).unwrap();
+        let comparison = sample::comparison();
+        let compared = Compared { base: Ok(comparison.clone()), extended: Some(comparison) };
+        let svg = drawn(&answered, &compared, &[], "bode", Theme::Auto).unwrap();
+        assert!(svg.contains("simulated with static_friction") && svg.contains("base model"));
+    }
+
+    #[test]
     fn a_figure_that_lacks_its_data_says_why_and_which_there_are() {
-        let answered = Answered { base: sample::identification(), discrepancy: None };
-        let compared = Err("the files are gone".to_owned());
-        let (reason, available) = drawn(&answered, compared, &[], "bode", Theme::Auto).unwrap_err();
+        let answered = Answered::of(sample::identification());
+        let compared = Compared { base: Err("the files are gone".into()), extended: None };
+        let (reason, available) =
+            drawn(&answered, &compared, &[], "bode", Theme::Auto).unwrap_err();
         assert!(reason.contains("the files are gone"), "{reason}");
         assert_eq!(available, ["friction"]);
     }

@@ -118,7 +118,7 @@ fn identify_prints_a_report_for_a_person() {
 }
 
 #[test]
-fn diagnose_says_where_the_base_model_is_wrong() {
+fn diagnose_says_where_the_base_model_is_wrong_and_names_the_cause() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("sticky.csv").to_str().unwrap().to_owned();
     let stiction = ["--fs-plus", "0.8", "--fs-minus", "0.6", "--noise-db", "60"];
@@ -127,8 +127,9 @@ fn diagnose_says_where_the_base_model_is_wrong() {
     let output = servoscope(&["diagnose", &file, "--actuator-order", "0"]);
     assert_eq!(code(&output), Some(0), "{}", error(&output));
     let report = String::from_utf8(output.stdout).unwrap();
-    assert!(report.starts_with("UNEXPLAINED"), "{report}");
-    for part in ["Where it is wrong", "What is left", "Is it noise?", "NOT ADEQUATE"] {
+    assert!(report.starts_with("EXPLAINED"), "{report}");
+    let parts = ["1. static_friction", "Where it is wrong", "What is left", "Is it noise?"];
+    for part in parts.into_iter().chain(["The model with static_friction\n\nADEQUATE"]) {
         assert!(report.contains(part), "{report}");
     }
     let (_directory, clean) = noisy();

@@ -1,5 +1,7 @@
 //! Frequency response at every magnitude, measured and simulated.
 
+use std::collections::HashMap;
+
 use super::canvas::{Anchor, Canvas, LABEL, Marker, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, DEGREES, Scale, padded, range};
@@ -8,7 +10,7 @@ use super::series::{
     largest_measured, left_out, magnitude_label, size,
 };
 use super::text::{self, number};
-use super::{NothingToDraw, Subject, comparison};
+use super::{Extended, NothingToDraw, Subject, comparison};
 use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
 
 const LEFT: f64 = 64.0;
@@ -42,7 +44,12 @@ struct Point {
     /// `None` where nothing moved.
     measured: Option<Ratio>,
     simulated: Option<Ratio>,
+    /// Of the model with the causes.
+    extended: Option<Ratio>,
 }
+
+/// What one of the models makes of a point.
+type Model = fn(&Point) -> Option<Ratio>;
 
 #[derive(Debug)]
 struct Curve {
@@ -52,7 +59,8 @@ struct Curve {
 
 pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let comparison = comparison(subject)?;
-    let mut curves = curves(comparison);
+    let extended = subject.extended;
+    let mut curves = curves(comparison, extended.map(|extended| extended.comparison));
     curves.iter_mut().for_each(unwrap);
     let points: usize = curves.iter().map(|curve| curve.points.len()).sum();
     if points == 0 {
@@ -60,12 +68,17 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     }
     let quantity = &comparison.response_quantity;
     let title = format!("Frequency response from input to {quantity}");
-    let mut canvas = Canvas::new("bode", &title, &says(&curves), curves.len());
+    let mut canvas = Canvas::new("bode", &title, &says(&curves, extended), curves.len());
     let rests = curves.iter().flat_map(|curve| &curve.points).any(|p| p.measured.is_none());
-    let mut keys = vec![
-        Key::new(Look::Marker(Marker::Circle), "key", "measured"),
-        Key::new(Look::Line("line"), "key", "simulated"),
-    ];
+    let mut keys = vec![Key::new(Look::Marker(Marker::Circle), "key", "measured")];
+    match extended {
+        None => keys.push(Key::new(Look::Line("line"), "key", "simulated")),
+        Some(Extended { name, .. }) => {
+            let name = text::shorten(&format!("simulated {name}"), 11.5, 420.0);
+            keys.push(Key::new(Look::Line("line"), "key", name));
+            keys.push(Key::new(Look::Line("thin"), "key", "base model"));
+        }
+    }
     if rests {
         keys.push(Key::new(Look::Beyond, "key", "measured, no motion above the noise"));
     }
@@ -85,13 +98,15 @@ fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], few: b
     let phases = |of: fn(&Point) -> Option<Ratio>| every().filter_map(of).map(|r| r.phase_deg);
     let [lowest, _] = range(gains(|p| p.measured));
     let floor = if lowest.is_finite() { lowest - BELOW_MEASURED_DB } else { f64::NEG_INFINITY };
-    let simulated = gains(|p| p.simulated).filter(|gain| *gain > floor);
+    let simulated =
+        gains(|p| p.simulated).chain(gains(|p| p.extended)).filter(|gain| *gain > floor);
     // Where nothing moves there is nothing to take a range from.
     let or_usual = |[low, high]: [f64; 2], usual: [f64; 2]| {
         if low.is_finite() && high.is_finite() { [low, high] } else { usual }
     };
     let gain_range = padded(gains(|p| p.measured).chain(simulated), 0.06, 1.0);
-    let phase_range = padded(phases(|p| p.measured).chain(phases(|p| p.simulated)), 0.06, 5.0);
+    let simulated = phases(|p| p.simulated).chain(phases(|p| p.extended));
+    let phase_range = padded(phases(|p| p.measured).chain(simulated), 0.06, 5.0);
 
     let top = canvas.y + 22.0;
     let bottom = top + GAIN_HEIGHT;
@@ -121,18 +136,15 @@ fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], few: b
 }
 
 fn trace(canvas: &mut Canvas, panel: &Panel, curves: &[Curve], few: bool, value: fn(Ratio) -> f64) {
+    let is_extended = curves.iter().flat_map(|curve| &curve.points).any(|p| p.extended.is_some());
+    let models: &[(&str, Model)] = match is_extended {
+        false => &[("line", |point| point.simulated)],
+        true => &[("thin", |point| point.simulated), ("line", |point| point.extended)],
+    };
     for (index, curve) in curves.iter().enumerate() {
         canvas.open_clipped(&format!("s{index} simulated"), panel.sides());
-        let line = curve.points.iter();
-        canvas.polyline("line", line.map(|p| panel.at(p.frequency_hz, value(p.simulated?))));
-        // A point without neighbours is no line: a dash stands for it.
-        for (i, point) in curve.points.iter().enumerate() {
-            let beside = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
-            let joined = beside.filter_map(|n| curve.points.get(n)).any(|p| p.simulated.is_some());
-            let Some(ratio) = point.simulated.filter(|_| !joined) else { continue };
-            if let Some([x, y]) = panel.at(point.frequency_hz, value(ratio)) {
-                canvas.line("line", [x - 8.0, y], [x + 8.0, y]);
-            }
+        for (style, model) in models {
+            simulated(canvas, panel, curve, style, |point| model(point).map(value));
         }
         canvas.close();
     }
@@ -149,6 +161,27 @@ fn trace(canvas: &mut Canvas, panel: &Panel, curves: &[Curve], few: bool, value:
             canvas.marker(shape, place, radius, &hint);
         }
         canvas.close();
+    }
+}
+
+/// The line of a model, in a curve's colour.
+fn simulated(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    curve: &Curve,
+    style: &str,
+    value: impl Fn(&Point) -> Option<f64>,
+) {
+    let line = curve.points.iter();
+    canvas.polyline(style, line.map(|p| panel.at(p.frequency_hz, value(p)?)));
+    // A point without neighbours is no line: a dash stands for it.
+    for (i, point) in curve.points.iter().enumerate() {
+        let beside = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
+        let joined = beside.filter_map(|n| curve.points.get(n)).any(|p| value(p).is_some());
+        let Some(value) = value(point).filter(|_| !joined) else { continue };
+        if let Some([x, y]) = panel.at(point.frequency_hz, value) {
+            canvas.line(style, [x - 8.0, y], [x + 8.0, y]);
+        }
     }
 }
 
@@ -179,7 +212,13 @@ fn hint(curve: &Curve, point: &Point) -> String {
     };
     let (measured, simulated) = (ratio(point.measured), ratio(point.simulated));
     let frequency = number(point.frequency_hz, 4);
-    format!("{} at {frequency} Hz: measured {measured}; simulated {simulated}", curve.label)
+    let extended =
+        point.extended.map(|extended| format!("; with causes {}", ratio(Some(extended))));
+    let extended = extended.unwrap_or_default();
+    format!(
+        "{} at {frequency} Hz: measured {measured}; simulated {simulated}{extended}",
+        curve.label
+    )
 }
 
 /// Names each curve where it ends.
@@ -209,13 +248,18 @@ fn labels(canvas: &mut Canvas, panel: &Panel, curves: &[Curve], few: bool) {
     }
 }
 
-/// What the figure says, in one line.
-fn says(curves: &[Curve]) -> String {
+/// What the figure says, in one line: of the model that has the causes, where
+/// there is one.
+fn says(curves: &[Curve], extended: Option<Extended<'_>>) -> String {
+    let (model, named): (Model, String) = match extended {
+        None => (|point| point.simulated, String::new()),
+        Some(Extended { name, .. }) => (|point| point.extended, format!(" {name}")),
+    };
     let mut worst: Option<(f64, f64, String)> = None;
     let mut departures = Vec::new();
     for curve in curves {
         for point in &curve.points {
-            let Some((measured, simulated)) = point.measured.zip(point.simulated) else { continue };
+            let Some((measured, simulated)) = point.measured.zip(model(point)) else { continue };
             let gain = (measured.gain_db - simulated.gain_db).abs();
             let phase = (measured.phase_deg - simulated.phase_deg).abs();
             departures.push(gain);
@@ -232,7 +276,7 @@ fn says(curves: &[Curve]) -> String {
             let half = rounded(departures[departures.len() / 2]);
             let (gain, phase) = (rounded(gain), rounded(phase));
             format!(
-                "Half of the simulated gains are within {half} dB; the worst is {gain} dB and \
+                "Half of the gains simulated{named} are within {half} dB; the worst is {gain} dB and \
                  {phase}° off, at {place}."
             )
         }
@@ -244,14 +288,24 @@ fn rounded(departure: f64) -> String {
     number(departure.max(1e-3), 2)
 }
 
-fn curves(comparison: &Comparison) -> Vec<Curve> {
+fn curves(comparison: &Comparison, extended: Option<&Comparison>) -> Vec<Curve> {
     let largest = largest_measured(comparison);
+    let extended: HashMap<usize, &ComparedExperiment> = extended
+        .iter()
+        .flat_map(|extended| &extended.experiments)
+        .map(|experiment| (experiment.experiment, experiment))
+        .collect();
     let point = |experiment: &ComparedExperiment, harmonic: &ComparedHarmonic| {
         let seen = is_seen(comparison, harmonic, largest);
+        let same = |other: &&ComparedHarmonic| other.order == harmonic.order;
+        let other = extended.get(&experiment.experiment).map(|other| &other.harmonics);
         Point {
             frequency_hz: frequency_hz(experiment, harmonic.order),
             measured: ratio(harmonic.measured, harmonic.input).filter(|_| seen),
             simulated: ratio(harmonic.simulated, harmonic.input),
+            extended: other
+                .and_then(|harmonics| harmonics.iter().find(same))
+                .and_then(|other| ratio(other.simulated, harmonic.input)),
         }
     };
     let many = has_many_lines(comparison);
@@ -307,6 +361,7 @@ fn follow(curve: &mut Curve, predecessor: bool) {
         };
         let answers = point.simulated.is_some();
         point.simulated.iter_mut().for_each(|ratio| turn(ratio, true));
+        point.extended.iter_mut().for_each(|ratio| turn(ratio, false));
         point.measured.iter_mut().for_each(|ratio| turn(ratio, !answers));
     }
 }
@@ -325,11 +380,14 @@ mod tests {
             measured: ratio(phase + 7.0),
             // A point of rest in the middle does not lose the count of turns.
             simulated: ratio(*phase).filter(|_| i != 20),
+            extended: ratio(*phase),
         });
         let mut curve = Curve { label: String::new(), points: points.collect() };
         unwrap(&mut curve);
         for (point, phase) in curve.points.iter().zip(truth) {
-            let measured = point.measured.unwrap().phase_deg;
+            let [measured, extended] =
+                [point.measured, point.extended].map(|ratio| ratio.unwrap().phase_deg);
+            assert!((extended - phase).abs() < 1e-9, "{extended} {phase}");
             // Rounding of angles of a few hundred degrees.
             assert!((measured - phase - 7.0).abs() < 1e-9, "{measured} {phase}");
         }

@@ -37,8 +37,19 @@ pub struct Subject<'a> {
     pub comparison: Option<&'a Comparison>,
     /// Where the two depart.
     pub discrepancy: Option<&'a Discrepancy>,
+    /// The model with the causes of that.
+    pub extended: Option<Extended<'a>>,
     /// How the identification converged.
     pub convergence: &'a [ConvergenceRow],
+}
+
+/// A model that has what the identified one lacks.
+#[derive(Debug, Clone, Copy)]
+pub struct Extended<'a> {
+    /// What it is called: `with stribeck`.
+    pub name: &'a str,
+    /// The measurement beside what it makes of it.
+    pub comparison: &'a Comparison,
 }
 
 /// There is nothing to draw; says what is missing.

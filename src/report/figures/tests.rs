@@ -2,7 +2,7 @@
 
 use roxmltree::{Document, Node};
 
-use super::{Subject, Theme, available, draw, names, text};
+use super::{Extended, Subject, Theme, available, draw, names, text};
 use crate::answers::{
     ComparedExperiment, ComparedHarmonic, Comparison, ConvergenceRow, Discrepancy, Identification,
     Pattern, Unanswered,
@@ -18,6 +18,7 @@ struct Known {
     identification: Identification,
     comparison: Comparison,
     discrepancy: Option<Discrepancy>,
+    extended: Option<Comparison>,
     convergence: Vec<ConvergenceRow>,
 }
 
@@ -26,7 +27,8 @@ impl Known {
         let mut identification = sample::identification();
         let level = identification.parameters["fc_plus"].clone();
         identification.parameters.insert("fc_minus".into(), level);
-        Self { identification, comparison, discrepancy: None, convergence: history() }
+        let (discrepancy, extended) = (None, None);
+        Self { identification, comparison, discrepancy, extended, convergence: history() }
     }
 
     fn subject(&self) -> Subject<'_> {
@@ -34,6 +36,10 @@ impl Known {
             identification: Some(&self.identification),
             comparison: Some(&self.comparison),
             discrepancy: self.discrepancy.as_ref(),
+            extended: self.extended.as_ref().map(|comparison| Extended {
+                name: "with static_friction and actuator_saturation",
+                comparison,
+            }),
             convergence: &self.convergence,
         }
     }
@@ -67,6 +73,12 @@ fn history() -> Vec<ConvergenceRow> {
         );
     }
     rows
+}
+
+/// With a model that has the causes, beside which the base model is 5 % off.
+fn extended() -> Known {
+    let off = changed(|h| h.simulated = h.simulated.map(|x| 1.05 * x));
+    Known { extended: Some(sample::comparison()), ..off }
 }
 
 fn diagnosed() -> Known {
@@ -162,6 +174,7 @@ fn extremes() -> Vec<(&'static str, Known)> {
     }
     vec![
         ("a diagnosis", diagnosed()),
+        ("a diagnosis with causes", extended()),
         ("a record", record()),
         ("several records", several),
         ("48 experiments", stepped()),
@@ -174,6 +187,19 @@ fn extremes() -> Vec<(&'static str, Known)> {
         ("steep", steep),
         ("no noise", changed(|h| h.std = 0.0)),
     ]
+}
+
+#[test]
+fn the_model_with_its_causes_is_the_line_and_the_base_model_a_thin_one_beside_it() {
+    let lines = |svg: &str, class: &str| svg.matches(&format!("class=\"{class}\"")).count();
+    let [before, after] = [diagnosed(), extended()].map(|known| known.draw("bode"));
+    assert_eq!(lines(&before, "thin"), 0);
+    // At each of three magnitudes gain and phase, and in the legend.
+    assert_eq!(lines(&after, "thin"), 3 * 2 + 1);
+    assert_eq!(lines(&after, "line"), lines(&before, "line"));
+    let says = "Half of the gains simulated with static_friction and actuator_saturation";
+    assert!(after.contains(says), "{after}");
+    assert!(before.contains("Half of the gains simulated are within"), "{before}");
 }
 
 /// Calls `check` with every figure that can be drawn of every extreme.

@@ -1,0 +1,178 @@
+//! What the base model misses, as a diagnosis names it.
+
+use crate::answers::{Candidate, Cause, Diagnosis, Identification};
+
+use super::columns::{Side, align_points, table};
+use super::number::{digits, significant};
+use super::text::{flags, in_digits, section};
+
+/// Probability above which another digit says nothing.
+const ALL_BUT_CERTAIN: f64 = 0.999;
+
+/// Sections on the causes, what to measure next and what the causes explain;
+/// none where no cause is named.
+pub(super) fn sections(answer: &Diagnosis) -> Vec<String> {
+    let Diagnosis { causes, base, extended, next_experiment, .. } = answer;
+    let mut sections = Vec::new();
+    if !causes.is_empty() {
+        let title = if causes.len() == 1 { "Cause" } else { "Causes" };
+        let lines = causes.iter().enumerate().flat_map(|(i, cause)| named(i + 1, cause));
+        sections.push(section(title, lines.collect()));
+    }
+    if let Some(next) = next_experiment {
+        sections.push(section("What to measure next", vec![next.reason.clone()]));
+    }
+    if let Some(extended) = extended {
+        let title = "What the model explains";
+        sections.push(section(title, explained(base, extended, &with_causes(causes))));
+    }
+    sections
+}
+
+/// What the model with the causes is called: `with stribeck and backlash`.
+pub fn with_causes(causes: &[Cause]) -> String {
+    let names: Vec<&str> = causes.iter().map(|cause| cause.effect.as_str()).collect();
+    format!("with {}", names.join(" and "))
+}
+
+fn named(number: usize, cause: &Cause) -> Vec<String> {
+    let Cause { effect, parameters, confidence, explanation, equivalents, .. } = cause;
+    let mut lines = vec![format!("{number}. {effect}, confidence {}", per_cent(*confidence))];
+    let mut rows: Vec<[String; 4]> = parameters
+        .iter()
+        .map(|(name, estimate)| {
+            let write = |number: f64| in_digits(estimate, number);
+            let interval = match estimate.interval95 {
+                Some([low, high]) => format!("95 % from {} to {}", write(low), write(high)),
+                None => String::new(),
+            };
+            let value = estimate.value.map_or("unknown".to_owned(), write);
+            let note = [interval, flags(estimate).to_owned()];
+            let note = note.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>();
+            [name.clone(), value, estimate.unit.clone(), note.join(", ")]
+        })
+        .collect();
+    align_points(rows.iter_mut().map(|row| &mut row[1]));
+    let (left, right) = (Side::Left, Side::Right);
+    let below = std::iter::once(explanation.clone()).chain(table([left, right, left, left], &rows));
+    lines.extend(below.map(|line| format!("   {line}")));
+    if !equivalents.is_empty() {
+        let others = equivalents.join(" or ");
+        lines.push(format!("   cannot be told from {others} by this data"));
+    }
+    lines
+}
+
+/// A probability that is never rounded to certainty.
+fn per_cent(probability: f64) -> String {
+    if probability > ALL_BUT_CERTAIN {
+        return format!("above {} %", significant(100.0 * ALL_BUT_CERTAIN, 3));
+    }
+    let decimals = usize::from(probability > 0.99);
+    format!("{:.decimals$} %", 100.0 * probability)
+}
+
+/// The misfit of the base model above that with the causes.
+fn explained(base: &Identification, extended: &Identification, with: &str) -> Vec<String> {
+    let row = |name: &str, answer: &Identification| {
+        let fit = &answer.fit;
+        let number = |value: Option<f64>, count| value.map_or(String::new(), |v| digits(v, count));
+        [
+            name.to_owned(),
+            number(fit.chi2, 4),
+            fit.dof.to_string(),
+            number(fit.chi2_per_dof, 3),
+            format!("{} %", digits(100.0 * fit.nrmse, 3)),
+        ]
+    };
+    let title = ["", "χ²", "degrees of freedom", "each", "left of the response (NRMSE)"];
+    let mut rows = vec![title.map(str::to_owned), row("base model", base), row(with, extended)];
+    for column in [1, 3] {
+        align_points(rows.iter_mut().skip(1).map(|row| &mut row[column]));
+    }
+    let (left, right) = (Side::Left, Side::Right);
+    table([left, right, right, right, right], &rows)
+}
+
+/// Every effect that was tried. Where a fit was given up before it came to as
+/// little as the base model leaves, it has gained nothing.
+pub(super) fn tried(candidates: &[Candidate]) -> Vec<String> {
+    let mut rows = vec![["effect", "Δχ²", "criterion", ""].map(str::to_owned)];
+    rows.extend(candidates.iter().map(|candidate| {
+        let Candidate { effect, delta_chi2, criterion, rejected, .. } = candidate;
+        let [gained, criterion] = match *delta_chi2 > 0.0 {
+            true => [format!("{delta_chi2:.1}"), format!("{criterion:.1}")],
+            false => ["none".to_owned(), String::new()],
+        };
+        [effect.clone(), gained, criterion, rejected.clone().unwrap_or("named".to_owned())]
+    }));
+    align_points(rows.iter_mut().skip(1).map(|row| &mut row[1]));
+    let (left, right) = (Side::Left, Side::Right);
+    table([left, right, right, left], &rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::sample;
+
+    fn line<'a>(text: &'a str, begin: &str) -> &'a str {
+        let mut lines = text.lines().map(str::trim);
+        lines.find(|line| line.starts_with(begin)).unwrap_or_else(|| panic!("{begin}: {text}"))
+    }
+
+    #[test]
+    fn a_cause_has_confidence_meaning_parameters_and_what_it_cannot_be_told_from() {
+        let text = sections(&sample::explained()).concat();
+        assert_eq!(line(&text, "1."), "1. static_friction, confidence 93 %");
+        assert!(text.contains("   breakaway takes more torque than sliding"), "{text}");
+        let words = |begin: &str| line(&text, begin).split_whitespace().collect::<Vec<_>>();
+        assert_eq!(
+            words("fs_plus")[1..],
+            ["0.8014", "A", "95", "%", "from", "0.7948", "to", "0.8079"]
+        );
+        assert_eq!(words("fs_minus")[1..4], ["unknown", "A", "not"]);
+        assert_eq!(
+            line(&text, "cannot"),
+            "cannot be told from stribeck or presliding by this data"
+        );
+    }
+
+    #[test]
+    fn no_confidence_is_rounded_to_certainty() {
+        let written = [0.42, 0.93, 0.9943, 0.99996, 1.0].map(per_cent);
+        assert_eq!(written, ["42 %", "93 %", "99.4 %", "above 99.9 %", "above 99.9 %"]);
+    }
+
+    #[test]
+    fn the_next_experiment_is_given_by_its_reason_which_says_where() {
+        let answer = sample::explained();
+        let text = sections(&answer).concat();
+        let reason = answer.next_experiment.unwrap().reason;
+        assert!(text.contains(&format!("What to measure next\n  {reason}\n")), "{text}");
+    }
+
+    #[test]
+    fn the_misfit_of_both_models_stands_in_one_table() {
+        let text = sections(&sample::explained()).concat();
+        assert_eq!(
+            line(&text, "base model").split_whitespace().collect::<Vec<_>>(),
+            ["base", "model", "2741", "842", "3.25", "3.81", "%"]
+        );
+        assert!(line(&text, "with static_friction").contains("812.3"), "{text}");
+    }
+
+    #[test]
+    fn without_a_cause_there_is_nothing_to_say() {
+        assert_eq!(sections(&sample::diagnosis()), Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_candidate_says_what_it_gains_and_why_it_is_no_cause() {
+        let text = tried(&sample::explained().candidates).join("\n");
+        assert_eq!(line(&text, "static_friction"), "static_friction  2131.9      632.2  named");
+        assert!(line(&text, "stribeck").ends_with("static_friction explains the data better"));
+        let given_up = line(&text, "cogging").split_whitespace().collect::<Vec<_>>();
+        assert_eq!(given_up[..3], ["cogging", "none", "it"]);
+    }
+}

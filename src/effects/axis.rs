@@ -149,6 +149,12 @@ impl<S: Scalar> Axis<S> {
         }
     }
 
+    /// The same axis with this share of every torque that ripples over θ.
+    pub fn with_ripple(&self, share: f64) -> Self {
+        let torques = self.torques.iter().map(|law| law.with_ripple(share)).collect();
+        Self { torques, ..self.clone() }
+    }
+
     /// Adds a map in its place in the chain.
     pub fn add_input_map(&mut self, map: InputMap<S>) {
         self.input_maps.push(map);

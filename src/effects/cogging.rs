@@ -70,6 +70,10 @@ impl Form for Ripple {
         true
     }
 
+    fn ripples(&self) -> bool {
+        true
+    }
+
     fn extend(&self, [t, n, phase]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut Jet) {
         let [sin, cos, rates] = &mut jet.kept;
         rates[m] = m as f64 * n * jet.argument[m];

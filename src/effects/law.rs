@@ -50,6 +50,11 @@ pub trait Form: Debug + Sync {
     /// before.
     fn extend(&self, _parameters: &[f64; LAW_PARAMETERS], _m: usize, _jet: &mut Jet) {}
 
+    /// Whether it ripples over θ, in proportion to its first parameter.
+    fn ripples(&self) -> bool {
+        false
+    }
+
     /// Whether, with it, any two motions under the same input still approach
     /// each other, so that the periodic one is unique.
     fn contracts(&self) -> bool;
@@ -79,6 +84,15 @@ impl<S: Scalar> Law<S> {
     /// The same law with every parameter passed through `f`.
     pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T) -> Law<T> {
         Law::new(self.form, &self.parameters.map(f))
+    }
+
+    /// This share of it, if it ripples over θ.
+    pub(super) fn with_ripple(&self, share: f64) -> Self {
+        let mut parameters = self.parameters;
+        if self.form.ripples() {
+            parameters[0] = parameters[0] * share;
+        }
+        Self::new(self.form, &parameters)
     }
 
     /// A velocity below which it changes quickly, where there is one.

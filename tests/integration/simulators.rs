@@ -34,20 +34,24 @@ pub struct Both {
 }
 
 impl Case {
-    /// Harmonics 0 to 9, or to the highest line of the input, from both simulators.
-    pub fn simulate(&self, settings: &Settings) -> Both {
-        let highest = 9.max(self.input.len() - 1);
+    /// Harmonics from the exact one.
+    pub fn respond(&self, highest: usize) -> Result<Vec<Complex>, NoResponse> {
         let active = |effect: &Effect| {
             let values = effect.parameters().iter().map(|(_, value)| *value).collect();
             ActiveEffect::new(effects::find(effect.id()).unwrap(), values).unwrap()
         };
         let active: Vec<ActiveEffect> = self.effects.iter().map(active).collect();
         let excitation = Excitation::new(self.omega_rad_s, self.input.clone());
-        let excitation = excitation.at_run_share(self.run_share);
+        respond(&self.plant, &active, &excitation.at_run_share(self.run_share), highest)
+    }
+
+    /// Harmonics 0 to 9, or to the highest line of the input, from both simulators.
+    pub fn simulate(&self, settings: &Settings) -> Both {
+        let highest = 9.max(self.input.len() - 1);
         let machine = Machine { plant: self.plant, effects: &self.effects };
         let (share, omega) = (self.run_share, self.omega_rad_s);
         Both {
-            exact: respond(&self.plant, &active, &excitation, highest),
+            exact: self.respond(highest),
             stepped: simulator::respond(&machine, share, omega, &self.input, highest, settings),
         }
     }

@@ -192,6 +192,22 @@ impl<S: Scalar> Mechanics<S> {
         most - least <= forward - backward
     }
 
+    /// Whether no motion under a torque of this range lasts.
+    ///
+    /// With c between what the torque can exceed friction by forward (most − Fc⁺) and
+    /// backward (least + Fc⁻), (τ − f)·v ≤ c·v, and v²/2K less c·θ and with the energy of
+    /// what restores θ falls as −a·v²/K: v vanishes, be it that an axis creeps ever more
+    /// slowly to where it sticks.
+    pub fn comes_to_rest(&self, (least, most): (f64, f64)) -> bool {
+        let (still, unit) = (S::constant(0.0), S::constant(1.0));
+        let least_curve = self.curve.map_or(1.0, |curve| curve.at(still, still).value().min(1.0));
+        let [forward, backward] = self.coulomb.map(|level| level.value() * least_curve);
+        let restores = |law: &Law<S>| {
+            law.form().uses_position() && law.at(still, unit).value() > law.at(still, still).value()
+        };
+        self.bristle.is_none() && self.torques().any(restores) && most - least <= forward - backward
+    }
+
     /// A constant torque that balances what friction holds back on average.
     pub fn first_balance(&self) -> f64 {
         0.5 * (self.coulomb[0].value() + self.coulomb[1].value())

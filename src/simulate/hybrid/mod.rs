@@ -11,9 +11,11 @@
 
 mod affine;
 mod crossing;
+mod leash;
 mod mechanics;
 mod pace;
 mod pass;
+mod ripple;
 mod runge_kutta;
 mod series;
 mod step;
@@ -32,6 +34,7 @@ use super::orbit::Motion;
 use super::pair::Pair;
 use super::shooting;
 use super::wave::Wave;
+use leash::Leash;
 use mechanics::Mechanics;
 use pass::{Pass, Precision};
 use runge_kutta::Vector;
@@ -58,6 +61,9 @@ const TIGHT_CELLS: usize = 16;
 /// Newton's steps after which the motion counts as not periodic.
 const MOST_ITERATIONS: usize = 60;
 
+/// Newton's steps in a row that may fail to get nearer.
+const PATIENT: usize = 3;
+
 /// Periods followed without Newton's method, all together, likewise.
 const MOST_PERIODS: usize = 500;
 
@@ -76,6 +82,10 @@ const NEAR: f64 = 1e-2;
 
 /// Step behind which the rest is linear: its square is below what a pass errs.
 const CLOSED: f64 = 5e-4;
+
+/// Share of its size below which Newton's method leaves no velocity: rounding would set an
+/// axis in motion that friction holds.
+const STILL: f64 = 1e-9;
 
 /// Error of a period in errors of a step.
 const PASS_ERROR: f64 = 10.0;
@@ -181,7 +191,11 @@ impl<const M: usize> Periodic<M> {
         let (wave, _) = drive::torque(axis, excitation, LOOSE_CELLS);
         let mut mechanics = Mechanics::new(axis);
         let range = wave.range();
-        if axis.balanced && mechanics.rests_balanced(range) {
+        let rests = match axis.balanced {
+            true => mechanics.rests_balanced(range),
+            false => mechanics.comes_to_rest(range),
+        };
+        if rests {
             return Ok(None);
         }
         let sizes = mechanics.sizes(range.0.abs().max(range.1.abs()), wave.period_s);
@@ -240,12 +254,14 @@ impl<const M: usize> Periodic<M> {
     }
 
     /// Newton's method at loose precision until it hardly moves. Where it does not
-    /// get nearer, the motion itself is followed for some periods, and more each time.
+    /// get nearer, the motion itself is followed for some periods, and more each time; that
+    /// of a balanced axis, as its ripple grows.
     fn close(&mut self, axis: &Axis, wave: &Wave<f64>) -> Result<(), NoResponse> {
         let (lifted_axis, lifted) = (axis.map(Dual::<M>::constant), wave.map(Dual::<M>::constant));
         let failed = |periods: usize| NoResponse::NotPeriodic { periods };
-        let mut expected = f64::INFINITY;
-        let (mut leash, mut stalled, mut patience, mut periods) = (self.leash, 0, 4, 1);
+        let begin = self.state;
+        let mut leash = Leash::new(self.leash);
+        let (mut patience, mut periods) = (4, 1);
         for _ in 0..MOST_ITERATIONS {
             let followed = self.follow(&lifted_axis, &lifted, None, 0).ok_or(failed(periods))?;
             let step = shooting::newton_step(&followed.residuals, 0);
@@ -257,21 +273,16 @@ impl<const M: usize> Periodic<M> {
             if !longest.is_finite() {
                 return Err(failed(periods));
             }
-            // What the last step promised was kept: the next may go further.
-            if longest <= 1.1 * expected {
-                (leash, stalled) = (2.0 * leash, 0);
-            } else {
-                (leash, stalled) = (self.leash, stalled + 1);
-            }
-            if stalled < 3 {
-                let scale = (leash / longest).min(1.0);
-                // A whole step leaves little of itself; a tenth is modest.
-                expected = longest * (1.0 - scale).max(0.1);
-                self.advance(step.as_slice(), scale);
+            let share = leash.share(longest);
+            if leash.stalled < PATIENT {
+                self.advance(step.as_slice(), share);
                 continue;
             }
-            let mut mechanics = Mechanics::new(axis);
-            mechanics.balance = mechanics.position_integral.map_or(0.0, |i| self.state[i]);
+            if axis.balanced {
+                self.state = begin;
+                return self.grow_ripple(axis, wave);
+            }
+            let mechanics = Mechanics::new(axis);
             for _ in 0..patience {
                 self.state = self.plain(&mechanics, wave).ok_or(failed(periods))?.0;
             }
@@ -279,7 +290,7 @@ impl<const M: usize> Periodic<M> {
             if periods > MOST_PERIODS {
                 return Err(failed(periods));
             }
-            (stalled, patience, expected) = (0, 2 * patience, f64::INFINITY);
+            (leash, patience) = (Leash::new(self.leash), 2 * patience);
         }
         Err(failed(periods))
     }
@@ -300,6 +311,10 @@ impl<const M: usize> Periodic<M> {
     fn advance(&mut self, step: &[f64], scale: f64) {
         for (state, move_by) in self.state.iter_mut().zip(step) {
             *state += scale * move_by;
+        }
+        let v = &mut self.state[mechanics::VELOCITY];
+        if v.abs() < STILL * self.sizes[mechanics::VELOCITY] {
+            *v = 0.0;
         }
     }
 
@@ -359,6 +374,7 @@ impl<const M: usize> Periodic<M> {
     ) -> Result<Followed<S, M>, NoResponse> {
         let omega = std::f64::consts::TAU / wave.period_s;
         (self.precision.tolerance, self.precision.most_swings) = (TIGHT, TIGHT_SWINGS);
+        let mut leash = Leash::new(self.leash);
         for _ in 0..MOST_ITERATIONS {
             let sums = Fourier::new(grid, omega, highest);
             let Some(mut followed) = self.follow(axis, &wave, Some(sums), parameters) else {
@@ -374,7 +390,7 @@ impl<const M: usize> Periodic<M> {
             if !longest.is_finite() {
                 break;
             }
-            self.advance(step.as_slice(), (self.leash / longest).min(1.0));
+            self.advance(step.as_slice(), leash.share(longest));
         }
         Err(NoResponse::NotPeriodic { periods: MOST_ITERATIONS })
     }

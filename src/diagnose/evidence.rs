@@ -41,9 +41,11 @@ impl Yardstick {
         }
     }
 
-    /// Whether a cost is no larger than noise makes it: 4 standard deviations of χ².
+    /// Whether a cost is no larger than noise makes it, 4 standard deviations of χ²
+    /// allowed, or rounding where the noise is unknown.
     pub fn explains(&self, cost: f64) -> bool {
-        self.known && cost < self.dof + 4.0 * (2.0 * self.dof).sqrt() + self.rounding
+        let noise = self.dof + 4.0 * (2.0 * self.dof).sqrt();
+        cost <= self.rounding + if self.known { noise } else { 0.0 }
     }
 
     /// Variance of the noise in units of the weights, after a model of this cost.

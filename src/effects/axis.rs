@@ -155,6 +155,11 @@ impl<S: Scalar> Axis<S> {
         Self { torques, ..self.clone() }
     }
 
+    /// Radians by which the fastest ripple turns for one unit of θ; 0 without one.
+    pub fn ripple_rate(&self) -> f64 {
+        self.torques.iter().map(Law::ripple_rate).fold(0.0, f64::max)
+    }
+
     /// Adds a map in its place in the chain.
     pub fn add_input_map(&mut self, map: InputMap<S>) {
         self.input_maps.push(map);

@@ -50,7 +50,8 @@ pub trait Form: Debug + Sync {
     /// before.
     fn extend(&self, _parameters: &[f64; LAW_PARAMETERS], _m: usize, _jet: &mut Jet) {}
 
-    /// Whether it ripples over θ, in proportion to its first parameter.
+    /// Whether it ripples over θ, in proportion to its first parameter and as often as
+    /// its second says.
     fn ripples(&self) -> bool {
         false
     }
@@ -93,6 +94,11 @@ impl<S: Scalar> Law<S> {
             parameters[0] = parameters[0] * share;
         }
         Self::new(self.form, &parameters)
+    }
+
+    /// Radians by which it ripples for one unit of θ: its second parameter.
+    pub(super) fn ripple_rate(&self) -> f64 {
+        if self.form.ripples() { self.values[1].abs() } else { 0.0 }
     }
 
     /// A velocity below which it changes quickly, where there is one.

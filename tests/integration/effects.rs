@@ -190,6 +190,7 @@ fn points_where_newtons_method_takes_long_are_those_of_the_other_simulator() {
         ("hardening_spring", 1, 6, 31),
         ("cogging", 0, 2, 0),
         ("cogging", 0, 2, 16),
+        ("cogging", 0, 2, 33),
         ("cogging", 1, 2, 28),
         ("cogging", 2, 11, 13),
         ("cogging", 2, 14, 16),

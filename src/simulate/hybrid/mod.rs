@@ -83,6 +83,9 @@ const NEAR: f64 = 1e-2;
 /// Step behind which the rest is linear: its square is below what a pass errs.
 const CLOSED: f64 = 5e-4;
 
+/// The same of a step's turn of a ripple, radians.
+const CLOSED_TURN: f64 = 1.4e-3;
+
 /// Share of its size below which Newton's method leaves no velocity: rounding would set an
 /// axis in motion that friction holds.
 const STILL: f64 = 1e-9;
@@ -297,15 +300,18 @@ impl<const M: usize> Periodic<M> {
 
     /// A step's largest entry as a share of the states' sizes.
     fn longest(&self, step: &[f64]) -> f64 {
-        let shares = step.iter().zip(&self.sizes).map(|(s, size)| (s / size).abs());
-        shares.fold(0.0, |most: f64, share| if share.is_nan() { share } else { most.max(share) })
+        largest_share(step.iter().copied(), &self.sizes)
+    }
+
+    /// The largest residual as a share of the size of the state it is a change of.
+    fn left<S: Scalar>(&self, residuals: &Vector<S, M>) -> f64 {
+        largest_share(residuals.iter().map(|r| r.value()), &self.precision.sizes)
     }
 
     /// Whether a period changes the states no more than its own error does, as
     /// where they settle over many periods.
-    fn within_error<S: Scalar>(&self, residuals: &[S]) -> bool {
-        let change: Vec<f64> = residuals.iter().map(|r| r.value()).collect();
-        self.longest(&change) < PASS_ERROR * self.precision.tolerance
+    fn within_error<S: Scalar>(&self, residuals: &Vector<S, M>) -> bool {
+        self.left(residuals) < PASS_ERROR * self.precision.tolerance
     }
 
     fn advance(&mut self, step: &[f64], scale: f64) {
@@ -375,6 +381,8 @@ impl<const M: usize> Periodic<M> {
         let omega = std::f64::consts::TAU / wave.period_s;
         (self.precision.tolerance, self.precision.most_swings) = (TIGHT, TIGHT_SWINGS);
         let mut leash = Leash::new(self.leash);
+        let position = Mechanics::new(axis).position;
+        let turns = axis.ripple_rate() * position.map_or(0.0, |i| self.sizes[i]);
         for _ in 0..MOST_ITERATIONS {
             let sums = Fourier::new(grid, omega, highest);
             let Some(mut followed) = self.follow(axis, &wave, Some(sums), parameters) else {
@@ -383,7 +391,8 @@ impl<const M: usize> Periodic<M> {
             let step = shooting::newton_step(&followed.residuals, parameters);
             let longest = self.longest(step.as_slice());
             let rests = longest < self.leash && self.within_error(&followed.residuals);
-            if longest < CLOSED || rests {
+            let turn = longest * turns;
+            if (longest < CLOSED && turn < CLOSED_TURN) || (rests && !axis.balanced) {
                 shooting::correct(&mut followed.velocity, step.as_slice(), parameters);
                 return Ok(followed);
             }
@@ -394,4 +403,12 @@ impl<const M: usize> Periodic<M> {
         }
         Err(NoResponse::NotPeriodic { periods: MOST_ITERATIONS })
     }
+}
+
+/// The largest of some values, each as a share of its size; what is no number is larger
+/// than any.
+fn largest_share(values: impl Iterator<Item = f64>, sizes: &[f64]) -> f64 {
+    let shares = values.zip(sizes).map(|(value, size)| (value / size).abs());
+    shares
+        .fold(0.0, |most: f64, share| if share.is_nan() { f64::INFINITY } else { most.max(share) })
 }

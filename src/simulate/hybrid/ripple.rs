@@ -5,12 +5,11 @@
 //! on the ripple grows to its full size, and Newton's method, damped, takes the motion along.
 
 use crate::effects::Axis;
-use crate::plant::{Dual, Scalar};
+use crate::plant::{Dual, Scalar as _};
 
 use super::super::NoResponse;
 use super::super::shooting;
 use super::super::wave::Wave;
-use super::runge_kutta::Vector;
 use super::{NEAR, Periodic};
 
 /// Newton's steps at one share of the ripple.
@@ -90,11 +89,5 @@ impl<const M: usize> Periodic<M> {
             };
         }
         false
-    }
-
-    /// The largest residual as a share of the size of what it is a change of.
-    fn left<S: Scalar>(&self, residuals: &Vector<S, M>) -> f64 {
-        let shares = residuals.iter().zip(&self.precision.sizes);
-        shares.map(|(r, size)| (r.value() / size).abs()).fold(0.0, f64::max)
     }
 }

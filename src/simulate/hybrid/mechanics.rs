@@ -238,20 +238,12 @@ impl<S: Scalar> Mechanics<S> {
         torque: S,
         state: &Vector<S, M>,
     ) -> Motion {
-        let net = self.net(contact, torque, state).value();
-        let [forward, backward] = match self.bristle {
-            // A bristle holds nothing: it pulls one way or the other.
-            Some(sigma) => [(sigma * state[self.bristle_at]).value(); 2],
-            None => self.breakaway.map(S::value),
-        };
-        if net > forward {
-            Motion::Forward
-        } else if net < backward {
-            Motion::Backward
-        } else if self.bristle.is_some() {
-            Motion::Forward
-        } else {
-            Motion::Stuck
+        let Some(sigma) = self.bristle else { return self.motion_held(contact, torque, state) };
+        // A bristle holds nothing: it pulls one way or the other.
+        let bent = sigma * state[self.bristle_at];
+        match self.net(contact, torque, state).value() < bent.value() {
+            true => Motion::Backward,
+            false => Motion::Forward,
         }
     }
 

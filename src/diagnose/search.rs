@@ -127,7 +127,8 @@ impl<'a> Search<'a> {
         let family = self.family(&anchor, &probed);
         let scale = self.variance(&anchor);
         let stage = self.part.part(CANDIDATES).stage("candidates", probed.len());
-        let fits = self.fit(&probed, |probed| promises(probed, &family, scale), &stage);
+        let promising = |probed: &Probed| promises(probed, &family, scale);
+        let fits = self.fit(&anchor.model, &probed, promising, &stage);
         self.family = Some(family);
         fits.into_iter().for_each(|visited| self.keep(visited));
     }
@@ -152,7 +153,7 @@ impl<'a> Search<'a> {
         probed.truncate(FURTHER);
         let reached = self.reached + COMBINATIONS * (1.0 - self.reached);
         let stage = self.part.part([self.reached, reached]).stage("combinations", probed.len());
-        let fits = self.fit(&probed, promising, &stage);
+        let fits = self.fit(&anchor.model, &probed, promising, &stage);
         self.reached = reached;
         let any = !fits.is_empty();
         fits.into_iter().for_each(|visited| self.keep(visited));
@@ -213,11 +214,12 @@ impl<'a> Search<'a> {
         Family::new(anchor, &self.workbench.noise(), self.yardstick.known, probed, self.seed)
     }
 
-    /// Fits every effect from its probes. What promises something is followed from
-    /// several starts; once one explains the data, only what may be mistaken for it
-    /// or is as good so far is followed to the end.
+    /// Fits every effect beside those of `from`, from its probes. What promises
+    /// something is followed from several starts; once one explains the data, only what
+    /// may be mistaken for it or is as good so far is followed to the end.
     fn fit(
         &self,
+        from: &Model,
         probed: &[Probed],
         promising: impl Fn(&Probed) -> bool + Sync,
         stage: &Stage<'_>,
@@ -240,7 +242,8 @@ impl<'a> Search<'a> {
         fits.extend(open.into_iter().filter_map(|(_, models)| self.settled(models)));
         let leader = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
         let (near, far): (Vec<_>, Vec<_>) = rest.into_iter().partition(|(effect, models)| {
-            leader.as_ref().is_none_or(|leader| self.is_rival(leader, *effect, models[0].cost))
+            let gain = from.cost - models[0].cost;
+            leader.as_ref().is_none_or(|leader| self.is_rival(from, leader, *effect, gain))
         });
         let near = near.into_par_iter().filter_map(|(_, models)| self.settled(models));
         fits.extend(near.collect::<Vec<Model>>());
@@ -248,16 +251,21 @@ impl<'a> Search<'a> {
         fits.into_par_iter().map(|model| self.visit(model)).collect()
     }
 
-    /// Whether an effect whose fits have come to `cost` so far may yet be as good as
-    /// the leading model.
-    fn is_rival(&self, leader: &Model, effect: &'static dyn Effect, cost: f64) -> bool {
-        let before = self.workbench.base().cost;
+    /// Whether an effect that has gained this much on `from` so far may yet be as good
+    /// as the leading model.
+    fn is_rival(
+        &self,
+        from: &Model,
+        leader: &Model,
+        effect: &'static dyn Effect,
+        gain: f64,
+    ) -> bool {
         let mistaken = |own: &&'static dyn Effect| {
             own.imitators().contains(&effect.id()) || effect.imitators().contains(&own.id())
         };
         !self.yardstick.explains(leader.cost)
             || leader.effects().iter().any(mistaken)
-            || before - cost > 0.5 * (before - leader.cost)
+            || gain > 0.5 * (from.cost - leader.cost)
     }
 
     /// The first steps from an effect's probes, the best first.

@@ -105,9 +105,10 @@ impl Changes {
 
     /// Tries the effect at an anchor.
     pub fn probe(&self, workbench: &Workbench<'_>, anchor: &Anchor) -> Probed {
-        let nothing =
-            || Probed { effect: self.effect, probes: Vec::new(), spans: Vec::new(), energy: 0.0 };
-        let Some(aim) = Aim::of(workbench, anchor, self.effect) else { return nothing() };
+        let Some(aim) = Aim::of(workbench, anchor, self.effect) else {
+            let (probes, spans) = Default::default();
+            return Probed { effect: self.effect, probes, spans, energy: 0.0 };
+        };
         let (places, spans);
         if self.effect.oscillates() {
             (places, spans) = scan::peaks(anchor, &aim.left, &self.ranges, &self.pitches);

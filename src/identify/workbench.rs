@@ -231,8 +231,12 @@ impl<'a> Workbench<'a> {
         Model { coordinates, point, cost: f64::NAN, evaluations: 0 }
     }
 
-    /// Ŷ/σ of a model, row by row; `None` where it has no response.
+    /// Ŷ/σ of a model, row by row; `None` where it has no response, or once the observer
+    /// cancels.
     pub fn predict(&self, model: &Model) -> Option<DVector<f64>> {
+        if self.observer.cancelled() {
+            return None;
+        }
         // Residuals are (Ŷ − Y)/σ: the data is added again.
         let residuals = self.misfit(model).residuals(&model.point).ok()?;
         Some(residuals + self.data_in_sigmas())
@@ -254,7 +258,8 @@ impl<'a> Workbench<'a> {
     /// By how much each of these settings of an effect that is a torque would move
     /// Ŷ/σ, to first order and as if the model had no other effect; the mean of
     /// the velocity stays. `turns` is the angle of the torque per travel, in the
-    /// problem's scales. `None` where the base model has no response.
+    /// problem's scales. `None` where the base model has no response, or once the observer
+    /// cancels.
     pub fn torque_changes(
         &self,
         model: &Model,
@@ -262,6 +267,9 @@ impl<'a> Workbench<'a> {
         settings: &[Vec<f64>],
         turns: f64,
     ) -> Option<Vec<DVector<f64>>> {
+        if self.observer.cancelled() {
+            return None;
+        }
         let plant = model.coordinates.plant(&model.point);
         let laws: Vec<Axis> = settings
             .iter()

@@ -12,10 +12,6 @@ use super::search::{Key, Search};
 /// cannot be told from it.
 pub(super) const EQUIVALENT: f64 = 9.0;
 
-/// What one more order of the actuator costs in −2 ln of the evidence, as an effect
-/// of one parameter does.
-pub(super) const ORDER: f64 = 10.0;
-
 /// Equivalents that are listed, at most.
 const MOST_EQUIVALENTS: usize = 2;
 

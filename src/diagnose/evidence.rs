@@ -21,6 +21,9 @@ const RARITY: f64 = 6.0;
 /// to prefer the model that has it.
 const LEAST: f64 = 4.0;
 
+/// What one more order of the actuator costs: as an effect of one parameter.
+pub(super) const ORDER: f64 = RARITY + LEAST;
+
 /// How large a misfit is.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Yardstick {

@@ -106,15 +106,17 @@ pub fn diagnose(
     let fitting = whole.part([0.5, 0.5 + FITTING]);
     let lower = Workbench::new(measurement, &request, &fitting)?;
     let lower = Study::new(&lower, whole.part([0.5 + FITTING, 1.0]), seed)?;
-    let advantage = study.criterion() + causes::ORDER - lower.criterion();
-    let named = lower.chosen.join(" and ");
-    let (mut answer, other) = match advantage > causes::EQUIVALENT {
-        true => (lower.diagnosis()?, format!("an actuator of order {order}")),
-        false => (study.diagnosis()?, format!("an actuator of order {} with {named}", order - 1)),
-    };
-    if advantage.abs() <= causes::EQUIVALENT && !named.is_empty() {
+    let advantage = study.criterion() + evidence::ORDER - lower.criterion();
+    if advantage > causes::EQUIVALENT {
+        return lower.diagnosis();
+    }
+    let mut answer = study.diagnosis()?;
+    if advantage > -causes::EQUIVALENT && !lower.chosen.is_empty() {
         answer.limitations.push(format!(
-            "the actuator's order was chosen from the data: {other} would explain it about as well"
+            "the actuator's order was chosen from the data: one of order {} with {} would \
+             explain it about as well",
+            order - 1,
+            lower.chosen.join(" and ")
         ));
     }
     Ok(answer)

@@ -2,6 +2,7 @@
 
 use crate::answers::{Diagnosis, Discrepancy, Identification, Verdict};
 use crate::identify::{Effort, IdentifyError, Model, ModelFit, Workbench};
+use crate::observer::Observer as _;
 
 use super::evidence::Yardstick;
 use super::progress::Part;
@@ -53,7 +54,7 @@ impl<'a> Study<'a> {
                 chosen = search.best_supported();
             }
         }
-        if part.whole.cancelled() {
+        if part.cancelled() {
             return Err(IdentifyError::Cancelled.into());
         }
         Ok(Self { workbench, fit, discrepancy, search, chosen, explained })

@@ -141,6 +141,8 @@ pub struct IdentifyOptions {
     pub colony: ColonyOptions,
     /// Whether the best source is refined by Levenberg–Marquardt.
     pub refine: bool,
+    /// Effects that a diagnosis names together, at most: 1 to 3.
+    pub most_effects: usize,
 }
 
 impl Default for IdentifyOptions {
@@ -152,6 +154,7 @@ impl Default for IdentifyOptions {
             network: NetworkOptions::default(),
             colony: ColonyOptions::default(),
             refine: true,
+            most_effects: 3,
         }
     }
 }
@@ -191,6 +194,7 @@ impl IdentifyOptions {
             1,
             1_000_000,
         )?;
+        within("most_effects", self.most_effects, 1, 3)?;
         match self.noise_std {
             Some(std) if !(std.is_finite() && std > 0.0) => Err(InvalidOptions {
                 option: "noise_std",

@@ -6,7 +6,7 @@ use crate::answers::{Candidate, Cause, Identification};
 use crate::effects::{self, ALL};
 use crate::identify::Model;
 
-use super::search::{Key, Search};
+use super::models::{Key, Models};
 
 /// Difference in −2 ln of the evidence below which an effect in another's place
 /// cannot be told from it.
@@ -21,7 +21,7 @@ const MOST_WITH_REMAINDER: f64 = 0.85;
 
 /// The causes of the model `chosen`, strongest first.
 pub(super) fn named(
-    search: &Search<'_>,
+    models: &Models,
     chosen: &Key,
     extended: &Identification,
     noise_like: bool,
@@ -39,7 +39,7 @@ pub(super) fn named(
                     Some((parameter.name.to_owned(), estimate.clone()))
                 })
                 .collect();
-            let confidence = probability(search, id);
+            let confidence = probability(models, id);
             let most = if noise_like { 1.0 } else { MOST_WITH_REMAINDER };
             let cause = Cause {
                 effect: id.to_owned(),
@@ -47,9 +47,9 @@ pub(super) fn named(
                 confidence: confidence.min(most),
                 explanation: format!("{}. How it shows: {}", effect.meaning(), effect.signature()),
                 gain: None,
-                equivalents: rivals(search, chosen, id).into_iter().map(|r| r.0.into()).collect(),
+                equivalents: rivals(models, chosen, id).into_iter().map(|r| r.0.into()).collect(),
             };
-            (search.loss(chosen, id), cause)
+            (models.loss(chosen, id), cause)
         })
         .collect();
     causes.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -58,9 +58,9 @@ pub(super) fn named(
 
 /// The probability that an effect is present: the weight of the fitted models
 /// that have it among all.
-fn probability(search: &Search<'_>, id: &str) -> f64 {
+fn probability(models: &Models, id: &str) -> f64 {
     let criteria: Vec<(&Key, f64)> =
-        search.visited.keys().map(|key| (key, search.criterion(key))).collect();
+        models.all().map(|(key, _)| (key, models.criterion(key))).collect();
     let best = criteria.iter().map(|(_, criterion)| *criterion).fold(f64::INFINITY, f64::min);
     let weight = |criterion: f64| (-0.5 * (criterion - best)).exp();
     let sum = |with: &dyn Fn(&Key) -> bool| -> f64 {
@@ -72,20 +72,19 @@ fn probability(search: &Search<'_>, id: &str) -> f64 {
 /// Effects that explain the data as well in the place of `id`, the best first,
 /// each with its model.
 pub(super) fn rivals<'s>(
-    search: &'s Search<'_>,
+    models: &'s Models,
     chosen: &Key,
     id: &str,
 ) -> Vec<(&'static str, &'s Model)> {
     let rest: Key = chosen.iter().copied().filter(|other| *other != id).collect();
-    let own = search.criterion(chosen);
-    let mut rivals: Vec<(f64, &'static str, &Model)> = search
-        .visited
-        .iter()
+    let own = models.criterion(chosen);
+    let mut rivals: Vec<(f64, &'static str, &Model)> = models
+        .all()
         .filter(|(key, _)| key.len() == chosen.len() && *key != chosen)
         .filter(|(key, _)| rest.iter().all(|other| key.contains(other)))
-        .filter_map(|(key, visited)| {
+        .filter_map(|(key, model)| {
             let other = key.iter().find(|other| !rest.contains(other))?;
-            Some((search.criterion(key) - own, *other, &visited.model))
+            Some((models.criterion(key) - own, *other, model))
         })
         .filter(|(difference, ..)| *difference < EQUIVALENT)
         .collect();
@@ -94,21 +93,20 @@ pub(super) fn rivals<'s>(
 }
 
 /// Every effect that was tried on the base model, the best first.
-pub(super) fn candidates(search: &Search<'_>, chosen: &Key) -> Vec<Candidate> {
-    let base = Key::new();
-    let before = search.visited[&base].model.cost;
+pub(super) fn candidates(models: &Models, chosen: &Key) -> Vec<Candidate> {
+    let before = models.get(&Key::new()).map_or(f64::NAN, |base| base.cost);
     let mut candidates: Vec<Candidate> = ALL
         .iter()
         .filter_map(|effect| {
             let id = effect.id();
             let key = vec![id];
-            let visited = search.visited.get(&key)?;
-            let rejected = (!chosen.contains(&id)).then(|| rejection(search, chosen, id));
+            let model = models.get(&key)?;
+            let rejected = (!chosen.contains(&id)).then(|| rejection(models, chosen, id));
             Some(Candidate {
                 effect: id.to_owned(),
-                cost: visited.model.cost,
-                delta_chi2: before - visited.model.cost,
-                criterion: search.criterion(&key),
+                cost: model.cost,
+                delta_chi2: before - model.cost,
+                criterion: models.criterion(&key),
                 heldout_error: None,
                 rejected,
             })
@@ -118,14 +116,14 @@ pub(super) fn candidates(search: &Search<'_>, chosen: &Key) -> Vec<Candidate> {
     candidates
 }
 
-fn rejection(search: &Search<'_>, chosen: &Key, id: &'static str) -> String {
+fn rejection(models: &Models, chosen: &Key, id: &'static str) -> String {
     let single = vec![id];
-    if !search.supported(&single) {
+    if !models.supported(&single) {
         return "it gains no more than chance makes any effect gain".into();
     }
     let mut with: Key = chosen.iter().copied().chain([id]).collect();
     with.sort_unstable();
-    match search.visited.contains_key(&with) && !chosen.is_empty() {
+    match models.get(&with).is_some() && !chosen.is_empty() {
         true => format!("beside {} it gains no more than chance", chosen.join(" and ")),
         false => format!("{} explains the data better", chosen.join(" with ")),
     }

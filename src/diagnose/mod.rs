@@ -7,20 +7,23 @@
 //! (`sentence`); `discrepancy` puts it together.
 //!
 //! Then every effect of the library is tried beside the base model (`anchor`,
-//! `probes`, `scan`) and refitted with it (`search`). An effect is named where it
-//! gains more than chance makes any effect gain (`family`, `null`); between those
-//! of which that holds, the evidence decides (`evidence`, `causes`). `study` puts
-//! it together for one order of the actuator.
+//! `probes`, `scan`) and refitted with it (`fitter`, `search`). An effect is named
+//! where it gains more than chance makes any effect gain (`family`, `null`); between
+//! those of which that holds, the evidence decides (`evidence`, `models`, `causes`).
+//! `study` puts it together for one order of the actuator, and `orders` for several.
 
 mod anchor;
 mod causes;
 mod discrepancy;
 mod evidence;
 mod family;
+mod fitter;
 mod groups;
 mod layout;
+mod models;
 mod next_experiment;
 mod null;
+mod orders;
 mod patterns;
 mod probes;
 mod progress;
@@ -42,12 +45,7 @@ use crate::identify::{self, IdentifyError, IdentifyRequest, Workbench};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
-use progress::Part;
-use study::Study;
-
-/// Share of the largest component below which a difference between model and data
-/// says nothing: two good simulations of one machine agree to no more (contract, section 3).
-const ROUNDING: f64 = 1e-5;
+use progress::{Part, Quiet};
 
 /// Share of a diagnosis that is fitting the base model.
 const FITTING: f64 = 0.1;
@@ -91,33 +89,19 @@ pub fn diagnose(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let seed = request.options.seed;
     let whole = Part { whole: observer, span: [0.0, 1.0] };
     let fitting = whole.part([0.0, FITTING]);
-    let workbench = Workbench::new(measurement, request, &fitting)?;
-    let order = workbench.order();
-    if request.plant.is_some() || order == 0 {
-        return Study::new(&workbench, whole.part([FITTING, 1.0]), seed)?.diagnosis();
+    let first = Workbench::new(measurement, request, &fitting)?;
+    let below = if request.plant.is_some() { 0 } else { first.order() };
+    let given = |actuator_order| PlantRequest { actuator_order };
+    let lower: Vec<IdentifyRequest> = (0..below)
+        .rev()
+        .map(|order| IdentifyRequest { plant: Some(given(order)), ..*request })
+        .collect();
+    let quietly = Quiet(&whole);
+    let mut workbenches = vec![first];
+    for request in &lower {
+        workbenches.push(Workbench::new(measurement, request, &quietly)?);
     }
-    let study = Study::new(&workbench, whole.part([FITTING, 0.5]), seed)?;
-    // A delay or a lag may have been taken for one more order of the actuator.
-    let plant = Some(PlantRequest { actuator_order: order - 1 });
-    let request = IdentifyRequest { plant, ..*request };
-    let fitting = whole.part([0.5, 0.5 + FITTING]);
-    let lower = Workbench::new(measurement, &request, &fitting)?;
-    let lower = Study::new(&lower, whole.part([0.5 + FITTING, 1.0]), seed)?;
-    let advantage = study.criterion() + evidence::ORDER - lower.criterion();
-    if advantage > causes::EQUIVALENT {
-        return lower.diagnosis();
-    }
-    let mut answer = study.diagnosis()?;
-    if advantage > -causes::EQUIVALENT && !lower.chosen.is_empty() {
-        answer.limitations.push(format!(
-            "the actuator's order was chosen from the data: one of order {} with {} would \
-             explain it about as well",
-            order - 1,
-            lower.chosen.join(" and ")
-        ));
-    }
-    Ok(answer)
+    orders::diagnose(&workbenches, whole.part([FITTING, 1.0]), request)
 }

@@ -49,6 +49,15 @@ impl Observer for Part<'_> {
     }
 }
 
+/// Somebody who may cancel, and does not watch.
+pub(super) struct Quiet<'a>(pub &'a dyn Observer);
+
+impl Observer for Quiet<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
 /// Steps of one kind, done by several threads.
 pub(super) struct Stage<'a> {
     part: Part<'a>,

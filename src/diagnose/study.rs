@@ -5,9 +5,13 @@ use crate::identify::{Effort, IdentifyError, Model, ModelFit, Workbench};
 use crate::observer::Observer as _;
 
 use super::evidence::Yardstick;
+use super::models::{Key, Models};
 use super::progress::Part;
-use super::search::{Key, Search};
-use super::{DiagnoseError, ROUNDING, causes, discrepancy, next_experiment};
+use super::search::Search;
+use super::{DiagnoseError, causes, discrepancy, next_experiment};
+
+/// Parameters of a base model, at most: of models of any order the misfit counts alike.
+const LARGEST_BASE: usize = 6;
 
 /// A base model, what it gets wrong, and the causes that were found.
 pub(super) struct Study<'a> {
@@ -15,19 +19,21 @@ pub(super) struct Study<'a> {
     fit: ModelFit,
     discrepancy: Discrepancy,
     search: Search<'a>,
+    seed: u64,
     /// Effects of the model that was chosen.
     pub chosen: Key,
-    explained: bool,
+    /// Whether noise is all that it leaves.
+    pub explained: bool,
 }
 
 impl<'a> Study<'a> {
-    /// Looks for what the workbench's base model lacks.
+    /// Fits every effect alone beside the workbench's base model.
     ///
     /// # Errors
     /// When cancelled, or where the base model has no response.
     pub fn new(
         workbench: &'a Workbench<'a>,
-        part: Part<'a>,
+        part: Part<'_>,
         seed: u64,
     ) -> Result<Self, DiagnoseError> {
         let fit = workbench.judge(workbench.base())?;
@@ -36,33 +42,51 @@ impl<'a> Study<'a> {
         stage.step();
         let yardstick = Yardstick {
             known: workbench.noise_known(),
-            rounding: workbench.rounding(ROUNDING),
-            dof: fit.identification.fit.dof.max(1) as f64,
+            rounding: workbench.rounding(),
+            dof: workbench.data().saturating_sub(LARGEST_BASE).max(1) as f64,
         };
-        let mut search = Search::new(workbench, part.part([0.05, 1.0]), seed, yardstick);
-        let noise_like = |model: &Model| {
-            let exact = !yardstick.known && yardstick.explains(model.cost);
-            exact || workbench.judge(model).is_ok_and(|fit| discrepancy::is_noise(&fit, seed))
-        };
-        let mut chosen = search.run(&mut |model| noise_like(model));
-        let mut explained = discrepancy.noise_like;
-        if !chosen.is_empty() {
-            explained = noise_like(&search.visited[&chosen].model);
-            if !explained && yardstick.known {
-                // What remains widens every uncertainty.
-                search.yardstick = Yardstick { known: false, ..yardstick };
-                chosen = search.best_supported();
+        let search = Search::new(workbench, part.part([0.05, 1.0]), seed, yardstick);
+        let (chosen, explained) = (Key::new(), discrepancy.noise_like);
+        let mut this = Self { workbench, fit, discrepancy, search, seed, chosen, explained };
+        this.choose(part)?;
+        Ok(this)
+    }
+
+    /// Fits several effects together, up to `most`, where one is not enough.
+    ///
+    /// # Errors
+    /// When cancelled.
+    pub fn combine(&mut self, part: Part<'_>, most: usize) -> Result<(), DiagnoseError> {
+        let Self { workbench, search, seed, .. } = self;
+        let yardstick = search.models.yardstick;
+        search.combine(part, most, |model| noise_like(workbench, yardstick, model, *seed));
+        self.choose(part)
+    }
+
+    /// Chooses among the models that were fitted.
+    fn choose(&mut self, part: Part<'_>) -> Result<(), DiagnoseError> {
+        let models = &mut self.search.models;
+        self.chosen = models.best_supported();
+        self.explained = match models.get(&self.chosen) {
+            Some(model) if !self.chosen.is_empty() => {
+                noise_like(self.workbench, models.yardstick, model, self.seed)
             }
-        }
+            _ => self.discrepancy.noise_like,
+        };
         if part.cancelled() {
             return Err(IdentifyError::Cancelled.into());
         }
-        Ok(Self { workbench, fit, discrepancy, search, chosen, explained })
+        Ok(())
+    }
+
+    /// Order of the actuator.
+    pub fn order(&self) -> u8 {
+        self.workbench.order()
     }
 
     /// −2 ln of what speaks for the model that was chosen: see [`super::evidence`].
     pub fn criterion(&self) -> f64 {
-        self.search.criterion(&self.chosen)
+        self.search.models.criterion(&self.chosen)
     }
 
     /// The answer.
@@ -70,16 +94,22 @@ impl<'a> Study<'a> {
     /// # Errors
     /// Where the extended model has no response.
     pub fn diagnosis(self) -> Result<Diagnosis, DiagnoseError> {
-        let Self { workbench, fit, discrepancy, search, chosen, explained } = self;
-        let extended = extended(workbench, &search, &chosen)?;
+        let Self { workbench, fit, discrepancy, search, mut chosen, explained, .. } = self;
+        let mut models = search.models;
+        if !chosen.is_empty() && !explained && models.yardstick.known {
+            // What remains widens every uncertainty.
+            models.yardstick.known = false;
+            chosen = models.best_supported();
+        }
+        let extended = extended(workbench, &models, &chosen)?;
         let causes = extended
             .as_ref()
-            .map(|extended| causes::named(&search, &chosen, extended, explained))
+            .map(|extended| causes::named(&models, &chosen, extended, explained))
             .unwrap_or_default();
         let next_experiment = causes.iter().find_map(|cause| {
-            let rivals = causes::rivals(&search, &chosen, &cause.effect);
+            let rivals = causes::rivals(&models, &chosen, &cause.effect);
             let (rival, model) = rivals.into_iter().next()?;
-            let named = (&search.visited[&chosen].model, cause.effect.as_str());
+            let named = (models.get(&chosen)?, cause.effect.as_str());
             next_experiment::between(workbench, named, (model, rival))
         });
         Ok(Diagnosis {
@@ -92,7 +122,7 @@ impl<'a> Study<'a> {
             limitations: discrepancy::limitations(&fit, &discrepancy),
             discrepancy,
             causes,
-            candidates: causes::candidates(&search, &chosen),
+            candidates: causes::candidates(&models, &chosen),
             gain: None,
             provenance: fit.identification.provenance.clone(),
             base: fit.identification,
@@ -102,15 +132,19 @@ impl<'a> Study<'a> {
     }
 }
 
+/// Whether noise is all that a model leaves.
+fn noise_like(workbench: &Workbench<'_>, yardstick: Yardstick, model: &Model, seed: u64) -> bool {
+    let exact = !yardstick.known && yardstick.explains(model.cost);
+    exact || workbench.judge(model).is_ok_and(|fit| discrepancy::is_noise(&fit, seed))
+}
+
 /// The model with these effects, to the last digit; `None` where there are none.
 fn extended(
     workbench: &Workbench<'_>,
-    search: &Search<'_>,
+    models: &Models,
     chosen: &Key,
 ) -> Result<Option<Identification>, DiagnoseError> {
-    if chosen.is_empty() {
-        return Ok(None);
-    }
-    let model = workbench.refine(&search.visited[chosen].model, Effort::Thorough);
+    let Some(model) = models.get(chosen).filter(|_| !chosen.is_empty()) else { return Ok(None) };
+    let model = workbench.refine(model, Effort::Thorough);
     Ok(Some(workbench.judge(&model)?.identification))
 }

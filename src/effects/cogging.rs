@@ -30,11 +30,11 @@ const PARAMETERS: [Parameter; 3] = [
         name: "cycles_per_unit",
         dimension: Dimension::NONE.per(Dimension::POSITION),
         coordinate: Coordinate::Logarithmic,
-        // Radians per position unit: from a fraction of a tooth over the whole
-        // travel to so many that their torque averages out.
+        // Radians per position unit: from one tooth over the whole travel (less of it is
+        // a spring) to so many that their torque averages out.
         range: |scope| Range {
-            bounds: [0.1, 1000.0].map(|angle| angle / scope.largest_travel),
-            likely: [0.5, 300.0].map(|angle| angle / scope.largest_travel),
+            bounds: [1.0, 1000.0].map(|angle| angle / scope.largest_travel),
+            likely: [3.0, 300.0].map(|angle| angle / scope.largest_travel),
             absent: None,
         },
     },

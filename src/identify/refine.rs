@@ -16,10 +16,13 @@ pub(super) struct Patience {
     pub steps: usize,
     /// Relative decrease of the cost below which it counts as converged.
     pub cost_tolerance: f64,
+    /// Cost below which it is as good as none.
+    pub negligible: f64,
 }
 
 /// To the last digit.
-pub(super) const THOROUGH: Patience = Patience { steps: 100, cost_tolerance: 1e-14 };
+pub(super) const THOROUGH: Patience =
+    Patience { steps: 100, cost_tolerance: 1e-14, negligible: 0.0 };
 
 /// Step, in logarithms and input scales, below which it counts as converged.
 const STEP_TOLERANCE: f64 = 1e-11;
@@ -93,7 +96,8 @@ pub(super) fn refine(
             Ok(linearisation) => here = linearisation,
             Err(_) => return Refined { point, cost: trial_cost, evaluations, stop: "no response" },
         }
-        let converged = decrease <= patience.cost_tolerance * cost || moved < STEP_TOLERANCE;
+        let matters = patience.cost_tolerance * (cost + patience.negligible);
+        let converged = decrease <= matters || moved < STEP_TOLERANCE;
         cost = trial_cost;
         on_step(step as u64, evaluations, cost);
         if converged {

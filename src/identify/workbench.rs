@@ -23,6 +23,10 @@ use super::{IdentifyError, IdentifyRequest, Solved, answer, no_response, solve};
 /// Angle over the travel beyond which a torque is sampled no more finely.
 const MOST_RADIANS: f64 = 2000.0;
 
+/// Share of the largest component below which a difference between model and data
+/// says nothing: two good simulations of one machine agree to no more (contract, section 3).
+const ROUNDING: f64 = 1e-5;
+
 /// How long a refinement goes on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
@@ -177,16 +181,15 @@ impl<'a> Workbench<'a> {
         self.problem.data()
     }
 
-    /// Sum of squares that rounding in the upload and in the simulation alone
-    /// leaves: `share` of the largest measured component in each.
-    pub fn rounding(&self, share: f64) -> f64 {
+    /// Sum of squares that rounding in the upload and in the simulation alone leaves.
+    pub fn rounding(&self) -> f64 {
         let mut sum = 0.0;
         let targets = || self.problem.experiments.iter().flat_map(|e| &e.targets);
         let largest = targets().map(|target| target.value.norm()).fold(0.0, f64::max);
         for (experiment, sigma) in self.problem.experiments.iter().zip(&self.fitted.weights.sigma) {
             for (target, sigma) in experiment.targets.iter().zip(sigma) {
                 let parts = if target.real { 1.0 } else { 2.0 };
-                sum += parts * (share * largest / sigma).powi(2);
+                sum += parts * (ROUNDING * largest / sigma).powi(2);
             }
         }
         sum
@@ -351,10 +354,11 @@ impl<'a> Workbench<'a> {
 
     /// Fits all parameters of a model, from where they are.
     pub fn refine(&self, model: &Model, effort: Effort) -> Model {
+        let negligible = if self.noise_known() { self.data() as f64 } else { self.rounding() };
         let patience = match effort {
-            Effort::Glance => Patience { steps: 4, cost_tolerance: 1e-3 },
-            Effort::Brief => Patience { steps: 5, cost_tolerance: 1e-3 },
-            Effort::Settle => Patience { steps: 60, cost_tolerance: 1e-5 },
+            Effort::Glance => Patience { steps: 4, cost_tolerance: 1e-3, negligible },
+            Effort::Brief => Patience { steps: 5, cost_tolerance: 1e-3, negligible },
+            Effort::Settle => Patience { steps: 60, cost_tolerance: 1e-5, negligible },
             Effort::Thorough => refine::THOROUGH,
         };
         let refined =

@@ -22,6 +22,10 @@ use super::wave::{Cell, Wave, through};
 /// rings after a kink, itself a hundredth of the torque at most.
 const RADIANS_PER_CELL: f64 = 1.2;
 
+/// Natural frequency, in the highest frequency of the input, above which an actuator that
+/// rings is a delay: of the torque it changes a millionth, and of the velocity less.
+const FAST: f64 = 1000.0;
+
 /// Growth of the cells behind a kink, while what it excited dies out.
 const LAYER_GROWTH: f64 = 1.5;
 
@@ -42,22 +46,32 @@ pub(super) fn torque<'e, S: Scalar>(
         return (linear(actuator, excitation, grid), grid);
     }
     let ringing = match actuator.map(Scalar::value) {
-        Actuator::SecondOrder { natural_frequency_rad_s, .. } => natural_frequency_rad_s,
+        Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } if damping_ratio < 2.0 => {
+            natural_frequency_rad_s
+        }
         _ => 0.0,
+    };
+    // A delay does not mind whether it comes before or after what bends the input.
+    let highest = omega * (excitation.input().len() - 1) as f64;
+    let delays = ringing > FAST * highest;
+    let ringing = if delays { 0.0 } else { ringing };
+    let [ahead, behind] = match delays {
+        true => [actuator, &Actuator::Direct],
+        false => [&Actuator::Direct, actuator],
     };
     let cells = (std::f64::consts::TAU * ringing / omega / RADIANS_PER_CELL) as usize;
     let own = excitation.grid().filter(|grid| grid.samples() >= cells);
     let grid = own.unwrap_or_else(|| {
         Grid::at_least(cells.max(excitation.grid().map_or(fewest, Grid::samples)))
     });
-    let mut wave = linear(&Actuator::Direct, excitation, grid);
+    let mut wave = linear(ahead, excitation, grid);
     for map in &axis.input_maps {
         wave = mapped(&wave, map);
     }
     if let Some(rate) = axis.rate_limit {
         wave = rate_limit::limited(&wave, rate);
     }
-    (behind(actuator, wave), grid)
+    (delivered(behind, wave), grid)
 }
 
 /// The same for an axis of many variables: the torque depends on those few that
@@ -214,7 +228,7 @@ pub(super) fn modes<S: Scalar>(actuator: &Actuator<S>) -> Vec<Mode<S>> {
 }
 
 /// The wave behind the actuator, in its periodic state.
-fn behind<S: Scalar>(actuator: &Actuator<S>, wave: Wave<S>) -> Wave<S> {
+fn delivered<S: Scalar>(actuator: &Actuator<S>, wave: Wave<S>) -> Wave<S> {
     let modes = modes(actuator);
     if modes.is_empty() {
         return wave;

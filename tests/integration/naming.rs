@@ -4,7 +4,12 @@ use servoscope::answers::Verdict;
 use servoscope::benchmark::naming::{
     Case, DETECTABLE, Estimated, Outcome, Settings, base_excess, make, run_case,
 };
+use servoscope::diagnose::diagnose;
+use servoscope::identify::IdentifyRequest;
 use servoscope::observer::Silent;
+
+use crate::reference;
+use crate::shared_files::shared;
 
 const SETTINGS: Settings = Settings { seed: 1, order_from_data: false, jobs: 1, threads: 1 };
 
@@ -91,5 +96,27 @@ fn nothing_is_named_where_nothing_is_hidden() {
         let outcome = outcome(key);
         assert!(outcome.causes().is_empty(), "{key}: {:?}", outcome.causes());
         assert_eq!(outcome.verdict(), Some(Verdict::Adequate), "{key}");
+    }
+}
+
+/// The actuator's order left to the data, and nothing said of the noise.
+#[test]
+#[ignore = "slow: 21 diagnoses"]
+fn every_reference_response_is_named_as_it_stands() {
+    let Some(folder) = shared("reference") else { return };
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    files.retain(|path| path.extension().is_some_and(|extension| extension == "csv"));
+    files.sort();
+    assert_eq!(files.len(), 21);
+    for path in files {
+        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        let measurement = reference::measurement(&format!("{name}.csv")).unwrap();
+        let answer = diagnose(&measurement, &IdentifyRequest::default(), &Silent).unwrap();
+        let named: Vec<&str> = answer.causes.iter().map(|cause| cause.effect.as_str()).collect();
+        let hidden: Vec<&str> =
+            name.split_once('_').map(|(_, effect)| effect).into_iter().collect();
+        assert_eq!(named, hidden, "{name}");
+        let verdict = if hidden.is_empty() { Verdict::Adequate } else { Verdict::Explained };
+        assert_eq!(answer.verdict, verdict, "{name}");
     }
 }

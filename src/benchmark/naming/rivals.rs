@@ -22,7 +22,7 @@ impl Rivals {
     /// See [`DiagnoseError`].
     pub fn ask(exact: &Measurement, order: u8) -> Result<Self, DiagnoseError> {
         let plant = Some(PlantRequest { actuator_order: order });
-        let options = IdentifyOptions::default();
+        let options = IdentifyOptions { most_effects: 1, ..IdentifyOptions::default() };
         let request = IdentifyRequest { plant, options, ..IdentifyRequest::default() };
         let answer = diagnose(exact, &request, &Silent)?;
         Ok(Self { base: answer.base.fit.chi2.unwrap_or(f64::NAN), candidates: answer.candidates })

@@ -67,10 +67,12 @@ const PATIENT: usize = 3;
 /// Periods followed without Newton's method, all together, likewise.
 const MOST_PERIODS: usize = 500;
 
-/// Effort for one point, in exact steps for each cell of its input, beyond which it counts
-/// as not periodic. Most motions that settle take a fiftieth of it, and hardly any of those
-/// that take more settle after all; it bounds a cosine to a few milliseconds.
-const EFFORT_PER_CELL: usize = 5_000;
+/// Effort for one point, in exact steps, beyond which it counts as not periodic, and what is
+/// added for each cell of its input. Most motions that settle take a fiftieth of it, and
+/// hardly any of those that take more settle after all; it bounds a cosine to a few
+/// milliseconds.
+const EFFORT: usize = 40_000;
+const EFFORT_PER_CELL: usize = 500;
 
 /// Share of a state's size that a step may move it, where motions may not be
 /// unique, and where they are.
@@ -207,7 +209,7 @@ impl<const M: usize> Periodic<M> {
             leash: LEASH[usize::from(mechanics.contracts() || axis.balanced)],
             precision: Precision { tolerance: LOOSE, sizes, most_swings: LOOSE_SWINGS },
             sizes,
-            effort: EFFORT_PER_CELL * wave.cells.len(),
+            effort: EFFORT + EFFORT_PER_CELL * wave.cells.len(),
         };
         if let Some(i) = mechanics.position_integral {
             mechanics.balance = mechanics.first_balance();

@@ -1,0 +1,114 @@
+//! The models that were fitted, and what decides between them.
+
+use std::collections::BTreeMap;
+
+use crate::identify::{Model, Workbench};
+
+use super::evidence::{self, Yardstick};
+use super::family::Family;
+
+/// Ids of a model's effects, in order.
+pub(super) type Key = Vec<&'static str>;
+
+/// Ids of a model's effects, in order.
+pub(super) fn key(model: &Model) -> Key {
+    let mut key: Key = model.effects().iter().map(|effect| effect.id()).collect();
+    key.sort_unstable();
+    key
+}
+
+/// A model that was fitted.
+pub(super) struct Visited {
+    /// The model.
+    pub model: Model,
+    /// −2 ln of what speaks for its parameters: see [`evidence`].
+    complexity: f64,
+}
+
+impl Visited {
+    /// A fitted model, weighed.
+    pub fn new(workbench: &Workbench<'_>, model: Model, yardstick: &Yardstick) -> Self {
+        let complexity = evidence::complexity(workbench, &model, yardstick);
+        Self { model, complexity }
+    }
+}
+
+/// Every model that was fitted, the best of those with the same effects.
+pub(super) struct Models {
+    /// How costs are compared.
+    pub yardstick: Yardstick,
+    /// What an effect must gain at the base model.
+    pub family: Option<Family>,
+    visited: BTreeMap<Key, Visited>,
+}
+
+impl Models {
+    /// With nothing but the base model.
+    pub fn new(base: Model, yardstick: Yardstick) -> Self {
+        let base = Visited { model: base, complexity: 0.0 };
+        Self { yardstick, family: None, visited: BTreeMap::from([(Key::new(), base)]) }
+    }
+
+    /// The model with these effects.
+    pub fn get(&self, key: &Key) -> Option<&Model> {
+        self.visited.get(key).map(|visited| &visited.model)
+    }
+
+    /// Every model by its effects.
+    pub fn all(&self) -> impl Iterator<Item = (&Key, &Model)> {
+        self.visited.iter().map(|(key, visited)| (key, &visited.model))
+    }
+
+    /// Keeps a model, unless one with the same effects fits better.
+    pub fn keep(&mut self, visited: Visited) {
+        let key = key(&visited.model);
+        let best = self.visited.get(&key).map_or(f64::INFINITY, |known| known.model.cost);
+        if visited.model.cost < best {
+            self.visited.insert(key, visited);
+        }
+    }
+
+    /// −2 ln of what speaks for a model, by a yardstick.
+    pub fn criterion(&self, key: &Key) -> f64 {
+        self.visited.get(key).map_or(f64::INFINITY, |visited| {
+            self.yardstick.misfit(visited.model.cost) + visited.complexity
+        })
+    }
+
+    /// By how much the misfit grows where this effect is taken away, everything
+    /// else refitted; 0 where that was not computed.
+    pub fn loss(&self, key: &Key, id: &str) -> f64 {
+        let without: Key = key.iter().copied().filter(|other| *other != id).collect();
+        let misfit = |key: &Key| {
+            self.visited.get(key).map(|visited| self.yardstick.misfit(visited.model.cost))
+        };
+        match (misfit(&without), misfit(key)) {
+            (Some(without), Some(with)) => without - with,
+            _ => 0.0,
+        }
+    }
+
+    /// Whether each effect of a model is more than chance.
+    pub fn supported(&self, key: &Key) -> bool {
+        let limit = |id: &str| self.family.as_ref().map_or(f64::INFINITY, |f| f.limit(id));
+        key.iter().all(|id| self.loss(key, id) > limit(id))
+    }
+
+    /// Models with so many effects, the best first.
+    pub fn ranked(&self, effects: usize) -> Vec<Key> {
+        let mut keys: Vec<Key> =
+            self.visited.keys().filter(|key| key.len() == effects).cloned().collect();
+        keys.sort_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)));
+        keys
+    }
+
+    /// The best of the models each of whose effects is more than chance.
+    pub fn best_supported(&self) -> Key {
+        self.visited
+            .keys()
+            .filter(|key| self.supported(key))
+            .min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))
+            .cloned()
+            .unwrap_or_default()
+    }
+}

@@ -16,15 +16,36 @@ pub(super) const EQUIVALENT: f64 = 9.0;
 const MOST_EQUIVALENTS: usize = 2;
 
 /// Confidence in a cause is at most this where something remains that nothing
-/// in the library explains.
+/// in the library explains, or may hide behind a combination of its effects.
 const MOST_WITH_REMAINDER: f64 = 0.85;
+
+/// Confidence that each of two causes must have for both to be taken for what they are.
+const SURE: f64 = 0.9;
+
+/// Whether a model that leaves nothing but noise is more than an imitation of one effect
+/// that the library lacks. Two of its effects that bend the response in much the same way,
+/// or one of which might as well be another, follow nearly any third; three follow anything.
+pub(super) fn convincing(models: &Models, chosen: &Key) -> bool {
+    let imitates = |one: &str, other: &str| {
+        effects::find(one).is_some_and(|effect| effect.imitators().contains(&other))
+    };
+    match chosen.as_slice() {
+        [] | [_] => true,
+        [one, other] => {
+            !imitates(one, other)
+                && !imitates(other, one)
+                && chosen.iter().all(|id| probability(models, id) >= SURE)
+        }
+        _ => false,
+    }
+}
 
 /// The causes of the model `chosen`, strongest first.
 pub(super) fn named(
     models: &Models,
     chosen: &Key,
     extended: &Identification,
-    noise_like: bool,
+    explained: bool,
 ) -> Vec<Cause> {
     let mut causes: Vec<(f64, Cause)> = chosen
         .iter()
@@ -40,7 +61,7 @@ pub(super) fn named(
                 })
                 .collect();
             let confidence = probability(models, id);
-            let most = if noise_like { 1.0 } else { MOST_WITH_REMAINDER };
+            let most = if explained { 1.0 } else { MOST_WITH_REMAINDER };
             let cause = Cause {
                 effect: id.to_owned(),
                 parameters,

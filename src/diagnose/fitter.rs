@@ -10,9 +10,6 @@ use super::evidence::Yardstick;
 use super::probes::{Probe, Probed};
 use super::progress::{Part, Stage};
 
-/// Starts of a fit of which a few steps are taken.
-const STARTS: usize = 4;
-
 /// Starts that are followed to their end.
 const FOLLOWED: usize = 2;
 
@@ -26,6 +23,15 @@ fn best_first(mut models: Vec<Model>) -> Vec<Model> {
     models
 }
 
+/// Whether an effect that has gained this much on `from` so far may yet be as good
+/// as the leading model.
+fn is_rival(from: &Model, leader: &Model, effect: &'static dyn Effect, gain: f64) -> bool {
+    let mistaken = |own: &&'static dyn Effect| {
+        own.imitators().contains(&effect.id()) || effect.imitators().contains(&own.id())
+    };
+    leader.effects().iter().any(mistaken) || gain > RIVAL * (from.cost - leader.cost)
+}
+
 /// Who fits.
 pub(super) struct Fitter<'a> {
     /// Where.
@@ -34,7 +40,9 @@ pub(super) struct Fitter<'a> {
     pub part: Part<'a>,
     /// What a good fit is.
     pub yardstick: Yardstick,
-    /// Whether an effect is followed to its end though little was gained so far, as long as
+    /// Starts that are tried of an effect that promises something.
+    pub starts: usize,
+    /// Whether an effect is followed to its end though little was gained so far, where
     /// none explains the data.
     pub patient: bool,
 }
@@ -65,39 +73,29 @@ impl Fitter<'_> {
         }
         open.sort_by(|a, b| a.1[0].cost.total_cmp(&b.1[0].cost));
         let rest = open.split_off(open.len().min(1));
-        fits.extend(open.into_iter().filter_map(|(_, models)| self.settled(models)));
+        fits.extend(open.into_iter().filter_map(|(_, models)| self.settled(models, FOLLOWED)));
         let leader = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
-        let (near, far): (Vec<_>, Vec<_>) = rest.into_iter().partition(|(effect, models)| {
+        let unexplained =
+            leader.as_ref().is_some_and(|leader| !self.yardstick.explains(leader.cost));
+        let follow = |(effect, models): (&'static dyn Effect, Vec<Model>)| {
             let gain = from.cost - models[0].cost;
-            leader.as_ref().is_none_or(|leader| self.is_rival(from, leader, *effect, gain))
-        });
-        let near = near.into_par_iter().filter_map(|(_, models)| self.settled(models));
-        fits.extend(near.collect::<Vec<Model>>());
-        fits.extend(far.into_iter().filter_map(|(_, models)| models.into_iter().next()));
-        fits
-    }
-
-    /// Whether an effect that has gained this much on `from` so far may yet be as good
-    /// as the leading model.
-    fn is_rival(
-        &self,
-        from: &Model,
-        leader: &Model,
-        effect: &'static dyn Effect,
-        gain: f64,
-    ) -> bool {
-        let mistaken = |own: &&'static dyn Effect| {
-            own.imitators().contains(&effect.id()) || effect.imitators().contains(&own.id())
+            let rival = |leader: &Model| is_rival(from, leader, effect, gain);
+            if leader.as_ref().is_none_or(rival) {
+                self.settled(models, FOLLOWED)
+            } else if self.patient && unexplained {
+                self.settled(models, 1)
+            } else {
+                models.into_iter().next()
+            }
         };
-        (self.patient && !self.yardstick.explains(leader.cost))
-            || leader.effects().iter().any(mistaken)
-            || gain > RIVAL * (from.cost - leader.cost)
+        fits.extend(rest.into_par_iter().filter_map(follow).collect::<Vec<Model>>());
+        fits
     }
 
     /// The first steps from an effect's probes, the best first.
     fn tried(&self, probed: &Probed, promising: bool) -> Vec<Model> {
         let (starts, effort) = match promising {
-            true => (STARTS, Effort::Glance),
+            true => (self.starts, Effort::Glance),
             false => (1, Effort::Brief),
         };
         let starts: Vec<&Probe> = probed.probes.iter().take(starts).collect();
@@ -105,9 +103,9 @@ impl Fitter<'_> {
         best_first(tried)
     }
 
-    /// The best of what these come to.
-    fn settled(&self, mut tried: Vec<Model>) -> Option<Model> {
-        tried.truncate(FOLLOWED);
+    /// The best of what the first of these come to.
+    fn settled(&self, mut tried: Vec<Model>, followed: usize) -> Option<Model> {
+        tried.truncate(followed);
         let settled = tried.par_iter().map(|model| self.refine(model, Effort::Settle)).collect();
         best_first(settled).into_iter().next()
     }

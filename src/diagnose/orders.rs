@@ -38,7 +38,7 @@ pub(super) fn diagnose(
         |study: &Study<'_>| weight(study) - if study.order() == suited { EQUIVALENT } else { 0.0 };
     studies.sort_by(|a, b| standing(a).total_cmp(&standing(b)));
     studies[0].combine(part.part([SINGLES, 0.75]), most)?;
-    if !studies[0].explained && studies.len() > 1 {
+    if !studies[0].explained() && studies.len() > 1 {
         studies[1].combine(part.part([0.75, 1.0]), most)?;
         studies.sort_by(|a, b| standing(a).total_cmp(&standing(b)));
     }

@@ -22,8 +22,11 @@ use super::models::{Key, Models, Visited, key};
 use super::probes::{Changes, Probed};
 use super::progress::Part;
 
-/// Effects that are fitted in addition to others, those of the largest gain.
-const FURTHER: usize = 5;
+/// Effects that are fitted beside one and beside two others, those of the largest gain.
+const FURTHER: [usize; 2] = [5, 3];
+
+/// Starts of a fit beside none, one and two others of which a few steps are taken.
+const STARTS: [usize; 3] = [4, 4, 2];
 
 /// Single effects to which others are added.
 const BREADTH: usize = 4;
@@ -80,7 +83,7 @@ impl<'a> Search<'a> {
         let scale = self.models.yardstick.variance(anchor.model.cost);
         let stage = part.part(CANDIDATES).stage("candidates", probed.len());
         let promising = |probed: &Probed| promises(probed, &family, scale);
-        let fits = self.fitter(part, true).fit(&anchor.model, &probed, promising, &stage);
+        let fits = self.fitter(part, 0).fit(&anchor.model, &probed, promising, &stage);
         self.models.family = Some(family);
         self.keep(fits);
     }
@@ -133,10 +136,9 @@ impl<'a> Search<'a> {
         let promising = |probed: &Probed| promises(probed, &family, scale);
         probed.retain(|probed| !enough || promising(probed));
         probed.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
-        probed.truncate(FURTHER);
+        probed.truncate(FURTHER[from.len() - 1]);
         let stage = part.stage("combinations", probed.len());
-        let patient = from.len() == 1;
-        let fits = self.fitter(part, patient).fit(&anchor.model, &probed, promising, &stage);
+        let fits = self.fitter(part, from.len()).fit(&anchor.model, &probed, promising, &stage);
         let any = !fits.is_empty();
         self.keep(fits);
         any
@@ -149,17 +151,18 @@ impl<'a> Search<'a> {
             .map(|index| self.workbench.reduce(model, index))
             .filter(|model| self.models.get(&key(model)).is_none())
             .collect();
-        let fitter = self.fitter(part, true);
+        let fitter = self.fitter(part, from.len() - 1);
         let fits = missing.par_iter().map(|model| fitter.refine(model, Effort::Settle)).collect();
         self.keep(fits);
     }
 
-    fn fitter<'p>(&self, part: Part<'p>, patient: bool) -> Fitter<'p>
+    /// Who fits effects beside so many others.
+    fn fitter<'p>(&self, part: Part<'p>, beside: usize) -> Fitter<'p>
     where
         'a: 'p,
     {
-        let yardstick = self.models.yardstick;
-        Fitter { workbench: self.workbench, part, yardstick, patient }
+        let (workbench, yardstick) = (self.workbench, self.models.yardstick);
+        Fitter { workbench, part, yardstick, starts: STARTS[beside], patient: beside < 2 }
     }
 
     fn keep(&mut self, fits: Vec<Model>) {

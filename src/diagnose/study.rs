@@ -23,7 +23,7 @@ pub(super) struct Study<'a> {
     /// Effects of the model that was chosen.
     pub chosen: Key,
     /// Whether noise is all that it leaves.
-    pub explained: bool,
+    fits: bool,
 }
 
 impl<'a> Study<'a> {
@@ -46,8 +46,8 @@ impl<'a> Study<'a> {
             dof: workbench.data().saturating_sub(LARGEST_BASE).max(1) as f64,
         };
         let search = Search::new(workbench, part.part([0.05, 1.0]), seed, yardstick);
-        let (chosen, explained) = (Key::new(), discrepancy.noise_like);
-        let mut this = Self { workbench, fit, discrepancy, search, seed, chosen, explained };
+        let (chosen, fits) = (Key::new(), discrepancy.noise_like);
+        let mut this = Self { workbench, fit, discrepancy, search, seed, chosen, fits };
         this.choose(part)?;
         Ok(this)
     }
@@ -67,7 +67,7 @@ impl<'a> Study<'a> {
     fn choose(&mut self, part: Part<'_>) -> Result<(), DiagnoseError> {
         let models = &mut self.search.models;
         self.chosen = models.best_supported();
-        self.explained = match models.get(&self.chosen) {
+        self.fits = match models.get(&self.chosen) {
             Some(model) if !self.chosen.is_empty() => {
                 noise_like(self.workbench, models.yardstick, model, self.seed)
             }
@@ -84,6 +84,12 @@ impl<'a> Study<'a> {
         self.workbench.order()
     }
 
+    /// Whether the model that was chosen leaves noise alone, and is no imitation of
+    /// something else.
+    pub fn explained(&self) -> bool {
+        self.fits && causes::convincing(&self.search.models, &self.chosen)
+    }
+
     /// −2 ln of what speaks for the model that was chosen: see [`super::evidence`].
     pub fn criterion(&self) -> f64 {
         self.search.models.criterion(&self.chosen)
@@ -94,9 +100,10 @@ impl<'a> Study<'a> {
     /// # Errors
     /// Where the extended model has no response.
     pub fn diagnosis(self) -> Result<Diagnosis, DiagnoseError> {
-        let Self { workbench, fit, discrepancy, search, mut chosen, explained, .. } = self;
+        let explained = self.explained();
+        let Self { workbench, fit, discrepancy, search, mut chosen, fits, .. } = self;
         let mut models = search.models;
-        if !chosen.is_empty() && !explained && models.yardstick.known {
+        if !chosen.is_empty() && !fits && models.yardstick.known {
             // What remains widens every uncertainty.
             models.yardstick.known = false;
             chosen = models.best_supported();
@@ -112,6 +119,14 @@ impl<'a> Study<'a> {
             let named = (models.get(&chosen)?, cause.effect.as_str());
             next_experiment::between(workbench, named, (model, rival))
         });
+        let mut limitations = discrepancy::limitations(&fit, &discrepancy);
+        if fits && !explained {
+            limitations.push(format!(
+                "{} together leave nothing but noise, but such a combination may imitate a single \
+                 effect that the library lacks: confirm each by an experiment of its own",
+                chosen.join(" and ")
+            ));
+        }
         Ok(Diagnosis {
             verdict: match (chosen.is_empty(), explained) {
                 (true, true) => Verdict::Adequate,
@@ -119,7 +134,7 @@ impl<'a> Study<'a> {
                 (false, true) => Verdict::Explained,
                 (false, false) => Verdict::Improved,
             },
-            limitations: discrepancy::limitations(&fit, &discrepancy),
+            limitations,
             discrepancy,
             causes,
             candidates: causes::candidates(&models, &chosen),

@@ -19,25 +19,29 @@ const MOST_EQUIVALENTS: usize = 2;
 /// in the library explains, or may hide behind a combination of its effects.
 const MOST_WITH_REMAINDER: f64 = 0.85;
 
-/// Confidence that each of two causes must have for both to be taken for what they are.
+/// Confidence that each of two causes, or what may be mistaken for it, must have for both to
+/// be taken for what they are.
 const SURE: f64 = 0.9;
 
 /// Whether a model that leaves nothing but noise is more than an imitation of one effect
 /// that the library lacks. Two of its effects that bend the response in much the same way,
-/// or one of which might as well be another, follow nearly any third; three follow anything.
+/// or one of which might as well be one that has nothing to do with it, follow nearly any
+/// third; three follow anything.
 pub(super) fn convincing(models: &Models, chosen: &Key) -> bool {
+    let sure = |id: &&str| probability(models, |other| other == *id || alike(other, id)) >= SURE;
+    match chosen.as_slice() {
+        [] | [_] => true,
+        [one, other] => !alike(one, other) && chosen.iter().all(sure),
+        _ => false,
+    }
+}
+
+/// Whether one of two effects may look like the other.
+fn alike(one: &str, other: &str) -> bool {
     let imitates = |one: &str, other: &str| {
         effects::find(one).is_some_and(|effect| effect.imitators().contains(&other))
     };
-    match chosen.as_slice() {
-        [] | [_] => true,
-        [one, other] => {
-            !imitates(one, other)
-                && !imitates(other, one)
-                && chosen.iter().all(|id| probability(models, id) >= SURE)
-        }
-        _ => false,
-    }
+    imitates(one, other) || imitates(other, one)
 }
 
 /// The causes of the model `chosen`, strongest first.
@@ -60,7 +64,7 @@ pub(super) fn named(
                     Some((parameter.name.to_owned(), estimate.clone()))
                 })
                 .collect();
-            let confidence = probability(models, id);
+            let confidence = probability(models, |other| other == id);
             let most = if explained { 1.0 } else { MOST_WITH_REMAINDER };
             let cause = Cause {
                 effect: id.to_owned(),
@@ -77,9 +81,9 @@ pub(super) fn named(
     causes.into_iter().map(|(_, cause)| cause).collect()
 }
 
-/// The probability that an effect is present: the weight of the fitted models
-/// that have it among all.
-fn probability(models: &Models, id: &str) -> f64 {
+/// The probability that an effect of some kind is present: the weight of the fitted models
+/// that have one among all.
+fn probability(models: &Models, is_of_kind: impl Fn(&str) -> bool) -> f64 {
     let criteria: Vec<(&Key, f64)> =
         models.all().map(|(key, _)| (key, models.criterion(key))).collect();
     let best = criteria.iter().map(|(_, criterion)| *criterion).fold(f64::INFINITY, f64::min);
@@ -87,7 +91,7 @@ fn probability(models: &Models, id: &str) -> f64 {
     let sum = |with: &dyn Fn(&Key) -> bool| -> f64 {
         criteria.iter().filter(|(key, _)| with(key)).map(|(_, c)| weight(*c)).sum()
     };
-    sum(&|key| key.contains(&id)) / sum(&|_| true)
+    sum(&|key| key.iter().any(|id| is_of_kind(id))) / sum(&|_| true)
 }
 
 /// Effects that explain the data as well in the place of `id`, the best first,

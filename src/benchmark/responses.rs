@@ -66,10 +66,10 @@ impl Responses {
     /// # Errors
     /// [`DrawError::Invalid`] where nothing has a response.
     pub fn exact(&self, std: Option<f64>) -> Result<Measurement, DrawError> {
-        self.measured(|response| {
+        measurement(self.measured(|response| {
             let harmonic = |(order, &value)| Harmonic { order, value, std };
             (response.iter().enumerate().map(harmonic).collect(), Vec::new())
-        })
+        }))
     }
 
     /// The measurement with noise of N dB.
@@ -82,14 +82,24 @@ impl Responses {
         statement: NoiseStatement,
         rng: &mut ChaCha8Rng,
     ) -> Result<Measurement, DrawError> {
-        let std = self.noise_std(noise_db)?;
+        measurement(self.experiments_with(self.noise_std(noise_db)?, statement, rng))
+    }
+
+    /// The experiments with noise of this deviation, response units; `run` is their place in
+    /// the design.
+    pub fn experiments_with(
+        &self,
+        std: f64,
+        statement: NoiseStatement,
+        rng: &mut ChaCha8Rng,
+    ) -> Vec<Experiment> {
         self.measured(|response| observe(response, Some(std), statement, rng))
     }
 
     fn measured(
         &self,
         mut observed: impl FnMut(&[Complex]) -> (Vec<Harmonic>, Vec<Repeat>),
-    ) -> Result<Measurement, DrawError> {
+    ) -> Vec<Experiment> {
         let experiment = |(point, response): (&Point, &Vec<Complex>)| {
             let (response, repeats) = observed(response);
             Experiment {
@@ -103,10 +113,13 @@ impl Responses {
                 from_record: false,
             }
         };
-        let experiments = self.points.iter().zip(&self.responses).map(experiment).collect();
-        // No bytes were read, so there is nothing to take a digest of.
-        Ok(Measurement::new(Metadata::default(), experiments, Vec::new(), String::new())?)
+        self.points.iter().zip(&self.responses).map(experiment).collect()
     }
+}
+
+/// No bytes were read, so there is nothing to take a digest of.
+fn measurement(experiments: Vec<Experiment>) -> Result<Measurement, DrawError> {
+    Ok(Measurement::new(Metadata::default(), experiments, Vec::new(), String::new())?)
 }
 
 fn cosine(magnitude: f64) -> Vec<Complex> {

@@ -53,6 +53,10 @@ pub(super) struct Args {
     /// Leaves the actuator's order to the data instead of giving the true one.
     #[arg(long)]
     order_from_data: bool,
+    /// Where a diagnosis asks for one more experiment, measures it and, apart from it, a
+    /// random one, and counts how often either leaves the hidden effect alone as the cause.
+    #[arg(long)]
+    separate: bool,
     /// Draws at once, each with its share of the cores [default: one a core].
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
@@ -93,7 +97,8 @@ impl Args {
     fn settings(&self) -> Settings {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let jobs = self.jobs.unwrap_or(threads);
-        Settings { seed: self.seed, order_from_data: self.order_from_data, jobs, threads }
+        let Self { seed, order_from_data, separate, .. } = *self;
+        Settings { seed, order_from_data, separate, jobs, threads }
     }
 
     /// What repeats a draw of this run, but for its key.

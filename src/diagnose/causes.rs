@@ -28,20 +28,16 @@ const SURE: f64 = 0.9;
 /// or one of which might as well be one that has nothing to do with it, follow nearly any
 /// third; three follow anything.
 pub(super) fn convincing(models: &Models, chosen: &Key) -> bool {
+    let alike = |one: &str, other: &str| {
+        let effects = effects::find(one).zip(effects::find(other));
+        effects.is_some_and(|(one, other)| effects::are_alike(one, other))
+    };
     let sure = |id: &&str| probability(models, |other| other == *id || alike(other, id)) >= SURE;
     match chosen.as_slice() {
         [] | [_] => true,
         [one, other] => !alike(one, other) && chosen.iter().all(sure),
         _ => false,
     }
-}
-
-/// Whether one of two effects may look like the other.
-fn alike(one: &str, other: &str) -> bool {
-    let imitates = |one: &str, other: &str| {
-        effects::find(one).is_some_and(|effect| effect.imitators().contains(&other))
-    };
-    imitates(one, other) || imitates(other, one)
 }
 
 /// The causes of the model `chosen`, strongest first.

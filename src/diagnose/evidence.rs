@@ -9,7 +9,6 @@
 
 use nalgebra::DMatrix;
 
-use crate::effects::{Coordinate, Effect};
 use crate::identify::{Linear, Model, Workbench};
 
 use super::subspace::Subspace;
@@ -21,10 +20,6 @@ const RARITY: f64 = 6.0;
 /// Least that a parameter costs: one that the data does not determine is no reason
 /// to prefer the model that has it.
 const LEAST: f64 = 4.0;
-
-/// Deviation of a size in units of itself where it is uniform in its logarithm over three
-/// decades: 1/(x·ln 1000) at x is the density of a uniform law of 2·√12 times x.
-const SCALE_FREE: f64 = 2.0;
 
 /// What one more order of the actuator costs: as an effect of one parameter.
 pub(super) const ORDER: f64 = RARITY + LEAST;
@@ -71,8 +66,9 @@ pub(super) fn complexity(workbench: &Workbench<'_>, model: &Model, yardstick: &Y
     let first = model.parameters_of(0).start;
     let base = Subspace::of(&jacobian.columns(0, first).into_owned());
     let own = base.complements(&jacobian.columns(first, model.parameters() - first).into_owned());
-    let prior_std = prior_std(workbench, model);
-    let scaled = DMatrix::from_fn(own.nrows(), own.ncols(), |row, i| own[(row, i)] * prior_std[i]);
+    let scaled = DMatrix::from_fn(own.nrows(), own.ncols(), |row, i| {
+        own[(row, i)] * model.prior_std(first + i)
+    });
     let information = scaled.tr_mul(&scaled) / yardstick.variance(model.cost);
     let volume: f64 = information
         .symmetric_eigenvalues()
@@ -80,25 +76,4 @@ pub(super) fn complexity(workbench: &Workbench<'_>, model: &Model, yardstick: &Y
         .map(|eigenvalue| (1.0 + eigenvalue.max(0.0)).ln().max(LEAST))
         .sum();
     volume + RARITY * model.effects().len() as f64
-}
-
-/// Standard deviation of every parameter of the effects, in its coordinate, before the data
-/// is seen: that of where a search looks first, and for a size (of what is absent at a known
-/// value) no more than its own magnitude allows, since nobody knows how large it should be.
-fn prior_std(workbench: &Workbench<'_>, model: &Model) -> Vec<f64> {
-    let of_effect = |(index, effect): (usize, &&'static dyn Effect)| {
-        let parameters = effect.parameters().iter().zip(workbench.ranges(*effect));
-        let each = model.parameters_of(index).zip(parameters);
-        each.map(|(i, (parameter, range))| {
-            let (wide, value) = (model.prior_std(i), model.value(i));
-            let absent = range.absent.filter(|absent| absent.is_finite());
-            let size = absent.map(|absent| match parameter.coordinate {
-                Coordinate::Linear => (value - absent).abs(),
-                Coordinate::Logarithmic => (value / absent).ln().abs(),
-            });
-            size.map_or(wide, |size| wide.min(SCALE_FREE * size))
-        })
-        .collect::<Vec<f64>>()
-    };
-    model.effects().iter().enumerate().flat_map(of_effect).collect()
 }

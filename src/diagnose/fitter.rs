@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::effects::Effect;
+use crate::effects::are_alike;
 use crate::identify::{Effort, Model, Workbench};
 use crate::observer::Observer as _;
 
@@ -21,15 +21,6 @@ fn best_first(mut models: Vec<Model>) -> Vec<Model> {
     models.retain(|model| model.cost.is_finite());
     models.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     models
-}
-
-/// Whether an effect that has gained this much on `from` so far may yet be as good
-/// as the leading model.
-fn is_rival(from: &Model, leader: &Model, effect: &'static dyn Effect, gain: f64) -> bool {
-    let mistaken = |own: &&'static dyn Effect| {
-        own.imitators().contains(&effect.id()) || effect.imitators().contains(&own.id())
-    };
-    leader.effects().iter().any(mistaken) || gain > RIVAL * (from.cost - leader.cost)
 }
 
 /// Who fits.
@@ -63,32 +54,28 @@ impl Fitter<'_> {
             stage.step();
             (probed, tried)
         };
-        let tried: Vec<(&Probed, Vec<Model>)> = probed.par_iter().map(try_out).collect();
-        let (mut open, mut fits) = (Vec::new(), Vec::new());
-        for (probed, mut models) in tried {
-            match promising(probed) {
-                true if !models.is_empty() => open.push((probed.effect, models)),
-                _ => fits.extend(models.pop()),
-            }
-        }
-        open.sort_by(|a, b| a.1[0].cost.total_cmp(&b.1[0].cost));
-        let rest = open.split_off(open.len().min(1));
-        fits.extend(open.into_iter().filter_map(|(_, models)| self.settled(models, FOLLOWED)));
-        let leader = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
-        let unexplained =
-            leader.as_ref().is_some_and(|leader| !self.yardstick.explains(leader.cost));
-        let follow = |(effect, models): (&'static dyn Effect, Vec<Model>)| {
+        let mut tried: Vec<(&Probed, Vec<Model>)> = probed.par_iter().map(try_out).collect();
+        tried.retain(|(_, models)| !models.is_empty());
+        tried.sort_by(|a, b| a.1[0].cost.total_cmp(&b.1[0].cost));
+        let Some(first) = tried.iter().position(|(probed, _)| promising(probed)) else {
+            return tried.into_iter().filter_map(|(_, models)| models.into_iter().next()).collect();
+        };
+        let (probed, models) = tried.remove(first);
+        let Some(leader) = self.settled(models, FOLLOWED) else { return Vec::new() };
+        let unexplained = !self.yardstick.explains(leader.cost);
+        let most = from.cost - leader.cost;
+        let follow = |(rival, models): (&Probed, Vec<Model>)| {
             let gain = from.cost - models[0].cost;
-            let rival = |leader: &Model| is_rival(from, leader, effect, gain);
-            if leader.as_ref().is_none_or(rival) {
+            if are_alike(probed.effect, rival.effect) || gain > RIVAL * most {
                 self.settled(models, FOLLOWED)
-            } else if self.patient && unexplained {
+            } else if self.patient && unexplained && promising(rival) {
                 self.settled(models, 1)
             } else {
                 models.into_iter().next()
             }
         };
-        fits.extend(rest.into_par_iter().filter_map(follow).collect::<Vec<Model>>());
+        let mut fits: Vec<Model> = tried.into_par_iter().filter_map(follow).collect();
+        fits.push(leader);
         fits
     }
 

@@ -116,6 +116,11 @@ pub fn find(id: &str) -> Option<&'static dyn Effect> {
     ALL.iter().copied().find(|effect| effect.id() == id)
 }
 
+/// Whether one of two effects may look like the other.
+pub fn are_alike(one: &dyn Effect, other: &dyn Effect) -> bool {
+    one.imitators().contains(&other.id()) || other.imitators().contains(&one.id())
+}
+
 /// An effect with values for its parameters.
 #[derive(Debug, Clone)]
 pub struct ActiveEffect {

@@ -72,6 +72,16 @@ impl Measurement {
         Ok(Self { metadata, experiments, notes, sha256 })
     }
 
+    /// The same with one more experiment at the end.
+    ///
+    /// # Errors
+    /// As for [`Measurement::new`].
+    pub fn with(&self, experiment: Experiment) -> Result<Self, InvalidMeasurement> {
+        let Self { metadata, experiments, notes, sha256 } = self.clone();
+        let experiments = experiments.into_iter().chain([experiment]).collect();
+        Self::new(metadata, experiments, notes, sha256)
+    }
+
     /// What the upload says of itself.
     pub fn metadata(&self) -> &Metadata {
         &self.metadata

@@ -40,6 +40,8 @@ pub(super) fn made(hidden: &[&'static str]) -> Made {
         excess: 1_000.0,
         plant: IndexMap::from([("pole", -10.0)]),
         measurement: measure(&machine, 1).expect("a machine that moves"),
+        noise_std: 0.1,
+        machine,
         attempts: 1,
     }
 }

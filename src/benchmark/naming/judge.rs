@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::case::{Case, Kind};
 use super::make::{Hidden, Made};
+use super::separation::Separation;
 use crate::answers::{Diagnosis, ParameterEstimate, Verdict};
 
 /// Equivalents that count, at most.
@@ -31,6 +32,9 @@ pub struct Outcome {
     pub hidden: Vec<Hidden>,
     /// What was said; the error where nothing was.
     pub answer: Result<Answer, String>,
+    /// Whether the next experiment told the hidden effect from its rivals; null where that
+    /// was not tried.
+    pub separation: Option<Separation>,
     /// What it took.
     pub seconds: Seconds,
 }
@@ -120,6 +124,7 @@ impl Outcome {
             excess: made.excess,
             hidden: made.hidden.clone(),
             answer: answer.map(|diagnosis| Answer::of(diagnosis, made)),
+            separation: None,
             seconds,
         }
     }

@@ -15,7 +15,7 @@ use crate::benchmark::hidden::{IDS, draw_effect};
 use crate::benchmark::responses::Responses;
 use crate::benchmark::simulator::{Effect, Settings};
 use crate::diagnose::DiagnoseError;
-use crate::measurement::Measurement;
+use crate::measurement::{InvalidMeasurement, Measurement};
 use crate::observer::Observer;
 use crate::plant::{Actuator, Plant};
 
@@ -51,6 +51,10 @@ pub struct Made {
     pub excess: f64,
     /// Parameters of the plant by the name under which they are reported.
     pub plant: IndexMap<&'static str, f64>,
+    /// The machine and how it is measured.
+    pub machine: Draw,
+    /// Standard deviation of re and of im of every harmonic, response units.
+    pub noise_std: f64,
     /// What is shown to the diagnosis.
     pub measurement: Measurement,
     /// Machines and shapes that were tried, this one included.
@@ -78,6 +82,9 @@ pub enum MakeError {
     /// The machine has no measurement.
     #[error(transparent)]
     Draw(#[from] DrawError),
+    /// One more experiment makes no valid measurement.
+    #[error(transparent)]
+    Invalid(#[from] InvalidMeasurement),
 }
 
 /// Draws a case; everything random follows from `base_seed` and the case's key. The observer
@@ -107,18 +114,24 @@ pub fn make(case: &Case, base_seed: u64, observer: &dyn Observer) -> Result<Made
             },
         };
         let Some(hidden) = judged(case, &machine, &responses, excess)? else { continue };
-        let statement =
-            if case.has_repeats() { NoiseStatement::Repeats(REPEATS) } else { NoiseStatement::Std };
-        let measurement = responses.noisy(f64::from(case.level_db), statement, rng)?;
+        let noise_db = f64::from(case.level_db);
+        let measurement = responses.noisy(noise_db, statement(case), rng)?;
         return Ok(Made {
             hidden,
             excess,
             plant: truth(&machine.plant),
+            noise_std: responses.noise_std(noise_db)?,
+            machine,
             measurement,
             attempts: attempt,
         });
     }
     Err(MakeError::Unreachable)
+}
+
+/// How a draw tells its noise.
+pub(super) fn statement(case: &Case) -> NoiseStatement {
+    if case.has_repeats() { NoiseStatement::Repeats(REPEATS) } else { NoiseStatement::Std }
 }
 
 /// Excesses to reach, one for each effect that may be hidden.

@@ -7,6 +7,7 @@
 //! - `outsiders`, `rivals`: what the library does not have, and how well a single effect of
 //!   it would explain a response all the same.
 //! - `make`: a machine, what is hidden in it, and its measurement.
+//! - `separation`: whether the next experiment ends a doubt sooner than a random one.
 //! - `judge`: one answer against the truth. `rate`, `summary`, `text`: all of them.
 //! - `run`: many draws at once.
 
@@ -20,6 +21,7 @@ mod outsiders;
 mod rate;
 mod rivals;
 mod run;
+mod separation;
 mod size;
 mod summary;
 mod text;
@@ -32,5 +34,6 @@ pub use outsiders::{OUTSIDERS, draw_outsider};
 pub use rate::Rate;
 pub use rivals::Rivals;
 pub use run::{Run, Settings, Unmade, run_all, run_case};
+pub use separation::Separation;
 pub use summary::{ConfidenceBin, Confusion, EffectRates, Line, NONE, Summary, Times, Wanted};
 pub use text::{case_text, misses_text, summary_text};

@@ -7,9 +7,10 @@ use std::time::Instant;
 
 use rand::RngExt;
 
-use super::case::Case;
+use super::case::{Case, Kind};
 use super::judge::{Outcome, Seconds};
 use super::make::make;
+use super::separation::separate;
 use crate::answers::{Diagnosis, IdentifyOptions, PlantRequest};
 use crate::diagnose::diagnose;
 use crate::identify::IdentifyRequest;
@@ -22,6 +23,8 @@ pub struct Settings {
     pub seed: u64,
     /// Whether the actuator's order is left to the data.
     pub order_from_data: bool,
+    /// Whether to try the next experiment where one is asked for of a single effect.
+    pub separate: bool,
     /// Draws at once; each has its share of `threads`.
     pub jobs: usize,
     /// Threads of all of them together.
@@ -67,7 +70,14 @@ pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Re
     let answer = diagnose(&made.measurement, &request, observer);
     let seconds = Seconds { data, job: began.elapsed().as_secs_f64() };
     let judged = answer.as_ref().map_err(ToString::to_string);
-    let outcome = Outcome::new(case, &made, judged, seconds);
+    let mut outcome = Outcome::new(case, &made, judged, seconds);
+    if let Some(answer) =
+        answer.as_ref().ok().filter(|_| settings.separate && case.kind == Kind::Single)
+    {
+        let rng = &mut case.rng(settings.seed.swap_bytes());
+        outcome.separation = separate(case, &made, answer, &request, rng, observer)
+            .map_err(|error| Unmade { key: case.to_string(), reason: error.to_string() })?;
+    }
     Ok(Run { outcome, diagnosis: answer.ok() })
 }
 
@@ -121,7 +131,7 @@ mod tests {
     use crate::observer::Silent;
 
     fn settings(jobs: usize) -> Settings {
-        Settings { seed: 7, order_from_data: false, jobs, threads: jobs }
+        Settings { seed: 7, order_from_data: false, separate: false, jobs, threads: jobs }
     }
 
     fn cases() -> Vec<Case> {

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::case::Kind;
 use super::judge::{Estimated, Outcome};
 use super::rate::Rate;
+use super::separation::Separation;
 use crate::answers::Verdict;
 
 /// Excess at which one bin ends and the next begins.
@@ -199,6 +200,17 @@ fn lines(outcomes: &[Outcome], levels: &[u32]) -> Vec<Line> {
     say(Kind::Outsider, None, explained, Wanted::AtMost(0.05));
     say(Kind::Outsider, None, certain, Wanted::AtMost(0.10));
     say(Kind::Outsider, None, something, Wanted::Nothing);
+
+    let mut separated = |what, by: fn(&Separation) -> bool| {
+        let tried = at(Kind::Single, None).filter_map(|o| o.separation.as_ref());
+        let rate = Rate::count(tried.map(by));
+        if rate.of > 0 {
+            let (kind, wanted) = (Kind::Single, Wanted::Nothing);
+            lines.push(Line { kind, level_db: None, what, rate, wanted });
+        }
+    };
+    separated("no doubt left by the next experiment", |s| s.asked_for);
+    separated("no doubt left by a random experiment", |s| s.random);
 
     for kind in [Kind::Single, Kind::Pair] {
         for &level in levels {

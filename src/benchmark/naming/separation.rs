@@ -1,0 +1,111 @@
+//! Whether the experiment that a diagnosis asks for tells its cause from the rivals.
+
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+use super::make::{Made, statement};
+use super::{Case, MakeError};
+use crate::answers::{Diagnosis, NextExperiment};
+use crate::benchmark::draw::{Draw, log_uniform};
+use crate::benchmark::responses::Responses;
+use crate::benchmark::simulator::Settings;
+use crate::diagnose::diagnose;
+use crate::identify::IdentifyRequest;
+use crate::measurement::Measurement;
+use crate::observer::Observer;
+
+/// Whether one more experiment left the hidden effect alone as the cause.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Separation {
+    /// The one that was asked for.
+    pub asked_for: bool,
+    /// One at a magnitude and a frequency drawn from the range of the others.
+    pub random: bool,
+}
+
+/// Adds to a draw the experiment that its diagnosis asks for and, apart from it, a random
+/// one, measured as the others were, and has both diagnosed. `None` where nothing is asked
+/// for, or the machine has no response there.
+///
+/// # Errors
+/// See [`MakeError`].
+pub(super) fn separate(
+    case: &Case,
+    made: &Made,
+    diagnosis: &Diagnosis,
+    request: &IdentifyRequest,
+    rng: &mut ChaCha8Rng,
+    observer: &dyn Observer,
+) -> Result<Option<Separation>, MakeError> {
+    let Some(NextExperiment { magnitude, omega_rad_s, .. }) = diagnosis.next_experiment else {
+        return Ok(None);
+    };
+    let random = random_point(&made.machine, rng);
+    let mut separates = |point| -> Result<Option<bool>, MakeError> {
+        let Some(measurement) = with_experiment(case, made, point, rng)? else { return Ok(None) };
+        let answer = diagnose(&measurement, request, observer)?;
+        let hidden = |id: &str| made.hidden.iter().any(|hidden| hidden.effect == id);
+        let alone =
+            answer.causes.first().is_some_and(|c| hidden(&c.effect) && c.equivalents.is_empty());
+        Ok(Some(alone))
+    };
+    let both = (separates((magnitude, omega_rad_s))?, separates(random)?);
+    Ok(match both {
+        (Some(asked_for), Some(random)) => Some(Separation { asked_for, random }),
+        _ => None,
+    })
+}
+
+/// Uniform in the logarithms of magnitude and frequency over a design.
+fn random_point(machine: &Draw, rng: &mut ChaCha8Rng) -> (f64, f64) {
+    let mut within = |value: fn(&(f64, f64)) -> f64| {
+        let values = || machine.design.iter().map(value);
+        log_uniform(values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max), rng)
+    };
+    (within(|point| point.0), within(|point| point.1))
+}
+
+/// The measurement with one more experiment at the end of the acquisition.
+fn with_experiment(
+    case: &Case,
+    made: &Made,
+    point: (f64, f64),
+    rng: &mut ChaCha8Rng,
+) -> Result<Option<Measurement>, MakeError> {
+    // What drifts has drifted by then: the point is the second of two.
+    let design = made.machine.design.last().copied().into_iter().chain([point]).collect();
+    let machine = Draw { design, ..made.machine.clone() };
+    let responses = Responses::simulate(&machine, &Settings::default())?;
+    let added = responses.experiments_with(made.noise_std, statement(case), rng);
+    let last = made.measurement.experiments().iter().filter_map(|e| e.run).fold(0.0, f64::max);
+    let Some(mut added) = added.into_iter().find(|added| added.run == Some(1.0)) else {
+        return Ok(None);
+    };
+    added.run = Some(last);
+    Ok(Some(made.measurement.with(added)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::benchmark::naming::make;
+    use crate::observer::Silent;
+
+    #[test]
+    fn one_more_experiment_stands_at_the_end_and_is_as_noisy_as_the_others() {
+        for key in ["single-50-friction_drift-o0-0", "single-50-gain_asymmetry-o0-4"] {
+            let case: Case = key.parse().unwrap();
+            let made = make(&case, 1, &Silent).unwrap();
+            let rng = &mut case.rng(2);
+            let (magnitude, omega) = random_point(&made.machine, rng);
+            let extended = with_experiment(&case, &made, (magnitude, omega), rng).unwrap().unwrap();
+            let [.., before, added] = extended.experiments() else { panic!("two experiments") };
+            assert_eq!(extended.experiments().len(), made.measurement.experiments().len() + 1);
+            assert_eq!((added.magnitude, added.omega_rad_s), (magnitude, omega));
+            assert_eq!((added.run, added.repeats.len()), (before.run, before.repeats.len()));
+            assert_eq!(added.response[1].std, before.response[1].std);
+            let lowest = made.machine.design[0];
+            assert!(magnitude >= lowest.0 && magnitude <= 4.0 * lowest.0 && omega >= lowest.1);
+        }
+    }
+}

@@ -149,3 +149,50 @@ fn rejection(models: &Models, chosen: &Key, id: &'static str) -> String {
         false => format!("{} explains the data better", chosen.join(" with ")),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::fitted_to;
+    use super::*;
+
+    fn key(ids: &[&'static str]) -> Key {
+        let mut key = ids.to_vec();
+        key.sort_unstable();
+        key
+    }
+
+    #[test]
+    fn two_causes_convince_unless_they_are_alike_or_something_else_might_stand_there() {
+        let pair = ["spring", "transport_delay"];
+        let alone = fitted_to(&[(&["spring"], 1e4), (&pair, 100.0)]);
+        assert!(convincing(&alone, &key(&pair)));
+        let might_lag = fitted_to(&[(&pair, 100.0), (&["spring", "sensor_lag"], 100.0)]);
+        assert!(convincing(&might_lag, &key(&pair)), "a lag is what a delay is mistaken for");
+        let might_drift = fitted_to(&[(&pair, 100.0), (&["spring", "friction_drift"], 100.0)]);
+        assert!(!convincing(&might_drift, &key(&pair)));
+        let alike = ["quadratic_drag", "stribeck"];
+        assert!(!convincing(&fitted_to(&[(&alike, 100.0)]), &key(&alike)));
+    }
+
+    #[test]
+    fn one_cause_convinces_and_three_do_not() {
+        let three = ["spring", "transport_delay", "friction_drift"];
+        let models = fitted_to(&[(&["spring"], 100.0), (&three, 50.0)]);
+        assert!(convincing(&models, &key(&["spring"])) && convincing(&models, &Key::new()));
+        assert!(!convincing(&models, &key(&three)));
+    }
+
+    #[test]
+    fn rivals_are_what_fits_as_well_in_the_same_place_the_best_first() {
+        let models = fitted_to(&[
+            (&["sensor_lag"], 101.0),
+            (&["transport_delay"], 100.0),
+            (&["friction_drift"], 150.0),
+            (&["sensor_lag", "spring"], 99.0),
+        ]);
+        let chosen = key(&["transport_delay"]);
+        let ids: Vec<&str> =
+            rivals(&models, &chosen, "transport_delay").into_iter().map(|rival| rival.0).collect();
+        assert_eq!(ids, ["sensor_lag"]);
+    }
+}

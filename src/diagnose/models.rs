@@ -112,3 +112,36 @@ impl Models {
             .unwrap_or_default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::fitted_to;
+
+    #[test]
+    fn of_models_with_the_same_effects_the_best_fit_is_kept() {
+        let models = fitted_to(&[(&["spring"], 300.0), (&["spring"], 200.0), (&["spring"], 250.0)]);
+        assert_eq!(models.get(&vec!["spring"]).unwrap().cost, 200.0);
+        assert!(models.get(&vec!["cogging"]).is_none());
+    }
+
+    #[test]
+    fn an_effect_is_worth_what_the_misfit_grows_by_without_it() {
+        let models = fitted_to(&[
+            (&["spring"], 300.0),
+            (&["sensor_lag"], 500.0),
+            (&["spring", "sensor_lag"], 120.0),
+        ]);
+        let pair = vec!["sensor_lag", "spring"];
+        assert_eq!(models.loss(&pair, "spring"), 380.0);
+        assert_eq!(models.loss(&pair, "sensor_lag"), 180.0);
+        // Nothing is known of a triple, nor of what its effects are worth.
+        assert_eq!(models.loss(&vec!["cogging", "sensor_lag", "spring"], "cogging"), 0.0);
+    }
+
+    #[test]
+    fn more_parameters_must_gain_more() {
+        let models = fitted_to(&[(&["spring"], 200.0), (&["hardening_spring"], 199.0)]);
+        assert_eq!(models.ranked(1), [vec!["spring"], vec!["hardening_spring"]]);
+        assert_eq!(models.ranked(2).len(), 0);
+    }
+}

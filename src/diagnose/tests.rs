@@ -6,6 +6,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use super::evidence::Yardstick;
+use super::models::{Models, Visited};
 use super::regions::Regions;
 use super::residual::Residuals;
 use super::whiteness::{Judgement, Nulls};
@@ -13,6 +15,7 @@ use super::*;
 use crate::answers::{Discrepancy, IdentifyOptions, PlantRequest};
 use crate::benchmark::draw::{Draw, NoiseStatement, draw, measure, noise_std, observe};
 use crate::benchmark::simulator;
+use crate::identify::Model;
 use crate::measurement::{Complex, Experiment, Metadata};
 use crate::observer::Silent;
 
@@ -56,6 +59,23 @@ fn request() -> IdentifyRequest {
 
 fn residuals(measurement: &Measurement) -> Residuals {
     Residuals::of(&crate::identify::fit_base(measurement, &request(), &Silent).unwrap())
+}
+
+/// Models with these effects as if they had been fitted to these costs, of data whose noise
+/// is known; every effect's parameters are in the middle of their ranges.
+pub(super) fn fitted_to(costs: &[(&[&str], f64)]) -> Models {
+    let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());
+    let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
+    let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
+    let mut models = Models::new(workbench.base().clone(), yardstick);
+    for (ids, cost) in costs {
+        let effects = ids.iter().map(|id| crate::effects::find(id).unwrap());
+        let extend = |model: Model, effect| workbench.extend(&model, effect);
+        let mut model = effects.fold(workbench.base().clone(), extend);
+        model.cost = *cost;
+        models.keep(Visited::new(&workbench, model, &yardstick));
+    }
+    models
 }
 
 // Each measurement is fitted anew: nothing is linear but the null. 150 of them: a share of

@@ -76,6 +76,20 @@ fn the_base_models_chi2_is_its_excess_and_that_of_the_noise() {
     }
 }
 
+// The cheapest of those below.
+#[test]
+fn a_small_draw_is_named_and_what_is_clean_is_not() {
+    for (key, named) in [
+        ("single-60-static_friction-o0-0", Some("static_friction")),
+        ("single-40-gain_asymmetry-o1-4", Some("gain_asymmetry")),
+        ("clean-60-o0-0", None),
+    ] {
+        let outcome = outcome(key);
+        let causes: Vec<&str> = outcome.causes().iter().map(|c| c.effect.as_str()).collect();
+        assert_eq!(causes, named.into_iter().collect::<Vec<_>>(), "{key}");
+    }
+}
+
 #[test]
 #[ignore = "slow: 8 diagnoses"]
 fn a_single_hidden_effect_is_named_and_explains_the_data() {

@@ -61,7 +61,7 @@ impl Fitter<'_> {
             return tried.into_iter().filter_map(|(_, models)| models.into_iter().next()).collect();
         };
         let (probed, models) = tried.remove(first);
-        let Some(leader) = self.settled(models, FOLLOWED) else { return Vec::new() };
+        let leader = self.settled(models, FOLLOWED).unwrap_or_else(|| from.clone());
         let unexplained = !self.yardstick.explains(leader.cost);
         let most = from.cost - leader.cost;
         let follow = |(rival, models): (&Probed, Vec<Model>)| {

@@ -46,7 +46,7 @@ pub(super) fn diagnose(
     let best = studies.remove(0);
     if best.order() < suited {
         said.push(format!(
-            "the base model alone would take an actuator of order {suited}; {} explains the data",
+            "without any effect the data asks for an actuator of order {suited}; better is {}",
             described(&best)
         ));
     }

@@ -15,9 +15,12 @@ pub(super) const EQUIVALENT: f64 = 9.0;
 /// Equivalents that are listed, at most.
 const MOST_EQUIVALENTS: usize = 2;
 
-/// Confidence in a cause is at most this where something remains that nothing
-/// in the library explains, or may hide behind a combination of its effects.
-const MOST_WITH_REMAINDER: f64 = 0.85;
+/// Confidence in a cause is at most this where something remains that nothing in the library
+/// explains: what has no name of its own then looks like what has.
+const MOST_WITH_REMAINDER: f64 = 0.4;
+
+/// The same where nothing remains, but the causes may together imitate something else.
+const MOST_IF_IMITATION: f64 = 0.85;
 
 /// Confidence that each of two causes, or what may be mistaken for it, must have for both to
 /// be taken for what they are.
@@ -40,13 +43,18 @@ pub(super) fn convincing(models: &Models, chosen: &Key) -> bool {
     }
 }
 
-/// The causes of the model `chosen`, strongest first.
+/// The causes of the model `chosen`, which leaves noise alone where it `fits`, strongest first.
 pub(super) fn named(
     models: &Models,
     chosen: &Key,
     extended: &Identification,
-    explained: bool,
+    fits: bool,
 ) -> Vec<Cause> {
+    let most = match (fits, convincing(models, chosen)) {
+        (true, true) => 1.0,
+        (true, false) => MOST_IF_IMITATION,
+        (false, _) => MOST_WITH_REMAINDER,
+    };
     let mut causes: Vec<(f64, Cause)> = chosen
         .iter()
         .filter_map(|id| effects::find(id))
@@ -61,7 +69,6 @@ pub(super) fn named(
                 })
                 .collect();
             let confidence = probability(models, |other| other == id);
-            let most = if explained { 1.0 } else { MOST_WITH_REMAINDER };
             let cause = Cause {
                 effect: id.to_owned(),
                 parameters,

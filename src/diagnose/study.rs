@@ -111,7 +111,7 @@ impl<'a> Study<'a> {
         let extended = extended(workbench, &models, &chosen)?;
         let causes = extended
             .as_ref()
-            .map(|extended| causes::named(&models, &chosen, extended, explained))
+            .map(|extended| causes::named(&models, &chosen, extended, fits))
             .unwrap_or_default();
         let next_experiment = causes.iter().find_map(|cause| {
             let rivals = causes::rivals(&models, &chosen, &cause.effect);

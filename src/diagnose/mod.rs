@@ -40,15 +40,12 @@ mod whiteness;
 #[cfg(test)]
 mod tests;
 
-use crate::answers::{Diagnosis, Discrepancy, Identification, PlantRequest};
-use crate::identify::{self, IdentifyError, IdentifyRequest, Workbench};
+use crate::answers::{Diagnosis, Discrepancy, Identification};
+use crate::identify::{self, IdentifyError, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
-use progress::{Part, Quiet};
-
-/// Share of a diagnosis that is fitting the base model.
-const FITTING: f64 = 0.1;
+use progress::Part;
 
 /// Why a diagnosis gave no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -90,18 +87,5 @@ pub fn diagnose(
     observer: &dyn Observer,
 ) -> Result<Diagnosis, DiagnoseError> {
     let whole = Part { whole: observer, span: [0.0, 1.0] };
-    let fitting = whole.part([0.0, FITTING]);
-    let first = Workbench::new(measurement, request, &fitting)?;
-    let below = if request.plant.is_some() { 0 } else { first.order() };
-    let given = |actuator_order| PlantRequest { actuator_order };
-    let lower: Vec<IdentifyRequest> = (0..below)
-        .rev()
-        .map(|order| IdentifyRequest { plant: Some(given(order)), ..*request })
-        .collect();
-    let quietly = Quiet(&whole);
-    let mut workbenches = vec![first];
-    for request in &lower {
-        workbenches.push(Workbench::new(measurement, request, &quietly)?);
-    }
-    orders::diagnose(&workbenches, whole.part([FITTING, 1.0]), request)
+    orders::diagnose(measurement, request, whole)
 }

@@ -4,42 +4,60 @@
 //! model was fitted alone: a delay or a lag is much like one. So where the order is left to
 //! the data, every lower one is studied as well.
 
-use crate::answers::Diagnosis;
+use crate::answers::{Diagnosis, PlantRequest};
 use crate::identify::{IdentifyRequest, Workbench};
+use crate::measurement::Measurement;
 
 use super::DiagnoseError;
 use super::causes::EQUIVALENT;
 use super::evidence::ORDER;
-use super::progress::Part;
+use super::progress::{Part, Quiet};
 use super::study::Study;
 
-/// Share of the whole that looking at every effect alone takes.
-const SINGLES: f64 = 0.5;
+/// Shares of the whole: fitting the base model, every effect alone, and several together
+/// with the best order and with the next best.
+const FITTING: [f64; 2] = [0.0, 0.1];
+const SINGLES: [f64; 2] = [0.1, 0.55];
+const COMBINING: [[f64; 2]; 2] = [[0.55, 0.8], [0.8, 1.0]];
 
-/// The diagnosis with the best of some base models: that which was chosen without any
-/// effect comes first, and stays unless another is clearly better.
+/// The diagnosis with the order that was asked for; where none was, with the one that the
+/// base model takes without any effect, unless a lower one is clearly better.
 ///
 /// # Errors
 /// See [`DiagnoseError`].
 pub(super) fn diagnose(
-    workbenches: &[Workbench<'_>],
-    part: Part<'_>,
+    measurement: &Measurement,
     request: &IdentifyRequest,
+    part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
     let (seed, most) = (request.options.seed, request.options.most_effects);
-    let suited = workbenches[0].order();
-    let each = SINGLES / workbenches.len() as f64;
+    let fitting = part.part(FITTING);
+    let first = Workbench::new(measurement, request, &fitting)?;
+    let suited = first.order();
+    let lower: Vec<IdentifyRequest> = (0..suited)
+        .filter(|_| request.plant.is_none())
+        .map(|actuator_order| IdentifyRequest {
+            plant: Some(PlantRequest { actuator_order }),
+            ..*request
+        })
+        .collect();
+    let quietly = Quiet(&fitting);
+    let mut workbenches = vec![first];
+    for request in &lower {
+        workbenches.push(Workbench::new(measurement, request, &quietly)?);
+    }
+    let each = 1.0 / workbenches.len() as f64;
     let mut studies = Vec::with_capacity(workbenches.len());
     for (i, workbench) in workbenches.iter().enumerate() {
-        let begin = i as f64 * each;
-        studies.push(Study::new(workbench, part.part([begin, begin + each]), seed)?);
+        let own = part.part(SINGLES).part([i, i + 1].map(|end| end as f64 * each));
+        studies.push(Study::new(workbench, own, seed)?);
     }
     let standing =
         |study: &Study<'_>| weight(study) - if study.order() == suited { EQUIVALENT } else { 0.0 };
     studies.sort_by(|a, b| standing(a).total_cmp(&standing(b)));
-    studies[0].combine(part.part([SINGLES, 0.75]), most)?;
+    studies[0].combine(part.part(COMBINING[0]), most)?;
     if !studies[0].explained() && studies.len() > 1 {
-        studies[1].combine(part.part([0.75, 1.0]), most)?;
+        studies[1].combine(part.part(COMBINING[1]), most)?;
         studies.sort_by(|a, b| standing(a).total_cmp(&standing(b)));
     }
     let mut said = Vec::new();

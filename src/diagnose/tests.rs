@@ -15,7 +15,7 @@ use super::*;
 use crate::answers::{Discrepancy, IdentifyOptions, PlantRequest};
 use crate::benchmark::draw::{Draw, NoiseStatement, draw, measure, noise_std, observe};
 use crate::benchmark::simulator;
-use crate::identify::Model;
+use crate::identify::{Model, Workbench};
 use crate::measurement::{Complex, Experiment, Metadata};
 use crate::observer::Silent;
 

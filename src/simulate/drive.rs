@@ -45,6 +45,7 @@ pub(super) fn torque<'e, S: Scalar>(
         let grid = excitation.grid().unwrap_or_else(|| Grid::at_least(fewest));
         return (linear(actuator, excitation, grid), grid);
     }
+    // Well damped, it dies out in the layers behind a kink.
     let ringing = match actuator.map(Scalar::value) {
         Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } if damping_ratio < 2.0 => {
             natural_frequency_rad_s

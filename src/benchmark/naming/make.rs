@@ -15,7 +15,7 @@ use crate::benchmark::hidden::{IDS, draw_effect};
 use crate::benchmark::responses::Responses;
 use crate::benchmark::simulator::{Effect, Settings};
 use crate::diagnose::DiagnoseError;
-use crate::measurement::{InvalidMeasurement, Measurement};
+use crate::measurement::Measurement;
 use crate::observer::Observer;
 use crate::plant::{Actuator, Plant};
 
@@ -82,9 +82,6 @@ pub enum MakeError {
     /// The machine has no measurement.
     #[error(transparent)]
     Draw(#[from] DrawError),
-    /// One more experiment makes no valid measurement.
-    #[error(transparent)]
-    Invalid(#[from] InvalidMeasurement),
 }
 
 /// Draws a case; everything random follows from `base_seed` and the case's key. The observer

@@ -74,6 +74,7 @@ pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Re
     if let Some(answer) =
         answer.as_ref().ok().filter(|_| settings.separate && case.kind == Kind::Single)
     {
+        // A third stream.
         let rng = &mut case.rng(settings.seed.swap_bytes());
         outcome.separation = separate(case, &made, answer, &request, rng, observer)
             .map_err(|error| Unmade { key: case.to_string(), reason: error.to_string() })?;

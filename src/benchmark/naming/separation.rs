@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::make::{Made, statement};
 use super::{Case, MakeError};
 use crate::answers::{Diagnosis, NextExperiment};
-use crate::benchmark::draw::{Draw, log_uniform};
+use crate::benchmark::draw::{Draw, DrawError, log_uniform};
 use crate::benchmark::responses::Responses;
 use crate::benchmark::simulator::Settings;
 use crate::diagnose::diagnose;
@@ -82,7 +82,7 @@ fn with_experiment(
         return Ok(None);
     };
     added.run = Some(last);
-    Ok(Some(made.measurement.with(added)?))
+    Ok(Some(made.measurement.with(added).map_err(DrawError::from)?))
 }
 
 #[cfg(test)]

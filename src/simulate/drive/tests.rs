@@ -76,7 +76,7 @@ fn behind_the_actuator_every_harmonic_is_filtered_by_it() {
         Actuator::FirstOrder { corner_rad_s: 700.0 },
         Actuator::SecondOrder { natural_frequency_rad_s: 20.0, damping_ratio: 0.1 },
         Actuator::SecondOrder { natural_frequency_rad_s: 2e3, damping_ratio: 0.1 },
-        Actuator::SecondOrder { natural_frequency_rad_s: 1e4, damping_ratio: 1e-4 },
+        Actuator::SecondOrder { natural_frequency_rad_s: 1e4, damping_ratio: 0.5 },
         Actuator::SecondOrder { natural_frequency_rad_s: 20.0, damping_ratio: 1.0 },
         Actuator::SecondOrder { natural_frequency_rad_s: 20.0, damping_ratio: 4.0 },
     ];

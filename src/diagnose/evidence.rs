@@ -9,6 +9,7 @@
 
 use nalgebra::DMatrix;
 
+use crate::effects::Coordinate;
 use crate::identify::{Linear, Model, Workbench};
 
 use super::subspace::Subspace;
@@ -20,6 +21,10 @@ const RARITY: f64 = 6.0;
 /// Least that a parameter costs: one that the data does not determine is no reason
 /// to prefer the model that has it.
 const LEAST: f64 = 4.0;
+
+/// Deviation of how much there is of an effect, in units of what was found: machines differ in
+/// that by orders of magnitude, so that no range would be fair to a large and to a small one.
+const SIZE: f64 = 2.0;
 
 /// What one more order of the actuator costs: as an effect of one parameter.
 pub(super) const ORDER: f64 = RARITY + LEAST;
@@ -66,9 +71,8 @@ pub(super) fn complexity(workbench: &Workbench<'_>, model: &Model, yardstick: &Y
     let first = model.parameters_of(0).start;
     let base = Subspace::of(&jacobian.columns(0, first).into_owned());
     let own = base.complements(&jacobian.columns(first, model.parameters() - first).into_owned());
-    let scaled = DMatrix::from_fn(own.nrows(), own.ncols(), |row, i| {
-        own[(row, i)] * model.prior_std(first + i)
-    });
+    let deviations = deviations(workbench, model);
+    let scaled = DMatrix::from_fn(own.nrows(), own.ncols(), |row, i| own[(row, i)] * deviations[i]);
     let information = scaled.tr_mul(&scaled) / yardstick.variance(model.cost);
     let volume: f64 = information
         .symmetric_eigenvalues()
@@ -76,4 +80,22 @@ pub(super) fn complexity(workbench: &Workbench<'_>, model: &Model, yardstick: &Y
         .map(|eigenvalue| (1.0 + eigenvalue.max(0.0)).ln().max(LEAST))
         .sum();
     volume + RARITY * model.effects().len() as f64
+}
+
+/// Standard deviations of the effects' parameters before the data is seen, in coordinates.
+fn deviations(workbench: &Workbench<'_>, model: &Model) -> Vec<f64> {
+    let mut deviations = Vec::new();
+    for (i, effect) in model.effects().iter().enumerate() {
+        let ranges = workbench.ranges(*effect);
+        let own = model.parameters_of(i);
+        let size = model.value(own.start);
+        deviations.extend(own.map(|parameter| model.prior_std(parameter)));
+        let first = deviations.len() - ranges.len();
+        if let (Coordinate::Linear, Some(absent)) =
+            (effect.parameters()[0].coordinate, ranges[0].absent)
+        {
+            deviations[first] = SIZE * (size - absent).abs();
+        }
+    }
+    deviations
 }

@@ -25,6 +25,7 @@ const DRAWS: u64 = 600;
 const LEVEL: f64 = 0.003;
 
 /// Null distributions of what every effect of a family takes up.
+#[derive(Clone)]
 pub(super) struct Family {
     members: Vec<(&'static str, Null)>,
     limit: f64,

@@ -18,6 +18,8 @@ mod discrepancy;
 mod evidence;
 mod family;
 mod fitter;
+mod folds;
+mod gain;
 mod groups;
 mod layout;
 mod models;
@@ -35,6 +37,7 @@ mod sentence;
 mod statistics;
 mod study;
 mod subspace;
+mod unseen;
 mod whiteness;
 
 #[cfg(test)]

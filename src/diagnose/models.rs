@@ -1,6 +1,6 @@
 //! The models that were fitted, and what decides between them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::identify::{Model, Workbench};
 
@@ -52,6 +52,17 @@ impl Models {
     /// The model with these effects.
     pub fn get(&self, key: &Key) -> Option<&Model> {
         self.visited.get(key).map(|visited| &visited.model)
+    }
+
+    /// Models whose criterion exceeds that of the best by less than `reach`, with all that
+    /// they contain.
+    pub fn within(&self, reach: f64) -> BTreeSet<&Key> {
+        let criteria = self.visited.keys().map(|key| self.criterion(key));
+        let best = criteria.fold(f64::INFINITY, f64::min);
+        let near: Vec<&Key> =
+            self.visited.keys().filter(|key| self.criterion(key) < best + reach).collect();
+        let is_part = |key: &&Key| near.iter().any(|near| key.iter().all(|id| near.contains(id)));
+        self.visited.keys().filter(is_part).collect()
     }
 
     /// Every model by its effects.

@@ -4,6 +4,7 @@
 const TAIL: f64 = 0.05;
 
 /// Distribution of one statistic under the null hypothesis.
+#[derive(Clone)]
 pub(super) struct Null {
     /// Drawn values, ascending.
     sorted: Vec<f64>,

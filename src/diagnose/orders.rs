@@ -14,11 +14,12 @@ use super::evidence::ORDER;
 use super::progress::{Part, Quiet};
 use super::study::Study;
 
-/// Shares of the whole: fitting the base model, every effect alone, and several together
-/// with the best order and with the next best.
+/// Shares of the whole: fitting the base model, every effect alone, several together
+/// with the best order and with the next best, and what they gain.
 const FITTING: [f64; 2] = [0.0, 0.1];
 const SINGLES: [f64; 2] = [0.1, 0.55];
-const COMBINING: [[f64; 2]; 2] = [[0.55, 0.8], [0.8, 1.0]];
+const COMBINING: [[f64; 2]; 2] = [[0.55, 0.7], [0.7, 0.85]];
+const CONCLUDING: [f64; 2] = [0.85, 1.0];
 
 /// The diagnosis with the order that was asked for; where none was, with the one that the
 /// base model takes without any effect, unless a lower one is clearly better.
@@ -74,7 +75,7 @@ pub(super) fn diagnose(
             described(other)
         ));
     }
-    let mut answer = best.diagnosis()?;
+    let mut answer = best.diagnosis(measurement, request, part.part(CONCLUDING))?;
     answer.limitations.extend(said);
     Ok(answer)
 }

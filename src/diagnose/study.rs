@@ -1,13 +1,16 @@
 //! Everything that one order of the actuator leads to.
 
 use crate::answers::{Diagnosis, Discrepancy, Identification, Verdict};
-use crate::identify::{Effort, IdentifyError, Model, ModelFit, Workbench};
+use crate::identify::{Effort, IdentifyError, IdentifyRequest, Model, ModelFit, Workbench};
+use crate::measurement::Measurement;
 use crate::observer::Observer as _;
 
 use super::evidence::Yardstick;
+use super::folds::Folds;
 use super::models::{Key, Models};
 use super::progress::Part;
 use super::search::Search;
+use super::unseen::Unseen;
 use super::{DiagnoseError, causes, discrepancy, next_experiment};
 
 /// Parameters of a base model, at most: of models of any order the misfit counts alike.
@@ -99,7 +102,12 @@ impl<'a> Study<'a> {
     ///
     /// # Errors
     /// Where the extended model has no response.
-    pub fn diagnosis(self) -> Result<Diagnosis, DiagnoseError> {
+    pub fn diagnosis(
+        self,
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        part: Part<'_>,
+    ) -> Result<Diagnosis, DiagnoseError> {
         let explained = self.explained();
         let Self { workbench, fit, discrepancy, search, mut chosen, fits, .. } = self;
         let mut models = search.models;
@@ -109,7 +117,7 @@ impl<'a> Study<'a> {
             chosen = models.best_supported();
         }
         let extended = extended(workbench, &models, &chosen)?;
-        let causes = extended
+        let mut causes = extended
             .as_ref()
             .map(|extended| causes::named(&models, &chosen, extended, fits))
             .unwrap_or_default();
@@ -127,6 +135,22 @@ impl<'a> Study<'a> {
                 chosen.join(" and ")
             ));
         }
+        let mut candidates = causes::candidates(&models, &chosen);
+        let folds = Folds::of(measurement);
+        let mut gain = None;
+        if let Some(folds) = folds.filter(|_| !chosen.is_empty()) {
+            let unseen = Unseen::of(workbench, request, &models, &folds, part)?;
+            gain = unseen.gain(&chosen);
+            for candidate in &mut candidates {
+                candidate.heldout_error = unseen.error_alone(&candidate.effect);
+            }
+            for cause in &mut causes {
+                cause.gain = match chosen.len() {
+                    1 => gain.clone(),
+                    _ => unseen.gain_alone(&cause.effect),
+                };
+            }
+        }
         Ok(Diagnosis {
             verdict: match (chosen.is_empty(), explained) {
                 (true, true) => Verdict::Adequate,
@@ -137,8 +161,8 @@ impl<'a> Study<'a> {
             limitations,
             discrepancy,
             causes,
-            candidates: causes::candidates(&models, &chosen),
-            gain: None,
+            candidates,
+            gain,
             provenance: fit.identification.provenance.clone(),
             base: fit.identification,
             extended,

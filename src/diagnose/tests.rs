@@ -24,7 +24,7 @@ fn discrepancy_of(measurement: &Measurement) -> Discrepancy {
 }
 
 /// An axis without noise: 3 magnitudes, 8 frequencies, harmonics 0 to 5.
-fn exact() -> Vec<Experiment> {
+pub(super) fn exact() -> Vec<Experiment> {
     let mut draw = Draw { harmonics: 5, noise_db: None, ..draw(0, 3) };
     let mut index = 0;
     draw.design.retain(|_| {
@@ -35,7 +35,7 @@ fn exact() -> Vec<Experiment> {
 }
 
 /// The same with noise of 60 dB, told like this.
-fn noisy(exact: &[Experiment], statement: NoiseStatement, seed: u64) -> Measurement {
+pub(super) fn noisy(exact: &[Experiment], statement: NoiseStatement, seed: u64) -> Measurement {
     let values = |e: &Experiment| e.response.iter().map(|h| h.value).collect::<Vec<Complex>>();
     let responses: Vec<Vec<Complex>> = exact.iter().map(values).collect();
     let std = noise_std(&responses, 60.0);

@@ -94,7 +94,7 @@ impl Run<'_> {
         }
         found.starts.sort_by(|a, b| misfit.cost(a).total_cmp(&misfit.cost(b)));
         let point = if self.options.refine {
-            self.refinement(&coordinates, &mut weights, &mut found)?
+            self.refinement("refinement", &coordinates, &mut weights, &mut found)?
         } else {
             let best = found.starts.swap_remove(0);
             weights = self.weights(Some(&coordinates.plant(&best)));
@@ -105,6 +105,22 @@ impl Run<'_> {
             return Err(no_response());
         }
         let order = self.history.order;
+        Ok(Fitted { order, coordinates, point, weights, cost, stages: found.stages })
+    }
+
+    /// Refines a plant (in scale) that was found elsewhere in these stages.
+    ///
+    /// # Errors
+    /// When cancelled, or when it gives no response.
+    pub fn refit(&self, plant: &Plant, stages: Vec<Stage>) -> Result<Fitted, IdentifyError> {
+        let order = self.history.order;
+        let Problem { tied_friction, prior, .. } = self.problem;
+        let coordinates = Coordinates::new(order, *tied_friction, prior);
+        let mut weights = self.weights(Some(plant));
+        let starts = vec![coordinates.point(plant)];
+        let mut found = Found { starts, stages, ..Found::default() };
+        let point = self.refinement("refit", &coordinates, &mut weights, &mut found)?;
+        let cost = self.misfit(&coordinates, &weights).cost(&point);
         Ok(Fitted { order, coordinates, point, weights, cost, stages: found.stages })
     }
 
@@ -176,6 +192,7 @@ impl Run<'_> {
     /// Refines every start, then the best again until its weights have settled.
     fn refinement(
         &self,
+        name: &'static str,
         coordinates: &Coordinates,
         weights: &mut Weights,
         found: &mut Found,
@@ -184,7 +201,7 @@ impl Run<'_> {
             let plant = fitted.coordinates.plant(&fitted.point);
             coordinates.point(&with_fast_pole(&plant, self.problem.prior.omega_high))
         }));
-        let begun = self.history.begin("refinement", found.starts.len() as u64);
+        let begun = self.history.begin(name, found.starts.len() as u64);
         let (mut evaluations, mut steps) = (0, 0);
         let mut descend = |weights: &Weights, start: &[f64], bar: f64| {
             let misfit = self.misfit(coordinates, weights);

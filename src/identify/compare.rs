@@ -31,10 +31,11 @@ pub fn compare(
     let effects = reported_effects(answer, &problem)?;
     let noise_std = answer.provenance.options.noise_std;
     let weights = noise::weights(measurement, &problem, noise_std, Some(&plant));
-    Ok(beside(measurement, &problem, &plant, &effects, &weights, answer.fit.dof))
+    Ok(beside(measurement, &problem, &plant, &effects, &weights, answer.fit.dof, |_| true))
 }
 
-/// The same from what a fit knows; `dof` are its degrees of freedom.
+/// The same from what a fit knows, of the experiments that are `wanted`; `dof` are the fit's
+/// degrees of freedom.
 pub(super) fn beside(
     measurement: &Measurement,
     problem: &Problem,
@@ -42,15 +43,18 @@ pub(super) fn beside(
     effects: &[ActiveEffect],
     weights: &Weights,
     dof: i64,
+    wanted: impl Fn(usize) -> bool,
 ) -> Comparison {
-    let simulated: Vec<Result<Vec<Complex>, simulate::NoResponse>> = problem
-        .experiments
-        .par_iter()
-        .map(|e| simulate::respond(plant, effects, &e.excitation, e.highest))
+    let all = problem.experiments.iter().enumerate();
+    let simulated: Vec<(usize, Result<Vec<Complex>, simulate::NoResponse>)> = all
+        .filter(|(index, _)| wanted(*index))
+        .collect::<Vec<_>>()
+        .into_par_iter()
+        .map(|(i, e)| (i, simulate::respond(plant, effects, &e.excitation, e.highest)))
         .collect();
     let mut experiments = Vec::new();
     let mut unanswered = Vec::new();
-    for (index, response) in simulated.into_iter().enumerate() {
+    for (index, response) in simulated {
         let (experiment, prepared) =
             (&measurement.experiments()[index], &problem.experiments[index]);
         match response {

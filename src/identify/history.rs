@@ -8,11 +8,12 @@ use super::IdentifyError;
 use super::naming;
 
 /// Stages by name, and the shares of a run at which they begin and end.
-const SHARES: [(&str, f64, f64); 4] = [
+const SHARES: [(&str, f64, f64); 5] = [
     ("closed_form", 0.0, 0.02),
     ("network", 0.02, 0.45),
     ("colony", 0.45, 0.85),
     ("refinement", 0.85, 1.0),
+    ("refit", 0.0, 1.0),
 ];
 
 /// Reports one run of the method to its observer.

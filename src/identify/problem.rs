@@ -103,7 +103,7 @@ impl Problem {
             ResponseKind::Position => scales.velocity / scales.omega,
             ResponseKind::Acceleration => scales.velocity * scales.omega,
         };
-        let (first, last) = acquisition(experiments);
+        let [first, last] = measurement.acquisition().unwrap_or_default();
         let share = |run: Option<f64>| run.map_or(0.0, |run| (run - first) / (last - first));
         let runs_known = last > first && experiments.iter().all(|e| e.run.is_some());
         let prepared: Vec<Prepared> = experiments
@@ -222,12 +222,6 @@ fn largest_travel(experiments: &[Experiment], kind: ResponseKind) -> f64 {
         travel.fold(0.0, f64::max)
     };
     experiments.iter().map(of).fold(0.0, f64::max)
-}
-
-/// First and last position in the order of acquisition.
-fn acquisition(experiments: &[Experiment]) -> (f64, f64) {
-    let runs = || experiments.iter().filter_map(|e| e.run);
-    (runs().fold(f64::INFINITY, f64::min), runs().fold(f64::NEG_INFINITY, f64::max))
 }
 
 /// Largest torque the input could be: its peak, mean included.

@@ -1,5 +1,7 @@
 //! A measurement with its base model, on which extended models are tried.
 
+mod transfer;
+
 use std::ops::Range as Span;
 
 use nalgebra::{DMatrix, DVector};
@@ -135,6 +137,17 @@ impl<'a> Workbench<'a> {
         let problem = Problem::new(measurement)?;
         let Solved { chosen: fitted, order_choice } =
             solve(measurement, &problem, request, observer)?;
+        Self::of(measurement, request, observer, problem, fitted, order_choice)
+    }
+
+    fn of(
+        measurement: &'a Measurement,
+        request: &'a IdentifyRequest,
+        observer: &'a dyn Observer,
+        problem: Problem,
+        fitted: Fitted,
+        order_choice: Option<OrderChoice>,
+    ) -> Result<Self, IdentifyError> {
         let base = Model {
             coordinates: fitted.coordinates.clone(),
             point: fitted.point.clone(),
@@ -387,8 +400,9 @@ impl<'a> Workbench<'a> {
         let plant = coordinates.plant(&model.point);
         let effects = coordinates.effects_at(&model.point);
         let dof = identification.fit.dof;
+        let all = |_| true;
         let comparison =
-            compare::beside(self.measurement, &self.problem, &plant, &effects, weights, dof);
+            compare::beside(self.measurement, &self.problem, &plant, &effects, weights, dof, all);
         let sigma = match weights.known() {
             true => 1.0,
             false => (model.cost / dof.max(1) as f64).sqrt().max(f64::MIN_POSITIVE),

@@ -28,6 +28,8 @@ pub struct Measurement {
     /// Remarks of the reader for the user: unknown columns, dropped periods, …
     notes: Vec<String>,
     sha256: String,
+    /// First and last position in the order of acquisition.
+    acquisition: Option<[f64; 2]>,
 }
 
 /// A measurement that cannot be used, whatever text it came from.
@@ -69,7 +71,20 @@ impl Measurement {
                 .check()
                 .map_err(|reason| InvalidMeasurement::Experiment { experiment: index, reason })?;
         }
-        Ok(Self { metadata, experiments, notes, sha256 })
+        let runs = || experiments.iter().filter_map(|experiment| experiment.run);
+        let acquisition = runs().reduce(f64::min).zip(runs().reduce(f64::max));
+        let acquisition = acquisition.map(|(first, last)| [first, last]);
+        Ok(Self { metadata, experiments, notes, sha256, acquisition })
+    }
+
+    /// Some of its experiments, or of their harmonics: a part, whose place in the order of
+    /// acquisition is still counted over the whole.
+    ///
+    /// # Errors
+    /// As for [`Measurement::new`].
+    pub fn part(&self, experiments: Vec<Experiment>) -> Result<Self, InvalidMeasurement> {
+        let Self { metadata, notes, sha256, acquisition, .. } = self.clone();
+        Ok(Self { acquisition, ..Self::new(metadata, experiments, notes, sha256)? })
     }
 
     /// The same with one more experiment at the end.
@@ -77,7 +92,7 @@ impl Measurement {
     /// # Errors
     /// As for [`Measurement::new`].
     pub fn with(&self, experiment: Experiment) -> Result<Self, InvalidMeasurement> {
-        let Self { metadata, experiments, notes, sha256 } = self.clone();
+        let Self { metadata, experiments, notes, sha256, .. } = self.clone();
         let experiments = experiments.into_iter().chain([experiment]).collect();
         Self::new(metadata, experiments, notes, sha256)
     }
@@ -90,6 +105,11 @@ impl Measurement {
     /// The experiments, in the order of the upload.
     pub fn experiments(&self) -> &[Experiment] {
         &self.experiments
+    }
+
+    /// First and last position in the order of acquisition; of a part, of the whole it is of.
+    pub fn acquisition(&self) -> Option<[f64; 2]> {
+        self.acquisition
     }
 
     /// Remarks of the reader for the user.

@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::case::{Case, Kind};
+use super::fresh::Fresh;
 use super::make::{Hidden, Made};
 use super::separation::Separation;
 use crate::answers::{Diagnosis, ParameterEstimate, Verdict};
@@ -35,6 +36,8 @@ pub struct Outcome {
     /// Whether the next experiment told the hidden effect from its rivals; null where that
     /// was not tried.
     pub separation: Option<Separation>,
+    /// The gain, and what a fresh measurement shows; null where none is given.
+    pub fresh: Option<Fresh>,
     /// What it took.
     pub seconds: Seconds,
 }
@@ -125,6 +128,7 @@ impl Outcome {
             hidden: made.hidden.clone(),
             answer: answer.map(|diagnosis| Answer::of(diagnosis, made)),
             separation: None,
+            fresh: None,
             seconds,
         }
     }

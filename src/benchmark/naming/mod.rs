@@ -15,6 +15,7 @@ mod case;
 mod excess;
 #[cfg(test)]
 mod fixtures;
+mod fresh;
 mod judge;
 mod make;
 mod outsiders;
@@ -28,6 +29,7 @@ mod text;
 
 pub use case::{Case, Kind, Plan, known_effect};
 pub use excess::{DETECTABLE, base_excess};
+pub use fresh::Fresh;
 pub use judge::{Answer, Estimated, Named, Outcome, Seconds};
 pub use make::{Hidden, Made, MakeError, make};
 pub use outsiders::{OUTSIDERS, draw_outsider};

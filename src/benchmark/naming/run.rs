@@ -8,8 +8,9 @@ use std::time::Instant;
 use rand::RngExt;
 
 use super::case::{Case, Kind};
+use super::fresh::fresh;
 use super::judge::{Outcome, Seconds};
-use super::make::make;
+use super::make::{MakeError, make};
 use super::separation::separate;
 use crate::answers::{Diagnosis, IdentifyOptions, PlantRequest};
 use crate::diagnose::diagnose;
@@ -71,13 +72,19 @@ pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Re
     let seconds = Seconds { data, job: began.elapsed().as_secs_f64() };
     let judged = answer.as_ref().map_err(ToString::to_string);
     let mut outcome = Outcome::new(case, &made, judged, seconds);
+    let unmade = |error: MakeError| Unmade { key: case.to_string(), reason: error.to_string() };
+    if let Ok(answer) = &answer {
+        // A third stream.
+        let rng = &mut case.rng(settings.seed.rotate_left(8));
+        outcome.fresh = fresh(&made, answer, rng).map_err(unmade)?;
+    }
     if let Some(answer) =
         answer.as_ref().ok().filter(|_| settings.separate && case.kind == Kind::Single)
     {
-        // A third stream.
+        // A fourth stream.
         let rng = &mut case.rng(settings.seed.swap_bytes());
-        outcome.separation = separate(case, &made, answer, &request, rng, observer)
-            .map_err(|error| Unmade { key: case.to_string(), reason: error.to_string() })?;
+        outcome.separation =
+            separate(case, &made, answer, &request, rng, observer).map_err(unmade)?;
     }
     Ok(Run { outcome, diagnosis: answer.ok() })
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::case::Kind;
+use super::fresh::Fresh;
 use super::judge::{Estimated, Outcome};
 use super::rate::Rate;
 use super::separation::Separation;
@@ -214,6 +215,12 @@ fn lines(outcomes: &[Outcome], levels: &[u32]) -> Vec<Line> {
 
     for kind in [Kind::Single, Kind::Pair] {
         for &level in levels {
+            let right = at(kind, Some(level)).filter(|o| o.named_exactly());
+            let rate = Rate::count(right.filter_map(|o| o.fresh.as_ref()).map(Fresh::held));
+            if rate.of > 0 {
+                let (level_db, wanted) = (Some(level), Wanted::AtLeast(0.90));
+                lines.push(Line { kind, level_db, what: "gain on fresh data held", rate, wanted });
+            }
             let answers = || at(kind, Some(level)).filter_map(|o| o.answer.as_ref().ok());
             let mut held = |what, parameters: Vec<&Estimated>| {
                 let rate = Rate::count(parameters.iter().filter_map(|p| p.held()));

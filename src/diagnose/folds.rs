@@ -1,0 +1,238 @@
+//! Parts of a measurement that are held out in turn.
+//!
+//! A model is judged by what it predicts of data that nothing has seen. Repeats and periods
+//! of one excitation are the same response once more, so none of those: whole frequencies
+//! at every magnitude, or of records blocks of lines, or magnitudes.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use crate::measurement::{Experiment, Measurement};
+
+/// Parts, at most.
+const PARTS: usize = 4;
+
+/// Fewest frequencies and magnitudes that can be held out.
+const FEWEST: [usize; 2] = [5, 3];
+
+/// Fewest lines of a response that can be thinned out.
+const FEWEST_LINES: usize = 20;
+
+/// Ratio of the last to the first line of a block.
+const BLOCK: f64 = 1.12;
+
+/// Experiment and harmonic.
+pub(super) type Row = (usize, usize);
+
+/// One part held out.
+#[derive(Debug)]
+pub(super) struct Fold {
+    /// What is fitted.
+    pub fitted: Measurement,
+    /// What is held out, and its group: a frequency, a block of lines, a magnitude.
+    pub rows: BTreeMap<Row, usize>,
+}
+
+/// Every part held out once.
+#[derive(Debug)]
+pub(super) struct Folds {
+    /// The parts.
+    pub parts: Vec<Fold>,
+    /// The same in words.
+    pub what: String,
+}
+
+/// The ways to divide a measurement; the first that can be gone is taken.
+const WAYS: [fn(&[Experiment]) -> Option<Division>; 3] = [frequencies, lines, magnitudes];
+
+/// The group of every row, groups in ascending order of what they are, and in words.
+struct Division {
+    groups: BTreeMap<Row, usize>,
+    what: String,
+}
+
+impl Folds {
+    /// Divides a measurement by its design alone; `None` where it is too small for that.
+    pub fn of(measurement: &Measurement) -> Option<Self> {
+        let experiments = measurement.experiments();
+        let Division { groups, what } = WAYS.iter().find_map(|way| way(experiments))?;
+        let count = groups.values().max()? + 1;
+        let parts = PARTS.min(count);
+        let part = |part: usize| {
+            let held = groups.iter().filter(|(_, group)| *group % parts == part);
+            let rows: BTreeMap<Row, usize> = held.map(|(row, group)| (*row, *group)).collect();
+            let left = |(index, experiment): (usize, &Experiment)| {
+                let experiment = without(experiment, |order| rows.contains_key(&(index, order)));
+                (!experiment.response.is_empty()).then_some(experiment)
+            };
+            let left = experiments.iter().enumerate().filter_map(left).collect();
+            Some(Fold { fitted: measurement.part(left).ok()?, rows })
+        };
+        let what = format!("{what}, held out in {parts} parts, each predicted from the others");
+        Some(Self { parts: (0..parts).map(part).collect::<Option<_>>()?, what })
+    }
+}
+
+/// Frequencies, at every magnitude.
+fn frequencies(experiments: &[Experiment]) -> Option<Division> {
+    let (levels, of) = levels(experiments, |experiment| experiment.omega_rad_s);
+    let (lowest, highest) = (levels.first()? / TAU, levels.last()? / TAU);
+    (levels.len() >= FEWEST[0]).then(|| Division {
+        groups: by_experiment(experiments, &of),
+        what: format!(
+            "{} frequencies from {lowest:.3} to {highest:.3} Hz, at every magnitude",
+            levels.len()
+        ),
+    })
+}
+
+/// Magnitudes.
+fn magnitudes(experiments: &[Experiment]) -> Option<Division> {
+    let (levels, of) = levels(experiments, |experiment| experiment.magnitude);
+    (levels.len() >= FEWEST[1]).then(|| Division {
+        groups: by_experiment(experiments, &of),
+        what: format!("{} magnitudes", levels.len()),
+    })
+}
+
+/// Blocks of neighbouring lines of inputs that have many.
+fn lines(experiments: &[Experiment]) -> Option<Division> {
+    let mut groups = BTreeMap::new();
+    let mut lines = 0;
+    for (index, experiment) in experiments.iter().enumerate() {
+        let orders = || experiment.response.iter().map(|h| h.order).filter(|order| *order > 0);
+        let first = orders().next().filter(|_| orders().count() >= FEWEST_LINES)?;
+        let block = |order: usize| ((order as f64 / first as f64).ln() / BLOCK.ln()) as usize;
+        groups.extend(orders().map(|order| ((index, order), block(order))));
+        lines += orders().count();
+    }
+    // Low in the band a block may be narrower than a line.
+    let mut met: Vec<usize> = groups.values().copied().collect();
+    met.sort_unstable();
+    met.dedup();
+    groups.values_mut().for_each(|group| *group = met.partition_point(|other| other < group));
+    let several = experiments.iter().any(|experiment| experiment.pure_cosine().is_none());
+    several.then(|| Division {
+        what: format!("{lines} lines in {} blocks over the band", met.len()),
+        groups,
+    })
+}
+
+/// Distinct values of something, ascending, and which of them each experiment has.
+fn levels(
+    experiments: &[Experiment],
+    value: impl Fn(&Experiment) -> f64,
+) -> (Vec<f64>, Vec<usize>) {
+    let mut levels: Vec<f64> = experiments.iter().map(&value).collect();
+    levels.sort_by(f64::total_cmp);
+    // Files round.
+    levels.dedup_by(|b, a| (*b - *a).abs() <= 1e-6 * a.abs());
+    let of = experiments.iter().map(|experiment| {
+        let value = value(experiment);
+        levels.partition_point(|level| *level <= value).saturating_sub(1)
+    });
+    let of = of.collect();
+    (levels, of)
+}
+
+fn by_experiment(experiments: &[Experiment], of: &[usize]) -> BTreeMap<Row, usize> {
+    let rows = experiments.iter().zip(of).enumerate().flat_map(|(index, (experiment, group))| {
+        experiment.response.iter().map(move |harmonic| ((index, harmonic.order), *group))
+    });
+    rows.collect()
+}
+
+/// An experiment without some harmonics of its response.
+fn without(experiment: &Experiment, held: impl Fn(usize) -> bool) -> Experiment {
+    let kept: Vec<bool> = experiment.response.iter().map(|h| !held(h.order)).collect();
+    let mut this = experiment.clone();
+    let mut keep = kept.iter();
+    this.response.retain(|_| *keep.next().unwrap_or(&true));
+    for repeat in &mut this.repeats {
+        let mut keep = kept.iter();
+        repeat.response.retain(|_| *keep.next().unwrap_or(&true));
+    }
+    this
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{exact, noisy};
+    use super::*;
+    use crate::benchmark::draw::NoiseStatement;
+    use crate::measurement::{Complex, Harmonic, Metadata};
+
+    fn measured(experiments: Vec<Experiment>) -> Measurement {
+        Measurement::new(Metadata::default(), experiments, Vec::new(), String::new()).unwrap()
+    }
+
+    fn rows(measurement: &Measurement) -> Vec<Row> {
+        let experiments = measurement.experiments().iter().enumerate();
+        experiments.flat_map(|(i, e)| e.response.iter().map(move |h| (i, h.order))).collect()
+    }
+
+    /// One period with so many lines of input and output.
+    fn record(lines: usize) -> Measurement {
+        let mut experiment = exact().remove(0);
+        experiment.input = vec![Complex::new(0.1, 0.0); lines + 1];
+        let harmonic = |order| Harmonic { order, value: Complex::new(1.0, 0.0), std: None };
+        experiment.response = (0..=lines).map(harmonic).collect();
+        experiment.repeats = Vec::new();
+        measured(vec![experiment])
+    }
+
+    #[test]
+    fn every_frequency_is_held_out_once_with_all_its_magnitudes_and_repeats() {
+        let measurement = noisy(&exact(), NoiseStatement::Repeats(2), 1);
+        let folds = Folds::of(&measurement).unwrap();
+        let mut held: Vec<Row> = Vec::new();
+        for fold in &folds.parts {
+            held.extend(fold.rows.keys());
+            assert_eq!(rows(&fold.fitted).len() + fold.rows.len(), rows(&measurement).len());
+            assert_eq!(fold.fitted.acquisition(), measurement.acquisition());
+            let held = |index: usize| fold.rows.contains_key(&(index, 1));
+            for (index, experiment) in measurement.experiments().iter().enumerate() {
+                let omega = experiment.omega_rad_s;
+                let fitted = fold.fitted.experiments().iter().any(|e| e.omega_rad_s == omega);
+                assert_ne!(held(index), fitted, "{omega}");
+            }
+        }
+        held.sort_unstable();
+        assert_eq!(held, rows(&measurement));
+        assert!(folds.what.starts_with("8 frequencies from"), "{}", folds.what);
+    }
+
+    #[test]
+    fn of_a_record_blocks_of_lines_are_held_out_and_its_mean_is_not() {
+        let measurement = record(200);
+        let folds = Folds::of(&measurement).unwrap();
+        let mut held: Vec<usize> =
+            folds.parts.iter().flat_map(|fold| fold.rows.keys().map(|row| row.1)).collect();
+        held.sort_unstable();
+        assert_eq!(held, (1..=200).collect::<Vec<_>>());
+        for fold in &folds.parts {
+            assert!(fold.fitted.experiments()[0].harmonic(0).is_some());
+            // Neighbours are of the same block, or of one that is held out elsewhere.
+            let of = |order: usize| fold.rows.get(&(0, order));
+            assert!(
+                (20..200).all(|k| of(k).is_none() || of(k + 1).is_none_or(|g| g == of(k).unwrap()))
+            );
+        }
+    }
+
+    #[test]
+    fn few_frequencies_are_left_whole_and_magnitudes_held_out_instead() {
+        let few = |magnitudes: usize| {
+            let mut experiments = exact();
+            let lowest = experiments.iter().map(|e| e.omega_rad_s).fold(f64::INFINITY, f64::min);
+            experiments.retain(|e| e.omega_rad_s < 2.0 * lowest);
+            experiments.truncate(magnitudes);
+            for (i, experiment) in experiments.iter_mut().enumerate() {
+                experiment.magnitude = 1.0 + i as f64;
+            }
+            Folds::of(&measured(experiments))
+        };
+        assert_eq!(few(3).unwrap().parts.len(), 3);
+        assert!(few(2).is_none());
+    }
+}

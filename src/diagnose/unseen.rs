@@ -1,0 +1,159 @@
+//! What models predict of data that neither their fit nor their choice has seen.
+//!
+//! Each part of a measurement is held out in turn. Models are fitted to the rest, the causes
+//! are chosen there anew, and what they predict of the part is kept.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use crate::answers::{ComparedHarmonic, Gain};
+use crate::identify::{Effort, IdentifyRequest, Model, Workbench};
+
+use super::DiagnoseError;
+use super::evidence::Yardstick;
+use super::folds::{Fold, Folds, Row};
+use super::gain;
+use super::models::{Key, Models, Visited};
+use super::progress::{Part, Quiet};
+
+/// Difference in −2 ln of the evidence to the best model beyond which a model is not fitted to
+/// the end again.
+const REACH: f64 = 30.0;
+
+/// Predictions by row.
+pub(super) type Predicted = BTreeMap<Row, ComparedHarmonic>;
+
+/// What was predicted of data not seen.
+pub(super) struct Unseen {
+    /// By the base model.
+    base: Predicted,
+    /// By the models that were chosen without it.
+    chosen: Predicted,
+    /// By each effect alone.
+    alone: BTreeMap<&'static str, Predicted>,
+    /// The choices, one a part.
+    choices: Vec<Key>,
+    /// Group of every row.
+    groups: BTreeMap<Row, usize>,
+    noise_known: bool,
+    what: String,
+}
+
+impl Unseen {
+    /// Fits `models`, which were fitted to all of a workbench's data, to each part of it.
+    ///
+    /// # Errors
+    /// When cancelled, or where the base model cannot be fitted to a part.
+    pub fn of(
+        workbench: &Workbench<'_>,
+        request: &IdentifyRequest,
+        models: &Models,
+        folds: &Folds,
+        part: Part<'_>,
+    ) -> Result<Self, DiagnoseError> {
+        let stage = part.stage("held out", folds.parts.len());
+        let mut this = Self {
+            base: Predicted::new(),
+            chosen: Predicted::new(),
+            alone: BTreeMap::new(),
+            choices: Vec::new(),
+            groups: folds.parts.iter().flat_map(|fold| fold.rows.clone()).collect(),
+            noise_known: workbench.noise_known(),
+            what: folds.what.clone(),
+        };
+        for fold in &folds.parts {
+            this.add(workbench, request, models, fold, part)?;
+            stage.step();
+        }
+        Ok(this)
+    }
+
+    fn add(
+        &mut self,
+        workbench: &Workbench<'_>,
+        request: &IdentifyRequest,
+        models: &Models,
+        fold: &Fold,
+        part: Part<'_>,
+    ) -> Result<(), DiagnoseError> {
+        let quietly = Quiet(&part);
+        let own = Workbench::continued(&fold.fitted, request, &quietly, workbench)?;
+        let lacking = workbench.data() - own.data();
+        let yardstick = Yardstick {
+            rounding: own.rounding(),
+            dof: (models.yardstick.dof - lacking as f64).max(1.0),
+            ..models.yardstick
+        };
+        let mut fitted = Models::new(own.base().clone(), yardstick);
+        fitted.family = models.family.clone();
+        let near = models.within(REACH);
+        let refit = |(key, model): (&Key, &Model)| {
+            let effort = if near.contains(key) { Effort::Settle } else { Effort::Glance };
+            let model = own.refine(&own.adopt(workbench, model), effort);
+            Visited::new(&own, model, &yardstick)
+        };
+        let wanted = |(key, _): &(&Key, &Model)| key.len() == 1 || near.contains(*key);
+        let all: Vec<(&Key, &Model)> =
+            models.all().filter(|(key, _)| !key.is_empty()).filter(wanted).collect();
+        let fits: Vec<Visited> = all.into_par_iter().map(refit).collect();
+        fits.into_iter().for_each(|visited| fitted.keep(visited));
+        let choice = fitted.best_supported();
+        let predicted = |model: &Model| -> Predicted {
+            let is_held =
+                |experiment| fold.rows.range((experiment, 0)..(experiment + 1, 0)).count() > 0;
+            let comparison = workbench.compare(&workbench.adopt(&own, model), is_held);
+            let rows = comparison.experiments.into_iter().flat_map(|experiment| {
+                let index = experiment.experiment;
+                experiment.harmonics.into_iter().map(move |h| ((index, h.order), h))
+            });
+            rows.filter(|(row, _)| fold.rows.contains_key(row)).collect()
+        };
+        let all: Vec<(&Key, &Model)> =
+            fitted.all().filter(|(key, _)| key.len() < 2 || **key == choice).collect();
+        let all: Vec<(&Key, Predicted)> =
+            all.into_par_iter().map(|(key, model)| (key, predicted(model))).collect();
+        for (key, predicted) in all {
+            if *key == choice {
+                self.chosen.extend(predicted.clone());
+            }
+            match key.as_slice() {
+                [] => self.base.extend(predicted),
+                [id] => self.alone.entry(id).or_default().extend(predicted),
+                _ => {}
+            }
+        }
+        self.choices.push(choice);
+        Ok(())
+    }
+
+    /// What all causes together gain.
+    pub fn gain(&self, chosen: &Key) -> Option<Gain> {
+        let others = self.choices.iter().filter(|choice| *choice != chosen);
+        let described = |choice: &Key| match choice.as_slice() {
+            [] => "nothing".to_owned(),
+            causes => causes.join(" and "),
+        };
+        let others: Vec<String> = others.map(described).collect();
+        let mut what = self.what.clone();
+        if !others.is_empty() {
+            what.push_str(&format!(
+                "; without {} of these parts the choice was another: {}",
+                others.len(),
+                others.join(", ")
+            ));
+        }
+        gain::gain(&self.base, &self.chosen, &self.groups, self.noise_known, what)
+    }
+
+    /// What one effect alone gains.
+    pub fn gain_alone(&self, id: &str) -> Option<Gain> {
+        let alone = self.alone.get(id)?;
+        gain::gain(&self.base, alone, &self.groups, self.noise_known, self.what.clone())
+    }
+
+    /// NRMSE of the predictions of one effect alone.
+    pub fn error_alone(&self, id: &str) -> Option<f64> {
+        gain::error(self.alone.get(id)?)
+    }
+}

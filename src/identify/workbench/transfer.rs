@@ -1,0 +1,75 @@
+//! What was fitted to one measurement, taken to another of the same machine.
+
+use crate::answers::Comparison;
+use crate::measurement::Measurement;
+use crate::observer::Observer;
+use crate::plant::Plant;
+
+use super::super::abc_ann::Run;
+use super::super::history::History;
+use super::super::parameters::Coordinates;
+use super::super::problem::{Problem, Scales};
+use super::super::{IdentifyError, IdentifyRequest, compare};
+use super::{Model, Workbench};
+
+impl<'a> Workbench<'a> {
+    /// A workbench on `measurement` whose base model is refined from where `other`'s is.
+    ///
+    /// # Errors
+    /// When cancelled, where the measurement cannot be fitted, or where the model has no
+    /// response to it.
+    pub fn continued(
+        measurement: &'a Measurement,
+        request: &'a IdentifyRequest,
+        observer: &'a dyn Observer,
+        other: &Workbench<'_>,
+    ) -> Result<Self, IdentifyError> {
+        let problem = Problem::new(measurement)?;
+        let history = History { observer, order: other.order(), orders: (0, 1) };
+        let options = &request.options;
+        let run = Run { measurement, problem: &problem, options, lower: None, history };
+        let plant = problem.in_scale(&other.plant_in_units(&other.base));
+        let fitted = run.refit(&plant, other.fitted.stages.clone())?;
+        Self::of(measurement, request, observer, problem, fitted, other.order_choice.clone())
+    }
+
+    /// A model of another workbench in this one's scales; its cost is not known.
+    pub fn adopt(&self, other: &Workbench<'_>, model: &Model) -> Model {
+        let plant = self.problem.in_scale(&other.plant_in_units(model));
+        let Problem { tied_friction, prior, .. } = &self.problem;
+        let base = Coordinates::new(plant.actuator.order(), *tied_friction, prior);
+        let scope = self.problem.scope(&plant);
+        let coordinates = model
+            .effects()
+            .iter()
+            .fold(base, |coordinates, effect| coordinates.with_effect(*effect, &scope));
+        let mut point = coordinates.point(&plant);
+        for (index, effect) in model.effects().iter().enumerate() {
+            for (parameter, from) in effect.parameters().iter().zip(model.parameters_of(index)) {
+                let unit = |Scales { omega, input, velocity }: Scales| {
+                    parameter.dimension.factor(input, velocity, 1.0 / omega)
+                };
+                let value =
+                    model.value(from) * unit(other.problem.scales) / unit(self.problem.scales);
+                // Where friction is tied here and not there, what follows moves up.
+                let to = from - model.coordinates.base_len() + coordinates.base_len();
+                point[to] = coordinates.coordinate(to, value);
+            }
+        }
+        coordinates.clamp(&mut point);
+        Model { coordinates, point, cost: f64::NAN, evaluations: model.evaluations }
+    }
+
+    /// Experiments of the measurement that are `wanted` beside what a model makes of them.
+    pub fn compare(&self, model: &Model, wanted: impl Fn(usize) -> bool) -> Comparison {
+        let plant = model.coordinates.plant(&model.point);
+        let effects = model.coordinates.effects_at(&model.point);
+        let dof = self.problem.data() as i64 - model.parameters() as i64;
+        let weights = &self.fitted.weights;
+        compare::beside(self.measurement, &self.problem, &plant, &effects, weights, dof, wanted)
+    }
+
+    fn plant_in_units(&self, model: &Model) -> Plant {
+        self.problem.in_units(&model.coordinates.plant(&model.point))
+    }
+}

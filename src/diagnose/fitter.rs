@@ -16,6 +16,9 @@ const FOLLOWED: usize = 2;
 /// Share of the leader's gain that a rival must have come to in its first steps.
 const RIVAL: f64 = 0.5;
 
+/// The same of an effect that may be one of several, where none explains the data.
+const HOPEFUL: f64 = 0.02;
+
 /// Models that have a response, the best first.
 fn best_first(mut models: Vec<Model>) -> Vec<Model> {
     models.retain(|model| model.cost.is_finite());
@@ -68,7 +71,7 @@ impl Fitter<'_> {
             let gain = from.cost - models[0].cost;
             if are_alike(probed.effect, rival.effect) || gain > RIVAL * most {
                 self.settled(models, FOLLOWED)
-            } else if self.patient && unexplained && promising(rival) {
+            } else if self.patient && unexplained && promising(rival) && gain > HOPEFUL * most {
                 self.settled(models, 1)
             } else {
                 models.into_iter().next()

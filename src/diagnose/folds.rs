@@ -4,16 +4,20 @@
 //! of one excitation are the same response once more, so none of those: whole frequencies
 //! at every magnitude, or of records blocks of lines, or magnitudes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use crate::measurement::{Experiment, Measurement};
 
 /// Parts, at most.
 const PARTS: usize = 4;
 
-/// Fewest frequencies and magnitudes that can be held out.
+/// Fewest frequencies and magnitudes of which some can be held out.
 const FEWEST: [usize; 2] = [5, 3];
+
+/// Fewest groups that show how a gain scatters.
+const FEWEST_GROUPS: usize = 3;
 
 /// Fewest lines of a response that can be thinned out.
 const FEWEST_LINES: usize = 20;
@@ -45,22 +49,36 @@ pub(super) struct Folds {
 /// The ways to divide a measurement; the first that can be gone is taken.
 const WAYS: [fn(&[Experiment]) -> Option<Division>; 3] = [frequencies, lines, magnitudes];
 
-/// The group of every row, groups in ascending order of what they are, and in words.
+/// Rows that can be held out, and in words. What bounds the range is not among them: beyond
+/// what was fitted an effect with a threshold cannot be foreseen.
 struct Division {
-    groups: BTreeMap<Row, usize>,
+    places: BTreeMap<Row, Place>,
     what: String,
+}
+
+/// Where a row stands.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    /// What is held out with it: of neighbouring levels each in another part.
+    level: usize,
+    /// Its group.
+    group: usize,
 }
 
 impl Folds {
     /// Divides a measurement by its design alone; `None` where it is too small for that.
     pub fn of(measurement: &Measurement) -> Option<Self> {
         let experiments = measurement.experiments();
-        let Division { groups, what } = WAYS.iter().find_map(|way| way(experiments))?;
-        let count = groups.values().max()? + 1;
-        let parts = PARTS.min(count);
+        let Division { places, what } = WAYS.iter().find_map(|way| way(experiments))?;
+        let levels: BTreeSet<usize> = places.values().map(|place| place.level).collect();
+        let groups: BTreeSet<usize> = places.values().map(|place| place.group).collect();
+        if groups.len() < FEWEST_GROUPS {
+            return None;
+        }
+        let parts = PARTS.min(levels.len());
         let part = |part: usize| {
-            let held = groups.iter().filter(|(_, group)| *group % parts == part);
-            let rows: BTreeMap<Row, usize> = held.map(|(row, group)| (*row, *group)).collect();
+            let held = places.iter().filter(|(_, place)| place.level % parts == part);
+            let rows: BTreeMap<Row, usize> = held.map(|(row, p)| (*row, p.group)).collect();
             let left = |(index, experiment): (usize, &Experiment)| {
                 let experiment = without(experiment, |order| rows.contains_key(&(index, order)));
                 (!experiment.response.is_empty()).then_some(experiment)
@@ -68,7 +86,10 @@ impl Folds {
             let left = experiments.iter().enumerate().filter_map(left).collect();
             Some(Fold { fitted: measurement.part(left).ok()?, rows })
         };
-        let what = format!("{what}, held out in {parts} parts, each predicted from the others");
+        let what = match parts {
+            1 => format!("{what}, predicted from the others"),
+            _ => format!("{what}, in {parts} parts, each predicted from all else"),
+        };
         Some(Self { parts: (0..parts).map(part).collect::<Option<_>>()?, what })
     }
 }
@@ -76,46 +97,54 @@ impl Folds {
 /// Frequencies, at every magnitude.
 fn frequencies(experiments: &[Experiment]) -> Option<Division> {
     let (levels, of) = levels(experiments, |experiment| experiment.omega_rad_s);
-    let (lowest, highest) = (levels.first()? / TAU, levels.last()? / TAU);
-    (levels.len() >= FEWEST[0]).then(|| Division {
-        groups: by_experiment(experiments, &of),
+    let inner = inner(levels.len(), FEWEST[0])?;
+    let (lowest, highest) = (levels[inner.start] / TAU, levels[inner.end - 1] / TAU);
+    Some(Division {
         what: format!(
             "{} frequencies from {lowest:.3} to {highest:.3} Hz, at every magnitude",
-            levels.len()
+            inner.len()
         ),
+        places: by_experiment(experiments, &of, inner, |_, level| level),
     })
 }
 
-/// Magnitudes.
+/// Magnitudes; at each, every experiment is a group.
 fn magnitudes(experiments: &[Experiment]) -> Option<Division> {
     let (levels, of) = levels(experiments, |experiment| experiment.magnitude);
-    (levels.len() >= FEWEST[1]).then(|| Division {
-        groups: by_experiment(experiments, &of),
-        what: format!("{} magnitudes", levels.len()),
+    let inner = inner(levels.len(), FEWEST[1])?;
+    Some(Division {
+        what: format!("{} of {} magnitudes", inner.len(), levels.len()),
+        places: by_experiment(experiments, &of, inner, |experiment, _| experiment),
     })
 }
 
 /// Blocks of neighbouring lines of inputs that have many.
 fn lines(experiments: &[Experiment]) -> Option<Division> {
-    let mut groups = BTreeMap::new();
-    let mut lines = 0;
+    let mut blocks = BTreeMap::new();
     for (index, experiment) in experiments.iter().enumerate() {
         let orders = || experiment.response.iter().map(|h| h.order).filter(|order| *order > 0);
         let first = orders().next().filter(|_| orders().count() >= FEWEST_LINES)?;
         let block = |order: usize| ((order as f64 / first as f64).ln() / BLOCK.ln()) as usize;
-        groups.extend(orders().map(|order| ((index, order), block(order))));
-        lines += orders().count();
+        blocks.extend(orders().map(|order| ((index, order), block(order))));
+    }
+    if experiments.iter().all(|experiment| experiment.pure_cosine().is_some()) {
+        return None;
     }
     // Low in the band a block may be narrower than a line.
-    let mut met: Vec<usize> = groups.values().copied().collect();
-    met.sort_unstable();
-    met.dedup();
-    groups.values_mut().for_each(|group| *group = met.partition_point(|other| other < group));
-    let several = experiments.iter().any(|experiment| experiment.pure_cosine().is_none());
-    several.then(|| Division {
-        what: format!("{lines} lines in {} blocks over the band", met.len()),
-        groups,
-    })
+    let met: BTreeSet<usize> = blocks.values().copied().collect();
+    let inner = inner(met.len(), FEWEST[0])?;
+    let place = |(row, block): (Row, usize)| {
+        let level = met.range(..block).count();
+        inner.contains(&level).then_some((row, Place { level, group: level }))
+    };
+    let places: BTreeMap<Row, Place> = blocks.into_iter().filter_map(place).collect();
+    let what = format!("{} lines in {} blocks over the band", places.len(), inner.len());
+    Some(Division { places, what })
+}
+
+/// All of so many levels but the ends; `None` where they are fewer than that.
+fn inner(levels: usize, fewest: usize) -> Option<Range<usize>> {
+    (levels >= fewest).then(|| 1..levels - 1)
 }
 
 /// Distinct values of something, ascending, and which of them each experiment has.
@@ -135,11 +164,20 @@ fn levels(
     (levels, of)
 }
 
-fn by_experiment(experiments: &[Experiment], of: &[usize]) -> BTreeMap<Row, usize> {
-    let rows = experiments.iter().zip(of).enumerate().flat_map(|(index, (experiment, group))| {
-        experiment.response.iter().map(move |harmonic| ((index, harmonic.order), *group))
-    });
-    rows.collect()
+fn by_experiment(
+    experiments: &[Experiment],
+    of: &[usize],
+    inner: Range<usize>,
+    group: impl Fn(usize, usize) -> usize,
+) -> BTreeMap<Row, Place> {
+    let mut places = BTreeMap::new();
+    for (index, (experiment, level)) in experiments.iter().zip(of).enumerate() {
+        if inner.contains(level) {
+            let place = Place { level: *level, group: group(index, *level) };
+            places.extend(experiment.response.iter().map(|h| ((index, h.order), place)));
+        }
+    }
+    places
 }
 
 /// An experiment without some harmonics of its response.
@@ -182,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn every_frequency_is_held_out_once_with_all_its_magnitudes_and_repeats() {
+    fn every_inner_frequency_is_held_out_once_with_all_its_magnitudes_and_repeats() {
         let measurement = noisy(&exact(), NoiseStatement::Repeats(2), 1);
         let folds = Folds::of(&measurement).unwrap();
         let mut held: Vec<Row> = Vec::new();
@@ -198,8 +236,10 @@ mod tests {
             }
         }
         held.sort_unstable();
-        assert_eq!(held, rows(&measurement));
-        assert!(folds.what.starts_with("8 frequencies from"), "{}", folds.what);
+        held.dedup();
+        // 6 of 8 frequencies, 4 of them for each magnitude, are not the lowest or the highest.
+        assert_eq!(4 * held.len(), 3 * rows(&measurement).len());
+        assert!(folds.what.starts_with("6 frequencies from"), "{}", folds.what);
     }
 
     #[test]
@@ -209,7 +249,9 @@ mod tests {
         let mut held: Vec<usize> =
             folds.parts.iter().flat_map(|fold| fold.rows.keys().map(|row| row.1)).collect();
         held.sort_unstable();
-        assert_eq!(held, (1..=200).collect::<Vec<_>>());
+        let (first, last) = (held[0], held[held.len() - 1]);
+        assert_eq!(held, (first..=last).collect::<Vec<_>>());
+        assert!(first == 2 && last > 180, "all but the ends: {first} to {last}");
         for fold in &folds.parts {
             assert!(fold.fitted.experiments()[0].harmonic(0).is_some());
             // Neighbours are of the same block, or of one that is held out elsewhere.
@@ -221,18 +263,18 @@ mod tests {
     }
 
     #[test]
-    fn few_frequencies_are_left_whole_and_magnitudes_held_out_instead() {
-        let few = |magnitudes: usize| {
+    fn where_frequencies_are_few_a_magnitude_is_held_out_instead() {
+        let few = |frequencies: usize| {
             let mut experiments = exact();
-            let lowest = experiments.iter().map(|e| e.omega_rad_s).fold(f64::INFINITY, f64::min);
-            experiments.retain(|e| e.omega_rad_s < 2.0 * lowest);
-            experiments.truncate(magnitudes);
-            for (i, experiment) in experiments.iter_mut().enumerate() {
-                experiment.magnitude = 1.0 + i as f64;
-            }
+            let (slow, _) = levels(&experiments, |experiment| experiment.omega_rad_s);
+            experiments.retain(|e| e.omega_rad_s <= slow[frequencies - 1]);
             Folds::of(&measured(experiments))
         };
-        assert_eq!(few(3).unwrap().parts.len(), 3);
+        let folds = few(3).unwrap();
+        assert_eq!(folds.what, "1 of 3 magnitudes, predicted from the others");
+        let groups: BTreeSet<usize> = folds.parts[0].rows.values().copied().collect();
+        assert_eq!(groups.len(), 3);
+        // Two experiments show nothing.
         assert!(few(2).is_none());
     }
 }

@@ -10,10 +10,13 @@
 //! `probes`, `scan`) and refitted with it (`fitter`, `search`). An effect is named
 //! where it gains more than chance makes any effect gain (`family`, `null`); between
 //! those of which that holds, the evidence decides (`evidence`, `models`, `causes`).
-//! `study` puts it together for one order of the actuator, and `orders` for several.
+//! `study` puts it together for one order of the actuator, and `orders` for several. Parts of
+//! the measurement are then held out in turn (`folds`), the causes chosen and fitted anew
+//! without them (`unseen`), and what they predict is compared (`gain`, `conclusion`).
 
 mod anchor;
 mod causes;
+mod conclusion;
 mod discrepancy;
 mod evidence;
 mod family;

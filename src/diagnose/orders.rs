@@ -75,7 +75,8 @@ pub(super) fn diagnose(
             described(other)
         ));
     }
-    let mut answer = best.diagnosis(measurement, request, part.part(CONCLUDING))?;
+    let part = part.part(CONCLUDING);
+    let mut answer = best.conclusion().diagnosis(measurement, request, part)?;
     answer.limitations.extend(said);
     Ok(answer)
 }

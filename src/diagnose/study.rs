@@ -1,17 +1,15 @@
 //! Everything that one order of the actuator leads to.
 
-use crate::answers::{Diagnosis, Discrepancy, Identification, Verdict};
-use crate::identify::{Effort, IdentifyError, IdentifyRequest, Model, ModelFit, Workbench};
-use crate::measurement::Measurement;
+use crate::answers::Discrepancy;
+use crate::identify::{IdentifyError, Model, ModelFit, Workbench};
 use crate::observer::Observer as _;
 
+use super::conclusion::Conclusion;
 use super::evidence::Yardstick;
-use super::folds::Folds;
-use super::models::{Key, Models};
+use super::models::Key;
 use super::progress::Part;
 use super::search::Search;
-use super::unseen::Unseen;
-use super::{DiagnoseError, causes, discrepancy, next_experiment};
+use super::{DiagnoseError, causes, discrepancy};
 
 /// Parameters of a base model, at most: of models of any order the misfit counts alike.
 const LARGEST_BASE: usize = 6;
@@ -98,16 +96,8 @@ impl<'a> Study<'a> {
         self.search.models.criterion(&self.chosen)
     }
 
-    /// The answer.
-    ///
-    /// # Errors
-    /// Where the extended model has no response.
-    pub fn diagnosis(
-        self,
-        measurement: &Measurement,
-        request: &IdentifyRequest,
-        part: Part<'_>,
-    ) -> Result<Diagnosis, DiagnoseError> {
+    /// What it comes to.
+    pub fn conclusion(self) -> Conclusion<'a> {
         let explained = self.explained();
         let Self { workbench, fit, discrepancy, search, mut chosen, fits, .. } = self;
         let mut models = search.models;
@@ -116,58 +106,7 @@ impl<'a> Study<'a> {
             models.yardstick.known = false;
             chosen = models.best_supported();
         }
-        let extended = extended(workbench, &models, &chosen)?;
-        let mut causes = extended
-            .as_ref()
-            .map(|extended| causes::named(&models, &chosen, extended, fits))
-            .unwrap_or_default();
-        let next_experiment = causes.iter().find_map(|cause| {
-            let rivals = causes::rivals(&models, &chosen, &cause.effect);
-            let (rival, model) = rivals.into_iter().next()?;
-            let named = (models.get(&chosen)?, cause.effect.as_str());
-            next_experiment::between(workbench, named, (model, rival))
-        });
-        let mut limitations = discrepancy::limitations(&fit, &discrepancy);
-        if fits && !explained {
-            limitations.push(format!(
-                "{} together leave nothing but noise, but such a combination may imitate a single \
-                 effect that the library lacks: confirm each by an experiment of its own",
-                chosen.join(" and ")
-            ));
-        }
-        let mut candidates = causes::candidates(&models, &chosen);
-        let folds = Folds::of(measurement);
-        let mut gain = None;
-        if let Some(folds) = folds.filter(|_| !chosen.is_empty()) {
-            let unseen = Unseen::of(workbench, request, &models, &folds, part)?;
-            gain = unseen.gain(&chosen);
-            for candidate in &mut candidates {
-                candidate.heldout_error = unseen.error_alone(&candidate.effect);
-            }
-            for cause in &mut causes {
-                cause.gain = match chosen.len() {
-                    1 => gain.clone(),
-                    _ => unseen.gain_alone(&cause.effect),
-                };
-            }
-        }
-        Ok(Diagnosis {
-            verdict: match (chosen.is_empty(), explained) {
-                (true, true) => Verdict::Adequate,
-                (true, false) => Verdict::Unexplained,
-                (false, true) => Verdict::Explained,
-                (false, false) => Verdict::Improved,
-            },
-            limitations,
-            discrepancy,
-            causes,
-            candidates,
-            gain,
-            provenance: fit.identification.provenance.clone(),
-            base: fit.identification,
-            extended,
-            next_experiment,
-        })
+        Conclusion { workbench, fit, discrepancy, models, chosen, fits, explained }
     }
 }
 
@@ -175,15 +114,4 @@ impl<'a> Study<'a> {
 fn noise_like(workbench: &Workbench<'_>, yardstick: Yardstick, model: &Model, seed: u64) -> bool {
     let exact = !yardstick.known && yardstick.explains(model.cost);
     exact || workbench.judge(model).is_ok_and(|fit| discrepancy::is_noise(&fit, seed))
-}
-
-/// The model with these effects, to the last digit; `None` where there are none.
-fn extended(
-    workbench: &Workbench<'_>,
-    models: &Models,
-    chosen: &Key,
-) -> Result<Option<Identification>, DiagnoseError> {
-    let Some(model) = models.get(chosen).filter(|_| !chosen.is_empty()) else { return Ok(None) };
-    let model = workbench.refine(model, Effort::Thorough);
-    Ok(Some(workbench.judge(&model)?.identification))
 }

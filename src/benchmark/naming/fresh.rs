@@ -13,8 +13,8 @@ use crate::diagnose::DiagnoseError;
 use crate::identify::compare;
 use crate::measurement::Measurement;
 
-/// Frequencies at every magnitude.
-const FREQUENCIES: usize = 32;
+/// Frequencies at every magnitude, each drawn from its own part of the range.
+const FREQUENCIES: usize = 48;
 
 /// A gain as it was given, and as it is found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -75,9 +75,10 @@ fn design(machine: &Draw, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
     magnitudes.dedup();
     let mut design = Vec::new();
     for magnitude in magnitudes {
-        let mut omegas = [(); FREQUENCIES].map(|()| log_uniform(slowest, fastest, rng));
-        omegas.sort_by(f64::total_cmp);
-        design.extend(omegas.map(|omega| (magnitude, omega)));
+        design.extend((0..FREQUENCIES).map(|i| {
+            let at = |i: usize| slowest * (fastest / slowest).powf(i as f64 / FREQUENCIES as f64);
+            (magnitude, log_uniform(at(i), at(i + 1), rng))
+        }));
     }
     design
 }

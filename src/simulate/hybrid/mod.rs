@@ -68,15 +68,22 @@ const PATIENT: usize = 3;
 const MOST_PERIODS: usize = 500;
 
 /// Effort for one point, in exact steps, beyond which it counts as not periodic, and what is
-/// added for each cell of its input. Most motions that settle take a fiftieth of it, and
-/// hardly any of those that take more settle after all; it bounds a cosine to a few
-/// milliseconds.
+/// added for each cell of its input: of the first `FEW_CELLS`, and of those of a record beyond
+/// them, a pass over which takes longer than all that a cosine may. Most motions that settle
+/// take a fiftieth of it (of a record a fifth), and hardly any of those that take more settle
+/// after all; it bounds a cosine to a few milliseconds.
 const EFFORT: usize = 40_000;
-const EFFORT_PER_CELL: usize = 500;
+const FEW_CELLS: usize = 256;
+const EFFORT_PER_CELL: [usize; 2] = [500, 50];
 
 /// Share of a state's size that a step may move it, where motions may not be
 /// unique, and where they are.
 const LEASH: [f64; 2] = [0.2, 4.0];
+
+fn effort(cells: usize) -> usize {
+    let few = cells.min(FEW_CELLS);
+    EFFORT + EFFORT_PER_CELL[0] * few + EFFORT_PER_CELL[1] * (cells - few)
+}
 
 /// Step, as a share of a state's size, behind which a more precise pass is worth
 /// its while.
@@ -209,7 +216,7 @@ impl<const M: usize> Periodic<M> {
             leash: LEASH[usize::from(mechanics.contracts() || axis.balanced)],
             precision: Precision { tolerance: LOOSE, sizes, most_swings: LOOSE_SWINGS },
             sizes,
-            effort: EFFORT + EFFORT_PER_CELL * wave.cells.len(),
+            effort: effort(wave.cells.len()),
         };
         if let Some(i) = mechanics.position_integral {
             mechanics.balance = mechanics.first_balance();

@@ -1,0 +1,152 @@
+//! From what was found to the answer.
+
+use crate::answers::{Diagnosis, Discrepancy, Gain, Identification, NextExperiment, Verdict};
+use crate::identify::{Effort, IdentifyRequest, ModelFit, Workbench};
+use crate::measurement::Measurement;
+
+use super::folds::Folds;
+use super::models::{Key, Models};
+use super::progress::Part;
+use super::unseen::Unseen;
+use super::{DiagnoseError, causes, discrepancy, next_experiment};
+
+/// What one order of the actuator comes to.
+pub(super) struct Conclusion<'a> {
+    /// Where everything was fitted.
+    pub workbench: &'a Workbench<'a>,
+    /// The base model.
+    pub fit: ModelFit,
+    /// What it gets wrong.
+    pub discrepancy: Discrepancy,
+    /// Everything that was fitted.
+    pub models: Models,
+    /// Effects of the model that was chosen.
+    pub chosen: Key,
+    /// Whether noise is all that it leaves.
+    pub fits: bool,
+    /// Whether it is no imitation of something else, either.
+    pub explained: bool,
+}
+
+impl Conclusion<'_> {
+    /// The answer.
+    ///
+    /// # Errors
+    /// When cancelled, or where the extended model has no response.
+    pub fn diagnosis(
+        mut self,
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        part: Part<'_>,
+    ) -> Result<Diagnosis, DiagnoseError> {
+        let mut limitations = discrepancy::limitations(&self.fit, &self.discrepancy);
+        let unseen = self.unseen(measurement, request, part)?;
+        let mut gain = unseen.as_ref().and_then(|unseen| unseen.gain(&self.chosen));
+        if unseen.is_none() && !self.chosen.is_empty() {
+            limitations.push(TOO_SMALL.into());
+        }
+        if let Some(disappointing) = gain.take_if(|gain| self.disappoints(gain)) {
+            limitations.push(disappointed(&self.chosen, &disappointing));
+            self.chosen = Key::new();
+            (self.fits, self.explained) = (false, false);
+        }
+        if self.fits && !self.explained {
+            limitations.push(format!(
+                "{} together leave nothing but noise, but such a combination may imitate a single \
+                 effect that the library lacks: confirm each by an experiment of its own",
+                self.chosen.join(" and ")
+            ));
+        }
+        let extended = self.extended()?;
+        let Self { models, chosen, .. } = &self;
+        let named = |extended| causes::named(models, chosen, extended, self.fits);
+        let mut causes = extended.as_ref().map(named).unwrap_or_default();
+        for cause in &mut causes {
+            cause.gain = match chosen.len() {
+                1 => gain.clone(),
+                _ => unseen.as_ref().and_then(|unseen| unseen.gain_alone(&cause.effect)),
+            };
+        }
+        let mut candidates = causes::candidates(models, chosen);
+        for candidate in &mut candidates {
+            let error = |unseen: &Unseen| unseen.error_alone(&candidate.effect);
+            candidate.heldout_error = unseen.as_ref().and_then(error);
+        }
+        Ok(Diagnosis {
+            verdict: match (chosen.is_empty(), self.explained) {
+                (true, true) => Verdict::Adequate,
+                (true, false) => Verdict::Unexplained,
+                (false, true) => Verdict::Explained,
+                (false, false) => Verdict::Improved,
+            },
+            limitations,
+            next_experiment: self.next_experiment(causes.iter().map(|c| c.effect.as_str())),
+            causes,
+            candidates,
+            gain,
+            discrepancy: self.discrepancy,
+            provenance: self.fit.identification.provenance.clone(),
+            base: self.fit.identification,
+            extended,
+        })
+    }
+
+    /// What is predicted of data held out; `None` where there is nothing to predict it, or
+    /// nothing can be held out.
+    fn unseen(
+        &self,
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        part: Part<'_>,
+    ) -> Result<Option<Unseen>, DiagnoseError> {
+        let folds = Folds::of(measurement).filter(|_| !self.chosen.is_empty());
+        folds
+            .map(|folds| Unseen::of(self.workbench, request, &self.models, &folds, part))
+            .transpose()
+    }
+
+    /// Whether the causes do not predict what they should. Where they leave noise alone, that
+    /// they are wrong must be certain; where they do not, significance proves nothing and that
+    /// they help must be.
+    fn disappoints(&self, gain: &Gain) -> bool {
+        let [low, high] = gain.interval95;
+        if self.fits { high < 1.0 } else { low <= 1.0 }
+    }
+
+    /// The model with the causes, to the last digit; `None` where there are none.
+    fn extended(&self) -> Result<Option<Identification>, DiagnoseError> {
+        let Self { workbench, models, chosen, .. } = self;
+        let model = models.get(chosen).filter(|_| !chosen.is_empty());
+        let judge = |model| workbench.judge(&workbench.refine(model, Effort::Thorough));
+        Ok(model.map(judge).transpose()?.map(|fit| fit.identification))
+    }
+
+    /// What separates the first cause that has a rival from it.
+    fn next_experiment<'c>(
+        &self,
+        mut causes: impl Iterator<Item = &'c str>,
+    ) -> Option<NextExperiment> {
+        let Self { workbench, models, chosen, .. } = self;
+        causes.find_map(|cause| {
+            let (rival, model) = causes::rivals(models, chosen, cause).into_iter().next()?;
+            let named = (models.get(chosen)?, cause);
+            next_experiment::between(workbench, named, (model, rival))
+        })
+    }
+}
+
+/// Why nothing is said of a gain.
+const TOO_SMALL: &str = "what the causes gain on data that no fit has seen is not known: that \
+                         takes five frequencies, three magnitudes, or a record with twenty lines, \
+                         to hold some out";
+
+fn disappointed(chosen: &Key, gain: &Gain) -> String {
+    let [low, high] = gain.interval95;
+    format!(
+        "{} would fit the data better, but not predict what the fit has not seen: there the error \
+         is divided by {:.3}, 95 % from {low:.3} to {high:.3} ({}); so it is not named",
+        chosen.join(" and "),
+        gain.ratio,
+        gain.heldout
+    )
+}

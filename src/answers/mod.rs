@@ -20,5 +20,5 @@ pub use identification::{
 pub use progress::{ConvergenceRow, Progress};
 pub use request::{
     ColonyOptions, ColonyVariant, IdentifyOptions, InvalidOptions, JobKind, Method, NetworkOptions,
-    PlantRequest,
+    PlantRequest, Weighting,
 };

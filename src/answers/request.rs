@@ -124,6 +124,18 @@ impl Default for ColonyOptions {
     }
 }
 
+/// What a fit weighs the error of each harmonic with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Weighting {
+    /// Its noise: best where a model can come down to the noise.
+    #[default]
+    Noise,
+    /// All alike, in response units: best where no model does. The size of the noise is then
+    /// estimated from what is left.
+    Response,
+}
+
 /// Every option of an identification, all with defaults.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -133,6 +145,8 @@ pub struct IdentifyOptions {
     /// Standard deviation of re and im of every harmonic, in response units,
     /// for data that carries neither deviations nor repeats.
     pub noise_std: Option<f64>,
+    /// What errors are weighed with.
+    pub weights: Weighting,
     /// Whether a closed-form start is computed where the data allows it.
     pub closed_form_start: bool,
     /// The network stage.
@@ -150,6 +164,7 @@ impl Default for IdentifyOptions {
         Self {
             seed: 1,
             noise_std: None,
+            weights: Weighting::Noise,
             closed_form_start: true,
             network: NetworkOptions::default(),
             colony: ColonyOptions::default(),

@@ -41,6 +41,7 @@ mod statistics;
 mod study;
 mod subspace;
 mod unseen;
+mod weighing;
 mod whiteness;
 
 #[cfg(test)]
@@ -93,5 +94,5 @@ pub fn diagnose(
     observer: &dyn Observer,
 ) -> Result<Diagnosis, DiagnoseError> {
     let whole = Part { whole: observer, span: [0.0, 1.0] };
-    orders::diagnose(measurement, request, whole)
+    weighing::diagnose(measurement, request, whole)
 }

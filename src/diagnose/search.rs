@@ -22,14 +22,21 @@ use super::models::{Key, Models, Visited, key};
 use super::probes::{Changes, Probed};
 use super::progress::Part;
 
-/// Effects that are fitted beside one and beside two others, those of the largest gain.
-const FURTHER: [usize; 2] = [5, 3];
+/// How widely models are tried.
+struct Breadth {
+    /// Effects that are fitted beside one and beside two others, those of the largest gain.
+    further: [usize; 2],
+    /// Starts of a fit beside none, one and two others of which a few steps are taken.
+    starts: [usize; 3],
+    /// Single effects to which others are added.
+    grown: usize,
+}
 
-/// Starts of a fit beside none, one and two others of which a few steps are taken.
-const STARTS: [usize; 3] = [4, 4, 2];
+/// The same of cosines.
+const WIDE: Breadth = Breadth { further: [5, 3], starts: [4, 4, 2], grown: 4 };
 
-/// Single effects to which others are added.
-const BREADTH: usize = 4;
+/// The same of records, whose simulation takes a thousand times longer.
+const NARROW: Breadth = Breadth { further: [3, 1], starts: [4, 2, 1], grown: 2 };
 
 /// Share of the limit that a probe's gain must reach for a fit to be worthwhile.
 const PROMISING: f64 = 0.7;
@@ -46,6 +53,7 @@ const COMBINATIONS: f64 = 0.2;
 pub(super) struct Search<'a> {
     workbench: &'a Workbench<'a>,
     seed: u64,
+    breadth: Breadth,
     /// Everything that was fitted.
     pub models: Models,
     /// What every effect changes beside the base model.
@@ -70,7 +78,8 @@ impl<'a> Search<'a> {
     ) -> Self {
         let models = Models::new(workbench.base().clone(), yardstick);
         let (changes, grown) = (Vec::new(), BTreeSet::new());
-        let mut this = Self { workbench, seed, models, changes, grown };
+        let breadth = if workbench.has_cosines_alone() { WIDE } else { NARROW };
+        let mut this = Self { workbench, seed, breadth, models, changes, grown };
         this.singles(part);
         this
     }
@@ -98,7 +107,7 @@ impl<'a> Search<'a> {
             let enough = sufficient(model);
             let mut grown = self.grow(&best, enough, &mut part);
             if size == 1 && !enough {
-                for other in self.models.ranked(size).into_iter().take(BREADTH) {
+                for other in self.models.ranked(size).into_iter().take(self.breadth.grown) {
                     let found = self.models.best_supported();
                     if self.models.get(&found).is_some_and(&sufficient) {
                         break;
@@ -136,7 +145,7 @@ impl<'a> Search<'a> {
         let promising = |probed: &Probed| promises(probed, &family, scale);
         probed.retain(|probed| !enough || promising(probed));
         probed.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
-        probed.truncate(FURTHER[from.len() - 1]);
+        probed.truncate(self.breadth.further[from.len() - 1]);
         let stage = part.stage("combinations", probed.len());
         let fits = self.fitter(part, from.len()).fit(&anchor.model, &probed, promising, &stage);
         let any = !fits.is_empty();
@@ -162,7 +171,13 @@ impl<'a> Search<'a> {
         'a: 'p,
     {
         let (workbench, yardstick) = (self.workbench, self.models.yardstick);
-        Fitter { workbench, part, yardstick, starts: STARTS[beside], patient: beside < 2 }
+        Fitter {
+            workbench,
+            part,
+            yardstick,
+            starts: self.breadth.starts[beside],
+            patient: beside < 2,
+        }
     }
 
     fn keep(&mut self, fits: Vec<Model>) {

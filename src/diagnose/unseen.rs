@@ -93,7 +93,10 @@ impl Unseen {
             let model = own.refine(&own.adopt(workbench, model), effort);
             Visited::new(&own, model, &yardstick)
         };
-        let wanted = |(key, _): &(&Key, &Model)| key.len() == 1 || near.contains(*key);
+        // Of a record it takes too long to refit what is out of reach.
+        let all_alone = workbench.has_cosines_alone();
+        let wanted =
+            |(key, _): &(&Key, &Model)| near.contains(*key) || (key.len() == 1 && all_alone);
         let all: Vec<(&Key, &Model)> =
             models.all().filter(|(key, _)| !key.is_empty()).filter(wanted).collect();
         let fits: Vec<Visited> = all.into_par_iter().map(refit).collect();

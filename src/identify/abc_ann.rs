@@ -242,7 +242,7 @@ impl Run<'_> {
     }
 
     fn weights(&self, model: Option<&Plant>) -> Weights {
-        noise::weights(self.measurement, self.problem, self.options.noise_std, model)
+        noise::weights(self.measurement, self.problem, self.options, model)
     }
 
     fn misfit<'m>(&'m self, coordinates: &'m Coordinates, weights: &'m Weights) -> Misfit<'m> {

@@ -29,8 +29,8 @@ pub fn compare(
     let problem = Problem::new(measurement)?;
     let plant = problem.in_scale(&reported_plant(answer)?);
     let effects = reported_effects(answer, &problem)?;
-    let noise_std = answer.provenance.options.noise_std;
-    let weights = noise::weights(measurement, &problem, noise_std, Some(&plant));
+    let options = &answer.provenance.options;
+    let weights = noise::weights(measurement, &problem, options, Some(&plant));
     Ok(beside(measurement, &problem, &plant, &effects, &weights, answer.fit.dof, |_| true))
 }
 

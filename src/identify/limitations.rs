@@ -1,6 +1,6 @@
 //! What this data cannot tell, in sentences.
 
-use crate::answers::{IdentifyOptions, NoiseSource};
+use crate::answers::{IdentifyOptions, NoiseSource, Weighting};
 use crate::measurement::Measurement;
 
 use super::abc_ann::Fitted;
@@ -47,7 +47,11 @@ pub(super) fn of(
              0 to 5 and a third magnitude would"
             .into());
     }
-    if fitted.weights.source == NoiseSource::Estimated {
+    if options.weights == Weighting::Response {
+        say("every harmonic weighs alike, whatever its noise (option weights): χ² and adequacy \
+             cannot be stated"
+            .into());
+    } else if fitted.weights.source == NoiseSource::Estimated {
         say("the size of the noise is unknown: χ² and adequacy cannot be stated; give std, \
              repeats or the option noise_std"
             .into());

@@ -13,7 +13,7 @@
 
 use rayon::prelude::*;
 
-use crate::answers::NoiseSource;
+use crate::answers::{IdentifyOptions, NoiseSource, Weighting};
 use crate::measurement::{Complex, Experiment, Measurement};
 use crate::plant::Plant;
 use crate::simulate;
@@ -48,7 +48,7 @@ impl Weights {
 pub(super) fn weights(
     measurement: &Measurement,
     problem: &Problem,
-    noise_std: Option<f64>,
+    options: &IdentifyOptions,
     model: Option<&Plant>,
 ) -> Weights {
     let experiments = measurement.experiments();
@@ -59,6 +59,9 @@ pub(super) fn weights(
         depend_on_model: false,
         scatter: Vec::new(),
     };
+    if options.weights == Weighting::Response {
+        return uniform(1.0, NoiseSource::Estimated);
+    }
     if experiments.iter().any(|e| !e.repeats.is_empty()) {
         return from_scatter(experiments, problem, model);
     }
@@ -78,7 +81,7 @@ pub(super) fn weights(
         }
         return weights;
     }
-    match noise_std {
+    match options.noise_std {
         Some(std) => uniform(std / problem.response_scale, NoiseSource::Given),
         None => uniform(1.0, NoiseSource::Estimated),
     }

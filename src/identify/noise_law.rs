@@ -77,6 +77,7 @@ mod tests {
     use super::super::fixtures::{ACTUATORS, axis, joined, stepped_sine};
     use super::super::noise::weights;
     use super::*;
+    use crate::answers::IdentifyOptions;
     use crate::measurement::{Complex, Repeat};
     use rand::SeedableRng;
 
@@ -103,7 +104,10 @@ mod tests {
         }
         let measurement = joined(experiments);
         let problem = Problem::new(&measurement).unwrap();
-        let law = NoiseLaw::new(&problem, &weights(&measurement, &problem, None, None));
+        let law = NoiseLaw::new(
+            &problem,
+            &weights(&measurement, &problem, &IdentifyOptions::default(), None),
+        );
         assert_eq!(law.is_normal(), repeats == 0);
         let draws = 200;
         let sum: f64 = (0..draws).map(|_| law.draw(&mut rng).norm_squared()).sum();

@@ -167,6 +167,7 @@ mod tests {
     use super::super::parameters::Coordinates;
     use super::super::problem::Problem;
     use super::*;
+    use crate::answers::IdentifyOptions;
     use crate::measurement::Measurement;
     use crate::observer::{Observer, Silent};
     use crate::plant::{Friction, Plant};
@@ -187,7 +188,7 @@ mod tests {
     ) -> (Refined, Vec<bool>, Plant) {
         let problem = Problem::new(measurement).unwrap();
         let coordinates = Coordinates::new(order, false, &problem.prior);
-        let weights = noise::weights(measurement, &problem, None, None);
+        let weights = noise::weights(measurement, &problem, &IdentifyOptions::default(), None);
         let misfit = Misfit {
             problem: &problem,
             coordinates: &coordinates,

@@ -208,6 +208,11 @@ impl<'a> Workbench<'a> {
         sum
     }
 
+    /// Whether every input is a pure cosine.
+    pub fn has_cosines_alone(&self) -> bool {
+        self.problem.experiments.iter().all(|e| e.excitation.is_pure_cosine())
+    }
+
     /// Whether the order of acquisition is known.
     pub fn runs_known(&self) -> bool {
         self.problem.runs_known

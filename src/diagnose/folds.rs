@@ -46,8 +46,11 @@ pub(super) struct Folds {
     pub what: String,
 }
 
-/// The ways to divide a measurement; the first that can be gone is taken.
-const WAYS: [fn(&[Experiment]) -> Option<Division>; 3] = [frequencies, lines, magnitudes];
+/// A way to divide a measurement; `None` where it cannot be gone.
+type Way = fn(&[Experiment]) -> Option<Division>;
+
+/// All of them; the first that can be gone is taken.
+const WAYS: [Way; 3] = [frequencies, lines, magnitudes];
 
 /// Rows that can be held out, and in words. What bounds the range is not among them: beyond
 /// what was fitted an effect with a threshold cannot be foreseen.

@@ -1,0 +1,136 @@
+//! Names, numbers and confidence in words.
+
+use maud::{Markup, html};
+
+use crate::report::figures::superscript;
+
+/// A number as it is printed: a true minus sign, and a power of ten.
+pub(super) fn typeset(number: &str) -> String {
+    let number = number.replace('-', "−");
+    match number.split_once('e') {
+        Some((mantissa, power)) => format!("{mantissa}·10{}", superscript(power)),
+        None => number,
+    }
+}
+
+/// A number with at most so many significant digits.
+pub(super) fn number(value: f64, digits: usize) -> String {
+    typeset(&crate::report::number::significant(value, digits))
+}
+
+/// A share as per cent with so many significant digits.
+pub(super) fn per_cent(share: f64, digits: usize) -> String {
+    format!("{} %", typeset(&crate::report::number::digits(100.0 * share, digits)))
+}
+
+/// A number with its unit, where there is one.
+pub(super) fn quantity(value: f64, digits: usize, unit: &str) -> String {
+    let space = if unit.is_empty() { "" } else { "\u{a0}" };
+    format!("{}{space}{unit}", number(value, digits))
+}
+
+/// A sentence: begins with a capital, unless with an id, and ends with a stop.
+pub(super) fn sentence(text: &str) -> String {
+    let text = text.trim();
+    let first_word = text.split_whitespace().next().unwrap_or_default();
+    let mut characters = text.chars();
+    let mut sentence = match characters.next() {
+        Some(first) if !first_word.contains('_') => {
+            first.to_uppercase().chain(characters).collect()
+        }
+        _ => text.to_owned(),
+    };
+    if !sentence.is_empty() && !sentence.ends_with(['.', '!', '?']) {
+        sentence.push('.');
+    }
+    sentence
+}
+
+/// An id as words: `static_friction` is static friction.
+pub(super) fn effect(id: &str) -> String {
+    match id {
+        "stribeck" => "Stribeck friction".to_owned(),
+        id => id.replace('_', " "),
+    }
+}
+
+/// Effects as they are said: one, one and another, one, another and a third.
+pub(super) fn list<'a>(ids: impl IntoIterator<Item = &'a str>, last: &str) -> String {
+    let mut names: Vec<String> = ids.into_iter().map(effect).collect();
+    match names.pop() {
+        Some(name) if names.is_empty() => name,
+        Some(name) => format!("{} {last} {name}", names.join(", ")),
+        None => String::new(),
+    }
+}
+
+/// What a parameter is called, with its symbol, beside its id.
+pub(super) fn parameter(id: &str) -> Markup {
+    let (name, symbol, index) = match id {
+        "pole" => ("pole", "−a", ""),
+        "constant" => ("constant", "K", ""),
+        "dc_gain" => ("DC gain", "K/a", ""),
+        "fc_plus" => ("dry friction forwards", "F", "c+"),
+        "fc_minus" => ("dry friction backwards", "F", "c−"),
+        "actuator_pole" => ("actuator pole", "−p", ""),
+        "natural_frequency" => ("actuator natural frequency", "ω", "n"),
+        "damping_ratio" => ("actuator damping ratio", "ζ", ""),
+        "static_friction.fs_plus" => ("static friction forwards", "F", "s+"),
+        "static_friction.fs_minus" => ("static friction backwards", "F", "s−"),
+        id => {
+            let mut words = id.splitn(2, '.').map(effect);
+            let name = words.next().unwrap_or_default();
+            let name = words.next().map_or(name.clone(), |rest| format!("{name}: {rest}"));
+            return html! { (name) " " code { (id) } };
+        }
+    };
+    html! {
+        (name) " " i.symbol { (symbol) @if !index.is_empty() { sub { (index) } } } " "
+        code { (id) }
+    }
+}
+
+/// A probability as a person says it. The limits are those between which the
+/// benchmark counts how often a cause of that confidence is right.
+pub(super) fn confidence(probability: f64) -> &'static str {
+    match probability {
+        p if p >= 0.99 => "all but certain",
+        p if p >= 0.9 => "very likely",
+        p if p >= 0.8 => "likely",
+        p if p >= 0.5 => "more likely than not",
+        _ => "possible",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sentence_begins_with_a_capital_but_an_id_stays_as_it_is() {
+        assert_eq!(sentence("the mean is 3 % larger"), "The mean is 3 % larger.");
+        assert_eq!(sentence("slew_limit explains it."), "slew_limit explains it.");
+        assert_eq!(sentence(""), "");
+    }
+
+    #[test]
+    fn names_are_joined_as_they_are_said() {
+        assert_eq!(list(["spring"], "and"), "spring");
+        assert_eq!(list(["spring", "stribeck"], "or"), "spring or Stribeck friction");
+        assert_eq!(list(["a", "b_c", "d"], "and"), "a, b c and d");
+        assert_eq!(list([], "and"), "");
+    }
+
+    #[test]
+    fn numbers_have_true_minus_signs_and_powers() {
+        assert_eq!(typeset("-1.02e-7"), "−1.02·10⁻⁷");
+        assert_eq!(quantity(-0.5, 2, "A"), "−0.5\u{a0}A");
+    }
+
+    #[test]
+    fn a_parameter_that_nobody_named_is_shown_by_its_id() {
+        let shown = parameter("slew_limit.rate").into_string();
+        assert_eq!(shown, "slew limit: rate <code>slew_limit.rate</code>");
+        assert!(parameter("fc_plus").into_string().contains("<sub>c+</sub>"));
+    }
+}

@@ -7,7 +7,7 @@ use crate::report::causes::per_cent;
 use crate::report::text::{flags, in_digits};
 
 use super::table::{Cell, table};
-use super::words::{confidence, effect, list, sentence};
+use super::words::{confidence, effect, list, parameter, sentence};
 use super::{Content, Section};
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
@@ -45,7 +45,7 @@ fn article(cause: &Cause) -> Markup {
                 strong { (per_cent(*probability)) } " — " (confidence(*probability))
             }
             p { (sentence(explanation)) }
-            (estimates(parameters.iter(), |name| html! { (effect(name)) " " code { (name) } }))
+            (estimates(parameters.iter(), |name| parameter(&format!("{id}.{name}"))))
             @if !cause.equivalents.is_empty() {
                 p {
                     "This measurement cannot tell it from "

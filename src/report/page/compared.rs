@@ -6,11 +6,10 @@ use crate::answers::{Gain, Identification};
 use crate::report::causes::{gains, held_out};
 use crate::report::figures::Subject;
 use crate::report::number::digits;
-use crate::report::with_causes;
 
 use super::figure::figure;
 use super::table::{Cell, table};
-use super::words::{number, per_cent, sentence};
+use super::words::{number, per_cent, with_causes};
 use super::{Content, Section};
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
@@ -66,7 +65,7 @@ pub(super) fn gain(content: &Content<'_>) -> Option<Section> {
         (Some(gain), _) => html! { p.lead { (said(gain)) } },
         (None, _) if gains.is_empty() => html! {
             p {
-                "It was not measured on this data. What the models leave above is of the data that \
+                "The gain on data held out was not measured here. What the models leave above is of the data that \
                  they were fitted to, which an additional parameter always lowers."
             }
         },
@@ -76,7 +75,7 @@ pub(super) fn gain(content: &Content<'_>) -> Option<Section> {
         (body)
         @if !gains.is_empty() {
             (rows(&gains))
-            @for heldout in held_out(&gains) { p { "Held out: " (sentence(heldout)) } }
+            @for heldout in held_out(&gains) { p { "Held out: " (heldout.trim_end_matches('.')) "." } }
         }
     };
     Section::new("gain", "What it gains on data held out", body)
@@ -94,7 +93,7 @@ fn said(gain: &Gain) -> String {
     };
     format!(
         "On data that neither a fit nor the choice of the cause has seen, the error {verb} from \
-         {before} to {after} of the response, by a factor of {ratio} (95 %: {low} to {high}){chance}."
+         {before} to {after} of the response, by a factor of {ratio} (95\u{a0}%: {low} to {high}){chance}."
     )
 }
 
@@ -105,7 +104,7 @@ fn rows(gains: &[(String, &Gain)]) -> Markup {
             value.map_or_else(Cell::empty, |value| Cell::number(digits(value, 3)))
         };
         vec![
-            Cell::text(name),
+            Cell::text(name.replace('_', " ")),
             Cell::number(digits(100.0 * gain.heldout_nrmse_before, 3)),
             Cell::number(digits(100.0 * gain.heldout_nrmse_after, 3)),
             Cell::number(digits(gain.ratio, 3)),

@@ -57,13 +57,12 @@ fn patterns(patterns: &[Pattern]) -> Markup {
     let row = |(i, pattern): (usize, &Pattern)| {
         vec![
             Cell::number((i + 1).to_string()),
-            Cell::text(sentence(&pattern.sentence)),
+            Cell::Sentence(sentence(&pattern.sentence)),
             Cell::number(format!("{:.0}", 100.0 * pattern.share)),
-            Cell::number(digits(pattern.rms_sigmas, 2)),
         ]
     };
     let rows: Vec<Vec<Cell>> = patterns.iter().enumerate().map(row).collect();
-    let titles = ["", "Where and how", "share, %", "times the noise"];
+    let titles = ["", "Where and how", "share, %"];
     html! { @if !rows.is_empty() { (table("Patterns, largest share of the misfit first", &titles, &rows)) } }
 }
 
@@ -79,7 +78,12 @@ fn tests(tests: &[ResidualTest]) -> Markup {
             (_, true) => html! { "passed" },
             (_, false) => html! { strong { "failed" } },
         };
-        vec![Cell::text(&test.name), p_value, Cell::Text(mark), Cell::text(&test.explanation)]
+        vec![
+            Cell::text(&test.name),
+            p_value,
+            Cell::Text(mark),
+            Cell::Sentence(sentence(&test.explanation)),
+        ]
     };
     let rows: Vec<Vec<Cell>> = tests.iter().map(row).collect();
     html! { @if !rows.is_empty() { (table("", &["Test", "p", "", "What it says"], &rows)) } }
@@ -110,7 +114,7 @@ fn left(found: &Discrepancy, noise: NoiseSource) -> Markup {
         div.columns {
             @for (axis, groups) in axes {
                 @if !groups.is_empty() {
-                    (table("", &[axis, unit, "response", "share, %"], &rows(groups)))
+                    (table("", &[axis, unit, "response", "relative, %"], &rows(groups)))
                 }
             }
         }

@@ -3,19 +3,24 @@
 use maud::{Markup, html};
 
 use crate::answers::{Identification, OrderChoice};
+use crate::report::figures::Subject;
 use crate::report::number::digits;
 use crate::report::text::{coefficient_digits, cost_name, stages};
-use crate::report::with_causes;
 
 use super::causes::estimates;
 use super::figure::figure;
 use super::table::{Cell, table};
-use super::words::{number, parameter, sentence};
+use super::words::{number, parameter, sentence, with_causes};
 use super::{Content, Section};
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let answer = content.answer;
     let name = with_causes(answer.causes());
+    let moved = Subject {
+        identification: Some(answer.model()),
+        comparison: content.extended.or(content.comparison),
+        ..Subject::default()
+    };
     let body = html! {
         (transfer_function(answer.model()))
         @match answer.extended() {
@@ -28,8 +33,8 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
                 (estimates(answer.base().parameters.iter(), parameter))
             }
         }
-        (figure("friction", &content.subject(&name), "", "Friction of the base model over velocity, \
-            and where the measurement moved."))
+        (figure("friction", &moved, "", "Friction of this model over velocity, and the range in \
+            which the measurement moved."))
     };
     Section::new("model", "The model", body)
 }

@@ -4,11 +4,12 @@ use maud::html;
 
 use crate::answers::Verdict;
 
-use super::words::{quantity, sentence};
+use super::words::{quantity, sentence, without_ids};
 use super::{Content, Section};
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let answer = content.answer.diagnosis()?;
+    let ids = answer.candidates.iter().map(|candidate| candidate.effect.as_str());
     let body = match (&answer.next_experiment, answer.verdict) {
         (Some(next), _) => {
             let magnitude = quantity(next.magnitude, 4, &content.measured.input_unit);
@@ -16,7 +17,7 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
             let omega = quantity(next.omega_rad_s, 4, "rad/s");
             html! {
                 p.lead { "Magnitude " (magnitude) " at " (hertz) " (" (omega) ")." }
-                p { (sentence(&next.reason)) }
+                p { (sentence(&without_ids(&next.reason, ids))) }
             }
         }
         (None, Verdict::Adequate | Verdict::Explained) => html! {
@@ -33,20 +34,16 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
 
 pub(super) fn limits(content: &Content<'_>) -> Option<Section> {
     let of_diagnosis = content.answer.diagnosis().map_or(&[][..], |answer| &answer.limitations);
-    // The model that is reported; of the base model, what is not said of it, too.
     let of_model = &content.answer.model().limitations;
-    let of_base = &content.answer.base().limitations;
-    let mut texts: Vec<&String> = Vec::new();
-    for text in of_diagnosis.iter().chain(of_model).chain(of_base) {
-        if !texts.contains(&text) {
-            texts.push(text);
-        }
-    }
+    let said: Vec<&String> = of_diagnosis.iter().chain(of_model).collect();
+    let of_base = content.answer.base().limitations.iter().filter(|text| !said.contains(text));
+    let of_base = of_base.map(|text| format!("of the base model: {text}"));
+    let texts: Vec<String> = said.iter().map(|text| (*text).clone()).chain(of_base).collect();
     let body = html! {
         @if texts.is_empty() {
             p { "Nothing was left out, and the data determines every parameter that was fitted." }
         } @else {
-            ul { @for text in texts { li { (sentence(text)) } } }
+            ul { @for text in texts { li { (sentence(&text)) } } }
         }
         p.small {
             "An answer holds for the magnitudes and frequencies that were measured. Effects outside \

@@ -6,7 +6,7 @@ use crate::answers::Candidate;
 use crate::report::number::digits;
 
 use super::table::{Cell, table};
-use super::words::{effect, sentence};
+use super::words::{effect, list, sentence, without_ids};
 use super::{Content, Section};
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
@@ -14,7 +14,8 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     if answer.candidates.is_empty() {
         return None;
     }
-    let rows: Vec<Vec<Cell>> = answer.candidates.iter().map(row).collect();
+    let ids: Vec<&str> = answer.candidates.iter().map(|c| c.effect.as_str()).collect();
+    let rows: Vec<Vec<Cell>> = answer.candidates.iter().map(|c| row(c, &ids)).collect();
     let titles = ["Effect", "Δχ²", "criterion", "held-out error, %", "What became of it"];
     let title = if answer.causes.is_empty() { "What was tried" } else { "The rivals" };
     let body = html! {
@@ -23,13 +24,20 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
              off the misfit, the criterion weighs that against its parameters: the smallest wins."
         }
         (table("", &titles, &rows))
+        @for cause in answer.causes.iter().filter(|cause| !cause.equivalents.is_empty()) {
+            p {
+                (sentence(&list(cause.equivalents.iter().map(String::as_str), "and")).trim_end_matches('.'))
+                " explain this measurement as well as " (effect(&cause.effect))
+                " does, to within what noise can decide: they stay possible."
+            }
+        }
     };
     Section::new("rivals", title, body)
 }
 
 /// Where a fit was given up before it came to as little as the base model
 /// leaves, it has gained nothing.
-fn row(candidate: &Candidate) -> Vec<Cell> {
+fn row(candidate: &Candidate, ids: &[&str]) -> Vec<Cell> {
     let Candidate { effect: id, delta_chi2, criterion, heldout_error, rejected, .. } = candidate;
     let [gained, criterion] = match *delta_chi2 > 0.0 {
         true => [format!("{delta_chi2:.1}"), format!("{criterion:.1}")].map(Cell::number),
@@ -37,14 +45,8 @@ fn row(candidate: &Candidate) -> Vec<Cell> {
     };
     let error = heldout_error.map_or_else(Cell::empty, |e| Cell::number(digits(100.0 * e, 3)));
     let what = match rejected {
-        None => html! { strong { "Named as a cause." } },
-        Some(why) => html! { (sentence(why)) },
+        None => Cell::Text(html! { strong { "Named as a cause." } }),
+        Some(why) => Cell::Sentence(sentence(&without_ids(why, ids.iter().copied()))),
     };
-    vec![
-        Cell::Text(html! { (effect(id)) " " code { (id) } }),
-        gained,
-        criterion,
-        error,
-        Cell::Text(what),
-    ]
+    vec![Cell::text(effect(id)), gained, criterion, error, what]
 }

@@ -98,7 +98,9 @@ sub,sup{line-height:0;font-size:.72em}
 .fraction span+span{border-top:1px solid var(--text)}
 figure{margin:1.75rem 0 0}
 figure svg{display:block;width:100%;height:auto}
-figcaption{margin-top:.25rem;padding-left:1.5rem;max-width:44rem}
+/* A figure has a margin of its own: its content stands where the text does. */
+figure .scroll{margin:0 -1.5rem}
+figcaption{margin-top:.25rem;max-width:44rem}
 main{counter-reset:figure}
 figure{counter-increment:figure}
 figcaption::before{content:"Figure " counter(figure) ". ";font-weight:600}
@@ -117,7 +119,8 @@ figcaption::before{content:"Figure " counter(figure) ". ";font-weight:600}
   .verdict .lead{font-size:1.1rem}
   .pairs div{grid-template-columns:1fr;gap:0}
   .scroll svg{width:44rem}
-  figcaption{padding-left:0}
+  figure .scroll{margin:0 -1rem}
+  .w{min-width:14rem}
 }
 @media print{
   @page{size:A4;margin:18mm 16mm}
@@ -128,6 +131,7 @@ figcaption::before{content:"Figure " counter(figure) ". ";font-weight:600}
   figure,tr,.verdict,.facts,pre,.formula{break-inside:avoid}
   figure svg{max-height:225mm}
   .scroll{overflow:visible}
+  figure .scroll{margin:0 -.8rem}
   a{color:inherit;text-decoration:none}
   .verdict,pre{print-color-adjust:exact;-webkit-print-color-adjust:exact}
 }

@@ -7,8 +7,10 @@ use super::words::typeset;
 /// What a cell holds.
 #[derive(Debug, Clone)]
 pub(super) enum Cell {
-    /// Words.
+    /// A word or a few.
     Text(Markup),
+    /// A sentence, which needs room.
+    Sentence(String),
     /// A number, aligned with the others of its column at the point.
     Number(String),
 }
@@ -32,7 +34,7 @@ impl Cell {
     fn is_empty(&self) -> bool {
         match self {
             Cell::Text(markup) => markup.0.is_empty(),
-            Cell::Number(text) => text.is_empty(),
+            Cell::Number(text) | Cell::Sentence(text) => text.is_empty(),
         }
     }
 
@@ -40,7 +42,7 @@ impl Cell {
     fn tail(&self) -> &str {
         match self {
             Cell::Number(text) => text.find('.').map_or("", |point| &text[point..]),
-            Cell::Text(_) => "",
+            Cell::Text(_) | Cell::Sentence(_) => "",
         }
     }
 }
@@ -91,7 +93,7 @@ pub(super) fn table(caption: &str, titles: &[&str], rows: &[Vec<Cell>]) -> Marku
 fn content(cell: &Cell) -> Markup {
     match cell {
         Cell::Text(markup) => markup.clone(),
-        Cell::Number(text) => html! { (text) },
+        Cell::Number(text) | Cell::Sentence(text) => html! { (text) },
     }
 }
 
@@ -100,7 +102,11 @@ fn data(cell: &Cell, widest: usize) -> Markup {
         Cell::Number(text) if !text.is_empty() => padding(cell.tail(), widest),
         _ => String::new(),
     };
-    let class = matches!(cell, Cell::Number(_)).then_some("n");
+    let class = match cell {
+        Cell::Text(_) => None,
+        Cell::Sentence(_) => Some("w"),
+        Cell::Number(_) => Some("n"),
+    };
     html! {
         td class=[class] data-pad=[(!missing.is_empty()).then_some(missing)] { (content(cell)) }
     }

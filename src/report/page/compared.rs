@@ -20,7 +20,7 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
         None => "Frequency response at each magnitude: dots are measured, lines simulated.",
         Some(_) => {
             "Frequency response at each magnitude: dots are measured, lines simulated with the \
-             causes, dashed lines with the base model."
+             causes, dotted lines with the base model."
         }
     };
     let after =
@@ -41,7 +41,7 @@ fn misfit(base: &Identification, extended: Option<&Identification>, name: &str) 
     let row = |name: &str, answer: &Identification| {
         let fit = &answer.fit;
         let optional = |value: Option<f64>, count| {
-            value.map_or_else(Cell::empty, |value| Cell::number(digits(value, count)))
+            value.map_or_else(Cell::empty, |value| Cell::plain(value, count))
         };
         vec![
             Cell::text(name),

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use crate::answers::{Diagnosis, Identification, Verdict};
 
-use super::words::{confidence, effect, list, number, per_cent, sentence};
+use super::words::{a, confidence, effect, joined, number, per_cent, sentence};
 use super::{Answer, Content};
 
 /// What the page is about.
@@ -77,7 +77,9 @@ fn of_fit(answer: &Identification) -> Judgement {
 }
 
 fn of_diagnosis(answer: &Diagnosis) -> Judgement {
-    let causes = list(answer.causes.iter().map(|cause| cause.effect.as_str()), "and");
+    let causes = answer.causes.iter().map(|cause| a(&cause.effect)).collect();
+    let causes = joined(causes, "and");
+    let them = if answer.causes.len() > 1 { "them" } else { "it" };
     let (word, class, text) = match answer.verdict {
         Verdict::Adequate => (
             "Adequate",
@@ -88,16 +90,16 @@ fn of_diagnosis(answer: &Diagnosis) -> Judgement {
             "Explained",
             "good",
             format!(
-                "The simulation misses {causes}; with it, it explains the measurement to within \
-                 its noise."
+                "The simulation misses {causes}. With {them}, it explains the measurement to \
+                 within the noise."
             ),
         ),
         Verdict::Improved => (
             "Improved",
             "part",
             format!(
-                "The simulation most likely misses {causes}; with it, it comes closer to the \
-                 measurement, but not all is explained."
+                "The simulation seems to miss {causes}. With {them}, it comes closer to the \
+                 measurement, and something remains unexplained."
             ),
         ),
         Verdict::Unexplained => (

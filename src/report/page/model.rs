@@ -4,7 +4,6 @@ use maud::{Markup, html};
 
 use crate::answers::{Identification, OrderChoice};
 use crate::report::figures::Subject;
-use crate::report::number::digits;
 use crate::report::text::{coefficient_digits, cost_name, stages};
 
 use super::causes::estimates;
@@ -90,7 +89,7 @@ pub(super) fn computed(content: &Content<'_>) -> Option<Section> {
     let row = |(name, stage): &(String, &crate::answers::Stage)| {
         vec![
             Cell::text(name),
-            Cell::number(digits(stage.cost, 4)),
+            Cell::plain(stage.cost, 4),
             Cell::number(stage.evaluations.to_string()),
             Cell::number(format!("{:.2}", stage.seconds)),
             Cell::text(&stage.stop_reason),
@@ -118,9 +117,9 @@ fn order(choice: &OrderChoice, answer: &Identification) -> Markup {
     let row = |candidate: &crate::answers::OrderCandidate| {
         vec![
             Cell::text(candidate.actuator_order.to_string()),
-            Cell::number(digits(candidate.chi2, 4)),
+            Cell::plain(candidate.chi2, 4),
             Cell::number(candidate.parameters.to_string()),
-            Cell::number(digits(candidate.criterion, 4)),
+            Cell::plain(candidate.criterion, 4),
         ]
     };
     let rows: Vec<Vec<Cell>> = choice.candidates.iter().map(row).collect();

@@ -37,7 +37,10 @@ pub(super) fn limits(content: &Content<'_>) -> Option<Section> {
     let of_model = &content.answer.model().limitations;
     let said: Vec<&String> = of_diagnosis.iter().chain(of_model).collect();
     let of_base = content.answer.base().limitations.iter().filter(|text| !said.contains(text));
-    let of_base = of_base.map(|text| format!("of the base model: {text}"));
+    let of_base = of_base.map(|text| match text.starts_with("the base model") {
+        true => text.clone(),
+        false => format!("of the base model: {text}"),
+    });
     let texts: Vec<String> = said.iter().map(|text| (*text).clone()).chain(of_base).collect();
     let body = html! {
         @if texts.is_empty() {

@@ -26,9 +26,8 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
         (table("", &titles, &rows))
         @for cause in answer.causes.iter().filter(|cause| !cause.equivalents.is_empty()) {
             p {
-                (sentence(&list(cause.equivalents.iter().map(String::as_str), "and")).trim_end_matches('.'))
-                " explain this measurement as well as " (effect(&cause.effect))
-                " does, to within what noise can decide: they stay possible."
+                "Besides " (effect(&cause.effect)) ", this measurement leaves possible: "
+                (list(cause.equivalents.iter().map(String::as_str), "and")) "."
             }
         }
     };

@@ -123,15 +123,15 @@ figcaption::before{content:"Figure " counter(figure) ". ";font-weight:600}
   .w{min-width:14rem}
 }
 @media print{
-  @page{size:A4;margin:18mm 16mm}
-  body{max-width:none;padding:0;font-size:10pt;display:block}
+  @page{size:A4;margin:17mm 11mm}
+  html{font-size:10pt}
+  body{max-width:none;padding:0 1.5rem;display:block}
   nav{display:none}
   section{margin-top:8mm}
   h2,h3,caption,thead{break-after:avoid}
   figure,tr,.verdict,.facts,pre,.formula{break-inside:avoid}
   figure svg{max-height:225mm}
   .scroll{overflow:visible}
-  figure .scroll{margin:0 -.8rem}
   a{color:inherit;text-decoration:none}
   .verdict,pre{print-color-adjust:exact;-webkit-print-color-adjust:exact}
 }

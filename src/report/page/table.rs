@@ -31,6 +31,15 @@ impl Cell {
         Cell::Number(typeset(text.as_ref()))
     }
 
+    /// A number with at least so many significant digits, and as far as that is
+    /// readable without a power of ten: those of a column are compared by eye.
+    pub(super) fn plain(value: f64, digits: usize) -> Self {
+        match value.abs() {
+            size if (1e6..1e12).contains(&size) => Self::number(format!("{value:.0}")),
+            _ => Self::number(crate::report::number::digits(value, digits)),
+        }
+    }
+
     fn is_empty(&self) -> bool {
         match self {
             Cell::Text(markup) => markup.0.is_empty(),
@@ -142,6 +151,15 @@ mod tests {
         assert!(text.contains("<td class=\"n\">−10.25</td>"), "{text}");
         assert!(text.contains("<td class=\"n\" data-pad=\".00\">7</td>"), "{text}");
         assert!(text.contains("<td class=\"n\" data-pad=\"0\">0.1</td>"), "{text}");
+    }
+
+    #[test]
+    fn large_numbers_are_written_out() {
+        let text = |value| match Cell::plain(value, 4) {
+            Cell::Number(text) => text,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!([3_920_665.4, 607.04, 2e15].map(text), ["3920665", "607.0", "2.000·10¹⁵"]);
     }
 
     #[test]

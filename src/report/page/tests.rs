@@ -155,8 +155,8 @@ fn a_page_with_everything_has_every_section_in_order_and_links_to_it() {
 fn every_verdict_is_one_plain_sentence() {
     let sentences = [
         "Nothing in this measurement speaks against the simulation.",
-        "The simulation misses static friction; with it, it explains the measurement",
-        "not all is explained.",
+        "The simulation misses static friction. With it, it explains the measurement",
+        "and something remains unexplained.",
         "The simulation is wrong, and no known effect is the cause.",
     ];
     for (answer, sentence) in diagnoses().iter().zip(sentences) {

@@ -55,6 +55,23 @@ pub(super) fn effect(id: &str) -> String {
     }
 }
 
+/// The same as something that an axis has: a spring, but backlash.
+pub(super) fn a(id: &str) -> String {
+    let counted = [
+        "flexible_mode",
+        "spring",
+        "hardening_spring",
+        "transport_delay",
+        "sensor_lag",
+        "slew_limit",
+    ];
+    match id {
+        "actuator_dead_zone" => format!("an {}", effect(id)),
+        id if counted.contains(&id) => format!("a {}", effect(id)),
+        id => effect(id),
+    }
+}
+
 /// A text of a diagnosis with these ids as words.
 pub(super) fn without_ids<'a>(text: &str, ids: impl IntoIterator<Item = &'a str>) -> String {
     // The longest first: one id may be part of another.
@@ -70,7 +87,11 @@ pub(super) fn with_causes(causes: &[Cause]) -> String {
 
 /// Effects as they are said: one, one and another, one, another and a third.
 pub(super) fn list<'a>(ids: impl IntoIterator<Item = &'a str>, last: &str) -> String {
-    let mut names: Vec<String> = ids.into_iter().map(effect).collect();
+    joined(ids.into_iter().map(effect).collect(), last)
+}
+
+/// Names with commas, and a word before the last.
+pub(super) fn joined(mut names: Vec<String>, last: &str) -> String {
     match names.pop() {
         Some(name) if names.is_empty() => name,
         Some(name) => format!("{} {last} {name}", names.join(", ")),
@@ -143,6 +164,8 @@ mod tests {
         assert_eq!(list(["spring", "stribeck"], "or"), "spring or Stribeck friction");
         assert_eq!(list(["a", "b_c", "d"], "and"), "a, b c and d");
         assert_eq!(list([], "and"), "");
+        let had = ["backlash", "spring", "actuator_dead_zone"].map(a);
+        assert_eq!(joined(had.into(), "and"), "backlash, a spring and an actuator dead zone");
     }
 
     #[test]

@@ -84,7 +84,7 @@ impl Service {
 /// they could not be read.
 pub fn measured(measurement: Option<&Measurement>, sources: &[Source<'_>]) -> Measured {
     let files = sources.iter().map(|source| DataFile {
-        name: source.name.to_owned(),
+        name: without_folder(source.name),
         bytes: source.bytes.len(),
         sha256: hexadecimal(&Sha256::digest(source.bytes)),
     });
@@ -129,6 +129,12 @@ pub fn measured(measurement: Option<&Measurement>, sources: &[Source<'_>]) -> Me
     }
 }
 
+/// The name of a file alone: where it lies is nobody's business but its owner's.
+fn without_folder(name: &str) -> String {
+    let last = std::path::Path::new(name).file_name().and_then(|last| last.to_str());
+    last.unwrap_or(name).to_owned()
+}
+
 /// Values of all experiments, ascending, none twice.
 fn different(experiments: &[Experiment], value: fn(&Experiment) -> f64) -> Vec<f64> {
     let mut values: Vec<f64> = experiments.iter().map(value).collect();
@@ -165,6 +171,11 @@ mod tests {
         let mut experiments = measurement.experiments().to_vec();
         experiments[1].magnitude = 1.0 + 0.5 * SAME;
         assert_eq!(different(&experiments, |experiment| experiment.magnitude), [1.0]);
+    }
+
+    #[test]
+    fn a_page_does_not_tell_where_a_file_lies() {
+        assert_eq!(["/home/me/a.csv", "a.csv", ""].map(without_folder), ["a.csv", "a.csv", ""]);
     }
 
     #[test]

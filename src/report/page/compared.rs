@@ -30,7 +30,7 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
         (figure("bode", &subject, "", bode))
         @if content.extended.is_some() {
             (figure("residuals", &after, "-after", "What the model with the causes leaves of every \
-                harmonic, in the colours of the residuals before: grey is what noise looks like."))
+                harmonic, drawn as the residuals before."))
         }
     };
     Section::new("compared", "Measured against simulated", body)

@@ -24,8 +24,7 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let body = html! {
         p.lead { (sentence(&found.sentence)) }
         (patterns(&found.patterns))
-        (figure("residuals", &subject, "", "What the base model leaves of every harmonic, against \
-            its noise. Grey is what noise looks like."))
+        (figure("residuals", &subject, "", "What the base model leaves of every harmonic, against its noise."))
         (figure("spectrum", &subject, "", "Harmonics of the response, measured and simulated with \
             the base model, above the noise."))
         h3 { "Is it noise?" }
@@ -42,8 +41,7 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
 fn fit(content: &Content<'_>) -> Option<Section> {
     let subject = content.subject("");
     let body = html! {
-        (figure("residuals", &subject, "", "What the model leaves of every harmonic, against its \
-            noise. Grey is what noise looks like."))
+        (figure("residuals", &subject, "", "What the model leaves of every harmonic, against its noise."))
         (figure("spectrum", &subject, "", "Harmonics of the response, measured and simulated, \
             above the noise."))
     };

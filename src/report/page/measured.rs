@@ -127,9 +127,10 @@ fn rows(content: &Content<'_>) -> Vec<(&'static str, String)> {
         true => "closed: a controller was active",
         false => "open",
     });
-    let order = match measured.runs_known {
-        true => "known",
-        false => "not given: a drift cannot be told",
+    let order = match (measured.experiments, measured.runs_known) {
+        (1, _) => "",
+        (_, true) => "known",
+        (_, false) => "not given: a drift cannot be told",
     };
     let (input, response) = (&measured.input, &measured.response);
     let rows = [
@@ -138,7 +139,7 @@ fn rows(content: &Content<'_>) -> Vec<(&'static str, String)> {
         ("Loop", feedback.unwrap_or_default().to_owned()),
         ("Experiments", experiments(measured)),
         ("Magnitudes", values(magnitudes, &measured.input_unit)),
-        ("Frequencies", values(&hertz, "Hz")),
+        ("Fundamentals", values(&hertz, "Hz")),
         ("Harmonics", if low == high { low.to_string() } else { format!("{low} to {high}") }),
         ("Order of acquisition", order.to_owned()),
         ("Noise", noise(content.answer.base().noise, content.comparison)),

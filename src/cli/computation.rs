@@ -9,18 +9,17 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use crate::answers::{
-    Cause, ConvergenceRow, Discrepancy, Identification, IdentifyOptions, Progress,
-};
+use crate::answers::{ConvergenceRow, IdentifyOptions, Progress};
 use crate::identify::{IdentifyError, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::measurement::formats::Source;
 use crate::observer::Observer;
 use crate::report::figures::{Extended, Subject};
+use crate::report::page::{Answer, Content};
 use crate::report::with_causes;
-use crate::service::{BuiltIn, JobRequest, Numerics, Submission};
+use crate::service::{BuiltIn, JobRequest, Numerics, Submission, measured};
 
-use super::{Failure, figures, interrupt};
+use super::{Failure, figures, interrupt, page};
 
 /// Steps of the progress bar.
 const STEPS: u64 = 1000;
@@ -53,24 +52,18 @@ pub(super) struct Args {
     json: bool,
     #[command(flatten)]
     figures: figures::Args,
+    #[command(flatten)]
+    page: page::Args,
 }
 
-/// What the figures of an answer are drawn of.
-pub(super) struct Drawn<'a> {
-    pub(super) identification: &'a Identification,
-    pub(super) discrepancy: Option<&'a Discrepancy>,
-    pub(super) causes: &'a [Cause],
-    /// The model with the causes.
-    pub(super) extended: Option<&'a Identification>,
-}
-
-/// Computes an answer from the files, prints it, and draws what `drawn` takes of it.
+/// Computes an answer from the files, prints it, and writes its figures and its
+/// page where they are asked for.
 pub(super) fn answer<A: Serialize, E: Into<IdentifyError>>(
     args: &Args,
     kind: &str,
     compute: impl FnOnce(&Measurement, &IdentifyRequest, &dyn Observer) -> Result<A, E>,
     report: impl FnOnce(&A) -> String,
-    drawn: impl FnOnce(&A) -> Drawn<'_>,
+    shown: impl FnOnce(&A) -> Answer<'_>,
 ) -> Result<(), Failure> {
     let request = JobRequest::check(&submission(args, kind)?)?;
     let files = read(&args.files)?;
@@ -92,18 +85,26 @@ pub(super) fn answer<A: Serialize, E: Into<IdentifyError>>(
     })?;
     let text = if args.json { json(&answer)? } else { report(&answer) };
     std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)?;
-    if args.figures.are_wanted() {
-        let Drawn { identification, discrepancy, causes, extended } = drawn(&answer);
+    if args.figures.are_wanted() || args.page.is_wanted() {
+        let answer = shown(&answer);
         let compare = |answer| BuiltIn.compare(&measurement, answer).map_err(Failure::other);
-        let comparison = compare(identification)?;
-        let extended = extended.map(compare).transpose()?;
-        let name = with_causes(causes);
+        let comparison = compare(answer.base())?;
+        let extended = answer.extended().map(compare).transpose()?;
+        let name = with_causes(answer.causes());
+        let convergence = &watch.rows();
         args.figures.write(&Subject {
-            identification: Some(identification),
+            identification: Some(answer.base()),
             comparison: Some(&comparison),
-            discrepancy,
+            discrepancy: answer.discrepancy(),
             extended: extended.as_ref().map(|comparison| Extended { name: &name, comparison }),
-            convergence: &watch.rows(),
+            convergence,
+        })?;
+        args.page.write(&Content {
+            answer,
+            measured: &measured(Some(&measurement), &sources),
+            comparison: Some(&comparison),
+            extended: extended.as_ref(),
+            convergence,
         })?;
     }
     Ok(())
@@ -195,6 +196,7 @@ impl Observer for Watch {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answers::Identification;
     use crate::report;
 
     fn args() -> Args {
@@ -207,6 +209,7 @@ mod tests {
             options: None,
             json: false,
             figures: figures::Args::default(),
+            page: page::Args::default(),
         }
     }
 

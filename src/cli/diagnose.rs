@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::report;
+use crate::report::page::Answer;
 use crate::service::{BuiltIn, Numerics};
 
 use super::{Failure, computation};
@@ -31,11 +32,6 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         "diagnose",
         |measurement, request, observer| BuiltIn.diagnose(measurement, request, observer),
         report::diagnosis,
-        |answer| computation::Drawn {
-            identification: &answer.base,
-            discrepancy: Some(&answer.discrepancy),
-            causes: &answer.causes,
-            extended: answer.extended.as_ref(),
-        },
+        |answer| Answer::Diagnosis(answer),
     )
 }

@@ -1,6 +1,7 @@
 //! `servoscope identify`
 
 use crate::report;
+use crate::report::page::Answer;
 use crate::service::{BuiltIn, Numerics};
 
 use super::{Failure, computation};
@@ -12,11 +13,6 @@ pub(super) fn run(args: &computation::Args) -> Result<(), Failure> {
         "identify",
         |measurement, request, observer| BuiltIn.identify(measurement, request, observer),
         report::identification,
-        |answer| computation::Drawn {
-            identification: answer,
-            discrepancy: None,
-            causes: &[],
-            extended: None,
-        },
+        |answer| Answer::Identification(answer),
     )
 }

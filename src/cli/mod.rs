@@ -10,6 +10,7 @@ mod identify;
 mod interrupt;
 mod logging;
 mod openapi;
+mod page;
 mod serve;
 mod simulate;
 

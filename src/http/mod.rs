@@ -4,12 +4,14 @@
 //! OpenAPI document. A handler extracts, calls the service and maps to a view.
 
 mod body;
+mod cached;
 mod health;
 mod jobs;
 mod layers;
 mod measurements;
 mod plots;
 mod problem;
+mod report;
 mod routes;
 mod server;
 #[cfg(test)]

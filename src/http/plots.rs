@@ -1,22 +1,15 @@
 //! `/v1/jobs/{id}/plots`.
 
 use axum::extract::{Path, Query, State};
-use axum::http::{HeaderMap, StatusCode, header};
-use axum::response::{IntoResponse, Response};
+use axum::http::HeaderMap;
+use axum::response::Response;
 use serde::Deserialize;
-use sha2::{Digest, Sha256};
 use utoipa::{IntoParams, ToSchema};
 
 use crate::service::{Plot, Service, Theme};
 
+use super::cached;
 use super::problem::Problem;
-
-/// A figure may style itself and nothing more: no script, no other file.
-const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; sandbox";
-
-/// A figure of a job that has ended stays the same but for new versions of the
-/// service.
-const SETTLED: &str = "private, max-age=3600";
 
 /// Colours of a figure.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
@@ -70,22 +63,5 @@ pub(super) async fn get(
     };
     let name = file.strip_suffix(".svg").unwrap_or(&file);
     let Plot { svg, settled } = service.plot(&id, name, theme).await?;
-    // Weak: the bytes on the wire may be compressed.
-    let digest = Sha256::digest(svg.as_bytes());
-    let tag: String = digest[..12].iter().map(|byte| format!("{byte:02x}")).collect();
-    let tag = format!("W/\"{tag}\"");
-    let caching = [
-        (header::CACHE_CONTROL, if settled { SETTLED } else { "no-cache" }.to_owned()),
-        (header::ETAG, tag.clone()),
-    ];
-    let known = headers.get(header::IF_NONE_MATCH).and_then(|value| value.to_str().ok());
-    if known.is_some_and(|tags| tags.split(',').any(|known| known.trim() == tag)) {
-        return Ok((StatusCode::NOT_MODIFIED, caching).into_response());
-    }
-    let content = [
-        (header::CONTENT_TYPE, "image/svg+xml"),
-        (header::CONTENT_SECURITY_POLICY, POLICY),
-        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-    ];
-    Ok((caching, content, svg).into_response())
+    Ok(cached::answer(&headers, "image/svg+xml", svg, settled))
 }

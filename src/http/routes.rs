@@ -6,7 +6,7 @@ use utoipa_axum::routes;
 
 use crate::service::Service;
 
-use super::{health, jobs, measurements, plots};
+use super::{health, jobs, measurements, plots, report};
 
 #[derive(OpenApi)]
 #[openapi(
@@ -34,6 +34,7 @@ pub(super) fn list() -> OpenApiRouter<Service> {
         .routes(routes!(jobs::convergence))
         .routes(routes!(jobs::convergence_csv))
         .routes(routes!(plots::get))
+        .routes(routes!(report::get))
         .routes(routes!(jobs::cancel))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))

@@ -390,10 +390,34 @@ fn a_running_job_shows_how_it_converges_and_nothing_else() {
         std::thread::sleep(Duration::from_millis(10));
     }
     problem(server.get(&format!("/v1/jobs/{id}/plots/bode.svg")), 409);
+    problem(server.get(&format!("/v1/jobs/{id}/report.html")), 409);
     json_of(server.post(&format!("/v1/jobs/{id}/cancel"), &[], b""), 202);
     assert_eq!(server.ended(&id)["status"], "cancelled");
     assert_eq!(status("convergence"), 200);
     problem(server.get(&format!("/v1/jobs/{id}/plots/bode.svg")), 404);
+    problem(server.get(&format!("/v1/jobs/{id}/report.html")), 404);
+}
+
+#[test]
+fn a_report_is_a_page_that_may_style_itself_and_be_kept() {
+    let server = Server::start();
+    let body = json!({"measurement_id": server.measurement(), "kind": "diagnose"});
+    let id = string(&json_of(server.submit(&body), 202), "id");
+    assert_eq!(server.ended(&id)["status"], "succeeded");
+    let path = format!("/v1/jobs/{id}/report.html");
+    let mut report = server.get(&path);
+    assert_eq!(report.status(), 200);
+    assert_eq!(header(&report, "content-type"), "text/html; charset=utf-8");
+    let policy = header(&report, "content-security-policy");
+    assert!(policy.starts_with("default-src 'none'; style-src 'unsafe-inline'"), "{policy}");
+    assert!(header(&report, "cache-control").contains("max-age"));
+    let tag = header(&report, "etag").to_owned();
+    let page = report.body_mut().read_to_string().unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.contains("Diagnosis of press 4"), "{page}");
+    assert!(page.contains("servoscope-bode"), "it is without figures");
+    let again = server.agent.get(format!("{}{path}", server.address));
+    assert_eq!(again.header("if-none-match", tag.as_str()).call().unwrap().status(), 304);
+    problem(server.get("/v1/jobs/nobody/report.html"), 404);
 }
 
 #[test]

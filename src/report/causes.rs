@@ -1,6 +1,6 @@
 //! What the base model misses, as a diagnosis names it.
 
-use crate::answers::{Candidate, Cause, Diagnosis, Identification};
+use crate::answers::{Candidate, Cause, Diagnosis, Gain, Identification};
 
 use super::columns::{Side, align_points, table};
 use super::number::{digits, significant};
@@ -26,7 +26,61 @@ pub(super) fn sections(answer: &Diagnosis) -> Vec<String> {
         let title = "What the model explains";
         sections.push(section(title, explained(base, extended, &with_causes(causes))));
     }
+    let gains = gains(answer);
+    if !gains.is_empty() {
+        sections.push(section("What it gains on data held out", gained(&gains)));
+    }
     sections
+}
+
+/// Each model whose gain was measured, and that: with all causes, and with each
+/// alone where there are several.
+pub(super) fn gains(answer: &Diagnosis) -> Vec<(String, &Gain)> {
+    let Diagnosis { causes, gain, .. } = answer;
+    let all = gain.as_ref().map(|gain| (with_causes(causes), gain));
+    // One cause alone is all causes together.
+    let each = causes.iter().filter(|_| causes.len() > 1 || gain.is_none());
+    let each = each.filter_map(|cause| {
+        let name = format!("with {} alone", cause.effect);
+        cause.gain.as_ref().map(|gain| (name, gain))
+    });
+    all.into_iter().chain(each).collect()
+}
+
+/// What was held out, each once.
+pub(super) fn held_out<'a>(gains: &[(String, &'a Gain)]) -> Vec<&'a str> {
+    let mut texts: Vec<&str> = gains.iter().map(|(_, gain)| gain.heldout.as_str()).collect();
+    texts.dedup();
+    texts
+}
+
+/// The error on data that neither a fit nor the choice of the causes has seen.
+fn gained(gains: &[(String, &Gain)]) -> Vec<String> {
+    let title = ["", "before", "after", "ratio", "95 % from", "to", "χ² each before", "after"];
+    let mut rows = vec![title.map(str::to_owned)];
+    rows.extend(gains.iter().map(|(name, gain)| {
+        let per_cent = |error: f64| format!("{} %", digits(100.0 * error, 3));
+        let each = |value: Option<f64>| value.map_or(String::new(), |v| digits(v, 3));
+        let [low, high] = gain.interval95.map(|end| digits(end, 3));
+        [
+            name.clone(),
+            per_cent(gain.heldout_nrmse_before),
+            per_cent(gain.heldout_nrmse_after),
+            digits(gain.ratio, 3),
+            low,
+            high,
+            each(gain.chi2_per_dof_before),
+            each(gain.chi2_per_dof_after),
+        ]
+    }));
+    for column in 1..title.len() {
+        align_points(rows.iter_mut().skip(1).map(|row| &mut row[column]));
+    }
+    let mut sides = [Side::Right; 8];
+    sides[0] = Side::Left;
+    let mut lines = table(sides, &rows);
+    lines.extend(held_out(gains).into_iter().map(|text| format!("held out: {text}")));
+    lines
 }
 
 /// What the model with the causes is called: `with stribeck and backlash`.
@@ -64,7 +118,7 @@ fn named(number: usize, cause: &Cause) -> Vec<String> {
 }
 
 /// A probability that is never rounded to certainty.
-fn per_cent(probability: f64) -> String {
+pub(super) fn per_cent(probability: f64) -> String {
     if probability > ALL_BUT_CERTAIN {
         return format!("above {} %", significant(100.0 * ALL_BUT_CERTAIN, 3));
     }
@@ -97,17 +151,29 @@ fn explained(base: &Identification, extended: &Identification, with: &str) -> Ve
 /// Every effect that was tried. Where a fit was given up before it came to as
 /// little as the base model leaves, it has gained nothing.
 pub(super) fn tried(candidates: &[Candidate]) -> Vec<String> {
-    let mut rows = vec![["effect", "Δχ²", "criterion", ""].map(str::to_owned)];
+    let measured = candidates.iter().any(|candidate| candidate.heldout_error.is_some());
+    let held_out = if measured { "held out" } else { "" };
+    let mut rows = vec![["effect", "Δχ²", "criterion", held_out, ""].map(str::to_owned)];
     rows.extend(candidates.iter().map(|candidate| {
-        let Candidate { effect, delta_chi2, criterion, rejected, .. } = candidate;
+        let Candidate { effect, delta_chi2, criterion, heldout_error, rejected, .. } = candidate;
         let [gained, criterion] = match *delta_chi2 > 0.0 {
             true => [format!("{delta_chi2:.1}"), format!("{criterion:.1}")],
             false => ["none".to_owned(), String::new()],
         };
-        [effect.clone(), gained, criterion, rejected.clone().unwrap_or("named".to_owned())]
+        let error = heldout_error.map_or(String::new(), |e| format!("{} %", digits(100.0 * e, 3)));
+        let what = rejected.clone().unwrap_or("named".to_owned());
+        [effect.clone(), gained, criterion, error, what]
     }));
-    align_points(rows.iter_mut().skip(1).map(|row| &mut row[1]));
+    for column in [1, 3] {
+        align_points(rows.iter_mut().skip(1).map(|row| &mut row[column]));
+    }
     let (left, right) = (Side::Left, Side::Right);
+    if measured {
+        return table([left, right, right, right, left], &rows);
+    }
+    let without =
+        |[effect, gained, criterion, _, what]: [String; 5]| [effect, gained, criterion, what];
+    let rows: Vec<[String; 4]> = rows.into_iter().map(without).collect();
     table([left, right, right, left], &rows)
 }
 
@@ -163,6 +229,36 @@ mod tests {
     }
 
     #[test]
+    fn the_gain_says_before_after_and_what_was_held_out() {
+        let mut answer = sample::explained();
+        assert!(!sections(&answer).concat().contains("held out"));
+        answer.gain = Some(sample::gain());
+        answer.causes[0].gain = answer.gain.clone();
+        let text = sections(&answer).concat();
+        let words = |begin: &str| {
+            let after = text.split("What it gains on data held out").nth(1).unwrap();
+            line(after, begin).split_whitespace().collect::<Vec<_>>()
+        };
+        assert_eq!(
+            words("with static_friction")[2..],
+            ["3.90", "%", "1.24", "%", "3.15", "2.71", "3.64", "3.31", "0.980"]
+        );
+        assert_eq!(line(&text, "held out:"), "held out: every third frequency");
+        assert!(!text.contains("alone"), "one cause is all causes: {text}");
+    }
+
+    #[test]
+    fn each_of_several_causes_has_its_own_gain_beside_that_of_all() {
+        let mut answer = sample::explained();
+        let second = Cause { effect: "spring".into(), ..answer.causes[0].clone() };
+        answer.causes.push(second);
+        answer.gain = Some(sample::gain());
+        answer.causes[1].gain = answer.gain.clone();
+        let names: Vec<String> = gains(&answer).into_iter().map(|(name, _)| name).collect();
+        assert_eq!(names, ["with static_friction and spring", "with spring alone"]);
+    }
+
+    #[test]
     fn without_a_cause_there_is_nothing_to_say() {
         assert_eq!(sections(&sample::diagnosis()), Vec::<String>::new());
     }
@@ -172,6 +268,11 @@ mod tests {
         let text = tried(&sample::explained().candidates).join("\n");
         assert_eq!(line(&text, "static_friction"), "static_friction  2131.9      632.2  named");
         assert!(line(&text, "stribeck").ends_with("static_friction explains the data better"));
+        assert!(!text.contains("held out"), "{text}");
+        let mut candidates = sample::explained().candidates;
+        candidates[0].heldout_error = Some(0.0124);
+        let with_error = tried(&candidates).join("\n");
+        assert!(line(&with_error, "static_friction").contains("632.2    1.24 %  named"));
         let given_up = line(&text, "cogging").split_whitespace().collect::<Vec<_>>();
         assert_eq!(given_up[..3], ["cogging", "none", "it"]);
     }

@@ -5,6 +5,7 @@ mod columns;
 mod diagnosis;
 pub mod figures;
 mod number;
+pub mod page;
 #[cfg(test)]
 pub(crate) mod sample;
 mod text;

@@ -24,7 +24,7 @@ pub fn identification(answer: &Identification) -> String {
     if let Some(choice) = &answer.order_choice {
         sections.push(section("Actuator order", order(choice, answer)));
     }
-    sections.push(section("Stages", stages(answer)));
+    sections.push(section("Stages", stage_lines(answer)));
     let provenance = &answer.provenance;
     sections.push(format!(
         "servoscope {}, method {}, seed {}, data {:.12}\n",
@@ -119,13 +119,18 @@ pub(super) fn flags(estimate: &ParameterEstimate) -> &'static str {
     }
 }
 
-fn transfer_function(answer: &Identification) -> Vec<String> {
+/// Digits that the coefficients of the transfer function deserve.
+pub(super) fn coefficient_digits(answer: &Identification) -> usize {
     let digits = |estimate: &ParameterEstimate| {
         let (value, std) = estimate.value.zip(estimate.std)?;
         Some(Rounding::of(value, std)?.digits(value))
     };
     // The best known parameter's: each coefficient mixes several.
-    let digits = answer.parameters.values().filter_map(digits).max().unwrap_or(3).clamp(3, 6);
+    answer.parameters.values().filter_map(digits).max().unwrap_or(3).clamp(3, 6)
+}
+
+fn transfer_function(answer: &Identification) -> Vec<String> {
+    let digits = coefficient_digits(answer);
     let TransferFunction { numerator, denominator, poles, .. } = &answer.transfer_function;
     let [numerator, denominator] = [numerator, denominator].map(|p| polynomial(p, digits));
     let poles = poles.iter().filter(|[_, im]| *im >= 0.0).map(|&[re, im]| {
@@ -152,18 +157,26 @@ fn order(choice: &OrderChoice, answer: &Identification) -> Vec<String> {
     lines
 }
 
-fn stages(answer: &Identification) -> Vec<String> {
+/// The stages of the model that is reported, with their names in words, and
+/// those of other orders of its actuator.
+pub(super) fn stages(answer: &Identification) -> (Vec<(String, &Stage)>, Vec<&Stage>) {
     // Where several orders were tried, a stage says in its name which it is of.
     let chosen = answer.order_choice.as_ref().map(|choice| choice.actuator_order);
     let suffix = chosen.map(|order| format!(" (order {order})")).unwrap_or_default();
     let of_none = |stage: &Stage| !stage.name.contains(" (order ");
     let (of_chosen, others): (Vec<&Stage>, Vec<&Stage>) =
         answer.stages.iter().partition(|stage| stage.name.ends_with(&suffix) || of_none(stage));
+    let name = |stage: &Stage| stage.name.trim_end_matches(&suffix).replace('_', " ");
+    (of_chosen.into_iter().map(|stage| (name(stage), stage)).collect(), others)
+}
+
+fn stage_lines(answer: &Identification) -> Vec<String> {
+    let (of_chosen, others) = stages(answer);
     let mut rows =
         vec![["", cost_name(&answer.fit), "evaluations", "seconds", "ended"].map(str::to_owned)];
-    rows.extend(of_chosen.into_iter().map(|stage| {
+    rows.extend(of_chosen.into_iter().map(|(name, stage)| {
         [
-            stage.name.trim_end_matches(&suffix).replace('_', " "),
+            name,
             digits(stage.cost, 4),
             stage.evaluations.to_string(),
             format!("{:.2}", stage.seconds),
@@ -181,7 +194,7 @@ fn stages(answer: &Identification) -> Vec<String> {
 }
 
 /// What the cost is: χ² where the noise is known.
-fn cost_name(fit: &Fit) -> &'static str {
+pub(super) fn cost_name(fit: &Fit) -> &'static str {
     if fit.chi2.is_some() { "χ²" } else { "cost" }
 }
 

@@ -8,6 +8,7 @@ mod jobs;
 mod measurements;
 mod numerics;
 mod plots;
+mod report;
 mod request;
 mod signals;
 #[cfg(test)]
@@ -20,6 +21,7 @@ pub use jobs::{Failure, Job, RunError};
 pub use measurements::{Measured, Upload};
 pub use numerics::{BuiltIn, Numerics};
 pub use plots::Plot;
+pub use report::measured;
 pub use request::{JobRequest, Submission};
 pub use signals::Signals;
 

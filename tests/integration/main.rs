@@ -17,6 +17,7 @@ mod process;
 mod readme;
 mod real_data;
 mod reference;
+mod report;
 mod scaling;
 mod search;
 mod service;

@@ -11,6 +11,10 @@ pub(super) const WIDTH: f64 = 800.0;
 /// Space left of the content and right of it.
 pub(super) const MARGIN: f64 = 24.0;
 
+/// Stands for the figure's id until it is finished. It is not allowed in XML, so
+/// that no text of the figure holds it.
+const OWN_ID: char = '\u{fffe}';
+
 /// Height of a line of notes.
 const NOTE_LINE: f64 = 17.0;
 
@@ -141,7 +145,7 @@ impl Canvas {
 
     /// Begins a group of which nothing shows outside a rectangle.
     pub fn open_clipped(&mut self, class: &str, [left, top, right, bottom]: [f64; 4]) {
-        let id = format!("{}-clip-{}", self.id(), self.clips);
+        let id = format!("{OWN_ID}-clip-{}", self.clips);
         self.clips += 1;
         let (width, height) = (px(right - left), px(bottom - top));
         let (x, y) = (px(left), px(top));
@@ -246,17 +250,14 @@ impl Canvas {
         }
     }
 
-    fn id(&self) -> String {
-        format!("servoscope-{}", self.name)
-    }
-
-    /// The whole file.
-    pub fn finish(self, theme: Theme) -> String {
-        let id = self.id();
+    /// The whole file. Its ids begin with `servoscope-`, the name of the figure
+    /// and `suffix`, so that figures stand side by side in one page.
+    pub fn finish(self, theme: Theme, suffix: &str) -> String {
+        let id = format!("servoscope-{}{suffix}", self.name);
         let height = px((self.y + 14.0).ceil());
         let style = theme::stylesheet(theme, &id, self.series);
         let (title, description) = (escape(&self.title), escape(&self.description));
-        let body = self.body;
+        let body = self.body.replace(OWN_ID, &id);
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" id=\"{id}\" role=\"img\" \
              aria-labelledby=\"{id}-title {id}-desc\" width=\"{WIDTH}\" height=\"{height}\" \

@@ -27,6 +27,9 @@ use canvas::Canvas;
 
 pub use theme::Theme;
 
+pub(super) use text::superscript;
+pub(super) use theme::{DARK, LIGHT, Palette};
+
 /// What figures are drawn of. What is not known is left out, and with it the
 /// figures that need it.
 #[derive(Debug, Clone, Copy, Default)]
@@ -85,9 +88,23 @@ pub fn available(subject: &Subject<'_>) -> Vec<&'static str> {
 /// [`NothingToDraw`] where there is no figure of this name or the subject lacks
 /// what it shows.
 pub fn draw(name: &str, subject: &Subject<'_>, theme: Theme) -> Result<String, NothingToDraw> {
+    draw_beside(name, subject, theme, "")
+}
+
+/// The same for a page that shows figures of one name of several subjects:
+/// `suffix` tells the ids in this one from those in the others.
+///
+/// # Errors
+/// As for [`draw`].
+pub(super) fn draw_beside(
+    name: &str,
+    subject: &Subject<'_>,
+    theme: Theme,
+    suffix: &str,
+) -> Result<String, NothingToDraw> {
     let figure = FIGURES.iter().find(|(known, _)| *known == name);
     let (_, draw) = figure.ok_or_else(|| NothingToDraw("no figure has this name".into()))?;
-    Ok(draw(subject)?.finish(theme))
+    Ok(draw(subject)?.finish(theme, suffix))
 }
 
 /// The comparison of a subject, which several figures need.

@@ -66,7 +66,7 @@ pub(super) fn number(value: f64, digits: usize) -> String {
 }
 
 /// The digits of an exponent as superscripts.
-pub(super) fn superscript(text: &str) -> String {
+pub(in crate::report) fn superscript(text: &str) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raise = |character: char| match character {
         '-' | '−' => '⁻',

@@ -11,7 +11,7 @@ use std::str::FromStr;
 /// Which colours a figure is drawn in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Theme {
-    /// Those the reader prefers (`prefers-color-scheme`).
+    /// Those the reader prefers (`prefers-color-scheme`); on paper dark on light.
     #[default]
     Auto,
     /// Dark on light.
@@ -49,13 +49,14 @@ impl FromStr for Theme {
 /// two are what noise looks like.
 pub(super) const SIGMA_CLASSES: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 30.0, 100.0];
 
-struct Palette {
-    background: &'static str,
-    text: &'static str,
-    muted: &'static str,
-    frame: &'static str,
-    grid: &'static str,
-    minor: &'static str,
+/// Colours of one scheme, for figures and for the page around them.
+pub(in crate::report) struct Palette {
+    pub background: &'static str,
+    pub text: &'static str,
+    pub muted: &'static str,
+    pub frame: &'static str,
+    pub grid: &'static str,
+    pub minor: &'static str,
     /// Ends and middle of the ordered colours of series: contrast with the
     /// background grows towards the last, and hue and lightness both change,
     /// so that readers with any colour vision see the order.
@@ -65,7 +66,7 @@ struct Palette {
     sigma: [&'static str; SIGMA_CLASSES.len()],
 }
 
-const LIGHT: Palette = Palette {
+pub(in crate::report) const LIGHT: Palette = Palette {
     background: "#ffffff",
     text: "#15191e",
     muted: "#56606b",
@@ -76,7 +77,7 @@ const LIGHT: Palette = Palette {
     sigma: ["#eef0f2", "#dde1e5", "#fbd8a3", "#f6a95f", "#e8704b", "#c23b5c", "#861b69", "#3f1059"],
 };
 
-const DARK: Palette = Palette {
+pub(in crate::report) const DARK: Palette = Palette {
     background: "#14181d",
     text: "#eef1f4",
     muted: "#a3adb8",
@@ -89,7 +90,7 @@ const DARK: Palette = Palette {
 
 impl Palette {
     /// Colour `index` of `count` ordered ones.
-    fn series(&self, index: usize, count: usize) -> String {
+    pub fn series(&self, index: usize, count: usize) -> String {
         let share = if count > 1 { index as f64 / (count - 1) as f64 } else { 1.0 };
         let (low, part) = if share < 0.5 { (0, 2.0 * share) } else { (1, 2.0 * share - 1.0) };
         let mix = |i: usize| {
@@ -181,7 +182,7 @@ pub(super) fn stylesheet(theme: Theme, id: &str, series: usize) -> String {
         Theme::Light => format!("{shapes}{light}"),
         Theme::Dark => format!("{shapes}{dark}"),
         Theme::Auto => {
-            format!("{shapes}{light}@media (prefers-color-scheme:dark){{\n{dark}}}\n")
+            format!("{shapes}{light}@media screen and (prefers-color-scheme:dark){{\n{dark}}}\n")
         }
     }
 }

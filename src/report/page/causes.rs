@@ -1,0 +1,78 @@
+//! What the simulation misses.
+
+use maud::{Markup, html};
+
+use crate::answers::{Cause, ParameterEstimate, Verdict};
+use crate::report::causes::per_cent;
+use crate::report::text::{flags, in_digits};
+
+use super::table::{Cell, table};
+use super::words::{confidence, effect, list, parameter, sentence};
+use super::{Content, Section};
+
+pub(super) fn section(content: &Content<'_>) -> Option<Section> {
+    let answer = content.answer.diagnosis()?;
+    let title = if answer.causes.len() > 1 { "The causes" } else { "The cause" };
+    if answer.causes.is_empty() {
+        let text = match answer.verdict {
+            Verdict::Adequate => return None,
+            _ => {
+                "None of the effects in the library gains more than chance makes any effect gain. \
+                 What the simulation misses is something the library does not have; the patterns \
+                 above say where to look for it."
+            }
+        };
+        return Section::new("causes", title, html! { p { (text) } });
+    }
+    let body = html! {
+        @if answer.verdict == Verdict::Improved {
+            p {
+                "Something remains that is not explained. What the library lacks looks like what \
+                 it has, so take a cause for a good lead, and confirm it at the machine."
+            }
+        }
+        @for cause in &answer.causes { (article(cause)) }
+    };
+    Section::new("causes", title, body)
+}
+
+fn article(cause: &Cause) -> Markup {
+    let Cause { effect: id, parameters, confidence: probability, explanation, .. } = cause;
+    html! {
+        article {
+            h3 { (sentence(&effect(id)).trim_end_matches('.')) " " code { (id) } }
+            p.sure {
+                strong { (per_cent(*probability)) } " — " (confidence(*probability))
+            }
+            p { (sentence(explanation)) }
+            (estimates(parameters.iter(), |name| parameter(&format!("{id}.{name}"))))
+            @if !cause.equivalents.is_empty() {
+                p {
+                    "This measurement cannot tell it from "
+                    (list(cause.equivalents.iter().map(String::as_str), "or")) "."
+                }
+            }
+        }
+    }
+}
+
+/// A table of parameters, with what `name` makes of their ids.
+pub(super) fn estimates<'a>(
+    parameters: impl Iterator<Item = (&'a String, &'a ParameterEstimate)>,
+    name: impl Fn(&str) -> Markup,
+) -> Markup {
+    let row = |(id, estimate): (&String, &ParameterEstimate)| {
+        let number = |value: f64| Cell::number(in_digits(estimate, value));
+        let optional = |value: Option<f64>| value.map_or_else(Cell::empty, number);
+        let [low, high] = match estimate.interval95 {
+            Some(ends) => ends.map(number),
+            None => [Cell::empty(), Cell::empty()],
+        };
+        let value = estimate.value.map_or_else(|| Cell::Number("unknown".into()), number);
+        let (unit, note) = (Cell::text(&estimate.unit), Cell::text(flags(estimate)));
+        vec![Cell::Text(name(id)), value, optional(estimate.std), low, high, unit, note]
+    };
+    let rows: Vec<Vec<Cell>> = parameters.map(row).collect();
+    let titles = ["Parameter", "value", "std", "95 % from", "to", "unit", ""];
+    table("", &titles, &rows)
+}

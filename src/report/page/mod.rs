@@ -1,0 +1,186 @@
+//! An answer as one HTML page to hand to somebody else.
+//!
+//! The page needs nothing but itself: no script, no request, its figures are
+//! inline SVG and its style sheet is inside. It is read on a screen, light or
+//! dark, on a phone, and on paper. It is well-formed XML, too. One file a
+//! section, one line in the list `SECTIONS`.
+
+mod causes;
+mod compared;
+mod discrepancy;
+mod figure;
+mod head;
+mod measured;
+mod model;
+mod next;
+mod provenance;
+mod rivals;
+mod style;
+mod table;
+#[cfg(test)]
+mod tests;
+mod words;
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::answers::{
+    Cause, Comparison, ConvergenceRow, Diagnosis, Discrepancy, Identification, Provenance,
+};
+
+use super::figures::{Extended, Subject};
+
+pub use measured::{DataFile, Measured};
+
+/// What was answered.
+#[derive(Debug, Clone, Copy)]
+pub enum Answer<'a> {
+    /// To an `identify` job.
+    Identification(&'a Identification),
+    /// To a `diagnose` job.
+    Diagnosis(&'a Diagnosis),
+}
+
+impl<'a> Answer<'a> {
+    /// The base model, fitted to everything.
+    pub fn base(self) -> &'a Identification {
+        match self {
+            Answer::Identification(answer) => answer,
+            Answer::Diagnosis(answer) => &answer.base,
+        }
+    }
+
+    /// The model with the causes, where some are named.
+    pub fn extended(self) -> Option<&'a Identification> {
+        self.diagnosis().and_then(|answer| answer.extended.as_ref())
+    }
+
+    /// What the base model misses, as far as it was asked and found.
+    pub fn causes(self) -> &'a [Cause] {
+        self.diagnosis().map_or(&[], |answer| &answer.causes)
+    }
+
+    /// Where the base model is wrong, where that was asked.
+    pub fn discrepancy(self) -> Option<&'a Discrepancy> {
+        self.diagnosis().map(|answer| &answer.discrepancy)
+    }
+
+    fn diagnosis(self) -> Option<&'a Diagnosis> {
+        match self {
+            Answer::Identification(_) => None,
+            Answer::Diagnosis(answer) => Some(answer),
+        }
+    }
+
+    /// The model that explains the data best.
+    fn model(self) -> &'a Identification {
+        self.extended().unwrap_or_else(|| self.base())
+    }
+
+    fn provenance(self) -> &'a Provenance {
+        match self {
+            Answer::Identification(answer) => &answer.provenance,
+            Answer::Diagnosis(answer) => &answer.provenance,
+        }
+    }
+}
+
+/// What a page is made of. What is not known is left out, and with it the
+/// figures that need it.
+#[derive(Debug, Clone, Copy)]
+pub struct Content<'a> {
+    /// The answer.
+    pub answer: Answer<'a>,
+    /// What was measured.
+    pub measured: &'a Measured,
+    /// The measurement beside what the base model makes of it.
+    pub comparison: Option<&'a Comparison>,
+    /// The measurement beside what the model with the causes makes of it.
+    pub extended: Option<&'a Comparison>,
+    /// How the computation converged.
+    pub convergence: &'a [ConvergenceRow],
+}
+
+impl<'a> Content<'a> {
+    /// What the figures are drawn of; `name` is that of the model with the causes.
+    fn subject(&self, name: &'a str) -> Subject<'a> {
+        Subject {
+            identification: Some(self.answer.base()),
+            comparison: self.comparison,
+            discrepancy: self.answer.discrepancy(),
+            extended: self.extended.map(|comparison| Extended { name, comparison }),
+            convergence: self.convergence,
+        }
+    }
+}
+
+/// A section: what is linked to, what it is called, and what it says; `None`
+/// where an answer has nothing of the kind.
+struct Section {
+    id: &'static str,
+    title: String,
+    body: Markup,
+}
+
+impl Section {
+    fn new(id: &'static str, title: impl Into<String>, body: Markup) -> Option<Self> {
+        Some(Self { id, title: title.into(), body })
+    }
+}
+
+/// Every section, in the order in which they are read.
+const SECTIONS: &[fn(&Content<'_>) -> Option<Section>] = &[
+    measured::section,
+    discrepancy::section,
+    causes::section,
+    compared::section,
+    compared::gain,
+    rivals::section,
+    next::section,
+    next::limits,
+    model::section,
+    model::computed,
+    provenance::section,
+];
+
+/// Writes the page.
+pub fn page(content: &Content<'_>) -> String {
+    let sections: Vec<Section> = SECTIONS.iter().filter_map(|write| write(content)).collect();
+    let title = head::title(content);
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                // Not as elements: those would end without the slash that XML wants.
+                (PreEscaped("<meta charset=\"utf-8\"/>\
+                    <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>"))
+                title { (title) }
+                style { (PreEscaped(style::sheet())) }
+            }
+            body {
+                (head::header(content, &title))
+                nav aria-label="Contents" {
+                    ol {
+                        @for section in &sections {
+                            li { a href={ "#" (section.id) } { (section.title) } }
+                        }
+                    }
+                }
+                main {
+                    @for section in &sections {
+                        section id=(section.id) {
+                            h2 { (section.title) }
+                            (section.body)
+                        }
+                    }
+                }
+            }
+        }
+    };
+    printable(page.into_string())
+}
+
+/// Replaces what neither HTML nor XML allows in a text.
+fn printable(text: String) -> String {
+    let forbidden = |c: char| matches!(c, '\u{fffe}' | '\u{ffff}') || c.is_control() && c != '\n';
+    if text.contains(forbidden) { text.replace(forbidden, "\u{fffd}") } else { text }
+}

@@ -1,0 +1,273 @@
+//! What holds for every page, whatever it is of.
+
+use std::collections::BTreeSet;
+
+use roxmltree::{Document, Node, ParsingOptions};
+
+use super::*;
+use crate::answers::{Candidate, Verdict};
+use crate::report::sample;
+
+/// A page and the answer it was written of, with every figure that can be drawn.
+fn written(answer: Answer<'_>, measured: &Measured) -> String {
+    let comparison = sample::comparison();
+    page(&Content {
+        answer,
+        measured,
+        comparison: Some(&comparison),
+        extended: answer.extended().map(|_| &comparison),
+        convergence: &[],
+    })
+}
+
+fn of(answer: &Diagnosis) -> String {
+    written(Answer::Diagnosis(answer), &measured())
+}
+
+fn measured() -> Measured {
+    let text = |text: &str| Some(text.to_owned());
+    Measured {
+        machine: text("RT-200"),
+        axis: text("C"),
+        measured_at: text("2026-03-04T10:20:30Z"),
+        input: "current".into(),
+        input_unit: "A".into(),
+        response: "velocity".into(),
+        experiments: 18,
+        magnitudes: vec![1.0, 2.0, 4.0],
+        omegas_rad_s: vec![1.0, 50.0],
+        harmonics: [0, 3],
+        files: vec![DataFile { name: "c.csv".into(), bytes: 12, sha256: "00ff".into() }],
+        ..Measured::default()
+    }
+}
+
+fn adequate() -> Diagnosis {
+    let mut answer = sample::diagnosis();
+    answer.verdict = Verdict::Adequate;
+    answer.discrepancy.noise_like = true;
+    answer.discrepancy.patterns.clear();
+    answer.discrepancy.sentence =
+        "the simulation explains it; a departure of 0.43 % would have been noticed".into();
+    answer
+}
+
+fn gained() -> Diagnosis {
+    let mut answer = sample::explained();
+    answer.gain = Some(sample::gain());
+    answer.causes[0].gain = answer.gain.clone();
+    answer.candidates[0].heldout_error = Some(0.0124);
+    answer.limitations = vec!["harmonic 0 was not measured".into()];
+    answer
+}
+
+/// One of each verdict.
+fn diagnoses() -> [Diagnosis; 4] {
+    let improved = Diagnosis { verdict: Verdict::Improved, ..sample::explained() };
+    [adequate(), gained(), improved, sample::diagnosis()]
+}
+
+fn parsed(page: &str) -> Document<'_> {
+    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    Document::parse_with_options(page, options).unwrap_or_else(|error| panic!("{error}: {page}"))
+}
+
+/// Everything a reader sees, styles aside.
+fn read(page: &str) -> String {
+    let document = parsed(page);
+    let is_style = |node: &Node<'_, '_>| node.ancestors().any(|n| n.has_tag_name("style"));
+    let texts = document.descendants().filter(|node| node.is_text() && !is_style(node));
+    texts.filter_map(|node| node.text()).collect::<Vec<_>>().concat()
+}
+
+fn sections(page: &str) -> Vec<String> {
+    let document = parsed(page);
+    let found = document.descendants().filter(|node| node.has_tag_name("section"));
+    found.map(|node| node.attribute("id").unwrap().to_owned()).collect()
+}
+
+fn check(page: &str) {
+    let document = parsed(page);
+    let mut ids = BTreeSet::new();
+    for id in document.descendants().filter_map(|node| node.attribute("id")) {
+        assert!(ids.insert(id), "two elements have the id {id}");
+    }
+    for node in document.descendants().filter(Node::is_element) {
+        let name = node.tag_name().name();
+        assert!(!["script", "link", "img", "iframe", "object"].contains(&name), "<{name}>");
+        for attribute in node.attributes() {
+            let (key, value) = (attribute.name(), attribute.value());
+            assert!(!key.starts_with("on") && key != "src", "{key}={value}");
+            if key == "href" || key == "clip-path" || key == "aria-labelledby" {
+                let value = value.trim_start_matches("url(").trim_end_matches(')');
+                for target in value.split(' ').map(|id| id.trim_start_matches('#')) {
+                    assert!(ids.contains(target), "{key}={value} leads nowhere");
+                }
+            }
+        }
+    }
+    for outside in ["@import", "url(h", "url(\"", "url('", "url(/"] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    // A name space is a name, nothing is fetched from there.
+    let named = page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count();
+    assert_eq!(page.matches("http").count(), named, "something is fetched");
+}
+
+#[test]
+fn every_page_is_well_formed_and_needs_nothing_from_outside() {
+    for answer in diagnoses() {
+        check(&of(&answer));
+    }
+    let mut answer = sample::identification();
+    for adequate in [Some(true), Some(false), None] {
+        answer.fit.adequate = adequate;
+        check(&written(Answer::Identification(&answer), &measured()));
+    }
+}
+
+#[test]
+fn a_page_with_everything_has_every_section_in_order_and_links_to_it() {
+    let page = of(&gained());
+    let ids = [
+        "measured",
+        "departure",
+        "causes",
+        "compared",
+        "gain",
+        "rivals",
+        "next",
+        "limits",
+        "model",
+        "computed",
+        "provenance",
+    ];
+    assert_eq!(sections(&page), ids);
+    for id in ids {
+        assert!(page.contains(&format!("<a href=\"#{id}\">")), "{id}");
+    }
+    // Spectrum, Bode, friction, and the residuals before and after.
+    assert_eq!(page.matches("<figure>").count(), 5, "{page}");
+    assert!(page.contains("servoscope-residuals-after"));
+}
+
+#[test]
+fn every_verdict_is_one_plain_sentence() {
+    let sentences = [
+        "Nothing in this measurement speaks against the simulation.",
+        "The simulation misses static friction. With it, it explains the measurement",
+        "and something remains unexplained.",
+        "The simulation is wrong, and no known effect is the cause.",
+    ];
+    for (answer, sentence) in diagnoses().iter().zip(sentences) {
+        let text = read(&of(answer));
+        assert!(text.contains(sentence), "{sentence}: {text}");
+        assert!(text.contains("Diagnosis of RT-200, axis C"), "{text}");
+        assert!(text.contains("measured 2026-03-04 10:20 UTC"), "{text}");
+    }
+}
+
+#[test]
+fn an_adequate_page_says_how_small_a_departure_would_have_been_noticed() {
+    let page = of(&adequate());
+    assert!(read(&page).contains("a departure of 0.43\u{a0}% would have been noticed."));
+    assert!(!sections(&page).contains(&"causes".to_owned()));
+    assert!(!sections(&page).contains(&"gain".to_owned()));
+}
+
+#[test]
+fn a_cause_has_its_physics_its_confidence_and_its_intervals() {
+    let text = read(&of(&sample::explained()));
+    for part in [
+        "93 %",
+        "very likely",
+        "Breakaway takes more torque than sliding.",
+        "0.8014",
+        "0.7948",
+        "0.8079",
+        "unknown",
+        "not determined by this data",
+        "cannot tell it from Stribeck friction or presliding",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+}
+
+#[test]
+fn the_gain_is_said_and_where_it_is_not_measured_that_is_said() {
+    let text = read(&of(&gained()));
+    for part in [
+        "falls from 3.90\u{a0}% to 1.24\u{a0}%",
+        "a factor of 3.15 (95\u{a0}%: 2.71 to 3.64)",
+        "Held out: every third frequency.",
+        "3.15 ×",
+        "held-out error, %",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let text = read(&of(&sample::explained()));
+    assert!(text.contains("The gain on data held out was not measured here"), "{text}");
+    assert!(!text.contains("held-out error, %"), "{text}");
+    let mut worse = gained();
+    let gain = worse.gain.as_mut().unwrap();
+    (gain.ratio, gain.interval95) = (0.9, [0.7, 1.1]);
+    let text = read(&of(&worse));
+    assert!(text.contains("grows from") && text.contains("no more than chance"), "{text}");
+}
+
+#[test]
+fn rivals_lose_for_a_reason_in_words() {
+    let text = read(&of(&sample::explained()));
+    assert!(text.contains("Static friction explains the data better."), "{text}");
+    assert!(text.contains("Named as a cause."), "{text}");
+    assert!(text.contains("Magnitude 1.25\u{a0}A at 0.3183\u{a0}Hz"), "{text}");
+}
+
+#[test]
+fn what_a_user_wrote_is_shown_not_obeyed() {
+    const EVIL: &str = "</style><script>alert(1)</script> & \"quoted\" 'too' \u{1b}[0m";
+    let evil = || Some(EVIL.to_owned());
+    let mut answer = gained();
+    answer.causes[0].explanation = EVIL.into();
+    answer.causes[0].parameters[0].unit = EVIL.into();
+    answer.discrepancy.sentence = EVIL.into();
+    answer.discrepancy.patterns[0].sentence = EVIL.into();
+    answer.limitations.push(EVIL.into());
+    answer.candidates.push(Candidate { rejected: evil(), ..answer.candidates[0].clone() });
+    let measured = Measured {
+        name: evil(),
+        machine: evil(),
+        axis: evil(),
+        measured_at: evil(),
+        operator: evil(),
+        labels: vec![(EVIL.into(), EVIL.into())],
+        input: EVIL.into(),
+        input_unit: EVIL.into(),
+        notes: vec![EVIL.into()],
+        files: vec![DataFile { name: EVIL.into(), bytes: 1, sha256: "0".into() }],
+        ..measured()
+    };
+    let page = written(Answer::Diagnosis(&answer), &measured);
+    check(&page);
+    assert!(!page.contains("<script") && !page.contains('\u{1b}'));
+    assert!(
+        read(&page).contains("</style><script>alert(1)</script> & \"quoted\" 'too' \u{fffd}[0m")
+    );
+}
+
+#[test]
+fn without_its_files_a_page_has_the_answer_and_no_figures_of_them() {
+    let answer = sample::explained();
+    let measured = Measured::default();
+    let page = page(&Content {
+        answer: Answer::Diagnosis(&answer),
+        measured: &measured,
+        comparison: None,
+        extended: None,
+        convergence: &[],
+    });
+    check(&page);
+    let text = read(&page);
+    assert!(text.contains("Diagnosis of a servo axis") && text.contains("0.8014"), "{text}");
+    assert!(!text.contains("Experiments"), "{text}");
+}

@@ -1,0 +1,193 @@
+//! Names, numbers and confidence in words.
+
+use maud::{Markup, html};
+
+use crate::answers::Cause;
+use crate::report::figures::superscript;
+
+/// A number as it is printed: a true minus sign, and a power of ten.
+pub(super) fn typeset(number: &str) -> String {
+    let number = number.replace('-', "−");
+    match number.split_once('e') {
+        Some((mantissa, power)) => format!("{mantissa}·10{}", superscript(power)),
+        None => number,
+    }
+}
+
+/// A number with at most so many significant digits.
+pub(super) fn number(value: f64, digits: usize) -> String {
+    typeset(&crate::report::number::significant(value, digits))
+}
+
+/// A share as per cent with so many significant digits.
+pub(super) fn per_cent(share: f64, digits: usize) -> String {
+    format!("{}\u{a0}%", typeset(&crate::report::number::digits(100.0 * share, digits)))
+}
+
+/// A number with its unit, where there is one.
+pub(super) fn quantity(value: f64, digits: usize, unit: &str) -> String {
+    let space = if unit.is_empty() { "" } else { "\u{a0}" };
+    format!("{}{space}{unit}", number(value, digits))
+}
+
+/// A sentence: begins with a capital, unless with an id, and ends with a stop.
+pub(super) fn sentence(text: &str) -> String {
+    let text = text.trim();
+    let first_word = text.split_whitespace().next().unwrap_or_default();
+    let mut characters = text.chars();
+    let mut sentence = match characters.next() {
+        Some(first) if !first_word.contains('_') => {
+            first.to_uppercase().chain(characters).collect()
+        }
+        _ => text.to_owned(),
+    };
+    if !sentence.is_empty() && !sentence.ends_with(['.', '!', '?']) {
+        sentence.push('.');
+    }
+    sentence.replace(" %", "\u{a0}%")
+}
+
+/// An id as words: `static_friction` is static friction.
+pub(super) fn effect(id: &str) -> String {
+    match id {
+        "stribeck" => "Stribeck friction".to_owned(),
+        id => id.replace('_', " "),
+    }
+}
+
+/// The same as something that an axis has: a spring, but backlash.
+pub(super) fn a(id: &str) -> String {
+    let counted = [
+        "flexible_mode",
+        "spring",
+        "hardening_spring",
+        "transport_delay",
+        "sensor_lag",
+        "slew_limit",
+    ];
+    match id {
+        "actuator_dead_zone" => format!("an {}", effect(id)),
+        id if counted.contains(&id) => format!("a {}", effect(id)),
+        id => effect(id),
+    }
+}
+
+/// A text of a diagnosis with these ids as words.
+pub(super) fn without_ids<'a>(text: &str, ids: impl IntoIterator<Item = &'a str>) -> String {
+    // The longest first: one id may be part of another.
+    let mut ids: Vec<&str> = ids.into_iter().collect();
+    ids.sort_by_key(|id| std::cmp::Reverse(id.len()));
+    ids.into_iter().fold(text.to_owned(), |text, id| text.replace(id, &effect(id)))
+}
+
+/// What the model with the causes is called: `with Stribeck friction and backlash`.
+pub(super) fn with_causes(causes: &[Cause]) -> String {
+    format!("with {}", list(causes.iter().map(|cause| cause.effect.as_str()), "and"))
+}
+
+/// Effects as they are said: one, one and another, one, another and a third.
+pub(super) fn list<'a>(ids: impl IntoIterator<Item = &'a str>, last: &str) -> String {
+    joined(ids.into_iter().map(effect).collect(), last)
+}
+
+/// Names with commas, and a word before the last.
+pub(super) fn joined(mut names: Vec<String>, last: &str) -> String {
+    match names.pop() {
+        Some(name) if names.is_empty() => name,
+        Some(name) => format!("{} {last} {name}", names.join(", ")),
+        None => String::new(),
+    }
+}
+
+/// Name, symbol and index of a parameter, where there is more to say than its id.
+fn known(id: &str) -> Option<[&'static str; 3]> {
+    Some(match id {
+        "pole" => ["pole", "−a", ""],
+        "constant" => ["constant", "K", ""],
+        "dc_gain" => ["DC gain", "K/a", ""],
+        "fc_plus" => ["dry friction forwards", "F", "c+"],
+        "fc_minus" => ["dry friction backwards", "F", "c−"],
+        "actuator_pole" => ["actuator pole", "−p", ""],
+        "natural_frequency" => ["actuator natural frequency", "ω", "n"],
+        "damping_ratio" => ["actuator damping ratio", "ζ", ""],
+        "static_friction.fs_plus" => ["static friction forwards", "F", "s+"],
+        "static_friction.fs_minus" => ["static friction backwards", "F", "s−"],
+        "stribeck.fs_over_fc" => ["static over dry friction", "r", ""],
+        "stribeck.stribeck_velocity" => ["Stribeck velocity", "v", "s"],
+        "viscous_asymmetry.alpha" => ["asymmetry of viscous friction", "α", ""],
+        "quadratic_drag.c" => ["drag coefficient", "c", ""],
+        "presliding.sigma" => ["bristle stiffness", "σ", ""],
+        "friction_drift.delta" => ["drift of friction over the runs", "δ", ""],
+        "gain_asymmetry.gamma" => ["asymmetry of the gain", "γ", ""],
+        _ => return None,
+    })
+}
+
+/// What a parameter is called, with its symbol, beside its id.
+pub(super) fn parameter(id: &str) -> Markup {
+    let Some([name, symbol, index]) = known(id) else {
+        let name = id.split('.').map(effect).collect::<Vec<_>>().join(": ");
+        return html! { (name) " " code { (id) } };
+    };
+    html! {
+        (name) " " i.symbol { (symbol) @if !index.is_empty() { sub { (index) } } }
+        @if name != id { " " code { (id) } }
+    }
+}
+
+/// A probability as a person says it. The limits are those between which the
+/// benchmark counts how often a cause of that confidence is right.
+pub(super) fn confidence(probability: f64) -> &'static str {
+    match probability {
+        p if p >= 0.99 => "all but certain",
+        p if p >= 0.9 => "very likely",
+        p if p >= 0.8 => "likely",
+        p if p >= 0.5 => "more likely than not",
+        _ => "possible",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sentence_begins_with_a_capital_but_an_id_stays_as_it_is() {
+        assert_eq!(sentence("the mean is 3 % larger"), "The mean is 3\u{a0}% larger.");
+        assert_eq!(sentence("slew_limit explains it."), "slew_limit explains it.");
+        assert_eq!(sentence(""), "");
+    }
+
+    #[test]
+    fn names_are_joined_as_they_are_said() {
+        assert_eq!(list(["spring"], "and"), "spring");
+        assert_eq!(list(["spring", "stribeck"], "or"), "spring or Stribeck friction");
+        assert_eq!(list(["a", "b_c", "d"], "and"), "a, b c and d");
+        assert_eq!(list([], "and"), "");
+        let had = ["backlash", "spring", "actuator_dead_zone"].map(a);
+        assert_eq!(joined(had.into(), "and"), "backlash, a spring and an actuator dead zone");
+    }
+
+    #[test]
+    fn ids_in_a_text_become_words() {
+        let text = "hardening_spring explains the data better, a spring does not";
+        assert_eq!(
+            without_ids(text, ["spring", "hardening_spring"]),
+            "hardening spring explains the data better, a spring does not"
+        );
+    }
+
+    #[test]
+    fn numbers_have_true_minus_signs_and_powers() {
+        assert_eq!(typeset("-1.02e-7"), "−1.02·10⁻⁷");
+        assert_eq!(quantity(-0.5, 2, "A"), "−0.5\u{a0}A");
+    }
+
+    #[test]
+    fn a_parameter_that_nobody_named_is_shown_by_its_id() {
+        let shown = parameter("slew_limit.rate").into_string();
+        assert_eq!(shown, "slew limit: rate <code>slew_limit.rate</code>");
+        assert_eq!(parameter("pole").into_string(), "pole <i class=\"symbol\">−a</i>");
+        assert!(parameter("fc_plus").into_string().contains("<sub>c+</sub>"));
+    }
+}

@@ -1,4 +1,4 @@
-//! What `identify` and `diagnose` share: reading, computing with progress, printing.
+//! What `identify`, `diagnose` and `validate` share: reading, computing with progress, printing.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -12,6 +12,7 @@ use serde::Serialize;
 use crate::answers::{
     Cause, ConvergenceRow, Discrepancy, Identification, IdentifyOptions, Progress,
 };
+use crate::diagnose::DiagnoseError;
 use crate::identify::{IdentifyError, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::measurement::formats::Source;
@@ -65,7 +66,7 @@ pub(super) struct Drawn<'a> {
 }
 
 /// Computes an answer from the files, prints it, and draws what `drawn` takes of it.
-pub(super) fn answer<A: Serialize, E: Into<IdentifyError>>(
+pub(super) fn answer<A: Serialize, E: Into<DiagnoseError>>(
     args: &Args,
     kind: &str,
     compute: impl FnOnce(&Measurement, &IdentifyRequest, &dyn Observer) -> Result<A, E>,
@@ -73,16 +74,15 @@ pub(super) fn answer<A: Serialize, E: Into<IdentifyError>>(
     drawn: impl FnOnce(&A) -> Drawn<'_>,
 ) -> Result<(), Failure> {
     let request = JobRequest::check(&submission(args, kind)?)?;
-    let files = read(&args.files)?;
-    let sources = files.iter().map(|(name, bytes)| Source { name, bytes }).collect::<Vec<_>>();
-    let measurement = BuiltIn.read(&sources).map_err(Failure::input)?;
+    let measurement = measurement(&args.files)?;
     let watch = Watch::new();
     let answer = compute(&measurement, &request.identify(), &watch);
     watch.bar.finish_and_clear();
     let answer = answer.map_err(|error| match error.into() {
-        error @ IdentifyError::Cancelled => Failure::other(error),
-        error @ IdentifyError::Options(_) => Failure::input(error),
-        error @ IdentifyError::Unusable { .. } => {
+        DiagnoseError::Identify(error @ IdentifyError::Cancelled) => Failure::other(error),
+        DiagnoseError::Identify(error @ IdentifyError::Options(_)) => Failure::input(error),
+        error @ DiagnoseError::Validation(_) => Failure::Input(format!("--validate: {error}")),
+        DiagnoseError::Identify(error @ IdentifyError::Unusable { .. }) => {
             // They may say why; an answer carries them itself.
             for note in measurement.notes() {
                 eprintln!("note: {note}");
@@ -130,6 +130,13 @@ fn options(text: &str) -> Result<IdentifyOptions, Failure> {
     Ok(options)
 }
 
+/// Reads files that together are one measurement.
+pub(super) fn measurement(paths: &[PathBuf]) -> Result<Measurement, Failure> {
+    let files = read(paths)?;
+    let sources = files.iter().map(|(name, bytes)| Source { name, bytes }).collect::<Vec<_>>();
+    BuiltIn.read(&sources).map_err(Failure::input)
+}
+
 fn read(paths: &[PathBuf]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let file = |path: &PathBuf| match std::fs::read(path) {
         Ok(bytes) => Ok((path.display().to_string(), bytes)),
@@ -138,7 +145,8 @@ fn read(paths: &[PathBuf]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     paths.iter().map(file).collect()
 }
 
-fn json(answer: &impl Serialize) -> Result<String, Failure> {
+/// The result object alone.
+pub(super) fn json(answer: &impl Serialize) -> Result<String, Failure> {
     let mut text = serde_json::to_string_pretty(answer).map_err(Failure::other)?;
     text.push('\n');
     Ok(text)

@@ -11,6 +11,9 @@
 //! where it gains more than chance makes any effect gain (`family`, `null`); between
 //! those of which that holds, the evidence decides (`evidence`, `models`, `causes`).
 //! `study` puts it together for one order of the actuator, and `orders` for several.
+//!
+//! `validation` tries an answer on another measurement: what the models predict of it
+//! (`predicted`), and what that comes to in words (`remarks`).
 
 mod anchor;
 mod causes;
@@ -25,9 +28,11 @@ mod next_experiment;
 mod null;
 mod orders;
 mod patterns;
+mod predicted;
 mod probes;
 mod progress;
 mod regions;
+mod remarks;
 mod residual;
 mod scan;
 mod search;
@@ -35,6 +40,7 @@ mod sentence;
 mod statistics;
 mod study;
 mod subspace;
+mod validation;
 mod whiteness;
 
 #[cfg(test)]
@@ -45,6 +51,8 @@ use crate::identify::{self, IdentifyError, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
+pub use validation::{ValidateError, diagnose_validated, validate};
+
 use progress::Part;
 
 /// Why a diagnosis gave no answer.
@@ -53,12 +61,9 @@ pub enum DiagnoseError {
     /// The base model could not be fitted.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
-}
-
-impl From<DiagnoseError> for IdentifyError {
-    fn from(DiagnoseError::Identify(error): DiagnoseError) -> Self {
-        error
-    }
+    /// The second measurement cannot be used.
+    #[error("the second measurement: {0}")]
+    Validation(#[from] ValidateError),
 }
 
 /// Fits the base model to a measurement and says where it is wrong, without

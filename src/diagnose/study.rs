@@ -143,6 +143,7 @@ impl<'a> Study<'a> {
             base: fit.identification,
             extended,
             next_experiment,
+            validation: None,
         })
     }
 }

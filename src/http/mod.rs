@@ -14,6 +14,7 @@ mod routes;
 mod server;
 #[cfg(test)]
 mod tests;
+mod validations;
 mod views;
 
 use axum::Router;

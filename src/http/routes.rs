@@ -6,7 +6,7 @@ use utoipa_axum::routes;
 
 use crate::service::Service;
 
-use super::{health, jobs, measurements, plots};
+use super::{health, jobs, measurements, plots, validations};
 
 #[derive(OpenApi)]
 #[openapi(
@@ -35,6 +35,7 @@ pub(super) fn list() -> OpenApiRouter<Service> {
         .routes(routes!(jobs::convergence_csv))
         .routes(routes!(plots::get))
         .routes(routes!(jobs::cancel))
+        .routes(routes!(validations::create))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
         .routes(routes!(health::document))

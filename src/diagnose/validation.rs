@@ -1,0 +1,241 @@
+//! A stored answer, tried on another measurement.
+//!
+//! Nothing is fitted: both models are rebuilt from their reported parameters, simulated on
+//! the other measurement's own inputs, and compared with its response as measured.
+
+use crate::answers::{
+    Answer, Cause, ComparedExperiment, Comparison, Diagnosis, Gain, Identification, ValidatedCause,
+    ValidatedModel, ValidatedModels, Validation, ValidationProvenance, Verdict,
+};
+use crate::identify::{self, IdentifyError, IdentifyRequest, UnitAgreement};
+use crate::measurement::Measurement;
+use crate::observer::Observer;
+
+use super::predicted::{Predicted, gain, groups, predicted, summary};
+use super::remarks::{self, Tried};
+use super::{DiagnoseError, diagnose};
+
+/// Why an answer cannot be tried on a measurement.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ValidateError {
+    /// The observer asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+    /// It is the one that was fitted.
+    #[error(
+        "it has the same data as the measurement that is fitted: what is gained on them proves \
+         nothing; give another measurement of the same axis"
+    )]
+    SameData,
+    /// Its units contradict those of the parameters.
+    #[error(
+        "its {quantity} is in {here}, the parameters are for {fitted}: give both measurements in \
+         the same units"
+    )]
+    Units {
+        /// `input` or `velocity`.
+        quantity: &'static str,
+        /// Unit that was fitted in.
+        fitted: String,
+        /// Unit of the other measurement.
+        here: String,
+    },
+    /// No model can be simulated on it.
+    #[error("the models cannot be tried on it: {reason}")]
+    Unusable {
+        /// What is missing.
+        reason: String,
+    },
+}
+
+impl From<IdentifyError> for ValidateError {
+    fn from(error: IdentifyError) -> Self {
+        match error {
+            IdentifyError::Cancelled => Self::Cancelled,
+            IdentifyError::Unusable { reason } => Self::Unusable { reason },
+            IdentifyError::Options(invalid) => Self::Unusable { reason: invalid.to_string() },
+        }
+    }
+}
+
+/// Tries the models of an answer on another measurement.
+///
+/// What one of them has no response for counts for neither.
+///
+/// # Errors
+/// See [`ValidateError`].
+pub fn validate(
+    answer: &Answer,
+    measurement: &Measurement,
+    observer: &dyn Observer,
+) -> Result<Validation, ValidateError> {
+    let agreement = UnitAgreement::with_answer(answer.base(), measurement);
+    let agreement = without_contradiction(agreement)?;
+    let base = simulated(answer.base(), measurement, observer)?;
+    let extended = answer.extended().map(|model| simulated(model, measurement, observer));
+    let extended = extended.transpose()?;
+    let mut kept = predicted(&base);
+    let mut after = extended.as_ref().map(predicted);
+    if let Some(after) = &mut after {
+        kept.retain(|row, _| after.contains_key(row));
+        after.retain(|row, _| kept.contains_key(row));
+    }
+    if kept.is_empty() {
+        let reason = "they have no response to any of its experiments".into();
+        return Err(ValidateError::Unusable { reason });
+    }
+    let experiments: Vec<&ComparedExperiment> = base
+        .experiments
+        .iter()
+        .filter(|e| kept.range((e.experiment, 0)..=(e.experiment, usize::MAX)).next().is_some())
+        .collect();
+    let groups = groups(&experiments);
+    let noise_known = !base.std_estimated;
+    let gain = after.as_ref().and_then(|after| {
+        gain(&kept, after, &groups, noise_known, remarks::heldout(&base, &experiments))
+    });
+    let verdict = answer.verdict().map(|verdict| {
+        // A diagnosis that was validated on these data has taken the step already.
+        let validated = match answer {
+            Answer::Diagnosis(diagnosis) => diagnosis.validation.as_ref(),
+            Answer::Identification(_) => None,
+        };
+        let taken = validated.is_some_and(|v| v.data_sha256 == measurement.sha256());
+        let lower = !taken && gain.as_ref().is_some_and(hurts);
+        if lower { lowered(verdict) } else { verdict }
+    });
+    let model = |predicted: &Predicted, comparison: &Comparison| ValidatedModel {
+        unanswered: comparison.unanswered.clone(),
+        ..summary(predicted, noise_known)
+    };
+    let models = ValidatedModels {
+        base: model(&kept, &base),
+        extended: after.as_ref().zip(extended.as_ref()).map(|(p, c)| model(p, c)),
+    };
+    let tried = Tried {
+        causes: answer.causes(),
+        models: &models,
+        gain: gain.as_ref(),
+        verdicts: answer.verdict().zip(verdict),
+        noise_known,
+    };
+    let mut said = tried.remarks();
+    said.extend(remarks::of_data(answer, measurement, &agreement));
+    Ok(Validation {
+        data_sha256: measurement.sha256().to_owned(),
+        response_quantity: base.response_quantity.clone(),
+        response_unit: base.response_unit.clone(),
+        causes: causes(answer.causes(), gain.as_ref()),
+        models,
+        gain,
+        verdict,
+        remarks: said,
+        provenance: provenance(answer.base(), measurement),
+    })
+}
+
+/// [`diagnose`], and the gain measured on a second measurement. Where the causes hurt there,
+/// the verdict is a step lower.
+///
+/// # Errors
+/// See [`DiagnoseError`]; a second measurement that cannot be used is refused before anything
+/// is computed.
+pub fn diagnose_validated(
+    measurement: &Measurement,
+    second: &Measurement,
+    request: &IdentifyRequest,
+    observer: &dyn Observer,
+) -> Result<Diagnosis, DiagnoseError> {
+    without_contradiction(UnitAgreement::between(measurement, second))?;
+    if !second.sha256().is_empty() && second.sha256() == measurement.sha256() {
+        return Err(ValidateError::SameData.into());
+    }
+    let answer = diagnose(measurement, request, observer)?;
+    validated(answer, second, observer)
+}
+
+/// A diagnosis with what a second measurement says of it.
+fn validated(
+    diagnosis: Diagnosis,
+    second: &Measurement,
+    observer: &dyn Observer,
+) -> Result<Diagnosis, DiagnoseError> {
+    let answer = Answer::Diagnosis(Box::new(diagnosis));
+    let validation = validate(&answer, second, observer);
+    let Answer::Diagnosis(answer) = answer else { unreachable!("it is a diagnosis") };
+    let mut answer = *answer;
+    match validation {
+        Ok(validation) => {
+            if let Some(gain) = &validation.gain {
+                if hurts(gain) {
+                    answer.limitations.extend(validation.remarks.first().cloned());
+                }
+                answer.gain = Some(gain.clone());
+            }
+            for (cause, here) in answer.causes.iter_mut().zip(&validation.causes) {
+                cause.gain = here.gain.clone().or(cause.gain.take());
+            }
+            answer.verdict = validation.verdict.unwrap_or(answer.verdict);
+            answer.validation = Some(validation);
+        }
+        Err(ValidateError::Cancelled) => return Err(IdentifyError::Cancelled.into()),
+        // What was computed from the first measurement stands.
+        Err(error) => answer.limitations.push(format!("the second measurement is unused: {error}")),
+    }
+    Ok(answer)
+}
+
+fn without_contradiction(agreement: UnitAgreement) -> Result<UnitAgreement, ValidateError> {
+    match agreement {
+        UnitAgreement::Different { quantity, fitted, here } => {
+            Err(ValidateError::Units { quantity, fitted, here })
+        }
+        agreement => Ok(agreement),
+    }
+}
+
+/// A model beside the measurement, whose noise is what the measurement itself says of it: the
+/// option `noise_std` is of the data that were fitted, and in the units of their response.
+fn simulated(
+    model: &Identification,
+    measurement: &Measurement,
+    observer: &dyn Observer,
+) -> Result<Comparison, ValidateError> {
+    if observer.cancelled() {
+        return Err(ValidateError::Cancelled);
+    }
+    let mut model = model.clone();
+    model.provenance.options.noise_std = None;
+    Ok(identify::compare(measurement, &model)?)
+}
+
+/// What the model with one cause alone gains; that is the extended model where there is one.
+fn causes(causes: &[Cause], gain: Option<&Gain>) -> Vec<ValidatedCause> {
+    let alone = gain.filter(|_| causes.len() == 1);
+    let cause =
+        |cause: &Cause| ValidatedCause { effect: cause.effect.clone(), gain: alone.cloned() };
+    causes.iter().map(cause).collect()
+}
+
+/// Whether the extension predicts worse beyond doubt.
+pub(super) fn hurts(gain: &Gain) -> bool {
+    gain.interval95[1] < 1.0
+}
+
+fn lowered(verdict: Verdict) -> Verdict {
+    match verdict {
+        Verdict::Explained => Verdict::Improved,
+        Verdict::Improved | Verdict::Unexplained => Verdict::Unexplained,
+        Verdict::Adequate => Verdict::Adequate,
+    }
+}
+
+fn provenance(fitted: &Identification, measurement: &Measurement) -> ValidationProvenance {
+    ValidationProvenance {
+        software_version: env!("CARGO_PKG_VERSION").to_owned(),
+        fitted_data_sha256: fitted.provenance.data_sha256.clone(),
+        validation_data_sha256: measurement.sha256().to_owned(),
+        fitted_by_version: fitted.provenance.software_version.clone(),
+        options: fitted.provenance.options,
+    }
+}

@@ -20,7 +20,7 @@ pub fn diagnosis(answer: &Diagnosis) -> String {
         let lines = answer.limitations.iter().map(|text| format!("- {text}"));
         sections.push(section("Mind", lines.collect()));
     }
-    sections.extend(answer.validation.as_ref().map(validation::of_second));
+    sections.extend(validation::of_second(answer));
     if !discrepancy.patterns.is_empty() {
         sections.push(section("Where it is wrong", patterns(&discrepancy.patterns)));
     }

@@ -1,6 +1,6 @@
 //! A validation as plain text for a terminal.
 
-use crate::answers::{Gain, ValidatedModel, Validation, Verdict};
+use crate::answers::{Diagnosis, Gain, ValidatedModel, Validation, Verdict};
 
 use super::columns::{Side, align_points, table};
 use super::number::{digits, significant};
@@ -12,7 +12,8 @@ pub fn validation(answer: &Validation) -> String {
     let mut remarks = answer.remarks.iter();
     let first = remarks.next().cloned().into_iter().collect();
     let mut sections = vec![section(title(answer), first)];
-    sections.push(section("What each model leaves", figures(answer)));
+    let title = format!("What each model leaves of the {}", answer.response_quantity);
+    sections.push(section(&title, figures(answer)));
     let minded: Vec<String> = remarks.map(|text| format!("- {text}")).collect();
     if !minded.is_empty() {
         sections.push(section("Mind", minded));
@@ -27,11 +28,15 @@ pub fn validation(answer: &Validation) -> String {
     sections.join("\n")
 }
 
-/// The same within a diagnosis, whose verdict and limitations say what it comes to.
-pub(super) fn of_second(answer: &Validation) -> String {
-    let mut lines = figures(answer);
-    lines.extend(answer.remarks.iter().map(|text| format!("- {text}")));
-    section("On the second measurement", lines)
+/// The same within a diagnosis, but for what its limitations say already; `None` where
+/// there was no second measurement.
+pub(super) fn of_second(answer: &Diagnosis) -> Option<String> {
+    let validation = answer.validation.as_ref()?;
+    let mut lines = figures(validation);
+    let remarks = validation.remarks.iter().filter(|text| !answer.limitations.contains(text));
+    lines.extend(remarks.map(|text| format!("- {text}")));
+    let title = format!("Left of the {} of the second measurement", validation.response_quantity);
+    Some(section(&title, lines))
 }
 
 fn title(answer: &Validation) -> &'static str {
@@ -49,11 +54,10 @@ fn title(answer: &Validation) -> &'static str {
 
 fn figures(answer: &Validation) -> Vec<String> {
     let unit = match answer.response_unit.as_str() {
-        "" => answer.response_quantity.clone(),
-        unit => format!("{}, {unit}", answer.response_quantity),
+        "" => String::new(),
+        unit => format!(" ({unit})"),
     };
-    let title =
-        ["", "left of the response (NRMSE)", &format!("rms of the {unit}"), "χ² a datum", "data"];
+    let title = ["", "NRMSE", &format!("rms{unit}"), "χ² a datum", "data"];
     let mut rows = vec![title.map(str::to_owned), row("base model", &answer.models.base)];
     if let Some(extended) = &answer.models.extended {
         let names: Vec<&str> = answer.causes.iter().map(|cause| cause.effect.as_str()).collect();
@@ -113,7 +117,20 @@ mod tests {
         assert!(line("gain").starts_with("gain 4.00, 95 % from 3.10 to 5.20: a second"), "{text}");
         assert_eq!(line("verdict"), "verdict EXPLAINED");
         assert_eq!(line("- it"), "- it says little of the mean");
-        assert!(text.contains("rms of the velocity, rad/s"), "{text}");
+        assert!(text.contains("leaves of the velocity") && text.contains("rms (rad/s)"), "{text}");
+    }
+
+    #[test]
+    fn in_a_diagnosis_nothing_is_said_twice() {
+        let mut answer = sample::explained();
+        assert_eq!(of_second(&answer), None);
+        let validation = sample::validation();
+        answer.limitations.push(validation.remarks[0].clone());
+        answer.validation = Some(validation);
+        let text = crate::report::diagnosis(&answer);
+        assert!(text.contains("Left of the velocity of the second measurement"), "{text}");
+        assert_eq!(text.matches("static_friction helps here, too").count(), 1, "{text}");
+        assert_eq!(text.matches("- it says little of the mean").count(), 1, "{text}");
     }
 
     #[test]

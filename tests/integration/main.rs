@@ -23,3 +23,4 @@ mod service;
 mod shared_files;
 mod simulation;
 mod simulators;
+mod validation;

@@ -1,5 +1,7 @@
 //! The answer to a job, whatever its kind.
 
+use serde_path_to_error::Error;
+
 use super::{Cause, Diagnosis, Identification, Verdict};
 
 /// The answer to a job, whatever its kind.
@@ -16,12 +18,14 @@ impl Answer {
     /// identification is one.
     ///
     /// # Errors
-    /// Where the text is not JSON, or a member of the answer is missing or wrong.
-    pub fn from_json(text: &str) -> Result<Self, serde_json::Error> {
-        let value: serde_json::Value = serde_json::from_str(text)?;
+    /// Where the text is not JSON, or a member of the answer, which is named, is
+    /// missing or wrong.
+    pub fn from_json(text: &str) -> Result<Self, Error<serde_json::Error>> {
+        let mut json = serde_json::Deserializer::from_str(text);
+        let value: serde_json::Value = serde_path_to_error::deserialize(&mut json)?;
         match value.get("base") {
-            Some(_) => serde_json::from_value(value).map(Self::Diagnosis),
-            None => serde_json::from_value(value).map(Self::Identification),
+            Some(_) => serde_path_to_error::deserialize(value).map(Self::Diagnosis),
+            None => serde_path_to_error::deserialize(value).map(Self::Identification),
         }
     }
 
@@ -78,8 +82,9 @@ mod tests {
     #[test]
     fn what_is_no_answer_is_refused_by_the_member_it_lacks() {
         let refused = |text: &str| Answer::from_json(text).unwrap_err().to_string();
-        assert!(refused("{}").contains("method"), "{}", refused("{}"));
-        assert!(refused("{\"base\": {}}").contains("verdict"));
+        assert!(refused("{}").contains("`method`"), "{}", refused("{}"));
+        let half = refused("{\"base\": {}}");
+        assert!(half.starts_with("base: ") && half.contains("`method`"), "{half}");
         assert!(refused("magnitude,omega_rad_s").contains("line 1"));
     }
 }

@@ -153,33 +153,28 @@ pub(super) fn of_data(
 
 /// What was held out.
 pub(super) fn heldout(comparison: &Comparison, experiments: &[&ComparedExperiment]) -> String {
-    let range = |value: &dyn Fn(&ComparedExperiment) -> f64| {
-        let values = || experiments.iter().map(|e| value(e));
-        let (low, high) =
-            (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-        if high - low <= 1e-6 * high {
-            format!("{low:.4}")
-        } else {
-            format!("{low:.4} to {high:.4}")
-        }
-    };
-    let highest = |e: &ComparedExperiment| {
+    let highest = |e: &&ComparedExperiment| {
         let excited = e.harmonics.iter().filter(|h| h.input != [0.0, 0.0]).map(|h| h.order);
         excited.max().unwrap_or(1).max(1) as f64 * e.omega_rad_s / TAU
     };
-    let lowest = |e: &ComparedExperiment| e.omega_rad_s / TAU;
-    let count = experiments.len();
-    let plural = if count == 1 { "experiment" } else { "experiments" };
-    let unit = &comparison.input_unit;
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    let low = experiments.iter().map(|e| lowest(e)).fold(f64::INFINITY, f64::min);
-    let high = experiments.iter().map(|e| highest(e)).fold(0.0, f64::max);
-    let frequencies = match high - low <= 1e-6 * high {
-        true => format!("{low:.4}"),
-        false => format!("{low:.4} to {high:.4}"),
+    let magnitudes = range(experiments.iter().map(|e| e.magnitude));
+    let fundamentals = experiments.iter().map(|e| e.omega_rad_s / TAU);
+    let frequencies = range(fundamentals.chain(experiments.iter().map(highest)));
+    let plural = if experiments.len() == 1 { "experiment" } else { "experiments" };
+    let unit = match comparison.input_unit.as_str() {
+        "" => String::new(),
+        unit => format!(" {unit}"),
     };
     format!(
-        "a second measurement: {count} {plural}, magnitude {}{unit}, {frequencies} Hz",
-        range(&|e| e.magnitude)
+        "a second measurement: {} {plural}, magnitude {magnitudes}{unit}, {frequencies} Hz",
+        experiments.len()
     )
+}
+
+/// The smallest and the largest of some positive values.
+fn range(values: impl Iterator<Item = f64> + Clone) -> String {
+    let low = values.clone().fold(f64::INFINITY, f64::min);
+    let high = values.fold(0.0, f64::max);
+    // Files round.
+    if high - low <= 1e-6 * high { format!("{low:.4}") } else { format!("{low:.4} to {high:.4}") }
 }

@@ -23,8 +23,10 @@ impl Service {
         measurement_id: &str,
     ) -> Result<Validation, ServiceError> {
         let result = self.result(job_id).await?;
-        let corrupt = |source| ServiceError::Corrupt { what: "result", source };
-        let answer = Answer::from_json(&result).map_err(corrupt)?;
+        let answer = Answer::from_json(&result).map_err(|error| ServiceError::Corrupt {
+            what: "result",
+            source: error.into_inner(),
+        })?;
         self.measurement(measurement_id).await?;
         let files = self.store.measurement_files(measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);

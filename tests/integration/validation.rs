@@ -22,13 +22,14 @@ fn quickly() -> Value {
 }
 
 /// A drawn machine that sticks harder than it slides, measured at 60 dB by a design of
-/// `frequencies` over its usual band at `levels` times its friction.
-fn sticky(levels: &[f64], frequencies: usize, seed: u64) -> Measurement {
+/// `frequencies` over its usual band, the first `shift` steps above its lower end, at `levels`
+/// times its friction.
+fn sticky(levels: &[f64], frequencies: usize, shift: f64, seed: u64) -> Measurement {
     let machine = draw(0, 11);
     let friction = machine.plant.friction;
     let (plus, minus) = (1.5 * friction.fc_plus, 1.5 * friction.fc_minus);
     let omega = |i: usize| {
-        let share = i as f64 / (frequencies - 1) as f64;
+        let share = (i as f64 + shift) / frequencies as f64;
         machine.plant.viscous_rate_rad_s * 0.1 * 100.0_f64.powf(share)
     };
     let mean = 0.5 * (friction.fc_plus + friction.fc_minus);
@@ -51,7 +52,7 @@ fn diagnosis() -> Diagnosis {
         options: serde_json::from_value(quickly()).unwrap(),
         ..IdentifyRequest::default()
     };
-    diagnose(&sticky(&[2.5, 5.0, 10.0], 13, 1), &request, &Silent).unwrap()
+    diagnose(&sticky(&[2.5, 5.0, 10.0], 13, 0.5, 1), &request, &Silent).unwrap()
 }
 
 fn tried(diagnosis: &Diagnosis, measurement: &Measurement) -> Validation {
@@ -60,25 +61,30 @@ fn tried(diagnosis: &Diagnosis, measurement: &Measurement) -> Validation {
 }
 
 // The fresh draw has twelve times the frequencies of the same band, so that its own ratio is
-// known to a quarter of the interval. Intervals at 95 % hold it in all but 1 of 20 cases; the
-// seeds are fixed.
+// known to a quarter of the interval. Of 40 intervals at 95 % fewer than 34 hold it in 3 of
+// 10 000 cases.
 #[test]
 fn the_gain_on_another_design_holds_that_on_a_large_fresh_draw() {
     let diagnosis = diagnosis();
     let named: Vec<&str> = diagnosis.causes.iter().map(|cause| cause.effect.as_str()).collect();
     assert_eq!((named, diagnosis.verdict), (vec!["static_friction"], Verdict::Explained));
     let levels = [2.0, 4.0];
-    let found = tried(&diagnosis, &sticky(&levels, 16, 2));
+    let found = tried(&diagnosis, &sticky(&levels, 16, 0.5, 2));
     let gain = found.gain.as_ref().unwrap();
     assert!(gain.ratio > 1.0 && gain.interval95[0] > 1.0, "{gain:?}");
     // 192 means and 160 others are real and complex, of noise alone: within 4 deviations.
     let chi2 = gain.chi2_per_dof_after.unwrap();
     assert!((chi2 - 1.0).abs() < 4.0 * (2.0 / (32.0 * 11.0_f64)).sqrt(), "{gain:?}");
     assert_eq!(found.verdict, Some(Verdict::Explained));
-    let fresh = tried(&diagnosis, &sticky(&levels, 192, 3)).gain.unwrap();
-    let [low, high] = gain.interval95;
-    println!("{:.3}, {low:.3} to {high:.3}; fresh {:.3}", gain.ratio, fresh.ratio);
-    assert!((low..=high).contains(&fresh.ratio), "{gain:?}, {fresh:?}");
+    let fresh = tried(&diagnosis, &sticky(&levels, 192, 0.5, 3)).gain.unwrap().ratio;
+    let holds = |draw: u64| {
+        let shift = (draw as f64 + 0.5) / 40.0;
+        let gain = tried(&diagnosis, &sticky(&levels, 16, shift, 100 + draw)).gain.unwrap();
+        (gain.interval95[0]..=gain.interval95[1]).contains(&fresh)
+    };
+    let held = (0..40).filter(|draw| holds(*draw)).count();
+    println!("{held} of 40 intervals hold {fresh:.2}; one of them is {:.2?}", gain.interval95);
+    assert!(held >= 34, "{held}");
 }
 
 #[test]
@@ -89,7 +95,7 @@ fn a_wrong_extension_hurts_is_said_to_and_lowers_the_verdict() {
         let level = &mut extended.parameters[name].value;
         *level = level.map(|level| 1.3 * level);
     }
-    let found = tried(&wrong, &sticky(&[2.0, 4.0], 16, 2));
+    let found = tried(&wrong, &sticky(&[2.0, 4.0], 16, 0.5, 2));
     assert!(found.gain.as_ref().unwrap().interval95[1] < 1.0, "{:?}", found.gain);
     assert_eq!((wrong.verdict, found.verdict), (Verdict::Explained, Some(Verdict::Improved)));
     assert!(found.remarks[0].contains("hurts here"), "{:?}", found.remarks);

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Discrepancy, Identification, ParameterEstimate, Provenance};
+use super::{Discrepancy, Identification, ParameterEstimate, Provenance, Validation};
 
 /// What a diagnosis comes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -103,6 +103,8 @@ pub struct Diagnosis {
     pub extended: Option<Identification>,
     /// What to measure next; null where nothing is in doubt.
     pub next_experiment: Option<NextExperiment>,
+    /// What a second measurement says of both models; null where there is none.
+    pub validation: Option<Validation>,
     /// What this diagnosis cannot tell, in sentences; what concerns the base
     /// model is in `base`.
     pub limitations: Vec<String>,

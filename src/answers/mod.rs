@@ -3,13 +3,16 @@
 //! `store` and `report` know these types and nothing of how they were computed.
 //! Their JSON form is the wire format of the service and of `--json`.
 
+mod answer;
 mod comparison;
 mod diagnosis;
 mod discrepancy;
 mod identification;
 mod progress;
 mod request;
+mod validation;
 
+pub use answer::Answer;
 pub use comparison::{ComparedExperiment, ComparedHarmonic, Comparison, Unanswered};
 pub use diagnosis::{Candidate, Cause, Diagnosis, Gain, NextExperiment, Verdict};
 pub use discrepancy::{Discrepancy, Pattern, ResidualGroup, ResidualTest};
@@ -21,4 +24,7 @@ pub use progress::{ConvergenceRow, Progress};
 pub use request::{
     ColonyOptions, ColonyVariant, IdentifyOptions, InvalidOptions, JobKind, Method, NetworkOptions,
     PlantRequest, Weighting,
+};
+pub use validation::{
+    ValidatedCause, ValidatedModel, ValidatedModels, Validation, ValidationProvenance,
 };

@@ -1,4 +1,4 @@
-//! What `identify` and `diagnose` share: reading, computing with progress, printing.
+//! What `identify`, `diagnose` and `validate` share: reading, computing with progress, printing.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -10,6 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use crate::answers::{ConvergenceRow, IdentifyOptions, Progress};
+use crate::diagnose::DiagnoseError;
 use crate::identify::{IdentifyError, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::measurement::formats::Source;
@@ -58,7 +59,7 @@ pub(super) struct Args {
 
 /// Computes an answer from the files, prints it, and writes its figures and its
 /// page where they are asked for.
-pub(super) fn answer<A: Serialize, E: Into<IdentifyError>>(
+pub(super) fn answer<A: Serialize, E: Into<DiagnoseError>>(
     args: &Args,
     kind: &str,
     compute: impl FnOnce(&Measurement, &IdentifyRequest, &dyn Observer) -> Result<A, E>,
@@ -67,15 +68,16 @@ pub(super) fn answer<A: Serialize, E: Into<IdentifyError>>(
 ) -> Result<(), Failure> {
     let request = JobRequest::check(&submission(args, kind)?)?;
     let files = read(&args.files)?;
-    let sources = files.iter().map(|(name, bytes)| Source { name, bytes }).collect::<Vec<_>>();
+    let sources = sources(&files);
     let measurement = BuiltIn.read(&sources).map_err(Failure::input)?;
     let watch = Watch::new();
     let answer = compute(&measurement, &request.identify(), &watch);
     watch.bar.finish_and_clear();
     let answer = answer.map_err(|error| match error.into() {
-        error @ IdentifyError::Cancelled => Failure::other(error),
-        error @ IdentifyError::Options(_) => Failure::input(error),
-        error @ IdentifyError::Unusable { .. } => {
+        DiagnoseError::Identify(error @ IdentifyError::Cancelled) => Failure::other(error),
+        DiagnoseError::Identify(error @ IdentifyError::Options(_)) => Failure::input(error),
+        error @ DiagnoseError::Validation(_) => Failure::Input(format!("--validate: {error}")),
+        DiagnoseError::Identify(error @ IdentifyError::Unusable { .. }) => {
             // They may say why; an answer carries them itself.
             for note in measurement.notes() {
                 eprintln!("note: {note}");
@@ -131,6 +133,15 @@ fn options(text: &str) -> Result<IdentifyOptions, Failure> {
     Ok(options)
 }
 
+/// Reads files that together are one measurement.
+pub(super) fn measurement(paths: &[PathBuf]) -> Result<Measurement, Failure> {
+    BuiltIn.read(&sources(&read(paths)?)).map_err(Failure::input)
+}
+
+fn sources(files: &[(String, Vec<u8>)]) -> Vec<Source<'_>> {
+    files.iter().map(|(name, bytes)| Source { name, bytes }).collect()
+}
+
 fn read(paths: &[PathBuf]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let file = |path: &PathBuf| match std::fs::read(path) {
         Ok(bytes) => Ok((path.display().to_string(), bytes)),
@@ -139,7 +150,8 @@ fn read(paths: &[PathBuf]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     paths.iter().map(file).collect()
 }
 
-fn json(answer: &impl Serialize) -> Result<String, Failure> {
+/// The result object alone.
+pub(super) fn json(answer: &impl Serialize) -> Result<String, Failure> {
     let mut text = serde_json::to_string_pretty(answer).map_err(Failure::other)?;
     text.push('\n');
     Ok(text)

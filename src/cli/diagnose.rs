@@ -13,24 +13,24 @@ use super::{Failure, computation};
 pub(super) struct Args {
     #[command(flatten)]
     computation: computation::Args,
-    /// A second record to measure the gain on; not available in this version yet.
+    /// A second measurement of the same axis, on which the gain is measured; repeated, the
+    /// files together are one.
     #[arg(long, value_name = "FILE")]
-    validate: Option<PathBuf>,
+    validate: Vec<PathBuf>,
 }
 
 /// Says where the base model departs from a measurement, and names what it lacks.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    if let Some(file) = &args.validate {
-        return Err(Failure::Input(format!(
-            "--validate {}: a diagnosis with a second record is not available in this version \
-             yet; leave it out",
-            file.display()
-        )));
-    }
+    let second = match args.validate.as_slice() {
+        [] => None,
+        files => Some(computation::measurement(files)?),
+    };
     computation::answer(
         &args.computation,
         "diagnose",
-        |measurement, request, observer| BuiltIn.diagnose(measurement, request, observer),
+        |measurement, request, observer| {
+            BuiltIn.diagnose(measurement, second.as_ref(), request, observer)
+        },
         report::diagnosis,
         |answer| Answer::Diagnosis(answer),
     )

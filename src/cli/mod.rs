@@ -13,6 +13,7 @@ mod openapi;
 mod page;
 mod serve;
 mod simulate;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -48,6 +49,8 @@ enum Command {
     ///
     /// The response is exact; without any flag it is that of the first system of the paper.
     Simulate(Box<simulate::Args>),
+    /// Tries the models of a result on another measurement.
+    Validate(validate::Args),
 }
 
 /// Does what the arguments of the process ask for. Exit code 0: done; 2: the
@@ -74,6 +77,10 @@ pub fn main() -> ExitCode {
             serve::run(args)
         }
         Command::Simulate(args) => simulate::run(*args),
+        Command::Validate(args) => {
+            logging::start("warn", cli.verbose);
+            validate::run(&args)
+        }
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -88,6 +88,7 @@ impl Conclusion<'_> {
             provenance: self.fit.identification.provenance.clone(),
             base: self.fit.identification,
             extended,
+            validation: None,
         })
     }
 

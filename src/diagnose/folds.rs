@@ -10,6 +10,8 @@ use std::ops::Range;
 
 use crate::measurement::{Experiment, Measurement};
 
+use super::predicted::Row;
+
 /// Parts, at most.
 const PARTS: usize = 4;
 
@@ -24,9 +26,6 @@ const FEWEST_LINES: usize = 20;
 
 /// Ratio of the last to the first line of a block.
 const BLOCK: f64 = 1.12;
-
-/// Experiment and harmonic.
-pub(super) type Row = (usize, usize);
 
 /// One part held out.
 #[derive(Debug)]

@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::answers::{ComparedHarmonic, Gain};
+use crate::answers::{ComparedHarmonic, Gain, ValidatedModel};
 
-use super::folds::Row;
-use super::unseen::Predicted;
+use super::predicted::{Predicted, Row};
 
 /// Squares of what a model leaves of some data.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -43,8 +42,32 @@ impl Left {
     }
 }
 
-/// The gain from one model's predictions to another's, `groups` (which are in the order of
-/// something) drawn anew; `None` where nothing can be compared.
+/// How well a model predicts; nothing is said of what it has no response for.
+pub(super) fn summary(predicted: &Predicted, noise_known: bool) -> ValidatedModel {
+    let left = Left::of(predicted.values());
+    ValidatedModel {
+        nrmse: Some(left.nrmse()).filter(|error| error.is_finite()),
+        rms: (left.error / predicted.len() as f64).sqrt(),
+        chi2_per_dof: noise_known.then(|| left.chi2 / left.data),
+        components: predicted.len(),
+        unanswered: Vec::new(),
+    }
+}
+
+/// The gain from one model's predictions to another's, with the interval of its ratio from how
+/// it varies over `groups`, which are in the order of something; `None` where there is a single
+/// group, or nothing is left by one of the models.
+///
+/// Groups are a systematic sample of a field that is smooth from one to the next: what differs
+/// between neighbours is chance. With b_g and a_g the Σ|Y − Ŷ|² of both models in group g of n
+/// and x_g = b_g/mean(b) − a_g/mean(a),
+///
+/// ```text
+///   Var(ln ratio) = ¼ · Σ(x_{g+1} − x_g)² / (2n(n − 1))
+/// ```
+///
+/// the ¼ being that of the root, and Student's t has n − 1 degrees of freedom (Wolter 2007,
+/// Introduction to Variance Estimation, doi:10.1007/978-0-387-35099-8, section 8.2).
 pub(super) fn gain(
     before: &Predicted,
     after: &Predicted,
@@ -59,14 +82,14 @@ pub(super) fn gain(
     }
     let total = [before, after].map(|model| Left::of(both.iter().map(|row| &model[row])));
     let ratio = total[0].nrmse() / total[1].nrmse();
-    if !ratio.is_finite() {
-        return None;
-    }
     let mut by_group: BTreeMap<usize, [Left; 2]> = BTreeMap::new();
     for row in &both {
         let group = by_group.entry(groups[row]).or_default();
         group[0].add(&before[row]);
         group[1].add(&after[row]);
+    }
+    if !(ratio > 0.0 && ratio.is_finite()) || by_group.len() < 2 {
+        return None;
     }
     let chi2 = total.map(|left| noise_known.then(|| left.chi2 / left.data));
     Some(Gain {
@@ -85,9 +108,7 @@ pub(super) fn error(predicted: &Predicted) -> Option<f64> {
     Some(Left::of(predicted.values()).nrmse()).filter(|error| error.is_finite())
 }
 
-/// 95 % interval of the ratio. Groups are a systematic sample of a field that is smooth from
-/// one to the next: what differs between neighbours is chance (Wolter 2007, Introduction to
-/// Variance Estimation, section 8.2).
+/// 95 % interval of the ratio, of at least two groups.
 fn interval(ratio: f64, groups: &[[Left; 2]]) -> [f64; 2] {
     let count = groups.len() as f64;
     let mean = |model: usize| groups.iter().map(|group| group[model].error).sum::<f64>() / count;
@@ -96,7 +117,7 @@ fn interval(ratio: f64, groups: &[[Left; 2]]) -> [f64; 2] {
     let steps = groups.windows(2).map(|pair| (share(&pair[1]) - share(&pair[0])).powi(2));
     // Of the logarithm of a ratio of roots: half of that of the ratio.
     let std = 0.5 * (steps.sum::<f64>() / (2.0 * count * (count - 1.0))).sqrt();
-    let quantile = StudentsT::new(0.0, 1.0, (count - 1.0).max(1.0));
+    let quantile = StudentsT::new(0.0, 1.0, count - 1.0);
     let reach = quantile.map_or(f64::INFINITY, |law| law.inverse_cdf(0.975)) * std;
     [-1.0, 1.0].map(|side| ratio * (side * reach).exp())
 }
@@ -137,13 +158,60 @@ mod tests {
 
     #[test]
     fn what_one_model_cannot_answer_is_left_out_of_both_and_said() {
-        let (before, groups) = predicted(&[0.3, 0.3], 2);
-        let (mut after, _) = predicted(&[0.1, 9.0], 2);
-        after.retain(|row, _| row.0 == 0);
+        let (before, groups) = predicted(&[0.3, 0.3, 0.3], 2);
+        let (mut after, _) = predicted(&[0.1, 0.1, 9.0], 2);
+        after.retain(|row, _| row.0 < 2);
         let gain = gain(&before, &after, &groups, false, "lines".into()).unwrap();
         assert!((gain.ratio - 3.0).abs() < 1e-12);
         assert_eq!(gain.heldout, "lines; 2 harmonics left out that are not simulated");
         assert_eq!(gain.chi2_per_dof_before, None);
+    }
+
+    /// Experiments at these frequencies whose one harmonic is off by these errors.
+    fn off(errors: &[f64]) -> Predicted {
+        let harmonic = |(experiment, error): (usize, &f64)| {
+            let harmonic = ComparedHarmonic {
+                order: 1,
+                input: [1.0, 0.0],
+                measured: [1.0, 0.0],
+                simulated: [1.0 - error, 0.0],
+                std: 0.1,
+            };
+            ((experiment, 1), harmonic)
+        };
+        errors.iter().enumerate().map(harmonic).collect()
+    }
+
+    fn each_apart(count: usize) -> BTreeMap<Row, usize> {
+        (0..count).map(|group| ((group, 1), group)).collect()
+    }
+
+    // By hand: b = (0.04, 0.01, 0.04), mean 0.03; a = (0.01, 0.01, 0.01);
+    // x = (1/3, −2/3, 1/3), steps² = 2, Var = ¼·2/(2·3·2) = 1/24; t of 2 degrees at 0.975 is
+    // 4.302653 (tables).
+    #[test]
+    fn the_interval_is_that_of_a_systematic_sample() {
+        let (before, after) = (off(&[0.2, 0.1, 0.2]), off(&[0.1, 0.1, 0.1]));
+        let gain = gain(&before, &after, &each_apart(3), true, String::new()).unwrap();
+        let ratio = 3.0_f64.sqrt();
+        assert!((gain.ratio - ratio).abs() < 1e-12, "{gain:?}");
+        let reach = 4.302653 * (1.0_f64 / 24.0).sqrt();
+        let [low, high] = gain.interval95;
+        // The table has seven digits.
+        assert!((low / (ratio * (-reach).exp()) - 1.0).abs() < 1e-6, "{gain:?}");
+        assert!((high / (ratio * reach.exp()) - 1.0).abs() < 1e-6, "{gain:?}");
+        // (0.03·3)/0.1²/6 real numbers.
+        assert!((gain.chi2_per_dof_before.unwrap() - 1.5).abs() < 1e-12, "{gain:?}");
+    }
+
+    #[test]
+    fn a_single_group_or_nothing_left_gives_no_gain() {
+        let some = off(&[0.1, 0.2]);
+        let one = (0..2).map(|e| ((e, 1), 0)).collect();
+        assert_eq!(gain(&some, &some, &one, true, String::new()), None);
+        let none = off(&[0.0, 0.0]);
+        assert_eq!(gain(&some, &none, &each_apart(2), true, String::new()), None);
+        assert_eq!(gain(&none, &some, &each_apart(2), true, String::new()), None);
     }
 
     // 400 trials: a share of 95 % is met to 1.1 %, and three of that; the errors' squares are

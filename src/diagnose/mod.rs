@@ -13,6 +13,9 @@
 //! `study` puts it together for one order of the actuator, and `orders` for several. Parts of
 //! the measurement are then held out in turn (`folds`), the causes chosen and fitted anew
 //! without them (`unseen`), and what they predict is compared (`gain`, `conclusion`).
+//!
+//! `validation` tries an answer on another measurement: what the models predict of it
+//! (`predicted`), and what that comes to in words (`remarks`).
 
 mod anchor;
 mod causes;
@@ -30,9 +33,11 @@ mod next_experiment;
 mod null;
 mod orders;
 mod patterns;
+mod predicted;
 mod probes;
 mod progress;
 mod regions;
+mod remarks;
 mod residual;
 mod scan;
 mod search;
@@ -41,6 +46,7 @@ mod statistics;
 mod study;
 mod subspace;
 mod unseen;
+mod validation;
 mod weighing;
 mod whiteness;
 
@@ -52,6 +58,8 @@ use crate::identify::{self, IdentifyError, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
+pub use validation::{ValidateError, diagnose_validated, validate};
+
 use progress::Part;
 
 /// Why a diagnosis gave no answer.
@@ -60,12 +68,9 @@ pub enum DiagnoseError {
     /// The base model could not be fitted.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
-}
-
-impl From<DiagnoseError> for IdentifyError {
-    fn from(DiagnoseError::Identify(error): DiagnoseError) -> Self {
-        error
-    }
+    /// The second measurement cannot be used.
+    #[error("the second measurement: {0}")]
+    Validation(#[from] ValidateError),
 }
 
 /// Fits the base model to a measurement and says where it is wrong, without

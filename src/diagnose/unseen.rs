@@ -7,22 +7,20 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::answers::{ComparedHarmonic, Gain};
+use crate::answers::Gain;
 use crate::identify::{Effort, IdentifyRequest, Model, Workbench};
 
 use super::DiagnoseError;
 use super::evidence::Yardstick;
-use super::folds::{Fold, Folds, Row};
+use super::folds::{Fold, Folds};
 use super::gain;
 use super::models::{Key, Models, Visited};
+use super::predicted::{Predicted, Row, predicted};
 use super::progress::{Part, Quiet};
 
 /// Difference in −2 ln of the evidence to the best model beyond which a model is not fitted to
 /// the end again.
 const REACH: f64 = 30.0;
-
-/// Predictions by row.
-pub(super) type Predicted = BTreeMap<Row, ComparedHarmonic>;
 
 /// What was predicted of data not seen.
 pub(super) struct Unseen {
@@ -102,20 +100,16 @@ impl Unseen {
         let fits: Vec<Visited> = all.into_par_iter().map(refit).collect();
         fits.into_iter().for_each(|visited| fitted.keep(visited));
         let choice = fitted.best_supported();
-        let predicted = |model: &Model| -> Predicted {
-            let is_held =
-                |experiment| fold.rows.range((experiment, 0)..(experiment + 1, 0)).count() > 0;
-            let comparison = workbench.compare(&workbench.adopt(&own, model), is_held);
-            let rows = comparison.experiments.into_iter().flat_map(|experiment| {
-                let index = experiment.experiment;
-                experiment.harmonics.into_iter().map(move |h| ((index, h.order), h))
-            });
-            rows.filter(|(row, _)| fold.rows.contains_key(row)).collect()
+        let foreseen = |model: &Model| -> Predicted {
+            let is_held = |index| fold.rows.range((index, 0)..(index + 1, 0)).next().is_some();
+            let mut all = predicted(&workbench.compare(&workbench.adopt(&own, model), is_held));
+            all.retain(|row, _| fold.rows.contains_key(row));
+            all
         };
         let all: Vec<(&Key, &Model)> =
             fitted.all().filter(|(key, _)| key.len() < 2 || **key == choice).collect();
         let all: Vec<(&Key, Predicted)> =
-            all.into_par_iter().map(|(key, model)| (key, predicted(model))).collect();
+            all.into_par_iter().map(|(key, model)| (key, foreseen(model))).collect();
         for (key, predicted) in all {
             if *key == choice {
                 self.chosen.extend(predicted.clone());

@@ -1,12 +1,14 @@
-//! Reading a request's body to its end, whatever becomes of the request.
+//! Reading a request's body: to its end, whatever becomes of the request, and as JSON.
 
 use axum::body::{Body, Bytes};
 use axum::extract::Request;
-use axum::http::{StatusCode, header};
+use axum::http::{HeaderMap, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use http_body_util::BodyExt;
+use serde::de::DeserializeOwned;
 
+use super::measurements::media_type;
 use super::problem::Problem;
 
 /// How many times the largest body is read before the connection is given up.
@@ -34,6 +36,26 @@ pub(super) async fn whole(request: Request, next: Next, max_bytes: usize) -> Res
             Problem::of_status(StatusCode::BAD_REQUEST, detail).into_response()
         }
     }
+}
+
+/// A body as what it should say.
+#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
+pub(super) fn json<T: DeserializeOwned>(headers: &HeaderMap, body: &[u8]) -> Result<T, Problem> {
+    let content_type = media_type(headers);
+    if content_type != "application/json" {
+        let detail = format!("`{content_type}` is not read here; send application/json");
+        return Err(Problem::of_status(StatusCode::UNSUPPORTED_MEDIA_TYPE, detail));
+    }
+    let mut json = serde_json::Deserializer::from_slice(body);
+    let read = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+        let member = error.path().to_string();
+        match error.inner().classify() {
+            serde_json::error::Category::Data => Problem::wrong_json(member, error.inner()),
+            _ => Problem::malformed_json(error.inner()),
+        }
+    })?;
+    json.end().map_err(|error| Problem::malformed_json(&error))?;
+    Ok(read)
 }
 
 /// Says that a body is too large.

@@ -14,7 +14,8 @@ use crate::answers::{Diagnosis, Identification};
 use crate::service::{Service, Submission};
 use crate::store::JobFilter;
 
-use super::measurements::{DEFAULT_PAGE, idempotency_key, media_type};
+use super::body;
+use super::measurements::{DEFAULT_PAGE, idempotency_key};
 use super::problem::Problem;
 use super::views::{Convergence, JobStatus, JobView, List, SubmitJob};
 
@@ -226,20 +227,7 @@ pub(super) async fn cancel(
 
 #[expect(clippy::result_large_err, reason = "made once for a request that fails")]
 fn submission(headers: &HeaderMap, body: &[u8]) -> Result<Submission, Problem> {
-    let content_type = media_type(headers);
-    if content_type != "application/json" {
-        let detail = format!("`{content_type}` is not read here; send application/json");
-        return Err(Problem::of_status(StatusCode::UNSUPPORTED_MEDIA_TYPE, detail));
-    }
-    let mut json = serde_json::Deserializer::from_slice(body);
-    let job: SubmitJob = serde_path_to_error::deserialize(&mut json).map_err(|error| {
-        let member = error.path().to_string();
-        match error.inner().classify() {
-            serde_json::error::Category::Data => Problem::wrong_json(member, error.inner()),
-            _ => Problem::malformed_json(error.inner()),
-        }
-    })?;
-    json.end().map_err(|error| Problem::malformed_json(&error))?;
+    let job: SubmitJob = body::json(headers, body)?;
     Ok(Submission {
         measurement_id: job.measurement_id,
         kind: job.kind,

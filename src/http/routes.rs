@@ -6,7 +6,7 @@ use utoipa_axum::routes;
 
 use crate::service::Service;
 
-use super::{health, jobs, measurements, plots, report};
+use super::{health, jobs, measurements, plots, report, validations};
 
 #[derive(OpenApi)]
 #[openapi(
@@ -36,6 +36,7 @@ pub(super) fn list() -> OpenApiRouter<Service> {
         .routes(routes!(plots::get))
         .routes(routes!(report::get))
         .routes(routes!(jobs::cancel))
+        .routes(routes!(validations::create))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
         .routes(routes!(health::document))

@@ -9,7 +9,7 @@ use tokio::runtime::Runtime;
 use ureq::http::Response;
 use ureq::{Agent, Body};
 
-use crate::service::testing::{RUN_UNTIL_CANCELLED, SUCCEED, Scripted, UNUSABLE};
+use crate::service::testing::{INCOMPARABLE, RUN_UNTIL_CANCELLED, SUCCEED, Scripted, UNUSABLE};
 use crate::service::{Service, Signals};
 use crate::store::{Sqlite, Store};
 use crate::worker;
@@ -162,6 +162,57 @@ fn a_diagnosis_is_a_job_of_its_own_kind_and_result() {
 }
 
 #[test]
+fn a_diagnosis_is_tried_on_its_second_measurement() {
+    let server = Server::start();
+    let second = server.measurement();
+    let body = json!({
+        "measurement_id": server.measurement(), "kind": "diagnose",
+        "validation_measurement_id": second,
+    });
+    let id = string(&json_of(server.submit(&body), 202), "id");
+    let job = server.ended(&id);
+    assert_eq!(job["status"], "succeeded", "{job}");
+    assert_eq!(job["validation_measurement_id"], second.as_str());
+    let result = json_of(server.get(&format!("/v1/jobs/{id}/result")), 200);
+    assert_eq!(result["validation"]["data_sha256"], "11ee");
+}
+
+#[test]
+fn a_result_is_tried_on_another_measurement() {
+    let server = Server::start();
+    let measurement = server.measurement();
+    let validate = |job: &str, measurement: &str| {
+        let body = json!({"job_id": job, "measurement_id": measurement}).to_string();
+        server.post("/v1/validations", &[("content-type", "application/json")], body.as_bytes())
+    };
+    let id = server.job(SUCCEED);
+    server.ended(&id);
+    let found = json_of(validate(&id, &measurement), 200);
+    assert_eq!(found["gain"]["ratio"], 4.0);
+    let unknown = problem(validate("nobody", &measurement), 404);
+    assert!(string(&unknown, "detail").contains("no job `nobody`"), "{unknown}");
+    let unknown = problem(validate(&id, "nobody"), 404);
+    assert!(string(&unknown, "detail").contains("no measurement `nobody`"), "{unknown}");
+
+    let incomparable = server.job(INCOMPARABLE);
+    server.ended(&incomparable);
+    let refused = problem(validate(&incomparable, &measurement), 422);
+    assert_eq!(refused["member"], "measurement_id");
+    assert!(string(&refused, "detail").contains("no fc_minus"), "{refused}");
+
+    let running = server.job(RUN_UNTIL_CANCELLED);
+    problem(validate(&running, &measurement), 409);
+    json_of(server.post(&format!("/v1/jobs/{running}/cancel"), &[], b""), 202);
+    server.ended(&running);
+    problem(validate(&running, &measurement), 404);
+
+    let headers = [("content-type", "application/json")];
+    let wrong = problem(server.post("/v1/validations", &headers, b"{\"job\": 1}"), 422);
+    assert_eq!(wrong["member"], "job");
+    problem(server.post("/v1/validations", &[], b"{}"), 415);
+}
+
+#[test]
 fn a_measurement_shows_what_is_in_it() {
     let server = Server::start();
     let headers = [("content-type", "text/csv; charset=utf-8")];
@@ -216,9 +267,14 @@ fn bad_jobs_are_refused_with_the_member_and_what_is_known() {
     let cases = [
         (json!({"kind": "divine"}), "kind", "known: identify, diagnose"),
         (
-            json!({"kind": "diagnose", "validation_measurement_id": "x"}),
+            json!({"validation_measurement_id": "x"}),
             "validation_measurement_id",
-            "not available in this version",
+            "`POST /v1/validations`",
+        ),
+        (
+            json!({"kind": "diagnose", "validation_measurement_id": measurement}),
+            "validation_measurement_id",
+            "proves nothing",
         ),
         (json!({"method": "magic"}), "method", "known: abc-ann"),
         (json!({"plant": {"actuator_order": 3}}), "plant.actuator_order", "known: 0, 1, 2"),
@@ -235,6 +291,8 @@ fn bad_jobs_are_refused_with_the_member_and_what_is_known() {
         assert!(string(&problem, "detail").contains(known), "{problem}");
     }
     refused(json!({"measurement_id": "nobody"}), 404);
+    let nobody = json!({"kind": "diagnose", "validation_measurement_id": "nobody"});
+    assert!(string(&refused(nobody, 404), "detail").contains("no measurement `nobody`"));
     assert_eq!(json_of(server.get("/v1/jobs"), 200)["items"], json!([]));
 }
 

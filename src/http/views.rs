@@ -151,6 +151,8 @@ pub(super) struct JobView {
     plant: Option<PlantRequest>,
     /// The method in effect.
     method: Method,
+    /// The measurement on which a diagnosis measures its gain; null: none.
+    validation_measurement_id: Option<String>,
     /// Every option in effect.
     options: IdentifyOptions,
     /// How often it was begun.
@@ -178,6 +180,7 @@ impl From<Job> for JobView {
             cancel_requested: row.cancel_requested,
             plant: request.plant,
             method: request.method,
+            validation_measurement_id: request.validation_measurement_id,
             options: request.options,
             attempt: row.attempt,
             created_at: rfc3339(row.created_at_ms),
@@ -208,7 +211,8 @@ pub(super) struct SubmitJob {
     /// How parameters are estimated; left out: `abc-ann`.
     #[schema(value_type = Option<Method>)]
     pub(super) method: Option<String>,
-    /// A second record, for kinds of job that use one; none does yet.
+    /// A second measurement of the same axis, on which a `diagnose` job measures
+    /// what its causes gain.
     pub(super) validation_measurement_id: Option<String>,
     /// Options of the method; each one left out takes its default.
     pub(super) options: Option<IdentifyOptions>,

@@ -14,9 +14,10 @@ use super::problem::{Problem, Scales};
 use super::uncertainty::{Uncertainty, unit};
 
 /// Units of the parameters, made of those of the upload.
+#[derive(Debug)]
 pub(super) struct Units {
-    input: String,
-    velocity: String,
+    pub input: String,
+    pub velocity: String,
 }
 
 impl Units {
@@ -250,6 +251,6 @@ fn superscript(power: i8) -> &'static str {
 }
 
 /// A unit as it stands in a quotient.
-fn bracketed(unit: &str) -> String {
+pub(super) fn bracketed(unit: &str) -> String {
     if unit.contains(['/', '·', '*', ' ']) { format!("({unit})") } else { unit.to_owned() }
 }

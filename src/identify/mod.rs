@@ -1,6 +1,7 @@
 //! From a measurement to the parameters of the base model.
 
 mod abc_ann;
+mod agreement;
 pub mod bee_colony;
 mod closed_form;
 mod compare;
@@ -33,6 +34,7 @@ use crate::answers::{
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
+pub use agreement::UnitAgreement;
 pub use compare::compare;
 pub use model_fit::{Component, ModelFit, fit_base};
 pub use noise_law::NoiseLaw;

@@ -6,6 +6,7 @@ use super::causes::{self, tried, with_causes};
 use super::columns::{Side, align_points, table};
 use super::number::{digits, significant};
 use super::text::{identification, parameters, section};
+use super::validation;
 
 /// Writes a diagnosis the way it is read: what it comes to and why, where the
 /// simulation is wrong, how both were judged, and the model: with the causes,
@@ -19,6 +20,7 @@ pub fn diagnosis(answer: &Diagnosis) -> String {
         let lines = answer.limitations.iter().map(|text| format!("- {text}"));
         sections.push(section("Mind", lines.collect()));
     }
+    sections.extend(validation::of_second(answer));
     if !discrepancy.patterns.is_empty() {
         sections.push(section("Where it is wrong", patterns(&discrepancy.patterns)));
     }

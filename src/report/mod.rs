@@ -9,7 +9,9 @@ pub mod page;
 #[cfg(test)]
 pub(crate) mod sample;
 mod text;
+mod validation;
 
 pub use causes::with_causes;
 pub use diagnosis::diagnosis;
 pub use text::identification;
+pub use validation::validation;

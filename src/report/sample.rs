@@ -6,7 +6,8 @@ use crate::answers::{
     Candidate, Cause, ComparedExperiment, ComparedHarmonic, Comparison, Correlations, Diagnosis,
     Discrepancy, Fit, Gain, Identification, IdentifyOptions, Method, NextExperiment, NoiseSource,
     OrderCandidate, OrderChoice, ParameterEstimate, Pattern, Provenance, ResidualGroup,
-    ResidualTest, Stage, TransferFunction, Verdict,
+    ResidualTest, Stage, TransferFunction, ValidatedCause, ValidatedModel, ValidatedModels,
+    Validation, ValidationProvenance, Verdict,
 };
 
 /// G1 of the paper as an adequate answer, with a lower friction level that the
@@ -232,6 +233,7 @@ pub(crate) fn diagnosis() -> Diagnosis {
         base,
         extended: None,
         next_experiment: None,
+        validation: None,
         limitations: Vec::new(),
     }
 }
@@ -294,5 +296,45 @@ pub(crate) fn explained() -> Diagnosis {
             reason: "at magnitude 1.250 and 0.3183 Hz their predictions differ most".into(),
         }),
         ..answer
+    }
+}
+
+/// [`explained`], tried on another measurement.
+pub(crate) fn validation() -> Validation {
+    let model = |nrmse: f64, chi2_per_dof: f64| ValidatedModel {
+        nrmse: Some(nrmse),
+        rms: nrmse,
+        chi2_per_dof: Some(chi2_per_dof),
+        components: 96,
+        unanswered: Vec::new(),
+    };
+    let gain = Gain {
+        heldout_nrmse_before: 0.02,
+        heldout_nrmse_after: 0.005,
+        ratio: 4.0,
+        interval95: [3.1, 5.2],
+        chi2_per_dof_before: Some(4.1),
+        chi2_per_dof_after: Some(1.02),
+        heldout: "a second measurement: 24 experiments".into(),
+    };
+    Validation {
+        data_sha256: "11ee".into(),
+        response_quantity: "velocity".into(),
+        response_unit: "rad/s".into(),
+        models: ValidatedModels { base: model(0.02, 4.1), extended: Some(model(0.005, 1.02)) },
+        causes: vec![ValidatedCause { effect: "static_friction".into(), gain: Some(gain.clone()) }],
+        gain: Some(gain),
+        verdict: Some(Verdict::Explained),
+        remarks: vec![
+            "static_friction helps here, too".into(),
+            "it says little of the mean".into(),
+        ],
+        provenance: ValidationProvenance {
+            software_version: "0.1.0".into(),
+            fitted_data_sha256: "00ff".into(),
+            validation_data_sha256: "11ee".into(),
+            fitted_by_version: "0.1.0".into(),
+            options: IdentifyOptions::default(),
+        },
     }
 }

@@ -8,13 +8,13 @@ use sha2::{Digest, Sha256};
 use tokio::time::Instant;
 
 use crate::answers::{ConvergenceRow, JobKind, Progress};
-use crate::diagnose::DiagnoseError;
+use crate::diagnose::{DiagnoseError, ValidateError};
 use crate::identify::IdentifyError;
 use crate::measurement::formats::ParseError;
 use crate::observer::Observer;
 use crate::store::{
     Cancelling, ConvergencePoint, FileRow, IdempotencyKey, Inserted, JobFilter, JobRow, NewJobRow,
-    Status,
+    Status, StoreError,
 };
 
 use super::measurements::{hexadecimal, sources};
@@ -45,6 +45,14 @@ pub struct Job {
     pub failure: Option<Failure>,
 }
 
+/// The files that a job works on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct JobFiles {
+    measured: Vec<FileRow>,
+    /// Of the second measurement, where there is one.
+    second: Option<Vec<FileRow>>,
+}
+
 /// Why running a job gave no result.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
@@ -60,6 +68,9 @@ pub enum RunError {
     /// The computation gave no answer.
     #[error(transparent)]
     Unanswered(IdentifyError),
+    /// The second measurement cannot be used.
+    #[error("the validation measurement cannot be used: {0}")]
+    Validation(ValidateError),
     /// The result cannot be written as JSON.
     #[error("writing the result: {0}")]
     Result(serde_json::Error),
@@ -78,6 +89,9 @@ impl Service {
     ) -> Result<Added<Job>, ServiceError> {
         let request = JobRequest::check(submission)?;
         let measurement = self.measurement(&submission.measurement_id).await?.row;
+        if let Some(second) = &request.validation_measurement_id {
+            self.measurement(second).await?;
+        }
         let request =
             serde_json::to_string(&request).map_err(|source| corrupt("request", source))?;
         let key = key.map(|key| {
@@ -200,25 +214,50 @@ impl Service {
         }
     }
 
+    /// The files that a job works on.
+    ///
+    /// # Errors
+    /// When the database does not answer.
+    pub(crate) async fn job_files(
+        &self,
+        measurement_id: &str,
+        request: &str,
+    ) -> Result<JobFiles, StoreError> {
+        // A request that cannot be read is an error of the job: see `run`.
+        let request = serde_json::from_str::<JobRequest>(request).ok();
+        let second = request.and_then(|request| request.validation_measurement_id);
+        Ok(JobFiles {
+            measured: self.store.measurement_files(measurement_id).await?,
+            second: match second {
+                Some(id) => Some(self.store.measurement_files(&id).await?),
+                None => None,
+            },
+        })
+    }
+
     /// Computes a job's result, JSON, on the calling thread.
     ///
     /// # Errors
     /// See [`RunError`].
     pub(crate) fn run(
         &self,
-        files: &[FileRow],
+        files: &JobFiles,
         request: &str,
         observer: &dyn Observer,
     ) -> Result<String, RunError> {
         let request: JobRequest = serde_json::from_str(request).map_err(RunError::Request)?;
-        let measurement = self.numerics.read(&sources(files))?;
+        let measurement = self.numerics.read(&sources(&files.measured))?;
+        let second = files.second.as_ref().map(|files| self.numerics.read(&sources(files)));
+        let second = second.transpose()?;
         let asked = request.identify();
         let json = match request.kind {
             JobKind::Identify => {
                 serde_json::to_string(&self.numerics.identify(&measurement, &asked, observer)?)
             }
             JobKind::Diagnose => {
-                serde_json::to_string(&self.numerics.diagnose(&measurement, &asked, observer)?)
+                let second = second.as_ref();
+                let answer = self.numerics.diagnose(&measurement, second, &asked, observer)?;
+                serde_json::to_string(&answer)
             }
         };
         json.map_err(RunError::Result)
@@ -235,8 +274,11 @@ impl From<IdentifyError> for RunError {
 }
 
 impl From<DiagnoseError> for RunError {
-    fn from(DiagnoseError::Identify(error): DiagnoseError) -> Self {
-        error.into()
+    fn from(error: DiagnoseError) -> Self {
+        match error {
+            DiagnoseError::Identify(error) => error.into(),
+            DiagnoseError::Validation(error) => RunError::Validation(error),
+        }
     }
 }
 

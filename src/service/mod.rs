@@ -13,6 +13,7 @@ mod request;
 mod signals;
 #[cfg(test)]
 pub(crate) mod testing;
+mod validations;
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! The numeric core as the service sees it.
 
-use crate::answers::{Comparison, Diagnosis, Identification};
-use crate::diagnose::{self, DiagnoseError};
+use crate::answers::{Answer, Comparison, Diagnosis, Identification, Validation};
+use crate::diagnose::{self, DiagnoseError, ValidateError};
 use crate::identify::{self, IdentifyError, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::measurement::formats::{self, ParseError, Source};
@@ -38,16 +38,28 @@ pub trait Numerics: Send + Sync + 'static {
     ) -> Result<Comparison, IdentifyError>;
 
     /// Fits the base model, says where it is wrong, names the effects it lacks and
-    /// extends it with them.
+    /// extends it with them; what that gains is measured on `second`, if there is one.
     ///
     /// # Errors
     /// See [`DiagnoseError`].
     fn diagnose(
         &self,
         measurement: &Measurement,
+        second: Option<&Measurement>,
         request: &IdentifyRequest,
         observer: &dyn Observer,
     ) -> Result<Diagnosis, DiagnoseError>;
+
+    /// Tries the models of an answer on another measurement.
+    ///
+    /// # Errors
+    /// See [`ValidateError`].
+    fn validate(
+        &self,
+        answer: &Answer,
+        measurement: &Measurement,
+        observer: &dyn Observer,
+    ) -> Result<Validation, ValidateError>;
 }
 
 /// The numeric core of this crate.
@@ -79,9 +91,22 @@ impl Numerics for BuiltIn {
     fn diagnose(
         &self,
         measurement: &Measurement,
+        second: Option<&Measurement>,
         request: &IdentifyRequest,
         observer: &dyn Observer,
     ) -> Result<Diagnosis, DiagnoseError> {
-        diagnose::diagnose(measurement, request, observer)
+        match second {
+            Some(second) => diagnose::diagnose_validated(measurement, second, request, observer),
+            None => diagnose::diagnose(measurement, request, observer),
+        }
+    }
+
+    fn validate(
+        &self,
+        answer: &Answer,
+        measurement: &Measurement,
+        observer: &dyn Observer,
+    ) -> Result<Validation, ValidateError> {
+        diagnose::validate(answer, measurement, observer)
     }
 }

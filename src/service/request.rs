@@ -18,14 +18,14 @@ pub struct Submission {
     pub actuator_order: Option<u8>,
     /// Name of the method; `None`: the default.
     pub method: Option<String>,
-    /// A second record, for kinds of job that use one.
+    /// A second measurement, for kinds of job that use one.
     pub validation_measurement_id: Option<String>,
     /// Options of the method.
     pub options: IdentifyOptions,
 }
 
 /// A request that can be run, every option in effect.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JobRequest {
     /// Kind of job.
     pub kind: JobKind,
@@ -33,6 +33,9 @@ pub struct JobRequest {
     pub plant: Option<PlantRequest>,
     /// The method.
     pub method: Method,
+    /// The measurement on which a diagnosis measures its gain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub validation_measurement_id: Option<String>,
     /// Its options.
     pub options: IdentifyOptions,
 }
@@ -50,27 +53,33 @@ impl JobRequest {
             Some(name) => name.parse::<Method>()?,
             None => Method::default(),
         };
-        if submission.validation_measurement_id.is_some() {
-            return Err(ServiceError::Request {
-                member: "validation_measurement_id".into(),
-                reason: match kind {
-                    JobKind::Identify => "an `identify` job uses no second record; leave it out",
-                    JobKind::Diagnose => {
-                        "a diagnosis with a second record is not available in this version yet; \
-                         leave it out"
-                    }
-                }
-                .into(),
-            });
-        }
+        let validation_measurement_id = second(submission, kind)?;
         submission.options.validate()?;
-        Ok(Self { kind, plant, method, options: submission.options })
+        Ok(Self { kind, plant, method, validation_measurement_id, options: submission.options })
     }
 
     /// The same for the numeric core.
     pub fn identify(&self) -> IdentifyRequest {
         IdentifyRequest { plant: self.plant, method: self.method, options: self.options }
     }
+}
+
+/// The second measurement, of a job that uses one.
+fn second(submission: &Submission, kind: JobKind) -> Result<Option<String>, ServiceError> {
+    let Some(id) = &submission.validation_measurement_id else { return Ok(None) };
+    let reason = match kind {
+        JobKind::Identify => {
+            "an `identify` job uses no second measurement; leave it out and try the result on it \
+             with `POST /v1/validations`"
+        }
+        JobKind::Diagnose if *id == submission.measurement_id => {
+            "it is the measurement that is fitted: what is gained on it proves nothing; give \
+             another one of the same axis"
+        }
+        JobKind::Diagnose => return Ok(Some(id.clone())),
+    };
+    let member = "validation_measurement_id".into();
+    Err(ServiceError::Request { member, reason: reason.into() })
 }
 
 fn kind(name: &str) -> Result<JobKind, ServiceError> {
@@ -146,13 +155,18 @@ mod tests {
     }
 
     #[test]
-    fn a_second_record_is_not_silently_ignored() {
-        let text =
-            refusal(Submission { validation_measurement_id: Some("x".into()), ..identify() });
-        assert!(text.starts_with("validation_measurement_id"), "{text}");
-        let validation_measurement_id = Some("x".into());
-        let kind = "diagnose".into();
-        let text = refusal(Submission { kind, validation_measurement_id, ..Submission::default() });
-        assert!(text.contains("not available in this version yet"), "{text}");
+    fn a_second_measurement_is_for_a_diagnosis_of_another_one() {
+        let with = |submission| Submission {
+            measurement_id: "a".into(),
+            validation_measurement_id: Some("b".into()),
+            ..submission
+        };
+        let text = refusal(with(identify()));
+        assert!(text.starts_with("validation_measurement_id: an `identify` job"), "{text}");
+        let diagnose = with(Submission { kind: "diagnose".into(), ..Submission::default() });
+        let request = JobRequest::check(&diagnose).unwrap();
+        assert_eq!(request.validation_measurement_id.as_deref(), Some("b"));
+        let text = refusal(Submission { measurement_id: "b".into(), ..diagnose });
+        assert!(text.contains("proves nothing"), "{text}");
     }
 }

@@ -2,8 +2,10 @@
 
 use std::time::Duration;
 
-use crate::answers::{Comparison, ConvergenceRow, Diagnosis, Identification, Progress};
-use crate::diagnose::DiagnoseError;
+use crate::answers::{
+    Answer, Comparison, ConvergenceRow, Diagnosis, Identification, Progress, Validation,
+};
+use crate::diagnose::{DiagnoseError, ValidateError};
 use crate::identify::{IdentifyError, IdentifyRequest};
 use crate::measurement::formats::{ParseError, Source};
 use crate::measurement::{Complex, Experiment, Harmonic, Measurement, Metadata};
@@ -19,6 +21,9 @@ pub(crate) const RUN_UNTIL_CANCELLED: u64 = 2;
 pub(crate) const PANIC: u64 = 3;
 /// Seed of a request whose data cannot be fitted.
 pub(crate) const UNUSABLE: u64 = 4;
+
+/// Seed of a request whose result cannot be tried on any measurement.
+pub(crate) const INCOMPARABLE: u64 = 5;
 
 /// Reads anything but what begins with `bad`; the seed says what happens then.
 #[derive(Debug, Clone, Copy, Default)]
@@ -94,10 +99,24 @@ impl Numerics for Scripted {
     fn diagnose(
         &self,
         measurement: &Measurement,
+        second: Option<&Measurement>,
         request: &IdentifyRequest,
         observer: &dyn Observer,
     ) -> Result<Diagnosis, DiagnoseError> {
         let base = self.identify(measurement, request, observer)?;
-        Ok(Diagnosis { base, ..crate::report::sample::diagnosis() })
+        let validation = second.map(|_| crate::report::sample::validation());
+        Ok(Diagnosis { base, validation, ..crate::report::sample::diagnosis() })
+    }
+
+    fn validate(
+        &self,
+        answer: &Answer,
+        _measurement: &Measurement,
+        _observer: &dyn Observer,
+    ) -> Result<Validation, ValidateError> {
+        match answer.base().seed {
+            INCOMPARABLE => Err(ValidateError::Unusable { reason: "no fc_minus".into() }),
+            _ => Ok(crate::report::sample::validation()),
+        }
     }
 }

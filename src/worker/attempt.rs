@@ -33,7 +33,8 @@ pub(super) async fn run(shared: Arc<Shared>, lease: Lease) {
     info!(job = lease.job_id, attempt = lease.attempt, "job begins");
     let watch = Arc::new(Watch::new());
     let attempt = Attempt { shared, lease, watch, unsent: Vec::new(), unsent_progress: None };
-    let files = match attempt.shared.store.measurement_files(&attempt.lease.measurement_id).await {
+    let Lease { measurement_id, request, .. } = &attempt.lease;
+    let files = match attempt.shared.service.job_files(measurement_id, request).await {
         Ok(files) => files,
         Err(error) => return attempt.hand_back(&error).await,
     };

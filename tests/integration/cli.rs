@@ -140,15 +140,6 @@ fn diagnose_says_where_the_base_model_is_wrong_and_names_the_cause() {
 }
 
 #[test]
-fn a_diagnosis_with_a_second_record_is_refused_not_ignored() {
-    let output = servoscope(&["diagnose", "a.csv", "--validate", "b.csv"]);
-    assert_eq!(code(&output), Some(2));
-    assert!(
-        error(&output).contains("--validate b.csv") && error(&output).contains("not available")
-    );
-}
-
-#[test]
 fn an_actuator_that_is_simulated_is_found_and_its_order_too() {
     let actuator = ["--natural-frequency", "31.6", "--damping-ratio", "0.08"];
     let table = simulated(&[&actuator[..], &["--noise-std", "0.001", "--repeats", "4"]].concat());

@@ -24,3 +24,4 @@ mod service;
 mod shared_files;
 mod simulation;
 mod simulators;
+mod validation;

@@ -58,6 +58,9 @@ fn every_shell_block_works_as_pasted() {
         rest = &rest[from + part.len()..];
     }
     assert!(report.starts_with(shown.split("…").next().unwrap()), "{report}");
+    let validation = blocks.iter().find(|block| block.contains("validate")).unwrap();
+    let report = paste(validation, directory.path(), None);
+    assert!(report.starts_with("CONFIRMED: the causes help on another"), "{report}");
     if Command::new("curl").arg("--version").output().is_err() {
         skipped("curl is absent");
         return;

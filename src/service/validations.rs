@@ -1,0 +1,46 @@
+//! Trying a result on another measurement.
+
+use std::sync::Arc;
+
+use crate::answers::{Answer, Validation};
+use crate::diagnose::ValidateError;
+use crate::observer::Silent;
+
+use super::measurements::sources;
+use super::{Service, ServiceError};
+
+impl Service {
+    /// Simulates the models of a job's result on another measurement. Nothing is
+    /// stored: it takes a second at most.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unknown`] for the job or the measurement,
+    /// [`ServiceError::Request`] where the models cannot be tried on it; otherwise
+    /// as [`Service::result`].
+    pub async fn validate(
+        &self,
+        job_id: &str,
+        measurement_id: &str,
+    ) -> Result<Validation, ServiceError> {
+        let result = self.result(job_id).await?;
+        let answer = Answer::from_json(&result).map_err(|error| ServiceError::Corrupt {
+            what: "result",
+            source: error.into_inner(),
+        })?;
+        self.measurement(measurement_id).await?;
+        let files = self.store.measurement_files(measurement_id).await?;
+        let numerics = Arc::clone(&self.numerics);
+        let trying = tokio::task::spawn_blocking(move || {
+            let measurement = numerics.read(&sources(&files))?;
+            numerics.validate(&answer, &measurement, &Silent).map_err(refused)
+        });
+        match trying.await {
+            Ok(validation) => validation,
+            Err(panicked) => std::panic::resume_unwind(panicked.into_panic()),
+        }
+    }
+}
+
+fn refused(error: ValidateError) -> ServiceError {
+    ServiceError::Request { member: "measurement_id".into(), reason: error.to_string() }
+}

@@ -10,9 +10,6 @@ use super::evidence::Yardstick;
 use super::probes::{Probe, Probed};
 use super::progress::{Part, Stage};
 
-/// Starts that are followed to their end.
-const FOLLOWED: usize = 2;
-
 /// Share of the leader's gain that a rival must have come to in its first steps.
 const RIVAL: f64 = 0.5;
 
@@ -36,6 +33,8 @@ pub(super) struct Fitter<'a> {
     pub yardstick: Yardstick,
     /// Starts that are tried of an effect that promises something.
     pub starts: usize,
+    /// Of them, those that are followed to their end.
+    pub followed: usize,
     /// Whether an effect is followed to its end though little was gained so far, where
     /// none explains the data.
     pub patient: bool,
@@ -64,13 +63,13 @@ impl Fitter<'_> {
             return tried.into_iter().filter_map(|(_, models)| models.into_iter().next()).collect();
         };
         let (probed, models) = tried.remove(first);
-        let leader = self.settled(models, FOLLOWED).unwrap_or_else(|| from.clone());
+        let leader = self.settled(models, self.followed).unwrap_or_else(|| from.clone());
         let unexplained = !self.yardstick.explains(leader.cost);
         let most = from.cost - leader.cost;
         let follow = |(rival, models): (&Probed, Vec<Model>)| {
             let gain = from.cost - models[0].cost;
             if are_alike(probed.effect, rival.effect) || gain > RIVAL * most {
-                self.settled(models, FOLLOWED)
+                self.settled(models, self.followed)
             } else if self.patient && unexplained && promising(rival) && gain > HOPEFUL * most {
                 self.settled(models, 1)
             } else {

@@ -21,8 +21,14 @@ const SINGLES: [f64; 2] = [0.1, 0.55];
 const COMBINING: [[f64; 2]; 2] = [[0.55, 0.7], [0.7, 0.85]];
 const CONCLUDING: [f64; 2] = [0.85, 1.0];
 
+/// χ² per degree of freedom of a base model from which on no cause can bring it down to the
+/// noise: where one effect is missing at 60 dB it is some hundred.
+const HOPELESS: f64 = 5e3;
+
 /// The diagnosis with the order that was asked for; where none was, with the one that the
-/// base model takes without any effect, unless a lower one is clearly better.
+/// base model takes without any effect, unless a lower one is clearly better. Of records that
+/// one alone is studied. `None` where the noise is known and the base model so far from it
+/// that it means nothing.
 ///
 /// # Errors
 /// See [`DiagnoseError`].
@@ -30,13 +36,17 @@ pub(super) fn diagnose(
     measurement: &Measurement,
     request: &IdentifyRequest,
     part: Part<'_>,
-) -> Result<Diagnosis, DiagnoseError> {
+) -> Result<Option<Diagnosis>, DiagnoseError> {
     let (seed, most) = (request.options.seed, request.options.most_effects);
     let fitting = part.part(FITTING);
     let first = Workbench::new(measurement, request, &fitting)?;
+    let chi2_per_dof = first.base().cost / first.data() as f64;
+    if first.noise_known() && chi2_per_dof > HOPELESS {
+        return Ok(None);
+    }
     let suited = first.order();
     let lower: Vec<IdentifyRequest> = (0..suited)
-        .filter(|_| request.plant.is_none())
+        .filter(|_| request.plant.is_none() && first.has_cosines_alone())
         .map(|actuator_order| IdentifyRequest {
             plant: Some(PlantRequest { actuator_order }),
             ..*request
@@ -78,7 +88,7 @@ pub(super) fn diagnose(
     let part = part.part(CONCLUDING);
     let mut answer = best.conclusion().diagnosis(measurement, request, part)?;
     answer.limitations.extend(said);
-    Ok(answer)
+    Ok(Some(answer))
 }
 
 /// −2 ln of what speaks for an order and its causes.

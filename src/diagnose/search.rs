@@ -28,15 +28,17 @@ struct Breadth {
     further: [usize; 2],
     /// Starts of a fit beside none, one and two others of which a few steps are taken.
     starts: [usize; 3],
+    /// Starts that are followed to their end.
+    followed: usize,
     /// Single effects to which others are added.
     grown: usize,
 }
 
 /// The same of cosines.
-const WIDE: Breadth = Breadth { further: [5, 3], starts: [4, 4, 2], grown: 4 };
+const WIDE: Breadth = Breadth { further: [5, 3], starts: [4, 4, 2], followed: 2, grown: 4 };
 
 /// The same of records, whose simulation takes a thousand times longer.
-const NARROW: Breadth = Breadth { further: [3, 1], starts: [4, 2, 1], grown: 2 };
+const NARROW: Breadth = Breadth { further: [3, 1], starts: [2, 1, 1], followed: 1, grown: 2 };
 
 /// Share of the limit that a probe's gain must reach for a fit to be worthwhile.
 const PROMISING: f64 = 0.7;
@@ -171,13 +173,9 @@ impl<'a> Search<'a> {
         'a: 'p,
     {
         let (workbench, yardstick) = (self.workbench, self.models.yardstick);
-        Fitter {
-            workbench,
-            part,
-            yardstick,
-            starts: self.breadth.starts[beside],
-            patient: beside < 2,
-        }
+        let Breadth { starts, followed, .. } = self.breadth;
+        let (starts, patient) = (starts[beside], beside < 2);
+        Fitter { workbench, part, yardstick, starts, followed, patient }
     }
 
     fn keep(&mut self, fits: Vec<Model>) {

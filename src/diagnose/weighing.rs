@@ -32,23 +32,29 @@ pub(super) fn diagnose(
     part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
     let by_noise = orders::diagnose(measurement, request, part.part(SPANS[0]))?;
-    let ratio = best(&by_noise).fit.chi2_per_dof;
-    let Some(ratio) = ratio.filter(|ratio| *ratio > FAR) else { return Ok(by_noise) };
+    let left = |answer: &Diagnosis| best(answer).fit.nrmse;
+    let noise_limits =
+        |answer: &Diagnosis| best(answer).fit.chi2_per_dof.is_none_or(|ratio| ratio <= FAR);
+    let by_noise = match by_noise {
+        Some(answer) if noise_limits(&answer) => return Ok(answer),
+        answer => answer,
+    };
     let options = IdentifyOptions { weights: Weighting::Response, ..request.options };
     let request = IdentifyRequest { options, ..*request };
-    let mut alike = orders::diagnose(measurement, &request, part.part(SPANS[1]))?;
-    let left = [&by_noise, &alike].map(|answer| best(answer).fit.nrmse);
-    if left[1] > WORTHWHILE * left[0] {
-        return Ok(by_noise);
-    }
+    let alike = orders::diagnose(measurement, &request, part.part(SPANS[1]))?;
+    let mut alike = alike.expect("the noise is not taken for known");
+    let than = match by_noise {
+        Some(answer) if left(&alike) > WORTHWHILE * left(&answer) => return Ok(answer),
+        Some(answer) => format!(" instead of {:.3} %", 100.0 * left(&answer)),
+        None => String::new(),
+    };
     alike.limitations.insert(
         0,
         format!(
-            "no model reaches the noise: the best leaves {ratio:.0} times its χ². Weighed by the \
-             noise it leaves {:.3} % of the response, with all harmonics alike {:.3} %, so here \
-             they weigh alike; intervals are as wide as what is left demands",
-            100.0 * left[0],
-            100.0 * left[1],
+            "no model reaches the noise, so how well a harmonic repeats says nothing of how well \
+             a model can follow it: here all harmonics weigh alike, which leaves {:.3} % of the \
+             response{than}; intervals are as wide as what is left demands",
+            100.0 * left(&alike),
         ),
     );
     Ok(alike)

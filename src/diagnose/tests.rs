@@ -49,7 +49,7 @@ pub(super) fn noisy(exact: &[Experiment], statement: NoiseStatement, seed: u64) 
 }
 
 /// The actuator is known to be stiff, and the closed form is start enough.
-fn request() -> IdentifyRequest {
+pub(super) fn request() -> IdentifyRequest {
     let mut options = IdentifyOptions::default();
     options.network.enabled = false;
     options.colony.enabled = false;

@@ -64,3 +64,51 @@ pub(super) fn diagnose(
 fn best(answer: &Diagnosis) -> &Identification {
     answer.extended.as_ref().unwrap_or(&answer.base)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{exact, request};
+    use super::*;
+    use crate::measurement::Metadata;
+    use crate::observer::Silent;
+
+    /// An axis whose sensor reads at the lowest magnitude by turns a tenth too much and too
+    /// little; noise as a share of the largest response there and elsewhere.
+    fn answer(low: f64, elsewhere: f64) -> Diagnosis {
+        let mut experiments = exact();
+        let lowest = experiments.iter().map(|e| e.magnitude).fold(f64::INFINITY, f64::min);
+        let largest = experiments
+            .iter()
+            .flat_map(|e| &e.response)
+            .map(|h| h.value.norm())
+            .fold(0.0, f64::max);
+        for (index, experiment) in experiments.iter_mut().enumerate() {
+            let wrong = if index % 2 == 0 { 1.1 } else { 0.9 };
+            let is_low = experiment.magnitude == lowest;
+            for harmonic in &mut experiment.response {
+                harmonic.value *= if is_low { wrong } else { 1.0 };
+                harmonic.std = Some(largest * if is_low { low } else { elsewhere });
+            }
+        }
+        let measurement =
+            Measurement::new(Metadata::default(), experiments, Vec::new(), String::new()).unwrap();
+        let options = IdentifyOptions { most_effects: 1, ..request().options };
+        let request = IdentifyRequest { options, ..request() };
+        diagnose(&measurement, &request, Part { whole: &Silent, span: [0.0, 1.0] }).unwrap()
+    }
+
+    #[test]
+    fn where_no_model_reaches_the_noise_harmonics_weigh_alike() {
+        let answer = answer(3e-6, 3e-3);
+        assert_eq!(answer.base.provenance.options.weights, Weighting::Response);
+        assert_eq!(answer.base.fit.chi2, None);
+        assert!(answer.limitations[0].starts_with("no model reaches the noise"));
+    }
+
+    #[test]
+    fn where_noise_is_what_is_left_it_weighs() {
+        let answer = answer(0.03, 0.03);
+        assert_eq!(answer.base.provenance.options.weights, Weighting::Noise);
+        assert!(answer.base.fit.chi2.is_some());
+    }
+}

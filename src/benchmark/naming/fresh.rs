@@ -67,18 +67,19 @@ pub(super) fn fresh(
     }))
 }
 
-/// Other frequencies, in the order of acquisition of the design.
+/// Other frequencies, in the order of acquisition of the design, between those at its ends: of
+/// these a gain says nothing.
 fn design(machine: &Draw, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
-    let omegas = || machine.design.iter().map(|point| point.1);
-    let (slowest, fastest) = (omegas().fold(f64::INFINITY, f64::min), omegas().fold(0.0, f64::max));
+    let mut omegas: Vec<f64> = machine.design.iter().map(|point| point.1).collect();
+    omegas.sort_by(f64::total_cmp);
+    omegas.dedup();
+    let (slowest, fastest) = (omegas[1], omegas[omegas.len() - 2]);
+    let at = |i: usize| slowest * (fastest / slowest).powf(i as f64 / FREQUENCIES as f64);
     let mut magnitudes: Vec<f64> = machine.design.iter().map(|point| point.0).collect();
     magnitudes.dedup();
     let mut design = Vec::new();
     for magnitude in magnitudes {
-        design.extend((0..FREQUENCIES).map(|i| {
-            let at = |i: usize| slowest * (fastest / slowest).powf(i as f64 / FREQUENCIES as f64);
-            (magnitude, log_uniform(at(i), at(i + 1), rng))
-        }));
+        design.extend((0..FREQUENCIES).map(|i| (magnitude, log_uniform(at(i), at(i + 1), rng))));
     }
     design
 }
@@ -88,4 +89,32 @@ fn squares(comparison: &Comparison) -> f64 {
     let harmonics = comparison.experiments.iter().flat_map(|e| &e.harmonics);
     let left = harmonics.map(|h| [0, 1].map(|i| (h.measured[i] - h.simulated[i]).powi(2)));
     left.flatten().sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+
+    use super::*;
+    use crate::benchmark::draw::draw;
+
+    #[test]
+    fn fresh_points_lie_within_what_was_held_out_at_every_magnitude() {
+        let machine = draw(0, 3);
+        let fresh = design(&machine, &mut ChaCha8Rng::seed_from_u64(1));
+        assert_eq!(fresh.len(), 3 * FREQUENCIES);
+        let (second, last_but_one) = (machine.design[1].1, machine.design[14].1);
+        assert!(fresh.iter().all(|(_, omega)| (second..=last_but_one).contains(omega)));
+        for (magnitude, omega) in &fresh {
+            assert!(machine.design.iter().any(|point| point.0 == *magnitude), "{magnitude}");
+            assert!(machine.design.iter().all(|point| point.1 != *omega), "{omega}");
+        }
+    }
+
+    #[test]
+    fn an_interval_holds_what_lies_within() {
+        let fresh =
+            Fresh { ratio: 2.0, interval95: [1.5, 2.5], chi2_per_dof_after: None, found: 2.4 };
+        assert!(fresh.held() && !Fresh { found: 2.6, ..fresh }.held());
+    }
 }

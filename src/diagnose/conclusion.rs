@@ -1,7 +1,7 @@
 //! From what was found to the answer.
 
 use crate::answers::{Diagnosis, Discrepancy, Gain, Identification, NextExperiment, Verdict};
-use crate::identify::{Effort, IdentifyRequest, ModelFit, Workbench};
+use crate::identify::{Effort, IdentifyError, IdentifyRequest, ModelFit, Workbench};
 use crate::measurement::Measurement;
 
 use super::folds::Folds;
@@ -40,11 +40,18 @@ impl Conclusion<'_> {
         part: Part<'_>,
     ) -> Result<Diagnosis, DiagnoseError> {
         let mut limitations = discrepancy::limitations(&self.fit, &self.discrepancy);
-        let unseen = self.unseen(measurement, request, part)?;
+        let unseen = match self.unseen(measurement, request, part) {
+            Ok(unseen) => Some(unseen),
+            Err(Silence::Cancelled) => return Err(IdentifyError::Cancelled.into()),
+            Err(Silence::Nothing) => None,
+            Err(Silence::Because(reason)) => {
+                limitations.push(format!(
+                    "what the causes gain on data that no fit has seen is not known: {reason}"
+                ));
+                None
+            }
+        };
         let mut gain = unseen.as_ref().and_then(|unseen| unseen.gain(&self.chosen));
-        if unseen.is_none() && !self.chosen.is_empty() {
-            limitations.push(TOO_SMALL.into());
-        }
         if let Some(disappointing) = gain.take_if(|gain| self.disappoints(gain)) {
             limitations.push(disappointed(&self.chosen, &disappointing));
             self.chosen = Key::new();
@@ -92,18 +99,22 @@ impl Conclusion<'_> {
         })
     }
 
-    /// What is predicted of data held out; `None` where there is nothing to predict it, or
-    /// nothing can be held out.
+    /// What is predicted of data held out.
     fn unseen(
         &self,
         measurement: &Measurement,
         request: &IdentifyRequest,
         part: Part<'_>,
-    ) -> Result<Option<Unseen>, DiagnoseError> {
-        let folds = Folds::of(measurement).filter(|_| !self.chosen.is_empty());
-        folds
-            .map(|folds| Unseen::of(self.workbench, request, &self.models, &folds, part))
-            .transpose()
+    ) -> Result<Unseen, Silence> {
+        if self.chosen.is_empty() {
+            return Err(Silence::Nothing);
+        }
+        let folds = Folds::of(measurement).ok_or_else(|| Silence::Because(TOO_SMALL.to_owned()))?;
+        let unseen = Unseen::of(self.workbench, request, &self.models, &folds, part);
+        unseen.map_err(|error| match error {
+            IdentifyError::Cancelled => Silence::Cancelled,
+            error => Silence::Because(format!("without a part of it, {error}")),
+        })
     }
 
     /// Whether the causes do not predict what they should. Where they leave noise alone, that
@@ -137,9 +148,17 @@ impl Conclusion<'_> {
 }
 
 /// Why nothing is said of a gain.
-const TOO_SMALL: &str = "what the causes gain on data that no fit has seen is not known: that \
-                         takes five frequencies, three magnitudes, or a record with twenty lines, \
-                         to hold some out";
+enum Silence {
+    /// Somebody cancelled.
+    Cancelled,
+    /// There is nothing that could gain.
+    Nothing,
+    /// For this reason.
+    Because(String),
+}
+
+const TOO_SMALL: &str = "that takes five frequencies, three magnitudes, or a record with twenty \
+                         lines, to hold some out";
 
 fn disappointed(chosen: &Key, gain: &Gain) -> String {
     let [low, high] = gain.interval95;

@@ -1,16 +1,17 @@
 //! What models predict of data that neither their fit nor their choice has seen.
 //!
-//! Each part of a measurement is held out in turn. Models are fitted to the rest, the causes
-//! are chosen there anew, and what they predict of the part is kept.
+//! Each part of a measurement is held out in turn. The base model and every model that may be
+//! chosen are fitted to the rest, from where all data led them, the causes are chosen there
+//! anew, and what they predict of the part is kept. Of models that are out of the question it
+//! is worked out to first order what they would predict.
 
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
 use crate::answers::Gain;
-use crate::identify::{Effort, IdentifyRequest, Model, Workbench};
+use crate::identify::{Effort, IdentifyError, IdentifyRequest, Model, Workbench};
 
-use super::DiagnoseError;
 use super::evidence::Yardstick;
 use super::folds::{Fold, Folds};
 use super::gain;
@@ -18,8 +19,8 @@ use super::models::{Key, Models, Visited};
 use super::predicted::{Predicted, Row, predicted};
 use super::progress::{Part, Quiet};
 
-/// Difference in −2 ln of the evidence to the best model beyond which a model is not fitted to
-/// the end again.
+/// Difference in −2 ln of the evidence to the best model beyond which a model is not fitted
+/// again: no part of the data makes up for it.
 const REACH: f64 = 30.0;
 
 /// What was predicted of data not seen.
@@ -30,6 +31,8 @@ pub(super) struct Unseen {
     chosen: Predicted,
     /// By each effect alone.
     alone: BTreeMap<&'static str, Predicted>,
+    /// NRMSE of each effect alone, of those that were not fitted again to first order.
+    errors: BTreeMap<&'static str, f64>,
     /// The choices, one a part.
     choices: Vec<Key>,
     /// Group of every row.
@@ -49,12 +52,13 @@ impl Unseen {
         models: &Models,
         folds: &Folds,
         part: Part<'_>,
-    ) -> Result<Self, DiagnoseError> {
+    ) -> Result<Self, IdentifyError> {
         let stage = part.stage("held out", folds.parts.len());
         let mut this = Self {
             base: Predicted::new(),
             chosen: Predicted::new(),
             alone: BTreeMap::new(),
+            errors: BTreeMap::new(),
             choices: Vec::new(),
             groups: folds.parts.iter().flat_map(|fold| fold.rows.clone()).collect(),
             noise_known: workbench.noise_known(),
@@ -64,6 +68,18 @@ impl Unseen {
             this.add(workbench, request, models, fold, part)?;
             stage.step();
         }
+        let part_of = |experiment: usize, order: usize| {
+            folds.parts.iter().position(|fold| fold.rows.contains_key(&(experiment, order)))
+        };
+        let singles: Vec<(&Key, &Model)> = models.all().filter(|(key, _)| key.len() == 1).collect();
+        let error = |(key, model): (&Key, &Model)| {
+            let error = match this.alone.get(key[0]) {
+                Some(predicted) => gain::error(predicted),
+                None => workbench.error_left_out(model, part_of),
+            };
+            Some((key[0], error?))
+        };
+        this.errors = singles.into_par_iter().filter_map(error).collect();
         Ok(this)
     }
 
@@ -74,7 +90,7 @@ impl Unseen {
         models: &Models,
         fold: &Fold,
         part: Part<'_>,
-    ) -> Result<(), DiagnoseError> {
+    ) -> Result<(), IdentifyError> {
         let quietly = Quiet(&part);
         let own = Workbench::continued(&fold.fitted, request, &quietly, workbench)?;
         let lacking = workbench.data() - own.data();
@@ -86,17 +102,12 @@ impl Unseen {
         let mut fitted = Models::new(own.base().clone(), yardstick);
         fitted.family = models.family.clone();
         let near = models.within(REACH);
-        let refit = |(key, model): (&Key, &Model)| {
-            let effort = if near.contains(key) { Effort::Settle } else { Effort::Glance };
-            let model = own.refine(&own.adopt(workbench, model), effort);
+        let refit = |(_, model): (&Key, &Model)| {
+            let model = own.refine(&own.adopt(workbench, model), Effort::Settle);
             Visited::new(&own, model, &yardstick)
         };
-        // Of a record it takes too long to refit what is out of reach.
-        let all_alone = workbench.has_cosines_alone();
-        let wanted =
-            |(key, _): &(&Key, &Model)| near.contains(*key) || (key.len() == 1 && all_alone);
         let all: Vec<(&Key, &Model)> =
-            models.all().filter(|(key, _)| !key.is_empty()).filter(wanted).collect();
+            models.all().filter(|(key, _)| !key.is_empty() && near.contains(*key)).collect();
         let fits: Vec<Visited> = all.into_par_iter().map(refit).collect();
         fits.into_iter().for_each(|visited| fitted.keep(visited));
         let choice = fitted.best_supported();
@@ -151,6 +162,6 @@ impl Unseen {
 
     /// NRMSE of the predictions of one effect alone.
     pub fn error_alone(&self, id: &str) -> Option<f64> {
-        gain::error(self.alone.get(id)?)
+        self.errors.get(id).copied()
     }
 }

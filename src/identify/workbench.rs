@@ -1,5 +1,6 @@
 //! A measurement with its base model, on which extended models are tried.
 
+mod left_out;
 mod transfer;
 
 use std::ops::Range as Span;

@@ -120,8 +120,9 @@ pub(super) fn rivals<'s>(
     rivals.into_iter().take(MOST_EQUIVALENTS).map(|(_, id, model)| (id, model)).collect()
 }
 
-/// Every effect that was tried on the base model, the best first.
-pub(super) fn candidates(models: &Models, chosen: &Key) -> Vec<Candidate> {
+/// Every effect that was tried on the base model, the best first; `withdrawn` are effects of the
+/// best model where it predicts data held out no better than the base model.
+pub(super) fn candidates(models: &Models, chosen: &Key, withdrawn: &Key) -> Vec<Candidate> {
     let before = models.get(&Key::new()).map_or(f64::NAN, |base| base.cost);
     let mut candidates: Vec<Candidate> = ALL
         .iter()
@@ -129,7 +130,8 @@ pub(super) fn candidates(models: &Models, chosen: &Key) -> Vec<Candidate> {
             let id = effect.id();
             let key = vec![id];
             let model = models.get(&key)?;
-            let rejected = (!chosen.contains(&id)).then(|| rejection(models, chosen, id));
+            let rejected =
+                (!chosen.contains(&id)).then(|| rejection(models, chosen, withdrawn, id));
             Some(Candidate {
                 effect: id.to_owned(),
                 cost: model.cost,
@@ -144,21 +146,31 @@ pub(super) fn candidates(models: &Models, chosen: &Key) -> Vec<Candidate> {
     candidates
 }
 
-fn rejection(models: &Models, chosen: &Key, id: &'static str) -> String {
+fn rejection(models: &Models, chosen: &Key, withdrawn: &Key, id: &'static str) -> String {
     let single = vec![id];
     if !models.supported(&single) {
         return "it gains no more than chance makes any effect gain".into();
+    }
+    if withdrawn.contains(&id) {
+        return "it predicts data held out no better than the base model".into();
+    }
+    if chosen.is_empty() && withdrawn.is_empty() {
+        return "it gains less than its parameters cost".into();
     }
     let mut with: Key = chosen.iter().copied().chain([id]).collect();
     with.sort_unstable();
     match models.get(&with).is_some() && !chosen.is_empty() {
         true => format!("beside {} it gains no more than chance", chosen.join(" and ")),
-        false => format!("{} explains the data better", chosen.join(" with ")),
+        false => {
+            let better = if chosen.is_empty() { withdrawn } else { chosen };
+            format!("{} explains the data better", better.join(" with "))
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::family::Family;
     use super::super::tests::fitted_to;
     use super::*;
 
@@ -187,6 +199,21 @@ mod tests {
         let models = fitted_to(&[(&["spring"], 100.0), (&three, 50.0)]);
         assert!(convincing(&models, &key(&["spring"])) && convincing(&models, &Key::new()));
         assert!(!convincing(&models, &key(&three)));
+    }
+
+    #[test]
+    fn where_the_best_was_withdrawn_every_effect_says_why_it_is_not_named() {
+        let mut models = fitted_to(&[(&["spring"], 100.0), (&["transport_delay"], 150.0)]);
+        models.family = Some(Family::that_asks_for_little(&["spring", "transport_delay"]));
+        let said =
+            |withdrawn: &[&'static str], id| rejection(&models, &Key::new(), &key(withdrawn), id);
+        assert_eq!(
+            said(&["spring"], "spring"),
+            "it predicts data held out no better than the base model"
+        );
+        assert_eq!(said(&["spring"], "transport_delay"), "spring explains the data better");
+        assert_eq!(said(&[], "spring"), "it gains less than its parameters cost");
+        assert!(said(&[], "cogging").contains("no more than chance"));
     }
 
     #[test]

@@ -52,9 +52,10 @@ impl Conclusion<'_> {
             }
         };
         let mut gain = unseen.as_ref().and_then(|unseen| unseen.gain(&self.chosen));
+        let mut withdrawn = Key::new();
         if let Some(disappointing) = gain.take_if(|gain| self.disappoints(gain)) {
             limitations.push(disappointed(&self.chosen, &disappointing));
-            self.chosen = Key::new();
+            withdrawn = std::mem::take(&mut self.chosen);
             (self.fits, self.explained) = (false, false);
         }
         if self.fits && !self.explained {
@@ -74,7 +75,7 @@ impl Conclusion<'_> {
                 _ => unseen.as_ref().and_then(|unseen| unseen.gain_alone(&cause.effect)),
             };
         }
-        let mut candidates = causes::candidates(models, chosen);
+        let mut candidates = causes::candidates(models, chosen, &withdrawn);
         for candidate in &mut candidates {
             let error = |unseen: &Unseen| unseen.error_alone(&candidate.effect);
             candidate.heldout_error = unseen.as_ref().and_then(error);

@@ -74,6 +74,13 @@ impl Family {
         Self { members, limit }
     }
 
+    /// Of effects that take up next to nothing where none is missing.
+    #[cfg(test)]
+    pub fn that_asks_for_little(ids: &[&'static str]) -> Self {
+        let null = || Null::new((1..=100).map(|i| 0.01 * f64::from(i)).collect());
+        Self { members: ids.iter().map(|id| (*id, null())).collect(), limit: LEVEL }
+    }
+
     /// By how much an effect must lower χ² to be more than chance; infinite for
     /// one that does not show.
     pub fn limit(&self, id: &str) -> f64 {

@@ -4,6 +4,8 @@
 //! model was fitted alone: a delay or a lag is much like one. So where the order is left to
 //! the data, every lower one is studied as well.
 
+use std::iter;
+
 use crate::answers::{Diagnosis, PlantRequest};
 use crate::identify::{IdentifyRequest, Workbench};
 use crate::measurement::Measurement;
@@ -14,36 +16,25 @@ use super::evidence::ORDER;
 use super::progress::{Part, Quiet};
 use super::study::Study;
 
-/// Shares of the whole: fitting the base model, every effect alone, several together
-/// with the best order and with the next best, and what they gain.
-const FITTING: [f64; 2] = [0.0, 0.1];
-const SINGLES: [f64; 2] = [0.1, 0.55];
-const COMBINING: [[f64; 2]; 2] = [[0.55, 0.7], [0.7, 0.85]];
-const CONCLUDING: [f64; 2] = [0.85, 1.0];
+/// Shares of the whole: every effect alone, several together with the best order and with
+/// the next best, and what they gain.
+const SINGLES: [f64; 2] = [0.0, 0.5];
+const COMBINING: [[f64; 2]; 2] = [[0.5, 0.65], [0.65, 0.8]];
+const CONCLUDING: [f64; 2] = [0.8, 1.0];
 
-/// χ² per degree of freedom of a base model from which on no cause can bring it down to the
-/// noise: where one effect is missing at 60 dB it is some hundred.
-const HOPELESS: f64 = 5e3;
-
-/// The diagnosis with the order that was asked for; where none was, with the one that the
-/// base model takes without any effect, unless a lower one is clearly better. Of records that
-/// one alone is studied. `None` where the noise is known and the base model so far from it
-/// that it means nothing.
+/// The diagnosis with the order that was asked for; where none was, with that of `first`,
+/// which the base model takes without any effect, unless a lower one is clearly better. Of
+/// records that one alone is studied.
 ///
 /// # Errors
 /// See [`DiagnoseError`].
 pub(super) fn diagnose(
     measurement: &Measurement,
     request: &IdentifyRequest,
+    first: &Workbench<'_>,
     part: Part<'_>,
-) -> Result<Option<Diagnosis>, DiagnoseError> {
+) -> Result<Diagnosis, DiagnoseError> {
     let (seed, most) = (request.options.seed, request.options.most_effects);
-    let fitting = part.part(FITTING);
-    let first = Workbench::new(measurement, request, &fitting)?;
-    let chi2_per_dof = first.base().cost / first.data() as f64;
-    if first.noise_known() && chi2_per_dof > HOPELESS {
-        return Ok(None);
-    }
     let suited = first.order();
     let lower: Vec<IdentifyRequest> = (0..suited)
         .filter(|_| request.plant.is_none() && first.has_cosines_alone())
@@ -52,11 +43,12 @@ pub(super) fn diagnose(
             ..*request
         })
         .collect();
-    let quietly = Quiet(&fitting);
-    let mut workbenches = vec![first];
+    let quietly = Quiet(&part);
+    let mut others = Vec::with_capacity(lower.len());
     for request in &lower {
-        workbenches.push(Workbench::new(measurement, request, &quietly)?);
+        others.push(Workbench::new(measurement, request, &quietly)?);
     }
+    let workbenches: Vec<&Workbench<'_>> = iter::once(first).chain(&others).collect();
     let each = 1.0 / workbenches.len() as f64;
     let mut studies = Vec::with_capacity(workbenches.len());
     for (i, workbench) in workbenches.iter().enumerate() {
@@ -88,7 +80,7 @@ pub(super) fn diagnose(
     let part = part.part(CONCLUDING);
     let mut answer = best.conclusion().diagnosis(measurement, request, part)?;
     answer.limitations.extend(said);
-    Ok(Some(answer))
+    Ok(answer)
 }
 
 /// −2 ln of what speaks for an order and its causes.

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use crate::measurement::{Experiment, Measurement};
 
-use super::predicted::Row;
+use super::predicted::{FEWEST_LINES, Row, block};
 
 /// Parts, at most.
 const PARTS: usize = 4;
@@ -20,12 +20,6 @@ const FEWEST: [usize; 2] = [5, 3];
 
 /// Fewest groups that show how a gain scatters.
 const FEWEST_GROUPS: usize = 3;
-
-/// Fewest lines of a response that can be thinned out.
-const FEWEST_LINES: usize = 20;
-
-/// Ratio of the last to the first line of a block.
-const BLOCK: f64 = 1.12;
 
 /// One part held out.
 #[derive(Debug)]
@@ -126,7 +120,7 @@ fn lines(experiments: &[Experiment]) -> Option<Division> {
     for (index, experiment) in experiments.iter().enumerate() {
         let orders = || experiment.response.iter().map(|h| h.order).filter(|order| *order > 0);
         let first = orders().next().filter(|_| orders().count() >= FEWEST_LINES)?;
-        let block = |order: usize| ((order as f64 / first as f64).ln() / BLOCK.ln()) as usize;
+        let block = |order: usize| block(order as f64 / first as f64);
         blocks.extend(orders().map(|order| ((index, order), block(order))));
     }
     if experiments.iter().all(|experiment| experiment.pure_cosine().is_some()) {

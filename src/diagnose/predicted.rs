@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
 
 /// Lines of a response from which on it is divided into blocks.
-const FEWEST_LINES: usize = 20;
+pub(super) const FEWEST_LINES: usize = 20;
 
 /// Ratio of the end of a block of lines to its beginning.
 const BLOCK: f64 = 1.12;
@@ -37,8 +37,7 @@ pub(super) fn groups(experiments: &[&ComparedExperiment]) -> BTreeMap<Row, usize
     let lowest = of_lines.flat_map(|e| e.harmonics.first().map(|h| line(e, h.order)));
     let lowest = lowest.fold(f64::INFINITY, f64::min);
     let level = |e: &ComparedExperiment, order: usize| match has_many_lines(e) {
-        // The margin keeps a line on the edge of a block in it whatever the rounding.
-        true => lowest * BLOCK.powf(((line(e, order) / lowest).ln() / BLOCK.ln() + 1e-9).floor()),
+        true => lowest * BLOCK.powi(block(line(e, order) / lowest) as i32),
         false => e.omega_rad_s,
     };
     let by = |level: &dyn Fn(&ComparedExperiment, usize) -> f64| {
@@ -56,6 +55,12 @@ pub(super) fn groups(experiments: &[&ComparedExperiment]) -> BTreeMap<Row, usize
     };
     let (frequencies, groups) = by(&level);
     if frequencies > 1 { groups } else { by(&|e, _| e.magnitude).1 }
+}
+
+/// The block of a line, from its frequency over that of the lowest.
+pub(super) fn block(ratio: f64) -> usize {
+    // The margin keeps a line on the edge of a block in it whatever the rounding.
+    (ratio.ln() / BLOCK.ln() + 1e-9).floor() as usize
 }
 
 fn has_many_lines(experiment: &ComparedExperiment) -> bool {

@@ -10,7 +10,11 @@ use crate::answers::NextExperiment;
 use crate::identify::{Model, Workbench};
 
 /// Frequencies that are looked at.
-const FREQUENCIES: usize = 16;
+const FREQUENCIES: usize = 24;
+
+/// The highest of them, in units of the highest measured: lags, delays and resonances of the
+/// load part where nobody has looked yet.
+const BEYOND: f64 = 4.0;
 
 /// Magnitudes over the range measured, as shares of it on a logarithmic scale:
 /// somewhat beyond, too, as far as a rig will allow.
@@ -36,7 +40,7 @@ pub(super) fn between(
             let frequency = move |i: usize| i as f64 / (FREQUENCIES - 1) as f64;
             (0..FREQUENCIES).map(move |i| (share, frequency(i)))
         })
-        .map(|(m, omega)| (between(weak, strong, m), between(slow, fast, omega)))
+        .map(|(m, omega)| (between(weak, strong, m), between(slow, BEYOND * fast, omega)))
         .collect();
     let separated: Vec<Option<f64>> = points
         .par_iter()

@@ -61,6 +61,13 @@ pub struct Made {
     pub attempts: usize,
 }
 
+impl Made {
+    /// Whether an effect is hidden in it.
+    pub fn hides(&self, effect: &str) -> bool {
+        self.hidden.iter().any(|hidden| hidden.effect == effect)
+    }
+}
+
 /// Why a draw was not made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MakeError {

@@ -14,13 +14,36 @@ use crate::identify::IdentifyRequest;
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
-/// Whether one more experiment left the hidden effect alone as the cause.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+/// Frequencies of random experiments, in units of the highest that was measured.
+const BEYOND: f64 = 4.0;
+
+/// What one more experiment did to a doubt.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Separation {
-    /// The one that was asked for.
-    pub asked_for: bool,
-    /// One at a magnitude and a frequency drawn from the range of the others.
-    pub random: bool,
+    /// Lead of the hidden effect before it: by how much the criterion of the best other
+    /// candidate exceeds its own.
+    pub lead: f64,
+    /// After the experiment that was asked for.
+    pub asked_for: Separated,
+    /// After one at a magnitude from the range of the others and a frequency from theirs or up
+    /// to four times as high.
+    pub random: Separated,
+}
+
+/// Where a doubt stands after one more experiment.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Separated {
+    /// Whether the hidden effect alone is left as the cause.
+    pub ended: bool,
+    /// Lead of the hidden effect.
+    pub lead: f64,
+}
+
+impl Separation {
+    /// Whether the experiment that was asked for speaks more for the hidden effect.
+    pub fn asked_for_is_better(&self) -> bool {
+        self.asked_for.lead > self.random.lead
+    }
 }
 
 /// Adds to a draw the experiment that its diagnosis asks for and, apart from it, a random
@@ -41,28 +64,38 @@ pub(super) fn separate(
         return Ok(None);
     };
     let random = random_point(&made.machine, rng);
-    let mut separates = |point| -> Result<Option<bool>, MakeError> {
+    let mut separates = |point| -> Result<Option<Separated>, MakeError> {
         let Some(measurement) = with_experiment(case, made, point, rng)? else { return Ok(None) };
         let answer = diagnose(&measurement, request, observer)?;
-        let hidden = |id: &str| made.hidden.iter().any(|hidden| hidden.effect == id);
-        let alone =
-            answer.causes.first().is_some_and(|c| hidden(&c.effect) && c.equivalents.is_empty());
-        Ok(Some(alone))
+        let first = answer.causes.first();
+        let ended = first.is_some_and(|c| made.hides(&c.effect) && c.equivalents.is_empty());
+        Ok(lead(made, &answer).map(|lead| Separated { ended, lead }))
     };
     let both = (separates((magnitude, omega_rad_s))?, separates(random)?);
-    Ok(match both {
-        (Some(asked_for), Some(random)) => Some(Separation { asked_for, random }),
+    Ok(match (lead(made, diagnosis), both) {
+        (Some(lead), (Some(asked_for), Some(random))) => {
+            Some(Separation { lead, asked_for, random })
+        }
         _ => None,
     })
 }
 
-/// Uniform in the logarithms of magnitude and frequency over a design.
+/// By how much a hidden effect that is alone leads; `None` where it was not tried.
+fn lead(made: &Made, diagnosis: &Diagnosis) -> Option<f64> {
+    let all = || diagnosis.candidates.iter();
+    let own = all().find(|candidate| made.hides(&candidate.effect))?;
+    let others = all().filter(|candidate| !made.hides(&candidate.effect));
+    Some(others.map(|other| other.criterion).fold(f64::INFINITY, f64::min) - own.criterion)
+}
+
+/// Uniform in the logarithms of magnitude and frequency over a design and beyond.
 fn random_point(machine: &Draw, rng: &mut ChaCha8Rng) -> (f64, f64) {
-    let mut within = |value: fn(&(f64, f64)) -> f64| {
+    let mut within = |value: fn(&(f64, f64)) -> f64, beyond: f64| {
         let values = || machine.design.iter().map(value);
-        log_uniform(values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max), rng)
+        let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
+        log_uniform(least, beyond * most, rng)
     };
-    (within(|point| point.0), within(|point| point.1))
+    (within(|point| point.0, 1.0), within(|point| point.1, BEYOND))
 }
 
 /// The measurement with one more experiment at the end of the acquisition.

@@ -210,8 +210,11 @@ fn lines(outcomes: &[Outcome], levels: &[u32]) -> Vec<Line> {
             lines.push(Line { kind, level_db: None, what, rate, wanted });
         }
     };
-    separated("no doubt left by the next experiment", |s| s.asked_for);
-    separated("no doubt left by a random experiment", |s| s.random);
+    separated("no doubt left by the next experiment", |s| s.asked_for.ended);
+    separated("no doubt left by a random experiment", |s| s.random.ended);
+    separated("the next experiment speaks more for the hidden effect than a random one", |s| {
+        s.asked_for_is_better()
+    });
 
     for kind in [Kind::Single, Kind::Pair] {
         for &level in levels {

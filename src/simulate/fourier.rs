@@ -2,7 +2,10 @@
 //!
 //! Pieces that are whole cells of the grid are integrated by Filon's method
 //! (1928): the polynomial times the exponential exactly, summed over all cells
-//! by FFT. Other pieces are integrated by Gauss–Legendre quadrature.
+//! by FFT. Other pieces are integrated by Gauss–Legendre quadrature, whose nodes are summed
+//! one by one or, for many harmonics, all together (`points`).
+
+mod points;
 
 use crate::measurement::Complex;
 use crate::plant::Scalar;
@@ -11,6 +14,7 @@ use super::excitation::Grid;
 use super::pair::Pair;
 use super::samples::GAUSS_5;
 use super::wave::{Quintic, polynomial, value};
+use points::Points;
 
 /// Radians of the highest harmonic up to which three and four nodes miss 1e-8 of a part
 /// (θ⁶/2e6, θ⁸/2e9).
@@ -28,12 +32,17 @@ const GAUSS_4: [(f64, f64); 4] = [
     (0.861_136_311_594_052_6, 0.347_854_845_137_453_9),
 ];
 
+/// Harmonics from which on summing the nodes of all pieces together is quicker.
+const MANY: usize = 48;
+
 /// Sums of one signal.
 pub(super) struct Fourier<'g, S> {
     grid: &'g Grid,
     omega: f64,
     /// Powers of u in the whole cells seen so far; empty before the first.
     whole: Vec<Quintic<S>>,
+    /// Nodes of the other pieces; `None` where they are summed at once.
+    points: Option<Points<S>>,
     sums: Vec<Pair<S>>,
 }
 
@@ -41,7 +50,8 @@ impl<'g, S: Scalar> Fourier<'g, S> {
     /// For harmonics 0 … `highest`.
     pub fn new(grid: &'g Grid, omega: f64, highest: usize) -> Self {
         let zero = Pair::real(S::constant(0.0));
-        Self { grid, omega, whole: Vec::new(), sums: vec![zero; highest + 1] }
+        let points = if highest < MANY { None } else { Points::new(grid, highest) };
+        Self { grid, omega, whole: Vec::new(), points, sums: vec![zero; highest + 1] }
     }
 
     /// Adds a signal on the whole cell `n` of the grid.
@@ -78,7 +88,12 @@ impl<'g, S: Scalar> Fourier<'g, S> {
         for (node, weight) in nodes {
             let u = reach * (0.5 + 0.5 * node);
             let x = polynomial(powers, u) * (0.5 * weight * reach * length_s);
-            let turn = Complex::from_polar(1.0, -self.omega * (from_s + length_s * u));
+            let angle = self.omega * (from_s + length_s * u);
+            if let Some(points) = &mut self.points {
+                points.add(angle / std::f64::consts::TAU, x);
+                continue;
+            }
+            let turn = Complex::from_polar(1.0, -angle);
             let mut at = Complex::new(1.0, 0.0);
             for sum in &mut self.sums {
                 sum.re += x * at.re;
@@ -100,6 +115,9 @@ impl<'g, S: Scalar> Fourier<'g, S> {
 
     /// The integrals, k = 0 … `highest`.
     pub fn finish(mut self) -> Vec<Pair<S>> {
+        if let Some(points) = &self.points {
+            points.add_to(self.grid, &mut self.sums);
+        }
         if self.whole.is_empty() {
             return self.sums;
         }

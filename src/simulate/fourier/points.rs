@@ -32,7 +32,7 @@ impl<S: Scalar> Points<S> {
     /// For sums up to k = `highest`; `None` where cells are too long for that.
     pub fn new(grid: &Grid, highest: usize) -> Option<Self> {
         let most = half_turn(grid, highest);
-        let degrees = (1..=MOST).find(|d| bessel(*d, most) * (2 * d + 1) as f64 <= LEFT_OUT)?;
+        let degrees = (1..=MOST).find(|d| first_term(*d, most) * (2 * d + 1) as f64 <= LEFT_OUT)?;
         Some(Self { moments: vec![[S::constant(0.0); MOST]; grid.samples()], degrees })
     }
 
@@ -124,9 +124,13 @@ fn half_turn(grid: &Grid, k: usize) -> f64 {
     std::f64::consts::PI * k as f64 / grid.samples() as f64
 }
 
+/// x^d/(2d + 1)!!, which j_d(x) does not exceed (Abramowitz and Stegun, 10.1.2 and 10.1.14).
+fn first_term(d: usize, x: f64) -> f64 {
+    (1..=d).fold(1.0, |product, i| product * x / (2 * i + 1) as f64)
+}
+
 /// j_d(x) by its power series (Abramowitz and Stegun, 10.1.2), for x up to some units.
 fn bessel(d: usize, x: f64) -> f64 {
-    let first = (1..=d).fold(1.0, |product, i| product * x / (2 * i + 1) as f64);
     let (mut term, mut sum) = (1.0, 1.0);
     for m in 1.. {
         term *= -0.5 * x * x / (m * (2 * (d + m) + 1)) as f64;
@@ -135,7 +139,7 @@ fn bessel(d: usize, x: f64) -> f64 {
             break;
         }
     }
-    first * sum
+    first_term(d, x) * sum
 }
 
 #[cfg(test)]

@@ -51,7 +51,16 @@ impl Conclusion<'_> {
                 None
             }
         };
-        let mut gain = unseen.as_ref().and_then(|unseen| unseen.gain(&self.chosen));
+        // Where noise is all that is left, every cause is more than chance, and stays.
+        let prune = |unseen: &Unseen| unseen.prune(&mut self.chosen);
+        let dropped = unseen.as_ref().filter(|_| !self.fits).map(prune).unwrap_or_default();
+        let mut gain = unseen.as_ref().and_then(|unseen| match dropped.is_empty() {
+            true => unseen.gain(&self.chosen),
+            false => unseen.gain_of(&self.chosen),
+        });
+        for (id, beside) in &dropped {
+            limitations.push(useless(id, beside, &self.chosen));
+        }
         let mut withdrawn = Key::new();
         if let Some(disappointing) = gain.take_if(|gain| self.disappoints(gain)) {
             limitations.push(disappointed(&self.chosen, &disappointing));
@@ -72,7 +81,10 @@ impl Conclusion<'_> {
         for cause in &mut causes {
             cause.gain = match chosen.len() {
                 1 => gain.clone(),
-                _ => unseen.as_ref().and_then(|unseen| unseen.gain_alone(&cause.effect)),
+                _ => unseen.as_ref().and_then(|unseen| {
+                    let own = chosen.iter().copied().filter(|id| *id == cause.effect);
+                    unseen.gain_of(&own.collect())
+                }),
             };
         }
         let mut candidates = causes::candidates(models, chosen, &withdrawn);
@@ -111,7 +123,8 @@ impl Conclusion<'_> {
             return Err(Silence::Nothing);
         }
         let folds = Folds::of(measurement).ok_or_else(|| Silence::Because(TOO_SMALL.to_owned()))?;
-        let unseen = Unseen::of(self.workbench, request, &self.models, &folds, part);
+        let models = (&self.models, &self.chosen);
+        let unseen = Unseen::of(self.workbench, request, models, &folds, part);
         unseen.map_err(|error| match error {
             IdentifyError::Cancelled => Silence::Cancelled,
             error => Silence::Because(format!("without a part of it, {error}")),
@@ -160,6 +173,17 @@ enum Silence {
 
 const TOO_SMALL: &str = "that takes five frequencies, three magnitudes, or a record with twenty \
                          lines, to hold some out";
+
+fn useless(id: &str, beside: &Gain, chosen: &Key) -> String {
+    let [low, high] = beside.interval95;
+    format!(
+        "with {id} beside {} the model would fit the data better, but not predict what the fit \
+         has not seen: there the error is divided by {:.3}, 95 % from {low:.3} to {high:.3}; so it \
+         is not named",
+        chosen.join(" and "),
+        beside.ratio,
+    )
+}
 
 fn disappointed(chosen: &Key, gain: &Gain) -> String {
     let [low, high] = gain.interval95;

@@ -29,8 +29,9 @@ pub(super) struct Unseen {
     base: Predicted,
     /// By the models that were chosen without it.
     chosen: Predicted,
-    /// By each effect alone.
-    alone: BTreeMap<&'static str, Predicted>,
+    /// By each effect alone, and by the effects that were chosen with all data and some of
+    /// them.
+    by_effects: BTreeMap<Key, Predicted>,
     /// NRMSE of each effect alone, of those that were not fitted again to first order.
     errors: BTreeMap<&'static str, f64>,
     /// The choices, one a part.
@@ -42,14 +43,15 @@ pub(super) struct Unseen {
 }
 
 impl Unseen {
-    /// Fits `models`, which were fitted to all of a workbench's data, to each part of it.
+    /// Fits `models`, which were fitted to all of a workbench's data and of which that with the
+    /// effects `chosen` was chosen, to each part of it.
     ///
     /// # Errors
     /// When cancelled, or where the base model cannot be fitted to a part.
     pub fn of(
         workbench: &Workbench<'_>,
         request: &IdentifyRequest,
-        models: &Models,
+        (models, chosen): (&Models, &Key),
         folds: &Folds,
         part: Part<'_>,
     ) -> Result<Self, IdentifyError> {
@@ -57,7 +59,7 @@ impl Unseen {
         let mut this = Self {
             base: Predicted::new(),
             chosen: Predicted::new(),
-            alone: BTreeMap::new(),
+            by_effects: BTreeMap::new(),
             errors: BTreeMap::new(),
             choices: Vec::new(),
             groups: folds.parts.iter().flat_map(|fold| fold.rows.clone()).collect(),
@@ -65,7 +67,7 @@ impl Unseen {
             what: folds.what.clone(),
         };
         for fold in &folds.parts {
-            this.add(workbench, request, models, fold, part)?;
+            this.add(workbench, request, (models, chosen), fold, part)?;
             stage.step();
         }
         let part_of = |experiment: usize, order: usize| {
@@ -73,7 +75,7 @@ impl Unseen {
         };
         let singles: Vec<(&Key, &Model)> = models.all().filter(|(key, _)| key.len() == 1).collect();
         let error = |(key, model): (&Key, &Model)| {
-            let error = match this.alone.get(key[0]) {
+            let error = match this.by_effects.get(key) {
                 Some(predicted) => gain::error(predicted),
                 None => workbench.error_left_out(model, part_of),
             };
@@ -87,7 +89,7 @@ impl Unseen {
         &mut self,
         workbench: &Workbench<'_>,
         request: &IdentifyRequest,
-        models: &Models,
+        (models, chosen): (&Models, &Key),
         fold: &Fold,
         part: Part<'_>,
     ) -> Result<(), IdentifyError> {
@@ -117,18 +119,18 @@ impl Unseen {
             all.retain(|row, _| fold.rows.contains_key(row));
             all
         };
-        let all: Vec<(&Key, &Model)> =
-            fitted.all().filter(|(key, _)| key.len() < 2 || **key == choice).collect();
+        let is_part = |key: &Key| key.iter().all(|id| chosen.contains(id));
+        let wanted = |key: &Key| key.len() < 2 || *key == choice || is_part(key);
+        let all: Vec<(&Key, &Model)> = fitted.all().filter(|(key, _)| wanted(key)).collect();
         let all: Vec<(&Key, Predicted)> =
             all.into_par_iter().map(|(key, model)| (key, foreseen(model))).collect();
         for (key, predicted) in all {
             if *key == choice {
                 self.chosen.extend(predicted.clone());
             }
-            match key.as_slice() {
-                [] => self.base.extend(predicted),
-                [id] => self.alone.entry(id).or_default().extend(predicted),
-                _ => {}
+            match key.is_empty() {
+                true => self.base.extend(predicted),
+                false => self.by_effects.entry(key.clone()).or_default().extend(predicted),
             }
         }
         self.choices.push(choice);
@@ -154,14 +156,101 @@ impl Unseen {
         gain::gain(&self.base, &self.chosen, &self.groups, self.noise_known, what)
     }
 
-    /// What one effect alone gains.
-    pub fn gain_alone(&self, id: &str) -> Option<Gain> {
-        let alone = self.alone.get(id)?;
-        gain::gain(&self.base, alone, &self.groups, self.noise_known, self.what.clone())
+    /// What these effects gain, whatever was chosen without some of the data; `None` where
+    /// they were not fitted again.
+    pub fn gain_of(&self, effects: &Key) -> Option<Gain> {
+        self.between(&self.base, self.by_effects.get(effects)?)
+    }
+
+    /// What an effect adds to the other effects of a model.
+    pub fn gain_beside(&self, effects: &Key, id: &str) -> Option<Gain> {
+        let others: Key = effects.iter().copied().filter(|other| *other != id).collect();
+        let without =
+            if others.is_empty() { Some(&self.base) } else { self.by_effects.get(&others) };
+        self.between(without?, self.by_effects.get(effects)?)
+    }
+
+    /// Takes effects away, one by one, without which the others predict the data no worse, the
+    /// most useless first; gives each with what it added.
+    pub fn prune(&self, effects: &mut Key) -> Vec<(&'static str, Gain)> {
+        let mut dropped = Vec::new();
+        while effects.len() > 1 {
+            let beside = |id: &&'static str| Some((*id, self.gain_beside(effects, id)?));
+            let useless = effects.iter().filter_map(beside);
+            let useless = useless.filter(|(_, gain)| gain.interval95[0] <= 1.0);
+            let Some(least) = useless.min_by(|a, b| a.1.ratio.total_cmp(&b.1.ratio)) else { break };
+            effects.retain(|id| *id != least.0);
+            dropped.push(least);
+        }
+        dropped
+    }
+
+    fn between(&self, before: &Predicted, after: &Predicted) -> Option<Gain> {
+        gain::gain(before, after, &self.groups, self.noise_known, self.what.clone())
     }
 
     /// NRMSE of the predictions of one effect alone.
     pub fn error_alone(&self, id: &str) -> Option<f64> {
         self.errors.get(id).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answers::ComparedHarmonic;
+
+    /// Twelve groups of one row, off by about this.
+    fn off(by: f64) -> Predicted {
+        let harmonic = |group: usize| ComparedHarmonic {
+            order: 1,
+            input: [1.0, 0.0],
+            measured: [1.0, 0.0],
+            simulated: [1.0 - by * (1.0 + 0.05 * (group as f64).sin()), 0.0],
+            std: 0.1,
+        };
+        (0..12).map(|group| ((group, 1), harmonic(group))).collect()
+    }
+
+    fn unseen(by_effects: &[(&[&'static str], f64)]) -> Unseen {
+        Unseen {
+            base: off(0.5),
+            chosen: Predicted::new(),
+            by_effects: by_effects.iter().map(|(key, by)| (key.to_vec(), off(*by))).collect(),
+            errors: BTreeMap::new(),
+            choices: Vec::new(),
+            groups: (0..12).map(|group| ((group, 1), group)).collect(),
+            noise_known: false,
+            what: String::new(),
+        }
+    }
+
+    #[test]
+    fn what_adds_nothing_to_the_others_goes_and_what_does_stays() {
+        let unseen = unseen(&[
+            (&["cogging"], 0.3),
+            (&["spring"], 0.2),
+            (&["stribeck"], 0.4),
+            (&["cogging", "spring"], 0.1),
+            (&["cogging", "stribeck"], 0.29),
+            (&["spring", "stribeck"], 0.21),
+            (&["cogging", "spring", "stribeck"], 0.11),
+        ]);
+        let mut effects = vec!["cogging", "spring", "stribeck"];
+        let dropped = unseen.prune(&mut effects);
+        assert_eq!(effects, ["cogging", "spring"]);
+        assert_eq!(dropped.len(), 1);
+        assert_eq!(dropped[0].0, "stribeck");
+        // 0.1 over 0.11.
+        assert!((dropped[0].1.ratio - 1.0 / 1.1).abs() < 1e-12, "{dropped:?}");
+    }
+
+    #[test]
+    fn the_last_effect_and_what_was_not_fitted_without_stay() {
+        let mut effects = vec!["spring"];
+        assert!(unseen(&[(&["spring"], 0.9)]).prune(&mut effects).is_empty());
+        let mut effects = vec!["cogging", "spring"];
+        assert!(unseen(&[(&["cogging", "spring"], 0.9)]).prune(&mut effects).is_empty());
+        assert_eq!(effects.len(), 2);
     }
 }

@@ -26,5 +26,6 @@ pub use request::{
     PlantRequest, Weighting,
 };
 pub use validation::{
-    ValidatedCause, ValidatedModel, ValidatedModels, Validation, ValidationProvenance,
+    BeginningValue, ValidatedCause, ValidatedModel, ValidatedModels, ValidatedMotion, Validation,
+    ValidationProvenance,
 };

@@ -8,15 +8,15 @@ use super::{Gain, IdentifyOptions, Unanswered, Verdict};
 /// How well one model predicts the measurement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ValidatedModel {
-    /// ‖Y − Ŷ‖/‖Y‖ over all complex components compared; null where the
-    /// measurement is zero in all of them.
+    /// ‖Y − Ŷ‖/‖Y‖ over all complex components compared, or over all samples of a
+    /// motion that does not repeat; null where the measurement is zero in all of them.
     pub nrmse: Option<f64>,
-    /// Root mean square of the complex residuals, response units.
+    /// Root mean square of the residuals, response units.
     pub rms: f64,
     /// χ² per real datum, of which none was fitted; null where the noise of the
     /// measurement is unknown.
     pub chi2_per_dof: Option<f64>,
-    /// Complex (of harmonic 0: real) components compared: those that every model
+    /// Complex (of harmonic 0: real) components, or samples, compared: those that every model
     /// has a response for.
     pub components: usize,
     /// Experiments that this model has no response for.
@@ -39,6 +39,32 @@ pub struct ValidatedCause {
     pub effect: String,
     /// What it alone gains; null where the answer has no model with it alone.
     pub gain: Option<Gain>,
+}
+
+/// A quantity that a motion begins with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct BeginningValue {
+    /// Which, in words.
+    pub quantity: String,
+    /// Its value, in the units of the measurement.
+    pub value: f64,
+}
+
+/// How a motion that does not repeat was compared.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ValidatedMotion {
+    /// Its index in the measurement.
+    pub experiment: usize,
+    /// From its first sample to the last, s.
+    pub duration_s: f64,
+    /// Seconds at its beginning that are not compared.
+    pub unscored_s: f64,
+    /// Whether the measurement says with which velocity it begins.
+    pub beginning_given: bool,
+    /// What the base model was estimated to begin with; empty: at rest.
+    pub base: Vec<BeginningValue>,
+    /// What the model with the causes was estimated to begin with; empty: at rest.
+    pub extended: Vec<BeginningValue>,
 }
 
 /// What is needed to compute a validation again.
@@ -70,6 +96,9 @@ pub struct Validation {
     /// What the causes together gain; null where none is named, or where there is
     /// too little to give the ratio an interval.
     pub gain: Option<Gain>,
+    /// How motions that do not repeat were compared; empty for periodic data.
+    #[serde(default)]
+    pub motions: Vec<ValidatedMotion>,
     /// What each named cause gains, in the order of the diagnosis.
     pub causes: Vec<ValidatedCause>,
     /// The verdict of the diagnosis, one step lower (explained, improved,

@@ -10,7 +10,7 @@ use super::predicted::{Predicted, Row};
 
 /// Squares of what a model leaves of some data.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-struct Left {
+pub(super) struct Left {
     /// Σ|Y − Ŷ|².
     error: f64,
     /// Σ|Y|².
@@ -31,6 +31,26 @@ impl Left {
         self.data += if harmonic.order == 0 { 1.0 } else { 2.0 };
     }
 
+    /// One real number of unknown noise.
+    pub fn add_sample(&mut self, measured: f64, simulated: f64) {
+        self.error += (measured - simulated).powi(2);
+        self.size += measured * measured;
+        self.data += 1.0;
+    }
+
+    /// What several leave together.
+    pub fn sum<'l>(all: impl IntoIterator<Item = &'l Self>) -> Self {
+        all.into_iter().fold(Self::default(), Self::plus)
+    }
+
+    fn plus(mut self, other: &Self) -> Self {
+        self.error += other.error;
+        self.size += other.size;
+        self.chi2 += other.chi2;
+        self.data += other.data;
+        self
+    }
+
     fn of<'h>(harmonics: impl Iterator<Item = &'h ComparedHarmonic>) -> Self {
         let mut left = Self::default();
         harmonics.for_each(|harmonic| left.add(harmonic));
@@ -44,12 +64,16 @@ impl Left {
 
 /// How well a model predicts; nothing is said of what it has no response for.
 pub(super) fn summary(predicted: &Predicted, noise_known: bool) -> ValidatedModel {
-    let left = Left::of(predicted.values());
+    summary_of(&Left::of(predicted.values()), predicted.len(), noise_known)
+}
+
+/// The same of what is left of so many components.
+pub(super) fn summary_of(left: &Left, components: usize, noise_known: bool) -> ValidatedModel {
     ValidatedModel {
         nrmse: Some(left.nrmse()).filter(|error| error.is_finite()),
-        rms: (left.error / predicted.len() as f64).sqrt(),
+        rms: (left.error / components as f64).sqrt(),
         chi2_per_dof: noise_known.then(|| left.chi2 / left.data),
-        components: predicted.len(),
+        components,
         unanswered: Vec::new(),
     }
 }
@@ -80,15 +104,25 @@ pub(super) fn gain(
     if lost > 0 {
         heldout.push_str(&format!("; {lost} harmonics left out that are not simulated"));
     }
-    let total = [before, after].map(|model| Left::of(both.iter().map(|row| &model[row])));
-    let ratio = total[0].nrmse() / total[1].nrmse();
     let mut by_group: BTreeMap<usize, [Left; 2]> = BTreeMap::new();
     for row in &both {
         let group = by_group.entry(groups[row]).or_default();
         group[0].add(&before[row]);
         group[1].add(&after[row]);
     }
-    if !(ratio > 0.0 && ratio.is_finite()) || by_group.len() < 2 {
+    let by_group: Vec<[Left; 2]> = by_group.into_values().collect();
+    gain_of_groups(&by_group, noise_known, heldout)
+}
+
+/// The same from what both models leave of each group.
+pub(super) fn gain_of_groups(
+    groups: &[[Left; 2]],
+    noise_known: bool,
+    heldout: String,
+) -> Option<Gain> {
+    let total = [0, 1].map(|model: usize| Left::sum(groups.iter().map(|group| &group[model])));
+    let ratio = total[0].nrmse() / total[1].nrmse();
+    if !(ratio > 0.0 && ratio.is_finite()) || groups.len() < 2 {
         return None;
     }
     let chi2 = total.map(|left| noise_known.then(|| left.chi2 / left.data));
@@ -96,7 +130,7 @@ pub(super) fn gain(
         heldout_nrmse_before: total[0].nrmse(),
         heldout_nrmse_after: total[1].nrmse(),
         ratio,
-        interval95: interval(ratio, &by_group.into_values().collect::<Vec<_>>()),
+        interval95: interval(ratio, groups),
         chi2_per_dof_before: chi2[0],
         chi2_per_dof_after: chi2[1],
         heldout,

@@ -15,7 +15,8 @@
 //! without them (`unseen`), and what they predict is compared (`gain`, `conclusion`).
 //!
 //! `validation` tries an answer on another measurement: what the models predict of it
-//! (`predicted`), and what that comes to in words (`remarks`).
+//! (`predicted`) or of motions that do not repeat (`motions`), and what that comes to in words
+//! (`remarks`).
 
 mod anchor;
 mod causes;
@@ -29,6 +30,7 @@ mod gain;
 mod groups;
 mod layout;
 mod models;
+mod motions;
 mod next_experiment;
 mod null;
 mod orders;

@@ -5,10 +5,11 @@ use std::f64::consts::TAU;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::answers::{
-    Answer, Cause, ComparedExperiment, Comparison, Gain, ValidatedModel, ValidatedModels, Verdict,
+    Answer, BeginningValue, Cause, ComparedExperiment, Comparison, Gain, ValidatedModel,
+    ValidatedModels, ValidatedMotion, Verdict,
 };
 use crate::identify::UnitAgreement;
-use crate::measurement::Measurement;
+use crate::measurement::{Measurement, ResponseKind};
 
 use super::validation::hurts;
 
@@ -84,8 +85,9 @@ impl Tried<'_> {
             format!("{before} of the response is left without, {} with", per_cent(extended.nrmse));
         let Some(gain) = gain else {
             return format!(
-                "whether {names} help{s} here cannot be told: {left}, but one frequency and one \
-                 magnitude give the ratio no interval"
+                "whether {names} help{s} here cannot be told: {left}, but there is too little to \
+                 give the ratio an interval (one frequency and one magnitude, or a model that \
+                 leaves nothing)"
             );
         };
         let [low, high] = gain.interval95;
@@ -138,7 +140,9 @@ pub(super) fn of_data(
         ));
     }
     if answer.causes().iter().any(|cause| cause.effect == "friction_drift") {
-        let known = measurement.experiments().iter().all(|e| e.run.is_some());
+        let runs = measurement.experiments().iter().map(|e| e.run);
+        let mut runs = runs.chain(measurement.transients().iter().map(|t| t.run));
+        let known = runs.all(|run| run.is_some());
         said.push(match known {
             true => "friction_drift is taken from the first to the last run of this measurement, \
                      as it was of the one that was fitted: it need not have gone on alike"
@@ -148,6 +152,49 @@ pub(super) fn of_data(
                 .into(),
         });
     }
+    said
+}
+
+/// How motions that do not repeat were compared, with an extended model or without.
+pub(super) fn of_motions(
+    motions: &[ValidatedMotion],
+    kind: ResponseKind,
+    extended: bool,
+) -> Vec<String> {
+    let mut said = Vec::new();
+    for motion in motions {
+        let number = motion.experiment + 1;
+        let begins = |model: &str, values: &[BeginningValue]| match values {
+            [] => format!("{model}: at rest"),
+            values => {
+                let each = values.iter().map(|v| format!("{} {:.4}", v.quantity, v.value));
+                format!("{model}: {}", each.collect::<Vec<_>>().join(", "))
+            }
+        };
+        if motion.beginning_given {
+            said.push(format!("motion {number} begins with the velocity that it gives"));
+        } else if motion.unscored_s > 0.0 {
+            let mut models = begins("base model", &motion.base);
+            if extended {
+                models = format!("{models}; {}", begins("extended model", &motion.extended));
+            }
+            said.push(format!(
+                "motion {number}: its first {:.4} s tell how it begins, and are not compared \
+                 ({models})",
+                motion.unscored_s,
+            ));
+        } else {
+            said.push(format!("motion {number} is taken to begin at rest"));
+        }
+    }
+    let response = match kind {
+        ResponseKind::Velocity => return said,
+        ResponseKind::Position => "position",
+        ResponseKind::Acceleration => "acceleration",
+    };
+    said.push(format!(
+        "of the {response} what differs from its mean is compared, measured as simulated"
+    ));
     said
 }
 

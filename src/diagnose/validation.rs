@@ -5,7 +5,8 @@
 
 use crate::answers::{
     Answer, Cause, ComparedExperiment, Comparison, Diagnosis, Gain, Identification, ValidatedCause,
-    ValidatedModel, ValidatedModels, Validation, ValidationProvenance, Verdict, Weighting,
+    ValidatedModel, ValidatedModels, ValidatedMotion, Validation, ValidationProvenance, Verdict,
+    Weighting,
 };
 use crate::identify::{self, IdentifyError, IdentifyRequest, UnitAgreement};
 use crate::measurement::Measurement;
@@ -14,7 +15,7 @@ use crate::observer::Observer;
 use super::gain::{gain, summary};
 use super::predicted::{Predicted, groups, predicted};
 use super::remarks::{self, Tried};
-use super::{DiagnoseError, diagnose};
+use super::{DiagnoseError, diagnose, motions};
 
 /// Why an answer cannot be tried on a measurement.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -72,9 +73,25 @@ pub fn validate(
 ) -> Result<Validation, ValidateError> {
     let agreement = UnitAgreement::with_answer(answer.base(), measurement);
     let agreement = without_contradiction(agreement)?;
+    if !measurement.transients().is_empty() {
+        let outcome = motions::tried(answer, measurement, observer)?;
+        return Ok(concluded(answer, measurement, &agreement, outcome));
+    }
     let base = simulated(answer.base(), measurement, observer)?;
     let extended = answer.extended().map(|model| simulated(model, measurement, observer));
     compared(answer, measurement, &agreement, &base, extended.transpose()?.as_ref())
+}
+
+/// What the models of an answer come to on other data.
+pub(super) struct Outcome {
+    pub response_quantity: String,
+    pub response_unit: String,
+    pub models: ValidatedModels,
+    pub gain: Option<Gain>,
+    pub noise_known: bool,
+    pub motions: Vec<ValidatedMotion>,
+    /// What is to be minded of how they were compared.
+    pub remarks: Vec<String>,
 }
 
 /// What the models of an answer come to, both beside the measurement.
@@ -105,6 +122,33 @@ fn compared(
     let gain = after.as_ref().and_then(|after| {
         gain(&kept, after, &groups, noise_known, remarks::heldout(base, &experiments))
     });
+    let model = |predicted: &Predicted, comparison: &Comparison| ValidatedModel {
+        unanswered: comparison.unanswered.clone(),
+        ..summary(predicted, noise_known)
+    };
+    let outcome = Outcome {
+        response_quantity: base.response_quantity.clone(),
+        response_unit: base.response_unit.clone(),
+        models: ValidatedModels {
+            base: model(&kept, base),
+            extended: after.as_ref().zip(extended).map(|(p, c)| model(p, c)),
+        },
+        gain,
+        noise_known,
+        motions: Vec::new(),
+        remarks: Vec::new(),
+    };
+    Ok(concluded(answer, measurement, agreement, outcome))
+}
+
+/// The validation that an outcome makes, and what it does to the verdict.
+fn concluded(
+    answer: &Answer,
+    measurement: &Measurement,
+    agreement: &UnitAgreement,
+    outcome: Outcome,
+) -> Validation {
+    let Outcome { models, gain, noise_known, .. } = outcome;
     let verdict = answer.verdict().map(|verdict| {
         // A diagnosis that was validated on these data has taken the step already.
         let validated = match answer {
@@ -115,14 +159,6 @@ fn compared(
         let lower = !taken && gain.as_ref().is_some_and(hurts);
         if lower { lowered(verdict) } else { verdict }
     });
-    let model = |predicted: &Predicted, comparison: &Comparison| ValidatedModel {
-        unanswered: comparison.unanswered.clone(),
-        ..summary(predicted, noise_known)
-    };
-    let models = ValidatedModels {
-        base: model(&kept, base),
-        extended: after.as_ref().zip(extended).map(|(p, c)| model(p, c)),
-    };
     let tried = Tried {
         causes: answer.causes(),
         models: &models,
@@ -131,18 +167,20 @@ fn compared(
         noise_known,
     };
     let mut said = tried.remarks();
+    said.extend(outcome.remarks);
     said.extend(remarks::of_data(answer, measurement, agreement));
-    Ok(Validation {
+    Validation {
         data_sha256: measurement.sha256().to_owned(),
-        response_quantity: base.response_quantity.clone(),
-        response_unit: base.response_unit.clone(),
+        response_quantity: outcome.response_quantity,
+        response_unit: outcome.response_unit,
+        motions: outcome.motions,
         causes: causes(answer.causes(), gain.as_ref()),
         models,
         gain,
         verdict,
         remarks: said,
         provenance: provenance(answer.base(), measurement),
-    })
+    }
 }
 
 /// [`diagnose`], and the gain measured on a second measurement. Where the causes hurt there,

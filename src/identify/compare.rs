@@ -28,7 +28,7 @@ pub fn compare(
 ) -> Result<Comparison, IdentifyError> {
     let problem = Problem::new(measurement)?;
     let plant = problem.in_scale(&reported_plant(answer)?);
-    let effects = reported_effects(answer, &problem)?;
+    let effects = reported_effects(answer, problem.scales)?;
     let options = &answer.provenance.options;
     let weights = noise::weights(measurement, &problem, options, Some(&plant));
     Ok(beside(measurement, &problem, &plant, &effects, &weights, answer.fit.dof, |_| true))
@@ -140,7 +140,7 @@ fn estimate_std(comparison: &mut Comparison, parameters: i64) {
 }
 
 /// The plant an answer reports, in units of the upload.
-fn reported_plant(answer: &Identification) -> Result<Plant, IdentifyError> {
+pub(super) fn reported_plant(answer: &Identification) -> Result<Plant, IdentifyError> {
     let value = |name: &str| {
         let estimate = answer.parameters.get(name);
         estimate.and_then(|estimate| estimate.value).ok_or_else(|| IdentifyError::Unusable {
@@ -165,12 +165,11 @@ fn reported_plant(answer: &Identification) -> Result<Plant, IdentifyError> {
     })
 }
 
-/// The effects an answer reports, in the problem's scales.
-fn reported_effects(
+/// The effects an answer reports, in these scales.
+pub(super) fn reported_effects(
     answer: &Identification,
-    problem: &Problem,
+    Scales { omega, input, velocity }: Scales,
 ) -> Result<Vec<ActiveEffect>, IdentifyError> {
-    let Scales { omega, input, velocity } = problem.scales;
     let mut ids: Vec<&str> =
         answer.parameters.keys().filter_map(|key| key.split('.').next()).collect();
     ids.dedup();

@@ -10,6 +10,7 @@ mod estimates;
 mod features;
 #[cfg(test)]
 mod fixtures;
+mod followed;
 mod history;
 mod limitations;
 mod model_fit;
@@ -36,6 +37,7 @@ use crate::observer::Observer;
 
 pub use agreement::UnitAgreement;
 pub use compare::compare;
+pub use followed::{Followed, follow, unscored_s};
 pub use model_fit::{Component, ModelFit, fit_base};
 pub use noise_law::NoiseLaw;
 pub use workbench::{Effort, Linear, Model, Workbench};

@@ -80,6 +80,13 @@ impl Problem {
         let kind = measurement.metadata().response_kind;
         let experiments = measurement.experiments();
         let unusable = |reason: &str| IdentifyError::Unusable { reason: reason.into() };
+        if !measurement.transients().is_empty() {
+            return Err(unusable(
+                "the record does not repeat, and a fit takes periodic data: record whole periods of \
+                 an excitation (where they are not found, period_s says how long one is); a \
+                 validation takes this record",
+            ));
+        }
         let largest_input = experiments.iter().map(peak_input).fold(0.0, f64::max);
         if largest_input <= 0.0 {
             return Err(unusable("the input is zero in every experiment; record the input too"));

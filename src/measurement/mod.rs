@@ -1,4 +1,5 @@
-//! What was measured: a list of experiments, each with one periodic input.
+//! What was measured: a list of experiments, each with one periodic input, or motions whose
+//! input does not repeat.
 //!
 //! Text becomes a [`Measurement`] in [`formats`], and a `Measurement` cannot be
 //! invalid: its fields are private and [`Measurement::new`] checks them.
@@ -11,11 +12,13 @@ mod record;
 mod sampling;
 mod significance;
 mod spectrum;
+mod transient;
 mod waveform;
 
 pub use experiment::{Experiment, Harmonic, Repeat};
 pub use metadata::{Loop, Metadata, Quantity, ResponseKind};
 pub use record::{Record, RecordError};
+pub use transient::{Beginning, Intersample, Transient};
 
 /// Complex number; angles in radians.
 pub type Complex = nalgebra::Complex<f64>;
@@ -25,6 +28,7 @@ pub type Complex = nalgebra::Complex<f64>;
 pub struct Measurement {
     metadata: Metadata,
     experiments: Vec<Experiment>,
+    transients: Vec<Transient>,
     /// Remarks of the reader for the user: unknown columns, dropped periods, …
     notes: Vec<String>,
     sha256: String,
@@ -74,7 +78,33 @@ impl Measurement {
         let runs = || experiments.iter().filter_map(|experiment| experiment.run);
         let acquisition = runs().reduce(f64::min).zip(runs().reduce(f64::max));
         let acquisition = acquisition.map(|(first, last)| [first, last]);
-        Ok(Self { metadata, experiments, notes, sha256, acquisition })
+        Ok(Self { metadata, experiments, transients: Vec::new(), notes, sha256, acquisition })
+    }
+
+    /// Joins motions that do not repeat to a measurement that has no experiment: models can be
+    /// tried on it, and none be fitted to it.
+    ///
+    /// # Errors
+    /// When there is no motion, or one has a value that is not finite, too few samples, or no
+    /// samples left to compare.
+    pub fn of_transients(
+        metadata: Metadata,
+        transients: Vec<Transient>,
+        notes: Vec<String>,
+        sha256: String,
+    ) -> Result<Self, InvalidMeasurement> {
+        if transients.is_empty() {
+            return Err(InvalidMeasurement::Empty);
+        }
+        for (experiment, transient) in transients.iter().enumerate() {
+            transient
+                .check()
+                .map_err(|reason| InvalidMeasurement::Experiment { experiment, reason })?;
+        }
+        let runs = || transients.iter().filter_map(|transient| transient.run);
+        let acquisition = runs().reduce(f64::min).zip(runs().reduce(f64::max));
+        let acquisition = acquisition.map(|(first, last)| [first, last]);
+        Ok(Self { metadata, experiments: Vec::new(), transients, notes, sha256, acquisition })
     }
 
     /// Some of its experiments, or of their harmonics: a part, whose place in the order of
@@ -105,6 +135,12 @@ impl Measurement {
     /// The experiments, in the order of the upload.
     pub fn experiments(&self) -> &[Experiment] {
         &self.experiments
+    }
+
+    /// Motions that do not repeat, in the order of the upload; a measurement with any has no
+    /// experiment.
+    pub fn transients(&self) -> &[Transient] {
+        &self.transients
     }
 
     /// First and last position in the order of acquisition; of a part, of the whole it is of.

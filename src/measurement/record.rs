@@ -2,7 +2,10 @@
 
 use super::spectrum::{self, Periods};
 use super::waveform::half_peak_to_peak;
-use super::{Complex, Experiment, Harmonic, Repeat, period, sampling, significance};
+use super::{
+    Beginning, Complex, Experiment, Harmonic, Intersample, Repeat, Transient, period, sampling,
+    significance,
+};
 
 /// A period is a whole number of samples if it is one to this share.
 const WHOLE_SAMPLES: f64 = 1e-6;
@@ -136,6 +139,25 @@ impl Record {
         remarks.push(format!("the last {count} whole periods of {period_s} s are used"));
         let experiment = self.joined(period_s, &inputs, &outputs, &mut remarks);
         Ok((experiment, remarks))
+    }
+
+    /// The whole record as one motion that does not repeat.
+    ///
+    /// # Errors
+    /// When time does not increase, or sampling is unequal.
+    pub fn transient(
+        &self,
+        intersample: Intersample,
+        beginning: Beginning,
+    ) -> Result<Transient, RecordError> {
+        Ok(Transient {
+            step_s: self.step_s()?,
+            input: self.input.clone(),
+            output: self.output.clone(),
+            intersample,
+            beginning,
+            run: self.run,
+        })
     }
 
     fn joined(

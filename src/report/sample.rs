@@ -324,6 +324,7 @@ pub(crate) fn validation() -> Validation {
         models: ValidatedModels { base: model(0.02, 4.1), extended: Some(model(0.005, 1.02)) },
         causes: vec![ValidatedCause { effect: "static_friction".into(), gain: Some(gain.clone()) }],
         gain: Some(gain),
+        motions: Vec::new(),
         verdict: Some(Verdict::Explained),
         remarks: vec![
             "static_friction helps here, too".into(),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use sha2::{Digest, Sha256};
 
 use crate::measurement::formats::Source;
-use crate::measurement::{Experiment, Measurement};
+use crate::measurement::{Experiment, Measurement, Transient};
 use crate::store::{FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow};
 
 use super::{Added, Listed, Service, ServiceError, page, paged};
@@ -129,15 +129,19 @@ fn measured(row: MeasurementRow) -> Result<Measured, ServiceError> {
 
 fn row(upload: &Upload, measurement: &Measurement) -> MeasurementRow {
     let metadata = measurement.metadata();
-    let experiments = measurement.experiments();
-    let range = |value: fn(&Experiment) -> f64| {
+    let (experiments, transients) = (measurement.experiments(), measurement.transients());
+    let range = |of_experiment: fn(&Experiment) -> f64, of_transient: fn(&Transient) -> f64| {
         experiments
             .iter()
-            .map(value)
+            .map(of_experiment)
+            .chain(transients.iter().map(of_transient))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
     };
-    let (magnitude_min, magnitude_max) = range(|experiment| experiment.magnitude);
-    let (omega_min_rad_s, omega_max_rad_s) = range(|experiment| experiment.omega_rad_s);
+    let (magnitude_min, magnitude_max) =
+        range(|experiment| experiment.magnitude, Transient::magnitude);
+    // A motion that does not repeat has no fundamental: once over its duration stands for it.
+    let once = |transient: &Transient| std::f64::consts::TAU / transient.duration_s();
+    let (omega_min_rad_s, omega_max_rad_s) = range(|experiment| experiment.omega_rad_s, once);
     let highest_harmonic = experiments.iter().map(Experiment::highest_harmonic).max();
     MeasurementRow {
         id: uuid::Uuid::now_v7().to_string(),
@@ -149,7 +153,7 @@ fn row(upload: &Upload, measurement: &Measurement) -> MeasurementRow {
         measured_at: metadata.measured_at.map(|time| time.to_string()),
         labels: serde_json::json!(metadata.labels).to_string(),
         sha256: measurement.sha256().to_owned(),
-        experiments: experiments.len() as i64,
+        experiments: (experiments.len() + transients.len()) as i64,
         highest_harmonic: highest_harmonic.unwrap_or_default() as i64,
         magnitude_min,
         magnitude_max,

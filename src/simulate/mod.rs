@@ -21,6 +21,9 @@
 //! - Everything else goes to `hybrid`: exact steps where the equations are affine,
 //!   Runge–Kutta steps under error control otherwise, cut at every switch.
 //!
+//! An input that need not repeat is followed once, from a given state (`transient`), by the
+//! last of these ways.
+//!
 //! The last two are written for any [`Scalar`]: in dual numbers the same code
 //! gives the derivatives by every number of the axis, and by the state at the
 //! beginning of the period, which Newton's method needs to close it (`shooting`).
@@ -45,11 +48,13 @@ mod slides;
 mod spectrum;
 mod switching;
 mod torque;
+mod transient;
 mod wave;
 
 pub use excitation::Excitation;
 pub use orbit::{Motion, Orbit, Phase};
 pub use torque::{Torque, respond_to_torques};
+pub use transient::{InitialState, Quantity, SampledInput, Trajectory, Unknown, follow, unknowns};
 
 use crate::effects::{self, ActiveEffect, Axis, Wide};
 use crate::measurement::Complex;
@@ -66,6 +71,9 @@ pub enum NoResponse {
         /// Periods simulated.
         periods: usize,
     },
+    /// A motion that need not repeat switches without end.
+    #[error("the motion switches so often that it cannot be followed")]
+    Endless,
     /// A parameter is not a finite number or has no physical meaning.
     #[error("the plant has no response: {reason}")]
     Unphysical {

@@ -97,6 +97,71 @@ impl Command {
         Self { input, stretches }
     }
 
+    /// A command that is straight from sample to sample of an input, and cut at every
+    /// multiple of `step_s`, so that a step ends there; before the first sample the input is
+    /// as there.
+    pub(super) fn sampled_input(
+        effects: &[Effect],
+        step_s: f64,
+        values: &[f64],
+        hold: bool,
+    ) -> Self {
+        let mut delay_s = 0.0;
+        let mut rate = f64::INFINITY;
+        for effect in effects {
+            match *effect {
+                Effect::TransportDelay { delay } => delay_s += delay,
+                Effect::SlewLimit { rate: limit } => rate = limit,
+                _ => {}
+            }
+        }
+        let shape = Shape::of(effects);
+        let end_s = step_s * (values.len() - 1) as f64;
+        let knots = (0..values.len()).flat_map(|n| {
+            let time_s = n as f64 * step_s;
+            [time_s, time_s + delay_s]
+        });
+        let mut bounds_s: Vec<f64> = knots.filter(|time_s| *time_s <= end_s).collect();
+        bounds_s.sort_by(f64::total_cmp);
+        bounds_s.dedup_by(|later, earlier| *later - *earlier < 1e-9 * step_s);
+        let last = values.len() - 1;
+        let mut stretches = Vec::new();
+        let shaped = |u: f64| {
+            let (offset, gain) = shape.line(u);
+            offset + gain * u
+        };
+        let mut w = shaped(values[0]);
+        for pair in bounds_s.windows(2) {
+            let middle = (0.5 * (pair[0] + pair[1]) - delay_s) / step_s;
+            let before = middle.floor().max(0.0) as usize;
+            let u = |time_s: f64| {
+                let place = (time_s - delay_s) / step_s - before as f64;
+                match middle {
+                    middle if middle < 0.0 => values[0],
+                    _ if hold => values[before],
+                    _ => values[before] + place * (values[(before + 1).min(last)] - values[before]),
+                }
+            };
+            // Straight pieces of what the shape makes of a straight input.
+            let levels = shape.levels(u(pair[0]).abs().max(u(pair[1]).abs()));
+            let side = |time_s: f64| levels.iter().filter(|level| u(time_s) > **level).count();
+            let mut from_s = pair[0];
+            while from_s < pair[1] {
+                // Just behind its beginning, which may stand on a level.
+                let here = side(from_s + 1e-12 * step_s);
+                let to_s = match side(pair[1] - 1e-12 * step_s) == here {
+                    true => pair[1],
+                    false => first_change(from_s + 1e-12 * step_s, pair[1], |t| side(t) != here),
+                };
+                let (offset, gain) = shape.line(u(0.5 * (from_s + to_s)));
+                let x = |time_s: f64| offset + gain * u(time_s);
+                follow_slowly(&mut stretches, &x, [from_s, to_s], rate, &mut w);
+                from_s = to_s;
+            }
+        }
+        Self { input: Input { lines: Vec::new(), omega_rad_s: TAU / end_s }, stretches }
+    }
+
     pub(super) fn period_s(&self) -> f64 {
         self.input.period_s()
     }
@@ -219,6 +284,43 @@ impl Shape {
             Stretch { from_s: bounds[0], to_s: bounds[1], offset, gain, slope: 0.0 }
         };
         bounds_s.windows(2).map(stretch).collect()
+    }
+}
+
+/// Adds what a limiter of this rate makes of a straight x, from w on.
+fn follow_slowly(
+    out: &mut Vec<Stretch>,
+    x: &impl Fn(f64) -> f64,
+    [from_s, to_s]: [f64; 2],
+    rate: f64,
+    w: &mut f64,
+) {
+    let mut add = |from_s: f64, to_s: f64, offset: f64, slope: f64| {
+        if to_s > from_s {
+            out.push(Stretch { from_s, to_s, offset, gain: 0.0, slope });
+        }
+    };
+    let slope = (x(to_s) - x(from_s)) / (to_s - from_s);
+    let ahead = x(from_s) - *w;
+    let together = rate == f64::INFINITY || ahead.abs() <= 1e-12 * w.abs();
+    if together && slope.abs() <= rate {
+        add(from_s, to_s, x(from_s), slope);
+        *w = x(to_s);
+        return;
+    }
+    let ramp = rate * if together { slope.signum() } else { ahead.signum() };
+    let start = *w;
+    let met = |t: f64| !together && ahead * (x(t) - start - ramp * (t - from_s)) <= 0.0;
+    if !met(to_s) {
+        add(from_s, to_s, start, ramp);
+        *w = start + ramp * (to_s - from_s);
+        return;
+    }
+    let meets_s = first_change(from_s, to_s, met);
+    add(from_s, meets_s, start, ramp);
+    *w = x(meets_s);
+    if meets_s < to_s {
+        follow_slowly(out, x, [meets_s, to_s], rate, w);
     }
 }
 

@@ -24,30 +24,34 @@ impl Drive {
     /// The torque once the actuator has forgotten how it started; no step is longer than
     /// `longest_step_s`.
     pub(super) fn periodic(actuator: &Actuator, command: &Command, longest_step_s: f64) -> Self {
-        let samples_a_step = if *actuator == Actuator::Direct { 2 } else { 4 };
-        let sampled = command.stretches().iter().map(|stretch| {
-            let length_s = stretch.to_s - stretch.from_s;
-            // A step more for the rounding of a length that is a whole number of steps would
-            // spoil the power of two that a whole period is sampled at.
-            let steps = ((length_s / longest_step_s - 1e-9).ceil() as usize).max(FEWEST_STEPS);
-            Segment {
-                from_s: stretch.from_s,
-                step_s: length_s / steps as f64,
-                half_steps: command.sampled(stretch, samples_a_step * steps),
-            }
-        });
-        let commands: Vec<Segment> = sampled.collect();
+        let commands = sampled(actuator, command, longest_step_s);
         let segments = match *actuator {
             Actuator::Direct => commands,
             Actuator::FirstOrder { corner_rad_s } => {
-                let slope = |command: f64, [torque]: [f64; 1]| [corner_rad_s * (command - torque)];
-                periodic_torque(slope, &commands)
+                periodic_torque(first_order(corner_rad_s), &commands)
             }
             Actuator::SecondOrder { natural_frequency_rad_s: wn, damping_ratio: zeta } => {
-                let slope = |command: f64, [torque, rate]: [f64; 2]| {
-                    [rate, wn * wn * (command - torque) - 2.0 * zeta * wn * rate]
-                };
-                periodic_torque(slope, &commands)
+                periodic_torque(second_order(wn, zeta), &commands)
+            }
+        };
+        Self { segments }
+    }
+
+    /// The torque from τ and τ' at the beginning on.
+    pub(super) fn from_start(
+        actuator: &Actuator,
+        command: &Command,
+        longest_step_s: f64,
+        [torque, rate]: [f64; 2],
+    ) -> Self {
+        let commands = sampled(actuator, command, longest_step_s);
+        let segments = match *actuator {
+            Actuator::Direct => commands,
+            Actuator::FirstOrder { corner_rad_s } => {
+                one_period(&first_order(corner_rad_s), &commands, 1.0, [torque]).0
+            }
+            Actuator::SecondOrder { natural_frequency_rad_s: wn, damping_ratio: zeta } => {
+                one_period(&second_order(wn, zeta), &commands, 1.0, [torque, rate]).0
             }
         };
         Self { segments }
@@ -69,6 +73,31 @@ impl Drive {
             (low.min(*torque), high.max(*torque))
         })
     }
+}
+
+/// The command in steps no longer than `longest_step_s`, at every half or quarter of them.
+fn sampled(actuator: &Actuator, command: &Command, longest_step_s: f64) -> Vec<Segment> {
+    let samples_a_step = if *actuator == Actuator::Direct { 2 } else { 4 };
+    let sampled = command.stretches().iter().map(|stretch| {
+        let length_s = stretch.to_s - stretch.from_s;
+        // A step more for the rounding of a length that is a whole number of steps would
+        // spoil the power of two that a whole period is sampled at.
+        let steps = ((length_s / longest_step_s - 1e-9).ceil() as usize).max(FEWEST_STEPS);
+        Segment {
+            from_s: stretch.from_s,
+            step_s: length_s / steps as f64,
+            half_steps: command.sampled(stretch, samples_a_step * steps),
+        }
+    });
+    sampled.collect()
+}
+
+fn first_order(corner_rad_s: f64) -> impl Fn(f64, [f64; 1]) -> [f64; 1] {
+    move |command, [torque]| [corner_rad_s * (command - torque)]
+}
+
+fn second_order(wn: f64, zeta: f64) -> impl Fn(f64, [f64; 2]) -> [f64; 2] {
+    move |command, [torque, rate]| [rate, wn * wn * (command - torque) - 2.0 * zeta * wn * rate]
 }
 
 impl Segment {

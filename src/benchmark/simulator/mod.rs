@@ -19,6 +19,7 @@
 //!   within a step, the instant is found by bisection and the step is cut there; no step
 //!   crosses a kink.
 //! - `shooting`, `floating`, `cogging`: a state that a period ends with as it began.
+//! - `transient`: a motion under a sampled input, once from a given start to its end.
 //! - `fourier`: Simpson's rule over every piece of a step.
 //!
 //! The axis starts at rest and runs until a period ends as it began; the harmonics are
@@ -39,6 +40,7 @@ mod outsider;
 mod shooting;
 mod slew;
 mod stepping;
+mod transient;
 
 use std::f64::consts::TAU;
 
@@ -54,6 +56,7 @@ use mechanics::{Mechanics, VELOCITY};
 pub use outsider::Outsider;
 use shooting::{Cycle, Search, settle};
 use stepping::Axis;
+pub use transient::{Motion, Samples, Start, follow};
 
 /// More steps a period than this mean a time constant that no servo axis has.
 const MOST_STEPS: usize = 1 << 20;

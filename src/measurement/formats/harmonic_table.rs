@@ -38,7 +38,7 @@ pub(super) fn read(table: &Table, header: Header, mut notes: Vec<String>) -> Res
         .iter()
         .map(|group| repeats::experiment(table, group, header.repeats_are_periods))
         .collect::<Result<_, _>>()?;
-    Ok(Part { header, experiments, notes, runs_from_clock: false })
+    Ok(Part { header, experiments, transients: Vec::new(), notes, runs_from_clock: false })
 }
 
 fn group(table: &Table, entries: &[Entry]) -> Result<Vec<Group>, Fault> {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::convention::{AmplitudeUnit, Convention, Reference};
 use super::fault::Fault;
 use super::limits::MAX_SETTLE_PERIODS;
-use crate::measurement::{Loop, Metadata, Quantity, ResponseKind};
+use crate::measurement::{Beginning, Intersample, Loop, Metadata, Quantity, ResponseKind};
 
 /// What one file says of itself, and how its numbers are to be read.
 #[derive(Debug, Clone, Default)]
@@ -14,6 +14,12 @@ pub(super) struct Header {
     pub(super) convention: Convention,
     /// Period of a time record, s.
     pub(super) period_s: Option<f64>,
+    /// Whether a time record is said to have no period.
+    pub(super) aperiodic: bool,
+    /// What the input of such a record does between samples.
+    pub(super) intersample: Intersample,
+    /// How such a record begins.
+    pub(super) beginning: Beginning,
     /// Periods of a time record to drop.
     pub(super) settle_periods: usize,
     /// Whether the repeats of a table were periods of one record.
@@ -90,7 +96,21 @@ impl Header {
                     _ => return Err(format!("`{value}` is not peak, rms or peak-to-peak")),
                 };
             }
-            "period_s" => self.period_s = Some(period(value)?),
+            "period_s" if value == "none" => (self.period_s, self.aperiodic) = (None, true),
+            "period_s" => (self.period_s, self.aperiodic) = (Some(period(value)?), false),
+            "intersample" => {
+                self.intersample = match value {
+                    "linear" => Intersample::Linear,
+                    "hold" => Intersample::Hold,
+                    _ => return Err(format!("`{value}` is neither linear nor hold")),
+                };
+            }
+            "initial_velocity" => self.beginning.velocity = Some(number(value)?),
+            "initial_position" => self.beginning.position = Some(number(value)?),
+            "settle_s" => match number(value)? {
+                settle_s if settle_s >= 0.0 => self.beginning.settle_s = Some(settle_s),
+                _ => return Err(format!("`{value}` is not a number of seconds ≥ 0")),
+            },
             "settle_periods" => self.settle_periods = settle_periods(value)?,
             "repeats" => {
                 self.repeats_are_periods = match value {
@@ -139,7 +159,14 @@ fn response_kind(name: &str) -> Result<ResponseKind, String> {
 fn period(value: &str) -> Result<f64, String> {
     match value.parse::<f64>() {
         Ok(period) if period.is_finite() && period > 0.0 => Ok(period),
-        _ => Err(format!("`{value}` is not a positive number of seconds")),
+        _ => Err(format!("`{value}` is neither a positive number of seconds nor none")),
+    }
+}
+
+fn number(value: &str) -> Result<f64, String> {
+    match value.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("`{value}` is not a finite number")),
     }
 }
 
@@ -188,6 +215,11 @@ mod tests {
         assert_eq!(header("loop", "closed").metadata.feedback, Some(Loop::Closed));
         assert_eq!(header("settle_periods", "2").settle_periods, 2);
         assert_eq!(header("period_s", "6.24").period_s, Some(6.24));
+        assert!(header("period_s", "none").aperiodic);
+        assert_eq!(header("intersample", "hold").intersample, Intersample::Hold);
+        assert_eq!(header("initial_velocity", "-0.5").beginning.velocity, Some(-0.5));
+        assert_eq!(header("initial_position", "2").beginning.position, Some(2.0));
+        assert_eq!(header("settle_s", "0").beginning.settle_s, Some(0.0));
         assert_eq!(header("response", "Position m").metadata.response_kind, ResponseKind::Position);
         let measured_at = header("measured_at", "2024-05-31T13:45:00+02:00").metadata.measured_at;
         assert_eq!(measured_at, Some("2024-05-31T11:45:00Z".parse().unwrap()));
@@ -205,6 +237,10 @@ mod tests {
             ("period_s", "NaN"),
             ("settle_periods", "1.5"),
             ("settle_periods", "1e300"),
+            ("settle_s", "-1"),
+            ("initial_velocity", "fast"),
+            ("initial_position", "inf"),
+            ("intersample", "cubic"),
         ] {
             let fault = Header::default().set(Some(7), key, value).unwrap_err().in_file("f.csv");
             assert_eq!((fault.line, fault.column.as_deref()), (Some(7), Some(key)), "{fault}");

@@ -9,7 +9,7 @@ use crate::measurement::{Measurement, Metadata};
 /// Joins what the files hold.
 pub(super) fn join(sources: &[Source<'_>], parts: Vec<Part>) -> Result<Measurement, ParseError> {
     let several = sources.len() > 1;
-    let mut experiments = Vec::new();
+    let (mut experiments, mut transients) = (Vec::new(), Vec::new());
     let mut notes = Vec::new();
     let mut metadata: Option<Metadata> = None;
     for (source, part) in sources.iter().zip(parts) {
@@ -28,22 +28,43 @@ pub(super) fn join(sources: &[Source<'_>], parts: Vec<Part>) -> Result<Measureme
         for mut remarked in part.experiments {
             if several && part.runs_from_clock {
                 // The clocks of two files do not tell which came first.
-                remarked.experiment.run = None;
+                remarked.content.run = None;
             }
-            experiments.push(remarked.experiment);
+            experiments.push(remarked.content);
             let number = experiments.len();
             notes.extend(
                 remarked.remarks.iter().map(|remark| format!("experiment {number}: {remark}")),
             );
+        }
+        for mut remarked in part.transients {
+            if several && part.runs_from_clock {
+                remarked.content.run = None;
+            }
+            transients.push(remarked.content);
+            let number = transients.len();
+            notes
+                .extend(remarked.remarks.iter().map(|remark| format!("motion {number}: {remark}")));
         }
     }
     let file = sources.first().map_or("upload", |source| source.name);
     let mut digest = Sha256::new();
     sources.iter().for_each(|source| digest.update(source.bytes));
     let sha256 = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    Measurement::new(metadata.unwrap_or_default(), experiments, notes, sha256).map_err(|error| {
-        ParseError { file: file.to_owned(), line: None, column: None, reason: error.to_string() }
-    })
+    let fault = |reason| ParseError { file: file.to_owned(), line: None, column: None, reason };
+    if !experiments.is_empty() && !transients.is_empty() {
+        return Err(fault(format!(
+            "{} of {} experiments have a period and the others have none: give period_s where it \
+             is not found, or period_s: none for all, or upload them apart",
+            experiments.len(),
+            experiments.len() + transients.len()
+        )));
+    }
+    let metadata = metadata.unwrap_or_default();
+    let joined = match transients.is_empty() {
+        true => Measurement::new(metadata, experiments, notes, sha256),
+        false => Measurement::of_transients(metadata, transients, notes, sha256),
+    };
+    joined.map_err(|error| fault(error.to_string()))
 }
 
 /// A quantity that one file leaves open may be what another says it is; the

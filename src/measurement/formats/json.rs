@@ -7,10 +7,15 @@ use super::fault::Fault;
 use super::header::Header;
 use super::json_table::{element, note_unknown, number, object, of_columns, of_rows};
 use super::table::Table;
-use super::{Part, Remarked, harmonic_table, time_record};
+use super::time_record::Read;
+use super::{Part, harmonic_table, time_record};
 
 /// Keys that hold the data; one of them is needed.
 const DATA: [&str; 3] = ["rows", "columns", "experiments"];
+
+/// Settings that one record of several may have for itself.
+const OWN: [&str; 5] =
+    ["period_s", "settle_periods", "initial_velocity", "initial_position", "settle_s"];
 
 /// Columns that stand beside the harmonics of an experiment.
 const LIFTED: [Column; 4] =
@@ -64,15 +69,16 @@ pub(super) fn read(text: &str) -> Result<Part, Fault> {
             notes,
         );
     }
-    let mut experiments = Vec::new();
+    let (mut experiments, mut transients) = (Vec::new(), Vec::new());
     for (index, value) in rows.iter().enumerate() {
         let path = element(key, index);
-        experiments.push(experiment(object(value, &path)?, &path, &header, &mut notes)?);
+        experiment(object(value, &path)?, &path, &header, &mut notes)?
+            .push(&mut experiments, &mut transients);
     }
-    if experiments.is_empty() {
+    if experiments.is_empty() && transients.is_empty() {
         return Err(Fault::new("the array is empty").in_column(key));
     }
-    Ok(Part { header, experiments, notes, runs_from_clock: false })
+    Ok(Part { header, experiments, transients, notes, runs_from_clock: false })
 }
 
 /// Path of a key of the object at a path.
@@ -115,7 +121,7 @@ fn experiment(
     path: &str,
     header: &Header,
     notes: &mut Vec<String>,
-) -> Result<Remarked, Fault> {
+) -> Result<Read, Fault> {
     if value.contains_key(Column::TimeS.name()) {
         return record(value, path, header, notes);
     }
@@ -142,6 +148,7 @@ fn experiment(
     }
     part.experiments
         .pop()
+        .map(Read::Periods)
         .ok_or_else(|| Fault::new("the array has no harmonic").in_column(rows_path))
 }
 
@@ -150,19 +157,24 @@ fn record(
     path: &str,
     header: &Header,
     notes: &mut Vec<String>,
-) -> Result<Remarked, Fault> {
+) -> Result<Read, Fault> {
     const SAMPLES: [Column; 3] = [Column::TimeS, Column::Input, Column::Output];
     let mut own = header.clone();
     for (key, setting) in value {
-        if matches!(key.as_str(), "period_s" | "settle_periods") {
+        if OWN.contains(&key.as_str()) {
             // The experiment's own setting may differ from that of the upload.
             let mut fresh = Header::default();
             fresh
                 .set(None, key, &scalar(setting, &join_path(path, key))?)
                 .map_err(|fault| fault.in_column(join_path(path, key)))?;
             match key.as_str() {
-                "period_s" => own.period_s = fresh.period_s,
-                _ => own.settle_periods = fresh.settle_periods,
+                "period_s" => {
+                    (own.period_s, own.aperiodic) = (fresh.period_s, fresh.aperiodic);
+                }
+                "settle_periods" => own.settle_periods = fresh.settle_periods,
+                "initial_velocity" => own.beginning.velocity = fresh.beginning.velocity,
+                "initial_position" => own.beginning.position = fresh.beginning.position,
+                _ => own.beginning.settle_s = fresh.beginning.settle_s,
             }
         } else if key != Column::Run.name() && Column::find(key, &SAMPLES).is_none() {
             note_unknown(&join_path("experiments", key), notes);
@@ -170,7 +182,7 @@ fn record(
     }
     let table = of_columns(value, path, &SAMPLES)?;
     let run = cell(value, path, Column::Run.name())?;
-    time_record::read_one(&table, run, own.period_s, own.settle_periods)
+    time_record::read_one(&table, run, &own)
 }
 
 /// The metadata at the top and in `metadata`.

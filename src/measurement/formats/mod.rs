@@ -13,6 +13,11 @@
 //! - **Time record** (CSV): `time_s`, `input`, `output`, optionally `segment`.
 //! - **JSON**: see [below](self#json).
 //!
+//! A record whose input has no period, or that says `period_s: none`, is one motion, which a
+//! validation takes and a fit refuses. `initial_velocity` and `initial_position` say how it
+//! begins, `settle_s` how much of its beginning is not compared, and `intersample` (`linear`
+//! or `hold`) what its input does between samples.
+//!
 //! CSV may begin with `# key: value` lines of metadata (`input`, `response`,
 //! `period_s`, `settle_periods`, `reference`, `amplitude`, `loop`, `name`,
 //! `machine`, `axis`, `measured_at`, `operator`, `label.*`, and `repeats`,
@@ -39,7 +44,7 @@
 //!
 //! or the array of rows alone. Rows and columns have the names of the CSV's
 //! columns. An experiment with a record may have its own `period_s`,
-//! `settle_periods` and `run`; one with harmonics has `magnitude`,
+//! `settle_periods`, `initial_velocity`, `initial_position`, `settle_s` and `run`; one with harmonics has `magnitude`,
 //! `omega_rad_s` or `frequency_hz`, and `run` beside them.
 
 mod columns;
@@ -67,7 +72,7 @@ use csv_text::CsvText;
 use fault::Fault;
 use header::Header;
 
-use super::{Complex, Experiment, Measurement};
+use super::{Complex, Experiment, Measurement, Transient};
 
 /// One uploaded file.
 #[derive(Debug, Clone, Copy)]
@@ -112,15 +117,16 @@ pub fn read(sources: &[Source<'_>]) -> Result<Measurement, ParseError> {
 /// What one file holds.
 struct Part {
     header: Header,
-    experiments: Vec<Remarked>,
+    experiments: Vec<Remarked<Experiment>>,
+    transients: Vec<Remarked<Transient>>,
     notes: Vec<String>,
     /// Whether the order of acquisition was seen from the clock of this file.
     runs_from_clock: bool,
 }
 
-/// An experiment and the remarks of its reader.
-struct Remarked {
-    experiment: Experiment,
+/// An experiment or a motion, and the remarks of its reader.
+struct Remarked<T> {
+    content: T,
     remarks: Vec<String>,
 }
 

@@ -14,7 +14,7 @@ pub(super) fn experiment(
     table: &Table,
     group: &Group,
     from_record: bool,
-) -> Result<Remarked, Fault> {
+) -> Result<Remarked<Experiment>, Fault> {
     let repeats: Vec<&[Entry]> = group.repeats.values().map(Vec::as_slice).collect();
     check_alike(table, group)?;
     let mut remarks = Vec::new();
@@ -84,7 +84,7 @@ pub(super) fn experiment(
         remarks.push("one period: its scatter is not known".into());
     }
     Ok(Remarked {
-        experiment: Experiment {
+        content: Experiment {
             magnitude,
             omega_rad_s: group.omega_rad_s,
             input: mean_input,

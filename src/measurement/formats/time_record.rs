@@ -6,6 +6,8 @@ use super::header::Header;
 use super::table::Table;
 use super::{Part, Remarked};
 use crate::measurement::record::{Record, RecordError};
+use crate::measurement::transient::FEWEST;
+use crate::measurement::{Experiment, Transient};
 
 /// A segment and the index of its first row.
 struct Segment {
@@ -14,40 +16,64 @@ struct Segment {
     record: Record,
 }
 
+/// What one segment is.
+pub(super) enum Read {
+    /// Periods of an experiment.
+    Periods(Remarked<Experiment>),
+    /// A motion that does not repeat.
+    Motion(Remarked<Transient>),
+}
+
+impl Read {
+    /// Takes its place among others of its kind.
+    pub(super) fn push(
+        self,
+        experiments: &mut Vec<Remarked<Experiment>>,
+        transients: &mut Vec<Remarked<Transient>>,
+    ) {
+        match self {
+            Self::Periods(experiment) => experiments.push(experiment),
+            Self::Motion(transient) => transients.push(transient),
+        }
+    }
+}
+
 /// Experiments of a time record, one a segment.
 pub(super) fn read(table: &Table, header: Header, notes: Vec<String>) -> Result<Part, Fault> {
     let mut segments = segments(table)?;
     let runs_from_clock = number_runs(&mut segments);
-    let experiments = segments
-        .iter()
-        .map(|segment| experiment(table, segment, header.period_s, header.settle_periods))
-        .collect::<Result<_, _>>()?;
-    Ok(Part { header, experiments, notes, runs_from_clock })
+    let (mut experiments, mut transients) = (Vec::new(), Vec::new());
+    for segment in &segments {
+        read_segment(table, segment, &header)?.push(&mut experiments, &mut transients);
+    }
+    Ok(Part { header, experiments, transients, notes, runs_from_clock })
 }
 
 /// The experiment of a table that is one segment.
-pub(super) fn read_one(
-    table: &Table,
-    run: Option<f64>,
-    period_s: Option<f64>,
-    settle_periods: usize,
-) -> Result<Remarked, Fault> {
+pub(super) fn read_one(table: &Table, run: Option<f64>, header: &Header) -> Result<Read, Fault> {
     let mut segments = segments(table)?;
     let Some(mut segment) = segments.pop() else {
         return Err(table.fault(None, "the record has no sample"));
     };
     segment.record.run = run;
-    experiment(table, &segment, period_s, settle_periods)
+    read_segment(table, &segment, header)
 }
 
-fn experiment(
-    table: &Table,
-    segment: &Segment,
-    period_s: Option<f64>,
-    settle_periods: usize,
-) -> Result<Remarked, Fault> {
-    match segment.record.experiment(period_s, settle_periods) {
-        Ok((experiment, remarks)) => Ok(Remarked { experiment, remarks }),
+fn read_segment(table: &Table, segment: &Segment, header: &Header) -> Result<Read, Fault> {
+    let record = &segment.record;
+    let motion = |remark: &str| match record.transient(header.intersample, header.beginning) {
+        Ok(content) => Ok(Read::Motion(Remarked { content, remarks: vec![remark.into()] })),
+        Err(error) => Err(fault(table, segment, error)),
+    };
+    if header.aperiodic {
+        return motion("one motion that does not repeat: a validation takes it, a fit does not");
+    }
+    match record.experiment(header.period_s, header.settle_periods) {
+        Ok((content, remarks)) => Ok(Read::Periods(Remarked { content, remarks })),
+        Err(RecordError::NoPeriodFound { .. }) if record.time_s.len() >= FEWEST => motion(
+            "no period is found in the input: it is taken as one motion that does not repeat, \
+             which a validation takes and a fit does not; where it repeats, give period_s",
+        ),
         Err(error) => Err(fault(table, segment, error)),
     }
 }

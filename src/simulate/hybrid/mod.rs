@@ -11,6 +11,7 @@
 
 mod affine;
 mod crossing;
+mod follow;
 mod leash;
 mod mechanics;
 mod pace;
@@ -34,6 +35,7 @@ use super::orbit::Motion;
 use super::pair::Pair;
 use super::shooting;
 use super::wave::Wave;
+pub(super) use follow::follow;
 use leash::Leash;
 use mechanics::Mechanics;
 use pass::{Pass, Precision};
@@ -250,6 +252,7 @@ impl<const M: usize> Periodic<M> {
             wave,
             precision: &self.precision,
             sums: None,
+            trace: None,
             largest: [0.0; M],
             swings: 0,
             effort: &mut self.effort,
@@ -360,6 +363,7 @@ impl<const M: usize> Periodic<M> {
             wave,
             precision: &self.precision,
             sums: sums.as_mut(),
+            trace: None,
             largest: [0.0; M],
             swings: 0,
             effort: &mut self.effort,

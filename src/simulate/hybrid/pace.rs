@@ -67,7 +67,9 @@ impl<S: Scalar, const M: usize> Pace<S, M> {
                 // The cell's own even parts, so that their steps come again.
                 let parts = (cell.length_s / *longest_s).ceil().max(1.0);
                 let done = from * parts;
-                *again = cell.whole.is_some() && (done - done.round()).abs() < 1e-6;
+                // Where no more than rounding is left of the cell, no part begins.
+                let begins = (done - done.round()).abs() < 1e-6 && done.round() < parts;
+                *again = cell.whole.is_some() && begins;
                 if *again {
                     return 1.0 / parts;
                 }
@@ -94,5 +96,24 @@ impl<S: Scalar, const M: usize> Pace<S, M> {
         // The end of a cell may have cut it short: it says nothing then.
         *length_s = (length_s.max(tried_s) * growth.clamp(0.3, 4.0)).min(cell_s.max(tried_s));
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_ends_where_its_cell_does_even_after_a_switch_just_before() {
+        let cell = Cell { from_s: 0.0, length_s: 1.0, powers: [0.0; 6], whole: Some(0) };
+        for (longest_s, parts) in [(2.0, 1.0), (0.4, 3.0)] {
+            let modes = Modes(Vec::new());
+            let mut pace = Pace::<f64, 1>::Exact { longest_s, modes, again: false };
+            for from in [0.0, 0.3, 1.0 / 3.0, 2.0 / 3.0, 1.0 - 1e-8, 1.0 - 1e-14] {
+                let width = pace.width(&cell, from);
+                assert!(width > 0.0 && width <= 1.0 / parts + 1e-15, "{from}: {width}");
+                assert!(from + width <= 1.0 + 1e-6 / parts, "{from}: {width}");
+            }
+        }
     }
 }

@@ -4,6 +4,7 @@ use crate::plant::Scalar;
 
 use super::super::fourier::Fourier;
 use super::super::orbit::Motion;
+use super::super::transient::Recorder;
 use super::super::wave::{Cell, Wave, polynomial, restricted, slope as wave_slope};
 use super::crossing::{departure, root};
 use super::mechanics::{Contact, Mechanics, Mode, VELOCITY};
@@ -52,6 +53,8 @@ pub(super) struct Pass<'a, 'g, S, const M: usize> {
     pub precision: &'a Precision<M>,
     /// Where v is added up, if at all.
     pub sums: Option<&'a mut Fourier<'g, S>>,
+    /// Who sees every step of v, if anybody; the torque may then jump between cells.
+    pub trace: Option<&'a mut Recorder>,
     /// Largest |state| seen.
     pub largest: [f64; M],
     /// Times the motion has turned on its bristles.
@@ -91,6 +94,9 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         for cell in &wave.cells {
             let mut from = 0.0;
             let mut switches = 0;
+            if self.trace.is_some() {
+                slope = None;
+            }
             while from < 1.0 {
                 *self.effort = self.effort.checked_sub(pace.effort())?;
                 if switches > MOST_SWITCHES_PER_CELL {
@@ -201,7 +207,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                 let end_slope = affine.slope(&end, polynomial(&powers, 1.0));
                 let (states, slopes) = ([*state, end], [*slope, end_slope]);
                 let mut ends = Ends { length_s, states, slopes, curvatures: None };
-                if self.sums.is_some() || !ends.stays_beyond(VELOCITY, 0.0) {
+                if self.is_seen() || !ends.stays_beyond(VELOCITY, 0.0) {
                     let rate = 1.0 / length_s;
                     let last = wave_slope(&powers, S::constant(1.0));
                     ends.curvatures = Some([
@@ -223,7 +229,16 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         stages.error(&sizes) / self.precision.tolerance
     }
 
+    /// Whether v between the ends of a step matters.
+    fn is_seen(&self) -> bool {
+        self.sums.is_some() || self.trace.is_some()
+    }
+
     fn add(&mut self, cell: &Cell<S>, from: f64, width: f64, step: &Step<S, M>) {
+        if let Some(trace) = self.trace.as_deref_mut() {
+            let (from_s, length_s) = (cell.from_s + from * cell.length_s, width * cell.length_s);
+            trace.add(from_s, length_s, step.numbers(VELOCITY).all(), 1.0);
+        }
         let Some(sums) = self.sums.as_deref_mut() else { return };
         match (cell.whole, step) {
             (Some(n), Step::Ends(ends)) if from == 0.0 && width == 1.0 => {
@@ -402,9 +417,14 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
             *value += *slope * late_s;
         }
         let later = late_s.value() / cell.length_s;
+        let traced = if part > 0.0 { reach * (1.0 + later / part) } else { 0.0 };
         if let Some(sums) = self.sums.as_deref_mut().filter(|_| part > 0.0) {
             reach *= 1.0 + later / part;
             step.add(VELOCITY, sums, cell.from_s + from * cell.length_s, reach);
+        }
+        if let Some(trace) = self.trace.as_deref_mut() {
+            let from_s = cell.from_s + from * cell.length_s;
+            trace.add(from_s, step.length_s(), step.numbers(VELOCITY).all(), traced);
         }
         (end, from + part + later, late_s - late_s.value())
     }

@@ -46,7 +46,12 @@ impl Powers {
 
     #[inline]
     pub fn at(&self, u: f64) -> f64 {
-        polynomial(&self.powers[..self.count], u)
+        polynomial(self.all(), u)
+    }
+
+    /// The powers, lowest first.
+    pub fn all(&self) -> &[f64] {
+        &self.powers[..self.count]
     }
 }
 
@@ -57,6 +62,15 @@ impl<S: Scalar, const M: usize> Step<S, M> {
             Step::Stages(stages) => &stages.end,
             Step::Series(series) => &series.end,
             Step::Ends(ends) => &ends.states[1],
+        }
+    }
+
+    /// Its length, seconds.
+    pub fn length_s(&self) -> f64 {
+        match self {
+            Step::Stages(stages) => stages.length_s,
+            Step::Series(series) => series.length_s,
+            Step::Ends(ends) => ends.length_s,
         }
     }
 

@@ -1,0 +1,331 @@
+//! Motions that do not repeat, beside what an identified model makes of them.
+//!
+//! Where the upload does not say how a motion begins, the quantities that it depends on from
+//! its beginning are those of least squares over a first stretch, which is not compared: what
+//! is compared has not been fitted in any way. An axis begins at rest where that explains the
+//! stretch as well. What the stretch does not tell stays as at rest.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::answers::{Identification, Unanswered};
+use crate::effects::ActiveEffect;
+use crate::measurement::{Beginning, Measurement, ResponseKind, Transient};
+use crate::plant::Plant;
+use crate::simulate::{self, InitialState, NoResponse, Quantity, SampledInput, Unknown};
+
+use super::IdentifyError;
+use super::compare::{reported_effects, reported_plant};
+use super::problem::Scales;
+
+/// Share of a motion that tells how it begins, at least and at most.
+const STRETCH: [f64; 2] = [0.1, 0.3];
+
+/// Time constants of the mechanics that it lasts, within these bounds: after them nothing is
+/// left of the first velocity.
+const TIME_CONSTANTS: f64 = 3.0;
+
+/// Samples of a stretch that tells anything.
+const FEWEST: usize = 8;
+
+/// What a size of an unknown costs, as a share of the square of the response: it keeps at rest
+/// what the stretch does not tell.
+const RELUCTANCE: f64 = 1e-6;
+
+/// How much less a moving beginning must leave of the stretch than one at rest, as a share.
+const WORTH: f64 = 0.05;
+
+/// Steps of the method of least squares.
+const STEPS: usize = 12;
+
+/// First positions that are tried where one acts on the motion.
+const POSITIONS: usize = 12;
+
+/// Positions from which least squares go on.
+const PROMISING: usize = 3;
+
+/// One motion and what a model makes of it, from where they are compared on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Followed {
+    /// First sample that is compared.
+    pub first: usize,
+    /// As measured; of a position or an acceleration what differs from its mean.
+    pub measured: Vec<f64>,
+    /// As simulated, likewise.
+    pub simulated: Vec<f64>,
+    /// Whether it is said how the motion begins.
+    pub given: bool,
+    /// What it begins with beyond rest.
+    pub beginning: Vec<(Quantity, f64)>,
+}
+
+/// Seconds at the beginning of a motion that are not compared, for a base model.
+///
+/// # Errors
+/// [`IdentifyError::Unusable`] where the answer lacks a parameter of its model.
+pub fn unscored_s(transient: &Transient, base: &Identification) -> Result<f64, IdentifyError> {
+    let Beginning { velocity, settle_s, .. } = transient.beginning;
+    let plant = reported_plant(base)?;
+    let [least, most] = STRETCH.map(|share| share * transient.duration_s());
+    Ok(settle_s.unwrap_or(match velocity {
+        Some(_) => 0.0,
+        None => (TIME_CONSTANTS / plant.viscous_rate_rad_s).clamp(least, most),
+    }))
+}
+
+/// Follows every motion of a measurement with the model of a stored answer; `unscored_s` says
+/// of each how many seconds are not compared.
+///
+/// # Errors
+/// [`IdentifyError::Unusable`] where the answer lacks a parameter of its model.
+pub fn follow(
+    measurement: &Measurement,
+    answer: &Identification,
+    unscored_s: &[f64],
+) -> Result<Vec<Result<Followed, Unanswered>>, IdentifyError> {
+    let plant = reported_plant(answer)?;
+    let units = Scales { omega: 1.0, input: 1.0, velocity: 1.0 };
+    let effects = reported_effects(answer, units)?;
+    let [from, to] = measurement.acquisition().unwrap_or_default();
+    let all = measurement.transients().iter().zip(unscored_s).enumerate();
+    let followed = all.map(|(experiment, (transient, unscored_s))| {
+        let run =
+            transient.run.map_or(0.0, |run| (run - from) / (to - from).max(f64::MIN_POSITIVE));
+        let kind = measurement.metadata().response_kind;
+        let model = Model { plant: &plant, effects: &effects, run_share: run, kind, transient };
+        let followed = model.followed(*unscored_s);
+        followed.map_err(|error| Unanswered { experiment, reason: error.to_string() })
+    });
+    Ok(followed.collect())
+}
+
+/// A model and the motion that it is to follow.
+struct Model<'a> {
+    plant: &'a Plant,
+    effects: &'a [ActiveEffect],
+    run_share: f64,
+    kind: ResponseKind,
+    transient: &'a Transient,
+}
+
+impl Model<'_> {
+    fn followed(&self, unscored_s: f64) -> Result<Followed, NoResponse> {
+        let Transient { input, output, beginning, step_s, .. } = self.transient;
+        let first = ((unscored_s / step_s).ceil() as usize).min(output.len() - 1);
+        let given = beginning.velocity.is_some();
+        let mut initial = InitialState {
+            velocity: beginning.velocity.unwrap_or(0.0),
+            position: beginning.position.unwrap_or(0.0),
+            ..InitialState::default()
+        };
+        let mut found = Vec::new();
+        if !given && first >= FEWEST {
+            (initial, found) = self.estimated(initial, first)?;
+        }
+        let simulated = self.response(input.len(), &initial)?;
+        Ok(Followed {
+            first,
+            measured: self.compared(&output[first..]),
+            simulated: self.compared(&simulated[first..]),
+            given,
+            beginning: found,
+        })
+    }
+
+    /// The response over the first `count` samples.
+    fn response(&self, count: usize, initial: &InitialState) -> Result<Vec<f64>, NoResponse> {
+        let Transient { input, step_s, intersample, .. } = self.transient;
+        let input =
+            SampledInput { step_s: *step_s, values: &input[..count], between: *intersample };
+        let motion = simulate::follow(self.plant, self.effects, self.run_share, &input, initial)?;
+        Ok(match self.kind {
+            ResponseKind::Velocity => motion.velocity,
+            ResponseKind::Position => motion.position,
+            ResponseKind::Acceleration => motion.acceleration,
+        })
+    }
+
+    /// What is compared: of a position or an acceleration, as of their harmonics, no mean.
+    fn compared(&self, response: &[f64]) -> Vec<f64> {
+        let mean = match self.kind {
+            ResponseKind::Velocity => 0.0,
+            _ => response.iter().sum::<f64>() / response.len() as f64,
+        };
+        response.iter().map(|y| y - mean).collect()
+    }
+
+    /// The beginning that explains the first `count` samples, and what in it is not as at
+    /// rest.
+    fn estimated(
+        &self,
+        rest: InitialState,
+        count: usize,
+    ) -> Result<(InitialState, Vec<(Quantity, f64)>), NoResponse> {
+        let all_of = self.compared(&self.transient.output);
+        let size = (all_of.iter().map(|y| y * y).sum::<f64>() / all_of.len() as f64).sqrt();
+        let unknowns = self.unknowns();
+        let search = Search {
+            model: self,
+            rest,
+            unknowns: &unknowns,
+            measured: self.compared(&self.transient.output[..count]),
+            size: if size > 0.0 { size } else { 1.0 },
+        };
+        let still = vec![0.0; unknowns.len()];
+        let at_rest = search.cost(&still)?;
+        let mut best = (at_rest, still);
+        for start in search.starts()? {
+            let found = search.least_squares(start)?;
+            if found.0 < best.0 {
+                best = found;
+            }
+        }
+        if best.0 > (1.0 - WORTH) * at_rest {
+            return Ok((rest, Vec::new()));
+        }
+        let values =
+            unknowns.iter().zip(&best.1).map(|(u, x)| (u.quantity, u.at_rest + x * u.size));
+        Ok((search.initial(&best.1), values.collect()))
+    }
+
+    fn unknowns(&self) -> Vec<Unknown> {
+        let Transient { input, output, step_s, beginning, .. } = self.transient;
+        let largest = input.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        let range = |values: &mut dyn Iterator<Item = f64>| {
+            let ends = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                (low.min(x), high.max(x))
+            });
+            ends.1 - ends.0
+        };
+        let mut sum = 0.0;
+        let travel = match self.kind {
+            ResponseKind::Position => range(&mut output.iter().copied()),
+            ResponseKind::Velocity => range(&mut output.iter().map(|v| {
+                sum += v * step_s;
+                sum
+            })),
+            ResponseKind::Acceleration => {
+                largest * self.plant.constant.abs() / self.plant.viscous_rate_rad_s.powi(2)
+            }
+        };
+        let mut unknowns =
+            simulate::unknowns(self.plant, self.effects, [input[0], largest], travel);
+        unknowns.retain(|unknown| {
+            let known = unknown.quantity == Quantity::Position && beginning.position.is_some();
+            unknown.size > 0.0 && unknown.size.is_finite() && !known
+        });
+        unknowns
+    }
+}
+
+/// Least squares over a first stretch. Unknowns are counted from rest in their sizes.
+struct Search<'a> {
+    model: &'a Model<'a>,
+    rest: InitialState,
+    unknowns: &'a [Unknown],
+    measured: Vec<f64>,
+    /// Of the response, root mean square.
+    size: f64,
+}
+
+impl Search<'_> {
+    fn initial(&self, point: &[f64]) -> InitialState {
+        let mut initial = self.rest;
+        for (unknown, x) in self.unknowns.iter().zip(point) {
+            // At rest as it is without being told: where nothing is known of a torque it is
+            // what the actuator was told, whatever stands ahead of it.
+            if *x != 0.0 || unknown.quantity == Quantity::Velocity {
+                initial.set(unknown.quantity, unknown.at_rest + x * unknown.size);
+            }
+        }
+        initial
+    }
+
+    /// What is left of the stretch, and what the unknowns cost.
+    fn residuals(&self, point: &[f64]) -> Result<DVector<f64>, NoResponse> {
+        let count = self.measured.len();
+        let simulated = self.model.response(count, &self.initial(point))?;
+        let left = self.model.compared(&simulated);
+        let left = left.iter().zip(&self.measured).map(|(s, m)| (m - s) / self.size);
+        let reluctance = (RELUCTANCE * count as f64).sqrt();
+        let all: Vec<f64> = left.chain(point.iter().map(|x| reluctance * x)).collect();
+        Ok(DVector::from_vec(all))
+    }
+
+    fn cost(&self, point: &[f64]) -> Result<f64, NoResponse> {
+        Ok(self.residuals(point)?.norm_squared())
+    }
+
+    /// A velocity as the first samples show it, and the positions that suit them best.
+    fn starts(&self) -> Result<Vec<Vec<f64>>, NoResponse> {
+        let Transient { output, step_s, .. } = self.model.transient;
+        let early = &output[..(self.measured.len() / 20).clamp(4, 50).min(output.len())];
+        let count = early.len() as f64;
+        let velocity = match self.model.kind {
+            ResponseKind::Velocity => early.iter().sum::<f64>() / count,
+            ResponseKind::Position => {
+                let about = |n: usize| n as f64 - 0.5 * (count - 1.0);
+                let slope: f64 = early.iter().enumerate().map(|(n, y)| about(n) * y).sum();
+                slope * 12.0 / (count * (count * count - 1.0)) / step_s
+            }
+            ResponseKind::Acceleration => 0.0,
+        };
+        let mut start = vec![0.0; self.unknowns.len()];
+        for (x, unknown) in start.iter_mut().zip(self.unknowns) {
+            if unknown.quantity == Quantity::Velocity {
+                *x = velocity / unknown.size;
+            }
+        }
+        let position = self.unknowns.iter().position(|u| u.quantity == Quantity::Position);
+        let Some(position) = position else { return Ok(vec![start]) };
+        let mut tried = Vec::new();
+        for step in 0..POSITIONS {
+            let mut point = start.clone();
+            point[position] = 2.0 * (step as f64 + 0.5) / POSITIONS as f64 - 1.0;
+            tried.push((self.cost(&point)?, point));
+        }
+        tried.push((self.cost(&start)?, start));
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(tried.into_iter().take(PROMISING).map(|(_, point)| point).collect())
+    }
+
+    /// Levenberg–Marquardt's method with differences.
+    fn least_squares(&self, start: Vec<f64>) -> Result<(f64, Vec<f64>), NoResponse> {
+        const DIFFERENCE: f64 = 1e-5;
+        let mut point = start;
+        let mut left = self.residuals(&point)?;
+        let mut damping = 1e-3;
+        for _ in 0..STEPS {
+            let mut jacobian = DMatrix::zeros(left.len(), point.len());
+            for column in 0..point.len() {
+                let mut moved = point.clone();
+                moved[column] += DIFFERENCE;
+                let change = (self.residuals(&moved)? - &left) / DIFFERENCE;
+                jacobian.set_column(column, &change);
+            }
+            let normal = jacobian.transpose() * &jacobian;
+            let slope = jacobian.transpose() * &left;
+            let mut improved = false;
+            while damping < 1e6 {
+                let mut damped = normal.clone();
+                for i in 0..point.len() {
+                    damped[(i, i)] += damping * normal[(i, i)].max(f64::MIN_POSITIVE);
+                }
+                let step = damped.lu().solve(&slope).unwrap_or_else(|| DVector::zeros(point.len()));
+                let next: Vec<f64> = point.iter().zip(step.iter()).map(|(x, s)| x - s).collect();
+                let tried = self.residuals(&next)?;
+                let gained = left.norm_squared() - tried.norm_squared();
+                if gained > 0.0 {
+                    improved = gained > 1e-6 * left.norm_squared();
+                    (point, left) = (next, tried);
+                    damping = (0.1 * damping).max(1e-9);
+                    break;
+                }
+                damping *= 10.0;
+            }
+            if !improved {
+                break;
+            }
+        }
+        Ok((left.norm_squared(), point))
+    }
+}

@@ -1,0 +1,83 @@
+//! A motion under an input that does not repeat.
+
+/// What an input does between two samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Intersample {
+    /// It goes straight from one to the next.
+    #[default]
+    Linear,
+    /// It holds the earlier one, as behind a converter.
+    Hold,
+}
+
+/// What an upload says of how its motions begin.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Beginning {
+    /// Velocity at the first sample, where given: all else is then as at this velocity under
+    /// an input that was always as at first.
+    pub velocity: Option<f64>,
+    /// Position at the first sample, counted from where a position acts from (a spring's
+    /// rest), where given.
+    pub position: Option<f64>,
+    /// Seconds at the beginning that are not compared, where given.
+    pub settle_s: Option<f64>,
+}
+
+/// Input and response of one axis, sampled together, without a period.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Transient {
+    /// Sampling interval, s.
+    pub step_s: f64,
+    /// Input, input units.
+    pub input: Vec<f64>,
+    /// Response, response units: as many samples.
+    pub output: Vec<f64>,
+    /// What the input does between samples.
+    pub intersample: Intersample,
+    /// How it begins.
+    pub beginning: Beginning,
+    /// Position in the order of acquisition, where known.
+    pub run: Option<f64>,
+}
+
+/// Samples that a motion must have to be compared.
+pub(super) const FEWEST: usize = 16;
+
+impl Transient {
+    /// From the first sample to the last, s.
+    pub fn duration_s(&self) -> f64 {
+        self.step_s * self.input.len().saturating_sub(1) as f64
+    }
+
+    /// Half the peak-to-peak value of the input, input units.
+    pub fn magnitude(&self) -> f64 {
+        let most = self.input.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let least = self.input.iter().copied().fold(f64::INFINITY, f64::min);
+        0.5 * (most - least)
+    }
+
+    pub(super) fn check(&self) -> Result<(), String> {
+        let count = self.input.len();
+        if self.output.len() != count {
+            return Err(format!("{count} samples of the input and {} others", self.output.len()));
+        }
+        if count < FEWEST {
+            return Err(format!(
+                "the motion has {count} samples, and at least {FEWEST} are needed"
+            ));
+        }
+        if !(self.step_s.is_finite() && self.step_s > 0.0) {
+            return Err(format!("the sampling interval {} s is not positive", self.step_s));
+        }
+        if !self.input.iter().chain(&self.output).all(|value| value.is_finite()) {
+            return Err("a sample is not finite".into());
+        }
+        match self.beginning.settle_s {
+            Some(settle_s) if settle_s >= self.duration_s() => Err(format!(
+                "settle_s of {settle_s} s leaves nothing of a motion of {:.6} s",
+                self.duration_s()
+            )),
+            _ => Ok(()),
+        }
+    }
+}

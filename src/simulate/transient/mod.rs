@@ -1,0 +1,210 @@
+//! Motion under a sampled input that need not be periodic, from a given state.
+//!
+//! Between two samples the input goes straight or holds; what delays, bends or slows it
+//! keeps it straight piece by piece (`command`). Behind the actuator it becomes a wave of
+//! quintics that starts from the actuator's own state (`actuator`). The mechanics follow it
+//! once, from first to last (`hybrid`), and every step that they take is read at the
+//! samples' times, through the sensor's lag (`recorder`).
+
+mod actuator;
+mod command;
+mod recorder;
+
+pub(super) use recorder::Recorder;
+
+use crate::effects::{self, ActiveEffect, Axis};
+use crate::measurement::Intersample;
+use crate::plant::{Actuator, Plant};
+
+use super::{NoResponse, check, hybrid};
+
+/// An input at equal steps of time, from 0.
+#[derive(Debug, Clone, Copy)]
+pub struct SampledInput<'a> {
+    /// Step, seconds.
+    pub step_s: f64,
+    /// Samples, input units. Before the first the input was as there.
+    pub values: &'a [f64],
+    /// What it does between them.
+    pub between: Intersample,
+}
+
+/// Where a motion begins. What is `None` is as at a constant velocity under a constant input.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct InitialState {
+    /// v, velocity units; the load's, too, where there is one.
+    pub velocity: f64,
+    /// θ, position units: zero at a spring's rest.
+    pub position: f64,
+    /// τ behind an actuator of order 1 or 2, input units.
+    pub torque: Option<f64>,
+    /// τ' behind an actuator of order 2, input units per second.
+    pub torque_rate: Option<f64>,
+    /// How far the bristle is bent, −1 to 1 of as far as it goes.
+    pub bristle: Option<f64>,
+    /// Twist of the joint, position units.
+    pub twist: Option<f64>,
+    /// Constant torque beside one that ripples over θ, input units.
+    pub balance: Option<f64>,
+}
+
+/// A motion at the samples' times, as the sensor reports it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Trajectory {
+    /// Velocity units.
+    pub velocity: Vec<f64>,
+    /// Position units, from [`InitialState::position`] on.
+    pub position: Vec<f64>,
+    /// Velocity units per second; where it jumps, what it was before.
+    pub acceleration: Vec<f64>,
+}
+
+/// One quantity of a beginning.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// [`InitialState::velocity`].
+    Velocity,
+    /// [`InitialState::position`].
+    Position,
+    /// [`InitialState::torque`].
+    Torque,
+    /// [`InitialState::torque_rate`].
+    TorqueRate,
+    /// [`InitialState::bristle`].
+    Bristle,
+    /// [`InitialState::twist`].
+    Twist,
+    /// [`InitialState::balance`].
+    Balance,
+}
+
+impl Quantity {
+    /// Its name for a person.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Velocity => "velocity",
+            Self::Position => "position",
+            Self::Torque => "torque behind the actuator",
+            Self::TorqueRate => "rate of the torque behind the actuator",
+            Self::Bristle => "share to which the bristles are bent",
+            Self::Twist => "twist of the joint",
+            Self::Balance => "constant torque beside the ripple",
+        }
+    }
+}
+
+impl InitialState {
+    /// Sets one quantity.
+    pub fn set(&mut self, quantity: Quantity, value: f64) {
+        match quantity {
+            Quantity::Velocity => self.velocity = value,
+            Quantity::Position => self.position = value,
+            Quantity::Torque => self.torque = Some(value),
+            Quantity::TorqueRate => self.torque_rate = Some(value),
+            Quantity::Bristle => self.bristle = Some(value.clamp(-1.0, 1.0)),
+            Quantity::Twist => self.twist = Some(value),
+            Quantity::Balance => self.balance = Some(value),
+        }
+    }
+}
+
+/// A quantity that the motion of an axis depends on from its beginning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unknown {
+    /// Which.
+    pub quantity: Quantity,
+    /// What it is at rest, under the first sample of the input.
+    pub at_rest: f64,
+    /// How far it may be from there: of an angle of a ripple half a turn.
+    pub size: f64,
+}
+
+/// What of its beginning the motion of an axis depends on, the velocity first, for an input
+/// that begins at `first` and reaches `largest`, and a position that covers `travel`.
+pub fn unknowns(
+    plant: &Plant,
+    effects: &[ActiveEffect],
+    [first, largest]: [f64; 2],
+    travel: f64,
+) -> Vec<Unknown> {
+    let axis = effects::enter_values(*plant, effects, 0.0);
+    let slowest = axis.viscous_rates().into_iter().fold(f64::INFINITY, f64::min);
+    let speed = largest * axis.plant.constant.abs() / slowest;
+    let mut unknowns = Vec::new();
+    let mut add = |quantity, at_rest, size| unknowns.push(Unknown { quantity, at_rest, size });
+    add(Quantity::Velocity, 0.0, speed);
+    match axis.plant.actuator {
+        Actuator::Direct => {}
+        Actuator::FirstOrder { .. } => add(Quantity::Torque, first, largest),
+        Actuator::SecondOrder { natural_frequency_rad_s, .. } => {
+            add(Quantity::Torque, first, largest);
+            add(Quantity::TorqueRate, 0.0, largest * natural_frequency_rad_s);
+        }
+    }
+    if axis.balanced || axis.torques.iter().any(|law| law.form().uses_position()) {
+        let ripple = axis.ripple_rate();
+        let turn = if ripple > 0.0 { std::f64::consts::PI / ripple } else { f64::INFINITY };
+        add(Quantity::Position, 0.0, travel.min(turn));
+    }
+    if axis.bristle.is_some() {
+        add(Quantity::Bristle, 0.0, 1.0);
+    }
+    if let Some(mass) = axis.second_mass {
+        add(Quantity::Twist, 0.0, 0.5 * mass.gap + largest / mass.stiffness);
+    }
+    if axis.balanced {
+        let levels = axis.levels();
+        let size = 0.5 * (levels.fc_plus + levels.fc_minus);
+        add(Quantity::Balance, 0.5 * (levels.fc_plus - levels.fc_minus), size);
+    }
+    unknowns
+}
+
+/// Follows the motion from `initial` over all samples of an input, at `run_share` (0 first,
+/// 1 last) of the acquisition.
+///
+/// With the input as it is between its samples, affine motions are exact up to rounding and
+/// to 1e-6 of the torque behind an actuator, others to about 1e-6 of their size.
+///
+/// # Errors
+/// [`NoResponse::Unphysical`] for a plant that cannot be, [`NoResponse::Endless`] where the
+/// motion switches without end.
+pub fn follow(
+    plant: &Plant,
+    effects: &[ActiveEffect],
+    run_share: f64,
+    input: &SampledInput<'_>,
+    initial: &InitialState,
+) -> Result<Trajectory, NoResponse> {
+    let axis = effects::enter_values(*plant, effects, run_share);
+    check(&axis)?;
+    let Some(first) = input.values.first() else { return Ok(Trajectory::default()) };
+    let axis = with_quick_actuator_as_delay(axis, input.step_s);
+    let (lines, told) = command::of(&axis, input, *first);
+    let wave = actuator::torque(&axis.plant.actuator, &lines, told, initial);
+    let mut recorder = Recorder::new(input, &axis.sensor_lags, initial);
+    if !wave.cells.is_empty() {
+        hybrid::follow(&axis, &wave, initial, &mut recorder)?;
+    }
+    Ok(recorder.finish())
+}
+
+/// Radians that an actuator may turn between samples; one that rings faster is a delay.
+const MOST_RADIANS: f64 = 24.0;
+
+/// An actuator that rings many times from one sample to the next shows nothing of it: to
+/// first order in s/ωₙ it is a delay of 2ζ/ωₙ.
+fn with_quick_actuator_as_delay(axis: Axis, step_s: f64) -> Axis {
+    match axis.plant.actuator {
+        Actuator::SecondOrder { natural_frequency_rad_s: wn, damping_ratio: zeta }
+            if zeta < 1.0 && wn * step_s > MOST_RADIANS =>
+        {
+            let plant = Plant { actuator: Actuator::Direct, ..axis.plant };
+            Axis { plant, delay: axis.delay + 2.0 * zeta / wn, ..axis }
+        }
+        _ => axis,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -11,14 +11,13 @@ use serde::Serialize;
 
 use crate::answers::{ConvergenceRow, IdentifyOptions, Progress};
 use crate::diagnose::DiagnoseError;
-use crate::identify::{IdentifyError, IdentifyRequest};
+use crate::identify::IdentifyError;
 use crate::measurement::Measurement;
 use crate::measurement::formats::Source;
 use crate::observer::Observer;
-use crate::report::figures::{Extended, Subject};
-use crate::report::page::{Answer, Content};
-use crate::report::with_causes;
-use crate::service::{BuiltIn, JobRequest, Numerics, Submission, measured};
+use crate::report;
+use crate::report::page::Content;
+use crate::service::{BuiltIn, Compared, JobRequest, Numerics, Submission, measured};
 
 use super::{Failure, figures, interrupt, page};
 
@@ -59,21 +58,15 @@ pub(super) struct Args {
 
 /// Computes an answer from the files, prints it, and writes its figures and its
 /// page where they are asked for.
-pub(super) fn answer<A: Serialize, E: Into<DiagnoseError>>(
-    args: &Args,
-    kind: &str,
-    compute: impl FnOnce(&Measurement, &IdentifyRequest, &dyn Observer) -> Result<A, E>,
-    report: impl FnOnce(&A) -> String,
-    shown: impl FnOnce(&A) -> Answer<'_>,
-) -> Result<(), Failure> {
+pub(super) fn answer(args: &Args, kind: &str, second: Option<&Measurement>) -> Result<(), Failure> {
     let request = JobRequest::check(&submission(args, kind)?)?;
     let files = read(&args.files)?;
     let sources = sources(&files);
     let measurement = BuiltIn.read(&sources).map_err(Failure::input)?;
     let watch = Watch::new();
-    let answer = compute(&measurement, &request.identify(), &watch);
+    let answer = BuiltIn.answer(request.kind, &measurement, second, &request.identify(), &watch);
     watch.bar.finish_and_clear();
-    let answer = answer.map_err(|error| match error.into() {
+    let answer = answer.map_err(|error| match error {
         DiagnoseError::Identify(error @ IdentifyError::Cancelled) => Failure::other(error),
         DiagnoseError::Identify(error @ IdentifyError::Options(_)) => Failure::input(error),
         error @ DiagnoseError::Validation(_) => Failure::Input(format!("--validate: {error}")),
@@ -85,27 +78,17 @@ pub(super) fn answer<A: Serialize, E: Into<DiagnoseError>>(
             Failure::input(error)
         }
     })?;
-    let text = if args.json { json(&answer)? } else { report(&answer) };
+    let text = if args.json { json(&answer)? } else { report::answer(&answer) };
     std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)?;
     if args.figures.are_wanted() || args.page.is_wanted() {
-        let answer = shown(&answer);
-        let compare = |answer| BuiltIn.compare(&measurement, answer).map_err(Failure::other);
-        let comparison = compare(answer.base())?;
-        let extended = answer.extended().map(compare).transpose()?;
-        let name = with_causes(answer.causes());
+        let compared = Compared::of(&BuiltIn, Ok(&measurement), &answer);
         let convergence = &watch.rows();
-        args.figures.write(&Subject {
-            identification: Some(answer.base()),
-            comparison: Some(&comparison),
-            discrepancy: answer.discrepancy(),
-            extended: extended.as_ref().map(|comparison| Extended { name: &name, comparison }),
-            convergence,
-        })?;
+        args.figures.write(&compared.subject(&answer, convergence))?;
         args.page.write(&Content {
-            answer,
+            answer: &answer,
             measured: &measured(Some(&measurement), &sources),
-            comparison: Some(&comparison),
-            extended: extended.as_ref(),
+            comparison: compared.base.as_ref().ok(),
+            extended: compared.extended.as_ref(),
             convergence,
         })?;
     }

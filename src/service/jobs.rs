@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use tokio::time::Instant;
 
-use crate::answers::{ConvergenceRow, JobKind, Progress};
+use crate::answers::{Answer, ConvergenceRow, Progress};
 use crate::diagnose::{DiagnoseError, ValidateError};
 use crate::identify::IdentifyError;
 use crate::measurement::formats::ParseError;
@@ -186,6 +186,15 @@ impl Service {
         })
     }
 
+    /// The answer to a job.
+    ///
+    /// # Errors
+    /// As [`Service::result`]; [`ServiceError::Corrupt`] where this version cannot
+    /// read what was stored.
+    pub(super) async fn answer(&self, id: &str) -> Result<Answer, ServiceError> {
+        answer(&self.result(id).await?)
+    }
+
     /// Convergence history of a job's latest attempt.
     ///
     /// # Errors
@@ -249,34 +258,22 @@ impl Service {
         let measurement = self.numerics.read(&sources(&files.measured))?;
         let second = files.second.as_ref().map(|files| self.numerics.read(&sources(files)));
         let second = second.transpose()?;
-        let asked = request.identify();
-        let json = match request.kind {
-            JobKind::Identify => {
-                serde_json::to_string(&self.numerics.identify(&measurement, &asked, observer)?)
-            }
-            JobKind::Diagnose => {
-                let second = second.as_ref();
-                let answer = self.numerics.diagnose(&measurement, second, &asked, observer)?;
-                serde_json::to_string(&answer)
-            }
-        };
-        json.map_err(RunError::Result)
-    }
-}
-
-impl From<IdentifyError> for RunError {
-    fn from(error: IdentifyError) -> Self {
-        match error {
-            IdentifyError::Cancelled => RunError::Cancelled,
-            error => RunError::Unanswered(error),
-        }
+        let answer = self.numerics.answer(
+            request.kind,
+            &measurement,
+            second.as_ref(),
+            &request.identify(),
+            observer,
+        )?;
+        serde_json::to_string(&answer).map_err(RunError::Result)
     }
 }
 
 impl From<DiagnoseError> for RunError {
     fn from(error: DiagnoseError) -> Self {
         match error {
-            DiagnoseError::Identify(error) => error.into(),
+            DiagnoseError::Identify(IdentifyError::Cancelled) => RunError::Cancelled,
+            DiagnoseError::Identify(error) => RunError::Unanswered(error),
             DiagnoseError::Validation(error) => RunError::Validation(error),
         }
     }
@@ -290,6 +287,11 @@ fn job(row: JobRow) -> Result<Job, ServiceError> {
     let failure = row.failure.as_deref().map(serde_json::from_str).transpose();
     let failure = failure.map_err(|source| corrupt("failure", source))?;
     Ok(Job { row, request, progress, failure })
+}
+
+/// A result as it was stored, read.
+pub(super) fn answer(result: &str) -> Result<Answer, ServiceError> {
+    Answer::from_json(result).map_err(|error| corrupt("result", error.into_inner()))
 }
 
 fn corrupt(what: &'static str, source: serde_json::Error) -> ServiceError {

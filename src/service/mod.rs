@@ -3,6 +3,7 @@
 //! What comes in is checked here, whoever asks: the HTTP service and the command
 //! line refuse the same things in the same words.
 
+mod compared;
 mod error;
 mod jobs;
 mod measurements;
@@ -17,6 +18,7 @@ mod validations;
 
 use std::sync::Arc;
 
+pub use compared::Compared;
 pub use error::ServiceError;
 pub use jobs::{Failure, Job, RunError};
 pub use measurements::{Measured, Upload};

@@ -1,7 +1,7 @@
 //! What `identify`, `diagnose` and `validate` share: reading, computing with progress, printing.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -9,7 +9,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use crate::answers::{ConvergenceRow, IdentifyOptions, Progress};
+use crate::answers::{Answer, ConvergenceRow, IdentifyOptions, Progress};
 use crate::diagnose::DiagnoseError;
 use crate::identify::IdentifyError;
 use crate::measurement::Measurement;
@@ -65,7 +65,7 @@ pub(super) fn answer(args: &Args, kind: &str, second: Option<&Measurement>) -> R
     let measurement = BuiltIn.read(&sources).map_err(Failure::input)?;
     let watch = Watch::new();
     let answer = BuiltIn.answer(request.kind, &measurement, second, &request.identify(), &watch);
-    watch.bar.finish_and_clear();
+    watch.finish();
     let answer = answer.map_err(|error| match error {
         DiagnoseError::Identify(error @ IdentifyError::Cancelled) => Failure::other(error),
         DiagnoseError::Identify(error @ IdentifyError::Options(_)) => Failure::input(error),
@@ -133,6 +133,20 @@ fn read(paths: &[PathBuf]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     paths.iter().map(file).collect()
 }
 
+/// Reads what `identify --json` or `diagnose --json` has printed.
+pub(super) fn stored_answer(path: &Path) -> Result<Answer, Failure> {
+    let wrong = |reason: &dyn std::fmt::Display| {
+        Failure::Input(format!(
+            "{}: not a result that `identify --json` or `diagnose --json` prints: {reason}",
+            path.display()
+        ))
+    };
+    let bytes = std::fs::read(path)
+        .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
+    let text = String::from_utf8(bytes).map_err(|error| wrong(&error))?;
+    Answer::from_json(&text).map_err(|error| wrong(&error))
+}
+
 /// The result object alone.
 pub(super) fn json(answer: &impl Serialize) -> Result<String, Failure> {
     let mut text = serde_json::to_string_pretty(answer).map_err(Failure::other)?;
@@ -141,7 +155,7 @@ pub(super) fn json(answer: &impl Serialize) -> Result<String, Failure> {
 }
 
 /// Shows progress on a terminal, keeps the history and stops on an interrupt.
-struct Watch {
+pub(super) struct Watch {
     began: Instant,
     history: Mutex<Vec<ConvergenceRow>>,
     interrupted: Arc<AtomicBool>,
@@ -149,7 +163,7 @@ struct Watch {
 }
 
 impl Watch {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         let style = ProgressStyle::with_template("{prefix:>12} [{bar:40}] {percent:>3} % {msg}");
         // Draws on standard error, and only where that is a terminal.
         let bar = ProgressBar::new(STEPS);
@@ -160,6 +174,11 @@ impl Watch {
             interrupted: interrupt::flag(),
             bar,
         }
+    }
+
+    /// Takes the progress off the terminal.
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
     }
 
     /// The history so far.

@@ -71,6 +71,9 @@ pub enum RunError {
     /// The second measurement cannot be used.
     #[error("the validation measurement cannot be used: {0}")]
     Validation(ValidateError),
+    /// The second measurement is gone.
+    #[error("the validation measurement was deleted before the job began")]
+    Deleted,
     /// The result cannot be written as JSON.
     #[error("writing the result: {0}")]
     Result(serde_json::Error),
@@ -216,11 +219,30 @@ impl Service {
                 Err(ServiceError::Ended { id: id.into(), status })
             }
             Cancelling::Cancelled => {
+                let job = self.job(id).await?;
+                self.metrics.job_ended(&job.row.kind, "cancelled", None);
                 self.signals.job_ended();
+                Ok(job)
+            }
+            Cancelling::Requested => {
+                self.signals.job_unwanted();
                 self.job(id).await
             }
-            Cancelling::Requested | Cancelling::Ended(_) => self.job(id).await,
+            Cancelling::Ended(_) => self.job(id).await,
         }
+    }
+
+    /// Removes a job with its result and history. One that runs is stopped.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unknown`] when there is none with this id.
+    pub async fn delete_job(&self, id: &str) -> Result<(), ServiceError> {
+        if !self.store.delete_job(id).await? {
+            return Err(ServiceError::Unknown { what: "job", id: id.into() });
+        }
+        self.signals.job_unwanted();
+        self.signals.job_ended();
+        Ok(())
     }
 
     /// The files that a job works on.
@@ -255,6 +277,9 @@ impl Service {
         observer: &dyn Observer,
     ) -> Result<String, RunError> {
         let request: JobRequest = serde_json::from_str(request).map_err(RunError::Request)?;
+        if files.second.as_ref().is_some_and(Vec::is_empty) {
+            return Err(RunError::Deleted);
+        }
         let measurement = self.numerics.read(&sources(&files.measured))?;
         let second = files.second.as_ref().map(|files| self.numerics.read(&sources(files)));
         let second = second.transpose()?;
@@ -265,6 +290,7 @@ impl Service {
             &request.identify(),
             observer,
         )?;
+        self.metrics.evaluated(request.kind.name(), evaluations(&answer));
         serde_json::to_string(&answer).map_err(RunError::Result)
     }
 }
@@ -298,7 +324,14 @@ fn corrupt(what: &'static str, source: serde_json::Error) -> ServiceError {
     ServiceError::Corrupt { what, source }
 }
 
-fn convergence_row(point: ConvergencePoint) -> ConvergenceRow {
+/// Simulations of the whole measurement that an answer took.
+fn evaluations(answer: &Answer) -> u64 {
+    let models = [Some(answer.base()), answer.extended()];
+    let stages = models.into_iter().flatten().flat_map(|model| &model.stages);
+    stages.map(|stage| stage.evaluations).sum()
+}
+
+pub(super) fn convergence_row(point: ConvergencePoint) -> ConvergenceRow {
     ConvergenceRow {
         stage: point.stage,
         cycle: point.cycle.unsigned_abs(),

@@ -1,11 +1,13 @@
 //! The answer to a job, whatever its kind.
 
+use serde::Serialize;
 use serde_path_to_error::Error;
 
-use super::{Cause, Diagnosis, Identification, Verdict};
+use super::{Cause, Diagnosis, Discrepancy, Identification, Provenance, Verdict};
 
 /// The answer to a job, whatever its kind.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Answer {
     /// To an `identify` job.
     Identification(Box<Identification>),
@@ -39,26 +41,55 @@ impl Answer {
 
     /// The model with the causes; `None` where none is named.
     pub fn extended(&self) -> Option<&Identification> {
-        match self {
-            Self::Identification(_) => None,
-            Self::Diagnosis(diagnosis) => diagnosis.extended.as_ref(),
-        }
+        self.diagnosis().and_then(|diagnosis| diagnosis.extended.as_ref())
+    }
+
+    /// The model that explains the data best.
+    pub fn model(&self) -> &Identification {
+        self.extended().unwrap_or_else(|| self.base())
     }
 
     /// What the base model misses; empty where nobody asked.
     pub fn causes(&self) -> &[Cause] {
-        match self {
-            Self::Identification(_) => &[],
-            Self::Diagnosis(diagnosis) => &diagnosis.causes,
-        }
+        self.diagnosis().map_or(&[], |diagnosis| &diagnosis.causes)
+    }
+
+    /// Where the base model is wrong; `None` where nobody asked.
+    pub fn discrepancy(&self) -> Option<&Discrepancy> {
+        self.diagnosis().map(|diagnosis| &diagnosis.discrepancy)
     }
 
     /// What a diagnosis comes to; `None` of an identification.
     pub fn verdict(&self) -> Option<Verdict> {
+        self.diagnosis().map(|diagnosis| diagnosis.verdict)
+    }
+
+    /// The whole answer to a `diagnose` job; `None` of an identification.
+    pub fn diagnosis(&self) -> Option<&Diagnosis> {
         match self {
             Self::Identification(_) => None,
-            Self::Diagnosis(diagnosis) => Some(diagnosis.verdict),
+            Self::Diagnosis(diagnosis) => Some(diagnosis),
         }
+    }
+
+    /// What is needed to compute it again.
+    pub fn provenance(&self) -> &Provenance {
+        match self {
+            Self::Identification(answer) => &answer.provenance,
+            Self::Diagnosis(answer) => &answer.provenance,
+        }
+    }
+}
+
+impl From<Identification> for Answer {
+    fn from(answer: Identification) -> Self {
+        Self::Identification(Box::new(answer))
+    }
+}
+
+impl From<Diagnosis> for Answer {
+    fn from(answer: Diagnosis) -> Self {
+        Self::Diagnosis(Box::new(answer))
     }
 }
 

@@ -14,6 +14,16 @@ pub enum JobKind {
     Diagnose,
 }
 
+impl JobKind {
+    /// The name used on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            JobKind::Identify => "identify",
+            JobKind::Diagnose => "diagnose",
+        }
+    }
+}
+
 /// How parameters are estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 pub enum Method {
@@ -208,6 +218,19 @@ impl IdentifyOptions {
             self.colony.abandonment_limit.unwrap_or(1),
             1,
             1_000_000,
+        )?;
+        // Each of two numbers may be large where the other is not.
+        within(
+            "colony.food_sources × colony.cycles",
+            self.colony.food_sources * self.colony.cycles,
+            1,
+            1_000_000,
+        )?;
+        within(
+            "network.training_plants × network.epochs",
+            self.network.training_plants * self.network.epochs,
+            1,
+            10_000_000,
         )?;
         within("most_effects", self.most_effects, 1, 3)?;
         match self.noise_std {

@@ -1,7 +1,7 @@
 //! What `identify`, `diagnose` and `validate` share: reading, computing with progress, printing.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -9,16 +9,15 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use crate::answers::{ConvergenceRow, IdentifyOptions, Progress};
+use crate::answers::{Answer, ConvergenceRow, IdentifyOptions, Progress};
 use crate::diagnose::DiagnoseError;
-use crate::identify::{IdentifyError, IdentifyRequest};
+use crate::identify::IdentifyError;
 use crate::measurement::Measurement;
 use crate::measurement::formats::Source;
 use crate::observer::Observer;
-use crate::report::figures::{Extended, Subject};
-use crate::report::page::{Answer, Content};
-use crate::report::with_causes;
-use crate::service::{BuiltIn, JobRequest, Numerics, Submission, measured};
+use crate::report;
+use crate::report::page::Content;
+use crate::service::{BuiltIn, Compared, JobRequest, Numerics, Submission, measured};
 
 use super::{Failure, figures, interrupt, page};
 
@@ -59,21 +58,15 @@ pub(super) struct Args {
 
 /// Computes an answer from the files, prints it, and writes its figures and its
 /// page where they are asked for.
-pub(super) fn answer<A: Serialize, E: Into<DiagnoseError>>(
-    args: &Args,
-    kind: &str,
-    compute: impl FnOnce(&Measurement, &IdentifyRequest, &dyn Observer) -> Result<A, E>,
-    report: impl FnOnce(&A) -> String,
-    shown: impl FnOnce(&A) -> Answer<'_>,
-) -> Result<(), Failure> {
+pub(super) fn answer(args: &Args, kind: &str, second: Option<&Measurement>) -> Result<(), Failure> {
     let request = JobRequest::check(&submission(args, kind)?)?;
     let files = read(&args.files)?;
     let sources = sources(&files);
     let measurement = BuiltIn.read(&sources).map_err(Failure::input)?;
     let watch = Watch::new();
-    let answer = compute(&measurement, &request.identify(), &watch);
-    watch.bar.finish_and_clear();
-    let answer = answer.map_err(|error| match error.into() {
+    let answer = BuiltIn.answer(request.kind, &measurement, second, &request.identify(), &watch);
+    watch.finish();
+    let answer = answer.map_err(|error| match error {
         DiagnoseError::Identify(error @ IdentifyError::Cancelled) => Failure::other(error),
         DiagnoseError::Identify(error @ IdentifyError::Options(_)) => Failure::input(error),
         error @ DiagnoseError::Validation(_) => Failure::Input(format!("--validate: {error}")),
@@ -85,27 +78,17 @@ pub(super) fn answer<A: Serialize, E: Into<DiagnoseError>>(
             Failure::input(error)
         }
     })?;
-    let text = if args.json { json(&answer)? } else { report(&answer) };
+    let text = if args.json { json(&answer)? } else { report::answer(&answer) };
     std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)?;
     if args.figures.are_wanted() || args.page.is_wanted() {
-        let answer = shown(&answer);
-        let compare = |answer| BuiltIn.compare(&measurement, answer).map_err(Failure::other);
-        let comparison = compare(answer.base())?;
-        let extended = answer.extended().map(compare).transpose()?;
-        let name = with_causes(answer.causes());
+        let compared = Compared::of(&BuiltIn, Ok(&measurement), &answer);
         let convergence = &watch.rows();
-        args.figures.write(&Subject {
-            identification: Some(answer.base()),
-            comparison: Some(&comparison),
-            discrepancy: answer.discrepancy(),
-            extended: extended.as_ref().map(|comparison| Extended { name: &name, comparison }),
-            convergence,
-        })?;
+        args.figures.write(&compared.subject(&answer, convergence))?;
         args.page.write(&Content {
-            answer,
+            answer: &answer,
             measured: &measured(Some(&measurement), &sources),
-            comparison: Some(&comparison),
-            extended: extended.as_ref(),
+            comparison: compared.base.as_ref().ok(),
+            extended: compared.extended.as_ref(),
             convergence,
         })?;
     }
@@ -150,6 +133,20 @@ fn read(paths: &[PathBuf]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     paths.iter().map(file).collect()
 }
 
+/// Reads what `identify --json` or `diagnose --json` has printed.
+pub(super) fn stored_answer(path: &Path) -> Result<Answer, Failure> {
+    let wrong = |reason: &dyn std::fmt::Display| {
+        Failure::Input(format!(
+            "{}: not a result that `identify --json` or `diagnose --json` prints: {reason}",
+            path.display()
+        ))
+    };
+    let bytes = std::fs::read(path)
+        .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
+    let text = String::from_utf8(bytes).map_err(|error| wrong(&error))?;
+    Answer::from_json(&text).map_err(|error| wrong(&error))
+}
+
 /// The result object alone.
 pub(super) fn json(answer: &impl Serialize) -> Result<String, Failure> {
     let mut text = serde_json::to_string_pretty(answer).map_err(Failure::other)?;
@@ -158,7 +155,7 @@ pub(super) fn json(answer: &impl Serialize) -> Result<String, Failure> {
 }
 
 /// Shows progress on a terminal, keeps the history and stops on an interrupt.
-struct Watch {
+pub(super) struct Watch {
     began: Instant,
     history: Mutex<Vec<ConvergenceRow>>,
     interrupted: Arc<AtomicBool>,
@@ -166,7 +163,7 @@ struct Watch {
 }
 
 impl Watch {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         let style = ProgressStyle::with_template("{prefix:>12} [{bar:40}] {percent:>3} % {msg}");
         // Draws on standard error, and only where that is a terminal.
         let bar = ProgressBar::new(STEPS);
@@ -177,6 +174,11 @@ impl Watch {
             interrupted: interrupt::flag(),
             bar,
         }
+    }
+
+    /// Takes the progress off the terminal.
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
     }
 
     /// The history so far.

@@ -2,10 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::report;
-use crate::report::page::Answer;
-use crate::service::{BuiltIn, Numerics};
-
 use super::{Failure, computation};
 
 /// Arguments of `diagnose`.
@@ -25,13 +21,5 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         [] => None,
         files => Some(computation::measurement(files)?),
     };
-    computation::answer(
-        &args.computation,
-        "diagnose",
-        |measurement, request, observer| {
-            BuiltIn.diagnose(measurement, second.as_ref(), request, observer)
-        },
-        report::diagnosis,
-        |answer| Answer::Diagnosis(answer),
-    )
+    computation::answer(&args.computation, "diagnose", second.as_ref())
 }

@@ -3,6 +3,8 @@
 
 mod benchmark;
 mod computation;
+mod config;
+mod demo;
 mod diagnose;
 mod failure;
 mod figures;
@@ -11,13 +13,16 @@ mod interrupt;
 mod logging;
 mod openapi;
 mod page;
+mod rerun;
 mod serve;
 mod simulate;
 mod validate;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use crate::config::LogFormat;
 
 use failure::Failure;
 
@@ -37,14 +42,19 @@ struct Cli {
 enum Command {
     /// Hides effects in drawn machines, diagnoses them and scores what is named.
     Benchmark(benchmark::Args),
+    /// Shows the settings of the service and where they come from.
+    #[command(subcommand)]
+    Config(config::Command),
     /// Says where the base model departs from a measurement, and names what it lacks.
     Diagnose(diagnose::Args),
     /// Fits the base model to a measurement.
     Identify(computation::Args),
     /// Prints the OpenAPI document of the service.
     Openapi,
+    /// Computes a result again and compares every bit.
+    Rerun(rerun::Args),
     /// Runs the service.
-    Serve(serve::Args),
+    Serve(Box<serve::Args>),
     /// Writes a measurement of an axis with known parameters.
     ///
     /// The response is exact; without any flag it is that of the first system of the paper.
@@ -57,28 +67,34 @@ enum Command {
 /// arguments or the input cannot be used; 1: anything else.
 pub fn main() -> ExitCode {
     // Ends the process itself: with 2 for bad usage, 0 for help.
-    let cli = Cli::parse();
+    let matches = Cli::command().get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let done = match cli.command {
         Command::Benchmark(args) => {
-            logging::start("warn", cli.verbose);
+            start_log(cli.verbose);
             benchmark::run(&args)
         }
+        Command::Config(command) => {
+            let of_command = matches.subcommand().and_then(|(_, matches)| matches.subcommand());
+            config::run(&command, of_command.map_or(&matches, |(_, matches)| matches))
+        }
         Command::Diagnose(args) => {
-            logging::start("warn", cli.verbose);
+            start_log(cli.verbose);
             diagnose::run(&args)
         }
         Command::Identify(args) => {
-            logging::start("warn", cli.verbose);
+            start_log(cli.verbose);
             identify::run(&args)
         }
         Command::Openapi => openapi::run(),
-        Command::Serve(args) => {
-            logging::start("info", cli.verbose);
-            serve::run(args)
+        Command::Rerun(args) => {
+            start_log(cli.verbose);
+            rerun::run(&args)
         }
+        Command::Serve(args) => serve::run(&args, cli.verbose),
         Command::Simulate(args) => simulate::run(*args),
         Command::Validate(args) => {
-            logging::start("warn", cli.verbose);
+            start_log(cli.verbose);
             validate::run(&args)
         }
     };
@@ -91,13 +107,17 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// The log of a command that is not a server.
+fn start_log(verbose: u8) {
+    logging::start("warn", verbose, LogFormat::Text);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn the_arguments_are_well_formed() {
-        use clap::CommandFactory;
         Cli::command().debug_assert();
     }
 }

@@ -1,20 +1,19 @@
 //! `servoscope serve`
 
-use std::net::SocketAddr;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use axum::http::HeaderValue;
 use tokio::net::TcpListener;
 use tracing::info;
 
-use crate::config::{ServeConfig, ServeSettings};
+use crate::config::ServeConfig;
 use crate::service::{BuiltIn, Service, Signals};
 use crate::store::{Sqlite, Store};
 use crate::{http, worker};
 
-use super::Failure;
 use super::interrupt::Terminations;
+use super::{Failure, config, demo, logging};
 
 /// Time that requests under way have to end once the process is asked to.
 const DRAIN: Duration = Duration::from_secs(3);
@@ -23,46 +22,32 @@ const HAND_BACK: Duration = Duration::from_secs(1);
 
 /// Arguments of `serve`.
 #[derive(Debug, clap::Args)]
+#[group(skip)]
 pub(super) struct Args {
-    /// Address to listen on; port 0 takes a free one.
-    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:8080")]
-    listen: SocketAddr,
-    /// Allows an address that other machines can reach. The service asks nobody
-    /// who they are: something in front of it must.
+    /// Diagnoses a bundled measurement, prints the answer and where to look at it.
     #[arg(long)]
-    insecure_listen: bool,
-    /// Directory of the database; made if it is not there.
-    #[arg(long, value_name = "DIR")]
-    data_dir: PathBuf,
-    /// Largest upload, mebibytes.
-    #[arg(long, value_name = "MIB", default_value_t = 64)]
-    max_upload_mib: usize,
-    /// Jobs that run at once [default: one a core].
-    #[arg(long, value_name = "N")]
-    workers: Option<usize>,
+    demo: bool,
+    #[command(flatten)]
+    config: config::Args,
 }
 
 /// Serves until the process is asked to stop.
-pub(super) fn run(args: Args) -> Result<(), Failure> {
-    let config = ServeConfig::check(ServeSettings {
-        listen: args.listen,
-        insecure_listen: args.insecure_listen,
-        data_dir: args.data_dir,
-        max_upload_mib: args.max_upload_mib,
-        workers: args.workers,
-    })
-    .map_err(Failure::input)?;
+pub(super) fn run(args: &Args, verbose: u8) -> Result<(), Failure> {
+    let config = ServeConfig::check(args.config.settings()?).map_err(Failure::input)?;
+    // What is printed for a stranger is not to drown in requests.
+    let level = if args.demo { "warn" } else { "info" };
+    logging::start(level, verbose, config.log_format);
     let runtime = tokio::runtime::Runtime::new().map_err(Failure::other)?;
-    let served = runtime.block_on(serve(config));
+    let served = runtime.block_on(serve(config, args.demo));
     // A file still being read must not delay the end.
     runtime.shutdown_background();
     served
 }
 
-async fn serve(config: ServeConfig) -> Result<(), Failure> {
+async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     let mut terminations = Terminations::new().map_err(Failure::other)?;
-    let store: Arc<dyn Store> =
-        Arc::new(Sqlite::open(&config.data_dir).await.map_err(Failure::other)?);
+    let store = Sqlite::open_limited(&config.data_dir, config.max_store_bytes);
+    let store: Arc<dyn Store> = Arc::new(store.await.map_err(Failure::other)?);
     let listener = TcpListener::bind(config.listen)
         .await
         .map_err(|error| Failure::Other(format!("cannot listen on {}: {error}", config.listen)))?;
@@ -70,8 +55,15 @@ async fn serve(config: ServeConfig) -> Result<(), Failure> {
 
     let signals = Arc::new(Signals::default());
     let service = Service::new(Arc::clone(&store), Arc::new(BuiltIn), Arc::clone(&signals));
-    let settings = worker::Settings::new(config.workers.get());
-    let worker = worker::start(store, service.clone(), Arc::clone(&signals), settings);
+    let settings = worker::Settings {
+        lease: config.lease,
+        limit: config.job_limit,
+        ..worker::Settings::new(config.workers.get())
+    };
+    let worker = worker::start(Arc::clone(&store), service.clone(), Arc::clone(&signals), settings);
+    if let Some(age) = config.keep {
+        tokio::spawn(worker::forget(store, Arc::clone(&signals), age));
+    }
     let stopping = Arc::clone(&signals);
     tokio::spawn(async move {
         terminations.next().await;
@@ -81,7 +73,21 @@ async fn serve(config: ServeConfig) -> Result<(), Failure> {
 
     // On standard output, for whoever asked for a free port.
     println!("listening on http://{address}");
-    let app = http::app(service, config.max_upload_bytes);
+    if demo {
+        let service = service.clone();
+        tokio::spawn(async move {
+            if let Err(error) = demo::show(&service, &format!("http://{address}")).await {
+                eprintln!("servoscope: the demonstration failed: {error}");
+            }
+        });
+    }
+    let origins = config.cors_origins.iter().map(|origin| HeaderValue::from_str(origin));
+    let limits = http::Limits {
+        sent_bytes: config.max_upload_bytes,
+        unpacked_bytes: config.max_unpacked_bytes,
+        origins: origins.collect::<Result<_, _>>().map_err(Failure::input)?,
+    };
+    let app = http::app(service, limits);
     let served = http::serve(listener, app, Arc::clone(&signals), DRAIN).await;
     signals.stop();
     if tokio::time::timeout(HAND_BACK, worker).await.is_err() {

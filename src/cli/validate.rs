@@ -1,9 +1,8 @@
 //! `servoscope validate`
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use crate::answers::Answer;
 use crate::diagnose::ValidateError;
 use crate::observer::Silent;
 use crate::report;
@@ -27,7 +26,7 @@ pub(super) struct Args {
 
 /// Tries the models of a result on another measurement.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let answer = answer(&args.result)?;
+    let answer = computation::stored_answer(&args.result)?;
     let measurement = computation::measurement(&args.files)?;
     let validation = BuiltIn.validate(&answer, &measurement, &Silent).map_err(|error| {
         let names: Vec<String> = args.files.iter().map(|file| file.display().to_string()).collect();
@@ -41,17 +40,4 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         false => report::validation(&validation),
     };
     std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)
-}
-
-fn answer(path: &Path) -> Result<Answer, Failure> {
-    let wrong = |reason: &dyn std::fmt::Display| {
-        Failure::Input(format!(
-            "{}: not a result that `identify --json` or `diagnose --json` prints: {reason}",
-            path.display()
-        ))
-    };
-    let bytes = std::fs::read(path)
-        .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
-    let text = String::from_utf8(bytes).map_err(|error| wrong(&error))?;
-    Answer::from_json(&text).map_err(|error| wrong(&error))
 }

@@ -49,8 +49,10 @@ pub(super) fn tried(
     let kept: Vec<usize> = (0..base.len()).filter(|i| both(*i)).collect();
     if kept.is_empty() {
         let reasons = base.iter().chain(extended.iter().flatten());
-        let why = reasons.filter_map(|tried| tried.as_ref().err()).map(|lost| lost.reason.clone());
-        let reason = format!("they follow none of its motions: {}", why.last().unwrap_or_default());
+        let mut why =
+            reasons.filter_map(|tried| tried.as_ref().err()).map(|lost| lost.reason.clone());
+        let reason =
+            format!("they follow none of its motions: {}", why.next_back().unwrap_or_default());
         return Err(ValidateError::Unusable { reason });
     }
     let block_s = block_s(answer.base(), measurement, &kept, &unscored_s);

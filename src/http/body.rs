@@ -59,12 +59,13 @@ pub(super) fn json<T: DeserializeOwned>(headers: &HeaderMap, body: &[u8]) -> Res
 }
 
 /// Says that a body is too large.
-pub(super) fn too_large(max_bytes: usize) -> String {
-    format!("the body is larger than {max_bytes} bytes, as sent or unpacked")
+pub(super) fn too_large([sent, unpacked]: [usize; 2]) -> String {
+    format!("the body is larger than {sent} bytes as sent, or {unpacked} bytes once unpacked")
 }
 
 fn refusal(max_bytes: usize) -> Response {
-    Problem::of_status(StatusCode::PAYLOAD_TOO_LARGE, too_large(max_bytes)).into_response()
+    let detail = format!("the body is larger than {max_bytes} bytes as sent");
+    Problem::of_status(StatusCode::PAYLOAD_TOO_LARGE, detail).into_response()
 }
 
 /// The whole body, or `None` where it is larger than `max_bytes`.

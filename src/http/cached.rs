@@ -1,4 +1,4 @@
-//! Documents that a client may keep: figures and the report.
+//! Documents that a client may keep: results, tables, figures and the report.
 
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};

@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 
 use axum::Json;
 use axum::extract::State;
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
 
 use crate::service::Service;
 
@@ -32,6 +34,20 @@ pub(super) async fn ready(State(service): State<Service>) -> Result<&'static str
     Ok("ok\n")
 }
 
+/// What an operator watches: queue, jobs, evaluations, requests.
+#[utoipa::path(
+    get, path = "/metrics", tag = "service", operation_id = "metrics",
+    responses(
+        (status = 200, body = String, content_type = "application/openmetrics-text"),
+        (status = 503, body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn metrics(State(service): State<Service>) -> Result<Response, Problem> {
+    let media_type = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+    let text = service.metrics_text().await?;
+    Ok(([(header::CONTENT_TYPE, media_type)], text).into_response())
+}
+
 /// The OpenAPI document of this service.
 #[utoipa::path(
     get, path = "/openapi.json", tag = "service", operation_id = "openapi_document",
@@ -49,14 +65,14 @@ pub(super) async fn document() -> Json<utoipa::openapi::OpenApi> {
 pub(super) async fn index() -> String {
     let document = routes::openapi();
     let version = &document.info.version;
-    let mut text = format!("servoscope {version}\n\n");
+    let mut text = format!("servoscope {version}; /docs shows the same to try\n\n");
     for (path, item) in &document.paths.paths {
-        let operations = [("GET", &item.get), ("POST", &item.post)];
+        let operations = [("GET", &item.get), ("POST", &item.post), ("DELETE", &item.delete)];
         for (method, operation) in operations {
             let Some(operation) = operation else { continue };
             let summary = operation.summary.as_deref().unwrap_or_default();
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "{method:<5}{path:<34}{summary}");
+            let _ = writeln!(text, "{method:<7}{path:<34}{summary}");
         }
     }
     text

@@ -7,15 +7,18 @@ use axum::body::Bytes;
 use axum::extract::{Path, Query, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use axum_extra::extract::Query as RepeatedQuery;
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
-use crate::answers::{Diagnosis, Identification};
+use crate::answers::{Diagnosis, Identification, JobKind};
 use crate::service::{Service, Submission};
 use crate::store::JobFilter;
 
 use super::body;
-use super::measurements::{DEFAULT_PAGE, idempotency_key};
+use super::cached;
+use super::lists::{self, DEFAULT_PAGE};
+use super::measurements::idempotency_key;
 use super::problem::Problem;
 use super::views::{Convergence, JobStatus, JobView, List, SubmitJob};
 
@@ -107,6 +110,21 @@ pub(super) struct ListQuery {
     status: Option<JobStatus>,
     /// Only jobs that work on this measurement.
     measurement_id: Option<String>,
+    /// Only jobs of this kind.
+    #[param(inline)]
+    kind: Option<JobKind>,
+    /// Only jobs on measurements of this machine.
+    machine: Option<String>,
+    /// Only jobs on measurements of this axis.
+    axis: Option<String>,
+    /// Only jobs on measurements with this label, `name:value`; repeated: with all
+    /// of them.
+    #[serde(default)]
+    label: Vec<String>,
+    /// Only those queued at this time or later, RFC 3339.
+    since: Option<String>,
+    /// Only those queued before this time.
+    until: Option<String>,
 }
 
 /// Jobs, newest first.
@@ -120,10 +138,18 @@ pub(super) struct ListQuery {
 )]
 pub(super) async fn list(
     State(service): State<Service>,
-    Query(query): Query<ListQuery>,
+    RepeatedQuery(query): RepeatedQuery<ListQuery>,
 ) -> Result<Json<List<JobView>>, Problem> {
-    let filter =
-        JobFilter { status: query.status.map(Into::into), measurement_id: query.measurement_id };
+    let filter = JobFilter {
+        labels: lists::labels(&query.label)?,
+        since_ms: lists::time("since", query.since.as_deref())?,
+        until_ms: lists::time("until", query.until.as_deref())?,
+        status: query.status.map(Into::into),
+        measurement_id: query.measurement_id,
+        kind: query.kind.map(|kind| kind.name().to_owned()),
+        machine: query.machine,
+        axis: query.axis,
+    };
     let limit = query.limit.unwrap_or(DEFAULT_PAGE);
     Ok(Json(List::new(service.jobs(&filter, limit, query.cursor).await?)))
 }
@@ -143,9 +169,15 @@ pub(super) enum ResultView {
 /// The result of a job that has succeeded.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/result", tag = "jobs", operation_id = "get_result",
-    params(("id" = String, Path, description = "Id of the job")),
+    params(
+        ("id" = String, Path, description = "Id of the job"),
+        ("If-None-Match" = Option<String>, Header, description = "`ETag` of an earlier answer"),
+    ),
     responses(
-        (status = 200, body = ResultView),
+        (status = 200, body = ResultView, headers(
+            ("ETag" = String, description = "Tells this result from any other"),
+        )),
+        (status = 304, description = "The result is the one that `If-None-Match` names"),
         (status = "4XX", body = Problem, content_type = "application/problem+json",
          description = "409 until the job has ended, 404 if it ended without a result"),
     )
@@ -153,10 +185,11 @@ pub(super) enum ResultView {
 pub(super) async fn result(
     State(service): State<Service>,
     Path(id): Path<String>,
+    headers: HeaderMap,
 ) -> Result<Response, Problem> {
     // The JSON as it was stored: every digit, and whatever version wrote it.
     let result = service.result(&id).await?;
-    Ok(([(header::CONTENT_TYPE, "application/json")], result).into_response())
+    Ok(cached::answer(&headers, "application/json", result, true))
 }
 
 /// Convergence history of a job's latest attempt, also while it runs.
@@ -202,6 +235,23 @@ pub(super) async fn convergence_csv(
     }
     let bytes = table.into_inner().map_err(|error| internal(&error))?;
     Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8")], bytes).into_response())
+}
+
+/// Removes a job, its result and its history, for good. One that runs is stopped.
+#[utoipa::path(
+    delete, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "delete_job",
+    params(("id" = String, Path, description = "Id of the job")),
+    responses(
+        (status = 204, description = "It is gone"),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn delete(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+) -> Result<StatusCode, Problem> {
+    service.delete_job(&id).await?;
+    Ok(StatusCode::NO_CONTENT)
 }
 
 /// Cancels a job.

@@ -1,24 +1,27 @@
 //! What surrounds every route: limits, problem documents, log, compression.
 
 use std::any::Any;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use axum::Router;
 use axum::body::{Body, to_bytes};
-use axum::extract::{DefaultBodyLimit, Request};
-use axum::http::{StatusCode, header};
-use axum::middleware::{Next, from_fn};
+use axum::extract::{DefaultBodyLimit, MatchedPath, Request, State};
+use axum::http::{HeaderName, HeaderValue, Method, StatusCode, header};
+use axum::middleware::{Next, from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
+use tower_http::cors::CorsLayer;
 use tower_http::decompression::RequestDecompressionLayer;
 use tower_http::request_id::{MakeRequestUuid, PropagateRequestIdLayer, SetRequestIdLayer};
 use tower_http::timeout::RequestBodyTimeoutLayer;
 use tower_http::trace::{DefaultOnResponse, TraceLayer};
 use tracing::{Level, Span, info_span};
 
-use super::body;
+use crate::service::Service;
+
 use super::problem::{MEDIA_TYPE, Problem};
+use super::{Limits, body};
 
 /// How long a client may pause while it sends a body.
 const BODY_PAUSE: Duration = Duration::from_secs(30);
@@ -27,28 +30,55 @@ const BODY_PAUSE: Duration = Duration::from_secs(30);
 const DETAIL_BYTES: usize = 4096;
 
 /// Surrounds the routes; the last layer sees a request first.
-pub(super) fn around(router: Router, max_upload_bytes: usize) -> Router {
-    router
-        // Unpacked, a body must be no larger than it may be as sent: a few
-        // kilobytes of gzip can stand for megabytes.
-        .layer(DefaultBodyLimit::max(max_upload_bytes))
+pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router {
+    let Limits { sent_bytes, unpacked_bytes, origins } = limits;
+    let router = router
+        .layer(DefaultBodyLimit::max(unpacked_bytes))
         .layer(RequestDecompressionLayer::new())
         .layer(CatchPanicLayer::custom(panicked))
+        .layer(from_fn(move |request: Request, next: Next| body::whole(request, next, sent_bytes)))
         .layer(from_fn(move |request: Request, next: Next| {
-            body::whole(request, next, max_upload_bytes)
-        }))
-        .layer(from_fn(move |request: Request, next: Next| {
-            problems_only(request, next, max_upload_bytes)
+            problems_only(request, next, [sent_bytes, unpacked_bytes])
         }))
         .layer(RequestBodyTimeoutLayer::new(BODY_PAUSE))
         .layer(CompressionLayer::new())
         .layer(PropagateRequestIdLayer::x_request_id())
+        .layer(from_fn_with_state(service, counted))
         .layer(
             TraceLayer::new_for_http()
                 .make_span_with(span)
                 .on_response(DefaultOnResponse::new().level(Level::INFO)),
         )
-        .layer(SetRequestIdLayer::x_request_id(MakeRequestUuid))
+        .layer(SetRequestIdLayer::x_request_id(MakeRequestUuid));
+    // Without it no page from elsewhere can read an answer.
+    if origins.is_empty() { router } else { router.layer(cross_origin(origins)) }
+}
+
+fn cross_origin(origins: Vec<HeaderValue>) -> CorsLayer {
+    let name = HeaderName::from_static;
+    CorsLayer::new()
+        .allow_origin(origins)
+        .allow_methods([Method::GET, Method::POST, Method::DELETE])
+        .allow_headers([
+            header::CONTENT_TYPE,
+            header::IF_NONE_MATCH,
+            name("idempotency-key"),
+            name("last-event-id"),
+            name("x-request-id"),
+        ])
+        .expose_headers([header::ETAG, header::LOCATION, header::RETRY_AFTER, name("x-request-id")])
+}
+
+/// Counts what was answered, by route and status.
+async fn counted(State(service): State<Service>, request: Request, next: Next) -> Response {
+    let began = Instant::now();
+    let method = request.method().clone();
+    let route = request.extensions().get::<MatchedPath>().cloned();
+    let response = next.run(request).await;
+    let route = route.as_ref().map_or("none", MatchedPath::as_str);
+    let status = response.status().as_u16();
+    service.metrics().answered(method.as_str(), route, status, began.elapsed());
+    response
 }
 
 fn span<B>(request: &axum::http::Request<B>) -> Span {
@@ -69,7 +99,7 @@ fn panicked(payload: Box<dyn Any + Send + 'static>) -> axum::http::Response<Body
 
 /// Turns every error that is not a problem document into one: those of the
 /// router, of extractors and of other layers.
-async fn problems_only(request: Request, next: Next, max_upload_bytes: usize) -> Response {
+async fn problems_only(request: Request, next: Next, max_bytes: [usize; 2]) -> Response {
     let method = request.method().clone();
     let path = request.uri().path().to_owned();
     let response = next.run(request).await;
@@ -88,7 +118,7 @@ async fn problems_only(request: Request, next: Next, max_upload_bytes: usize) ->
         StatusCode::METHOD_NOT_ALLOWED => {
             format!("`{path}` does not answer {method}; the header `Allow` says what it does")
         }
-        StatusCode::PAYLOAD_TOO_LARGE => body::too_large(max_upload_bytes),
+        StatusCode::PAYLOAD_TOO_LARGE => body::too_large(max_bytes),
         _ => String::from_utf8_lossy(&text).into_owned(),
     };
     let mut response = Problem::of_status(status, detail).into_response();

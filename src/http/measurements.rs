@@ -5,12 +5,14 @@ use axum::body::Bytes;
 use axum::extract::{FromRequest, Multipart, Path, Query, Request, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use axum_extra::extract::Query as RepeatedQuery;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
 use crate::service::{Service, Upload};
 use crate::store::{FileRow, MeasurementFilter};
 
+use super::lists::{self, DEFAULT_PAGE};
 use super::problem::Problem;
 use super::views::{List, MeasurementView};
 
@@ -90,10 +92,18 @@ pub(super) struct ListQuery {
     machine: Option<String>,
     /// Only of this axis.
     axis: Option<String>,
+    /// Only with this label, `name:value`; repeated: with all of them.
+    #[serde(default)]
+    label: Vec<String>,
+    /// Only those stored at this time or later, RFC 3339.
+    since: Option<String>,
+    /// Only those stored before this time.
+    until: Option<String>,
+    /// Only those measured at this time or later, as far as they say when.
+    measured_since: Option<String>,
+    /// Only those measured before this time, as far as they say when.
+    measured_until: Option<String>,
 }
-
-/// Items of a page where the request does not say.
-pub(super) const DEFAULT_PAGE: u32 = 50;
 
 /// Measurements, newest first.
 #[utoipa::path(
@@ -106,11 +116,37 @@ pub(super) const DEFAULT_PAGE: u32 = 50;
 )]
 pub(super) async fn list(
     State(service): State<Service>,
-    Query(query): Query<ListQuery>,
+    RepeatedQuery(query): RepeatedQuery<ListQuery>,
 ) -> Result<Json<List<MeasurementView>>, Problem> {
-    let filter = MeasurementFilter { machine: query.machine, axis: query.axis };
+    let filter = MeasurementFilter {
+        labels: lists::labels(&query.label)?,
+        since_ms: lists::time("since", query.since.as_deref())?,
+        until_ms: lists::time("until", query.until.as_deref())?,
+        measured_since_ms: lists::time("measured_since", query.measured_since.as_deref())?,
+        measured_until_ms: lists::time("measured_until", query.measured_until.as_deref())?,
+        machine: query.machine,
+        axis: query.axis,
+    };
     let limit = query.limit.unwrap_or(DEFAULT_PAGE);
     Ok(Json(List::new(service.measurements(&filter, limit, query.cursor).await?)))
+}
+
+/// Removes a measurement, its files and every job on it, for good.
+#[utoipa::path(
+    delete, path = "/v1/measurements/{id}", tag = "measurements",
+    operation_id = "delete_measurement",
+    params(("id" = String, Path, description = "Id of the measurement")),
+    responses(
+        (status = 204, description = "It is gone"),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn delete(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+) -> Result<StatusCode, Problem> {
+    service.delete_measurement(&id).await?;
+    Ok(StatusCode::NO_CONTENT)
 }
 
 /// The key by which a repeated request is recognised.

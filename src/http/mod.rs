@@ -5,9 +5,12 @@
 
 mod body;
 mod cached;
+mod events;
+mod exports;
 mod health;
 mod jobs;
 mod layers;
+mod lists;
 mod measurements;
 mod plots;
 mod problem;
@@ -20,15 +23,30 @@ mod validations;
 mod views;
 
 use axum::Router;
+use axum::http::HeaderValue;
+use utoipa_swagger_ui::{Config, SwaggerUi};
 
 use crate::service::Service;
 
 pub use routes::openapi;
 pub use server::serve;
 
-/// The whole service: every route, and what surrounds them. Bodies larger than
-/// `max_upload_bytes`, as sent or unpacked, are refused.
-pub fn app(service: Service, max_upload_bytes: usize) -> Router {
+/// What the service lets in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Limits {
+    /// Largest body as sent, bytes.
+    pub sent_bytes: usize,
+    /// Largest body once unpacked, bytes: a few kilobytes of gzip can stand for
+    /// megabytes.
+    pub unpacked_bytes: usize,
+    /// Origins of pages whose scripts may use the service from a browser.
+    pub origins: Vec<HeaderValue>,
+}
+
+/// The whole service: every route, and what surrounds them.
+pub fn app(service: Service, limits: Limits) -> Router {
     let (router, _) = routes::list().split_for_parts();
-    layers::around(router.with_state(service), max_upload_bytes)
+    let documents = SwaggerUi::new("/docs").config(Config::from("/openapi.json"));
+    let router = router.with_state(service.clone()).merge(documents);
+    layers::around(router, service, limits)
 }

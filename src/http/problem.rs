@@ -8,6 +8,15 @@ use tracing::error;
 use utoipa::ToSchema;
 
 use crate::service::ServiceError;
+use crate::store::StoreError;
+
+const NO_ROOM: &str = "the disk is full, or the database as large as it may be; nothing of this \
+                       request was stored; delete what is not needed and send it again";
+const READ_ONLY: &str = "the database cannot be written; nothing of this request was stored; send \
+                         it again when it can be";
+
+/// Seconds after which a request that met a sick database may be sent again.
+const RETRY_AFTER_S: HeaderValue = HeaderValue::from_static("5");
 
 /// Media type of a problem document.
 pub(super) const MEDIA_TYPE: &str = "application/problem+json";
@@ -147,7 +156,12 @@ impl From<ServiceError> for Problem {
                 text,
             ),
             ServiceError::Store(source) => {
-                Self::internal(StatusCode::SERVICE_UNAVAILABLE, &text, &source)
+                let (status, text) = match &source {
+                    StoreError::Full(_) => (StatusCode::INSUFFICIENT_STORAGE, NO_ROOM),
+                    StoreError::ReadOnly(_) => (StatusCode::SERVICE_UNAVAILABLE, READ_ONLY),
+                    _ => (StatusCode::SERVICE_UNAVAILABLE, text.as_str()),
+                };
+                Self::internal(status, text, &source)
             }
             ServiceError::Corrupt { source, .. } => {
                 Self::internal(StatusCode::INTERNAL_SERVER_ERROR, &text, &source)
@@ -160,6 +174,9 @@ impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
         let mut response = (status, Json(self)).into_response();
+        if matches!(status, StatusCode::SERVICE_UNAVAILABLE | StatusCode::INSUFFICIENT_STORAGE) {
+            response.headers_mut().insert(header::RETRY_AFTER, RETRY_AFTER_S);
+        }
         let media_type = HeaderValue::from_static(MEDIA_TYPE);
         response.headers_mut().insert(header::CONTENT_TYPE, media_type);
         response

@@ -6,7 +6,7 @@ use utoipa_axum::routes;
 
 use crate::service::Service;
 
-use super::{health, jobs, measurements, plots, report, validations};
+use super::{events, exports, health, jobs, measurements, plots, report, validations};
 
 #[derive(OpenApi)]
 #[openapi(
@@ -27,18 +27,24 @@ struct Document;
 pub(super) fn list() -> OpenApiRouter<Service> {
     OpenApiRouter::with_openapi(Document::openapi())
         .routes(routes!(measurements::add, measurements::list))
-        .routes(routes!(measurements::get))
+        .routes(routes!(measurements::get, measurements::delete))
+        .routes(routes!(exports::measurement_csv))
+        .routes(routes!(exports::measurement_json))
         .routes(routes!(jobs::submit, jobs::list))
-        .routes(routes!(jobs::get))
+        .routes(routes!(jobs::get, jobs::delete))
         .routes(routes!(jobs::result))
         .routes(routes!(jobs::convergence))
         .routes(routes!(jobs::convergence_csv))
+        .routes(routes!(events::follow))
+        .routes(routes!(exports::parameters_csv))
+        .routes(routes!(exports::comparison_csv))
         .routes(routes!(plots::get))
         .routes(routes!(report::get))
         .routes(routes!(jobs::cancel))
         .routes(routes!(validations::create))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
+        .routes(routes!(health::metrics))
         .routes(routes!(health::document))
         .routes(routes!(health::index))
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use axum::http::HeaderValue;
 use serde_json::{Value, json};
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
@@ -13,6 +14,12 @@ use crate::service::testing::{INCOMPARABLE, RUN_UNTIL_CANCELLED, SUCCEED, Script
 use crate::service::{Service, Signals};
 use crate::store::{Sqlite, Store};
 use crate::worker;
+
+use super::Limits;
+
+mod documents;
+mod events;
+mod operations;
 
 /// Bytes that an upload may have here.
 const LIMIT: usize = 10_000;
@@ -27,24 +34,31 @@ const GZIP_OF_ANY: &[u8] =
 struct Server {
     address: String,
     agent: Agent,
+    signals: Arc<Signals>,
     _runtime: Runtime,
     _directory: tempfile::TempDir,
 }
 
 impl Server {
     fn start() -> Self {
+        Self::start_for(Vec::new())
+    }
+
+    fn start_for(origins: Vec<HeaderValue>) -> Self {
         let directory = tempfile::tempdir().unwrap();
         let runtime = Runtime::new().unwrap();
+        let signals = Arc::new(Signals::default());
         let address = runtime.block_on(async {
             let store: Arc<dyn Store> = Arc::new(Sqlite::open(directory.path()).await.unwrap());
-            let signals = Arc::new(Signals::default());
             let service =
                 Service::new(Arc::clone(&store), Arc::new(Scripted), Arc::clone(&signals));
             worker::start(store, service.clone(), Arc::clone(&signals), worker::Settings::new(2));
             let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
             let address = listener.local_addr().unwrap();
-            let app = super::app(service, LIMIT);
-            tokio::spawn(super::serve(listener, app, signals, Duration::ZERO));
+            let limits = Limits { sent_bytes: LIMIT, unpacked_bytes: LIMIT, origins };
+            let app = super::app(service, limits);
+            let stopping = Arc::clone(&signals);
+            tokio::spawn(super::serve(listener, app, stopping, Duration::from_secs(5)));
             format!("http://{address}")
         });
         let agent = Agent::config_builder()
@@ -52,7 +66,7 @@ impl Server {
             .timeout_global(Some(Duration::from_secs(60)))
             .build()
             .into();
-        Self { address, agent, _runtime: runtime, _directory: directory }
+        Self { address, agent, signals, _runtime: runtime, _directory: directory }
     }
 
     fn get(&self, path: &str) -> Response<Body> {
@@ -64,6 +78,10 @@ impl Server {
         let request =
             headers.iter().fold(request, |request, (name, value)| request.header(*name, *value));
         request.send(body).unwrap()
+    }
+
+    fn delete(&self, path: &str) -> u16 {
+        self.agent.delete(format!("{}{path}", self.address)).call().unwrap().status().as_u16()
     }
 
     fn measurement(&self) -> String {
@@ -401,84 +419,6 @@ fn a_failed_job_says_why_and_cannot_be_cancelled() {
 }
 
 #[test]
-fn a_plot_is_an_image_that_may_be_kept() {
-    let server = Server::start();
-    let id = server.job(SUCCEED);
-    assert_eq!(server.ended(&id)["status"], "succeeded");
-    let path = format!("/v1/jobs/{id}/plots/bode.svg");
-    let mut plot = server.get(&path);
-    assert_eq!(plot.status(), 200);
-    assert_eq!(header(&plot, "content-type"), "image/svg+xml");
-    assert!(header(&plot, "content-security-policy").contains("default-src 'none'"));
-    assert!(header(&plot, "cache-control").contains("max-age"));
-    let tag = header(&plot, "etag").to_owned();
-    let svg = plot.body_mut().read_to_string().unwrap();
-    assert!(svg.starts_with("<svg") && svg.contains("prefers-color-scheme"));
-    let again = server.agent.get(format!("{}{path}", server.address));
-    assert_eq!(again.header("if-none-match", tag.as_str()).call().unwrap().status(), 304);
-
-    let mut dark = server.get(&format!("{path}?theme=dark"));
-    assert_ne!(header(&dark, "etag"), tag);
-    assert!(!dark.body_mut().read_to_string().unwrap().contains("prefers-color-scheme"));
-    problem(server.get(&format!("{path}?theme=sepia")), 400);
-    for name in ["spectrum", "residuals", "convergence"] {
-        assert_eq!(server.get(&format!("/v1/jobs/{id}/plots/{name}.svg")).status(), 200, "{name}");
-    }
-}
-
-#[test]
-fn a_plot_there_is_none_of_is_refused_with_those_there_are() {
-    let server = Server::start();
-    let id = server.job(SUCCEED);
-    server.ended(&id);
-    let unknown = problem(server.get(&format!("/v1/jobs/{id}/plots/pie.svg")), 404);
-    assert!(string(&unknown, "detail").contains("available: bode, spectrum"), "{unknown}");
-    problem(server.get("/v1/jobs/nobody/plots/bode.svg"), 404);
-}
-
-#[test]
-fn a_running_job_shows_how_it_converges_and_nothing_else() {
-    let server = Server::start();
-    let id = server.job(RUN_UNTIL_CANCELLED);
-    let status = |name: &str| server.get(&format!("/v1/jobs/{id}/plots/{name}.svg")).status();
-    // Rows reach the store with the next heartbeat after the job was taken up.
-    let patience = Instant::now() + Duration::from_secs(60);
-    while status("convergence") != 200 {
-        assert!(Instant::now() < patience, "nothing was shown of a running job");
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    problem(server.get(&format!("/v1/jobs/{id}/plots/bode.svg")), 409);
-    problem(server.get(&format!("/v1/jobs/{id}/report.html")), 409);
-    json_of(server.post(&format!("/v1/jobs/{id}/cancel"), &[], b""), 202);
-    assert_eq!(server.ended(&id)["status"], "cancelled");
-    assert_eq!(status("convergence"), 200);
-    problem(server.get(&format!("/v1/jobs/{id}/plots/bode.svg")), 404);
-    problem(server.get(&format!("/v1/jobs/{id}/report.html")), 404);
-}
-
-#[test]
-fn a_report_is_a_page_that_may_style_itself_and_be_kept() {
-    let server = Server::start();
-    let body = json!({"measurement_id": server.measurement(), "kind": "diagnose"});
-    let id = string(&json_of(server.submit(&body), 202), "id");
-    assert_eq!(server.ended(&id)["status"], "succeeded");
-    let path = format!("/v1/jobs/{id}/report.html");
-    let mut report = server.get(&path);
-    assert_eq!(report.status(), 200);
-    assert_eq!(header(&report, "content-type"), "text/html; charset=utf-8");
-    let policy = header(&report, "content-security-policy");
-    assert!(policy.starts_with("default-src 'none'; style-src 'unsafe-inline'"), "{policy}");
-    assert!(header(&report, "cache-control").contains("max-age"));
-    let tag = header(&report, "etag").to_owned();
-    let page = report.body_mut().read_to_string().unwrap();
-    assert!(page.starts_with("<!DOCTYPE html>") && page.contains("Diagnosis of press 4"), "{page}");
-    assert!(page.contains("servoscope-bode"), "it is without figures");
-    let again = server.agent.get(format!("{}{path}", server.address));
-    assert_eq!(again.header("if-none-match", tag.as_str()).call().unwrap().status(), 304);
-    problem(server.get("/v1/jobs/nobody/report.html"), 404);
-}
-
-#[test]
 fn the_service_describes_itself() {
     let server = Server::start();
     assert_eq!(server.get("/livez").status(), 200);
@@ -491,5 +431,5 @@ fn the_service_describes_itself() {
     let unique = ids.iter().collect::<std::collections::BTreeSet<_>>();
     assert_eq!(unique.len(), ids.len(), "each operation needs an id of its own: {ids:?}");
     let index = server.get("/").body_mut().read_to_string().unwrap();
-    assert!(index.contains("POST /v1/jobs"), "{index}");
+    assert!(index.contains("POST   /v1/jobs"), "{index}");
 }

@@ -11,7 +11,17 @@ pub(crate) mod sample;
 mod text;
 mod validation;
 
+use crate::answers::Answer;
+
 pub use causes::with_causes;
 pub use diagnosis::diagnosis;
 pub use text::identification;
 pub use validation::validation;
+
+/// An answer of either kind.
+pub fn answer(answer: &Answer) -> String {
+    match answer {
+        Answer::Identification(answer) => identification(answer),
+        Answer::Diagnosis(answer) => diagnosis(answer),
+    }
+}

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use tokio::time::Instant;
 
-use crate::answers::{ConvergenceRow, JobKind, Progress};
+use crate::answers::{Answer, ConvergenceRow, Progress};
 use crate::diagnose::{DiagnoseError, ValidateError};
 use crate::identify::IdentifyError;
 use crate::measurement::formats::ParseError;
@@ -71,6 +71,9 @@ pub enum RunError {
     /// The second measurement cannot be used.
     #[error("the validation measurement cannot be used: {0}")]
     Validation(ValidateError),
+    /// The second measurement is gone.
+    #[error("the validation measurement was deleted before the job began")]
+    Deleted,
     /// The result cannot be written as JSON.
     #[error("writing the result: {0}")]
     Result(serde_json::Error),
@@ -186,6 +189,15 @@ impl Service {
         })
     }
 
+    /// The answer to a job.
+    ///
+    /// # Errors
+    /// As [`Service::result`]; [`ServiceError::Corrupt`] where this version cannot
+    /// read what was stored.
+    pub(super) async fn answer(&self, id: &str) -> Result<Answer, ServiceError> {
+        answer(&self.result(id).await?)
+    }
+
     /// Convergence history of a job's latest attempt.
     ///
     /// # Errors
@@ -207,11 +219,30 @@ impl Service {
                 Err(ServiceError::Ended { id: id.into(), status })
             }
             Cancelling::Cancelled => {
+                let job = self.job(id).await?;
+                self.metrics.job_ended(&job.row.kind, "cancelled", None);
                 self.signals.job_ended();
+                Ok(job)
+            }
+            Cancelling::Requested => {
+                self.signals.job_unwanted();
                 self.job(id).await
             }
-            Cancelling::Requested | Cancelling::Ended(_) => self.job(id).await,
+            Cancelling::Ended(_) => self.job(id).await,
         }
+    }
+
+    /// Removes a job with its result and history. One that runs is stopped.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unknown`] when there is none with this id.
+    pub async fn delete_job(&self, id: &str) -> Result<(), ServiceError> {
+        if !self.store.delete_job(id).await? {
+            return Err(ServiceError::Unknown { what: "job", id: id.into() });
+        }
+        self.signals.job_unwanted();
+        self.signals.job_ended();
+        Ok(())
     }
 
     /// The files that a job works on.
@@ -246,37 +277,29 @@ impl Service {
         observer: &dyn Observer,
     ) -> Result<String, RunError> {
         let request: JobRequest = serde_json::from_str(request).map_err(RunError::Request)?;
+        if files.second.as_ref().is_some_and(Vec::is_empty) {
+            return Err(RunError::Deleted);
+        }
         let measurement = self.numerics.read(&sources(&files.measured))?;
         let second = files.second.as_ref().map(|files| self.numerics.read(&sources(files)));
         let second = second.transpose()?;
-        let asked = request.identify();
-        let json = match request.kind {
-            JobKind::Identify => {
-                serde_json::to_string(&self.numerics.identify(&measurement, &asked, observer)?)
-            }
-            JobKind::Diagnose => {
-                let second = second.as_ref();
-                let answer = self.numerics.diagnose(&measurement, second, &asked, observer)?;
-                serde_json::to_string(&answer)
-            }
-        };
-        json.map_err(RunError::Result)
-    }
-}
-
-impl From<IdentifyError> for RunError {
-    fn from(error: IdentifyError) -> Self {
-        match error {
-            IdentifyError::Cancelled => RunError::Cancelled,
-            error => RunError::Unanswered(error),
-        }
+        let answer = self.numerics.answer(
+            request.kind,
+            &measurement,
+            second.as_ref(),
+            &request.identify(),
+            observer,
+        )?;
+        self.metrics.evaluated(request.kind.name(), evaluations(&answer));
+        serde_json::to_string(&answer).map_err(RunError::Result)
     }
 }
 
 impl From<DiagnoseError> for RunError {
     fn from(error: DiagnoseError) -> Self {
         match error {
-            DiagnoseError::Identify(error) => error.into(),
+            DiagnoseError::Identify(IdentifyError::Cancelled) => RunError::Cancelled,
+            DiagnoseError::Identify(error) => RunError::Unanswered(error),
             DiagnoseError::Validation(error) => RunError::Validation(error),
         }
     }
@@ -292,11 +315,23 @@ fn job(row: JobRow) -> Result<Job, ServiceError> {
     Ok(Job { row, request, progress, failure })
 }
 
+/// A result as it was stored, read.
+pub(super) fn answer(result: &str) -> Result<Answer, ServiceError> {
+    Answer::from_json(result).map_err(|error| corrupt("result", error.into_inner()))
+}
+
 fn corrupt(what: &'static str, source: serde_json::Error) -> ServiceError {
     ServiceError::Corrupt { what, source }
 }
 
-fn convergence_row(point: ConvergencePoint) -> ConvergenceRow {
+/// Simulations of the whole measurement that an answer took.
+fn evaluations(answer: &Answer) -> u64 {
+    let models = [Some(answer.base()), answer.extended()];
+    let stages = models.into_iter().flatten().flat_map(|model| &model.stages);
+    stages.map(|stage| stage.evaluations).sum()
+}
+
+pub(super) fn convergence_row(point: ConvergencePoint) -> ConvergenceRow {
     ConvergenceRow {
         stage: point.stage,
         cycle: point.cycle.unsigned_abs(),

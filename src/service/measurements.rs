@@ -11,6 +11,13 @@ use crate::store::{FileRow, IdempotencyKey, Inserted, MeasurementFilter, Measure
 
 use super::{Added, Listed, Service, ServiceError, page, paged};
 
+/// Most files that are read as one measurement.
+pub const MAX_FILES: usize = 64;
+
+/// Most experiments of one measurement: a fit simulates each of them thousands
+/// of times.
+pub const MAX_POINTS: usize = 20_000;
+
 /// Files to be read as one measurement.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Upload {
@@ -63,6 +70,7 @@ impl Service {
         upload: Upload,
         key: Option<String>,
     ) -> Result<Added<Measured>, ServiceError> {
+        at_most("files", upload.files.len(), MAX_FILES)?;
         let numerics = Arc::clone(&self.numerics);
         let reading = tokio::task::spawn_blocking(move || {
             let read = numerics.read(&upload.sources());
@@ -72,7 +80,9 @@ impl Service {
             Ok(done) => done,
             Err(panicked) => std::panic::resume_unwind(panicked.into_panic()),
         };
-        let row = row(&upload, &read?);
+        let measurement = read?;
+        at_most("experiments", measurement.experiments().len(), MAX_POINTS)?;
+        let row = row(&upload, &measurement);
         let key = key.map(|key| IdempotencyKey { key, body_sha256: upload.digest() });
         match self.store.insert_measurement(&row, &upload.files, key.as_ref()).await? {
             Inserted::Created => {
@@ -96,6 +106,20 @@ impl Service {
         measured(row.ok_or_else(|| ServiceError::Unknown { what: "measurement", id: id.into() })?)
     }
 
+    /// Removes a measurement with its files and every job on it. Jobs that run are
+    /// stopped.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unknown`] when there is none with this id.
+    pub async fn delete_measurement(&self, id: &str) -> Result<(), ServiceError> {
+        if !self.store.delete_measurement(id).await? {
+            return Err(ServiceError::Unknown { what: "measurement", id: id.into() });
+        }
+        self.signals.job_unwanted();
+        self.signals.job_ended();
+        Ok(())
+    }
+
     /// Measurements, newest first.
     ///
     /// # Errors
@@ -109,6 +133,14 @@ impl Service {
         let rows = self.store.measurements(filter, &page(limit, cursor)?).await?;
         paged(rows, limit, |row| &row.id, measured)
     }
+}
+
+fn at_most(what: &str, count: usize, most: usize) -> Result<(), ServiceError> {
+    if count <= most {
+        return Ok(());
+    }
+    let reason = format!("{count} are more than the {most} that are taken as one measurement");
+    Err(ServiceError::Request { member: what.into(), reason })
 }
 
 /// Stored files as the reader takes them.

@@ -3,9 +3,13 @@
 //! What comes in is checked here, whoever asks: the HTTP service and the command
 //! line refuse the same things in the same words.
 
+mod compared;
 mod error;
+mod events;
+mod exports;
 mod jobs;
 mod measurements;
+mod metrics;
 mod numerics;
 mod plots;
 mod report;
@@ -17,9 +21,12 @@ mod validations;
 
 use std::sync::Arc;
 
+pub use compared::Compared;
 pub use error::ServiceError;
+pub use events::JobEvent;
 pub use jobs::{Failure, Job, RunError};
-pub use measurements::{Measured, Upload};
+pub use measurements::{MAX_FILES, MAX_POINTS, Measured, Upload};
+pub use metrics::Metrics;
 pub use numerics::{BuiltIn, Numerics};
 pub use plots::Plot;
 pub use report::measured;
@@ -57,12 +64,26 @@ pub struct Service {
     store: Arc<dyn Store>,
     numerics: Arc<dyn Numerics>,
     signals: Arc<Signals>,
+    metrics: Arc<Metrics>,
 }
 
 impl Service {
     /// Joins them. `signals` are shared with the worker of this process.
     pub fn new(store: Arc<dyn Store>, numerics: Arc<dyn Numerics>, signals: Arc<Signals>) -> Self {
-        Self { store, numerics, signals }
+        Self { store, numerics, signals, metrics: Arc::default() }
+    }
+
+    /// What is counted of this service.
+    pub fn metrics(&self) -> &Metrics {
+        &self.metrics
+    }
+
+    /// The metrics as text, with the queue as it stands.
+    ///
+    /// # Errors
+    /// When the database does not answer.
+    pub async fn metrics_text(&self) -> Result<String, ServiceError> {
+        Ok(self.metrics.text(self.store.queue().await?))
     }
 
     /// Whether requests can be served.

@@ -1,6 +1,6 @@
 //! The numeric core as the service sees it.
 
-use crate::answers::{Answer, Comparison, Diagnosis, Identification, Validation};
+use crate::answers::{Answer, Comparison, Diagnosis, Identification, JobKind, Validation};
 use crate::diagnose::{self, DiagnoseError, ValidateError};
 use crate::identify::{self, IdentifyError, IdentifyRequest};
 use crate::measurement::Measurement;
@@ -60,6 +60,24 @@ pub trait Numerics: Send + Sync + 'static {
         measurement: &Measurement,
         observer: &dyn Observer,
     ) -> Result<Validation, ValidateError>;
+
+    /// Answers a question of either kind.
+    ///
+    /// # Errors
+    /// See [`DiagnoseError`].
+    fn answer(
+        &self,
+        kind: JobKind,
+        measurement: &Measurement,
+        second: Option<&Measurement>,
+        request: &IdentifyRequest,
+        observer: &dyn Observer,
+    ) -> Result<Answer, DiagnoseError> {
+        Ok(match kind {
+            JobKind::Identify => self.identify(measurement, request, observer)?.into(),
+            JobKind::Diagnose => self.diagnose(measurement, second, request, observer)?.into(),
+        })
+    }
 }
 
 /// The numeric core of this crate.

@@ -4,41 +4,16 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-use crate::answers::{Comparison, Diagnosis, Identification};
 use crate::measurement::formats::Source;
 use crate::measurement::{Experiment, Loop, Measurement, ResponseKind};
-use crate::report::page::{Answer, Content, DataFile, Measured, page};
-use crate::store::JobRow;
+use crate::report::page::{Content, DataFile, Measured, page};
 
 use super::measurements::{hexadecimal, sources};
-use super::{Service, ServiceError};
+use super::{Compared, Service, ServiceError};
 
 /// Magnitudes and frequencies that differ by less than this share are the same:
 /// those of a record are measured.
 const SAME: f64 = 1e-3;
-
-/// A result of either kind.
-enum Answered {
-    Identification(Box<Identification>),
-    Diagnosis(Box<Diagnosis>),
-}
-
-impl Answered {
-    fn read(row: &JobRow, result: &str) -> Result<Self, ServiceError> {
-        let read = match row.kind.as_str() {
-            "identify" => serde_json::from_str(result).map(Answered::Identification),
-            _ => serde_json::from_str(result).map(Answered::Diagnosis),
-        };
-        read.map_err(|source| ServiceError::Corrupt { what: "result", source })
-    }
-
-    fn answer(&self) -> Answer<'_> {
-        match self {
-            Answered::Identification(answer) => Answer::Identification(answer),
-            Answered::Diagnosis(answer) => Answer::Diagnosis(answer),
-        }
-    }
-}
 
 impl Service {
     /// Writes the page of a job that has a result. Where its files cannot be read
@@ -47,29 +22,24 @@ impl Service {
     /// # Errors
     /// As [`Service::result`].
     pub async fn report(&self, id: &str) -> Result<String, ServiceError> {
-        let result = self.result(id).await?;
+        let answer = self.answer(id).await?;
         let row = self.job(id).await?.row;
-        let answered = Answered::read(&row, &result)?;
         let convergence = self.convergence(id).await?;
         let files = self.store.measurement_files(&row.measurement_id).await?;
         let name = self.measurement(&row.measurement_id).await?.row.name;
         let numerics = Arc::clone(&self.numerics);
         let writing = tokio::task::spawn_blocking(move || {
             let sources = sources(&files);
-            let measurement = numerics.read(&sources).ok();
-            let mut measured = measured(measurement.as_ref(), &sources);
+            let measurement = numerics.read(&sources);
+            let mut measured = measured(measurement.as_ref().ok(), &sources);
             measured.name = measured.name.take().or(name);
-            let compare = |answer: &Identification| -> Option<Comparison> {
-                numerics.compare(measurement.as_ref()?, answer).ok()
-            };
-            let answer = answered.answer();
-            let comparison = compare(answer.base());
-            let extended = answer.extended().and_then(compare);
+            let measurement = measurement.as_ref().map_err(ToString::to_string);
+            let compared = Compared::of(numerics.as_ref(), measurement, &answer);
             page(&Content {
-                answer,
+                answer: &answer,
                 measured: &measured,
-                comparison: comparison.as_ref(),
-                extended: extended.as_ref(),
+                comparison: compared.base.as_ref().ok(),
+                extended: compared.extended.as_ref(),
                 convergence: &convergence,
             })
         });

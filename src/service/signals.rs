@@ -11,12 +11,20 @@ use tokio::sync::{Notify, watch};
 pub struct Signals {
     queued: Notify,
     ended: Notify,
+    changed: Notify,
+    cancelling: Notify,
     stopping: watch::Sender<bool>,
 }
 
 impl Default for Signals {
     fn default() -> Self {
-        Self { queued: Notify::new(), ended: Notify::new(), stopping: watch::Sender::new(false) }
+        Self {
+            queued: Notify::new(),
+            ended: Notify::new(),
+            changed: Notify::new(),
+            cancelling: Notify::new(),
+            stopping: watch::Sender::new(false),
+        }
     }
 }
 
@@ -31,14 +39,36 @@ impl Signals {
         self.queued.notified()
     }
 
-    /// A job has ended.
+    /// A job has ended, or is gone.
     pub fn job_ended(&self) {
         self.ended.notify_waiters();
+        self.changed.notify_waiters();
     }
 
-    /// Completes once a job has ended after the future was enabled.
+    /// Completes once any job has ended after the future was enabled.
     pub fn ended(&self) -> Notified<'_> {
         self.ended.notified()
+    }
+
+    /// A job runs, has come further or has more history: of interest to those who
+    /// follow it, not to the many who wait for its end.
+    pub fn job_changed(&self) {
+        self.changed.notify_waiters();
+    }
+
+    /// Completes once any job has changed after the future was enabled.
+    pub fn changed(&self) -> Notified<'_> {
+        self.changed.notified()
+    }
+
+    /// A running job is no longer wanted.
+    pub fn job_unwanted(&self) {
+        self.cancelling.notify_waiters();
+    }
+
+    /// Completes once some running job is no longer wanted.
+    pub fn unwanted(&self) -> Notified<'_> {
+        self.cancelling.notified()
     }
 
     /// The process is asked to stop: whoever waits for something answers now.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::answers::{Answer, Validation};
+use crate::answers::Validation;
 use crate::diagnose::ValidateError;
 use crate::observer::Silent;
 
@@ -22,11 +22,7 @@ impl Service {
         job_id: &str,
         measurement_id: &str,
     ) -> Result<Validation, ServiceError> {
-        let result = self.result(job_id).await?;
-        let answer = Answer::from_json(&result).map_err(|error| ServiceError::Corrupt {
-            what: "result",
-            source: error.into_inner(),
-        })?;
+        let answer = self.answer(job_id).await?;
         self.measurement(measurement_id).await?;
         let files = self.store.measurement_files(measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use super::{
     Beat, Cancelling, ConvergencePoint, FileRow, IdempotencyKey, Inserted, JobFilter, Lease,
-    MAX_ATTEMPTS, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, Sqlite, Status,
-    Store,
+    MAX_ATTEMPTS, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, QueueState, Sqlite,
+    Status, Store, StoreError,
 };
 
 const LONG: Duration = Duration::from_secs(600);
@@ -108,16 +108,49 @@ async fn lists_are_paged_newest_first_and_filtered(store: &dyn Store) {
     let rows = store.measurements(&everything, &second).await.unwrap();
     assert_eq!(rows.iter().map(|row| &row.id).collect::<Vec<_>>(), [&ids[0]]);
 
-    let elsewhere = MeasurementFilter { machine: Some("press 5".into()), axis: None };
+    let elsewhere = MeasurementFilter { machine: Some("press 5".into()), ..everything.clone() };
     assert!(store.measurements(&elsewhere, &first).await.unwrap().is_empty());
-    let here = MeasurementFilter { machine: Some("press 4".into()), axis: Some("x".into()) };
+    let here = MeasurementFilter {
+        machine: Some("press 4".into()),
+        axis: Some("x".into()),
+        labels: vec![("site".into(), "north".into())],
+        since_ms: Some(1_700_000_000_000),
+        // The measurement says 2024-05-06T07:08:09Z.
+        measured_since_ms: Some(1_714_979_289_000),
+        measured_until_ms: Some(1_714_979_289_001),
+        ..everything.clone()
+    };
     assert_eq!(store.measurements(&here, &first).await.unwrap().len(), 2);
+    for wrong in [
+        MeasurementFilter { labels: vec![("site".into(), "south".into())], ..here.clone() },
+        MeasurementFilter { until_ms: Some(1_700_000_000_000), ..here.clone() },
+        MeasurementFilter { measured_since_ms: Some(1_714_979_289_001), ..here.clone() },
+        MeasurementFilter { measured_until_ms: Some(1_714_979_289_000), ..here.clone() },
+    ] {
+        assert!(store.measurements(&wrong, &first).await.unwrap().is_empty(), "{wrong:?}");
+    }
 
     let job = queued_job(store).await;
-    let queued = JobFilter { status: Some(Status::Queued), measurement_id: None };
-    let running = JobFilter { status: Some(Status::Running), measurement_id: None };
+    let queued = JobFilter {
+        status: Some(Status::Queued),
+        kind: Some("identify".into()),
+        machine: Some("press 4".into()),
+        axis: Some("x".into()),
+        labels: vec![("site".into(), "north".into())],
+        since_ms: Some(1_700_000_000_000),
+        ..JobFilter::default()
+    };
+    let running = JobFilter { status: Some(Status::Running), ..JobFilter::default() };
     assert_eq!(store.jobs(&queued, &first).await.unwrap()[0].id, job);
     assert!(store.jobs(&running, &first).await.unwrap().is_empty());
+    for wrong in [
+        JobFilter { kind: Some("diagnose".into()), ..queued.clone() },
+        JobFilter { machine: Some("press 5".into()), ..queued.clone() },
+        JobFilter { labels: vec![("shift".into(), "night".into())], ..queued.clone() },
+        JobFilter { until_ms: Some(1_700_000_000_000), ..queued.clone() },
+    ] {
+        assert!(store.jobs(&wrong, &first).await.unwrap().is_empty(), "{wrong:?}");
+    }
 }
 
 async fn an_idempotency_key_answers_the_same_request_only(store: &dyn Store) {
@@ -269,6 +302,71 @@ async fn a_cancelled_job_does_not_come_back_to_the_queue(store: &dyn Store) {
     assert_eq!(status(store, &lease.job_id).await, Status::Cancelled);
 }
 
+async fn history_goes_on_where_the_attempt_before_left_it(store: &dyn Store) {
+    let first = leased_job(store, LONG).await;
+    assert_eq!(first.next_seq, 0);
+    store.heartbeat(&first, LONG, None, &[point(0), point(1)]).await.unwrap();
+    assert!(store.hand_back(&first).await.unwrap());
+    let second = store.lease(LONG).await.unwrap().expect("it is queued again");
+    assert_eq!(second.next_seq, 2);
+    store.heartbeat(&second, LONG, None, &[point(2)]).await.unwrap();
+    assert_eq!(store.convergence(&second.job_id).await.unwrap(), [point(2)]);
+    let from =
+        async |position, limit| store.history(&second.job_id, position, limit).await.unwrap();
+    assert_eq!(from(0, 10).await, [point(0), point(1), point(2)]);
+    assert_eq!(from(1, 1).await, [point(1)]);
+    assert!(from(3, 10).await.is_empty());
+}
+
+async fn a_deleted_measurement_takes_its_jobs_and_keys_with_it(store: &dyn Store) {
+    let measured = id();
+    let promise = key("k", "body");
+    store.insert_measurement(&measurement(&measured), &[file(b"x")], Some(&promise)).await.unwrap();
+    let row = NewJobRow {
+        id: id(),
+        measurement_id: measured.clone(),
+        kind: "identify".into(),
+        request: "{}".into(),
+    };
+    store.insert_job(&row, None).await.unwrap();
+    let lease = store.lease(LONG).await.unwrap().expect("it is queued");
+    assert!(store.delete_measurement(&measured).await.unwrap());
+    assert!(!store.delete_measurement(&measured).await.unwrap());
+    assert_eq!(store.job(&row.id).await.unwrap(), None);
+    assert!(store.measurement_files(&measured).await.unwrap().is_empty());
+    assert_eq!(store.heartbeat(&lease, LONG, None, &[point(0)]).await.unwrap(), Beat::Lost);
+    assert!(!store.finish(&lease, &Outcome::Cancelled).await.unwrap());
+    assert!(store.history(&row.id, 0, 10).await.unwrap().is_empty());
+    let again = store.insert_measurement(&measurement(&id()), &[], Some(&promise)).await.unwrap();
+    assert_eq!(again, Inserted::Created);
+}
+
+async fn what_is_old_is_deleted_and_what_is_wanted_is_not(store: &dyn Store) {
+    let ended = leased_job(store, LONG).await;
+    store.finish(&ended, &Outcome::Succeeded("{}".into())).await.unwrap();
+    let queued = queued_job(store).await;
+    let nothing = store.delete_older(LONG, 10).await.unwrap();
+    assert_eq!((nothing.jobs, nothing.measurements), (0, 0));
+    tokio::time::sleep(Duration::from_millis(5)).await;
+    let old = store.delete_older(Duration::from_millis(1), 10).await.unwrap();
+    assert_eq!((old.jobs, old.measurements), (1, 1));
+    assert_eq!(store.job(&ended.job_id).await.unwrap(), None);
+    assert_eq!(store.measurement(&ended.measurement_id).await.unwrap(), None);
+    let kept = store.job(&queued).await.unwrap().expect("it is still wanted");
+    assert!(store.measurement(&kept.measurement_id).await.unwrap().is_some());
+}
+
+async fn the_queue_says_what_waits_and_how_long(store: &dyn Store) {
+    assert_eq!(store.queue().await.unwrap(), QueueState::default());
+    leased_job(store, LONG).await;
+    queued_job(store).await;
+    tokio::time::sleep(Duration::from_millis(5)).await;
+    queued_job(store).await;
+    let QueueState { queued, running, oldest_wait_ms } = store.queue().await.unwrap();
+    assert_eq!((queued, running), (2, 1));
+    assert!((5..60_000).contains(&oldest_wait_ms), "{oldest_wait_ms}");
+}
+
 /// Runs every test of the contract on a fresh store of one engine each.
 macro_rules! engine {
     ($engine:ident, $open:expr, [$($test:ident),* $(,)?]) => {
@@ -301,6 +399,10 @@ engine!(
         a_queued_job_is_cancelled_at_once,
         the_worker_of_a_running_job_learns_that_it_is_cancelled,
         a_cancelled_job_does_not_come_back_to_the_queue,
+        history_goes_on_where_the_attempt_before_left_it,
+        a_deleted_measurement_takes_its_jobs_and_keys_with_it,
+        what_is_old_is_deleted_and_what_is_wanted_is_not,
+        the_queue_says_what_waits_and_how_long,
     ]
 );
 
@@ -324,4 +426,27 @@ async fn leases_taken_at_once_from_two_connections_are_of_different_jobs() {
     taken.extend(others);
     taken.sort();
     assert_eq!(taken, queued);
+}
+
+#[tokio::test]
+async fn what_has_no_room_is_refused_whole_and_accepted_once_there_is() {
+    let directory = tempfile::tempdir().unwrap();
+    let store = Sqlite::open_limited(directory.path(), Some(1 << 20)).await.unwrap();
+    let small = stored_measurement(&store).await;
+    let large = file(&vec![b'x'; 700 << 10]);
+    let first = id();
+    store
+        .insert_measurement(&measurement(&first), std::slice::from_ref(&large), None)
+        .await
+        .unwrap();
+    let second = id();
+    let refused =
+        store.insert_measurement(&measurement(&second), std::slice::from_ref(&large), None).await;
+    assert!(matches!(refused, Err(StoreError::Full(_))), "{refused:?}");
+    assert_eq!(store.measurement(&second).await.unwrap(), None, "nothing is stored by half");
+    assert!(store.measurement(&small).await.unwrap().is_some());
+    assert!(store.delete_measurement(&first).await.unwrap());
+    let accepted = store.insert_measurement(&measurement(&second), &[large], None).await;
+    assert_eq!(accepted.unwrap(), Inserted::Created);
+    store.ping().await.unwrap();
 }

@@ -11,6 +11,7 @@
 
 #[cfg(test)]
 mod contract;
+mod error;
 mod rows;
 mod sqlite;
 
@@ -18,29 +19,16 @@ use std::time::Duration;
 
 use async_trait::async_trait;
 
+pub use error::StoreError;
 pub use rows::{
-    ConvergencePoint, FileRow, IdempotencyKey, Inserted, JobFilter, JobRow, Lease,
-    MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page, Status,
+    ConvergencePoint, Expired, FileRow, IdempotencyKey, Inserted, JobFilter, JobRow, Lease,
+    MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page, QueueState, Status,
 };
 pub use sqlite::Sqlite;
 
 /// How often a job is begun before it counts as one that cannot be finished.
 /// Leases handed back in good order are not counted.
 pub const MAX_ATTEMPTS: u32 = 3;
-
-/// The store could not do what was asked.
-#[derive(Debug, thiserror::Error)]
-pub enum StoreError {
-    /// The database refused or is out of reach.
-    #[error("database: {0}")]
-    Database(#[from] sqlx::Error),
-    /// The tables could not be brought to the form this version needs.
-    #[error("migrating the database: {0}")]
-    Migration(#[from] sqlx::migrate::MigrateError),
-    /// The folder of the database cannot be used.
-    #[error("data directory: {0}")]
-    Directory(#[from] std::io::Error),
-}
 
 /// What a heartbeat found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,7 +67,7 @@ pub struct Recovered {
 /// Everything that is kept. Every method is one transaction.
 #[async_trait]
 pub trait Store: Send + Sync + 'static {
-    /// Whether the database answers.
+    /// Whether the database can be read and written.
     async fn ping(&self) -> Result<(), StoreError>;
 
     /// Stores a measurement with its files, unless `key` answers the request.
@@ -103,6 +91,10 @@ pub trait Store: Send + Sync + 'static {
         page: &Page,
     ) -> Result<Vec<MeasurementRow>, StoreError>;
 
+    /// Removes a measurement, its files and every job on it, whatever their
+    /// status: the worker of a running one loses its lease. `false`: there is none.
+    async fn delete_measurement(&self, id: &str) -> Result<bool, StoreError>;
+
     /// Queues a job, unless `key` answers the request.
     async fn insert_job(
         &self,
@@ -116,11 +108,32 @@ pub trait Store: Send + Sync + 'static {
     /// Jobs, newest first.
     async fn jobs(&self, filter: &JobFilter, page: &Page) -> Result<Vec<JobRow>, StoreError>;
 
+    /// Removes a job, its result and its history, whatever its status: the worker
+    /// of a running one loses its lease. `false`: there is none.
+    async fn delete_job(&self, id: &str) -> Result<bool, StoreError>;
+
+    /// Removes jobs that ended longer than `age` ago, measurements stored longer
+    /// ago that no job works on, and idempotency keys as old; at most `limit` of
+    /// each, so that nobody waits long for the write lock.
+    async fn delete_older(&self, age: Duration, limit: u32) -> Result<Expired, StoreError>;
+
     /// JSON of a job's result, once it has one.
     async fn result(&self, id: &str) -> Result<Option<String>, StoreError>;
 
     /// Convergence history of a job's latest attempt, in order.
     async fn convergence(&self, id: &str) -> Result<Vec<ConvergencePoint>, StoreError>;
+
+    /// At most `limit` rows of convergence history of all attempts from position
+    /// `from` on, in order.
+    async fn history(
+        &self,
+        id: &str,
+        from: i64,
+        limit: u32,
+    ) -> Result<Vec<ConvergencePoint>, StoreError>;
+
+    /// What waits and what runs.
+    async fn queue(&self) -> Result<QueueState, StoreError>;
 
     /// Cancels a queued job, or asks the worker of a running one to stop.
     async fn cancel(&self, id: &str) -> Result<Cancelling, StoreError>;

@@ -123,8 +123,12 @@ pub struct Lease {
     pub job_id: String,
     /// Number of the lease, never used twice for a job.
     pub attempt: i64,
+    /// Position of the first row of history that this attempt adds.
+    pub next_seq: i64,
     /// The measurement the job works on.
     pub measurement_id: String,
+    /// Kind of job.
+    pub kind: String,
     /// JSON of the request.
     pub request: String,
 }
@@ -143,7 +147,7 @@ pub enum Outcome {
 /// One row of convergence history.
 #[derive(Debug, Clone, PartialEq, sqlx::FromRow)]
 pub struct ConvergencePoint {
-    /// Position within the attempt, from 0.
+    /// Position within the history of the job over all its attempts, from 0.
     pub seq: i64,
     /// Stage of the computation.
     pub stage: String,
@@ -195,6 +199,16 @@ pub struct MeasurementFilter {
     pub machine: Option<String>,
     /// The axis.
     pub axis: Option<String>,
+    /// Labels and their values, all of which must match.
+    pub labels: Vec<(String, String)>,
+    /// Stored at this time or later.
+    pub since_ms: Option<Millis>,
+    /// Stored before this time.
+    pub until_ms: Option<Millis>,
+    /// Measured at this time or later, where the upload says when.
+    pub measured_since_ms: Option<Millis>,
+    /// Measured before this time, where the upload says when.
+    pub measured_until_ms: Option<Millis>,
 }
 
 /// Which jobs to list; `None` accepts every value.
@@ -204,4 +218,36 @@ pub struct JobFilter {
     pub status: Option<Status>,
     /// The measurement they work on.
     pub measurement_id: Option<String>,
+    /// Kind of job.
+    pub kind: Option<String>,
+    /// Machine of the measurement.
+    pub machine: Option<String>,
+    /// Axis of the measurement.
+    pub axis: Option<String>,
+    /// Labels of the measurement and their values, all of which must match.
+    pub labels: Vec<(String, String)>,
+    /// Queued at this time or later.
+    pub since_ms: Option<Millis>,
+    /// Queued before this time.
+    pub until_ms: Option<Millis>,
+}
+
+/// What waits and what runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, sqlx::FromRow)]
+pub struct QueueState {
+    /// Jobs that wait for a worker.
+    pub queued: i64,
+    /// Jobs that a worker holds.
+    pub running: i64,
+    /// How long the oldest job has waited; 0 where none waits.
+    pub oldest_wait_ms: Millis,
+}
+
+/// What was removed because it was old.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Expired {
+    /// Measurements, with their files.
+    pub measurements: u64,
+    /// Jobs, with results and history.
+    pub jobs: u64,
 }

@@ -26,13 +26,23 @@ struct Attempt {
     unsent: Vec<ConvergencePoint>,
     /// Progress that no heartbeat has stored yet.
     unsent_progress: Option<Progress>,
+    /// The computation took longer than it may.
+    timed_out: bool,
 }
 
 /// Runs a leased job to its end, or until it is no longer this worker's.
 pub(super) async fn run(shared: Arc<Shared>, lease: Lease) {
-    info!(job = lease.job_id, attempt = lease.attempt, "job begins");
-    let watch = Arc::new(Watch::new());
-    let attempt = Attempt { shared, lease, watch, unsent: Vec::new(), unsent_progress: None };
+    info!("job begins");
+    let watch = Arc::new(Watch::new(lease.next_seq));
+    let attempt = Attempt {
+        shared,
+        lease,
+        watch,
+        unsent: Vec::new(),
+        unsent_progress: None,
+        timed_out: false,
+    };
+    attempt.shared.signals.job_changed();
     let Lease { measurement_id, request, .. } = &attempt.lease;
     let files = match attempt.shared.service.job_files(measurement_id, request).await {
         Ok(files) => files,
@@ -60,6 +70,7 @@ impl Attempt {
         let mut stopped = std::pin::pin!(shared.signals.stopped());
         let mut ticks = tokio::time::interval(shared.settings.beat);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let mut limit = std::pin::pin!(tokio::time::sleep(shared.settings.limit));
         loop {
             tokio::select! {
                 ended = &mut computing => {
@@ -73,14 +84,19 @@ impl Attempt {
                     self.watch.cancel();
                     return self.hand_back(&"the process stops").await;
                 }
+                () = &mut limit, if !self.timed_out => {
+                    self.timed_out = true;
+                    self.watch.cancel();
+                }
+                () = shared.signals.unwanted() => ticks.reset_immediately(),
                 _ = ticks.tick() => match self.beat().await {
                     Ok(Beat::Renewed { cancel_requested: false }) => {}
                     Ok(Beat::Renewed { cancel_requested: true }) => self.watch.cancel(),
                     Ok(Beat::Lost) => {
-                        warn!(job = self.lease.job_id, "lease lost; its result is given up");
+                        warn!("lease lost; its result is given up");
                         return self.watch.cancel();
                     }
-                    Err(error) => warn!(job = self.lease.job_id, %error, "heartbeat failed"),
+                    Err(error) => warn!(%error, "heartbeat failed"),
                 },
             }
         }
@@ -96,8 +112,12 @@ impl Attempt {
         let lease = self.shared.settings.lease;
         let store = &self.shared.store;
         let beat = store.heartbeat(&self.lease, lease, json.as_deref(), &self.unsent).await?;
+        let told = !self.unsent.is_empty() || self.unsent_progress.is_some();
         self.unsent.clear();
         self.unsent_progress = None;
+        if told {
+            self.shared.signals.job_changed();
+        }
         Ok(beat)
     }
 
@@ -108,12 +128,16 @@ impl Attempt {
         };
         match ended {
             Ok(Ok(result)) => Outcome::Succeeded(result),
+            Ok(Err(RunError::Cancelled)) if self.timed_out => {
+                let minutes = self.shared.settings.limit.as_secs_f64() / 60.0;
+                failed(format!("it ran longer than the {minutes} minutes it may"), None)
+            }
             Ok(Err(RunError::Cancelled)) => Outcome::Cancelled,
             Ok(Err(error)) => failed(error.to_string(), None),
             Err(panic) => {
                 let reference = uuid::Uuid::now_v7().to_string();
                 let text = threads::panic_text(panic.as_ref());
-                error!(job = self.lease.job_id, reference, text, "the computation panicked");
+                error!(reference, text, "the computation panicked");
                 let reason = "an internal error stopped the computation; the same request will \
                               most likely fail again. Please report the reference";
                 failed(reason.into(), Some(reference))
@@ -122,7 +146,6 @@ impl Attempt {
     }
 
     async fn finish(mut self, outcome: Outcome) {
-        let job = &self.lease.job_id.clone();
         for _ in 0..TRIES {
             let finished = match self.beat().await {
                 Ok(_) => self.shared.store.finish(&self.lease, &outcome).await,
@@ -130,22 +153,24 @@ impl Attempt {
             };
             match finished {
                 Ok(true) => {
-                    info!(job, outcome = name(&outcome), "job ends");
+                    let (outcome, ran) = (name(&outcome), self.watch.elapsed());
+                    info!(outcome, seconds = ran.as_secs_f64(), "job ends");
+                    let metrics = self.shared.service.metrics();
+                    metrics.job_ended(&self.lease.kind, outcome, Some(ran));
                     return self.shared.signals.job_ended();
                 }
-                Ok(false) => return warn!(job, "lease lost; its result is given up"),
-                Err(error) => warn!(job, %error, "the outcome cannot be stored"),
+                Ok(false) => return warn!("lease lost; its result is given up"),
+                Err(error) => warn!(%error, "the outcome cannot be stored"),
             }
             tokio::time::sleep(Duration::from_secs(1)).await;
         }
-        error!(job, "the outcome is given up; the job is queued again when its lease expires");
+        error!("the outcome is given up; the job is queued again when its lease expires");
     }
 
     async fn hand_back(self, reason: &(dyn std::fmt::Display + Sync)) {
-        let job = &self.lease.job_id;
         match self.shared.store.hand_back(&self.lease).await {
-            Ok(_) => info!(job, %reason, "job handed back"),
-            Err(error) => warn!(job, %error, %reason, "job not handed back; its lease expires"),
+            Ok(_) => info!(%reason, "job handed back"),
+            Err(error) => warn!(%error, %reason, "job not handed back; its lease expires"),
         }
     }
 }

@@ -12,6 +12,7 @@
 //! computation has reported and learns whether it is still wanted.
 
 mod attempt;
+mod retention;
 #[cfg(test)]
 mod tests;
 mod threads;
@@ -21,10 +22,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::task::{JoinHandle, JoinSet};
-use tracing::{error, warn};
+use tracing::{Instrument, error, info_span, warn};
 
 use crate::service::{Service, Signals};
 use crate::store::Store;
+
+pub use retention::forget;
 
 /// How often the queue is looked at without a signal: other processes may have
 /// filled it, or left an expired lease behind.
@@ -39,6 +42,8 @@ pub struct Settings {
     pub lease: Duration,
     /// How often a job's task reports, renews and asks.
     pub beat: Duration,
+    /// How long one attempt may compute; after that the job fails.
+    pub limit: Duration,
 }
 
 impl Settings {
@@ -46,7 +51,12 @@ impl Settings {
     pub fn new(slots: usize) -> Self {
         // Fifty beats to a lease: a machine must be quite overloaded to lose one,
         // and a job whose process was killed runs again ten seconds later.
-        Self { slots, lease: Duration::from_secs(10), beat: Duration::from_millis(200) }
+        Self {
+            slots,
+            lease: Duration::from_secs(10),
+            beat: Duration::from_millis(200),
+            limit: Duration::from_secs(6 * 3600),
+        }
     }
 }
 
@@ -78,7 +88,8 @@ async fn run(shared: Arc<Shared>) {
         while running.len() < shared.settings.slots {
             match shared.store.lease(shared.settings.lease).await {
                 Ok(Some(lease)) => {
-                    running.spawn(attempt::run(Arc::clone(&shared), lease));
+                    let span = info_span!("job", job = lease.job_id, attempt = lease.attempt);
+                    running.spawn(attempt::run(Arc::clone(&shared), lease).instrument(span));
                 }
                 Ok(None) => break,
                 Err(error) => {
@@ -107,6 +118,7 @@ async fn recover(shared: &Shared) {
                 ended = recovered.ended,
                 "leases had expired: a worker was killed or cut off"
             );
+            shared.service.metrics().leases_expired(recovered.requeued + recovered.ended);
             shared.signals.job_ended();
         }
         Ok(_) => {}

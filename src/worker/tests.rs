@@ -38,7 +38,11 @@ impl Bench {
     }
 
     fn work(&self) -> JoinHandle<()> {
-        let settings = Settings { beat: Duration::from_millis(10), ..Settings::new(2) };
+        self.work_for(Settings::new(2).limit)
+    }
+
+    fn work_for(&self, limit: Duration) -> JoinHandle<()> {
+        let settings = Settings { beat: Duration::from_millis(10), limit, ..Settings::new(2) };
         start(Arc::clone(&self.store), self.service.clone(), Arc::clone(&self.signals), settings)
     }
 
@@ -169,4 +173,28 @@ async fn waiting_ends_when_the_process_stops() {
     let waiting = bench.service.job_when_ended(&id, PATIENCE);
     let (job, ()) = tokio::join!(waiting, async { bench.signals.stop() });
     assert_eq!(job.unwrap().row.status, Status::Queued);
+}
+
+#[tokio::test]
+async fn a_job_that_takes_too_long_fails_and_says_so() {
+    let bench = Bench::new().await;
+    bench.work_for(Duration::from_millis(60));
+    let id = bench.submit(RUN_UNTIL_CANCELLED).await;
+    let job = bench.ended(&id).await;
+    assert_eq!(job.row.status, Status::Failed);
+    let reason = job.failure.expect("it says why").reason;
+    assert!(reason.contains("longer than the 0.001 minutes"), "{reason}");
+}
+
+#[tokio::test]
+async fn a_deleted_job_frees_its_place() {
+    let bench = Bench::new().await;
+    bench.work();
+    let long = [bench.submit(RUN_UNTIL_CANCELLED).await, bench.submit(RUN_UNTIL_CANCELLED).await];
+    for id in &long {
+        bench.running(id).await;
+        bench.service.delete_job(id).await.unwrap();
+    }
+    let next = bench.submit(SUCCEED).await;
+    assert_eq!(bench.ended(&next).await.row.status, Status::Succeeded);
 }

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::answers::{ConvergenceRow, Progress};
 use crate::observer::Observer;
@@ -24,12 +24,18 @@ struct Reported {
 }
 
 impl Watch {
-    pub(super) fn new() -> Self {
+    /// For an attempt whose first row has the position `next_seq`.
+    pub(super) fn new(next_seq: i64) -> Self {
         Self {
             began: Instant::now(),
             cancelled: AtomicBool::new(false),
-            reported: Mutex::default(),
+            reported: Mutex::new(Reported { next_seq, ..Reported::default() }),
         }
+    }
+
+    /// Time since the attempt began.
+    pub(super) fn elapsed(&self) -> Duration {
+        self.began.elapsed()
     }
 
     /// The computation is no longer wanted.
@@ -94,19 +100,19 @@ mod tests {
 
     #[test]
     fn rows_are_taken_once_and_numbered_through() {
-        let watch = Watch::new();
+        let watch = Watch::new(7);
         watch.row(row(3.0));
         watch.row(row(2.0));
         let (_, first) = watch.take();
         watch.row(row(1.0));
         let (_, second) = watch.take();
-        assert_eq!(first.iter().map(|row| row.seq).collect::<Vec<_>>(), [0, 1]);
-        assert_eq!(second.iter().map(|row| row.seq).collect::<Vec<_>>(), [2]);
+        assert_eq!(first.iter().map(|row| row.seq).collect::<Vec<_>>(), [7, 8]);
+        assert_eq!(second.iter().map(|row| row.seq).collect::<Vec<_>>(), [9]);
     }
 
     #[test]
     fn a_row_without_a_finite_cost_is_left_out() {
-        let watch = Watch::new();
+        let watch = Watch::new(0);
         watch.row(row(f64::INFINITY));
         watch.row(row(f64::NAN));
         watch.row(ConvergenceRow { mean: Some(f64::INFINITY), ..row(1.0) });

@@ -1,8 +1,9 @@
 //! The program as a process.
 
+use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, ChildStdout, Command, Output, Stdio};
 use std::time::Duration;
 
 use rustix::process::{Pid, Signal, kill_process};
@@ -22,9 +23,13 @@ pub fn simulated(arguments: &[&str]) -> Vec<u8> {
     output.stdout
 }
 
-fn command() -> Command {
+/// The program, with nothing of this environment that it would heed.
+pub fn command() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_servoscope"));
     command.env_remove("RUST_LOG");
+    for (name, _) in std::env::vars().filter(|(name, _)| name.starts_with("SERVOSCOPE_")) {
+        command.env_remove(name);
+    }
     command
 }
 
@@ -42,23 +47,51 @@ pub struct Server {
 
 impl Server {
     pub fn start(data_dir: &Path, arguments: &[&str]) -> Self {
+        Self::spawn(data_dir, arguments, Stdio::null()).0
+    }
+
+    /// The same with its log in a file.
+    pub fn start_logging(data_dir: &Path, arguments: &[&str], log: &Path) -> Self {
+        Self::spawn(data_dir, arguments, File::create(log).unwrap().into()).0
+    }
+
+    /// One that shows its demonstration, and what it prints.
+    pub fn demonstrate(data_dir: &Path) -> (Self, String) {
+        let (server, output) = Self::spawn(data_dir, &["--demo"], Stdio::null());
+        let mut printed = String::new();
+        for line in output.lines() {
+            printed.push_str(&line.unwrap());
+            printed.push('\n');
+            if printed.contains("until it is interrupted") {
+                break;
+            }
+        }
+        (server, printed)
+    }
+
+    fn spawn(data_dir: &Path, arguments: &[&str], log: Stdio) -> (Self, BufReader<ChildStdout>) {
         let mut child = command()
             .args(["serve", "--listen", "127.0.0.1:0", "--data-dir"])
             .arg(data_dir)
             .args(arguments)
             .stdout(Stdio::piped())
-            .stderr(Stdio::null())
+            .stderr(log)
             .spawn()
             .unwrap();
         let mut line = String::new();
-        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let mut output = BufReader::new(child.stdout.take().unwrap());
+        output.read_line(&mut line).unwrap();
         let address = line.trim().strip_prefix("listening on ").expect("it says where").to_owned();
         let agent = Agent::config_builder()
             .http_status_as_error(false)
             .timeout_global(Some(Duration::from_secs(90)))
             .build()
             .into();
-        Self { child, address, agent }
+        (Self { child, address, agent }, output)
+    }
+
+    pub fn delete(&self, path: &str) -> u16 {
+        self.agent.delete(format!("{}{path}", self.address)).call().unwrap().status().as_u16()
     }
 
     pub fn get(&self, path: &str) -> Answer {

@@ -4,14 +4,14 @@ use serde_json::{Value, json};
 
 use crate::process::{Answer, Server, simulated};
 
-fn problem(answer: &Answer, status: u16) -> Value {
+pub fn problem(answer: &Answer, status: u16) -> Value {
     assert_eq!(answer.status, status, "{}", answer.text);
     assert_eq!(answer.content_type, "application/problem+json");
     answer.json()
 }
 
 /// Uploads the first system of the paper and queues a job, whose path it returns.
-fn submit(server: &Server, options: &Value) -> String {
+pub fn submit(server: &Server, options: &Value) -> String {
     let measurement = server.post("/v1/measurements?name=g1", "text/csv", &simulated(&[]));
     assert_eq!(measurement.status, 201, "{}", measurement.text);
     server.submit(&json!({
@@ -21,8 +21,8 @@ fn submit(server: &Server, options: &Value) -> String {
 }
 
 /// A request that takes far longer than any test waits.
-fn endless() -> Value {
-    json!({"colony": {"food_sources": 1000, "cycles": 10_000, "abandonment_limit": 1_000_000}})
+pub fn endless() -> Value {
+    json!({"colony": {"food_sources": 1000, "cycles": 1000, "abandonment_limit": 1_000_000}})
 }
 
 #[test]

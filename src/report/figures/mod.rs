@@ -21,7 +21,7 @@ mod tests;
 mod text;
 mod theme;
 
-use crate::answers::{Comparison, ConvergenceRow, Discrepancy, Identification};
+use crate::answers::{Answer, Comparison, ConvergenceRow, Discrepancy, Identification};
 
 use canvas::Canvas;
 
@@ -44,6 +44,14 @@ pub struct Subject<'a> {
     pub extended: Option<Extended<'a>>,
     /// How the identification converged.
     pub convergence: &'a [ConvergenceRow],
+}
+
+impl<'a> Subject<'a> {
+    /// What an answer alone shows: no measurement beside it, no history.
+    pub fn of(answer: &'a Answer) -> Self {
+        let identification = Some(answer.base());
+        Self { identification, discrepancy: answer.discrepancy(), ..Self::default() }
+    }
 }
 
 /// A model that has what the identified one lacks.

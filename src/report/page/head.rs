@@ -2,10 +2,10 @@
 
 use maud::{Markup, html};
 
-use crate::answers::{Diagnosis, Identification, Verdict};
+use crate::answers::{Answer, Diagnosis, Identification, Verdict};
 
+use super::Content;
 use super::words::{a, confidence, effect, joined, number, per_cent, sentence};
-use super::{Answer, Content};
 
 /// What the page is about.
 pub(super) fn title(content: &Content<'_>) -> String {
@@ -46,7 +46,7 @@ struct Judgement {
     detail: Option<String>,
 }
 
-fn judgement(answer: Answer<'_>) -> Judgement {
+fn judgement(answer: &Answer) -> Judgement {
     match answer {
         Answer::Identification(answer) => of_fit(answer),
         Answer::Diagnosis(answer) => of_diagnosis(answer),
@@ -112,7 +112,7 @@ fn of_diagnosis(answer: &Diagnosis) -> Judgement {
 }
 
 /// Values and what they are, most important first.
-fn facts(answer: Answer<'_>) -> Vec<(String, String)> {
+fn facts(answer: &Answer) -> Vec<(String, String)> {
     let base = answer.base();
     let mut facts = Vec::new();
     for cause in answer.causes() {

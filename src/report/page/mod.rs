@@ -23,73 +23,18 @@ mod words;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::answers::{
-    Cause, Comparison, ConvergenceRow, Diagnosis, Discrepancy, Identification, Provenance,
-};
+use crate::answers::{Answer, Comparison, ConvergenceRow};
 
 use super::figures::{Extended, Subject};
 
 pub use measured::{DataFile, Measured};
-
-/// What was answered.
-#[derive(Debug, Clone, Copy)]
-pub enum Answer<'a> {
-    /// To an `identify` job.
-    Identification(&'a Identification),
-    /// To a `diagnose` job.
-    Diagnosis(&'a Diagnosis),
-}
-
-impl<'a> Answer<'a> {
-    /// The base model, fitted to everything.
-    pub fn base(self) -> &'a Identification {
-        match self {
-            Answer::Identification(answer) => answer,
-            Answer::Diagnosis(answer) => &answer.base,
-        }
-    }
-
-    /// The model with the causes, where some are named.
-    pub fn extended(self) -> Option<&'a Identification> {
-        self.diagnosis().and_then(|answer| answer.extended.as_ref())
-    }
-
-    /// What the base model misses, as far as it was asked and found.
-    pub fn causes(self) -> &'a [Cause] {
-        self.diagnosis().map_or(&[], |answer| &answer.causes)
-    }
-
-    /// Where the base model is wrong, where that was asked.
-    pub fn discrepancy(self) -> Option<&'a Discrepancy> {
-        self.diagnosis().map(|answer| &answer.discrepancy)
-    }
-
-    fn diagnosis(self) -> Option<&'a Diagnosis> {
-        match self {
-            Answer::Identification(_) => None,
-            Answer::Diagnosis(answer) => Some(answer),
-        }
-    }
-
-    /// The model that explains the data best.
-    fn model(self) -> &'a Identification {
-        self.extended().unwrap_or_else(|| self.base())
-    }
-
-    fn provenance(self) -> &'a Provenance {
-        match self {
-            Answer::Identification(answer) => &answer.provenance,
-            Answer::Diagnosis(answer) => &answer.provenance,
-        }
-    }
-}
 
 /// What a page is made of. What is not known is left out, and with it the
 /// figures that need it.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
     /// The answer.
-    pub answer: Answer<'a>,
+    pub answer: &'a Answer,
     /// What was measured.
     pub measured: &'a Measured,
     /// The measurement beside what the base model makes of it.
@@ -104,11 +49,10 @@ impl<'a> Content<'a> {
     /// What the figures are drawn of; `name` is that of the model with the causes.
     fn subject(&self, name: &'a str) -> Subject<'a> {
         Subject {
-            identification: Some(self.answer.base()),
             comparison: self.comparison,
-            discrepancy: self.answer.discrepancy(),
             extended: self.extended.map(|comparison| Extended { name, comparison }),
             convergence: self.convergence,
+            ..Subject::of(self.answer)
         }
     }
 }

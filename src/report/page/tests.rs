@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::*;
-use crate::answers::{Candidate, Verdict};
+use crate::answers::{Candidate, Diagnosis, Verdict};
 use crate::report::sample;
 
 /// A page and the answer it was written of, with every figure that can be drawn.
-fn written(answer: Answer<'_>, measured: &Measured) -> String {
+fn written(answer: &Answer, measured: &Measured) -> String {
     let comparison = sample::comparison();
     page(&Content {
         answer,
@@ -21,7 +21,7 @@ fn written(answer: Answer<'_>, measured: &Measured) -> String {
 }
 
 fn of(answer: &Diagnosis) -> String {
-    written(Answer::Diagnosis(answer), &measured())
+    written(&answer.clone().into(), &measured())
 }
 
 fn measured() -> Measured {
@@ -122,7 +122,7 @@ fn every_page_is_well_formed_and_needs_nothing_from_outside() {
     let mut answer = sample::identification();
     for adequate in [Some(true), Some(false), None] {
         answer.fit.adequate = adequate;
-        check(&written(Answer::Identification(&answer), &measured()));
+        check(&written(&answer.clone().into(), &measured()));
     }
 }
 
@@ -247,7 +247,7 @@ fn what_a_user_wrote_is_shown_not_obeyed() {
         files: vec![DataFile { name: EVIL.into(), bytes: 1, sha256: "0".into() }],
         ..measured()
     };
-    let page = written(Answer::Diagnosis(&answer), &measured);
+    let page = written(&answer.into(), &measured);
     check(&page);
     assert!(!page.contains("<script") && !page.contains('\u{1b}'));
     assert!(
@@ -257,10 +257,9 @@ fn what_a_user_wrote_is_shown_not_obeyed() {
 
 #[test]
 fn without_its_files_a_page_has_the_answer_and_no_figures_of_them() {
-    let answer = sample::explained();
     let measured = Measured::default();
     let page = page(&Content {
-        answer: Answer::Diagnosis(&answer),
+        answer: &sample::explained().into(),
         measured: &measured,
         comparison: None,
         extended: None,

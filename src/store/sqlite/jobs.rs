@@ -1,10 +1,21 @@
-//! Jobs, their results and their convergence history.
+//! Jobs and their results.
 
 use sqlx::{SqliteConnection, SqlitePool};
 
-use crate::store::{ConvergencePoint, JobFilter, JobRow, Lease, NewJobRow, Page};
+use crate::store::{IdempotencyKey, Inserted, JobFilter, JobRow, NewJobRow, Page};
 
-pub(super) async fn insert(connection: &mut SqliteConnection, row: &NewJobRow) -> sqlx::Result<()> {
+use super::idempotency;
+use super::measurements::label_pairs;
+
+pub(super) async fn insert(
+    connection: &mut SqliteConnection,
+    row: &NewJobRow,
+    key: Option<&IdempotencyKey>,
+) -> sqlx::Result<Inserted> {
+    let claim = idempotency::claim(connection, "job", key, &row.id).await?;
+    if claim != Inserted::Created {
+        return Ok(claim);
+    }
     sqlx::query(
         "INSERT INTO jobs (id, measurement_id, kind, request, status, created_at_ms)
          VALUES (?1, ?2, ?3, ?4, 'queued', (SELECT now_ms FROM clock))",
@@ -15,7 +26,7 @@ pub(super) async fn insert(connection: &mut SqliteConnection, row: &NewJobRow) -
     .bind(&row.request)
     .execute(connection)
     .await?;
-    Ok(())
+    Ok(claim)
 }
 
 pub(super) async fn get(pool: &SqlitePool, id: &str) -> sqlx::Result<Option<JobRow>> {
@@ -41,14 +52,42 @@ pub(super) async fn list(
          WHERE (?1 IS NULL OR id < ?1)
            AND (?2 IS NULL OR status = ?2)
            AND (?3 IS NULL OR measurement_id = ?3)
-         ORDER BY id DESC LIMIT ?4",
+           AND (?4 IS NULL OR kind = ?4)
+           AND (?5 IS NULL OR created_at_ms >= ?5)
+           AND (?6 IS NULL OR created_at_ms < ?6)
+           AND (?7 IS NULL AND ?8 IS NULL AND ?9 = '[]' OR EXISTS (
+               SELECT 1 FROM measurements
+               WHERE measurements.id = jobs.measurement_id
+                 AND (?7 IS NULL OR machine = ?7)
+                 AND (?8 IS NULL OR axis = ?8)
+                 AND NOT EXISTS (SELECT 1 FROM json_each(?9) AS wanted
+                                 WHERE NOT EXISTS (
+                                     SELECT 1 FROM json_each(measurements.labels) AS label
+                                     WHERE label.key = json_extract(wanted.value, '$[0]')
+                                       AND label.value = json_extract(wanted.value, '$[1]')))))
+         ORDER BY id DESC LIMIT ?10",
     )
     .bind(&page.before)
     .bind(filter.status)
     .bind(&filter.measurement_id)
+    .bind(&filter.kind)
+    .bind(filter.since_ms)
+    .bind(filter.until_ms)
+    .bind(&filter.machine)
+    .bind(&filter.axis)
+    .bind(label_pairs(&filter.labels))
     .bind(page.limit)
     .fetch_all(pool)
     .await
+}
+
+pub(super) async fn delete(connection: &mut SqliteConnection, id: &str) -> sqlx::Result<bool> {
+    sqlx::query("DELETE FROM idempotency_keys WHERE resource_id = ?1")
+        .bind(id)
+        .execute(&mut *connection)
+        .await?;
+    let done = sqlx::query("DELETE FROM jobs WHERE id = ?1").bind(id).execute(connection).await?;
+    Ok(done.rows_affected() == 1)
 }
 
 pub(super) async fn result(pool: &SqlitePool, id: &str) -> sqlx::Result<Option<String>> {
@@ -56,47 +95,4 @@ pub(super) async fn result(pool: &SqlitePool, id: &str) -> sqlx::Result<Option<S
         .bind(id)
         .fetch_optional(pool)
         .await
-}
-
-pub(super) async fn append_convergence(
-    connection: &mut SqliteConnection,
-    lease: &Lease,
-    rows: &[ConvergencePoint],
-) -> sqlx::Result<()> {
-    for row in rows {
-        // A heartbeat whose answer was lost is sent again with the same rows.
-        sqlx::query(
-            "INSERT INTO convergence
-                 (job_id, attempt, seq, stage, cycle, evaluations, best, mean, elapsed_s)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)
-             ON CONFLICT DO NOTHING",
-        )
-        .bind(&lease.job_id)
-        .bind(lease.attempt)
-        .bind(row.seq)
-        .bind(&row.stage)
-        .bind(row.cycle)
-        .bind(row.evaluations)
-        .bind(row.best)
-        .bind(row.mean)
-        .bind(row.elapsed_s)
-        .execute(&mut *connection)
-        .await?;
-    }
-    Ok(())
-}
-
-pub(super) async fn convergence(
-    pool: &SqlitePool,
-    id: &str,
-) -> sqlx::Result<Vec<ConvergencePoint>> {
-    sqlx::query_as(
-        "SELECT seq, stage, cycle, evaluations, best, mean, elapsed_s
-         FROM convergence
-         WHERE job_id = ?1 AND attempt = (SELECT attempt FROM jobs WHERE id = ?1)
-         ORDER BY seq",
-    )
-    .bind(id)
-    .fetch_all(pool)
-    .await
 }

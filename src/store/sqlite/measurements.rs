@@ -2,13 +2,20 @@
 
 use sqlx::{SqliteConnection, SqlitePool};
 
-use crate::store::{FileRow, MeasurementFilter, MeasurementRow, Page};
+use crate::store::{FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow, Page};
+
+use super::idempotency;
 
 pub(super) async fn insert(
     connection: &mut SqliteConnection,
     row: &MeasurementRow,
     files: &[FileRow],
-) -> sqlx::Result<()> {
+    key: Option<&IdempotencyKey>,
+) -> sqlx::Result<Inserted> {
+    let claim = idempotency::claim(connection, "measurement", key, &row.id).await?;
+    if claim != Inserted::Created {
+        return Ok(claim);
+    }
     sqlx::query(
         "INSERT INTO measurements
              (id, created_at_ms, name, machine, axis, operator, measured_at, labels, sha256,
@@ -47,7 +54,7 @@ pub(super) async fn insert(
         .execute(&mut *connection)
         .await?;
     }
-    Ok(())
+    Ok(claim)
 }
 
 pub(super) async fn get(pool: &SqlitePool, id: &str) -> sqlx::Result<Option<MeasurementRow>> {
@@ -74,12 +81,49 @@ pub(super) async fn list(
          WHERE (?1 IS NULL OR id < ?1)
            AND (?2 IS NULL OR machine = ?2)
            AND (?3 IS NULL OR axis = ?3)
-         ORDER BY id DESC LIMIT ?4",
+           AND (?4 IS NULL OR created_at_ms >= ?4)
+           AND (?5 IS NULL OR created_at_ms < ?5)
+           AND (?6 IS NULL OR unixepoch(measured_at, 'subsec') * 1000 >= ?6)
+           AND (?7 IS NULL OR unixepoch(measured_at, 'subsec') * 1000 < ?7)
+           AND NOT EXISTS (SELECT 1 FROM json_each(?8) AS wanted
+                           WHERE NOT EXISTS (
+                               SELECT 1 FROM json_each(measurements.labels) AS label
+                               WHERE label.key = json_extract(wanted.value, '$[0]')
+                                 AND label.value = json_extract(wanted.value, '$[1]')))
+         ORDER BY id DESC LIMIT ?9",
     )
     .bind(&page.before)
     .bind(&filter.machine)
     .bind(&filter.axis)
+    .bind(filter.since_ms)
+    .bind(filter.until_ms)
+    .bind(filter.measured_since_ms)
+    .bind(filter.measured_until_ms)
+    .bind(label_pairs(&filter.labels))
     .bind(page.limit)
     .fetch_all(pool)
     .await
+}
+
+/// Labels as the JSON array of pairs that the filters read.
+pub(super) fn label_pairs(labels: &[(String, String)]) -> String {
+    serde_json::json!(labels).to_string()
+}
+
+pub(super) async fn delete(connection: &mut SqliteConnection, id: &str) -> sqlx::Result<bool> {
+    sqlx::query(
+        "DELETE FROM idempotency_keys
+         WHERE resource_id = ?1
+            OR resource_id IN (SELECT id FROM jobs WHERE measurement_id = ?1)",
+    )
+    .bind(id)
+    .execute(&mut *connection)
+    .await?;
+    sqlx::query("DELETE FROM jobs WHERE measurement_id = ?1")
+        .bind(id)
+        .execute(&mut *connection)
+        .await?;
+    let done =
+        sqlx::query("DELETE FROM measurements WHERE id = ?1").bind(id).execute(connection).await?;
+    Ok(done.rows_affected() == 1)
 }

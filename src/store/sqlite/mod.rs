@@ -1,11 +1,15 @@
 //! The engine on one SQLite file.
 
+mod history;
 mod idempotency;
 mod jobs;
 mod measurements;
 mod queue;
+mod retention;
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use async_trait::async_trait;
@@ -13,9 +17,9 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, S
 use sqlx::{SqlitePool, Transaction};
 
 use super::{
-    Beat, Cancelling, ConvergencePoint, FileRow, IdempotencyKey, Inserted, JobFilter, JobRow,
-    Lease, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, Recovered, Store,
-    StoreError,
+    Beat, Cancelling, ConvergencePoint, Expired, FileRow, IdempotencyKey, Inserted, JobFilter,
+    JobRow, Lease, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, QueueState,
+    Recovered, Store, StoreError,
 };
 
 /// How long a writer waits for another one before it gives up.
@@ -24,10 +28,25 @@ const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// Name of the database in the data directory.
 const FILE_NAME: &str = "servoscope.sqlite3";
 
+/// Connections that read at the same time.
+const READERS: u32 = 4;
+
+/// Bytes of a page of the database; SQLite's own default.
+const PAGE_BYTES: u64 = 4096;
+
 /// Store on one SQLite file, which several processes of one machine may share.
+///
+/// SQLite has one writer at a time. Writes of a process queue for one connection
+/// here, in order, rather than for the file's lock, where they would sleep and
+/// try again; readers have connections of their own and never wait for a writer.
 #[derive(Debug, Clone)]
 pub struct Sqlite {
-    pool: SqlitePool,
+    readers: SqlitePool,
+    writer: SqlitePool,
+    /// A write has failed, and the next one gets a fresh connection. One that was
+    /// opened while the file could not be written stays read-only for good, and
+    /// one that met a full disk has no transaction left to roll back.
+    stale: Arc<AtomicBool>,
 }
 
 impl Sqlite {
@@ -38,8 +57,17 @@ impl Sqlite {
     /// When the directory cannot be made, or the database not be opened or
     /// migrated.
     pub async fn open(data_dir: &Path) -> Result<Self, StoreError> {
+        Self::open_limited(data_dir, None).await
+    }
+
+    /// The same, for a database that may not grow beyond so many bytes: what has
+    /// no room is refused as on a full disk.
+    ///
+    /// # Errors
+    /// As for [`Sqlite::open`].
+    pub async fn open_limited(data_dir: &Path, bytes: Option<u64>) -> Result<Self, StoreError> {
         std::fs::create_dir_all(data_dir)?;
-        let options = SqliteConnectOptions::new()
+        let mut options = SqliteConnectOptions::new()
             .filename(data_dir.join(FILE_NAME))
             .create_if_missing(true)
             .foreign_keys(true)
@@ -47,23 +75,63 @@ impl Sqlite {
             // Readers go on while one writes; a power cut may cost the last
             // transactions but never the file.
             .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Normal);
-        let pool = SqlitePoolOptions::new().max_connections(8).connect_with(options).await?;
-        sqlx::migrate!("./migrations").run(&pool).await?;
-        Ok(Self { pool })
+            .synchronous(SqliteSynchronous::Normal)
+            // What is deleted is overwritten, not only forgotten.
+            .pragma("secure_delete", "ON");
+        if let Some(bytes) = bytes {
+            options = options.pragma("max_page_count", (bytes / PAGE_BYTES).max(1).to_string());
+        }
+        let pool = |size| SqlitePoolOptions::new().max_connections(size);
+        let writer = pool(1).connect_with(options.clone()).await?;
+        sqlx::migrate!("./migrations").run(&writer).await?;
+        let readers = pool(READERS).connect_with(options).await?;
+        Ok(Self { readers, writer, stale: Arc::default() })
     }
 
     /// A transaction that takes the write lock at once: one that began by
-    /// reading could not wait for another writer and would fail instead.
+    /// reading could not wait for another process and would fail instead.
     async fn begin(&self) -> Result<Transaction<'static, sqlx::Sqlite>, StoreError> {
-        Ok(self.pool.begin_with("BEGIN IMMEDIATE").await?)
+        if self.stale.swap(false, Ordering::Relaxed) {
+            // It is given up either way; an error of its end changes nothing.
+            let _ = self.writer.acquire().await?.close().await;
+        }
+        let begun = self.writer.begin_with("BEGIN IMMEDIATE").await;
+        if begun.is_err() {
+            self.stale.store(true, Ordering::Relaxed);
+        }
+        Ok(begun?)
+    }
+
+    /// Ends a transaction: what was written is kept if all of it was.
+    async fn end<T>(
+        &self,
+        transaction: Transaction<'static, sqlx::Sqlite>,
+        written: sqlx::Result<T>,
+    ) -> Result<T, StoreError> {
+        let ended = match written {
+            Ok(value) => transaction.commit().await.map(|()| value),
+            // The first error says why; dropping the transaction rolls it back.
+            Err(error) => Err(error),
+        };
+        if ended.is_err() {
+            self.stale.store(true, Ordering::Relaxed);
+        }
+        Ok(ended?)
     }
 }
 
 #[async_trait]
 impl Store for Sqlite {
     async fn ping(&self) -> Result<(), StoreError> {
-        sqlx::query("SELECT 1").execute(&self.pool).await?;
+        sqlx::query("SELECT 1").execute(&self.readers).await?;
+        let mut transaction = self.begin().await?;
+        let written = sqlx::query(
+            "INSERT INTO probe (id, at_ms) VALUES (1, (SELECT now_ms FROM clock))
+             ON CONFLICT (id) DO UPDATE SET at_ms = excluded.at_ms",
+        )
+        .execute(&mut *transaction)
+        .await;
+        self.end(transaction, written).await?;
         Ok(())
     }
 
@@ -74,20 +142,16 @@ impl Store for Sqlite {
         key: Option<&IdempotencyKey>,
     ) -> Result<Inserted, StoreError> {
         let mut transaction = self.begin().await?;
-        let claim = idempotency::claim(&mut transaction, "measurement", key, &row.id).await?;
-        if claim == Inserted::Created {
-            measurements::insert(&mut transaction, row, files).await?;
-        }
-        transaction.commit().await?;
-        Ok(claim)
+        let written = measurements::insert(&mut transaction, row, files, key).await;
+        self.end(transaction, written).await
     }
 
     async fn measurement(&self, id: &str) -> Result<Option<MeasurementRow>, StoreError> {
-        Ok(measurements::get(&self.pool, id).await?)
+        Ok(measurements::get(&self.readers, id).await?)
     }
 
     async fn measurement_files(&self, id: &str) -> Result<Vec<FileRow>, StoreError> {
-        Ok(measurements::files(&self.pool, id).await?)
+        Ok(measurements::files(&self.readers, id).await?)
     }
 
     async fn measurements(
@@ -95,7 +159,13 @@ impl Store for Sqlite {
         filter: &MeasurementFilter,
         page: &Page,
     ) -> Result<Vec<MeasurementRow>, StoreError> {
-        Ok(measurements::list(&self.pool, filter, page).await?)
+        Ok(measurements::list(&self.readers, filter, page).await?)
+    }
+
+    async fn delete_measurement(&self, id: &str) -> Result<bool, StoreError> {
+        let mut transaction = self.begin().await?;
+        let deleted = measurements::delete(&mut transaction, id).await;
+        self.end(transaction, deleted).await
     }
 
     async fn insert_job(
@@ -104,39 +174,61 @@ impl Store for Sqlite {
         key: Option<&IdempotencyKey>,
     ) -> Result<Inserted, StoreError> {
         let mut transaction = self.begin().await?;
-        let claim = idempotency::claim(&mut transaction, "job", key, &row.id).await?;
-        if claim == Inserted::Created {
-            jobs::insert(&mut transaction, row).await?;
-        }
-        transaction.commit().await?;
-        Ok(claim)
+        let written = jobs::insert(&mut transaction, row, key).await;
+        self.end(transaction, written).await
     }
 
     async fn job(&self, id: &str) -> Result<Option<JobRow>, StoreError> {
-        Ok(jobs::get(&self.pool, id).await?)
+        Ok(jobs::get(&self.readers, id).await?)
     }
 
     async fn jobs(&self, filter: &JobFilter, page: &Page) -> Result<Vec<JobRow>, StoreError> {
-        Ok(jobs::list(&self.pool, filter, page).await?)
+        Ok(jobs::list(&self.readers, filter, page).await?)
+    }
+
+    async fn delete_job(&self, id: &str) -> Result<bool, StoreError> {
+        let mut transaction = self.begin().await?;
+        let deleted = jobs::delete(&mut transaction, id).await;
+        self.end(transaction, deleted).await
+    }
+
+    async fn delete_older(&self, age: Duration, limit: u32) -> Result<Expired, StoreError> {
+        let mut transaction = self.begin().await?;
+        let deleted = retention::delete_older(&mut transaction, age, limit).await;
+        self.end(transaction, deleted).await
     }
 
     async fn result(&self, id: &str) -> Result<Option<String>, StoreError> {
-        Ok(jobs::result(&self.pool, id).await?)
+        Ok(jobs::result(&self.readers, id).await?)
     }
 
     async fn convergence(&self, id: &str) -> Result<Vec<ConvergencePoint>, StoreError> {
-        Ok(jobs::convergence(&self.pool, id).await?)
+        Ok(history::of_latest_attempt(&self.readers, id).await?)
+    }
+
+    async fn history(
+        &self,
+        id: &str,
+        from: i64,
+        limit: u32,
+    ) -> Result<Vec<ConvergencePoint>, StoreError> {
+        Ok(history::from(&self.readers, id, from, limit).await?)
+    }
+
+    async fn queue(&self) -> Result<QueueState, StoreError> {
+        Ok(queue::state(&self.readers).await?)
     }
 
     async fn cancel(&self, id: &str) -> Result<Cancelling, StoreError> {
         let mut transaction = self.begin().await?;
-        let cancelling = queue::cancel(&mut transaction, id).await?;
-        transaction.commit().await?;
-        Ok(cancelling)
+        let cancelling = queue::cancel(&mut transaction, id).await;
+        self.end(transaction, cancelling).await
     }
 
     async fn lease(&self, duration: Duration) -> Result<Option<Lease>, StoreError> {
-        Ok(queue::lease(&self.pool, duration).await?)
+        let mut transaction = self.begin().await?;
+        let lease = queue::lease(&mut transaction, duration).await;
+        self.end(transaction, lease).await
     }
 
     async fn heartbeat(
@@ -147,26 +239,25 @@ impl Store for Sqlite {
         rows: &[ConvergencePoint],
     ) -> Result<Beat, StoreError> {
         let mut transaction = self.begin().await?;
-        let beat = queue::renew(&mut transaction, lease, duration, progress).await?;
-        if beat != Beat::Lost {
-            jobs::append_convergence(&mut transaction, lease, rows).await?;
-        }
-        transaction.commit().await?;
-        Ok(beat)
+        let beat = queue::renew(&mut transaction, lease, duration, progress, rows).await;
+        self.end(transaction, beat).await
     }
 
     async fn finish(&self, lease: &Lease, outcome: &Outcome) -> Result<bool, StoreError> {
-        Ok(queue::finish(&self.pool, lease, outcome).await?)
+        let mut transaction = self.begin().await?;
+        let finished = queue::finish(&mut transaction, lease, outcome).await;
+        self.end(transaction, finished).await
     }
 
     async fn hand_back(&self, lease: &Lease) -> Result<bool, StoreError> {
-        Ok(queue::hand_back(&self.pool, lease).await?)
+        let mut transaction = self.begin().await?;
+        let handed_back = queue::hand_back(&mut transaction, lease).await;
+        self.end(transaction, handed_back).await
     }
 
     async fn recover_expired(&self) -> Result<Recovered, StoreError> {
         let mut transaction = self.begin().await?;
-        let recovered = queue::recover_expired(&mut transaction).await?;
-        transaction.commit().await?;
-        Ok(recovered)
+        let recovered = queue::recover_expired(&mut transaction).await;
+        self.end(transaction, recovered).await
     }
 }

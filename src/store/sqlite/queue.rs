@@ -4,19 +4,28 @@ use std::time::Duration;
 
 use sqlx::{SqliteConnection, SqlitePool};
 
-use crate::store::{Beat, Cancelling, Lease, MAX_ATTEMPTS, Outcome, Recovered, Status};
+use crate::store::{
+    Beat, Cancelling, ConvergencePoint, Lease, MAX_ATTEMPTS, Outcome, QueueState, Recovered, Status,
+};
 
-pub(super) async fn lease(pool: &SqlitePool, duration: Duration) -> sqlx::Result<Option<Lease>> {
+use super::history;
+
+pub(super) async fn lease(
+    connection: &mut SqliteConnection,
+    duration: Duration,
+) -> sqlx::Result<Option<Lease>> {
     sqlx::query_as(
         "UPDATE jobs
          SET status = 'running', attempt = attempt + 1, progress = NULL,
              started_at_ms = (SELECT now_ms FROM clock),
              lease_until_ms = (SELECT now_ms FROM clock) + ?1
          WHERE id = (SELECT id FROM jobs WHERE status = 'queued' ORDER BY id LIMIT 1)
-         RETURNING id AS job_id, attempt, measurement_id, request",
+         RETURNING id AS job_id, attempt, measurement_id, kind, request,
+                   (SELECT COALESCE(max(seq) + 1, 0) FROM convergence
+                    WHERE job_id = jobs.id) AS next_seq",
     )
     .bind(millis(duration))
-    .fetch_optional(pool)
+    .fetch_optional(connection)
     .await
 }
 
@@ -25,6 +34,7 @@ pub(super) async fn renew(
     lease: &Lease,
     duration: Duration,
     progress: Option<&str>,
+    rows: &[ConvergencePoint],
 ) -> sqlx::Result<Beat> {
     let cancel_requested: Option<bool> = sqlx::query_scalar(
         "UPDATE jobs
@@ -37,13 +47,15 @@ pub(super) async fn renew(
     .bind(lease.attempt)
     .bind(millis(duration))
     .bind(progress)
-    .fetch_optional(connection)
+    .fetch_optional(&mut *connection)
     .await?;
-    Ok(cancel_requested.map_or(Beat::Lost, |cancel_requested| Beat::Renewed { cancel_requested }))
+    let Some(cancel_requested) = cancel_requested else { return Ok(Beat::Lost) };
+    history::append(connection, lease, rows).await?;
+    Ok(Beat::Renewed { cancel_requested })
 }
 
 pub(super) async fn finish(
-    pool: &SqlitePool,
+    connection: &mut SqliteConnection,
     lease: &Lease,
     outcome: &Outcome,
 ) -> sqlx::Result<bool> {
@@ -64,12 +76,15 @@ pub(super) async fn finish(
     .bind(status)
     .bind(result)
     .bind(failure)
-    .execute(pool)
+    .execute(connection)
     .await?;
     Ok(done.rows_affected() == 1)
 }
 
-pub(super) async fn hand_back(pool: &SqlitePool, lease: &Lease) -> sqlx::Result<bool> {
+pub(super) async fn hand_back(
+    connection: &mut SqliteConnection,
+    lease: &Lease,
+) -> sqlx::Result<bool> {
     let done = sqlx::query(
         "UPDATE jobs
          SET status = CASE WHEN cancel_requested THEN 'cancelled' ELSE 'queued' END,
@@ -81,7 +96,7 @@ pub(super) async fn hand_back(pool: &SqlitePool, lease: &Lease) -> sqlx::Result<
     )
     .bind(&lease.job_id)
     .bind(lease.attempt)
-    .execute(pool)
+    .execute(connection)
     .await?;
     Ok(done.rows_affected() == 1)
 }
@@ -156,6 +171,17 @@ pub(super) async fn recover_expired(connection: &mut SqliteConnection) -> sqlx::
     })
 }
 
-fn millis(duration: Duration) -> i64 {
+pub(super) async fn state(pool: &SqlitePool) -> sqlx::Result<QueueState> {
+    sqlx::query_as(
+        "SELECT (SELECT count(*) FROM jobs WHERE status = 'queued') AS queued,
+                (SELECT count(*) FROM jobs WHERE status = 'running') AS running,
+                COALESCE((SELECT max(0, (SELECT now_ms FROM clock) - created_at_ms) FROM jobs
+                          WHERE status = 'queued' ORDER BY id LIMIT 1), 0) AS oldest_wait_ms",
+    )
+    .fetch_one(pool)
+    .await
+}
+
+pub(super) fn millis(duration: Duration) -> i64 {
     i64::try_from(duration.as_millis()).unwrap_or(i64::MAX)
 }

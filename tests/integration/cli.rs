@@ -16,8 +16,12 @@ fn error(output: &Output) -> String {
 
 #[test]
 fn bad_usage_ends_with_2() {
-    for arguments in [&["identify"][..], &["divine"], &["serve"], &["identify", "--seed", "x", "f"]]
-    {
+    for arguments in [
+        &["identify"][..],
+        &["divine"],
+        &["serve", "--listen", "here"],
+        &["identify", "--seed", "x", "f"],
+    ] {
         assert_eq!(code(&servoscope(arguments)), Some(2), "{arguments:?}");
     }
     assert_eq!(code(&servoscope(&["--help"])), Some(0));

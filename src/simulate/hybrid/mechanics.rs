@@ -1,10 +1,11 @@
 //! Equations of motion between switches, and what switches them.
 
+mod start;
+
 use crate::effects::{Axis, Jet, Law, SecondMass};
 use crate::plant::Scalar;
 
 use super::super::orbit::Motion;
-use super::super::transient::InitialState;
 use super::runge_kutta::Vector;
 
 /// Index of v in every state.
@@ -212,38 +213,6 @@ impl<S: Scalar> Mechanics<S> {
     /// A constant torque that balances what friction holds back on average.
     pub fn first_balance(&self) -> f64 {
         0.5 * (self.coulomb[0].value() + self.coulomb[1].value())
-    }
-
-    /// The state that a motion begins in under a torque: what is not given is as at a constant
-    /// velocity, where friction bends bristles all the way, and as they balance the torque of
-    /// an axis at rest.
-    pub fn start<const M: usize>(&self, torque: S, initial: &InitialState) -> Vector<S, M> {
-        let mut state = [S::constant(0.0); M];
-        let v = initial.velocity;
-        state[VELOCITY] = S::constant(v);
-        if let Some(i) = self.position {
-            state[i] = S::constant(initial.position);
-        }
-        let side = if v == 0.0 { 0.0 } else { v.signum() };
-        if let Some(mass) = self.second_mass {
-            let twist = initial.twist.unwrap_or(0.5 * side * mass.gap.value());
-            state[self.load_velocity] = S::constant(v);
-            state[self.twist] = S::constant(twist);
-        }
-        if let Some(sigma) = self.bristle {
-            let [forward, backward] = self.coulomb;
-            let balanced = self.net(Contact::Open, torque, &state);
-            let toward = |share: f64| if share < 0.0 { backward * -share } else { forward * share };
-            let level = match initial.bristle {
-                Some(share) => toward(share),
-                None if side != 0.0 => toward(side),
-                None if balanced.value() > forward.value() => forward,
-                None if balanced.value() < backward.value() => backward,
-                None => balanced,
-            };
-            state[self.bristle_at] = level / sigma;
-        }
-        state
     }
 
     /// What the axis does in a state, where nothing says what it did before.

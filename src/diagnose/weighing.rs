@@ -39,6 +39,17 @@ pub(super) fn diagnose(
     request: &IdentifyRequest,
     part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
+    let answer = weighed(measurement, request, part)?;
+    // Where one weighting was all that it took, what was set aside for another was not used.
+    part.part([1.0, 1.0]).stage("diagnosis", 1).step();
+    Ok(answer)
+}
+
+fn weighed(
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    part: Part<'_>,
+) -> Result<Diagnosis, DiagnoseError> {
     let options = IdentifyOptions { weights: Weighting::Response, ..request.options };
     let all_alike = IdentifyRequest { options, ..*request };
     let fitting = part.part(FITTING);
@@ -111,15 +122,18 @@ fn best(answer: &Diagnosis) -> &Identification {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Mutex;
+
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::StandardNormal;
 
-    use super::super::tests::{exact, request};
+    use super::super::tests::{exact, noisy, request};
     use super::*;
-    use crate::answers::Verdict;
+    use crate::answers::{Progress, Verdict};
+    use crate::benchmark::draw::NoiseStatement;
     use crate::measurement::{Complex, Experiment, Metadata};
-    use crate::observer::Silent;
+    use crate::observer::{Observer, Silent};
 
     /// An axis whose sensor reads at the lowest magnitude by turns a tenth too much and too
     /// little; noise as a share of the largest response there and elsewhere.
@@ -170,6 +184,25 @@ mod tests {
         assert!(answer.base.fit.chi2_per_dof.unwrap() > HOPELESS, "{:?}", answer.base.fit);
         assert_eq!(answer.verdict, Verdict::Explained, "{:?}", answer.limitations);
         assert_eq!(answer.causes[0].effect, "transport_delay");
+    }
+
+    /// How far it is.
+    #[derive(Default)]
+    struct Latest(Mutex<f64>);
+
+    impl Observer for Latest {
+        fn progress(&self, progress: Progress) {
+            *self.0.lock().unwrap() = progress.fraction;
+        }
+    }
+
+    #[test]
+    fn a_diagnosis_that_ends_has_come_to_its_end() {
+        let measurement = noisy(&exact(), NoiseStatement::Std, 1);
+        let latest = Latest::default();
+        let part = Part { whole: &latest, span: [0.0, 1.0] };
+        diagnose(&measurement, &request(), part).unwrap();
+        assert_eq!(*latest.0.lock().unwrap(), 1.0);
     }
 
     #[test]

@@ -62,3 +62,31 @@ pub(super) fn between(
     );
     Some(NextExperiment { magnitude, omega_rad_s, reason })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{exact, noisy, request};
+    use super::*;
+    use crate::benchmark::draw::NoiseStatement;
+    use crate::effects;
+    use crate::observer::Silent;
+
+    // To first order in ωT a delay and a lag are one; what parts them grows with the square,
+    // faster than the response falls.
+    #[test]
+    fn a_delay_and_a_lag_are_told_apart_beyond_the_highest_frequency() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());
+        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
+        let models = ["transport_delay", "sensor_lag"].map(|id| {
+            let mut model = workbench.extend(workbench.base(), effects::find(id).unwrap());
+            model.set(model.parameters_of(0).start, 1e-3);
+            model
+        });
+        let [delay, lag] = [(&models[0], "transport_delay"), (&models[1], "sensor_lag")];
+        let next = between(&workbench, delay, lag).unwrap();
+        let measured = measurement.experiments().iter().map(|e| e.omega_rad_s);
+        let highest = measured.fold(0.0, f64::max);
+        assert!(next.omega_rad_s > highest && next.omega_rad_s < 4.01 * highest, "{next:?}");
+        assert!(next.reason.starts_with("transport_delay and sensor_lag"), "{next:?}");
+    }
+}

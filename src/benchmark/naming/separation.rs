@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::make::{Made, statement};
 use super::{Case, MakeError};
-use crate::answers::{Diagnosis, NextExperiment};
+use crate::answers::{Candidate, Diagnosis, NextExperiment};
 use crate::benchmark::draw::{Draw, DrawError, log_uniform};
 use crate::benchmark::responses::Responses;
 use crate::benchmark::simulator::Settings;
@@ -69,10 +69,10 @@ pub(super) fn separate(
         let answer = diagnose(&measurement, request, observer)?;
         let first = answer.causes.first();
         let ended = first.is_some_and(|c| made.hides(&c.effect) && c.equivalents.is_empty());
-        Ok(lead(made, &answer).map(|lead| Separated { ended, lead }))
+        Ok(lead(made, &answer.candidates).map(|lead| Separated { ended, lead }))
     };
     let both = (separates((magnitude, omega_rad_s))?, separates(random)?);
-    Ok(match (lead(made, diagnosis), both) {
+    Ok(match (lead(made, &diagnosis.candidates), both) {
         (Some(lead), (Some(asked_for), Some(random))) => {
             Some(Separation { lead, asked_for, random })
         }
@@ -81,8 +81,8 @@ pub(super) fn separate(
 }
 
 /// By how much a hidden effect that is alone leads; `None` where it was not tried.
-fn lead(made: &Made, diagnosis: &Diagnosis) -> Option<f64> {
-    let all = || diagnosis.candidates.iter();
+fn lead(made: &Made, candidates: &[Candidate]) -> Option<f64> {
+    let all = || candidates.iter();
     let own = all().find(|candidate| made.hides(&candidate.effect))?;
     let others = all().filter(|candidate| !made.hides(&candidate.effect));
     Some(others.map(|other| other.criterion).fold(f64::INFINITY, f64::min) - own.criterion)
@@ -140,5 +140,26 @@ mod tests {
             let lowest = made.machine.design[0];
             assert!(magnitude >= lowest.0 && magnitude <= 4.0 * lowest.0 && omega >= lowest.1);
         }
+    }
+
+    #[test]
+    fn a_hidden_effect_leads_by_what_the_best_other_is_behind() {
+        let case: Case = "single-50-gain_asymmetry-o0-4".parse().unwrap();
+        let made = make(&case, 1, &Silent).unwrap();
+        let candidate = |(effect, criterion): &(&str, f64)| Candidate {
+            effect: (*effect).to_owned(),
+            cost: 0.0,
+            delta_chi2: 0.0,
+            criterion: *criterion,
+            heldout_error: None,
+            rejected: None,
+        };
+        let led = |criteria: &[(&str, f64)]| {
+            lead(&made, &criteria.iter().map(candidate).collect::<Vec<_>>())
+        };
+        let (hidden, spring) = (("gain_asymmetry", 610.0), ("spring", 640.0));
+        assert_eq!(led(&[hidden, spring]), Some(30.0));
+        assert_eq!(led(&[hidden, spring, ("cogging", 607.0)]), Some(-3.0));
+        assert_eq!(led(&[spring]), None);
     }
 }

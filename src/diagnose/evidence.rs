@@ -18,16 +18,18 @@ use super::subspace::Subspace;
 /// is as likely as all together are not.
 const RARITY: f64 = 6.0;
 
-/// Least that a parameter costs: one that the data does not determine is no reason
-/// to prefer the model that has it.
-const LEAST: f64 = 4.0;
+/// Least that a parameter costs: one that the data does not determine is no reason to
+/// prefer the model that has it. That it does not show is taken to be as likely as that it
+/// does: −2 ln ½.
+const LEAST: f64 = 2.0 * std::f64::consts::LN_2;
 
 /// Deviation of how much there is of an effect, in units of what was found: machines differ in
 /// that by orders of magnitude, so that no range would be fair to a large and to a small one.
 const SIZE: f64 = 2.0;
 
-/// What one more order of the actuator costs: as an effect of one parameter.
-pub(super) const ORDER: f64 = RARITY + LEAST;
+/// What one more order of the actuator costs: as an effect of one parameter that the data
+/// narrows down by a factor of e².
+pub(super) const ORDER: f64 = RARITY + 4.0;
 
 /// How large a misfit is.
 #[derive(Debug, Clone, Copy)]

@@ -88,6 +88,11 @@ impl Folds {
         };
         Some(Self { parts: (0..parts).map(part).collect::<Option<_>>()?, what })
     }
+
+    /// The part in which a harmonic of an experiment is held out, if in any.
+    pub fn part_of(&self, experiment: usize, order: usize) -> Option<usize> {
+        self.parts.iter().position(|fold| fold.rows.contains_key(&(experiment, order)))
+    }
 }
 
 /// Frequencies, at every magnitude.

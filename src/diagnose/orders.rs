@@ -58,9 +58,9 @@ pub(super) fn diagnose(
     let standing =
         |study: &Study<'_>| weight(study) - if study.order() == suited { EQUIVALENT } else { 0.0 };
     studies.sort_by(|a, b| standing(a).total_cmp(&standing(b)));
-    studies[0].combine(part.part(COMBINING[0]), most)?;
+    studies[0].combine(part.part(COMBINING[0]), most, measurement)?;
     if !studies[0].explained() && studies.len() > 1 {
-        studies[1].combine(part.part(COMBINING[1]), most)?;
+        studies[1].combine(part.part(COMBINING[1]), most, measurement)?;
         studies.sort_by(|a, b| standing(a).total_cmp(&standing(b)));
     }
     let mut said = Vec::new();

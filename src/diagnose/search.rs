@@ -38,7 +38,7 @@ struct Breadth {
 const WIDE: Breadth = Breadth { further: [5, 3], starts: [4, 4, 2], followed: 2, grown: 4 };
 
 /// The same of records, whose simulation takes a thousand times longer.
-const NARROW: Breadth = Breadth { further: [3, 1], starts: [2, 1, 1], followed: 1, grown: 2 };
+const NARROW: Breadth = Breadth { further: [3, 1], starts: [2, 1, 1], followed: 1, grown: 1 };
 
 /// Share of the limit that a probe's gain must reach for a fit to be worthwhile.
 const PROMISING: f64 = 0.7;
@@ -100,8 +100,15 @@ impl<'a> Search<'a> {
     }
 
     /// Fits pairs and triples, up to `most` effects, as long as `sufficient` does not hold
-    /// of the best model or an effect beside it promises something.
-    pub fn combine(&mut self, part: Part<'_>, most: usize, sufficient: impl Fn(&Model) -> bool) {
+    /// of the best model or an effect beside it promises something, and one more effect
+    /// `adds` to the model without it.
+    pub fn combine(
+        &mut self,
+        part: Part<'_>,
+        most: usize,
+        sufficient: impl Fn(&Model) -> bool,
+        adds: impl Fn(&Model, &Model) -> bool,
+    ) {
         let mut part = Remaining(part);
         for size in 1..most {
             let best = self.models.best_supported();
@@ -123,6 +130,12 @@ impl<'a> Search<'a> {
             // The best of the larger models is held against all that it contains,
             // and a pair against its rivals in the place of each of its effects.
             if let Some(next) = self.models.ranked(size + 1).first().cloned() {
+                if let (Some(without), Some(with)) =
+                    (self.models.get(&best), self.models.get(&next))
+                    && !adds(without, with)
+                {
+                    break;
+                }
                 self.shrink(&next, part.0);
                 for id in next.iter().filter(|_| size == 1) {
                     let rest = next.iter().copied().filter(|other| other != id).collect();

@@ -2,10 +2,12 @@
 
 use crate::answers::Discrepancy;
 use crate::identify::{IdentifyError, Model, ModelFit, Workbench};
+use crate::measurement::Measurement;
 use crate::observer::Observer as _;
 
 use super::conclusion::Conclusion;
 use super::evidence::Yardstick;
+use super::folds::Folds;
 use super::models::Key;
 use super::progress::Part;
 use super::search::Search;
@@ -53,14 +55,29 @@ impl<'a> Study<'a> {
         Ok(this)
     }
 
-    /// Fits several effects together, up to `most`, where one is not enough.
+    /// Fits several effects together, up to `most`, where one is not enough. Of records, on
+    /// which every further effect takes minutes, only as long as one more is expected to
+    /// predict better what is left out of a fit to the `measurement`.
     ///
     /// # Errors
     /// When cancelled.
-    pub fn combine(&mut self, part: Part<'_>, most: usize) -> Result<(), DiagnoseError> {
+    pub fn combine(
+        &mut self,
+        part: Part<'_>,
+        most: usize,
+        measurement: &Measurement,
+    ) -> Result<(), DiagnoseError> {
         let Self { workbench, search, seed, .. } = self;
         let yardstick = search.models.yardstick;
-        search.combine(part, most, |model| noise_like(workbench, yardstick, model, *seed));
+        let sufficient = |model: &Model| noise_like(workbench, yardstick, model, *seed);
+        let folds = if workbench.has_cosines_alone() { None } else { Folds::of(measurement) };
+        let adds = |without: &Model, with: &Model| {
+            let Some(folds) = &folds else { return true };
+            let errors = [without, with]
+                .map(|model| workbench.error_left_out(model, |e, order| folds.part_of(e, order)));
+            matches!(errors, [Some(without), Some(with)] if with < without)
+        };
+        search.combine(part, most, sufficient, adds);
         self.choose(part)
     }
 

@@ -70,14 +70,11 @@ impl Unseen {
             this.add(workbench, request, (models, chosen), fold, part)?;
             stage.step();
         }
-        let part_of = |experiment: usize, order: usize| {
-            folds.parts.iter().position(|fold| fold.rows.contains_key(&(experiment, order)))
-        };
         let singles: Vec<(&Key, &Model)> = models.all().filter(|(key, _)| key.len() == 1).collect();
         let error = |(key, model): (&Key, &Model)| {
             let error = match this.by_effects.get(key) {
                 Some(predicted) => gain::error(predicted),
-                None => workbench.error_left_out(model, part_of),
+                None => workbench.error_left_out(model, |e, order| folds.part_of(e, order)),
             };
             Some((key[0], error?))
         };

@@ -61,9 +61,10 @@ pub struct Cause {
 pub struct Candidate {
     /// Id of the effect.
     pub effect: String,
-    /// Its cost after refitting: χ², or χ² in units of the estimated noise.
+    /// Its cost after refitting: χ², or the weighted sum of squares where the noise is unknown.
     pub cost: f64,
-    /// By how much it lowers that of the model without it.
+    /// By how much it lowers −2 ln of the likelihood: χ², or where noise is unknown or not what
+    /// limits the model, the logarithm of the cost times the degrees of freedom.
     pub delta_chi2: f64,
     /// Information criterion; smallest wins.
     pub criterion: f64,

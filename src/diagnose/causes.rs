@@ -123,7 +123,8 @@ pub(super) fn rivals<'s>(
 /// Every effect that was tried on the base model, the best first; `withdrawn` are effects of the
 /// best model where it predicts data held out no better than the base model.
 pub(super) fn candidates(models: &Models, chosen: &Key, withdrawn: &Key) -> Vec<Candidate> {
-    let before = models.get(&Key::new()).map_or(f64::NAN, |base| base.cost);
+    let yardstick = &models.yardstick;
+    let before = models.get(&Key::new()).map_or(f64::NAN, |base| yardstick.misfit(base.cost));
     let mut candidates: Vec<Candidate> = ALL
         .iter()
         .filter_map(|effect| {
@@ -135,7 +136,7 @@ pub(super) fn candidates(models: &Models, chosen: &Key, withdrawn: &Key) -> Vec<
             Some(Candidate {
                 effect: id.to_owned(),
                 cost: model.cost,
-                delta_chi2: before - model.cost,
+                delta_chi2: before - yardstick.misfit(model.cost),
                 criterion: models.criterion(&key),
                 heldout_error: None,
                 rejected,

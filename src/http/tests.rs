@@ -19,6 +19,7 @@ use super::Limits;
 
 mod documents;
 mod events;
+mod failures;
 mod operations;
 
 /// Bytes that an upload may have here.

@@ -8,8 +8,9 @@ COPY Cargo.toml Cargo.lock ./
 COPY src ./src
 COPY migrations ./migrations
 # The manifest names the integration tests and the benches; nothing here builds them.
-RUN mkdir -p tests/integration benches \
+RUN mkdir -p tests/integration benches/load \
     && touch tests/integration/main.rs benches/effects.rs benches/simulate.rs benches/identify.rs \
+        benches/load/main.rs \
     && cargo build --release --locked --bin servoscope
 
 FROM debian:bookworm-slim

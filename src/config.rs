@@ -1,86 +1,20 @@
 //! What a server is told when it starts: defaults, then a file, then the
 //! environment, then flags; each says only what it changes. Checked once.
 
+mod settings;
+
 use std::net::SocketAddr;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
+pub use settings::{LogFormat, Settings};
 
 /// Bytes of a mebibyte.
 const MIB: usize = 1 << 20;
 
 /// The largest upload limit that can be asked for: bodies are held in memory.
 const MAX_UPLOAD_MIB: usize = 4096;
-
-/// How a log line is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "lowercase")]
-pub enum LogFormat {
-    /// For a person.
-    #[default]
-    Text,
-    /// One JSON object a line, for a program.
-    Json,
-}
-
-/// What one source says; `None` where it says nothing.
-///
-/// The same list is the flags and environment variables of `serve` and
-/// `config show`, and the keys of the file.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize, clap::Args)]
-#[serde(deny_unknown_fields)]
-#[group(skip)]
-pub struct Settings {
-    /// Address to listen on; port 0 takes a free one [default: 127.0.0.1:8080].
-    #[arg(long, value_name = "ADDRESS", env = "SERVOSCOPE_LISTEN")]
-    pub listen: Option<SocketAddr>,
-    /// Allows an address that other machines can reach. The service asks nobody
-    /// who they are: something in front of it must.
-    #[arg(long, env = "SERVOSCOPE_INSECURE_LISTEN", num_args = 0..=1, require_equals = true,
-          default_missing_value = "true", value_name = "BOOL")]
-    pub insecure_listen: Option<bool>,
-    /// Directory of the database; made if it is not there [default: servoscope-data].
-    #[arg(long, value_name = "DIR", env = "SERVOSCOPE_DATA_DIR")]
-    pub data_dir: Option<PathBuf>,
-    /// Largest upload as sent, mebibytes [default: 64].
-    #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_UPLOAD_MIB")]
-    pub max_upload_mib: Option<usize>,
-    /// Largest upload once unpacked, mebibytes [default: 128, or the largest upload
-    /// as sent where that is more].
-    #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_UNPACKED_MIB")]
-    pub max_unpacked_mib: Option<usize>,
-    /// Largest database, mebibytes [default: as the disk has room].
-    #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_STORE_MIB")]
-    pub max_store_mib: Option<usize>,
-    /// Jobs that run at once [default: one a core].
-    #[arg(long, value_name = "N", env = "SERVOSCOPE_WORKERS")]
-    pub workers: Option<usize>,
-    /// Longest that a job may compute, minutes [default: 360].
-    #[arg(long, value_name = "MINUTES", env = "SERVOSCOPE_JOB_MINUTES")]
-    pub job_minutes: Option<usize>,
-    /// How long after its worker was last heard of a job runs again, seconds
-    /// [default: 10].
-    #[arg(long, value_name = "SECONDS", env = "SERVOSCOPE_LEASE_SECONDS")]
-    pub lease_seconds: Option<usize>,
-    /// Days after which ended jobs, and measurements without jobs, are deleted
-    /// [default: never].
-    #[arg(long, value_name = "DAYS", env = "SERVOSCOPE_KEEP_DAYS")]
-    pub keep_days: Option<usize>,
-    /// Origin of pages whose scripts may use the service from a browser; repeated,
-    /// or separated by commas [default: none].
-    #[arg(
-        long = "cors-origin",
-        value_name = "ORIGIN",
-        env = "SERVOSCOPE_CORS_ORIGINS",
-        value_delimiter = ','
-    )]
-    pub cors_origins: Option<Vec<String>>,
-    /// How log lines are written [default: text].
-    #[arg(long, value_name = "FORMAT", env = "SERVOSCOPE_LOG_FORMAT")]
-    pub log_format: Option<LogFormat>,
-}
 
 /// What a server needs to know, checked.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -144,120 +78,60 @@ pub enum ConfigError {
     Origin(String),
 }
 
-impl Settings {
-    /// What holds where nobody says anything; what is still `None` has no fixed
-    /// default.
-    pub fn defaults() -> Self {
-        Self {
-            listen: Some(SocketAddr::from(([127, 0, 0, 1], 8080))),
-            insecure_listen: Some(false),
-            data_dir: Some("servoscope-data".into()),
-            max_upload_mib: Some(64),
-            job_minutes: Some(360),
-            lease_seconds: Some(10),
-            cors_origins: Some(Vec::new()),
-            log_format: Some(LogFormat::Text),
-            ..Self::default()
-        }
-    }
-
-    /// Reads a TOML file of settings.
-    ///
-    /// # Errors
-    /// [`ConfigError::File`] with line, column and what is known.
-    pub fn read(file: &Path) -> Result<Self, ConfigError> {
-        let wrong = |reason: String| ConfigError::File { file: file.display().to_string(), reason };
-        let text = std::fs::read_to_string(file).map_err(|error| wrong(error.to_string()))?;
-        toml::from_str(&text).map_err(|error| wrong(error.to_string().trim().to_owned()))
-    }
-
-    /// These settings, and of `below` what they do not say.
-    pub fn over(self, below: Self) -> Self {
-        Self {
-            listen: self.listen.or(below.listen),
-            insecure_listen: self.insecure_listen.or(below.insecure_listen),
-            data_dir: self.data_dir.or(below.data_dir),
-            max_upload_mib: self.max_upload_mib.or(below.max_upload_mib),
-            max_unpacked_mib: self.max_unpacked_mib.or(below.max_unpacked_mib),
-            max_store_mib: self.max_store_mib.or(below.max_store_mib),
-            workers: self.workers.or(below.workers),
-            job_minutes: self.job_minutes.or(below.job_minutes),
-            lease_seconds: self.lease_seconds.or(below.lease_seconds),
-            keep_days: self.keep_days.or(below.keep_days),
-            cors_origins: self.cors_origins.or(below.cors_origins),
-            log_format: self.log_format.or(below.log_format),
-        }
-    }
-
-    /// Names and values, the latter as TOML; `None` where nothing is said.
-    pub fn entries(&self) -> Vec<(&'static str, Option<String>)> {
-        fn text<T: Serialize>(value: Option<&T>) -> Option<String> {
-            let value = toml::Value::try_from(value?).ok()?;
-            Some(value.to_string())
-        }
-        vec![
-            ("listen", text(self.listen.as_ref())),
-            ("insecure_listen", text(self.insecure_listen.as_ref())),
-            ("data_dir", text(self.data_dir.as_ref())),
-            ("max_upload_mib", text(self.max_upload_mib.as_ref())),
-            ("max_unpacked_mib", text(self.max_unpacked_mib.as_ref())),
-            ("max_store_mib", text(self.max_store_mib.as_ref())),
-            ("workers", text(self.workers.as_ref())),
-            ("job_minutes", text(self.job_minutes.as_ref())),
-            ("lease_seconds", text(self.lease_seconds.as_ref())),
-            ("keep_days", text(self.keep_days.as_ref())),
-            ("cors_origins", text(self.cors_origins.as_ref())),
-            ("log_format", text(self.log_format.as_ref())),
-        ]
-    }
-}
-
 impl ServeConfig {
     /// Checks settings; what they do not say takes its default.
     ///
     /// # Errors
     /// The first setting that cannot be used.
     pub fn check(settings: Settings) -> Result<Self, ConfigError> {
-        let settings = settings.over(Settings::defaults());
-        let listen = settings.listen.unwrap_or(SocketAddr::from(([127, 0, 0, 1], 8080)));
+        let listen = settings.listen.unwrap_or(settings::LISTEN);
         if !listen.ip().is_loopback() && settings.insecure_listen != Some(true) {
             return Err(ConfigError::Open(listen));
         }
-        let within = |setting, value: Option<usize>, low, high| match value {
-            Some(value) if !(low..=high).contains(&value) => {
-                Err(ConfigError::Range { setting, value, low, high })
-            }
-            value => Ok(value),
-        };
-        let seconds = |seconds: usize| Duration::from_secs(seconds as u64);
-        let sent = within("max_upload_mib", settings.max_upload_mib, 1, MAX_UPLOAD_MIB)?;
-        let sent = sent.unwrap_or(64);
-        let unpacked = within("max_unpacked_mib", settings.max_unpacked_mib, 1, MAX_UPLOAD_MIB)?;
-        let store = within("max_store_mib", settings.max_store_mib, 1, 1 << 30)?;
+        let sent = settings.max_upload_mib.unwrap_or(settings::UPLOAD_MIB);
+        let sent = within("max_upload_mib", sent, 1, MAX_UPLOAD_MIB)?;
+        let unpacked = settings.max_unpacked_mib.unwrap_or(sent.max(settings::UNPACKED_MIB));
+        let unpacked = within("max_unpacked_mib", unpacked, 1, MAX_UPLOAD_MIB)?;
+        let store = settings.max_store_mib.map(|size| within("max_store_mib", size, 1, 1 << 30));
         let cores = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-        let workers = within("workers", settings.workers, 1, 1024)?.unwrap_or(cores.get());
-        let minutes = within("job_minutes", settings.job_minutes, 1, 60 * 24 * 366)?;
+        let workers = within("workers", settings.workers.unwrap_or(cores.get()), 1, 1024)?;
+        let minutes = settings.job_minutes.unwrap_or(settings::JOB_MINUTES);
+        let minutes = within("job_minutes", minutes, 1, 60 * 24 * 366)?;
         // A beat of an overloaded machine may come late by a second.
-        let lease = within("lease_seconds", settings.lease_seconds, 2, 3600)?;
-        let keep = within("keep_days", settings.keep_days, 1, 36_600)?;
+        let lease = settings.lease_seconds.unwrap_or(settings::LEASE_SECONDS);
+        let lease = within("lease_seconds", lease, 2, 3600)?;
+        let keep = settings.keep_days.map(|days| within("keep_days", days, 1, 36_600));
         let cors_origins = settings.cors_origins.unwrap_or_default();
         if let Some(wrong) = cors_origins.iter().find(|origin| !is_origin(origin)) {
             return Err(ConfigError::Origin(wrong.clone()));
         }
+        let seconds = |seconds: usize| Duration::from_secs(seconds as u64);
         Ok(Self {
             listen,
-            data_dir: settings.data_dir.unwrap_or_default(),
+            data_dir: settings.data_dir.unwrap_or_else(|| settings::DATA_DIR.into()),
             max_upload_bytes: sent * MIB,
-            max_unpacked_bytes: unpacked.unwrap_or(sent.max(128)) * MIB,
-            max_store_bytes: store.map(|mebibytes| (mebibytes * MIB) as u64),
+            max_unpacked_bytes: unpacked * MIB,
+            max_store_bytes: store.transpose()?.map(|mebibytes| (mebibytes * MIB) as u64),
             workers: NonZeroUsize::new(workers).unwrap_or(NonZeroUsize::MIN),
-            job_limit: seconds(minutes.unwrap_or(360) * 60),
-            lease: seconds(lease.unwrap_or(10)),
-            keep: keep.map(|days| seconds(days * 24 * 3600)),
+            job_limit: seconds(minutes * 60),
+            lease: seconds(lease),
+            keep: keep.transpose()?.map(|days| seconds(days * 24 * 3600)),
             cors_origins,
             log_format: settings.log_format.unwrap_or_default(),
         })
     }
+}
+
+fn within(
+    setting: &'static str,
+    value: usize,
+    low: usize,
+    high: usize,
+) -> Result<usize, ConfigError> {
+    if (low..=high).contains(&value) {
+        return Ok(value);
+    }
+    Err(ConfigError::Range { setting, value, low, high })
 }
 
 /// Scheme, host and perhaps a port, as browsers send it.
@@ -300,26 +174,6 @@ mod tests {
         assert!(ServeConfig::check(none).is_err());
         let huge = Settings { max_upload_mib: Some(MAX_UPLOAD_MIB + 1), ..loopback };
         assert!(ServeConfig::check(huge).is_err());
-    }
-
-    #[test]
-    fn what_a_source_does_not_say_is_left_to_the_one_below() {
-        let file = Settings { workers: Some(1), keep_days: Some(30), ..Settings::default() };
-        let flags = Settings { workers: Some(2), ..Settings::default() };
-        let both = flags.over(file).over(Settings::defaults());
-        assert_eq!(
-            (both.workers, both.keep_days, both.max_upload_mib),
-            (Some(2), Some(30), Some(64))
-        );
-    }
-
-    #[test]
-    fn an_unknown_key_of_a_file_is_refused_with_its_line() {
-        let directory = tempfile::tempdir().unwrap();
-        let file = directory.path().join("servoscope.toml");
-        std::fs::write(&file, "workers = 2\nwrokers = 3\n").unwrap();
-        let refused = Settings::read(&file).unwrap_err().to_string();
-        assert!(refused.contains("line 2") && refused.contains("wrokers"), "{refused}");
     }
 
     #[test]

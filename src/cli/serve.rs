@@ -47,7 +47,9 @@ pub(super) fn run(args: &Args, verbose: u8) -> Result<(), Failure> {
 async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     let mut terminations = Terminations::new().map_err(Failure::other)?;
     let store = Sqlite::open_limited(&config.data_dir, config.max_store_bytes);
-    let store: Arc<dyn Store> = Arc::new(store.await.map_err(Failure::other)?);
+    let store: Arc<dyn Store> = Arc::new(store.await.map_err(|error| {
+        Failure::Other(format!("cannot keep data in {}: {error}", config.data_dir.display()))
+    })?);
     let listener = TcpListener::bind(config.listen)
         .await
         .map_err(|error| Failure::Other(format!("cannot listen on {}: {error}", config.listen)))?;

@@ -6,7 +6,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use http_body_util::BodyExt;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 
 use super::measurements::media_type;
 use super::problem::Problem;
@@ -43,19 +43,26 @@ pub(super) async fn whole(request: Request, next: Next, max_bytes: usize) -> Res
 pub(super) fn json<T: DeserializeOwned>(headers: &HeaderMap, body: &[u8]) -> Result<T, Problem> {
     let content_type = media_type(headers);
     if content_type != "application/json" {
-        let detail = format!("`{content_type}` is not read here; send application/json");
-        return Err(Problem::of_status(StatusCode::UNSUPPORTED_MEDIA_TYPE, detail));
+        return Err(not_read(&content_type, "application/json"));
+    }
+    serde_json::from_slice::<IgnoredAny>(body).map_err(|error| Problem::malformed_json(&error))?;
+    // A list would be taken for the members in the order of this program's type.
+    if !body.trim_ascii_start().starts_with(b"{") {
+        let detail = "the body is JSON, but not an object";
+        return Err(Problem::of_status(StatusCode::UNPROCESSABLE_ENTITY, detail));
     }
     let mut json = serde_json::Deserializer::from_slice(body);
-    let read = serde_path_to_error::deserialize(&mut json).map_err(|error| {
-        let member = error.path().to_string();
-        match error.inner().classify() {
-            serde_json::error::Category::Data => Problem::wrong_json(member, error.inner()),
-            _ => Problem::malformed_json(error.inner()),
-        }
-    })?;
-    json.end().map_err(|error| Problem::malformed_json(&error))?;
-    Ok(read)
+    serde_path_to_error::deserialize(&mut json)
+        .map_err(|error| Problem::wrong_json(error.path().to_string(), error.inner()))
+}
+
+/// Says that a body of this type is not read, and what is.
+pub(super) fn not_read(content_type: &str, readable: &str) -> Problem {
+    let detail = match content_type {
+        "" => format!("the request does not say in `Content-Type` what it is; send {readable}"),
+        other => format!("`{other}` is not read here; send {readable}"),
+    };
+    Problem::of_status(StatusCode::UNSUPPORTED_MEDIA_TYPE, detail)
 }
 
 /// Says that a body is too large.

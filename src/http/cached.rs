@@ -27,8 +27,7 @@ pub(super) fn answer(
         (header::CACHE_CONTROL, if settled { SETTLED } else { "no-cache" }.to_owned()),
         (header::ETAG, tag.clone()),
     ];
-    let known = request.get(header::IF_NONE_MATCH).and_then(|value| value.to_str().ok());
-    if known.is_some_and(|tags| tags.split(',').any(|known| known.trim() == tag)) {
+    if is_named(request, &tag) {
         return (StatusCode::NOT_MODIFIED, caching).into_response();
     }
     let content = [
@@ -37,4 +36,35 @@ pub(super) fn answer(
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     ];
     (caching, content, document).into_response()
+}
+
+/// Whether a request says that its sender has the document with this tag. The
+/// comparison is the weak one, as `If-None-Match` wants it (RFC 9110, 13.1.2).
+fn is_named(request: &HeaderMap, tag: &str) -> bool {
+    let opaque = |tag: &str| tag.trim().trim_start_matches("W/").to_owned();
+    let lines = request.get_all(header::IF_NONE_MATCH).iter();
+    let tags = lines.filter_map(|line| line.to_str().ok()).flat_map(|line| line.split(','));
+    tags.map(opaque).any(|named| named == "*" || named == opaque(tag))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_document_is_named_by_its_tag_weak_or_strong_alone_or_among_others() {
+        for (line, named) in [
+            ("W/\"a1\"", true),
+            ("\"a1\"", true),
+            ("\"b2\", W/\"a1\"", true),
+            ("*", true),
+            ("a1", false),
+            ("\"b2\"", false),
+            ("", false),
+        ] {
+            let request = HeaderMap::from_iter([(header::IF_NONE_MATCH, line.parse().unwrap())]);
+            assert_eq!(is_named(&request, "W/\"a1\""), named, "{line}");
+        }
+        assert!(!is_named(&HeaderMap::new(), "W/\"a1\""));
+    }
 }

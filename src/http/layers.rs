@@ -29,6 +29,17 @@ const BODY_PAUSE: Duration = Duration::from_secs(30);
 /// The longest text of a foreign error that is taken into a problem document.
 const DETAIL_BYTES: usize = 4096;
 
+/// The methods that are counted by their names.
+const METHODS: [Method; 7] = [
+    Method::GET,
+    Method::HEAD,
+    Method::POST,
+    Method::PUT,
+    Method::PATCH,
+    Method::DELETE,
+    Method::OPTIONS,
+];
+
 /// Surrounds the routes; the last layer sees a request first.
 pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router {
     let Limits { sent_bytes, unpacked_bytes, origins } = limits;
@@ -72,12 +83,14 @@ fn cross_origin(origins: Vec<HeaderValue>) -> CorsLayer {
 /// Counts what was answered, by route and status.
 async fn counted(State(service): State<Service>, request: Request, next: Next) -> Response {
     let began = Instant::now();
-    let method = request.method().clone();
+    // Anybody can make methods up, and each would be a series for ever.
+    let method = METHODS.iter().find(|known| *known == request.method());
+    let method = method.map_or("other", Method::as_str);
     let route = request.extensions().get::<MatchedPath>().cloned();
     let response = next.run(request).await;
     let route = route.as_ref().map_or("none", MatchedPath::as_str);
     let status = response.status().as_u16();
-    service.metrics().answered(method.as_str(), route, status, began.elapsed());
+    service.metrics().answered(method, route, status, began.elapsed());
     response
 }
 
@@ -119,6 +132,9 @@ async fn problems_only(request: Request, next: Next, max_bytes: [usize; 2]) -> R
             format!("`{path}` does not answer {method}; the header `Allow` says what it does")
         }
         StatusCode::PAYLOAD_TOO_LARGE => body::too_large(max_bytes),
+        StatusCode::UNSUPPORTED_MEDIA_TYPE if text.is_empty() => {
+            "of the encodings of a body (`Content-Encoding`) only gzip is unpacked here".to_owned()
+        }
         _ => String::from_utf8_lossy(&text).into_owned(),
     };
     let mut response = Problem::of_status(status, detail).into_response();

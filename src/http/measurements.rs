@@ -12,6 +12,7 @@ use utoipa::IntoParams;
 use crate::service::{Service, Upload};
 use crate::store::{FileRow, MeasurementFilter};
 
+use super::body;
 use super::lists::{self, DEFAULT_PAGE};
 use super::problem::Problem;
 use super::views::{List, MeasurementView};
@@ -176,12 +177,8 @@ async fn upload(name: Option<String>, request: Request) -> Result<Upload, Respon
         "application/json" => "json",
         "multipart/form-data" => return form(name, request).await,
         other => {
-            let detail = format!(
-                "`{other}` is not read; send text/csv, application/json, or several files as \
-                 multipart/form-data (`Content-Type` says which)"
-            );
-            let status = StatusCode::UNSUPPORTED_MEDIA_TYPE;
-            return Err(Problem::of_status(status, detail).into_response());
+            let readable = "text/csv, application/json, or several files as multipart/form-data";
+            return Err(body::not_read(other, readable).into_response());
         }
     };
     let bytes = Bytes::from_request(request, &()).await.map_err(IntoResponse::into_response)?;

@@ -15,6 +15,7 @@ mod measurements;
 mod plots;
 mod problem;
 mod report;
+mod results;
 mod routes;
 mod server;
 #[cfg(test)]

@@ -6,7 +6,7 @@ use utoipa_axum::routes;
 
 use crate::service::Service;
 
-use super::{events, exports, health, jobs, measurements, plots, report, validations};
+use super::{events, exports, health, jobs, measurements, plots, report, results, validations};
 
 #[derive(OpenApi)]
 #[openapi(
@@ -32,9 +32,9 @@ pub(super) fn list() -> OpenApiRouter<Service> {
         .routes(routes!(exports::measurement_json))
         .routes(routes!(jobs::submit, jobs::list))
         .routes(routes!(jobs::get, jobs::delete))
-        .routes(routes!(jobs::result))
-        .routes(routes!(jobs::convergence))
-        .routes(routes!(jobs::convergence_csv))
+        .routes(routes!(results::get))
+        .routes(routes!(results::convergence))
+        .routes(routes!(results::convergence_csv))
         .routes(routes!(events::follow))
         .routes(routes!(exports::parameters_csv))
         .routes(routes!(exports::comparison_csv))

@@ -19,6 +19,7 @@ use super::Limits;
 
 mod documents;
 mod events;
+mod failures;
 mod operations;
 
 /// Bytes that an upload may have here.
@@ -321,8 +322,19 @@ fn malformed_json_is_refused_with_line_and_column() {
     let answer = problem(server.post("/v1/jobs", &headers, b"{\n  \"kind\": oops}"), 400);
     assert_eq!((&answer["line"], &answer["column"]), (&json!(2), &json!(11)));
     problem(server.post("/v1/jobs", &headers, b""), 400);
+    problem(server.post("/v1/jobs", &headers, b"{} {}"), 400);
+    for body in [&b"[\"a\", \"identify\", null, null, null, null]"[..], b"\"a\"", b"null"] {
+        let answer = problem(server.post("/v1/jobs", &headers, body), 422);
+        assert!(string(&answer, "detail").contains("not an object"), "{answer}");
+    }
     problem(server.post("/v1/jobs", &[("content-type", "text/plain")], b"{}"), 415);
-    problem(server.post("/v1/measurements", &[], b"any"), 415);
+    for path in ["/v1/measurements", "/v1/jobs"] {
+        let answer = problem(server.post(path, &[], b"any"), 415);
+        assert!(string(&answer, "detail").contains("`Content-Type`"), "{answer}");
+    }
+    let headers = [("content-type", "text/csv"), ("content-encoding", "br")];
+    let answer = problem(server.post("/v1/measurements", &headers, b"any"), 415);
+    assert!(string(&answer, "detail").contains("only gzip"), "{answer}");
 }
 
 #[test]

@@ -30,7 +30,7 @@ pub enum ServiceError {
     },
     /// The result of a job that has not ended.
     #[error("job `{id}` is {}, it has no result yet; ask `GET /v1/jobs/{id}?wait=30` until its \
-             status is `succeeded`", status_name(*status))]
+             status is `succeeded`", status.name())]
     NotFinished {
         /// The job.
         id: String,
@@ -58,7 +58,7 @@ pub enum ServiceError {
         available: Vec<&'static str>,
     },
     /// Cancelling a job that has ended.
-    #[error("job `{id}` has already {}; there is nothing to cancel", status_name(*status))]
+    #[error("job `{id}` has already {}; there is nothing to cancel", status.name())]
     Ended {
         /// The job.
         id: String,
@@ -86,17 +86,6 @@ pub enum ServiceError {
 
 fn listed(names: &[&str]) -> String {
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }
-}
-
-/// The name of a status on the wire.
-pub(crate) fn status_name(status: Status) -> &'static str {
-    match status {
-        Status::Queued => "queued",
-        Status::Running => "running",
-        Status::Succeeded => "succeeded",
-        Status::Failed => "failed",
-        Status::Cancelled => "cancelled",
-    }
 }
 
 impl From<InvalidOptions> for ServiceError {

@@ -9,7 +9,7 @@ use crate::measurement::Measurement;
 use crate::measurement::formats::write_harmonic_csv;
 
 use super::measurements::sources;
-use super::{Compared, Service, ServiceError};
+use super::{Compared, Service, ServiceError, aside};
 
 /// Keys and values of a JSON object.
 type Members = Map<String, Value>;
@@ -70,12 +70,7 @@ impl Service {
         self.measurement(id).await?;
         let files = self.store.measurement_files(id).await?;
         let numerics = Arc::clone(&self.numerics);
-        let making =
-            tokio::task::spawn_blocking(move || Ok(make(numerics.read(&sources(&files))?)));
-        match making.await {
-            Ok(made) => made,
-            Err(panicked) => std::panic::resume_unwind(panicked.into_panic()),
-        }
+        aside(move || Ok(make(numerics.read(&sources(&files))?))).await
     }
 }
 

@@ -9,7 +9,7 @@ use crate::measurement::formats::Source;
 use crate::measurement::{Experiment, Measurement, Transient};
 use crate::store::{FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow};
 
-use super::{Added, Listed, Service, ServiceError, page, paged};
+use super::{Added, Listed, Service, ServiceError, aside, page, paged};
 
 /// Most files that are read as one measurement.
 pub const MAX_FILES: usize = 64;
@@ -72,14 +72,11 @@ impl Service {
     ) -> Result<Added<Measured>, ServiceError> {
         at_most("files", upload.files.len(), MAX_FILES)?;
         let numerics = Arc::clone(&self.numerics);
-        let reading = tokio::task::spawn_blocking(move || {
+        let reading = aside(move || {
             let read = numerics.read(&upload.sources());
             (upload, read)
         });
-        let (upload, read) = match reading.await {
-            Ok(done) => done,
-            Err(panicked) => std::panic::resume_unwind(panicked.into_panic()),
-        };
+        let (upload, read) = reading.await;
         let measurement = read?;
         at_most("experiments", measurement.experiments().len(), MAX_POINTS)?;
         let row = row(&upload, &measurement);

@@ -12,7 +12,7 @@ use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::{Registry, Unit};
 
-use crate::store::QueueState;
+use crate::store::{QueueState, Status};
 
 /// Bounds of the classes of request durations, seconds.
 const REQUEST_BOUNDS: [f64; 11] =
@@ -123,9 +123,10 @@ impl Default for Metrics {
 }
 
 impl Metrics {
-    /// A job ended; `ran`: for how long it ran, if it did.
-    pub fn job_ended(&self, kind: &str, outcome: &'static str, ran: Option<Duration>) {
-        self.jobs_ended.get_or_create(&JobEnd { kind: kind.to_owned(), outcome }).inc();
+    /// A job ended; `ran`: for how long its last attempt ran, where that is known.
+    pub fn job_ended(&self, kind: &str, outcome: Status, ran: Option<Duration>) {
+        let end = JobEnd { kind: kind.to_owned(), outcome: outcome.name() };
+        self.jobs_ended.get_or_create(&end).inc();
         if let Some(ran) = ran {
             let kind = Kind { kind: kind.to_owned() };
             self.job_seconds.get_or_create(&kind).observe(ran.as_secs_f64());
@@ -168,8 +169,8 @@ mod tests {
     #[test]
     fn what_was_counted_is_written_under_conventional_names() {
         let metrics = Metrics::default();
-        metrics.job_ended("identify", "succeeded", Some(Duration::from_millis(700)));
-        metrics.job_ended("diagnose", "cancelled", None);
+        metrics.job_ended("identify", Status::Succeeded, Some(Duration::from_millis(700)));
+        metrics.job_ended("diagnose", Status::Cancelled, None);
         metrics.evaluated("identify", 1832);
         metrics.leases_expired(2);
         metrics.answered("GET", "/v1/jobs/{id}", 200, Duration::from_millis(2));

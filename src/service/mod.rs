@@ -14,6 +14,7 @@ mod numerics;
 mod plots;
 mod report;
 mod request;
+mod running;
 mod signals;
 #[cfg(test)]
 pub(crate) mod testing;
@@ -24,13 +25,14 @@ use std::sync::Arc;
 pub use compared::Compared;
 pub use error::ServiceError;
 pub use events::JobEvent;
-pub use jobs::{Failure, Job, RunError};
+pub use jobs::{Failure, Job};
 pub use measurements::{MAX_FILES, MAX_POINTS, Measured, Upload};
 pub use metrics::Metrics;
 pub use numerics::{BuiltIn, Numerics};
 pub use plots::Plot;
 pub use report::measured;
 pub use request::{JobRequest, Submission};
+pub use running::RunError;
 pub use signals::Signals;
 
 use crate::store::Store;
@@ -92,6 +94,15 @@ impl Service {
     /// When the database does not answer.
     pub async fn ready(&self) -> Result<(), ServiceError> {
         Ok(self.store.ping().await?)
+    }
+}
+
+/// Computes off the threads that answer requests; a panic goes on in the request
+/// that asked for it.
+async fn aside<T: Send + 'static>(compute: impl FnOnce() -> T + Send + 'static) -> T {
+    match tokio::task::spawn_blocking(compute).await {
+        Ok(computed) => computed,
+        Err(panicked) => std::panic::resume_unwind(panicked.into_panic()),
     }
 }
 

@@ -7,7 +7,7 @@ use crate::report::figures::{self, Subject, Theme};
 
 use super::jobs::answer;
 use super::measurements::sources;
-use super::{Compared, Service, ServiceError};
+use super::{Compared, Service, ServiceError, aside};
 
 /// A figure of a job.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl Service {
         let files = self.store.measurement_files(&row.measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);
         let (id, name) = (id.to_owned(), name.to_owned());
-        let drawing = tokio::task::spawn_blocking(move || {
+        let drawing = aside(move || {
             let measurement = numerics.read(&sources(&files)).map_err(|error| error.to_string());
             let compared = Compared::of(
                 numerics.as_ref(),
@@ -56,10 +56,7 @@ impl Service {
             drawn(&answer, &compared, &convergence, &name, theme)
                 .map_err(|(reason, available)| no_plot(&id, &name, &reason, available))
         });
-        match drawing.await {
-            Ok(drawn) => Ok(Plot { svg: drawn?, settled: true }),
-            Err(panicked) => std::panic::resume_unwind(panicked.into_panic()),
-        }
+        Ok(Plot { svg: drawing.await?, settled: true })
     }
 }
 

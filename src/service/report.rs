@@ -9,7 +9,7 @@ use crate::measurement::{Experiment, Loop, Measurement, ResponseKind};
 use crate::report::page::{Content, DataFile, Measured, page};
 
 use super::measurements::{hexadecimal, sources};
-use super::{Compared, Service, ServiceError};
+use super::{Compared, Service, ServiceError, aside};
 
 /// Magnitudes and frequencies that differ by less than this share are the same:
 /// those of a record are measured.
@@ -28,7 +28,7 @@ impl Service {
         let files = self.store.measurement_files(&row.measurement_id).await?;
         let name = self.measurement(&row.measurement_id).await?.row.name;
         let numerics = Arc::clone(&self.numerics);
-        let writing = tokio::task::spawn_blocking(move || {
+        let writing = aside(move || {
             let sources = sources(&files);
             let measurement = numerics.read(&sources);
             let mut measured = measured(measurement.as_ref().ok(), &sources);
@@ -43,10 +43,7 @@ impl Service {
                 convergence: &convergence,
             })
         });
-        match writing.await {
-            Ok(page) => Ok(page),
-            Err(panicked) => std::panic::resume_unwind(panicked.into_panic()),
-        }
+        Ok(writing.await)
     }
 }
 

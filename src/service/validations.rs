@@ -7,7 +7,7 @@ use crate::diagnose::ValidateError;
 use crate::observer::Silent;
 
 use super::measurements::sources;
-use super::{Service, ServiceError};
+use super::{Service, ServiceError, aside};
 
 impl Service {
     /// Simulates the models of a job's result on another measurement. Nothing is
@@ -26,14 +26,11 @@ impl Service {
         self.measurement(measurement_id).await?;
         let files = self.store.measurement_files(measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);
-        let trying = tokio::task::spawn_blocking(move || {
+        let trying = aside(move || {
             let measurement = numerics.read(&sources(&files))?;
             numerics.validate(&answer, &measurement, &Silent).map_err(refused)
         });
-        match trying.await {
-            Ok(validation) => validation,
-            Err(panicked) => std::panic::resume_unwind(panicked.into_panic()),
-        }
+        trying.await
     }
 }
 

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use super::{
-    Beat, Cancelling, ConvergencePoint, FileRow, IdempotencyKey, Inserted, JobFilter, Lease,
-    MAX_ATTEMPTS, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, QueueState, Sqlite,
-    Status, Store, StoreError,
+    Beat, Cancelling, ConvergencePoint, EndedRow, FileRow, IdempotencyKey, Inserted, JobFilter,
+    Lease, MAX_ATTEMPTS, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, QueueState,
+    Recovered, Sqlite, Status, Store, StoreError,
 };
 
 const LONG: Duration = Duration::from_secs(600);
@@ -252,7 +252,8 @@ async fn a_job_that_kills_its_workers_fails_after_the_last_attempt(store: &dyn S
     }
     store.lease(EXPIRED).await.unwrap().expect("it is queued a last time");
     let recovered = store.recover_expired().await.unwrap();
-    assert_eq!((recovered.requeued, recovered.ended), (0, 1));
+    let ended = EndedRow { kind: "identify".into(), status: Status::Failed };
+    assert_eq!(recovered, Recovered { requeued: 0, ended: vec![ended] });
     let job = store.job(&job).await.unwrap().expect("it exists");
     assert_eq!(job.status, Status::Failed);
     assert!(job.failure.expect("it says why").contains("3 attempts"));
@@ -298,7 +299,8 @@ async fn a_cancelled_job_does_not_come_back_to_the_queue(store: &dyn Store) {
     let lease = leased_job(store, EXPIRED).await;
     store.cancel(&lease.job_id).await.unwrap();
     let recovered = store.recover_expired().await.unwrap();
-    assert_eq!((recovered.requeued, recovered.ended), (0, 1));
+    let ended = EndedRow { kind: "identify".into(), status: Status::Cancelled };
+    assert_eq!(recovered, Recovered { requeued: 0, ended: vec![ended] });
     assert_eq!(status(store, &lease.job_id).await, Status::Cancelled);
 }
 

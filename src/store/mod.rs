@@ -21,8 +21,8 @@ use async_trait::async_trait;
 
 pub use error::StoreError;
 pub use rows::{
-    ConvergencePoint, Expired, FileRow, IdempotencyKey, Inserted, JobFilter, JobRow, Lease,
-    MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page, QueueState, Status,
+    ConvergencePoint, EndedRow, Expired, FileRow, IdempotencyKey, Inserted, JobFilter, JobRow,
+    Lease, MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page, QueueState, Status,
 };
 pub use sqlite::Sqlite;
 
@@ -56,12 +56,12 @@ pub enum Cancelling {
 }
 
 /// What expired leases led to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Recovered {
     /// Jobs that are queued again.
     pub requeued: u64,
     /// Jobs that ended: cancelled, or failed after [`MAX_ATTEMPTS`].
-    pub ended: u64,
+    pub ended: Vec<EndedRow>,
 }
 
 /// Everything that is kept. Every method is one transaction.

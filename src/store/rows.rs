@@ -72,6 +72,17 @@ impl Status {
     pub fn is_final(self) -> bool {
         matches!(self, Status::Succeeded | Status::Failed | Status::Cancelled)
     }
+
+    /// Its name, for people and on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::Queued => "queued",
+            Status::Running => "running",
+            Status::Succeeded => "succeeded",
+            Status::Failed => "failed",
+            Status::Cancelled => "cancelled",
+        }
+    }
 }
 
 /// A job to be queued.
@@ -142,6 +153,17 @@ pub enum Outcome {
     Failed(String),
     /// The computation stopped because it was asked to.
     Cancelled,
+}
+
+impl Outcome {
+    /// Where it leaves the job.
+    pub fn status(&self) -> Status {
+        match self {
+            Outcome::Succeeded(_) => Status::Succeeded,
+            Outcome::Failed(_) => Status::Failed,
+            Outcome::Cancelled => Status::Cancelled,
+        }
+    }
 }
 
 /// One row of convergence history.
@@ -241,6 +263,15 @@ pub struct QueueState {
     pub running: i64,
     /// How long the oldest job has waited; 0 where none waits.
     pub oldest_wait_ms: Millis,
+}
+
+/// A job that ended because its lease expired.
+#[derive(Debug, Clone, PartialEq, Eq, sqlx::FromRow)]
+pub struct EndedRow {
+    /// Kind of job.
+    pub kind: String,
+    /// How it ended.
+    pub status: Status,
 }
 
 /// What was removed because it was old.

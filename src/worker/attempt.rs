@@ -153,10 +153,10 @@ impl Attempt {
             };
             match finished {
                 Ok(true) => {
-                    let (outcome, ran) = (name(&outcome), self.watch.elapsed());
-                    info!(outcome, seconds = ran.as_secs_f64(), "job ends");
+                    let (status, ran) = (outcome.status(), self.watch.elapsed());
+                    info!(outcome = status.name(), seconds = ran.as_secs_f64(), "job ends");
                     let metrics = self.shared.service.metrics();
-                    metrics.job_ended(&self.lease.kind, outcome, Some(ran));
+                    metrics.job_ended(&self.lease.kind, status, Some(ran));
                     return self.shared.signals.job_ended();
                 }
                 Ok(false) => return warn!("lease lost; its result is given up"),
@@ -172,13 +172,5 @@ impl Attempt {
             Ok(_) => info!(%reason, "job handed back"),
             Err(error) => warn!(%error, %reason, "job not handed back; its lease expires"),
         }
-    }
-}
-
-fn name(outcome: &Outcome) -> &'static str {
-    match outcome {
-        Outcome::Succeeded(_) => "succeeded",
-        Outcome::Failed(_) => "failed",
-        Outcome::Cancelled => "cancelled",
     }
 }

@@ -25,7 +25,7 @@ use tokio::task::{JoinHandle, JoinSet};
 use tracing::{Instrument, error, info_span, warn};
 
 use crate::service::{Service, Signals};
-use crate::store::Store;
+use crate::store::{Recovered, Store};
 
 pub use retention::forget;
 
@@ -112,16 +112,17 @@ async fn run(shared: Arc<Shared>) {
 
 async fn recover(shared: &Shared) {
     match shared.store.recover_expired().await {
-        Ok(recovered) if recovered.requeued + recovered.ended > 0 => {
-            warn!(
-                requeued = recovered.requeued,
-                ended = recovered.ended,
-                "leases had expired: a worker was killed or cut off"
-            );
-            shared.service.metrics().leases_expired(recovered.requeued + recovered.ended);
+        Ok(Recovered { requeued: 0, ended }) if ended.is_empty() => {}
+        Ok(Recovered { requeued, ended }) => {
+            let metrics = shared.service.metrics();
+            for job in &ended {
+                metrics.job_ended(&job.kind, job.status, None);
+            }
+            let ended = ended.len() as u64;
+            warn!(requeued, ended, "leases had expired: a worker was killed or cut off");
+            metrics.leases_expired(requeued + ended);
             shared.signals.job_ended();
         }
-        Ok(_) => {}
         Err(error) => error!(%error, "expired leases cannot be looked for"),
     }
 }

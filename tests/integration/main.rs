@@ -1,6 +1,7 @@
 //! Integration tests: everything through the public interface.
 
 mod benchmark_simulator;
+mod caps;
 mod cli;
 mod coverage;
 mod discrepancy;

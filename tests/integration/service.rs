@@ -1,5 +1,8 @@
 //! The service as a process: what outlives it and how it ends.
 
+use std::io::{BufRead, BufReader};
+use std::time::{Duration, Instant};
+
 use serde_json::{Value, json};
 
 use crate::process::{Answer, Server, simulated};
@@ -111,4 +114,19 @@ fn a_stopping_server_hands_its_job_to_the_next() {
     let server = Server::start(directory.path(), &["--workers", "1"]);
     let resumed = server.get(&job).json();
     assert!(["queued", "running"].contains(&resumed["status"].as_str().unwrap()), "{resumed}");
+}
+
+#[test]
+fn a_stream_that_has_nothing_to_say_says_that_it_is_alive() {
+    let directory = tempfile::tempdir().unwrap();
+    let server = Server::start(directory.path(), &["--workers", "1"]);
+    submit(&server, &endless());
+    let waiting = submit(&server, &json!({"seed": 5}));
+    let stream = ureq::get(format!("{}{waiting}/events", server.address())).call().unwrap();
+    let mut lines = BufReader::new(stream.into_body().into_reader()).lines().map(Result::unwrap);
+    assert_eq!(lines.next().as_deref(), Some("event: status"));
+    // A comment: a line that begins with a colon. Proxies wait a minute for it.
+    let began = Instant::now();
+    assert!(lines.any(|line| line.starts_with(':')), "the stream was closed");
+    assert!(began.elapsed() < Duration::from_secs(60), "{:?}", began.elapsed());
 }

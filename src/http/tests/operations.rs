@@ -101,6 +101,10 @@ fn the_metrics_count_jobs_and_requests() {
     let server = Server::start();
     let id = server.job(SUCCEED);
     server.ended(&id);
+    let invented = ureq::http::Request::builder().method("DIVINE");
+    let invented = invented.uri(format!("{}/livez", server.address)).body(()).unwrap();
+    let request = server.agent.configure_request(invented).allow_non_standard_methods(true);
+    problem(server.agent.run(request.build()).unwrap(), 405);
     let mut answer = server.get("/metrics");
     assert!(header(&answer, "content-type").starts_with("application/openmetrics-text"));
     let text = answer.body_mut().read_to_string().unwrap();
@@ -109,9 +113,11 @@ fn the_metrics_count_jobs_and_requests() {
         "servoscope_jobs_ended_total{kind=\"identify\",outcome=\"succeeded\"} 1\n",
         "route=\"/v1/jobs/{id}\",status=\"200\"",
         "servoscope_evaluations_total{kind=\"identify\"}",
+        "method=\"other\",route=\"/livez\",status=\"405\"",
     ] {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
+    assert!(!text.contains("DIVINE"), "{text}");
 }
 
 #[test]

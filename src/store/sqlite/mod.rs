@@ -81,7 +81,9 @@ impl Sqlite {
         if let Some(bytes) = bytes {
             options = options.pragma("max_page_count", (bytes / PAGE_BYTES).max(1).to_string());
         }
-        let pool = |size| SqlitePoolOptions::new().max_connections(size);
+        // A connection to a file does not break between two uses; asking it first
+        // whether it answers would be a second round trip for every job looked up.
+        let pool = |size| SqlitePoolOptions::new().max_connections(size).test_before_acquire(false);
         let writer = pool(1).connect_with(options.clone()).await?;
         sqlx::migrate!("./migrations").run(&writer).await?;
         let readers = pool(READERS).connect_with(options).await?;

@@ -5,7 +5,8 @@ use std::time::Duration;
 use sqlx::{SqliteConnection, SqlitePool};
 
 use crate::store::{
-    Beat, Cancelling, ConvergencePoint, Lease, MAX_ATTEMPTS, Outcome, QueueState, Recovered, Status,
+    Beat, Cancelling, ConvergencePoint, EndedRow, Lease, MAX_ATTEMPTS, Outcome, QueueState,
+    Recovered, Status,
 };
 
 use super::history;
@@ -59,10 +60,10 @@ pub(super) async fn finish(
     lease: &Lease,
     outcome: &Outcome,
 ) -> sqlx::Result<bool> {
-    let (status, result, failure) = match outcome {
-        Outcome::Succeeded(result) => (Status::Succeeded, Some(result), None),
-        Outcome::Failed(failure) => (Status::Failed, None, Some(failure)),
-        Outcome::Cancelled => (Status::Cancelled, None, None),
+    let (result, failure) = match outcome {
+        Outcome::Succeeded(result) => (Some(result), None),
+        Outcome::Failed(failure) => (None, Some(failure)),
+        Outcome::Cancelled => (None, None),
     };
     let done = sqlx::query(
         "UPDATE jobs
@@ -73,7 +74,7 @@ pub(super) async fn finish(
     )
     .bind(&lease.job_id)
     .bind(lease.attempt)
-    .bind(status)
+    .bind(outcome.status())
     .bind(result)
     .bind(failure)
     .execute(connection)
@@ -135,16 +136,17 @@ pub(super) async fn cancel(
 }
 
 pub(super) async fn recover_expired(connection: &mut SqliteConnection) -> sqlx::Result<Recovered> {
-    let cancelled = sqlx::query(
+    let mut ended: Vec<EndedRow> = sqlx::query_as(
         "UPDATE jobs
          SET status = 'cancelled', lease_until_ms = NULL,
              finished_at_ms = (SELECT now_ms FROM clock)
          WHERE status = 'running' AND cancel_requested
-           AND lease_until_ms <= (SELECT now_ms FROM clock)",
+           AND lease_until_ms <= (SELECT now_ms FROM clock)
+         RETURNING kind, status",
     )
-    .execute(&mut *connection)
+    .fetch_all(&mut *connection)
     .await?;
-    let failed = sqlx::query(
+    let failed: Vec<EndedRow> = sqlx::query_as(
         "UPDATE jobs
          SET status = 'failed', lease_until_ms = NULL,
              finished_at_ms = (SELECT now_ms FROM clock),
@@ -154,21 +156,20 @@ pub(super) async fn recover_expired(connection: &mut SqliteConnection) -> sqlx::
                      || 'or runs out of memory',
                  'reference', NULL)
          WHERE status = 'running' AND attempt - handed_back >= ?1
-           AND lease_until_ms <= (SELECT now_ms FROM clock)",
+           AND lease_until_ms <= (SELECT now_ms FROM clock)
+         RETURNING kind, status",
     )
     .bind(MAX_ATTEMPTS)
-    .execute(&mut *connection)
+    .fetch_all(&mut *connection)
     .await?;
+    ended.extend(failed);
     let requeued = sqlx::query(
         "UPDATE jobs SET status = 'queued', lease_until_ms = NULL, progress = NULL
          WHERE status = 'running' AND lease_until_ms <= (SELECT now_ms FROM clock)",
     )
     .execute(connection)
     .await?;
-    Ok(Recovered {
-        requeued: requeued.rows_affected(),
-        ended: cancelled.rows_affected() + failed.rows_affected(),
-    })
+    Ok(Recovered { requeued: requeued.rows_affected(), ended })
 }
 
 pub(super) async fn state(pool: &SqlitePool) -> sqlx::Result<QueueState> {

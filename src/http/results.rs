@@ -1,0 +1,97 @@
+//! What a job gives: its result, and how it converged.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use utoipa::ToSchema;
+
+use crate::answers::{Diagnosis, Identification};
+use crate::service::Service;
+
+use super::cached;
+use super::problem::Problem;
+use super::views::Convergence;
+
+/// The result of a job, by its kind.
+#[derive(Debug, ToSchema)]
+#[schema(as = JobResult)]
+#[expect(dead_code, reason = "describes the JSON that is stored; nothing is made of it here")]
+#[serde(untagged)]
+pub(super) enum ResultView {
+    /// Of a job of kind `identify`.
+    Identification(Box<Identification>),
+    /// Of a job of kind `diagnose`.
+    Diagnosis(Box<Diagnosis>),
+}
+
+/// The result of a job that has succeeded.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/result", tag = "jobs", operation_id = "get_result",
+    params(
+        ("id" = String, Path, description = "Id of the job"),
+        ("If-None-Match" = Option<String>, Header, description = "`ETag` of an earlier answer"),
+    ),
+    responses(
+        (status = 200, body = ResultView, headers(
+            ("ETag" = String, description = "Tells this result from any other"),
+        )),
+        (status = 304, description = "The result is the one that `If-None-Match` names"),
+        (status = "4XX", body = Problem, content_type = "application/problem+json",
+         description = "409 until the job has ended, 404 if it ended without a result"),
+    )
+)]
+pub(super) async fn get(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    // The JSON as it was stored: every digit, and whatever version wrote it.
+    let result = service.result(&id).await?;
+    Ok(cached::answer(&headers, "application/json", result, true))
+}
+
+/// Convergence history of a job's latest attempt, also while it runs.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/convergence", tag = "jobs", operation_id = "get_convergence",
+    params(("id" = String, Path, description = "Id of the job")),
+    responses(
+        (status = 200, body = Convergence),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn convergence(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+) -> Result<Json<Convergence>, Problem> {
+    Ok(Json(Convergence { rows: service.convergence(&id).await? }))
+}
+
+/// The same as a table.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/convergence.csv", tag = "jobs", operation_id = "get_convergence_csv",
+    params(("id" = String, Path, description = "Id of the job")),
+    responses(
+        (status = 200, body = String, content_type = "text/csv"),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn convergence_csv(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+) -> Result<Response, Problem> {
+    let rows = service.convergence(&id).await?;
+    let internal = |error: &dyn std::fmt::Display| {
+        let status = StatusCode::INTERNAL_SERVER_ERROR;
+        Problem::internal(status, "the history cannot be written as a table", error)
+    };
+    // The header by hand: there may be no row to take it from.
+    let mut table = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    let header = ["stage", "cycle", "evaluations", "best", "mean", "elapsed_s"];
+    table.write_record(header).map_err(|error| internal(&error))?;
+    for row in &rows {
+        table.serialize(row).map_err(|error| internal(&error))?;
+    }
+    let bytes = table.into_inner().map_err(|error| internal(&error))?;
+    Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8")], bytes).into_response())
+}

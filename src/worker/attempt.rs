@@ -17,6 +17,9 @@ use super::watch::Watch;
 /// How often storing an outcome is tried while the database does not answer.
 const TRIES: u32 = 5;
 
+/// How long a job whose files cannot be read is kept from the queue.
+const PAUSE: Duration = Duration::from_secs(1);
+
 /// A job in the hands of this worker.
 struct Attempt {
     shared: Arc<Shared>,
@@ -46,7 +49,12 @@ pub(super) async fn run(shared: Arc<Shared>, lease: Lease) {
     let Lease { measurement_id, request, .. } = &attempt.lease;
     let files = match attempt.shared.service.job_files(measurement_id, request).await {
         Ok(files) => files,
-        Err(error) => return attempt.hand_back(&error).await,
+        Err(error) => {
+            // Handed back at once it would be taken again at once, for as long as the store fails.
+            let stopped = attempt.shared.signals.stopped();
+            let _ = tokio::time::timeout(PAUSE, stopped).await;
+            return attempt.hand_back(&error).await;
+        }
     };
     let computing = threads::spawn({
         let service = attempt.shared.service.clone();

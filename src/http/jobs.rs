@@ -17,6 +17,7 @@ use crate::store::JobFilter;
 
 use super::body;
 use super::cached;
+use super::flat;
 use super::lists::{self, DEFAULT_PAGE};
 use super::measurements::idempotency_key;
 use super::problem::Problem;
@@ -221,20 +222,8 @@ pub(super) async fn convergence_csv(
     State(service): State<Service>,
     Path(id): Path<String>,
 ) -> Result<Response, Problem> {
-    let rows = service.convergence(&id).await?;
-    let internal = |error: &dyn std::fmt::Display| {
-        let status = StatusCode::INTERNAL_SERVER_ERROR;
-        Problem::internal(status, "the history cannot be written as a table", error)
-    };
-    // The header by hand: there may be no row to take it from.
-    let mut table = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    let header = ["stage", "cycle", "evaluations", "best", "mean", "elapsed_s"];
-    table.write_record(header).map_err(|error| internal(&error))?;
-    for row in &rows {
-        table.serialize(row).map_err(|error| internal(&error))?;
-    }
-    let bytes = table.into_inner().map_err(|error| internal(&error))?;
-    Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8")], bytes).into_response())
+    let columns = ["stage", "cycle", "evaluations", "best", "mean", "elapsed_s"];
+    flat::csv(&columns, &service.convergence(&id).await?)
 }
 
 /// Removes a job, its result and its history, for good. One that runs is stopped.

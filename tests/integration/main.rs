@@ -7,6 +7,7 @@ mod discrepancy;
 mod dockerfile;
 mod durability;
 mod effects;
+mod grafana;
 mod identification;
 mod layers;
 mod limits;

@@ -19,6 +19,9 @@
 //!   answers      plant · measurement what is asked, fitted and measured
 //! ```
 //!
+//! `web` holds the files of the dashboard, which `http` serves and which asks the
+//! same interface as any other client; its look is that of the report.
+//!
 //! `benchmark` stands beside them: it draws machines, simulates them with a
 //! simulator of its own and asks the public interface what it sees.
 //!
@@ -41,4 +44,5 @@ pub mod report;
 pub mod service;
 pub mod simulate;
 pub mod store;
+pub mod web;
 pub mod worker;

@@ -7,6 +7,7 @@ mod answer;
 mod comparison;
 mod diagnosis;
 mod discrepancy;
+mod flat;
 mod identification;
 mod progress;
 mod request;
@@ -16,6 +17,7 @@ pub use answer::Answer;
 pub use comparison::{ComparedExperiment, ComparedHarmonic, Comparison, Unanswered};
 pub use diagnosis::{Candidate, Cause, Diagnosis, Gain, NextExperiment, Verdict};
 pub use discrepancy::{Discrepancy, Pattern, ResidualGroup, ResidualTest};
+pub use flat::{HistoryRow, ResultRow};
 pub use identification::{
     Correlations, Fit, Identification, NoiseSource, OrderCandidate, OrderChoice, ParameterEstimate,
     Provenance, Stage, TransferFunction,

@@ -30,7 +30,10 @@ pub(super) async fn show(service: &Service, address: &str) -> Result<(), Service
         ..Submission::default()
     };
     let job = service.submit(&submission, Some("demonstration".into())).await?.resource.row.id;
-    println!("diagnosing a simulated axis that sticks harder than it slides …");
+    println!(
+        "diagnosing a simulated axis that sticks harder than it slides …\n\
+         watch it at {address}/jobs/{job}"
+    );
     let ended = service.job_when_ended(&job, PATIENCE).await?;
     if !ended.row.status.is_final() {
         // The process was asked to stop.
@@ -42,8 +45,8 @@ pub(super) async fn show(service: &Service, address: &str) -> Result<(), Service
     }
     println!(
         "Look at it:\n  \
-         {address}/v1/jobs/{job}/report.html       the whole answer as a page\n  \
-         {address}/v1/jobs/{job}/plots/bode.svg    measured and simulated\n  \
+         {address}/jobs/{job}                      the answer, in the dashboard\n  \
+         {address}/v1/jobs/{job}/report.html       the whole answer as a page to keep\n  \
          {address}/v1/jobs/{job}/result            the same as JSON\n  \
          {address}/v1/measurements/{}/data.csv     what was measured\n  \
          {address}/docs                            every request, to try\n\n\

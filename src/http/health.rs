@@ -1,7 +1,5 @@
 //! The service itself: whether it lives, whether it is ready, what it offers.
 
-use std::fmt::Write as _;
-
 use axum::Json;
 use axum::extract::State;
 use axum::http::header;
@@ -55,25 +53,4 @@ pub(super) async fn metrics(State(service): State<Service>) -> Result<Response, 
 )]
 pub(super) async fn document() -> Json<utoipa::openapi::OpenApi> {
     Json(routes::openapi())
-}
-
-/// What there is, for a person who looks at the address.
-#[utoipa::path(
-    get, path = "/", tag = "service", operation_id = "index",
-    responses((status = 200, body = String, content_type = "text/plain"))
-)]
-pub(super) async fn index() -> String {
-    let document = routes::openapi();
-    let version = &document.info.version;
-    let mut text = format!("servoscope {version}; /docs shows the same to try\n\n");
-    for (path, item) in &document.paths.paths {
-        let operations = [("GET", &item.get), ("POST", &item.post), ("DELETE", &item.delete)];
-        for (method, operation) in operations {
-            let Some(operation) = operation else { continue };
-            let summary = operation.summary.as_deref().unwrap_or_default();
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "{method:<7}{path:<34}{summary}");
-        }
-    }
-    text
 }

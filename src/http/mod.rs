@@ -3,10 +3,13 @@
 //! `routes` is the whole interface as one list, which feeds the router and the
 //! OpenAPI document. A handler extracts, calls the service and maps to a view.
 
+mod axes;
 mod body;
 mod cached;
+mod dashboard;
 mod events;
 mod exports;
+mod flat;
 mod health;
 mod jobs;
 mod layers;

@@ -1,12 +1,12 @@
 //! `/v1/jobs/{id}/plots`.
 
 use axum::extract::{Path, Query, State};
-use axum::http::HeaderMap;
+use axum::http::{HeaderMap, StatusCode};
 use axum::response::Response;
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
-use crate::service::{Plot, Service, Theme};
+use crate::service::{Format, Plot, Service, Theme};
 
 use super::cached;
 use super::problem::Problem;
@@ -14,7 +14,7 @@ use super::problem::Problem;
 /// Colours of a figure.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-enum PlotTheme {
+pub(super) enum PlotTheme {
     Auto,
     Light,
     Dark,
@@ -27,7 +27,36 @@ enum PlotTheme {
 pub(super) struct PlotQuery {
     /// Colours: those the reader prefers (`auto`, if left out), `light` or `dark`.
     #[param(inline)]
-    theme: Option<PlotTheme>,
+    pub(super) theme: Option<PlotTheme>,
+    /// Width, pixels; left out: in proportion to the height, 800 without one.
+    #[param(minimum = 50, maximum = 10000)]
+    pub(super) width: Option<u32>,
+    /// Height, pixels; left out: in proportion to the width. With both, the figure
+    /// is as large as fits in.
+    #[param(minimum = 50, maximum = 10000)]
+    pub(super) height: Option<u32>,
+}
+
+/// Sides of a figure, pixels: what can be read, and what a browser can draw.
+const SIDES: std::ops::RangeInclusive<u32> = 50..=10_000;
+
+impl PlotQuery {
+    #[expect(clippy::result_large_err, reason = "made once for a request that fails")]
+    pub(super) fn format(&self) -> Result<Format, Problem> {
+        for (name, side) in [("width", self.width), ("height", self.height)] {
+            if let Some(side) = side.filter(|side| !SIDES.contains(side)) {
+                let [least, most] = [SIDES.start(), SIDES.end()];
+                let detail = format!("{name}: {side} is outside {least} to {most} pixels");
+                return Err(Problem::of_status(StatusCode::BAD_REQUEST, detail));
+            }
+        }
+        let theme = match self.theme {
+            None | Some(PlotTheme::Auto) => Theme::Auto,
+            Some(PlotTheme::Light) => Theme::Light,
+            Some(PlotTheme::Dark) => Theme::Dark,
+        };
+        Ok(Format { theme, width: self.width, height: self.height })
+    }
 }
 
 /// A figure of a job as SVG; the convergence also while it runs.
@@ -56,12 +85,7 @@ pub(super) async fn get(
     Query(query): Query<PlotQuery>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let theme = match query.theme {
-        None | Some(PlotTheme::Auto) => Theme::Auto,
-        Some(PlotTheme::Light) => Theme::Light,
-        Some(PlotTheme::Dark) => Theme::Dark,
-    };
     let name = file.strip_suffix(".svg").unwrap_or(&file);
-    let Plot { svg, settled } = service.plot(&id, name, theme).await?;
+    let Plot { svg, settled } = service.plot(&id, name, query.format()?).await?;
     Ok(cached::answer(&headers, "image/svg+xml", svg, settled))
 }

@@ -2,14 +2,15 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::{HeaderMap, StatusCode, header};
-use axum::response::{IntoResponse, Response};
+use axum::http::HeaderMap;
+use axum::response::Response;
 use utoipa::ToSchema;
 
 use crate::answers::{Diagnosis, Identification};
 use crate::service::Service;
 
 use super::cached;
+use super::flat;
 use super::problem::Problem;
 use super::views::Convergence;
 
@@ -80,18 +81,6 @@ pub(super) async fn convergence_csv(
     State(service): State<Service>,
     Path(id): Path<String>,
 ) -> Result<Response, Problem> {
-    let rows = service.convergence(&id).await?;
-    let internal = |error: &dyn std::fmt::Display| {
-        let status = StatusCode::INTERNAL_SERVER_ERROR;
-        Problem::internal(status, "the history cannot be written as a table", error)
-    };
-    // The header by hand: there may be no row to take it from.
-    let mut table = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    let header = ["stage", "cycle", "evaluations", "best", "mean", "elapsed_s"];
-    table.write_record(header).map_err(|error| internal(&error))?;
-    for row in &rows {
-        table.serialize(row).map_err(|error| internal(&error))?;
-    }
-    let bytes = table.into_inner().map_err(|error| internal(&error))?;
-    Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8")], bytes).into_response())
+    let columns = ["stage", "cycle", "evaluations", "best", "mean", "elapsed_s"];
+    flat::csv(&columns, &service.convergence(&id).await?)
 }

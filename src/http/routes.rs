@@ -1,12 +1,16 @@
 //! Every route, in one list.
 
+use axum::routing::get;
 use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use crate::service::Service;
 
-use super::{events, exports, health, jobs, measurements, plots, report, results, validations};
+use super::{
+    axes, dashboard, events, exports, health, jobs, measurements, plots, report, results,
+    validations,
+};
 
 #[derive(OpenApi)]
 #[openapi(
@@ -18,6 +22,7 @@ use super::{events, exports, health, jobs, measurements, plots, report, results,
     tags(
         (name = "measurements", description = "What was measured"),
         (name = "jobs", description = "What is to be computed from it"),
+        (name = "axes", description = "What came of it, over the time of measuring"),
         (name = "service", description = "The service itself"),
     )
 )]
@@ -42,11 +47,23 @@ pub(super) fn list() -> OpenApiRouter<Service> {
         .routes(routes!(report::get))
         .routes(routes!(jobs::cancel))
         .routes(routes!(validations::create))
+        .routes(routes!(axes::results_json))
+        .routes(routes!(axes::results_csv))
+        .routes(routes!(axes::list))
+        .routes(routes!(axes::history_json))
+        .routes(routes!(axes::history_csv))
+        .routes(routes!(axes::history_svg))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
         .routes(routes!(health::metrics))
         .routes(routes!(health::document))
-        .routes(routes!(health::index))
+        // For people, not for programs: they are not in the document.
+        .route("/", get(dashboard::page))
+        .route("/measurements/{id}", get(dashboard::page))
+        .route("/jobs/{id}", get(dashboard::page))
+        .route("/compare", get(dashboard::page))
+        .route("/axes", get(dashboard::page))
+        .route("/assets/{file}", get(dashboard::asset))
 }
 
 /// The OpenAPI document of the service.

@@ -7,9 +7,9 @@ use utoipa::ToSchema;
 
 use crate::answers::{ConvergenceRow, IdentifyOptions, JobKind, Method, PlantRequest, Progress};
 use crate::service::{Job, Listed, Measured};
-use crate::store::{Millis, Status};
+use crate::store::{AxisRow, Millis, Status};
 
-/// A page of a list, newest first.
+/// A page of a list.
 #[derive(Debug, Serialize, ToSchema)]
 pub(super) struct List<T> {
     /// The items.
@@ -186,6 +186,36 @@ impl From<Job> for JobView {
             created_at: rfc3339(row.created_at_ms),
             started_at: row.started_at_ms.and_then(rfc3339),
             finished_at: row.finished_at_ms.and_then(rfc3339),
+        }
+    }
+}
+
+/// An axis that measurements name.
+#[derive(Debug, Serialize, ToSchema)]
+pub(super) struct Axis {
+    /// The machine.
+    machine: String,
+    /// The axis.
+    axis: String,
+    /// Measurements of it.
+    measurements: i64,
+    /// Those of them with a result.
+    results: i64,
+    /// When it was first measured, RFC 3339; stored, where the upload does not say.
+    first_at: Option<String>,
+    /// When it was last measured.
+    last_at: Option<String>,
+}
+
+impl From<AxisRow> for Axis {
+    fn from(row: AxisRow) -> Self {
+        Self {
+            machine: row.machine,
+            axis: row.axis,
+            measurements: row.measurements,
+            results: row.results,
+            first_at: rfc3339(row.first_ms),
+            last_at: rfc3339(row.last_ms),
         }
     }
 }

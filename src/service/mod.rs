@@ -3,6 +3,7 @@
 //! What comes in is checked here, whoever asks: the HTTP service and the command
 //! line refuse the same things in the same words.
 
+mod axes;
 mod compared;
 mod error;
 mod events;
@@ -22,6 +23,7 @@ mod validations;
 
 use std::sync::Arc;
 
+pub use axes::HistoryQuery;
 pub use compared::Compared;
 pub use error::ServiceError;
 pub use events::JobEvent;
@@ -37,7 +39,7 @@ pub use signals::Signals;
 
 use crate::store::Store;
 
-pub use crate::report::figures::Theme;
+pub use crate::report::figures::{Format, Theme};
 
 /// The most items a list returns at once.
 pub const MAX_PAGE: u32 = 200;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::answers::{Answer, ConvergenceRow};
-use crate::report::figures::{self, Subject, Theme};
+use crate::report::figures::{self, Format, Subject};
 
 use super::jobs::answer;
 use super::measurements::sources;
@@ -25,7 +25,7 @@ impl Service {
     /// # Errors
     /// [`ServiceError::NoPlot`] lists the figures there are where this is none;
     /// otherwise as [`Service::result`].
-    pub async fn plot(&self, id: &str, name: &str, theme: Theme) -> Result<Plot, ServiceError> {
+    pub async fn plot(&self, id: &str, name: &str, format: Format) -> Result<Plot, ServiceError> {
         let row = self.job(id).await?.row;
         if !figures::names().any(|known| known == name) {
             let available = figures::names().collect();
@@ -34,7 +34,7 @@ impl Service {
         let convergence = self.convergence(id).await?;
         let Some(result) = self.store.result(id).await? else {
             let subject = Subject { convergence: &convergence, ..Subject::default() };
-            return match figures::draw(name, &subject, theme) {
+            return match figures::draw(name, &subject, format) {
                 Ok(svg) => Ok(Plot { svg, settled: row.status.is_final() }),
                 // The result says what has become of it.
                 Err(_) => Err(self.result(id).await.err().unwrap_or_else(|| {
@@ -53,7 +53,7 @@ impl Service {
                 measurement.as_ref().map_err(Clone::clone),
                 &answer,
             );
-            drawn(&answer, &compared, &convergence, &name, theme)
+            drawn(&answer, &compared, &convergence, &name, format)
                 .map_err(|(reason, available)| no_plot(&id, &name, &reason, available))
         });
         Ok(Plot { svg: drawing.await?, settled: true })
@@ -66,10 +66,10 @@ fn drawn(
     compared: &Compared,
     convergence: &[ConvergenceRow],
     name: &str,
-    theme: Theme,
+    format: Format,
 ) -> Result<String, (String, Vec<&'static str>)> {
     let subject = compared.subject(answer, convergence);
-    figures::draw(name, &subject, theme).map_err(|nothing| {
+    figures::draw(name, &subject, format).map_err(|nothing| {
         let error = compared.base.as_ref().err();
         let cause = error.map(|error| format!(" ({error})")).unwrap_or_default();
         (format!("{nothing}{cause}"), figures::available(&subject))
@@ -100,14 +100,14 @@ mod tests {
     fn a_diagnosis_is_drawn_with_its_base_model_and_discrepancy() {
         let discrepancy = sample::discrepancy();
         let answer = Diagnosis { discrepancy, ..sample::diagnosis() }.into();
-        let svg = drawn(&answer, &compared(&answer), &[], "residuals", Theme::Auto).unwrap();
+        let svg = drawn(&answer, &compared(&answer), &[], "residuals", Format::default()).unwrap();
         assert!(svg.contains("It grows with the run."));
     }
 
     #[test]
     fn a_model_with_its_cause_is_drawn_beside_the_base_model() {
         let answer = sample::explained().into();
-        let svg = drawn(&answer, &compared(&answer), &[], "bode", Theme::Auto).unwrap();
+        let svg = drawn(&answer, &compared(&answer), &[], "bode", Format::default()).unwrap();
         assert!(svg.contains("simulated with static_friction") && svg.contains("base model"));
     }
 
@@ -115,7 +115,8 @@ mod tests {
     fn a_figure_that_lacks_its_data_says_why_and_which_there_are() {
         let answer = sample::identification().into();
         let compared = Compared::of(&Scripted, Err("the files are gone".into()), &answer);
-        let (reason, available) = drawn(&answer, &compared, &[], "bode", Theme::Auto).unwrap_err();
+        let (reason, available) =
+            drawn(&answer, &compared, &[], "bode", Format::default()).unwrap_err();
         assert!(reason.contains("the files are gone"), "{reason}");
         assert_eq!(available, ["friction"]);
     }

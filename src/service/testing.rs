@@ -51,6 +51,7 @@ impl Numerics for Scripted {
         };
         let metadata = Metadata {
             machine: Some("press 4".into()),
+            axis: Some("x".into()),
             labels: [("site".to_owned(), "north".to_owned())].into(),
             ..Metadata::default()
         };

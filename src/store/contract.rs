@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::{
     Beat, Cancelling, ConvergencePoint, EndedRow, FileRow, IdempotencyKey, Inserted, JobFilter,
     Lease, MAX_ATTEMPTS, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, QueueState,
-    Recovered, Sqlite, Status, Store, StoreError,
+    Recovered, ResultFilter, Sqlite, Status, Store, StoreError,
 };
 
 const LONG: Duration = Duration::from_secs(600);
@@ -358,6 +358,52 @@ async fn what_is_old_is_deleted_and_what_is_wanted_is_not(store: &dyn Store) {
     assert!(store.measurement(&kept.measurement_id).await.unwrap().is_some());
 }
 
+async fn results_are_listed_by_when_they_were_measured(store: &dyn Store) {
+    let mut jobs = Vec::new();
+    for (axis, measured_at) in [("x", Some("2024-05-06T07:08:09Z")), ("x", None), ("y", None)] {
+        let row = MeasurementRow {
+            axis: Some(axis.into()),
+            measured_at: measured_at.map(str::to_owned),
+            ..measurement(&id())
+        };
+        store.insert_measurement(&row, &[file(b"x")], None).await.unwrap();
+        for _ in 0..2 {
+            let job = NewJobRow {
+                id: id(),
+                measurement_id: row.id.clone(),
+                kind: "identify".into(),
+                request: "{}".into(),
+            };
+            store.insert_job(&job, None).await.unwrap();
+            let lease = store.lease(LONG).await.unwrap().expect("it is queued");
+            store.finish(&lease, &Outcome::Succeeded("{}".into())).await.unwrap();
+            jobs.push(job.id);
+        }
+    }
+    let listed = async |filter: ResultFilter| {
+        let rows = store.results(&filter, 100).await.unwrap();
+        rows.into_iter().map(|row| row.job_id).collect::<Vec<_>>()
+    };
+    let everything = ResultFilter::default;
+    let newest_first: Vec<String> = jobs.iter().rev().cloned().collect();
+    assert_eq!(listed(everything()).await, newest_first);
+    let latest = ResultFilter { latest_only: true, axis: Some("x".into()), ..everything() };
+    assert_eq!(listed(latest).await, [jobs[3].clone(), jobs[1].clone()]);
+    // 2024-05-06T07:08:09Z: from is within, to is not.
+    let at = Some(1_714_979_289_000);
+    let before = ResultFilter { to_ms: at.map(|at| at + 1), ..everything() };
+    assert_eq!(listed(before).await, [jobs[1].clone(), jobs[0].clone()]);
+    assert!(listed(ResultFilter { to_ms: at, ..everything() }).await.is_empty());
+    assert_eq!(listed(ResultFilter { from_ms: at, ..everything() }).await.len(), 6);
+
+    let axes = store.axes(Some("press 4"), 100).await.unwrap();
+    let counts: Vec<_> =
+        axes.iter().map(|axis| (axis.axis.as_str(), axis.measurements, axis.results)).collect();
+    assert_eq!(counts, [("x", 2, 2), ("y", 1, 1)]);
+    assert_eq!(Some(axes[0].first_ms), at);
+    assert!(store.axes(Some("press 5"), 100).await.unwrap().is_empty());
+}
+
 async fn the_queue_says_what_waits_and_how_long(store: &dyn Store) {
     assert_eq!(store.queue().await.unwrap(), QueueState::default());
     leased_job(store, LONG).await;
@@ -404,6 +450,7 @@ engine!(
         history_goes_on_where_the_attempt_before_left_it,
         a_deleted_measurement_takes_its_jobs_and_keys_with_it,
         what_is_old_is_deleted_and_what_is_wanted_is_not,
+        results_are_listed_by_when_they_were_measured,
         the_queue_says_what_waits_and_how_long,
     ]
 );

@@ -21,8 +21,9 @@ use async_trait::async_trait;
 
 pub use error::StoreError;
 pub use rows::{
-    ConvergencePoint, EndedRow, Expired, FileRow, IdempotencyKey, Inserted, JobFilter, JobRow,
-    Lease, MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page, QueueState, Status,
+    AxisRow, ConvergencePoint, EndedRow, Expired, FileRow, IdempotencyKey, Inserted, JobFilter,
+    JobRow, Lease, MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page, QueueState,
+    ResultFilter, Status, StoredResult,
 };
 pub use sqlite::Sqlite;
 
@@ -119,6 +120,18 @@ pub trait Store: Send + Sync + 'static {
 
     /// JSON of a job's result, once it has one.
     async fn result(&self, id: &str) -> Result<Option<String>, StoreError>;
+
+    /// At most `limit` results with what they are of, latest measured first; of those
+    /// measured at one time, latest submitted first.
+    async fn results(
+        &self,
+        filter: &ResultFilter,
+        limit: u32,
+    ) -> Result<Vec<StoredResult>, StoreError>;
+
+    /// At most `limit` axes that measurements name, by machine and axis; of one
+    /// machine, or of every one.
+    async fn axes(&self, machine: Option<&str>, limit: u32) -> Result<Vec<AxisRow>, StoreError>;
 
     /// Convergence history of a job's latest attempt, in order.
     async fn convergence(&self, id: &str) -> Result<Vec<ConvergencePoint>, StoreError>;

@@ -254,6 +254,61 @@ pub struct JobFilter {
     pub until_ms: Option<Millis>,
 }
 
+/// Which results to list; `None` accepts every value.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ResultFilter {
+    /// The machine.
+    pub machine: Option<String>,
+    /// The axis.
+    pub axis: Option<String>,
+    /// The measurement.
+    pub measurement_id: Option<String>,
+    /// Measured at this time or later; stored, where the upload does not say when.
+    pub from_ms: Option<Millis>,
+    /// Measured before this time, likewise.
+    pub to_ms: Option<Millis>,
+    /// Of each measurement only the job that was submitted last.
+    pub latest_only: bool,
+}
+
+/// A result with what it is of.
+#[derive(Debug, Clone, PartialEq, sqlx::FromRow)]
+pub struct StoredResult {
+    /// The job.
+    pub job_id: String,
+    /// Kind of job.
+    pub kind: String,
+    /// JSON of the result.
+    pub result: String,
+    /// The measurement.
+    pub measurement_id: String,
+    /// Its name.
+    pub name: Option<String>,
+    /// Its machine.
+    pub machine: Option<String>,
+    /// Its axis.
+    pub axis: Option<String>,
+    /// When it was measured; where the upload does not say, when it was stored.
+    pub at_ms: Millis,
+}
+
+/// An axis that measurements name.
+#[derive(Debug, Clone, PartialEq, Eq, sqlx::FromRow)]
+pub struct AxisRow {
+    /// The machine.
+    pub machine: String,
+    /// The axis.
+    pub axis: String,
+    /// Measurements of it.
+    pub measurements: i64,
+    /// Those of them with a result.
+    pub results: i64,
+    /// When it was first measured; stored, where the upload does not say when.
+    pub first_ms: Millis,
+    /// When it was last measured.
+    pub last_ms: Millis,
+}
+
 /// What waits and what runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, sqlx::FromRow)]
 pub struct QueueState {

@@ -25,7 +25,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("service", &["store", "report", "diagnose", "identify", "measurement"]),
     // They know what is kept and what is done with it, never how it is computed.
     ("worker", &["service", "store"]),
-    ("http", &["service", "store"]),
+    ("http", &["service", "store", "web"]),
+    // Files, and the look of the report.
+    ("web", &["report"]),
     ("config", &[]),
     // Puts the program together.
     (

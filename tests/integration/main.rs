@@ -8,6 +8,7 @@ mod discrepancy;
 mod dockerfile;
 mod durability;
 mod effects;
+mod grafana;
 mod identification;
 mod layers;
 mod limits;

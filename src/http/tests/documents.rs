@@ -23,6 +23,10 @@ fn a_plot_is_an_image_that_may_be_kept() {
     assert_ne!(header(&dark, "etag"), tag);
     assert!(!dark.body_mut().read_to_string().unwrap().contains("prefers-color-scheme"));
     problem(server.get(&format!("{path}?theme=sepia")), 400);
+    let mut small = server.get(&format!("{path}?width=400"));
+    assert!(small.body_mut().read_to_string().unwrap().contains("width=\"400\""));
+    let huge = problem(server.get(&format!("{path}?height=100000")), 400);
+    assert!(string(&huge, "detail").contains("50 to 10000"), "{huge}");
     for name in ["spectrum", "residuals", "convergence"] {
         assert_eq!(server.get(&format!("/v1/jobs/{id}/plots/{name}.svg")).status(), 200, "{name}");
     }

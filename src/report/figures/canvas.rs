@@ -3,7 +3,7 @@
 use std::fmt::{Display, Write as _};
 
 use super::text;
-use super::theme::{self, Theme};
+use super::theme::{self, Format};
 
 /// Width of every figure, pixels.
 pub(super) const WIDTH: f64 = 800.0;
@@ -252,16 +252,18 @@ impl Canvas {
 
     /// The whole file. Its ids begin with `servoscope-`, the name of the figure
     /// and `suffix`, so that figures stand side by side in one page.
-    pub fn finish(self, theme: Theme, suffix: &str) -> String {
+    pub fn finish(self, format: Format, suffix: &str) -> String {
         let id = format!("servoscope-{}{suffix}", self.name);
-        let height = px((self.y + 14.0).ceil());
-        let style = theme::stylesheet(theme, &id, self.series);
+        let height = (self.y + 14.0).ceil();
+        let [shown_width, shown_height] = format.size([WIDTH, height]).map(px);
+        let height = px(height);
+        let style = theme::stylesheet(format.theme, &id, self.series);
         let (title, description) = (escape(&self.title), escape(&self.description));
         let body = self.body.replace(OWN_ID, &id);
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" id=\"{id}\" role=\"img\" \
-             aria-labelledby=\"{id}-title {id}-desc\" width=\"{WIDTH}\" height=\"{height}\" \
-             viewBox=\"0 0 {WIDTH} {height}\">\n<title id=\"{id}-title\">{title}</title>\n\
+             aria-labelledby=\"{id}-title {id}-desc\" width=\"{shown_width}\" \
+             height=\"{shown_height}\" viewBox=\"0 0 {WIDTH} {height}\">\n<title id=\"{id}-title\">{title}</title>\n\
              <desc id=\"{id}-desc\">{description}</desc>\n<style>\n{style}</style>\n\
              <rect class=\"bg\" width=\"{WIDTH}\" height=\"{height}\"/>\n{body}\n</svg>\n"
         )

@@ -11,6 +11,7 @@ mod bode;
 mod canvas;
 mod convergence;
 mod friction;
+mod history;
 mod panel;
 mod residuals;
 mod scale;
@@ -25,7 +26,8 @@ use crate::answers::{Answer, Comparison, ConvergenceRow, Discrepancy, Identifica
 
 use canvas::Canvas;
 
-pub use theme::Theme;
+pub use history::{Estimated, Trend};
+pub use theme::{Format, Theme};
 
 pub(super) use text::superscript;
 pub(super) use theme::{DARK, LIGHT, Palette};
@@ -90,13 +92,29 @@ pub fn available(subject: &Subject<'_>) -> Vec<&'static str> {
     drawn.map(|(name, _)| *name).collect()
 }
 
-/// Draws the figure of this name as an SVG document, 800 pixels wide.
+/// Draws the figure of this name as an SVG document.
 ///
 /// # Errors
 /// [`NothingToDraw`] where there is no figure of this name or the subject lacks
 /// what it shows.
-pub fn draw(name: &str, subject: &Subject<'_>, theme: Theme) -> Result<String, NothingToDraw> {
-    draw_beside(name, subject, theme, "")
+pub fn draw(
+    name: &str,
+    subject: &Subject<'_>,
+    format: impl Into<Format>,
+) -> Result<String, NothingToDraw> {
+    draw_beside(name, subject, format.into(), "")
+}
+
+/// Draws parameters of an axis over the time of measuring.
+///
+/// # Errors
+/// [`NothingToDraw`] where there are none.
+pub fn draw_history(
+    title: &str,
+    trends: &[Trend],
+    format: impl Into<Format>,
+) -> Result<String, NothingToDraw> {
+    Ok(history::draw(title, trends)?.finish(format.into(), ""))
 }
 
 /// The same for a page that shows figures of one name of several subjects:
@@ -107,12 +125,12 @@ pub fn draw(name: &str, subject: &Subject<'_>, theme: Theme) -> Result<String, N
 pub(super) fn draw_beside(
     name: &str,
     subject: &Subject<'_>,
-    theme: Theme,
+    format: Format,
     suffix: &str,
 ) -> Result<String, NothingToDraw> {
     let figure = FIGURES.iter().find(|(known, _)| *known == name);
     let (_, draw) = figure.ok_or_else(|| NothingToDraw("no figure has this name".into()))?;
-    Ok(draw(subject)?.finish(theme, suffix))
+    Ok(draw(subject)?.finish(format, suffix))
 }
 
 /// The comparison of a subject, which several figures need.

@@ -34,6 +34,38 @@ impl Theme {
     }
 }
 
+/// How a figure is written: its colours and its size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Format {
+    /// Its colours.
+    pub theme: Theme,
+    /// Width, pixels; `None`: as the height has it, 800 without one.
+    pub width: Option<u32>,
+    /// Height, pixels; `None`: as the width has it. With both, the figure is as
+    /// large as fits in.
+    pub height: Option<u32>,
+}
+
+impl From<Theme> for Format {
+    fn from(theme: Theme) -> Self {
+        Self { theme, ..Self::default() }
+    }
+}
+
+impl Format {
+    /// Width and height of a figure that was drawn in a size of its own.
+    pub(super) fn size(self, [drawn_width, drawn_height]: [f64; 2]) -> [f64; 2] {
+        let [width, height] = [self.width, self.height].map(|side| side.map(f64::from));
+        let in_proportion = |side: f64, from: f64, to: f64| (side * to / from).round().max(1.0);
+        match (width, height) {
+            (None, None) => [drawn_width, drawn_height],
+            (Some(width), None) => [width, in_proportion(width, drawn_width, drawn_height)],
+            (None, Some(height)) => [in_proportion(height, drawn_height, drawn_width), height],
+            (Some(width), Some(height)) => [width, height],
+        }
+    }
+}
+
 impl FromStr for Theme {
     type Err = String;
 
@@ -227,6 +259,16 @@ mod tests {
                 palette.sigma.iter().map(|c| contrast(c, palette.background)).collect();
             assert!(steps.windows(2).all(|pair| pair[0] < pair[1]), "{steps:?}");
         }
+    }
+
+    #[test]
+    fn a_size_that_is_half_given_keeps_the_proportions() {
+        let size =
+            |width, height| Format { width, height, ..Format::default() }.size([800.0, 600.0]);
+        assert_eq!(size(None, None), [800.0, 600.0]);
+        assert_eq!(size(Some(400), None), [400.0, 300.0]);
+        assert_eq!(size(None, Some(300)), [400.0, 300.0]);
+        assert_eq!(size(Some(400), Some(400)), [400.0, 400.0]);
     }
 
     #[test]

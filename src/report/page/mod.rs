@@ -28,6 +28,8 @@ use crate::answers::{Answer, Comparison, ConvergenceRow};
 use super::figures::{Extended, Subject};
 
 pub use measured::{DataFile, Measured};
+pub use style::{dark as dark_colours, shared as shared_style};
+pub use words::parameter_name;
 
 /// What a page is made of. What is not known is left out, and with it the
 /// figures that need it.

@@ -4,14 +4,20 @@ use std::fmt::Write as _;
 
 use crate::report::figures::{DARK, LIGHT, Palette};
 
-/// The style sheet in both colour schemes; paper is always light.
+/// The style sheet of a page in both colour schemes; paper is always light.
 pub(super) fn sheet() -> String {
-    let [light, dark] = [&LIGHT, &DARK].map(variables);
-    format!(
-        ":root{{color-scheme:light dark;{light}}}\n\
-        @media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}\n\
-        @media print{{:root{{color-scheme:light}}}}\n{RULES}"
-    )
+    format!("{}@media screen and (prefers-color-scheme:dark){{\n{}}}\n{PAGE}", shared(), dark())
+}
+
+/// Light colours, type, and what texts, tables and figures look like, for whatever
+/// shows parts of a page.
+pub fn shared() -> String {
+    format!(":root{{color-scheme:light;{}}}\n{SHARED}", variables(&LIGHT))
+}
+
+/// The colours of the dark scheme, in place of the light ones.
+pub fn dark() -> String {
+    format!(":root{{color-scheme:dark;{}}}\n", variables(&DARK))
 }
 
 /// The colours as variables.
@@ -34,12 +40,11 @@ fn variables(palette: &Palette) -> String {
     })
 }
 
-const RULES: &str = r#"
+const SHARED: &str = r#"
 *{box-sizing:border-box}
 html{scroll-behavior:smooth;-webkit-text-size-adjust:100%;text-size-adjust:100%}
-body{margin:0 auto;padding:2.5rem 1.5rem 5rem;max-width:53rem;background:var(--back);
-  color:var(--text);font:1rem/1.55 system-ui,-apple-system,'Segoe UI',Roboto,'Helvetica Neue',Arial,
-  'Liberation Sans',sans-serif;overflow-wrap:break-word}
+body{margin:0;background:var(--back);color:var(--text);font:1rem/1.55 system-ui,-apple-system,
+  'Segoe UI',Roboto,'Helvetica Neue',Arial,'Liberation Sans',sans-serif;overflow-wrap:break-word}
 h1,h2,h3{line-height:1.25;font-weight:600;margin:0;text-wrap:balance}
 h1{font-size:1.9rem;letter-spacing:-.01em}
 h2{font-size:1.4rem;padding-top:1.25rem;border-top:1px solid var(--grid)}
@@ -75,8 +80,6 @@ dt{color:var(--muted);font-size:.9rem}
 .pairs div{display:grid;grid-template-columns:11rem 1fr;gap:1rem;padding:.35rem 0;
   border-bottom:1px solid var(--grid)}
 .digest{overflow-wrap:anywhere}
-nav{margin-top:2.25rem;font-size:.9rem}
-nav ol{margin:0;padding:0;list-style:none;display:flex;flex-wrap:wrap;gap:.3rem 1.4rem}
 .scroll{overflow-x:auto}
 table{border-collapse:collapse;margin-top:1rem;font-size:.9rem;line-height:1.4;
   font-variant-numeric:tabular-nums}
@@ -104,6 +107,21 @@ figcaption{margin-top:.25rem;max-width:44rem}
 main{counter-reset:figure}
 figure{counter-increment:figure}
 figcaption::before{content:"Figure " counter(figure) ". ";font-weight:600}
+@media (max-width:40rem){
+  h1{font-size:1.5rem}
+  .verdict .lead{font-size:1.1rem}
+  .pairs div{grid-template-columns:1fr;gap:0}
+  .scroll svg{width:44rem}
+  figure .scroll{margin:0 -1rem}
+  .w{min-width:14rem}
+}
+"#;
+
+/// How a page is laid out on a screen and on paper.
+const PAGE: &str = r#"
+body{margin:0 auto;padding:2.5rem 1.5rem 5rem;max-width:53rem}
+nav{margin-top:2.25rem;font-size:.9rem}
+nav ol{margin:0;padding:0;list-style:none;display:flex;flex-wrap:wrap;gap:.3rem 1.4rem}
 @media (min-width:75rem){
   body{max-width:72rem;display:grid;grid-template-columns:13rem minmax(0,50rem);
     grid-template-rows:auto 1fr;column-gap:4rem;justify-content:center}
@@ -113,15 +131,7 @@ figcaption::before{content:"Figure " counter(figure) ". ";font-weight:600}
   nav a{color:var(--muted);text-decoration:none}
   nav a:hover{color:var(--text);text-decoration:underline}
 }
-@media (max-width:40rem){
-  body{padding:1.5rem 1rem 3rem}
-  h1{font-size:1.5rem}
-  .verdict .lead{font-size:1.1rem}
-  .pairs div{grid-template-columns:1fr;gap:0}
-  .scroll svg{width:44rem}
-  figure .scroll{margin:0 -1rem}
-  .w{min-width:14rem}
-}
+@media (max-width:40rem){body{padding:1.5rem 1rem 3rem}}
 @media print{
   @page{size:A4;margin:17mm 11mm}
   html{font-size:10pt}

@@ -123,11 +123,18 @@ fn known(id: &str) -> Option<[&'static str; 3]> {
     })
 }
 
+/// What the parameter of this id is called.
+pub fn parameter_name(id: &str) -> String {
+    match known(id) {
+        Some([name, ..]) => name.to_owned(),
+        None => id.split('.').map(effect).collect::<Vec<_>>().join(": "),
+    }
+}
+
 /// What a parameter is called, with its symbol, beside its id.
 pub(super) fn parameter(id: &str) -> Markup {
     let Some([name, symbol, index]) = known(id) else {
-        let name = id.split('.').map(effect).collect::<Vec<_>>().join(": ");
-        return html! { (name) " " code { (id) } };
+        return html! { (parameter_name(id)) " " code { (id) } };
     };
     html! {
         (name) " " i.symbol { (symbol) @if !index.is_empty() { sub { (index) } } }

@@ -5,6 +5,7 @@ mod idempotency;
 mod jobs;
 mod measurements;
 mod queue;
+mod results;
 mod retention;
 
 use std::path::Path;
@@ -17,9 +18,9 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, S
 use sqlx::{SqlitePool, Transaction};
 
 use super::{
-    Beat, Cancelling, ConvergencePoint, Expired, FileRow, IdempotencyKey, Inserted, JobFilter,
-    JobRow, Lease, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, QueueState,
-    Recovered, Store, StoreError,
+    AxisRow, Beat, Cancelling, ConvergencePoint, Expired, FileRow, IdempotencyKey, Inserted,
+    JobFilter, JobRow, Lease, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page,
+    QueueState, Recovered, ResultFilter, Store, StoreError, StoredResult,
 };
 
 /// How long a writer waits for another one before it gives up.
@@ -202,6 +203,18 @@ impl Store for Sqlite {
 
     async fn result(&self, id: &str) -> Result<Option<String>, StoreError> {
         Ok(jobs::result(&self.readers, id).await?)
+    }
+
+    async fn results(
+        &self,
+        filter: &ResultFilter,
+        limit: u32,
+    ) -> Result<Vec<StoredResult>, StoreError> {
+        Ok(results::list(&self.readers, filter, limit).await?)
+    }
+
+    async fn axes(&self, machine: Option<&str>, limit: u32) -> Result<Vec<AxisRow>, StoreError> {
+        Ok(results::axes(&self.readers, machine, limit).await?)
     }
 
     async fn convergence(&self, id: &str) -> Result<Vec<ConvergencePoint>, StoreError> {

@@ -1,0 +1,42 @@
+//! `/` and `/assets`: the dashboard.
+
+use axum::extract::Path;
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+
+use crate::web::{self, Asset};
+
+use super::cached::{self, Kept};
+use super::problem::Problem;
+
+/// What the page may use: this server, and nothing else; no script or style in
+/// line, and no page around it.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; \
+                      connect-src 'self'; base-uri 'none'; form-action 'none'; \
+                      frame-ancestors 'none'";
+
+/// A new version of the program brings new files under the same names: a browser
+/// asks each time, and is told that nothing has changed.
+const CACHING: &str = "no-cache";
+
+/// The page, at each address that its script knows.
+pub(super) async fn page(headers: HeaderMap) -> Response {
+    answer(&headers, web::index())
+}
+
+/// A file that the page asks for.
+pub(super) async fn asset(
+    Path(name): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let found = web::asset(&name);
+    let missing =
+        || Problem::of_status(StatusCode::NOT_FOUND, format!("there is no file `{name}`"));
+    Ok(answer(&headers, found.ok_or_else(missing)?))
+}
+
+fn answer(headers: &HeaderMap, asset: Asset) -> Response {
+    let Asset { media_type, text } = asset;
+    let kept = Kept { media_type, policy: POLICY, caching: CACHING };
+    cached::keep(headers, kept, text).into_response()
+}

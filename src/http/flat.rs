@@ -1,0 +1,24 @@
+//! Rows as tables.
+
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+
+use super::problem::Problem;
+
+/// Rows as CSV.
+#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
+pub(super) fn csv(columns: &[&str], rows: &[impl Serialize]) -> Result<Response, Problem> {
+    let internal = |error: &dyn std::fmt::Display| {
+        let status = StatusCode::INTERNAL_SERVER_ERROR;
+        Problem::internal(status, "this cannot be written as a table", error)
+    };
+    // The header by hand: there may be no row to take it from.
+    let mut table = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    table.write_record(columns).map_err(|error| internal(&error))?;
+    for row in rows {
+        table.serialize(row).map_err(|error| internal(&error))?;
+    }
+    let bytes = table.into_inner().map_err(|error| internal(&error))?;
+    Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8")], bytes).into_response())
+}

@@ -1,0 +1,34 @@
+//! The dashboard's files.
+
+use super::*;
+
+#[test]
+fn the_page_is_at_each_of_its_addresses_and_may_use_this_server_alone() {
+    let server = Server::start();
+    for path in ["/", "/jobs/some-id", "/measurements/some-id", "/compare?a=1&b=2", "/axes"] {
+        let mut page = server.get(path);
+        assert_eq!(page.status(), 200, "{path}");
+        assert_eq!(header(&page, "content-type"), "text/html; charset=utf-8");
+        let policy = header(&page, "content-security-policy").to_owned();
+        assert!(policy.starts_with("default-src 'none'; script-src 'self'; style-src 'self';"));
+        assert!(!policy.contains("unsafe"), "{policy}");
+        assert!(page.body_mut().read_to_string().unwrap().contains("/assets/main.js"));
+    }
+    problem(server.get("/elsewhere"), 404);
+}
+
+#[test]
+fn a_file_is_asked_for_again_and_sent_once() {
+    let server = Server::start();
+    let script = server.get("/assets/main.js");
+    assert_eq!(header(&script, "content-type"), "text/javascript; charset=utf-8");
+    assert_eq!(header(&script, "cache-control"), "no-cache");
+    let tag = header(&script, "etag").to_owned();
+    let again = server.agent.get(format!("{}/assets/main.js", server.address));
+    assert_eq!(again.header("if-none-match", tag).call().unwrap().status(), 304);
+    assert_eq!(
+        header(&server.get("/assets/shared.css"), "content-type"),
+        "text/css; charset=utf-8"
+    );
+    problem(server.get("/assets/nothing.js"), 404);
+}

@@ -1,0 +1,65 @@
+//! Results with what they are of, over the time of measuring.
+
+use sqlx::SqlitePool;
+
+use crate::store::{AxisRow, ResultFilter, StoredResult};
+
+pub(super) async fn list(
+    pool: &SqlitePool,
+    filter: &ResultFilter,
+    limit: u32,
+) -> sqlx::Result<Vec<StoredResult>> {
+    sqlx::query_as(
+        "SELECT jobs.id AS job_id, jobs.kind, jobs.result, measured.id AS measurement_id,
+                measured.name, measured.machine, measured.axis, measured.at_ms
+         FROM jobs
+         JOIN (SELECT id, name, machine, axis,
+                      coalesce(CAST(round(unixepoch(measured_at, 'subsec') * 1000) AS INTEGER),
+                               created_at_ms) AS at_ms
+               FROM measurements) AS measured ON measured.id = jobs.measurement_id
+         WHERE jobs.result IS NOT NULL
+           AND (?1 IS NULL OR machine = ?1)
+           AND (?2 IS NULL OR axis = ?2)
+           AND (?3 IS NULL OR measured.id = ?3)
+           AND (?4 IS NULL OR at_ms >= ?4)
+           AND (?5 IS NULL OR at_ms < ?5)
+           AND (NOT ?6 OR NOT EXISTS (
+               SELECT 1 FROM jobs AS later
+               WHERE later.measurement_id = measured.id AND later.result IS NOT NULL
+                 AND later.id > jobs.id))
+         ORDER BY at_ms DESC, jobs.id DESC LIMIT ?7",
+    )
+    .bind(&filter.machine)
+    .bind(&filter.axis)
+    .bind(&filter.measurement_id)
+    .bind(filter.from_ms)
+    .bind(filter.to_ms)
+    .bind(filter.latest_only)
+    .bind(limit)
+    .fetch_all(pool)
+    .await
+}
+
+pub(super) async fn axes(
+    pool: &SqlitePool,
+    machine: Option<&str>,
+    limit: u32,
+) -> sqlx::Result<Vec<AxisRow>> {
+    sqlx::query_as(
+        "SELECT machine, axis, count(*) AS measurements,
+                sum(EXISTS (SELECT 1 FROM jobs
+                            WHERE measurement_id = measured.id AND result IS NOT NULL)) AS results,
+                min(at_ms) AS first_ms, max(at_ms) AS last_ms
+         FROM (SELECT id, machine, axis,
+                      coalesce(CAST(round(unixepoch(measured_at, 'subsec') * 1000) AS INTEGER),
+                               created_at_ms) AS at_ms
+               FROM measurements
+               WHERE axis IS NOT NULL AND machine IS NOT NULL
+                 AND (?1 IS NULL OR machine = ?1)) AS measured
+         GROUP BY machine, axis ORDER BY machine, axis LIMIT ?2",
+    )
+    .bind(machine)
+    .bind(limit)
+    .fetch_all(pool)
+    .await
+}

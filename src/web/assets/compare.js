@@ -1,0 +1,96 @@
+// Two jobs side by side.
+
+import { h, row, table } from "./dom.js";
+import { json } from "./api.js";
+import { confidence, decimals, effect, fixed, kind, named, number, parameter, percent, subject, time } from "./format.js";
+import { frame, load } from "./figure.js";
+import { ofVerdict } from "./status.js";
+
+const FIGURES = ["bode", "residuals", "spectrum", "friction", "convergence"];
+
+export async function show({ query, signal, go }) {
+  const [a, b] = await Promise.all(["a", "b"].map((side) => loaded(query.get(side), signal)));
+  const { items } = await json("/v1/results.json", { signal }).then(({ rows }) => ({ items: rows }));
+  const choose = (side, chosen) => h("label", {}, h("span", {}, side === "a" ? "On the left" : "On the right"),
+    h("select", { onchange: ({ target }) => {
+      query.set(side, target.value);
+      go(`/compare?${query}`);
+    } },
+    !chosen && h("option", { value: "" }, "choose a job"),
+    items.map((item) => h("option", { value: item.job_id, selected: item.job_id === chosen?.job.id },
+      `${kind(item)}: ${subject(item)}, ${item.causes ? `${named(item.causes)}, ` : ""}${time(item.at)}`))));
+  const both = a && b;
+  const node = h("div", { class: "wide" },
+    h("p", { class: "trail" }, h("a", { href: "/" }, "Overview")),
+    h("h1", {}, "Two jobs side by side"),
+    h("div", { class: "halves fields" }, choose("a", a), choose("b", b)),
+    !both && h("p", { class: "state" }, items.length < 2 ? "There are not two results yet. Start a job on a measurement first." : "Choose two jobs that have a result."),
+    both && [
+      h("div", { class: "halves" }, [a, b].map(summary)),
+      parameters(a, b),
+      FIGURES.map((name) => h("section", { "aria-label": name },
+        h("div", { class: "halves" }, [a, b].map((side) => plot(side, name, signal))))),
+    ]);
+  return { title: "Two jobs side by side", node };
+}
+
+async function loaded(id, signal) {
+  if (!id) return null;
+  const job = await json(`/v1/jobs/${encodeURIComponent(id)}`, { signal });
+  const [result, measurement] = await Promise.all([
+    json(`/v1/jobs/${job.id}/result`, { signal }),
+    json(`/v1/measurements/${job.measurement_id}`, { signal }),
+  ]);
+  const base = result.base ?? result;
+  return { job, result, measurement, base, model: result.extended ?? base };
+}
+
+function summary({ job, result, measurement, model }) {
+  const { verdict, causes = [], gain } = result;
+  const said = [
+    ["Measured", time(measurement.measured_at ?? measurement.created_at)],
+    ["Verdict", verdict ? ofVerdict(verdict) : "none asked for"],
+    ["Cause", causes.map((cause) => `${effect(cause.effect)} (${confidence(cause.confidence)})`).join(", ")],
+    ["Gain", gain && `${number(gain.ratio, 3)} (${number(gain.interval95[0], 3)} to ${number(gain.interval95[1], 3)})`],
+    ["Left of the response", percent(model.fit.nrmse)],
+    ["χ² each", number(model.fit.chi2_per_dof, 3)],
+  ];
+  return h("section", {},
+    h("h2", {}, h("a", { href: `/jobs/${job.id}` }, subject(measurement))),
+    h("dl", { class: "pairs" }, said.filter(([, value]) => value).map(([name, value]) => h("div", {}, h("dt", {}, name), h("dd", {}, value)))));
+}
+
+/// Parameters of both models in one table; those that differ by more than their
+/// joint interval are marked.
+function parameters(a, b) {
+  const names = [...new Set([...Object.keys(a.model.parameters), ...Object.keys(b.model.parameters)])];
+  const rows = names.map((name) => {
+    const [left, right] = [a, b].map((side) => side.model.parameters[name]);
+    const [low, high] = [left, right].map((estimate) => estimate?.std);
+    const places = decimals(Math.min(...[low, high].filter((std) => std > 0)));
+    const change = left?.value != null && right?.value != null ? right.value - left.value : null;
+    const joint = left?.interval95 && right?.interval95
+      && Math.hypot(...[left, right].map(({ interval95: [from, to] }) => (to - from) / 2));
+    const beyond = change != null && joint && Math.abs(change) > joint;
+    return row([
+      parameter(name),
+      ...[left, right].flatMap((estimate) => [
+        { content: fixed(estimate?.value, places), class: "n" },
+        { content: estimate?.std ? `± ${fixed(1.96 * estimate.std, places)}` : "", class: "n small" },
+      ]),
+      { content: fixed(change, places), class: "n" },
+      (left ?? right).unit,
+      beyond ? h("strong", { class: "beyond" }, "beyond the joint interval") : "",
+    ], { class: beyond ? "changed" : "" });
+  });
+  const n = (text) => ({ text, class: "n" });
+  return h("section", {}, h("h2", {}, "Parameters"),
+    table("", ["Parameter", n("left"), n("95 %"), n("right"), n("95 %"), n("change"), "unit", ""], rows));
+}
+
+function plot({ job }, name, signal) {
+  const { node, figure } = frame("", `${name} of ${job.id}`);
+  load(figure, `/v1/jobs/${job.id}/plots/${name}.svg`, signal)
+    .catch((error) => signal.aborted || node.replaceChildren(h("p", { class: "small" }, error.message)));
+  return node;
+}

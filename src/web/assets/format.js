@@ -1,0 +1,90 @@
+// Numbers, times and names as they are read.
+
+const POWERS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+/// At most so many significant digits, a true minus sign, and a power of ten where
+/// the number is very large or small.
+export function number(value, digits = 4) {
+  if (value == null || !Number.isFinite(value)) return "";
+  const text = Number(value.toPrecision(digits)).toString();
+  const [mantissa, power] = text.split("e");
+  const raised = power && [...power.replace("+", "")].map((c) => POWERS[c] ?? "⁻").join("");
+  return (power ? `${mantissa}·10${raised}` : mantissa).replace("-", "−");
+}
+
+/// With so many digits behind the point: numbers that stand below each other.
+export function fixed(value, decimals) {
+  return value == null ? "" : value.toFixed(decimals).replace("-", "−");
+}
+
+/// Digits behind the point at which the last one shown is a tenth of the deviation.
+export function decimals(deviation) {
+  if (!(deviation > 0)) return 4;
+  return Math.min(8, Math.max(0, 1 - Math.floor(Math.log10(deviation))));
+}
+
+export function percent(share, digits = 3) {
+  return share == null ? "" : `${number(100 * share, digits)} %`;
+}
+
+/// A probability: nothing is certain.
+export function confidence(share) {
+  return share > 0.999 ? "> 99.9 %" : `${Math.floor(1000 * share) / 10} %`;
+}
+
+export function range([low, high], unit, factor = 1) {
+  const [from, to] = [number(low * factor, 3), number(high * factor, 3)];
+  const space = unit ? " " : "";
+  return from === to ? `${from}${space}${unit}` : `${from} to ${to}${space}${unit}`;
+}
+
+export function seconds(value) {
+  if (value < 60) return `${value < 10 ? value.toFixed(1) : Math.round(value)} s`;
+  const minutes = Math.floor(value / 60);
+  return minutes < 60 ? `${minutes} min ${Math.round(value % 60)} s` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+}
+
+/// A time on the reader's clock.
+export function time(rfc3339) {
+  if (!rfc3339) return "";
+  const date = new Date(rfc3339);
+  if (Number.isNaN(date.getTime())) return rfc3339;
+  const two = (part) => String(part).padStart(2, "0");
+  const day = `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())}`;
+  return `${day} ${two(date.getHours())}:${two(date.getMinutes())}`;
+}
+
+/// An id as words.
+export function effect(id) {
+  return id === "stribeck" ? "Stribeck friction" : id.replaceAll("_", " ");
+}
+
+/// Ids of causes with spaces between them, as words.
+export function named(causes) {
+  return causes ? causes.split(" ").map(effect).join(", ") : "";
+}
+
+/// The kind of a job as what it makes.
+export function kind(job) {
+  return job.kind === "diagnose" ? "Diagnosis" : "Identification";
+}
+
+const PARAMETERS = {
+  dc_gain: "DC gain", fc_plus: "Friction forwards", fc_minus: "Friction backwards",
+  "static_friction.fs_plus": "Static friction forwards", "static_friction.fs_minus": "Static friction backwards",
+};
+
+/// The id of a parameter as words: `stribeck.fs_over_fc` is of an effect.
+export function parameter(id) {
+  return PARAMETERS[id] ?? capital(id.split(".").map(effect).join(": "));
+}
+
+export function capital(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+/// What a measurement is of, as far as it says.
+export function subject({ machine, axis, name }) {
+  const parts = [machine, axis && `axis ${axis}`].filter(Boolean);
+  return parts.join(", ") || name || "unnamed measurement";
+}

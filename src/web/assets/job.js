@@ -1,0 +1,94 @@
+// One job: live while it runs, its answer once it has one.
+
+import { announce, confirmed, h } from "./dom.js";
+import { json, remove, send, text } from "./api.js";
+import { kind, subject, time } from "./format.js";
+import { answer } from "./answer.js";
+import { follow } from "./live.js";
+
+const ENDED = ["succeeded", "failed", "cancelled"];
+
+export async function show({ argument: id, signal, go }) {
+  const job = await json(`/v1/jobs/${encodeURIComponent(id)}`, { signal });
+  const measurement = await json(`/v1/measurements/${job.measurement_id}`, { signal });
+  const title = `${kind(job)} of ${subject(measurement)}`;
+  const actions = h("p", { class: "actions" });
+  const body = h("div", { class: "body" });
+  const node = h("div", { class: "job" },
+    h("p", { class: "trail" }, h("a", { href: "/" }, "Overview"), " / ",
+      h("a", { href: `/measurements/${measurement.id}` }, subject(measurement))),
+    h("h1", {}, title),
+    h("p", { class: "origin" }, origin(job, measurement)),
+    actions, body);
+
+  async function ended(job) {
+    const path = `/v1/jobs/${job.id}`;
+    const again = `/measurements/${measurement.id}?again=${job.id}#start`;
+    actions.replaceChildren(...[
+      ...(job.status === "succeeded" ? downloads(path, job) : []),
+      h("a", { class: "button", href: again }, "Start again …"),
+      h("button", { class: "danger", onclick: async () => {
+        if (!await confirmed("Delete this job and its result for good?", "Delete")) return;
+        await remove(path);
+        go(`/measurements/${measurement.id}`);
+      } }, "Delete")]);
+    if (job.status === "succeeded") {
+      const shown = answer(await text(`${path}/report.html`, { signal }));
+      if (signal.aborted) return;
+      body.replaceChildren(...shown.nodes);
+      announce(`Ended: ${shown.verdict}`);
+    } else {
+      body.replaceChildren(without(job));
+      announce(`The job ${job.status === "failed" ? "failed" : "was cancelled"}.`);
+    }
+  }
+
+  if (ENDED.includes(job.status)) {
+    await ended(job);
+  } else {
+    const cancel = h("button", { onclick: async () => {
+      cancel.disabled = true;
+      await send(`/v1/jobs/${job.id}/cancel`).catch(() => (cancel.disabled = false));
+    } }, "Cancel");
+    actions.replaceChildren(cancel);
+    body.replaceChildren(follow(job, signal, ended));
+  }
+  return { title, node };
+}
+
+function origin(job, measurement) {
+  const asked = [
+    job.method,
+    job.plant ? `actuator order ${job.plant.actuator_order}` : "actuator order from the data",
+    `seed ${job.options.seed}`,
+  ];
+  const measured = measurement.measured_at && `measured ${time(measurement.measured_at)}`;
+  return [measured, measurement.operator && `by ${measurement.operator}`, asked.join(", "), `queued ${time(job.created_at)}`]
+    .filter(Boolean).join(" · ");
+}
+
+/// Everything that can be taken away, in one place.
+function downloads(path, job) {
+  const name = `${job.kind}-${job.id.slice(-6)}`;
+  const link = (file, title) => h("li", {}, h("a", { href: `${path}/${file}`, download: `${name}-${file.split("/").pop()}` }, title));
+  const figures = ["bode", "spectrum", "residuals", "convergence", "friction"];
+  return [
+    h("a", { class: "button primary", href: `${path}/report.html`, download: `${name}.html` }, "Report"),
+    h("details", { class: "menu" },
+      h("summary", { class: "button" }, "Data and figures"),
+      h("ul", {},
+        link("result", "Result, JSON"), link("parameters.csv", "Parameters, CSV"),
+        link("comparison.csv", "Measured and simulated, CSV"), link("convergence.csv", "Convergence, CSV"),
+        figures.map((figure) => link(`plots/${figure}.svg`, `Figure: ${figure}, SVG`)))),
+  ];
+}
+
+/// Why there is no answer, and what to do.
+function without(job) {
+  const { failure } = job;
+  return h("section", { class: "state" },
+    h("h2", {}, job.status === "failed" ? "It failed" : "It was cancelled"),
+    failure && h("p", {}, failure.reason),
+    failure?.reference && h("p", { class: "small" }, "The log of the server says more under ", h("code", {}, failure.reference), "."),
+    h("p", {}, job.status === "failed" ? "Mend what it says, and start again." : "There is no result. To start again takes over what was asked for."));
+}

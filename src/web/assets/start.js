@@ -1,0 +1,107 @@
+// The form that starts an identification or a diagnosis.
+
+import { h } from "./dom.js";
+import { Problem, json, send } from "./api.js";
+import { subject, time } from "./format.js";
+
+/// A form for jobs on a measurement; `earlier` is a job that is to be started again,
+/// `started` gets the new one.
+export async function startForm(measurement, started, { earlier, signal } = {}) {
+  const [document, { items }] = await Promise.all([
+    json("/openapi.json", { signal }),
+    json("/v1/measurements?limit=200", { signal }),
+  ]);
+  const schemas = document.components.schemas;
+  const others = items.filter((item) => item.id !== measurement.id);
+  const options = earlier?.options ?? {};
+  const kind = earlier?.kind ?? "diagnose";
+
+  const radio = (value, title, text) => h("label", { class: "choice" },
+    h("input", { type: "radio", name: "kind", value, checked: value === kind }),
+    h("span", {}, h("strong", {}, title), h("span", { class: "small" }, text)));
+  const order = earlier?.plant?.actuator_order;
+  const form = h("form", { class: "start", novalidate: true },
+    h("fieldset", {},
+      h("legend", {}, "What is to be found out"),
+      radio("diagnose", "Diagnosis", "Where the model is wrong, which effect is missing, and what naming it gains."),
+      radio("identify", "Identification", "The parameters of the base model: transfer function and friction.")),
+    h("div", { class: "fields" },
+      select("plant.actuator_order", "Order of the actuator", [["", "chosen from the data"], ...[0, 1, 2].map((n) => [n, n])], order ?? ""),
+      select("method", "Method", schemas.Method.enum.map((name) => [name, name]), earlier?.method),
+      input("noise_std", "Noise, standard deviation", { inputmode: "decimal", placeholder: "from the data", value: options.noise_std },
+        "In units of the response; only where the file says nothing of it."),
+      input("seed", "Seed", { inputmode: "numeric", value: options.seed ?? 1 }, "The same seed gives the same bits."),
+      select("weights", "Errors are weighed with", [["noise", "their noise"], ["response", "all alike"]], options.weights),
+      select("validation_measurement_id", "Validate on", [["", "parts held out of it"],
+        ...others.map((item) => [item.id, `${subject(item)}${item.name ? `, ${item.name}` : ""}, ${time(item.measured_at ?? item.created_at)}`])],
+        earlier?.validation_measurement_id ?? "", "A second measurement of the same axis; for a diagnosis.")),
+    h("p", { class: "actions" }, h("button", { class: "primary" }, "Start")),
+    h("p", { class: "wrong", role: "alert" }));
+
+  const chosen = () => form.elements.kind.value;
+  const adapt = () => {
+    const field = form.elements.validation_measurement_id;
+    field.disabled = chosen() !== "diagnose";
+    field.closest("label").classList.toggle("off", field.disabled);
+  };
+  form.addEventListener("change", adapt);
+  adapt();
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    const button = form.querySelector(".primary");
+    button.disabled = true;
+    clear(form);
+    try {
+      started(await send("/v1/jobs", request(form, measurement.id, options)));
+    } catch (error) {
+      refuse(form, error);
+    } finally {
+      button.disabled = false;
+    }
+  });
+  return form;
+}
+
+/// What the form asks for. What is not a number is sent as it was typed: the server
+/// says what it should be.
+function request(form, measurement_id, options) {
+  const value = (name) => form.elements[name].value.trim();
+  const typed = (text) => (text === "" ? undefined : Number.isNaN(Number(text)) ? text : Number(text));
+  const diagnose = value("kind") === "diagnose";
+  const order = value("plant.actuator_order");
+  return {
+    measurement_id,
+    kind: value("kind"),
+    plant: order === "" ? undefined : { actuator_order: Number(order) },
+    method: value("method"),
+    validation_measurement_id: (diagnose && value("validation_measurement_id")) || undefined,
+    options: { ...options, seed: typed(value("seed")), noise_std: typed(value("noise_std")), weights: value("weights") },
+  };
+}
+
+function clear(form) {
+  form.querySelector(".wrong").textContent = "";
+  for (const field of form.querySelectorAll("[aria-invalid]")) field.removeAttribute("aria-invalid");
+}
+
+/// Says what is wrong where it is wrong.
+function refuse(form, error) {
+  form.querySelector(".wrong").textContent = error.message;
+  const member = error instanceof Problem ? error.document.member ?? "" : "";
+  const field = [...form.elements].find((field) => field.name && (field.name === member || member.endsWith(`.${field.name}`)));
+  field?.setAttribute("aria-invalid", "true");
+  field?.focus();
+}
+
+function label(title, field, hint) {
+  return h("label", {}, h("span", {}, title), field, hint && h("span", { class: "small" }, hint));
+}
+
+function select(name, title, values, chosen, hint) {
+  return label(title, h("select", { name }, values.map(([value, text]) =>
+    h("option", { value, selected: String(value) === String(chosen) }, text))), hint);
+}
+
+function input(name, title, attributes, hint) {
+  return label(title, h("input", { name, autocomplete: "off", ...attributes }), hint);
+}

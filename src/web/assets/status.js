@@ -1,0 +1,40 @@
+// Where a job stands, in a word, a colour and a bar.
+
+import { h } from "./dom.js";
+import { capital, named, number, percent } from "./format.js";
+
+const VERDICTS = { adequate: "good", explained: "good", improved: "part", unexplained: "bad" };
+
+/// A word in its colour.
+export function chip(word, kind = { failed: "bad" }[word] ?? "open") {
+  return h("span", { class: `chip ${kind}` }, word);
+}
+
+/// A verdict in its colour.
+export function ofVerdict(verdict) {
+  return chip(verdict, VERDICTS[verdict]);
+}
+
+/// How far a job has come.
+export function bar(job) {
+  const { progress, status, cancel_requested: stopping } = job;
+  const share = status === "queued" ? 0 : progress?.fraction ?? 0;
+  const word = stopping ? "being cancelled" : status === "queued" ? "queued" : capital(stage(progress));
+  return h("span", { class: "progress" },
+    h("progress", { max: 1, value: share, "aria-label": word }),
+    h("span", { class: "small" }, status === "queued" ? word : `${word}, ${Math.round(100 * share)} %`));
+}
+
+/// The stage in words.
+export function stage(progress) {
+  return (progress?.stage ?? "starting").replaceAll("_", " ");
+}
+
+/// What came of a job: its verdict and the causes named, or why there is none.
+export function outcome({ status, failure, result }) {
+  if (status === "failed") return failure?.reason ?? "";
+  if (!result) return "";
+  const { verdict, causes, ratio, nrmse, adequate } = result;
+  if (!verdict) return [adequate == null ? "" : adequate ? "adequate, " : "not adequate, ", `left ${percent(nrmse)}`];
+  return [ofVerdict(verdict), " ", h("strong", {}, named(causes)), ratio ? h("span", { class: "small" }, ` error ÷ ${number(ratio, 3)}`) : ""];
+}

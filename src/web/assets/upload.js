@@ -1,0 +1,89 @@
+// Uploading a measurement by drag and drop, or from a dialog.
+
+import { announce, h } from "./dom.js";
+import { Problem, json } from "./api.js";
+
+/// Lines shown before and after one that is wrong.
+const AROUND = 2;
+
+/// A place to drop files on. `done` gets the measurement.
+export function dropZone(done) {
+  const input = h("input", { type: "file", multiple: true, accept: ".csv,.json,.txt", id: "files", class: "unseen" });
+  const outcome = h("div", { role: "alert" });
+  const zone = h("section", { class: "drop", "aria-label": "Upload a measurement" },
+    h("p", {},
+      h("strong", {}, "Drop a measurement here"), " or ",
+      h("label", { class: "button", for: "files" }, "choose files")),
+    h("p", { class: "small" }, "Harmonic table or time record, CSV or JSON. Files chosen together are one measurement. ",
+      h("a", { href: "/assets/example.csv", download: "sticky_axis.csv" }, "An example to look at"), "."),
+    input, outcome);
+
+  async function take(files) {
+    if (files.length === 0) return;
+    outcome.replaceChildren(h("p", {}, `Reading ${files.map((file) => file.name).join(", ")} …`));
+    zone.classList.add("busy");
+    try {
+      const measurement = await upload(files);
+      outcome.replaceChildren();
+      announce("The measurement was uploaded.");
+      done(measurement);
+    } catch (error) {
+      outcome.replaceChildren(await explained(error, files));
+    } finally {
+      zone.classList.remove("busy");
+      input.value = "";
+    }
+  }
+
+  input.addEventListener("change", () => take([...input.files]));
+  const over = (event) => {
+    event.preventDefault();
+    zone.classList.add("over");
+  };
+  zone.addEventListener("dragenter", over);
+  zone.addEventListener("dragover", over);
+  zone.addEventListener("dragleave", (event) => zone.contains(event.relatedTarget) || zone.classList.remove("over"));
+  zone.addEventListener("drop", (event) => {
+    event.preventDefault();
+    zone.classList.remove("over");
+    take([...event.dataTransfer.files]);
+  });
+  return zone;
+}
+
+/// Sends files as one measurement.
+export function upload(files) {
+  const form = new FormData();
+  for (const file of files) {
+    const type = file.name.endsWith(".json") ? "application/json" : "text/csv";
+    form.append("file", new File([file], file.name, { type }));
+  }
+  const name = files.length === 1 ? files[0].name.replace(/\.(csv|json|txt)$/, "") : "";
+  return json(`/v1/measurements${name && `?name=${encodeURIComponent(name)}`}`, { method: "POST", body: form });
+}
+
+/// What is wrong with a file, at the lines where it is.
+async function explained(error, files) {
+  const { file: name, line, column } = error instanceof Problem ? error.document : {};
+  const file = files.find((file) => file.name === name) ?? (files.length === 1 ? files[0] : undefined);
+  const where = [name, line && `line ${line}`, column && `column ${column}`].filter(Boolean).join(", ");
+  return h("div", { class: "refused" },
+    h("h2", {}, "Nothing was stored"),
+    h("p", {}, error.message),
+    file && line && await excerpt(file, line, where),
+    h("p", { class: "small" }, "Mend the file and drop it again. ",
+      h("a", { href: "/assets/example.csv", download: "sticky_axis.csv" }, "The example"), " shows the form of a harmonic table."));
+}
+
+async function excerpt(file, line, where) {
+  const lines = (await file.text()).split(/\r\n|\n|\r/);
+  const first = Math.max(0, line - 1 - AROUND);
+  const rows = lines.slice(first, line + AROUND).map((text, i) => {
+    const number = first + i + 1;
+    const wrong = number === line;
+    return h("span", { class: wrong ? "line wrong" : "line", "aria-current": wrong && "true" },
+      h("b", {}, String(number).padStart(String(line + AROUND).length)), text.slice(0, 300) || " ");
+  });
+  return h("div", { class: "excerpt" },
+    h("pre", { tabindex: "0", "aria-label": `The file around ${where}` }, rows));
+}

@@ -1,0 +1,273 @@
+// The dashboard as a person meets it: a real browser, the real program.
+
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { after, afterEach, before, test } from "node:test";
+
+import { browser as launched, drop, open, overflows, picture } from "./page.mjs";
+import { STICKY, Server, simulated } from "./server.mjs";
+
+const PHONE = { viewport: { width: 390, height: 844 } };
+/// Far more than a diagnosis takes.
+const PATIENCE = 600_000;
+const PRESS = { machine: "press 4", axis: "Y" };
+
+const server = new Server();
+const pages = [];
+let browser;
+/// A diagnosis that has ended, which several tests look at.
+let diagnosed;
+
+/// A page whose errors are counted when its test ends.
+async function visit(path, options) {
+  const page = await open(browser, server, path, options);
+  pages.push(page);
+  return page;
+}
+
+before(async () => {
+  await server.start();
+  browser = await launched();
+});
+
+after(async () => {
+  await browser?.close();
+  await server.end();
+});
+
+afterEach(async () => {
+  for (const page of pages.splice(0)) {
+    await page.context().close();
+    assert.deepEqual(page.wrong, []);
+  }
+});
+
+test("an empty server says what to do", async () => {
+  const page = await visit("/");
+  await page.getByRole("heading", { name: "Nothing has been measured yet" }).waitFor();
+  assert.ok(await page.getByRole("button", { name: "Diagnose the example" }).isEnabled());
+  await picture(page, "01-empty");
+  await page.getByRole("link", { name: "Axes" }).click();
+  await page.getByRole("heading", { name: "No axis is known yet" }).waitFor();
+  await picture(page, "02-no-axis");
+});
+
+test("a bad file is refused at its line, and nothing is stored", async () => {
+  const page = await visit("/");
+  const lines = simulated(STICKY).split("\n");
+  const at = lines.findIndex((line) => /^\d/.test(line)) + 4;
+  lines[at] = lines[at].replace(/^[^,]*/, "two");
+  await drop(page, "bad.csv", lines.join("\n"));
+  const wrong = page.locator(".line.wrong");
+  await wrong.waitFor();
+  assert.match(await wrong.textContent(), new RegExp(`^\\s*${at + 1}two,`));
+  assert.match(await page.getByRole("alert").textContent(), /Nothing was stored/);
+  assert.match(await page.getByRole("alert").textContent(), /two/);
+  await picture(page, "03-bad-file");
+  // The browser itself notes that the server refused.
+  page.wrong = page.wrong.filter((text) => !text.includes("422"));
+  const { items } = await (await fetch(`${server.address}/v1/measurements`)).json();
+  assert.equal(items.length, 0);
+});
+
+test("a file is dropped, diagnosed, watched to its end, and the cause is read", async () => {
+  const page = await visit("/");
+  await drop(page, "sticky.csv", simulated(STICKY, { ...PRESS, measured_at: "2026-03-04T10:20:00Z", operator: "Ada" }));
+  await page.getByRole("heading", { name: "Start a job" }).waitFor();
+  await picture(page, "04-measurement", { fullPage: true });
+  await page.evaluate(() => (globalThis.loadedOnce = true));
+  await page.getByRole("button", { name: "Start", exact: true }).click();
+
+  // Progress arrives while somebody looks: the share grows, the figure is drawn again.
+  const bar = page.locator("progress");
+  await bar.waitFor();
+  const shares = new Set();
+  const drawings = new Set();
+  const figure = page.locator(".live server-figure");
+  const verdict = page.locator(".verdict");
+  while (!await verdict.isVisible()) {
+    shares.add(await bar.evaluate((bar) => bar.value).catch(() => null));
+    drawings.add(await figure.evaluate((figure) => figure.shadowRoot.innerHTML.length).catch(() => null));
+    if (drawings.size === 4) await picture(page, "05-running");
+    await page.waitForTimeout(150);
+  }
+  assert.ok(shares.size > 3 && drawings.size > 3, `${shares.size} shares and ${drawings.size} drawings were seen`);
+  assert.ok(await page.evaluate(() => globalThis.loadedOnce), "the page was loaded again");
+
+  assert.match(await verdict.textContent(), /Explained.*static friction/);
+  const sections = await page.locator(".answer > section > h2").allTextContents();
+  for (const title of ["What the simulation gets wrong", "The cause", "Measured against simulated", "The rivals", "What to measure next", "The model"]) {
+    assert.ok(sections.includes(title), `${title} is not among ${sections}`);
+  }
+  const figures = await page.locator("server-figure").evaluateAll((all) => all.map((one) => one.shadowRoot.querySelector("svg").id));
+  for (const name of ["bode", "spectrum", "residuals", "residuals-after", "convergence", "friction"]) {
+    assert.ok(figures.includes(`servoscope-${name}`), `${name} is not among ${figures}`);
+  }
+  diagnosed = new URL(page.url()).pathname;
+  await picture(page, "06-answer");
+  await picture(page, "07-answer-whole", { fullPage: true });
+});
+
+test("the report and the data are downloaded", async () => {
+  const page = await visit(diagnosed);
+  const fetched = async (link) => {
+    const waiting = page.waitForEvent("download");
+    await link.click();
+    return readFile(await (await waiting).path(), "utf8");
+  };
+  const report = await fetched(page.getByRole("link", { name: "Report", exact: true }));
+  assert.match(report, /^<!DOCTYPE html>[^]*static friction/);
+  await page.getByText("Data and figures").click();
+  await picture(page, "08-downloads");
+  assert.match(await fetched(page.getByRole("link", { name: "Result, JSON" })), /"verdict":"explained"/);
+  assert.match(await fetched(page.getByRole("link", { name: "Parameters, CSV" })), /static_friction\.fs_plus/);
+  assert.match(await fetched(page.getByRole("link", { name: "Figure: bode, SVG" })), /^<svg/);
+});
+
+test("a job is cancelled, started again and deleted", async () => {
+  const page = await visit("/");
+  await page.locator("#measurements").getByRole("link", { name: "Start …" }).first().click();
+  await page.getByLabel("Seed").fill("7");
+  await page.getByRole("button", { name: "Start", exact: true }).click();
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await page.getByRole("heading", { name: "It was cancelled" }).waitFor();
+  await picture(page, "09-cancelled");
+  await page.getByRole("link", { name: "Start again …" }).click();
+  await page.getByRole("heading", { name: "Start it again" }).waitFor();
+  assert.equal(await page.getByLabel("Seed").inputValue(), "7");
+  await page.goBack();
+  await page.getByRole("button", { name: "Delete" }).click();
+  await picture(page, "10-delete");
+  await page.getByRole("dialog").getByRole("button", { name: "Delete" }).click();
+  await page.getByRole("heading", { name: "Start a job" }).waitFor();
+});
+
+test("what the server refuses of a form is said at its field", async () => {
+  const page = await visit("/");
+  await page.locator("#measurements").getByRole("link", { name: "Start …" }).first().click();
+  await page.getByLabel("Noise, standard deviation").fill("-1");
+  await page.getByRole("button", { name: "Start", exact: true }).click();
+  await page.locator("[name=noise_std][aria-invalid]").waitFor();
+  assert.match(await page.locator(".wrong").textContent(), /noise_std/);
+  await picture(page, "11-refused-form", { fullPage: true });
+  page.wrong = page.wrong.filter((text) => !text.includes("422"));
+});
+
+test("everything is reached with the keyboard", async () => {
+  const page = await visit("/");
+  await page.locator("#measurements").waitFor();
+  await page.keyboard.press("Tab");
+  assert.equal(await page.evaluate(() => document.activeElement.textContent), "Skip to the content");
+  await picture(page, "12-keyboard");
+  await page.keyboard.press("Enter");
+  const stops = [];
+  for (let i = 0; i < 12; i += 1) {
+    await page.keyboard.press("Tab");
+    stops.push(await page.evaluate(() => document.activeElement.textContent || document.activeElement.id || document.activeElement.ariaLabel));
+  }
+  for (const stop of ["files", "Diagnosis", "press 4, Y"]) {
+    assert.ok(stops.some((text) => text.includes(stop)), `${stop} is not among ${stops}`);
+  }
+  const unnamed = await page.locator("button, a[href], input, select").evaluateAll((all) =>
+    all.filter((one) => !(one.textContent.trim() || one.ariaLabel || one.labels?.length)).map((one) => one.outerHTML));
+  assert.deepEqual(unnamed, []);
+});
+
+test("the history of an axis marks what changed, and two jobs stand side by side", async () => {
+  const poles = { "2026-03-11T10:20:00Z": "-10", "2026-03-18T10:20:00Z": "-10", "2026-04-01T10:20:00Z": "-10.6" };
+  let seed = 2;
+  const ids = [];
+  for (const [measured_at, pole] of Object.entries(poles)) {
+    const file = simulated(["--pole", pole, "--seed", String((seed += 1))], { machine: "mill", axis: "B", measured_at });
+    const job = await server.answered(file);
+    assert.equal(job.status, "succeeded");
+    ids.push(job.id);
+  }
+  const page = await visit("/axes");
+  await page.getByRole("link", { name: "mill, B" }).click();
+  await page.locator("server-figure").waitFor();
+  const changed = page.locator("tr", { has: page.getByText("changed", { exact: true }) });
+  assert.ok(await changed.count() >= 1);
+  assert.match((await changed.allTextContents()).join(), /2026-04-01.*−10\.(59|60)/);
+  await picture(page, "13-history", { fullPage: true });
+
+  await page.goto(`${server.address}/`);
+  const rows = page.locator("#jobs tbody tr", { hasText: "mill" });
+  await rows.nth(0).getByRole("checkbox").check();
+  await rows.nth(1).getByRole("checkbox").check();
+  await picture(page, "14-overview", { fullPage: true });
+  await page.getByRole("button", { name: "Compare" }).click();
+  await page.getByRole("heading", { name: "Two jobs side by side" }).waitFor();
+  assert.match(await page.locator("tr.changed").first().textContent(), /Pole.*beyond the joint interval/);
+  await page.locator("server-figure").nth(5).waitFor();
+  await page.waitForLoadState("networkidle");
+  await picture(page, "15-compare", { fullPage: true });
+});
+
+test("both colour schemes are the system's or the reader's choice", async () => {
+  const background = (page) => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  const inFigure = (page) => page.locator("server-figure").first().evaluate((figure) => getComputedStyle(figure.shadowRoot.querySelector(".bg")).fill);
+  const page = await visit(diagnosed, { colorScheme: "dark" });
+  await page.locator(".verdict").waitFor();
+  const [dark, darkFigure] = [await background(page), await inFigure(page)];
+  assert.equal(dark, darkFigure);
+  await picture(page, "16-answer-dark");
+  await picture(page, "17-answer-dark-whole", { fullPage: true });
+  await page.getByLabel("Colours").selectOption("light");
+  const light = await background(page);
+  assert.notEqual(light, dark);
+  assert.equal(await inFigure(page), light);
+  await page.reload();
+  await page.locator(".verdict").waitFor();
+  assert.equal(await background(page), light, "the choice is kept");
+  await page.goto(`${server.address}/`);
+  await page.getByLabel("Colours").selectOption("dark");
+  await page.locator("#jobs tbody tr").first().waitFor();
+  await picture(page, "18-overview-dark");
+});
+
+test("a phone shows everything without moving the page sideways", async () => {
+  const page = await visit("/", PHONE);
+  await page.locator("#jobs tbody tr").first().waitFor();
+  await picture(page, "19-phone-overview", { fullPage: true });
+  assert.ok(!await overflows(page), "the overview is too wide");
+  const places = { "20-phone-answer": diagnosed, "21-phone-axis": "/axes?machine=mill&axis=B", "22-phone-axes": "/axes" };
+  for (const [name, path] of Object.entries(places)) {
+    await page.goto(server.address + path);
+    await page.locator("h1").waitFor();
+    await page.waitForLoadState("networkidle");
+    await picture(page, name, { fullPage: true });
+    assert.ok(!await overflows(page), `${path} is too wide`);
+  }
+  await page.goto(server.address + diagnosed);
+  await page.locator(".trail a").last().click();
+  await page.getByRole("heading", { name: "Start a job" }).waitFor();
+  await picture(page, "23-phone-measurement", { fullPage: true });
+  assert.ok(!await overflows(page), "the measurement is too wide");
+});
+
+test("what is not there is said", async () => {
+  const page = await visit("/jobs/nobody");
+  await page.getByRole("heading", { name: "Not found" }).waitFor();
+  await picture(page, "24-not-found");
+  page.wrong = page.wrong.filter((text) => !text.includes("404"));
+});
+
+test("a server that goes away is noticed, and its job goes on when it is back", async () => {
+  const page = await visit("/");
+  await drop(page, "again.csv", simulated(STICKY));
+  await page.getByRole("button", { name: "Start", exact: true }).click();
+  await page.locator("progress").waitFor();
+  await page.waitForFunction(() => document.querySelector("progress").value > 0);
+  await server.kill();
+  await page.getByText("The server does not answer").waitFor();
+  await picture(page, "25-away");
+  await server.start();
+  await page.getByText("The server is back").waitFor();
+  await picture(page, "26-back");
+  await page.getByText("attempt 2").waitFor();
+  await page.locator(".verdict").waitFor({ timeout: PATIENCE });
+  assert.match(await page.locator(".verdict").textContent(), /static friction/);
+  // While the server is away the browser itself notes each request that fails.
+  page.wrong = page.wrong.filter((text) => !/ERR_CONNECTION|ERR_INCOMPLETE|ERR_EMPTY|Failed to load resource/.test(text));
+});

@@ -206,7 +206,6 @@ mod tests {
     fn stored(at_ms: Millis, answer: &Answer) -> StoredResult {
         StoredResult {
             job_id: format!("job {at_ms}"),
-            kind: "diagnose".into(),
             result: serde_json::to_string(answer).unwrap(),
             measurement_id: format!("measurement {at_ms}"),
             name: None,

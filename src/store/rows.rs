@@ -276,8 +276,6 @@ pub struct ResultFilter {
 pub struct StoredResult {
     /// The job.
     pub job_id: String,
-    /// Kind of job.
-    pub kind: String,
     /// JSON of the result.
     pub result: String,
     /// The measurement.

@@ -37,7 +37,7 @@ fn lists_are_filtered_by_machine_axis_label_state_and_time() {
     for (query, expected) in [
         ("machine=press%204", 1),
         ("machine=press%205", 0),
-        ("axis=x", 0),
+        ("axis=z", 0),
         ("label=site:north", 1),
         ("label=site:south", 0),
         ("label=site:north&label=shift:night", 0),

@@ -10,7 +10,7 @@ pub(super) async fn list(
     limit: u32,
 ) -> sqlx::Result<Vec<StoredResult>> {
     sqlx::query_as(
-        "SELECT jobs.id AS job_id, jobs.kind, jobs.result, measured.id AS measurement_id,
+        "SELECT jobs.id AS job_id, jobs.result, measured.id AS measurement_id,
                 measured.name, measured.machine, measured.axis, measured.at_ms
          FROM jobs
          JOIN (SELECT id, name, machine, axis,

@@ -72,15 +72,18 @@ function downloads(path, job) {
   const name = `${job.kind}-${job.id.slice(-6)}`;
   const link = (file, title) => h("li", {}, h("a", { href: `${path}/${file}`, download: `${name}-${file.split("/").pop()}` }, title));
   const figures = ["bode", "spectrum", "residuals", "convergence", "friction"];
-  return [
-    h("a", { class: "button primary", href: `${path}/report.html`, download: `${name}.html` }, "Report"),
-    h("details", { class: "menu" },
-      h("summary", { class: "button" }, "Data and figures"),
-      h("ul", {},
-        link("result", "Result, JSON"), link("parameters.csv", "Parameters, CSV"),
-        link("comparison.csv", "Measured and simulated, CSV"), link("convergence.csv", "Convergence, CSV"),
-        figures.map((figure) => link(`plots/${figure}.svg`, `Figure: ${figure}, SVG`)))),
-  ];
+  const close = () => (menu.open = false);
+  const menu = h("details", {
+    class: "menu",
+    onkeydown: ({ key }) => key === "Escape" && (close(), menu.firstElementChild.focus()),
+    onfocusout: ({ relatedTarget }) => relatedTarget && !menu.contains(relatedTarget) && close(),
+  },
+    h("summary", { class: "button" }, "Data and figures"),
+    h("ul", {},
+      link("result", "Result, JSON"), link("parameters.csv", "Parameters, CSV"),
+      link("comparison.csv", "Measured and simulated, CSV"), link("convergence.csv", "Convergence, CSV"),
+      figures.map((figure) => link(`plots/${figure}.svg`, `Figure: ${figure}, SVG`))));
+  return [h("a", { class: "button primary", href: `${path}/report.html`, download: `${name}.html` }, "Report"), menu];
 }
 
 /// Why there is no answer, and what to do.

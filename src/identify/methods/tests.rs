@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::*;
 use crate::answers::IdentifyOptions;
-use crate::identify::bee_colony::Objective;
+use crate::identify::bee_colony::{Objective, uniform};
 use crate::identify::optimiser::{Descent, Generation, Search, Smooth, Stop};
 
 /// Where the valley lies.
@@ -110,15 +110,21 @@ fn every_search_stops_at_its_budget_and_counts_what_it_spends() {
     }
 }
 
-// With as many evaluations as the paper's colony, from the cube alone. Of a cost of 1 at the
-// least and 20 on average over the cube, a hundredth is what a search must not leave.
+// With as many evaluations as the paper's colony and no proposal: the middle of ten seeds against
+// the luckiest of twenty draws of as many points.
 #[test]
-fn every_search_comes_down_a_narrow_valley_from_every_seed() {
+fn every_search_comes_down_a_narrow_valley_further_than_drawing_points_does() {
+    let lucky = (1..=20).map(|seed| {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let points = (0..1010).map(|_| uniform(LOWEST.len(), &mut rng));
+        points.map(|point| Valley::default().cost(&point)).fold(f64::INFINITY, f64::min)
+    });
+    let lucky = lucky.fold(f64::INFINITY, f64::min);
     for method in searching() {
-        for seed in 1..=10 {
-            let (point, cost) = searched(method, 1010, seed, usize::MAX).best.unwrap();
-            assert!(cost < 1.01, "{} at seed {seed}: {cost} at {point:?}", method.name());
-        }
+        let cost = |seed| searched(method, 1010, seed, usize::MAX).best.unwrap().1;
+        let mut costs: Vec<f64> = (1..=10).map(cost).collect();
+        costs.sort_by(f64::total_cmp);
+        assert!(costs[5] < lucky, "{}: {costs:?}, drawing {lucky}", method.name());
     }
 }
 

@@ -23,7 +23,8 @@
 //! same interface as any other client; its look is that of the report.
 //!
 //! `benchmark` stands beside them: it draws machines, simulates them with a
-//! simulator of its own and asks the public interface what it sees.
+//! simulator of its own and asks the public interface what it sees. `reproduce` runs
+//! the experiments of the paper with that simulator and draws what they come to.
 //!
 //! The numeric core (`diagnose` and below) is pure and synchronous: data, seed
 //! and [`observer::Observer`] in, values out; the same seed gives the same bits
@@ -41,6 +42,7 @@ pub mod measurement;
 pub mod observer;
 pub mod plant;
 pub mod report;
+pub mod reproduce;
 pub mod service;
 pub mod simulate;
 pub mod store;

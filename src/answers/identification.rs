@@ -76,10 +76,14 @@ pub struct Fit {
 /// One stage of the computation and where it ended.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Stage {
-    /// `closed_form`, `network`, `colony`, `refinement`.
+    /// `closed_form`; `network`; the search: `colony`, `swarm`, `genetic`, `adaptive_genetic`,
+    /// `descents` or `evolution`; `refinement`.
     pub name: String,
     /// Simulations of the whole measurement it used.
     pub evaluations: u64,
+    /// Simulations it was allowed; null where something else ends it.
+    #[serde(default)]
+    pub budget: Option<u64>,
     /// Wall-clock seconds it took.
     pub seconds: f64,
     /// Cost (χ², or the sum of squares where the noise is unknown) it reached.

@@ -26,23 +26,48 @@ impl JobKind {
 
 /// How parameters are estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// A neural network proposes, an artificial bee colony searches,
     /// Levenberg–Marquardt refines.
     #[default]
-    #[serde(rename = "abc-ann")]
     AbcAnn,
+    /// As `abc-ann` with a particle swarm in place of the colony.
+    PsoAnn,
+    /// As `abc-ann` with a genetic algorithm whose rates follow the spread of the fitness.
+    AgaAnn,
+    /// As `abc-ann` with a genetic algorithm of fixed rates.
+    GaAnn,
+    /// The describing function of friction at two magnitudes, in closed form, and nothing else:
+    /// good to 5 to 40 %.
+    TwoMagnitude,
+    /// Levenberg–Marquardt from several starts.
+    LeastSquares,
+    /// Evolution with an adapted covariance matrix, then Levenberg–Marquardt.
+    CmaEs,
 }
+
+/// Every method and its name, in the order they are listed to a user.
+const METHODS: &[(Method, &str)] = &[
+    (Method::AbcAnn, "abc-ann"),
+    (Method::PsoAnn, "pso-ann"),
+    (Method::AgaAnn, "aga-ann"),
+    (Method::GaAnn, "ga-ann"),
+    (Method::TwoMagnitude, "two-magnitude"),
+    (Method::LeastSquares, "least-squares"),
+    (Method::CmaEs, "cma-es"),
+];
 
 impl Method {
     /// Every method, in the order they are listed to a user.
-    pub const ALL: &[Method] = &[Method::AbcAnn];
+    pub fn all() -> impl Iterator<Item = Method> {
+        METHODS.iter().map(|(method, _)| *method)
+    }
 
     /// The name used on the wire and on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Method::AbcAnn => "abc-ann",
-        }
+        let found = METHODS.iter().find(|(method, _)| *method == self);
+        found.expect("every method is listed: a test compares with the wire").1
     }
 }
 
@@ -50,14 +75,12 @@ impl std::str::FromStr for Method {
     type Err = InvalidOptions;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Method::ALL.iter().copied().find(|method| method.name() == text).ok_or_else(|| {
-            InvalidOptions {
-                option: "method",
-                reason: format!(
-                    "`{text}` is not a method; known: {}",
-                    Method::ALL.iter().map(|m| m.name()).collect::<Vec<_>>().join(", ")
-                ),
-            }
+        Method::all().find(|method| method.name() == text).ok_or_else(|| InvalidOptions {
+            option: "method",
+            reason: format!(
+                "`{text}` is not a method; known: {}",
+                Method::all().map(Method::name).collect::<Vec<_>>().join(", ")
+            ),
         })
     }
 }
@@ -163,7 +186,11 @@ pub struct IdentifyOptions {
     pub network: NetworkOptions,
     /// The colony stage.
     pub colony: ColonyOptions,
-    /// Whether the best source is refined by Levenberg–Marquardt.
+    /// Evaluations (simulations of the whole measurement) that the search of the method may
+    /// use, whichever it is; the colony flies as many cycles as that pays for. Null: as many as
+    /// the colony's sources and cycles come to.
+    pub evaluation_budget: Option<usize>,
+    /// Whether the best that was found is refined by Levenberg–Marquardt.
     pub refine: bool,
     /// Effects that a diagnosis names together, at most: 1 to 3.
     pub most_effects: usize,
@@ -178,6 +205,7 @@ impl Default for IdentifyOptions {
             closed_form_start: true,
             network: NetworkOptions::default(),
             colony: ColonyOptions::default(),
+            evaluation_budget: None,
             refine: true,
             most_effects: 3,
         }
@@ -195,6 +223,12 @@ pub struct InvalidOptions {
 }
 
 impl IdentifyOptions {
+    /// Evaluations a search may use.
+    pub fn search_budget(&self) -> usize {
+        let ColonyOptions { food_sources, cycles, .. } = self.colony;
+        self.evaluation_budget.unwrap_or(food_sources * (2 * cycles + 1))
+    }
+
     /// Checks every value against what is usable and what ends in bounded time.
     ///
     /// # Errors
@@ -232,6 +266,9 @@ impl IdentifyOptions {
             1,
             10_000_000,
         )?;
+        if let Some(budget) = self.evaluation_budget {
+            within("evaluation_budget", budget, self.colony.food_sources, 2_000_000)?;
+        }
         within("most_effects", self.most_effects, 1, 3)?;
         match self.noise_std {
             Some(std) if !(std.is_finite() && std > 0.0) => Err(InvalidOptions {
@@ -240,5 +277,35 @@ impl IdentifyOptions {
             }),
             _ => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_method_has_the_same_name_on_the_wire_and_on_the_command_line() {
+        for method in Method::all() {
+            assert_eq!(serde_json::to_value(method).unwrap(), method.name());
+            assert_eq!(method.name().parse(), Ok(method));
+        }
+        // What the wire knows is what is listed: it says so where it refuses.
+        let known = serde_json::from_str::<Method>("\"magic\"").unwrap_err().to_string();
+        assert_eq!(known.matches('`').count() / 2 - 1, Method::all().count(), "{known}");
+    }
+
+    #[test]
+    fn a_budget_that_does_not_pay_for_the_food_sources_is_refused() {
+        let with = |budget| IdentifyOptions {
+            evaluation_budget: Some(budget),
+            ..IdentifyOptions::default()
+        };
+        assert_eq!(with(9).validate().unwrap_err().option, "evaluation_budget");
+        assert_eq!(with(10).validate(), Ok(()));
+        assert_eq!(
+            (with(10).search_budget(), IdentifyOptions::default().search_budget()),
+            (10, 1010)
+        );
     }
 }

@@ -34,7 +34,8 @@ pub(super) struct Args {
     /// Order of the actuator: 0, 1 or 2 [default: chosen from the data].
     #[arg(long, value_name = "N")]
     actuator_order: Option<u8>,
-    /// How parameters are estimated [default: abc-ann].
+    /// How parameters are estimated: abc-ann, pso-ann, aga-ann, ga-ann, two-magnitude,
+    /// least-squares or cma-es [default: abc-ann].
     #[arg(long, value_name = "NAME")]
     method: Option<String>,
     /// Seed of every random choice; the same seed gives the same bits.

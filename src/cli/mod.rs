@@ -13,6 +13,7 @@ mod interrupt;
 mod logging;
 mod openapi;
 mod page;
+mod reproduce;
 mod rerun;
 mod serve;
 mod simulate;
@@ -51,6 +52,8 @@ enum Command {
     Identify(computation::Args),
     /// Prints the OpenAPI document of the service.
     Openapi,
+    /// Runs the experiments of the paper and prints its tables with our columns beside its own.
+    Reproduce(reproduce::Args),
     /// Computes a result again and compares every bit.
     Rerun(rerun::Args),
     /// Runs the service.
@@ -87,6 +90,10 @@ pub fn main() -> ExitCode {
             identify::run(&args)
         }
         Command::Openapi => openapi::run(),
+        Command::Reproduce(args) => {
+            start_log(cli.verbose);
+            reproduce::run(&args)
+        }
         Command::Rerun(args) => {
             start_log(cli.verbose);
             rerun::run(&args)

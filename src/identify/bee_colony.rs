@@ -286,7 +286,8 @@ impl<'a, O: Objective + ?Sized> Colony<'a, O> {
     }
 }
 
-fn evaluate<O: Objective + ?Sized>(objective: &O, points: &[Vec<f64>]) -> Vec<f64> {
+/// Costs of points, NaN as +∞; the points are shared among threads.
+pub(super) fn evaluate<O: Objective + ?Sized>(objective: &O, points: &[Vec<f64>]) -> Vec<f64> {
     let cost = |point: &Vec<f64>| match objective.cost(point) {
         cost if cost.is_nan() => f64::INFINITY,
         cost => cost,
@@ -294,7 +295,8 @@ fn evaluate<O: Objective + ?Sized>(objective: &O, points: &[Vec<f64>]) -> Vec<f6
     points.par_iter().map(cost).collect()
 }
 
-fn uniform(dimension: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+/// A uniform draw from the cube.
+pub(super) fn uniform(dimension: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
     (0..dimension).map(|_| rng.random_range(0.0..=1.0)).collect()
 }
 

@@ -43,6 +43,27 @@ pub(super) fn start(problem: &Problem, order: u8) -> Option<Plant> {
     mechanics(&fundamentals, actuator)
 }
 
+/// Whether single sines move the axis at two magnitudes of one frequency.
+pub(super) fn has_two_magnitudes(problem: &Problem) -> bool {
+    let cosines = problem.experiments.iter().all(|e| e.excitation.is_pure_cosine());
+    cosines && !magnitude_pairs(&moving_fundamentals(problem)).is_empty()
+}
+
+/// Pairs of fundamentals of one frequency at clearly different magnitudes.
+fn magnitude_pairs(fundamentals: &[Fundamental]) -> Vec<[&Fundamental; 2]> {
+    let mut pairs = Vec::new();
+    for (i, low) in fundamentals.iter().enumerate() {
+        for high in &fundamentals[i + 1..] {
+            let same = (low.omega / high.omega).ln().abs() < 1e-6;
+            let apart = (low.input.norm() / high.input.norm()).ln().abs() > 0.2;
+            if same && apart {
+                pairs.push([low, high]);
+            }
+        }
+    }
+    pairs
+}
+
 fn moving_fundamentals(problem: &Problem) -> Vec<Fundamental> {
     let of = |e: &Prepared| {
         let datum = |order: usize| e.targets.iter().find(|t| t.order == order && !t.constraint);
@@ -68,18 +89,14 @@ fn moving_fundamentals(problem: &Problem) -> Vec<Fundamental> {
 
 /// Fits 1/A to D(ω) = F̄/A(jω), from pairs of magnitudes at one frequency.
 fn actuator_from_pairs(fundamentals: &[Fundamental], order: u8) -> Option<Actuator> {
-    let mut inverse: Vec<(f64, Complex)> = Vec::new();
-    for (i, low) in fundamentals.iter().enumerate() {
-        for high in &fundamentals[i + 1..] {
-            let same = (low.omega / high.omega).ln().abs() < 1e-6;
-            let apart = (low.input.norm() / high.input.norm()).ln().abs() > 0.2;
-            if same && apart {
-                let difference = low.input / low.velocity - high.input / high.velocity;
-                let levels = 4.0 / PI * (1.0 / low.velocity.norm() - 1.0 / high.velocity.norm());
-                inverse.push((low.omega, difference / levels));
-            }
-        }
-    }
+    let pairs = magnitude_pairs(fundamentals).into_iter();
+    let inverse: Vec<(f64, Complex)> = pairs
+        .map(|[low, high]| {
+            let difference = low.input / low.velocity - high.input / high.velocity;
+            let levels = 4.0 / PI * (1.0 / low.velocity.norm() - 1.0 / high.velocity.norm());
+            (low.omega, difference / levels)
+        })
+        .collect();
     // Re D = F̄ − (F̄/ωₙ²)·ω², Im D = (2ζF̄/ωₙ)·ω or (F̄/p)·ω.
     let columns = if order == 2 { 3 } else { 2 };
     if inverse.len() < 2 {

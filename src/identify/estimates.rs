@@ -7,9 +7,9 @@ use crate::effects::{self, Dimension};
 use crate::measurement::{Measurement, ResponseKind};
 use crate::plant::{Actuator, Plant};
 
-use super::abc_ann::Fitted;
 use super::naming;
 use super::parameters::{CONSTANT, Coordinate};
+use super::pipeline::Fitted;
 use super::problem::{Problem, Scales};
 use super::uncertainty::{Uncertainty, unit};
 

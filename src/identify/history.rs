@@ -7,11 +7,17 @@ use crate::plant::Plant;
 use super::IdentifyError;
 use super::naming;
 
-/// Stages by name, and the shares of a run at which they begin and end.
-const SHARES: [(&str, f64, f64); 5] = [
+/// Stages by name, and the shares of a run at which they begin and end. Searches that nothing
+/// goes before begin with the run.
+const SHARES: [(&str, f64, f64); 10] = [
     ("closed_form", 0.0, 0.02),
     ("network", 0.02, 0.45),
     ("colony", 0.45, 0.85),
+    ("swarm", 0.45, 0.85),
+    ("genetic", 0.45, 0.85),
+    ("adaptive_genetic", 0.45, 0.85),
+    ("descents", 0.0, 0.85),
+    ("evolution", 0.0, 0.85),
     ("refinement", 0.85, 1.0),
     ("refit", 0.0, 1.0),
 ];
@@ -33,12 +39,14 @@ pub(super) struct Begun<'h> {
     stage: &'static str,
     begun_s: f64,
     total: u64,
+    budget: Option<u64>,
 }
 
 impl History<'_> {
     /// A stage of `total` steps begins.
     pub fn begin(&self, stage: &'static str, total: u64) -> Begun<'_> {
-        let begun = Begun { history: self, stage, begun_s: self.observer.elapsed_s(), total };
+        let begun =
+            Begun { history: self, stage, begun_s: self.observer.elapsed_s(), total, budget: None };
         begun.progress(0);
         begun
     }
@@ -57,7 +65,12 @@ impl History<'_> {
     }
 }
 
-impl Begun<'_> {
+impl<'h> Begun<'h> {
+    /// A stage that may use so many evaluations.
+    pub fn within(self, budget: u64) -> Begun<'h> {
+        Begun { budget: Some(budget), ..self }
+    }
+
     /// So many steps are done.
     pub fn progress(&self, done: u64) {
         let (_, begin, end) =
@@ -91,6 +104,7 @@ impl Begun<'_> {
         Stage {
             name: self.history.name(self.stage),
             evaluations,
+            budget: self.budget,
             seconds: self.history.observer.elapsed_s() - self.begun_s,
             cost,
             parameters: naming::values(plant),

@@ -1,9 +1,9 @@
 //! What this data cannot tell, in sentences.
 
-use crate::answers::{IdentifyOptions, NoiseSource, Weighting};
+use crate::answers::{IdentifyOptions, Method, NoiseSource, Weighting};
 use crate::measurement::Measurement;
 
-use super::abc_ann::Fitted;
+use super::pipeline::Fitted;
 use super::problem::Problem;
 use super::summary::Summary;
 
@@ -15,6 +15,7 @@ const MOST_NOTES: usize = 6;
 pub(super) fn of(
     measurement: &Measurement,
     problem: &Problem,
+    method: Method,
     options: &IdentifyOptions,
     fitted: &Fitted,
     summary: &Summary,
@@ -25,6 +26,11 @@ pub(super) fn of(
         sentences.push(format!("… and {more} more remarks on what was read, with the measurement"));
     }
     let mut say = |sentence: String| sentences.push(sentence);
+    if method == Method::TwoMagnitude {
+        say("the closed form rests on the describing function of friction and fits nothing: its \
+             parameters are 5 to 40 % off, whatever their intervals say; other methods refine"
+            .into());
+    }
     if problem.tied_friction {
         say("without harmonic 0 or even harmonics Fc⁺ and Fc⁻ cannot be told apart: they are \
              taken to be equal and fc_mean is their mean; if they differ, an experiment near \

@@ -1,6 +1,5 @@
 //! From a measurement to the parameters of the base model.
 
-mod abc_ann;
 mod agreement;
 pub mod bee_colony;
 mod closed_form;
@@ -13,6 +12,7 @@ mod fixtures;
 mod followed;
 mod history;
 mod limitations;
+mod methods;
 mod model_fit;
 mod moderation;
 mod naming;
@@ -20,8 +20,10 @@ pub mod network;
 mod noise;
 mod noise_law;
 mod objective;
+mod optimiser;
 mod order;
 mod parameters;
+mod pipeline;
 mod problem;
 mod proposal;
 mod refine;
@@ -42,9 +44,9 @@ pub use model_fit::{Component, ModelFit, fit_base};
 pub use noise_law::NoiseLaw;
 pub use workbench::{Effort, Linear, Model, Workbench};
 
-use abc_ann::{Fitted, Run};
 use history::History;
 use objective::Misfit;
+use pipeline::{Fitted, Run};
 use problem::Problem;
 
 /// Why an identification gave no answer.
@@ -103,7 +105,7 @@ fn solve(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<Solved, IdentifyError> {
-    let IdentifyRequest { plant, method: Method::AbcAnn, options } = request;
+    let IdentifyRequest { plant, method, options } = request;
     options.validate()?;
     let orders: Vec<u8> = match plant {
         Some(PlantRequest { actuator_order: order @ 0..=2 }) => vec![*order],
@@ -117,7 +119,7 @@ fn solve(
     for (before, order) in orders.iter().enumerate() {
         let history = History { observer, order: *order, orders: (before, orders.len()) };
         let lower = fits.last();
-        let run = Run { measurement, problem, options, lower, history };
+        let run = Run { method: *method, measurement, problem, options, lower, history };
         fits.push(run.fit()?);
     }
     let order_choice = (fits.len() > 1).then(|| order::choose(problem, &fits, observer));
@@ -140,7 +142,7 @@ fn answer(
     let Misfit { problem, weights, .. } = misfit;
     let summary =
         summary::summarise(measurement, problem, fitted, misfit).ok_or_else(no_response)?;
-    let limitations = limitations::of(measurement, problem, options, fitted, &summary);
+    let limitations = limitations::of(measurement, problem, *method, options, fitted, &summary);
     let stop_reason = fitted.stages.last().map_or("nothing to do", |stage| &stage.stop_reason);
     Ok(Identification {
         method: *method,

@@ -4,9 +4,9 @@ use crate::answers::{OrderCandidate, OrderChoice};
 
 use crate::observer::Observer;
 
-use super::abc_ann::Fitted;
 use super::objective::Misfit;
 use super::parameters::Coordinate;
+use super::pipeline::Fitted;
 use super::problem::Problem;
 use super::refine;
 

@@ -253,11 +253,17 @@ impl Coordinates {
 
     /// The opposite of [`Self::within_search`], clamped to the cube.
     pub fn share_of_search(&self, point: &[f64]) -> Vec<f64> {
+        let shares = self.share_of_search_unclamped(point);
+        shares.into_iter().map(|share| share.clamp(0.0, 1.0)).collect()
+    }
+
+    /// The same, outside the cube where the point lies outside the search ranges.
+    pub fn share_of_search_unclamped(&self, point: &[f64]) -> Vec<f64> {
         (0..self.len())
             .filter(|i| *i != CONSTANT)
             .map(|i| {
                 let width = self.search_upper[i] - self.search_lower[i];
-                ((point[i] - self.search_lower[i]) / width).clamp(0.0, 1.0)
+                (point[i] - self.search_lower[i]) / width
             })
             .collect()
     }

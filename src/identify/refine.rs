@@ -14,6 +14,8 @@ use super::objective::{Linearisation, Misfit};
 pub(super) struct Patience {
     /// Steps after which refinement ends in any case.
     pub steps: usize,
+    /// Evaluations after which it ends in any case.
+    pub evaluations: u64,
     /// Relative decrease of the cost below which it counts as converged.
     pub cost_tolerance: f64,
     /// Cost below which it is as good as none.
@@ -22,7 +24,7 @@ pub(super) struct Patience {
 
 /// To the last digit.
 pub(super) const THOROUGH: Patience =
-    Patience { steps: 100, cost_tolerance: 1e-14, negligible: 0.0 };
+    Patience { steps: 100, evaluations: u64::MAX, cost_tolerance: 1e-14, negligible: 0.0 };
 
 /// Step, in logarithms and input scales, below which it counts as converged.
 const STEP_TOLERANCE: f64 = 1e-11;
@@ -65,6 +67,8 @@ pub(super) fn refine(
         if misfit.observer.cancelled() {
             return Refined { point, cost, evaluations, stop: "cancelled" };
         }
+        // A step takes two at least: a trial, and the derivatives where it leads.
+        let spent = |evaluations: u64| evaluations + 2 > patience.evaluations;
         let gradient = here.jacobian.tr_mul(&here.residuals);
         let curvature = here.jacobian.tr_mul(&here.jacobian);
         for i in 0..point.len() {
@@ -76,6 +80,9 @@ pub(super) fn refine(
             let moved = trial.iter().zip(&point).map(|(t, p)| (t - p).abs()).fold(0.0, f64::max);
             if moved <= f64::EPSILON {
                 break;
+            }
+            if spent(evaluations) {
+                return Refined { point, cost, evaluations, stop: "evaluation budget spent" };
             }
             evaluations += 1;
             let trial_cost = misfit.cost(&trial);

@@ -7,9 +7,9 @@ use crate::answers::{Correlations, Fit, ParameterEstimate, TransferFunction};
 use crate::measurement::Measurement;
 use crate::plant::{Actuator, Plant};
 
-use super::abc_ann::Fitted;
 use super::estimates::{Estimates, Units};
 use super::objective::Misfit;
+use super::pipeline::Fitted;
 use super::problem::Problem;
 use super::refine;
 use super::uncertainty::Uncertainty;

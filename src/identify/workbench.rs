@@ -13,12 +13,12 @@ use crate::measurement::{Complex, Measurement};
 use crate::observer::Observer;
 use crate::simulate::{self, Torque};
 
-use super::abc_ann::Fitted;
 use super::compare;
 use super::model_fit::{self, ModelFit};
 use super::noise_law::NoiseLaw;
 use super::objective::Misfit;
 use super::parameters::Coordinates;
+use super::pipeline::Fitted;
 use super::problem::{Prepared, Problem, Scales, per_velocity};
 use super::refine::{self, Patience};
 use super::{IdentifyError, IdentifyRequest, Solved, answer, no_response, solve};
@@ -374,10 +374,11 @@ impl<'a> Workbench<'a> {
     /// Fits all parameters of a model, from where they are.
     pub fn refine(&self, model: &Model, effort: Effort) -> Model {
         let negligible = if self.noise_known() { self.data() as f64 } else { self.rounding() };
+        let patience = Patience { negligible, ..refine::THOROUGH };
         let patience = match effort {
-            Effort::Glance => Patience { steps: 4, cost_tolerance: 1e-3, negligible },
-            Effort::Brief => Patience { steps: 5, cost_tolerance: 1e-3, negligible },
-            Effort::Settle => Patience { steps: 60, cost_tolerance: 1e-5, negligible },
+            Effort::Glance => Patience { steps: 4, cost_tolerance: 1e-3, ..patience },
+            Effort::Brief => Patience { steps: 5, cost_tolerance: 1e-3, ..patience },
+            Effort::Settle => Patience { steps: 60, cost_tolerance: 1e-5, ..patience },
             Effort::Thorough => refine::THOROUGH,
         };
         let refined =
@@ -429,6 +430,7 @@ impl<'a> Workbench<'a> {
             stages.push(Stage {
                 name: "extension".into(),
                 evaluations: model.evaluations,
+                budget: None,
                 seconds: 0.0,
                 cost: model.cost,
                 parameters: super::naming::values(

@@ -95,6 +95,7 @@ pub(crate) fn stage(name: &str, evaluations: u64, seconds: f64, cost: f64) -> St
     Stage {
         name: name.into(),
         evaluations,
+        budget: None,
         seconds,
         cost,
         parameters: IndexMap::from([("pole".to_owned(), -10.02)]),

@@ -53,6 +53,14 @@ impl JobRequest {
             Some(name) => name.parse::<Method>()?,
             None => Method::default(),
         };
+        if kind == JobKind::Diagnose && method == Method::TwoMagnitude {
+            return Err(ServiceError::Request {
+                member: "method".into(),
+                reason: "`two-magnitude` fits nothing, and a diagnosis starts from a fit; take \
+                         another method, or the kind `identify`"
+                    .into(),
+            });
+        }
         let validation_measurement_id = second(submission, kind)?;
         submission.options.validate()?;
         Ok(Self { kind, plant, method, validation_measurement_id, options: submission.options })
@@ -130,6 +138,18 @@ mod tests {
     fn an_unknown_method_is_refused_with_the_known_ones() {
         let text = refusal(Submission { method: Some("magic".into()), ..identify() });
         assert!(text.starts_with("method: `magic`") && text.contains("abc-ann"), "{text}");
+    }
+
+    #[test]
+    fn a_diagnosis_by_a_method_that_fits_nothing_is_refused() {
+        let with = |kind: &str| Submission {
+            kind: kind.into(),
+            method: Some("two-magnitude".into()),
+            ..Submission::default()
+        };
+        assert_eq!(JobRequest::check(&with("identify")).unwrap().method, Method::TwoMagnitude);
+        let text = refusal(with("diagnose"));
+        assert!(text.starts_with("method: `two-magnitude` fits nothing"), "{text}");
     }
 
     #[test]

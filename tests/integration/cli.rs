@@ -38,7 +38,10 @@ fn a_file_that_is_not_there_ends_with_2_and_its_name() {
 #[test]
 fn what_is_unknown_is_refused_with_what_is_known() {
     let cases = [
-        (["--method", "magic"], "abc-ann"),
+        (
+            ["--method", "magic"],
+            "abc-ann, pso-ann, aga-ann, ga-ann, two-magnitude, least-squares, cma-es",
+        ),
         (["--actuator-order", "3"], "0, 1, 2"),
         (["--options", "{\"sead\": 1}"], "`seed`"),
         (["--options", "{"], "line 1 column 1"),

@@ -46,10 +46,13 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "plant",
             "measurement",
             "benchmark",
+            "reproduce",
         ],
     ),
     // Judges the others: a simulator of its own, the public interface otherwise.
     ("benchmark", &["diagnose", "identify", "plant", "measurement"]),
+    // The experiments of the paper: measured by the simulator of `benchmark`, drawn by `report`.
+    ("reproduce", &["benchmark", "identify", "report", "plant", "measurement"]),
 ];
 
 /// The numeric core: data, seed and observer in, values out.

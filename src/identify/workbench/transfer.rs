@@ -5,9 +5,9 @@ use crate::measurement::Measurement;
 use crate::observer::Observer;
 use crate::plant::Plant;
 
-use super::super::abc_ann::Run;
 use super::super::history::History;
 use super::super::parameters::Coordinates;
+use super::super::pipeline::Run;
 use super::super::problem::{Problem, Scales};
 use super::super::{IdentifyError, IdentifyRequest, compare};
 use super::{Model, Workbench};
@@ -27,7 +27,14 @@ impl<'a> Workbench<'a> {
         let problem = Problem::new(measurement)?;
         let history = History { observer, order: other.order(), orders: (0, 1) };
         let options = &request.options;
-        let run = Run { measurement, problem: &problem, options, lower: None, history };
+        let run = Run {
+            method: request.method,
+            measurement,
+            problem: &problem,
+            options,
+            lower: None,
+            history,
+        };
         let plant = problem.in_scale(&other.plant_in_units(&other.base));
         let fitted = run.refit(&plant, other.fitted.stages.clone())?;
         Self::of(measurement, request, observer, problem, fitted, other.order_choice.clone())

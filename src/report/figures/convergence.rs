@@ -61,7 +61,7 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let has_means =
         stages.iter().flat_map(|s| &s.traces).flat_map(|t| &t.rows).any(|row| row.mean.is_some());
     if has_means {
-        let text = "mean of the colony, training loss of the network";
+        let text = "mean of the population, training loss of the network";
         keys.push(Key::new(Look::Line("thin"), "key", text));
     }
     let dof = subject.identification.filter(|_| chi2).map(|a| a.fit.dof as f64);

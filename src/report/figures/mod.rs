@@ -9,6 +9,7 @@
 
 mod bode;
 mod canvas;
+pub mod chart;
 mod convergence;
 mod friction;
 mod history;

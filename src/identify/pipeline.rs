@@ -1,24 +1,26 @@
-//! The method `abc-ann`: closed form, network, bee colony, refinement.
+//! The stages of a method, run one after the other: closed form, network, search, refinement.
 
 use std::ops::ControlFlow;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::answers::{IdentifyOptions, Stage};
+use crate::answers::{IdentifyOptions, Method, Stage};
 use crate::measurement::Measurement;
 use crate::plant::{Actuator, Plant};
 
 use super::IdentifyError;
-use super::bee_colony::{self, Objective};
+use super::bee_colony::Objective;
 use super::closed_form;
 use super::history::History;
+use super::methods::{self, Steps};
 use super::noise::{self, Weights};
 use super::objective::Misfit;
+use super::optimiser::{self, Descent, Optimiser, Search, Smooth};
 use super::parameters::Coordinates;
 use super::problem::Problem;
 use super::proposal;
-use super::refine::{self, Refined};
+use super::refine::{self, Patience, Refined};
 
 /// Rounds in which weights that depend on the model are computed anew.
 const MOST_ROUNDS: usize = 6;
@@ -42,8 +44,10 @@ pub(super) struct Fitted {
     pub stages: Vec<Stage>,
 }
 
-/// A run of the method for one actuator order.
+/// A run of a method for one actuator order.
 pub(super) struct Run<'a> {
+    /// The method.
+    pub method: Method,
     /// The measurement.
     pub measurement: &'a Measurement,
     /// The same, made ready.
@@ -62,13 +66,13 @@ pub(super) struct Run<'a> {
 struct Found {
     /// Points to refine.
     starts: Vec<Vec<f64>>,
-    /// First food sources, in the unit cube.
+    /// First points of a search, in the unit cube.
     sources: Vec<Vec<f64>>,
     stages: Vec<Stage>,
 }
 
 impl Run<'_> {
-    /// Runs all enabled stages.
+    /// Runs the stages that the method has and the options leave on.
     ///
     /// # Errors
     /// When cancelled, or when no start gives any response.
@@ -78,14 +82,17 @@ impl Run<'_> {
         let mut weights = self.weights(None);
         let mut found = Found::default();
         let misfit = self.misfit(&coordinates, &weights);
-        if self.options.closed_form_start {
+        let Steps { closed_form, network, search, refinement } = methods::steps(self.method);
+        if search.is_none() {
+            self.closed_form_alone(&misfit, &mut found)?;
+        } else if *closed_form && self.options.closed_form_start {
             self.closed_form(&misfit, &mut found);
         }
-        if self.options.network.enabled {
+        if *network && self.options.network.enabled {
             self.network(&misfit, &mut found)?;
         }
-        if self.options.colony.enabled {
-            self.colony(&misfit, &mut found)?;
+        if let Some(optimiser) = search.filter(|search| search.is_enabled(self.options)) {
+            self.search(optimiser, &misfit, &mut found)?;
         }
         if found.starts.is_empty() {
             let mut middle = coordinates.within_search(&vec![0.5; coordinates.len() - 1]);
@@ -93,7 +100,7 @@ impl Run<'_> {
             found.starts.push(middle);
         }
         found.starts.sort_by(|a, b| misfit.cost(a).total_cmp(&misfit.cost(b)));
-        let point = if self.options.refine {
+        let point = if *refinement && self.options.refine {
             self.refinement("refinement", &coordinates, &mut weights, &mut found)?
         } else {
             let best = found.starts.swap_remove(0);
@@ -160,31 +167,61 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn colony(&self, misfit: &Misfit<'_>, found: &mut Found) -> Result<(), IdentifyError> {
-        let options = &self.options.colony;
-        let begun = self.history.begin("colony", options.cycles as u64);
-        let foraging = Foraging { misfit };
-        let outcome = bee_colony::search(
-            &foraging,
-            &found.sources,
-            options,
-            &mut self.stream(2),
-            &mut |cycle| {
-                let mean = cycle.mean_cost.is_finite().then_some(cycle.mean_cost);
-                begun.row(cycle.cycle as u64, cycle.evaluations as u64, cycle.best_cost, mean);
-                begun.progress(cycle.cycle as u64);
-                match self.history.observer.cancelled() {
-                    true => ControlFlow::Break(()),
-                    false => ControlFlow::Continue(()),
-                }
-            },
-        );
+    /// The closed form where it is the answer: without two magnitudes at one frequency there is
+    /// none. Where they show no actuator, the axis of the next lower order has one too fast to
+    /// be seen.
+    fn closed_form_alone(
+        &self,
+        misfit: &Misfit<'_>,
+        found: &mut Found,
+    ) -> Result<(), IdentifyError> {
+        let unusable = |reason: &str| IdentifyError::Unusable { reason: reason.into() };
+        if !closed_form::has_two_magnitudes(self.problem) {
+            return Err(unusable(
+                "two-magnitude needs single sines at two magnitudes of one frequency, both of \
+                 which move the axis; other methods need less",
+            ));
+        }
+        self.closed_form(misfit, found);
+        if found.starts.is_empty() {
+            found.starts.extend(self.from_lower(misfit.coordinates));
+        }
+        if found.starts.is_empty() {
+            return Err(unusable(
+                "the closed form finds no axis of this order in the describing functions; leave \
+                 the order to the data or take another method",
+            ));
+        }
+        Ok(())
+    }
+
+    fn search(
+        &self,
+        optimiser: &dyn Optimiser,
+        misfit: &Misfit<'_>,
+        found: &mut Found,
+    ) -> Result<(), IdentifyError> {
+        let budget = optimiser.budget(self.options);
+        let begun = self.history.begin(optimiser.stage(), budget as u64).within(budget as u64);
+        let objective = OverCube { misfit };
+        let mut watch = |generation: &optimiser::Generation| {
+            let optimiser::Generation { index, evaluations, best, mean } = *generation;
+            begun.row(index as u64, evaluations as u64, best, mean);
+            begun.progress(evaluations as u64);
+            match self.history.observer.cancelled() {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        };
+        let mut search = Search::new(&objective, &found.sources, self.options, budget, &mut watch);
+        let Err(stop) = optimiser.search(&mut search, &mut self.stream(2));
         self.history.go_on()?;
-        let mut point = misfit.coordinates.within_search(&outcome.best);
+        let used = search.used() as u64;
+        let Some((best, _)) = search.best() else { return Ok(()) };
+        let mut point = misfit.coordinates.within_search(best);
         let cost = misfit.solve_for_constant(&mut point);
         let plant = self.in_units(misfit, &point);
-        let used = outcome.evaluations as u64;
-        found.stages.push(begun.end(used, cost, &plant, "every cycle flown"));
+        found.stages.push(begun.end(used, cost, &plant, stop.reason()));
         found.starts.push(point);
         Ok(())
     }
@@ -197,10 +234,7 @@ impl Run<'_> {
         weights: &mut Weights,
         found: &mut Found,
     ) -> Result<Vec<f64>, IdentifyError> {
-        found.starts.extend(self.lower.map(|fitted| {
-            let plant = fitted.coordinates.plant(&fitted.point);
-            coordinates.point(&with_fast_pole(&plant, self.problem.prior.omega_high))
-        }));
+        found.starts.extend(self.from_lower(coordinates));
         let begun = self.history.begin(name, found.starts.len() as u64);
         let (mut evaluations, mut steps) = (0, 0);
         let mut descend = |weights: &Weights, start: &[f64], bar: f64| {
@@ -239,6 +273,14 @@ impl Run<'_> {
         let plant = self.problem.in_units(&coordinates.plant(&best.point));
         found.stages.push(begun.end(evaluations, best.cost, &plant, best.stop));
         Ok(best.point)
+    }
+
+    /// The fit of the next lower order as a point of this one.
+    fn from_lower(&self, coordinates: &Coordinates) -> Option<Vec<f64>> {
+        self.lower.map(|fitted| {
+            let plant = fitted.coordinates.plant(&fitted.point);
+            coordinates.point(&with_fast_pole(&plant, self.problem.prior.omega_high))
+        })
     }
 
     fn weights(&self, model: Option<&Plant>) -> Weights {
@@ -289,12 +331,12 @@ fn with_fast_pole(plant: &Plant, omega_high: f64) -> Plant {
     Plant { actuator, ..*plant }
 }
 
-/// The misfit as the bees see it: over the unit cube, with K solved for.
-struct Foraging<'a> {
+/// The misfit as a search sees it: over the unit cube, with K solved for.
+struct OverCube<'a> {
     misfit: &'a Misfit<'a>,
 }
 
-impl Objective for Foraging<'_> {
+impl Objective for OverCube<'_> {
     fn dimension(&self) -> usize {
         self.misfit.coordinates.len() - 1
     }
@@ -305,5 +347,22 @@ impl Objective for Foraging<'_> {
         }
         let mut point = self.misfit.coordinates.within_search(cube);
         self.misfit.solve_for_constant(&mut point)
+    }
+}
+
+impl Smooth for OverCube<'_> {
+    fn descend(&self, from: &[f64], most: usize, on_step: &mut dyn FnMut(usize, f64)) -> Descent {
+        let mut start = self.misfit.coordinates.within_search(from);
+        self.misfit.solve_for_constant(&mut start);
+        // Solving for K was one.
+        let patience = Patience { evaluations: most as u64 - 1, ..refine::THOROUGH };
+        let refined = refine::refine(self.misfit, &start, patience, &mut |_, used, cost| {
+            on_step(used as usize + 1, cost);
+        });
+        Descent {
+            point: self.misfit.coordinates.share_of_search_unclamped(&refined.point),
+            cost: refined.cost,
+            evaluations: refined.evaluations as usize + 1,
+        }
     }
 }

@@ -1,0 +1,26 @@
+//! `ga-ann`, the paper's hybrid technique: as `abc-ann` with a genetic algorithm of fixed rates
+//! in place of the colony.
+
+use super::Steps;
+use super::genetic::{Fitness, Genetic, Rates};
+
+pub(super) const STEPS: Steps = Steps {
+    closed_form: true,
+    network: true,
+    search: Some(&Genetic { stage: "genetic", rates: &Fixed }),
+    refinement: true,
+};
+
+/// Nine pairs of ten are crossed, and of a child one gene on average is mutated: K. Deb and
+/// R. Agrawal, Complex Systems 9 (1995) 115, use both.
+struct Fixed;
+
+impl Rates for Fixed {
+    fn crossover(&self, _: &Fitness, _: f64) -> f64 {
+        0.9
+    }
+
+    fn mutation(&self, _: &Fitness, _: f64, genes: usize) -> f64 {
+        1.0 / genes as f64
+    }
+}

@@ -1,0 +1,36 @@
+//! `least-squares`, a baseline: bounded Levenberg–Marquardt from several starts, the best of
+//! which is the answer. What anybody would try first, and what a population has to beat.
+
+use std::convert::Infallible;
+
+use rand_chacha::ChaCha8Rng;
+
+use super::super::optimiser::{Optimiser, Search, Stop};
+use super::Steps;
+
+pub(super) const STEPS: Steps =
+    Steps { closed_form: false, network: false, search: Some(&MultiStart), refinement: true };
+
+/// Starts, uniform over the search range: as many as the paper's colony has food sources.
+const STARTS: usize = 10;
+
+/// Evaluations of the shortest descent: K, the derivatives, a step and the derivatives there.
+const SHORTEST: usize = 4;
+
+struct MultiStart;
+
+impl Optimiser for MultiStart {
+    fn stage(&self) -> &'static str {
+        "descents"
+    }
+
+    fn search(&self, search: &mut Search<'_>, rng: &mut ChaCha8Rng) -> Result<Infallible, Stop> {
+        for start in search.population(STARTS, rng) {
+            if search.left() < SHORTEST {
+                return Err(Stop::BudgetSpent);
+            }
+            search.descend(&start)?;
+        }
+        Err(Stop::EveryStartDescended)
+    }
+}

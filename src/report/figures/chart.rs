@@ -98,7 +98,7 @@ pub fn lines(name: &'static str, title: &str, says: &str, plots: &[Plot], theme:
         }
         canvas.y = bottom + 44.0;
     }
-    canvas.finish(theme, "")
+    canvas.finish(theme.into(), "")
 }
 
 fn style(dashed: bool) -> &'static str {
@@ -161,7 +161,7 @@ pub fn bars(
         place += GROUP_GAP;
     }
     canvas.y = bottom + 44.0;
-    canvas.finish(theme, "")
+    canvas.finish(theme.into(), "")
 }
 
 #[cfg(test)]

@@ -40,10 +40,16 @@ impl Compared {
         answer: &'a Answer,
         convergence: &'a [ConvergenceRow],
     ) -> Subject<'a> {
-        let extended = self.extended.as_ref();
+        let name = &self.name;
+        let extended = answer.extended().zip(self.extended.as_ref());
+        let extended = extended.map(|(identification, comparison)| Extended {
+            name,
+            identification,
+            comparison,
+        });
         Subject {
             comparison: self.base.as_ref().ok(),
-            extended: extended.map(|comparison| Extended { name: &self.name, comparison }),
+            extended,
             convergence,
             ..Subject::of(answer)
         }

@@ -55,6 +55,18 @@ impl<'a> Subject<'a> {
         let identification = Some(answer.base());
         Self { identification, discrepancy: answer.discrepancy(), ..Self::default() }
     }
+
+    /// The model with the causes in the place of the identified one.
+    ///
+    /// # Errors
+    /// [`NothingToDraw`] where there is none.
+    pub fn after(&self) -> Result<Self, NothingToDraw> {
+        let Extended { identification, comparison, .. } = self.extended.ok_or_else(|| {
+            NothingToDraw("it shows a model with causes, and there is none".into())
+        })?;
+        let (identification, comparison) = (Some(identification), Some(comparison));
+        Ok(Self { identification, comparison, ..Self::default() })
+    }
 }
 
 /// A model that has what the identified one lacks.
@@ -62,6 +74,8 @@ impl<'a> Subject<'a> {
 pub struct Extended<'a> {
     /// What it is called: `with stribeck`.
     pub name: &'a str,
+    /// The model itself.
+    pub identification: &'a Identification,
     /// The measurement beside what it makes of it.
     pub comparison: &'a Comparison,
 }
@@ -73,13 +87,16 @@ pub struct NothingToDraw(pub String);
 
 type Draw = fn(&Subject<'_>) -> Result<Canvas, NothingToDraw>;
 
-/// Every figure: its name and how it is drawn.
+/// Every figure: its name and how it is drawn; those `-after` are of the model with the causes.
 const FIGURES: &[(&str, Draw)] = &[
     ("bode", bode::draw),
     ("spectrum", spectrum::draw),
     ("residuals", residuals::draw),
     ("convergence", convergence::draw),
     ("friction", friction::draw),
+    ("spectrum-after", |subject| spectrum::draw(&subject.after()?)),
+    ("residuals-after", |subject| residuals::draw(&subject.after()?)),
+    ("friction-after", |subject| friction::draw(&subject.after()?)),
 ];
 
 /// Names of all figures, in the order they are shown to a reader.

@@ -38,6 +38,7 @@ impl Known {
             discrepancy: self.discrepancy.as_ref(),
             extended: self.extended.as_ref().map(|comparison| Extended {
                 name: "with static_friction and actuator_saturation",
+                identification: &self.identification,
                 comparison,
             }),
             convergence: &self.convergence,
@@ -386,4 +387,18 @@ fn static_levels_and_a_mean_level_are_shown_where_they_are_known() {
     assert!(known.draw("friction").contains("only the mean"));
     known.identification.parameters.shift_remove("fc_mean");
     assert!(draw("friction", &known.subject(), Theme::Auto).is_err());
+}
+
+#[test]
+fn what_is_drawn_after_is_the_model_with_the_causes() {
+    let known = extended();
+    let Some(extended) = known.extended.clone() else { panic!("it is extended") };
+    for name in ["spectrum", "residuals", "friction"] {
+        let after = known.draw(&format!("{name}-after"));
+        assert_eq!(after, Known::of(extended.clone()).draw(name));
+    }
+    assert_ne!(known.draw("residuals-after"), known.draw("residuals"));
+    let without = Known::of(sample::comparison());
+    let error = draw("friction-after", &without.subject(), Theme::Auto).unwrap_err();
+    assert!(error.to_string().contains("a model with causes"), "{error}");
 }

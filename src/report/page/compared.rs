@@ -4,7 +4,6 @@ use maud::{Markup, html};
 
 use crate::answers::{Gain, Identification};
 use crate::report::causes::{gains, held_out};
-use crate::report::figures::Subject;
 use crate::report::number::digits;
 
 use super::figure::figure;
@@ -23,15 +22,11 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
              causes, dotted lines with the base model."
         }
     };
-    let after =
-        Subject { identification: extended, comparison: content.extended, ..Subject::default() };
     let body = html! {
         (misfit(content.answer.base(), extended, &name))
         (figure("bode", &subject, "", bode))
-        @if content.extended.is_some() {
-            (figure("residuals", &after, "-after", "What the model with the causes leaves of every \
-                harmonic, drawn as the residuals before."))
-        }
+        (figure("residuals-after", &subject, "-after", "What the model with the causes leaves of \
+            every harmonic, drawn as the residuals before."))
     };
     Section::new("compared", "Measured against simulated", body)
 }

@@ -50,9 +50,15 @@ pub struct Content<'a> {
 impl<'a> Content<'a> {
     /// What the figures are drawn of; `name` is that of the model with the causes.
     fn subject(&self, name: &'a str) -> Subject<'a> {
+        let extended = self.answer.extended().zip(self.extended);
+        let extended = extended.map(|(identification, comparison)| Extended {
+            name,
+            identification,
+            comparison,
+        });
         Subject {
             comparison: self.comparison,
-            extended: self.extended.map(|comparison| Extended { name, comparison }),
+            extended,
             convergence: self.convergence,
             ..Subject::of(self.answer)
         }

@@ -135,17 +135,11 @@ fn curve(
     canvas.open_clipped(MODEL, panel.sides());
     canvas.area("band", &area);
     // From rest: whatever value holds the axis, up to the static level.
-    let breakaway = side.static_level.unwrap_or(side.level).max(side.level);
-    canvas.polyline(
-        "line",
-        [
-            panel.at(0.0, 0.0),
-            panel.at(0.0, side.sign * breakaway),
-            None,
-            panel.at(0.0, side.sign * side.level),
-            panel.at(side.sign * reach, side.sign * (side.level + viscous.slope * reach)),
-        ],
-    );
+    let sliding = side.torque(viscous.slope, 0.0);
+    let breakaway = side.static_level.unwrap_or(sliding).max(sliding);
+    let rest = [panel.at(0.0, 0.0), panel.at(0.0, side.sign * breakaway), None];
+    let moving = side.curve(viscous.slope, reach).map(|[v, torque]| panel.at(v, torque));
+    canvas.polyline("line", rest.into_iter().chain(moving));
     canvas.close();
     if let Some(place) = side.static_level.and_then(|level| panel.at(0.0, side.sign * level)) {
         canvas.open(&format!("{MODEL} measured"));
@@ -187,7 +181,7 @@ fn slope(
     let left = right - text::width(&label, LABEL.size);
     let (Some(zero), Some(end)) = (panel.x.at(0.0), panel.x.at(reach)) else { return };
     let v = reach * (left - zero) / (end - zero);
-    let Some(y) = panel.y.at(side.level + viscous.slope * v) else { return };
+    let Some(y) = panel.y.at(side.torque(viscous.slope, v)) else { return };
     canvas.open(MODEL);
     // Below the lowest point of the branch that the text passes.
     canvas.text(right, (y + 18.0).min(panel.bottom - 8.0), LABEL, Anchor::End, &label);

@@ -2,7 +2,7 @@
 
 use crate::answers::{Identification, ParameterEstimate};
 
-/// Velocities on which the band is drawn, each side.
+/// Velocities at which the torque is drawn, each side.
 const STEPS: usize = 40;
 
 /// One direction of motion.
@@ -14,6 +14,46 @@ pub(super) struct Side {
     pub static_level: Option<f64>,
     pub name: &'static str,
     pub key: &'static str,
+    bend: Bend,
+}
+
+/// What effects of a model make of friction in one direction.
+struct Bend {
+    /// Viscous friction as a share of that of both directions.
+    viscous: f64,
+    /// By what share friction at rest exceeds the level, and the velocity at which an e-th
+    /// part of that is left.
+    excess: f64,
+    stribeck_velocity: f64,
+    /// Torque per velocity squared.
+    drag: f64,
+}
+
+impl Bend {
+    fn of(answer: &Identification, sign: f64) -> Self {
+        let value = |name: &str| answer.parameters.get(name).and_then(|estimate| estimate.value);
+        Self {
+            viscous: 1.0 + sign * value("viscous_asymmetry.alpha").unwrap_or(0.0),
+            excess: value("stribeck.fs_over_fc").map_or(0.0, |ratio| ratio - 1.0),
+            stribeck_velocity: value("stribeck.stribeck_velocity").unwrap_or(1.0),
+            drag: value("quadratic_drag.c").unwrap_or(0.0),
+        }
+    }
+}
+
+impl Side {
+    /// Size of the torque at this size of the velocity; `slope` is a/K.
+    pub fn torque(&self, slope: f64, v: f64) -> f64 {
+        let Bend { viscous, excess, stribeck_velocity, drag } = self.bend;
+        let stribeck = excess * (-(v / stribeck_velocity).powi(2)).exp();
+        self.level * (1.0 + stribeck) + slope * viscous * v + drag * v * v
+    }
+
+    /// Points of the torque up to a velocity.
+    pub fn curve(&self, slope: f64, reach: f64) -> impl Iterator<Item = [f64; 2]> {
+        let at = move |i: usize| reach * i as f64 / STEPS as f64;
+        (0..=STEPS).map(move |i| [self.sign * at(i), self.sign * self.torque(slope, at(i))])
+    }
 }
 
 /// Viscous friction a/K, input per velocity.
@@ -91,9 +131,12 @@ pub(super) fn side(answer: &Identification, sign: f64) -> Option<Side> {
         sign,
         level: estimate_of_level.value?,
         level_std: std(estimate_of_level),
-        static_level: estimate(static_key).and_then(|estimate| estimate.value),
+        static_level: estimate(static_key)
+            .or_else(|| estimate(&format!("static_friction.{static_key}")))
+            .and_then(|estimate| estimate.value),
         name,
         key,
+        bend: Bend::of(answer, sign),
     })
 }
 
@@ -121,7 +164,7 @@ pub(super) fn band(
             let gradient = gradient(answer, Some((side.key, v))).unwrap_or_default();
             let std = side.level_std.and(viscous.std);
             let std = std.and_then(|_| deviation(answer, &gradient)).unwrap_or(0.0);
-            let torque = side.level + viscous.slope * v + end * quantile * std;
+            let torque = side.torque(viscous.slope, v) + end * quantile * std;
             [side.sign * v, side.sign * torque]
         })
     };
@@ -143,5 +186,28 @@ mod tests {
         answer.correlations.matrix = vec![vec![1.0, 0.0], vec![0.0, 1.0]];
         let free = deviation(&answer, &gradient).unwrap();
         assert!(loose < 0.2 * free, "{loose} {free}");
+    }
+
+    #[test]
+    fn what_an_effect_makes_of_friction_is_drawn() {
+        let mut answer = sample::identification();
+        let mut set = |name: &str, value: f64| {
+            let mut estimate = answer.parameters["fc_plus"].clone();
+            estimate.value = Some(value);
+            answer.parameters.insert(name.to_owned(), estimate);
+        };
+        set("fc_minus", 0.4);
+        set("static_friction.fs_minus", 0.6);
+        set("viscous_asymmetry.alpha", -0.25);
+        set("stribeck.fs_over_fc", 1.5);
+        set("stribeck.stribeck_velocity", 2.0);
+        set("quadratic_drag.c", 0.01);
+        let minus = side(&answer, -1.0).unwrap();
+        assert_eq!(minus.static_level, Some(0.6));
+        assert!((minus.torque(1.0, 0.0) - 0.6).abs() < 1e-12);
+        let expected = 0.4 * (1.0 + 0.5 * (-1.0_f64).exp()) + 1.25 * 2.0 + 0.04;
+        assert!((minus.torque(1.0, 2.0) - expected).abs() < 1e-12);
+        let ends = minus.curve(1.0, 2.0).last().unwrap();
+        assert_eq!(ends, [-2.0, -minus.torque(1.0, 2.0)]);
     }
 }

@@ -28,7 +28,8 @@ pub(super) fn of(
     let mut say = |sentence: String| sentences.push(sentence);
     if method == Method::TwoMagnitude {
         say("the closed form rests on the describing function of friction and fits nothing: its \
-             parameters are 5 to 40 % off, whatever their intervals say; other methods refine"
+             parameters are percents off, more with noise and near breakaway, whatever their \
+             intervals say; other methods refine"
             .into());
     }
     if problem.tied_friction {

@@ -1,8 +1,9 @@
 //! `two-magnitude`, reference \[2\] of the paper: the closed form from the describing function
 //! of friction at two magnitudes (see `closed_form`), and nothing after it.
 //!
-//! Its parameters are of describing-function accuracy, 5 to 40 % off, whatever the noise: it is
-//! the yardstick the searches are held against.
+//! Its parameters are of describing-function accuracy, percents off without any noise
+//! (`docs/reproduction.md` has them for the systems of the paper): it is the yardstick the
+//! searches are held against.
 
 use super::Steps;
 

@@ -1,6 +1,6 @@
 //! Charts of plain numbers: lines over one or several panels, and bars. For what no answer holds.
 
-use super::canvas::{Anchor, Canvas, MARGIN, TICK, WIDTH};
+use super::canvas::{Anchor, Canvas, MARGIN, Marker, TICK, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, padded, range};
 use super::text::number;
@@ -126,7 +126,9 @@ pub fn bars(
         }
     }
     let mut canvas = Canvas::new(name, title, says, groups.len());
-    let key = |(i, group): (usize, &&str)| Key::new(Look::Area, format!("s{i} solid"), *group);
+    let key = |(i, group): (usize, &&str)| {
+        Key::new(Look::Marker(Marker::Square), format!("s{i}"), *group)
+    };
     let keys: Vec<Key> = groups.iter().enumerate().map(key).collect();
     legend(&mut canvas, &keys);
     let left = LEFT + 70.0;

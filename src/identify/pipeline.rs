@@ -184,7 +184,7 @@ impl Run<'_> {
         }
         self.closed_form(misfit, found);
         if found.starts.is_empty() {
-            found.starts.extend(self.from_lower(misfit.coordinates));
+            found.starts.extend(self.start_of_lower(misfit.coordinates));
         }
         if found.starts.is_empty() {
             return Err(unusable(
@@ -234,7 +234,7 @@ impl Run<'_> {
         weights: &mut Weights,
         found: &mut Found,
     ) -> Result<Vec<f64>, IdentifyError> {
-        found.starts.extend(self.from_lower(coordinates));
+        found.starts.extend(self.start_of_lower(coordinates));
         let begun = self.history.begin(name, found.starts.len() as u64);
         let (mut evaluations, mut steps) = (0, 0);
         let mut descend = |weights: &Weights, start: &[f64], bar: f64| {
@@ -276,7 +276,7 @@ impl Run<'_> {
     }
 
     /// The fit of the next lower order as a point of this one.
-    fn from_lower(&self, coordinates: &Coordinates) -> Option<Vec<f64>> {
+    fn start_of_lower(&self, coordinates: &Coordinates) -> Option<Vec<f64>> {
         self.lower.map(|fitted| {
             let plant = fitted.coordinates.plant(&fitted.point);
             coordinates.point(&with_fast_pole(&plant, self.problem.prior.omega_high))

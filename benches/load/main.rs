@@ -91,7 +91,7 @@ fn queue(server: &Server, count: u64) -> Vec<String> {
     let before = server.memory().resident;
     let began = Instant::now();
     let submit = |seed: u64| {
-        let kind = if seed % DIAGNOSIS_EVERY == 0 { "diagnose" } else { "identify" };
+        let kind = if seed.is_multiple_of(DIAGNOSIS_EVERY) { "diagnose" } else { "identify" };
         server.submit(&json!({
             "measurement_id": measurement, "kind": kind, "options": {"seed": seed},
         }))

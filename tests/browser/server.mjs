@@ -64,8 +64,8 @@ export class Server {
 }
 
 /// A measurement with these lines in front.
-export function simulated(flags, metadata = {}) {
-  const design = ["--noise-db", "60", "--harmonics", "5", "--frequency-range", "1:100:9"];
+export function simulated(flags, metadata = {}, frequencies = 9) {
+  const design = ["--noise-db", "60", "--harmonics", "5", "--frequency-range", `1:100:${frequencies}`];
   const table = execFileSync(program, ["simulate", ...design, ...flags], { encoding: "utf8" });
   const lines = Object.entries(metadata).map(([key, value]) => `# ${key}: ${value}\n`);
   return lines.join("") + table;

@@ -11,7 +11,7 @@ use crate::benchmark::simulator::{
 };
 use crate::plant::Plant;
 use crate::report::figures::Theme;
-use crate::report::figures::chart::{self, Bar, Line, Plot};
+use crate::report::figures::chart::{self, Bar, Line, Plot, Stroke};
 
 use super::figure_of_merit::{ANSWER, each, median};
 use super::published::{COLUMNS, seconds};
@@ -107,8 +107,8 @@ fn over_time(values: impl IntoIterator<Item = f64>) -> Vec<[f64; 2]> {
     values.into_iter().enumerate().map(|(i, value)| [i as f64 * step_s(), value]).collect()
 }
 
-fn line(label: &str, points: Vec<[f64; 2]>, dashed: bool) -> Line {
-    Line { label: label.to_owned(), points, dashed }
+fn line(label: &str, points: Vec<[f64; 2]>, stroke: Stroke) -> Line {
+    Line { label: label.to_owned(), points, stroke }
 }
 
 /// Figures 4 to 7 and 9 to 12.
@@ -120,24 +120,24 @@ fn output(
     closed: Option<&Run>,
 ) -> Result<Chart, SimulatorError> {
     let actual = motion(system.plant())?.velocity;
-    let mut models: Vec<(String, &Outcome, bool)> = Vec::new();
+    let mut models: Vec<(String, &Outcome, Stroke)> = Vec::new();
     let method = run.method.name();
     if let Some(found) = closed.and_then(|run| run.alone.as_ref()) {
-        models.push(("two-magnitude".into(), found, true));
+        models.push(("two-magnitude".into(), found, Stroke::Dashed));
     }
     if let Some(found) = &run.alone {
-        models.push((format!("{method}, search alone"), found, false));
+        models.push((format!("{method}, search alone"), found, Stroke::Solid));
     }
     if let Some(found) = &run.refined {
-        models.push((format!("{method}, refined"), found, false));
+        models.push((format!("{method}, refined"), found, Stroke::Solid));
     }
-    let mut outputs = vec![line("actual system", over_time(actual.clone()), false)];
+    let mut outputs = vec![line("actual system", over_time(actual.clone()), Stroke::Broad)];
     let mut deviations = Vec::new();
-    for (label, outcome, dashed) in models {
+    for (label, outcome, stroke) in models {
         let velocity = motion(system.identified(&outcome.values))?.velocity;
         let off = velocity.iter().zip(&actual).map(|(v, a)| (v - a).abs());
-        deviations.push(line(&label, over_time(off), dashed));
-        outputs.push(line(&label, over_time(velocity), dashed));
+        deviations.push(line(&label, over_time(off), stroke));
+        outputs.push(line(&label, over_time(velocity), stroke));
     }
     let x = "Time (s)".to_owned();
     let plots = [
@@ -177,9 +177,9 @@ fn linear_block(name: &'static str, system: System) -> Result<Chart, SimulatorEr
         x: "Time (s)".into(),
         y: "Input units, response units".into(),
         lines: vec![
-            line("excitation u", over_time(input()), true),
-            line("input of the linear block, friction taken off", over_time(driven), false),
-            line("output of the linear block", over_time(motion.velocity.clone()), false),
+            line("excitation u", over_time(input()), Stroke::Dashed),
+            line("input of the linear block, friction taken off", over_time(driven), Stroke::Solid),
+            line("output of the linear block", over_time(motion.velocity.clone()), Stroke::Solid),
         ],
         ..Plot::default()
     }];
@@ -199,18 +199,18 @@ fn bode_plot(name: &'static str, system: System, answer: &Outcome, closed: Optio
     let [low, high] = system.band_rad_s();
     let frequencies: Vec<f64> =
         (0..=300).map(|i| low * (high / low).powf(f64::from(i) / 300.0)).collect();
-    let mut models = vec![("actual system", system.plant(), false)];
+    let mut models = vec![("actual system", system.plant(), Stroke::Broad)];
     if let Some(found) = closed.and_then(|run| run.alone.as_ref()) {
-        models.push(("two-magnitude", system.identified(&found.values), true));
+        models.push(("two-magnitude", system.identified(&found.values), Stroke::Dashed));
     }
-    models.push(("abc-ann", system.identified(&answer.values), true));
+    models.push(("abc-ann", system.identified(&answer.values), Stroke::Solid));
     let mut plots = ["Gain (dB)", "Phase (degrees)"].map(|y| Plot {
         x: "Frequency (rad/s)".into(),
         y: y.into(),
         logarithmic: [true, false],
         ..Plot::default()
     });
-    for (label, plant, dashed) in models {
+    for (label, plant, stroke) in models {
         let response = |omega: f64| {
             let mechanics =
                 plant.constant / crate::measurement::Complex::new(plant.viscous_rate_rad_s, omega);
@@ -227,8 +227,8 @@ fn bode_plot(name: &'static str, system: System, answer: &Outcome, closed: Optio
         };
         let gains = frequencies.iter().map(|omega| [*omega, gain(*omega)]).collect();
         let phases = frequencies.iter().map(|omega| [*omega, phase(*omega)]).collect();
-        plots[0].lines.push(line(label, gains, dashed));
-        plots[1].lines.push(line(label, phases, dashed));
+        plots[0].lines.push(line(label, gains, stroke));
+        plots[1].lines.push(line(label, phases, stroke));
     }
     let title = format!("{}: Bode plot of the linear block", system.name());
     let says = "Identified without noise; abc-ann lies on the actual system.";
@@ -259,11 +259,13 @@ fn convergence_chart(name: &'static str, reproduction: &Reproduction, system: Sy
     // With noise the cost has a floor that means something.
     let levels = &reproduction.plan.levels;
     let level = levels.iter().copied().flatten().next();
-    let lines = reproduction.plan.methods.iter().filter_map(|method| {
+    let histories = reproduction.plan.methods.iter().filter_map(|method| {
         let run = reproduction.of(system, level, *method).into_iter().next()?;
-        let points = progress(&run.history);
-        (points.len() > 1).then(|| line(method.name(), points, false))
+        Some((method.name(), progress(&run.history))).filter(|(_, points)| points.len() > 1)
     });
+    // Neighbours in the order of colours are alike: every other one is dashed.
+    let strokes = [Stroke::Solid, Stroke::Dashed].into_iter().cycle();
+    let lines = histories.zip(strokes).map(|((name, points), stroke)| line(name, points, stroke));
     let plots = [Plot {
         x: "Simulations of the whole measurement (–)".into(),
         y: "Least cost so far (–)".into(),

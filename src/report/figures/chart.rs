@@ -20,8 +20,29 @@ pub struct Line {
     pub label: String,
     /// Points, in the units of the panel's axes.
     pub points: Vec<[f64; 2]>,
-    /// Whether it is thin and dashed.
-    pub dashed: bool,
+    /// How it is drawn.
+    pub stroke: Stroke,
+}
+
+/// How a line is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stroke {
+    /// In full.
+    Solid,
+    /// Thin and dashed.
+    Dashed,
+    /// Broad and pale: it shows beside a line that lies on it.
+    Broad,
+}
+
+impl Stroke {
+    fn class(self) -> &'static str {
+        match self {
+            Stroke::Solid => "line",
+            Stroke::Dashed => "thin",
+            Stroke::Broad => "broad",
+        }
+    }
 }
 
 /// One pair of axes.
@@ -53,15 +74,15 @@ pub struct Bar {
 /// Draws panels below each other as an SVG document. `name` is that of the figure, unique in a
 /// page; `says` what a reader should see.
 pub fn lines(name: &'static str, title: &str, says: &str, plots: &[Plot], theme: Theme) -> String {
-    let mut labels: Vec<(&str, bool)> = Vec::new();
+    let mut labels: Vec<(&str, Stroke)> = Vec::new();
     for line in plots.iter().flat_map(|plot| &plot.lines) {
         if !labels.iter().any(|(label, _)| *label == line.label) {
-            labels.push((&line.label, line.dashed));
+            labels.push((&line.label, line.stroke));
         }
     }
     let mut canvas = Canvas::new(name, title, says, labels.len());
-    let key = |(i, (label, dashed)): (usize, &(&str, bool))| {
-        Key::new(Look::Line(style(*dashed)), format!("s{i}"), *label)
+    let key = |(i, (label, stroke)): (usize, &(&str, Stroke))| {
+        Key::new(Look::Line(stroke.class()), format!("s{i}"), *label)
     };
     let keys: Vec<Key> = labels.iter().enumerate().map(key).collect();
     legend(&mut canvas, &keys);
@@ -93,16 +114,12 @@ pub fn lines(name: &'static str, title: &str, says: &str, plots: &[Plot], theme:
             canvas.open_clipped(&class, panel.sides());
             let point =
                 |[x, y]: &[f64; 2]| panel.at(*x, *y).filter(|_| x.is_finite() && y.is_finite());
-            canvas.polyline(style(line.dashed), line.points.iter().map(point));
+            canvas.polyline(line.stroke.class(), line.points.iter().map(point));
             canvas.close();
         }
         canvas.y = bottom + 44.0;
     }
     canvas.finish(theme.into(), "")
-}
-
-fn style(dashed: bool) -> &'static str {
-    if dashed { "thin" } else { "line" }
 }
 
 /// Draws bars over a logarithmic axis as an SVG document; likewise. `axis` names the quantity
@@ -173,7 +190,7 @@ mod tests {
     use super::*;
 
     fn line(label: &str, points: Vec<[f64; 2]>) -> Line {
-        Line { label: label.into(), points, dashed: false }
+        Line { label: label.into(), points, stroke: Stroke::Solid }
     }
 
     fn count(svg: &str, element: &str) -> usize {

@@ -185,6 +185,7 @@ const SHAPES: &[(&str, &str)] = &[
                stroke-linecap:round",
     ),
     (".thin", "fill:none;stroke:currentColor;stroke-width:1;stroke-dasharray:2 2.5"),
+    (".broad", "fill:none;stroke:currentColor;stroke-width:6;opacity:.4;stroke-linejoin:round"),
     (".stem", "fill:none;stroke:currentColor;stroke-width:1;opacity:.35"),
     (".bar", "fill:none;stroke:currentColor;stroke-width:2.4"),
     (".band", "fill:currentColor;stroke:none;opacity:.22"),

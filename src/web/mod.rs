@@ -48,6 +48,7 @@ const FILES: &[(&str, &str, &str)] = &[
     file!("live.js", SCRIPT),
     file!("answer.js", SCRIPT),
     file!("status.js", SCRIPT),
+    file!("tried.js", SCRIPT),
     file!("compare.js", SCRIPT),
     file!("axes.js", SCRIPT),
 ];

@@ -127,7 +127,23 @@ test("the report and the data are downloaded", async () => {
   await picture(page, "08-downloads");
   assert.match(await fetched(page.getByRole("link", { name: "Result, JSON" })), /"verdict":"explained"/);
   assert.match(await fetched(page.getByRole("link", { name: "Parameters, CSV" })), /static_friction\.fs_plus/);
-  assert.match(await fetched(page.getByRole("link", { name: "Figure: bode, SVG" })), /^<svg/);
+  for (const figure of ["bode", "residuals-after"]) {
+    assert.match(await fetched(page.getByRole("link", { name: `Figure: ${figure}, SVG` })), /^<svg/);
+    await page.locator(".menu").evaluate((menu) => (menu.open = true));
+  }
+});
+
+test("a result is tried on another measurement", async () => {
+  const other = await server.post("/v1/measurements", simulated([...STICKY, "--seed", "5"], { ...PRESS, measured_at: "2026-03-11T10:20:00Z" }), "text/csv");
+  const page = await visit(diagnosed);
+  await page.getByRole("combobox", { name: "Measurement" }).selectOption(other.id);
+  await page.getByRole("button", { name: "Try it" }).click();
+  const tried = page.locator("#tried");
+  await tried.getByText(/^Gain/).waitFor();
+  assert.match(await tried.textContent(), /static_friction helps here, too[^]*With static friction[^]*Verdict: explained/);
+  await tried.scrollIntoViewIfNeeded();
+  await picture(page, "09-tried");
+  await fetch(`${server.address}/v1/measurements/${other.id}`, { method: "DELETE" });
 });
 
 test("a job is cancelled, started again and deleted", async () => {
@@ -137,13 +153,13 @@ test("a job is cancelled, started again and deleted", async () => {
   await page.getByRole("button", { name: "Start", exact: true }).click();
   await page.getByRole("button", { name: "Cancel" }).click();
   await page.getByRole("heading", { name: "It was cancelled" }).waitFor();
-  await picture(page, "09-cancelled");
+  await picture(page, "10-cancelled");
   await page.getByRole("link", { name: "Start again …" }).click();
   await page.getByRole("heading", { name: "Start it again" }).waitFor();
   assert.equal(await page.getByLabel("Seed").inputValue(), "7");
   await page.goBack();
   await page.getByRole("button", { name: "Delete" }).click();
-  await picture(page, "10-delete");
+  await picture(page, "11-delete");
   await page.getByRole("dialog").getByRole("button", { name: "Delete" }).click();
   await page.getByRole("heading", { name: "Start a job" }).waitFor();
 });
@@ -155,7 +171,7 @@ test("what the server refuses of a form is said at its field", async () => {
   await page.getByRole("button", { name: "Start", exact: true }).click();
   await page.locator("[name=noise_std][aria-invalid]").waitFor();
   assert.match(await page.locator(".wrong").textContent(), /noise_std/);
-  await picture(page, "11-refused-form", { fullPage: true });
+  await picture(page, "12-refused-form", { fullPage: true });
   page.wrong = page.wrong.filter((text) => !text.includes("422"));
 });
 
@@ -164,7 +180,7 @@ test("everything is reached with the keyboard", async () => {
   await page.locator("#measurements").waitFor();
   await page.keyboard.press("Tab");
   assert.equal(await page.evaluate(() => document.activeElement.textContent), "Skip to the content");
-  await picture(page, "12-keyboard");
+  await picture(page, "13-keyboard");
   await page.keyboard.press("Enter");
   const stops = [];
   for (let i = 0; i < 12; i += 1) {
@@ -195,19 +211,19 @@ test("the history of an axis marks what changed, and two jobs stand side by side
   const changed = page.locator("tr", { has: page.getByText("changed", { exact: true }) });
   assert.ok(await changed.count() >= 1);
   assert.match((await changed.allTextContents()).join(), /2026-04-01.*−10\.(59|60)/);
-  await picture(page, "13-history", { fullPage: true });
+  await picture(page, "14-history", { fullPage: true });
 
   await page.goto(`${server.address}/`);
   const rows = page.locator("#jobs tbody tr", { hasText: "mill" });
   await rows.nth(0).getByRole("checkbox").check();
   await rows.nth(1).getByRole("checkbox").check();
-  await picture(page, "14-overview", { fullPage: true });
+  await picture(page, "15-overview", { fullPage: true });
   await page.getByRole("button", { name: "Compare" }).click();
   await page.getByRole("heading", { name: "Two jobs side by side" }).waitFor();
   assert.match(await page.locator("tr.changed").first().textContent(), /Pole.*beyond the joint interval/);
   await page.locator("server-figure").nth(5).waitFor();
   await page.waitForLoadState("networkidle");
-  await picture(page, "15-compare", { fullPage: true });
+  await picture(page, "16-compare", { fullPage: true });
 });
 
 test("both colour schemes are the system's or the reader's choice", async () => {
@@ -217,8 +233,8 @@ test("both colour schemes are the system's or the reader's choice", async () => 
   await page.locator(".verdict").waitFor();
   const [dark, darkFigure] = [await background(page), await inFigure(page)];
   assert.equal(dark, darkFigure);
-  await picture(page, "16-answer-dark");
-  await picture(page, "17-answer-dark-whole", { fullPage: true });
+  await picture(page, "17-answer-dark");
+  await picture(page, "18-answer-dark-whole", { fullPage: true });
   await page.getByLabel("Colours").selectOption("light");
   const light = await background(page);
   assert.notEqual(light, dark);
@@ -229,15 +245,15 @@ test("both colour schemes are the system's or the reader's choice", async () => 
   await page.goto(`${server.address}/`);
   await page.getByLabel("Colours").selectOption("dark");
   await page.locator("#jobs tbody tr").first().waitFor();
-  await picture(page, "18-overview-dark");
+  await picture(page, "19-overview-dark");
 });
 
 test("a phone shows everything without moving the page sideways", async () => {
   const page = await visit("/", PHONE);
   await page.locator("#jobs tbody tr").first().waitFor();
-  await picture(page, "19-phone-overview", { fullPage: true });
+  await picture(page, "20-phone-overview", { fullPage: true });
   assert.ok(!await overflows(page), "the overview is too wide");
-  const places = { "20-phone-answer": diagnosed, "21-phone-axis": "/axes?machine=mill&axis=B", "22-phone-axes": "/axes" };
+  const places = { "21-phone-answer": diagnosed, "22-phone-axis": "/axes?machine=mill&axis=B", "23-phone-axes": "/axes" };
   for (const [name, path] of Object.entries(places)) {
     await page.goto(server.address + path);
     await page.locator("h1").waitFor();
@@ -248,14 +264,14 @@ test("a phone shows everything without moving the page sideways", async () => {
   await page.goto(server.address + diagnosed);
   await page.locator(".trail a").last().click();
   await page.getByRole("heading", { name: "Start a job" }).waitFor();
-  await picture(page, "23-phone-measurement", { fullPage: true });
+  await picture(page, "24-phone-measurement", { fullPage: true });
   assert.ok(!await overflows(page), "the measurement is too wide");
 });
 
 test("what is not there is said", async () => {
   const page = await visit("/jobs/nobody");
   await page.getByRole("heading", { name: "Not found" }).waitFor();
-  await picture(page, "24-not-found");
+  await picture(page, "25-not-found");
   page.wrong = page.wrong.filter((text) => !text.includes("404"));
 });
 
@@ -267,10 +283,10 @@ test("a server that goes away is noticed, and its job goes on when it is back", 
   await page.waitForFunction(() => document.querySelector("progress").value > 0);
   await server.kill();
   await page.getByText("The server does not answer").waitFor();
-  await picture(page, "25-away");
+  await picture(page, "26-away");
   await server.start();
   await page.getByText("The server is back").waitFor();
-  await picture(page, "26-back");
+  await picture(page, "27-back");
   await page.getByText("attempt 2").waitFor();
   await page.locator(".verdict").waitFor({ timeout: PATIENCE });
   assert.match(await page.locator(".verdict").textContent(), /static friction/);

@@ -5,18 +5,20 @@ import { h } from "./dom.js";
 import { frame, unstyled } from "./figure.js";
 
 /// Takes a report apart and lays it out here. Its markup is the server's own, and
-/// its policy allows neither script nor style in line.
-export function answer(html) {
+/// its policy allows neither script nor style in line. `trial` is a section beside them.
+export function answer(html, trial) {
   // The first style sheet is that of the page, the others are those of its figures.
   const { markup, styles } = unstyled(html);
   // Taken over first: an element that visits another document loses its styles.
   const report = document.adoptNode(new DOMParser().parseFromString(markup, "text/html").body);
-  const sections = inOrder([...report.querySelectorAll("main > section")]);
+  const sections = inOrder([...report.querySelectorAll("main > section"), trial]);
+  const figures = [];
   for (const [i, figure] of report.querySelectorAll("figure").entries()) {
     const svg = figure.querySelector("svg");
     const title = svg.querySelector("title")?.textContent;
     const { node, figure: host } = frame(figure.querySelector("figcaption")?.textContent, title);
     host.show(svg, styles[i + 1]);
+    figures.push(svg.id.replace("servoscope-", ""));
     figure.replaceWith(node);
   }
   for (const wide of report.querySelectorAll(".scroll:not([tabindex])")) {
@@ -32,6 +34,7 @@ export function answer(html) {
   mark(contents, sections);
   return {
     nodes: [contents, column],
+    figures,
     verdict: [...verdict.querySelectorAll(".word, .lead")].map((part) => part.textContent).join(": "),
   };
 }

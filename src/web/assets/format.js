@@ -88,3 +88,9 @@ export function subject({ machine, axis, name }) {
   const parts = [machine, axis && `axis ${axis}`].filter(Boolean);
   return parts.join(", ") || name || "unnamed measurement";
 }
+
+/// A measurement where one is chosen among others.
+export function inList(item) {
+  const { name, measured_at, created_at } = item;
+  return [subject(item), name !== subject(item) && name, time(measured_at ?? created_at)].filter(Boolean).join(", ");
+}

@@ -5,6 +5,7 @@ import { json, remove, send, text } from "./api.js";
 import { kind, subject, time } from "./format.js";
 import { answer } from "./answer.js";
 import { follow } from "./live.js";
+import { tried } from "./tried.js";
 
 const ENDED = ["succeeded", "failed", "cancelled"];
 
@@ -24,17 +25,18 @@ export async function show({ argument: id, signal, go }) {
   async function ended(job) {
     const path = `/v1/jobs/${job.id}`;
     const again = `/measurements/${measurement.id}?again=${job.id}#start`;
+    const shown = job.status === "succeeded"
+      && answer(...await Promise.all([text(`${path}/report.html`, { signal }), tried(job, signal)]));
+    if (signal.aborted) return;
     actions.replaceChildren(...[
-      ...(job.status === "succeeded" ? downloads(path, job) : []),
+      ...(shown ? downloads(path, job, shown.figures) : []),
       h("a", { class: "button", href: again }, "Start again …"),
       h("button", { class: "danger", onclick: async () => {
         if (!await confirmed("Delete this job and its result for good?", "Delete")) return;
         await remove(path);
         go(`/measurements/${measurement.id}`);
       } }, "Delete")]);
-    if (job.status === "succeeded") {
-      const shown = answer(await text(`${path}/report.html`, { signal }));
-      if (signal.aborted) return;
+    if (shown) {
       body.replaceChildren(...shown.nodes);
       announce(`Ended: ${shown.verdict}`);
     } else {
@@ -68,10 +70,9 @@ function origin(job, measurement) {
 }
 
 /// Everything that can be taken away, in one place.
-function downloads(path, job) {
+function downloads(path, job, figures) {
   const name = `${job.kind}-${job.id.slice(-6)}`;
   const link = (file, title) => h("li", {}, h("a", { href: `${path}/${file}`, download: `${name}-${file.split("/").pop()}` }, title));
-  const figures = ["bode", "spectrum", "residuals", "convergence", "friction"];
   const close = () => (menu.open = false);
   const menu = h("details", {
     class: "menu",

@@ -2,7 +2,7 @@
 
 import { h } from "./dom.js";
 import { Problem, json, send } from "./api.js";
-import { subject, time } from "./format.js";
+import { inList } from "./format.js";
 
 /// A form for jobs on a measurement; `earlier` is a job that is to be started again,
 /// `started` gets the new one.
@@ -33,7 +33,7 @@ export async function startForm(measurement, started, { earlier, signal } = {}) 
       input("seed", "Seed", { inputmode: "numeric", value: options.seed ?? 1 }, "The same seed gives the same bits."),
       select("weights", "Errors are weighed with", [["noise", "their noise"], ["response", "all alike"]], options.weights),
       select("validation_measurement_id", "Validate on", [["", "parts held out of it"],
-        ...others.map((item) => [item.id, `${subject(item)}${item.name ? `, ${item.name}` : ""}, ${time(item.measured_at ?? item.created_at)}`])],
+        ...others.map((item) => [item.id, inList(item)])],
         earlier?.validation_measurement_id ?? "", "A second measurement of the same axis; for a diagnosis.")),
     h("p", { class: "actions" }, h("button", { class: "primary" }, "Start")),
     h("p", { class: "wrong", role: "alert" }));

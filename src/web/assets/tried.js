@@ -1,0 +1,55 @@
+// A result tried on another measurement: both models simulated on it, nothing fitted.
+
+import { announce, h, row, table } from "./dom.js";
+import { json, send } from "./api.js";
+import { inList, named, number, percent } from "./format.js";
+import { ofVerdict } from "./status.js";
+
+/// A section that tries the result of a job on a measurement of the reader's choice.
+export async function tried(job, signal) {
+  const { items } = await json("/v1/measurements?limit=200", { signal });
+  const others = items.filter((item) => item.id !== job.measurement_id);
+  const body = h("div", { role: "status" });
+  const form = h("form", { class: "fields" },
+    h("label", {}, h("span", {}, "Measurement"),
+      h("select", { name: "measurement_id" }, others.map((item) => h("option", { value: item.id }, inList(item))))),
+    h("p", { class: "actions" }, h("button", {}, "Try it")));
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    const button = form.querySelector("button");
+    button.disabled = true;
+    body.replaceChildren(h("p", { class: "small" }, "Being simulated …"));
+    try {
+      const request = { job_id: job.id, measurement_id: form.elements.measurement_id.value };
+      const validation = await send("/v1/validations", request, { signal });
+      body.replaceChildren(...told(validation));
+    } catch (error) {
+      if (!signal.aborted) body.replaceChildren(h("p", { class: "wrong" }, error.message));
+    } finally {
+      button.disabled = false;
+    }
+  });
+  return h("section", { id: "tried", "aria-labelledby": "tried-title" },
+    h("h2", { id: "tried-title" }, "Tried on another measurement"),
+    h("p", {}, "Does it predict what it has not seen? Its models are simulated on another measurement of the axis; nothing is fitted."),
+    others.length > 0 ? [form, body]
+      : h("p", { class: "state" }, "There is no other measurement yet. ", h("a", { href: "/" }, "Upload one"), ", then come back."));
+}
+
+function told({ models, causes, gain, verdict, remarks, response_unit: unit }) {
+  const model = (name, { nrmse, rms, chi2_per_dof: chi2, components }) => row([
+    name,
+    ...[percent(nrmse), number(rms, 3), number(chi2, 3), components].map((content) => ({ content, class: "n" })),
+  ]);
+  const titles = ["Left of the response", `rms${unit ? `, ${unit}` : ""}`, "χ² a datum", "Data"];
+  const extended = models.extended && model(`With ${named(causes.map(({ effect }) => effect).join(" "))}`, models.extended);
+  const [first, ...rest] = remarks;
+  if (first) announce(first);
+  return [
+    first && h("p", {}, first),
+    table("", ["Model", ...titles.map((text) => ({ text, class: "n" }))], [model("Base model", models.base), extended].filter(Boolean)),
+    gain && h("p", {}, `Gain ${number(gain.ratio, 3)}, 95 % from ${number(gain.interval95[0], 3)} to ${number(gain.interval95[1], 3)}. `,
+      verdict && ["Verdict: ", ofVerdict(verdict)]),
+    rest.length > 0 && h("ul", {}, rest.map((remark) => h("li", {}, remark))),
+  ].filter(Boolean);
+}

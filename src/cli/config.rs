@@ -35,7 +35,7 @@ impl Args {
     /// # Errors
     /// [`Failure::Input`] where the file cannot be read.
     pub(super) fn settings(&self) -> Result<Settings, Failure> {
-        Ok(self.told.clone().over(self.file()?).over(Settings::defaults()))
+        Ok(self.told.clone().over(self.file()?).completed())
     }
 
     fn file(&self) -> Result<Settings, Failure> {

@@ -1,6 +1,7 @@
 //! What each source of settings says, and which of them counts.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -94,20 +95,29 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// What holds where nobody says anything; what is still `None` has no fixed
-    /// default.
-    pub fn defaults() -> Self {
+    /// What holds where nobody says anything, whatever else is said.
+    fn defaults() -> Self {
         Self {
             listen: Some(LISTEN),
             insecure_listen: Some(false),
             data_dir: Some(DATA_DIR.into()),
             max_upload_mib: Some(UPLOAD_MIB),
+            workers: Some(std::thread::available_parallelism().map_or(1, NonZeroUsize::get)),
             job_minutes: Some(JOB_MINUTES),
             lease_seconds: Some(LEASE_SECONDS),
             cors_origins: Some(Vec::new()),
             log_format: Some(LogFormat::Text),
             ..Self::default()
         }
+    }
+
+    /// These settings, and the defaults of what they do not say; what is still `None` has
+    /// no limit.
+    pub fn completed(self) -> Self {
+        let below = Self::defaults();
+        let sent = self.max_upload_mib.or(below.max_upload_mib);
+        let max_unpacked_mib = Some(sent.unwrap_or_default().max(UNPACKED_MIB));
+        self.over(Self { max_unpacked_mib, ..below })
     }
 
     /// Reads a TOML file of settings.
@@ -169,11 +179,19 @@ mod tests {
     fn what_a_source_does_not_say_is_left_to_the_one_below() {
         let file = Settings { workers: Some(1), keep_days: Some(30), ..Settings::default() };
         let flags = Settings { workers: Some(2), ..Settings::default() };
-        let both = flags.over(file).over(Settings::defaults());
+        let both = flags.over(file).completed();
         assert_eq!(
             (both.workers, both.keep_days, both.max_upload_mib),
             (Some(2), Some(30), Some(64))
         );
+    }
+
+    #[test]
+    fn what_may_be_unpacked_is_no_less_than_what_may_be_sent() {
+        for (sent, unpacked) in [(1, 128), (200, 200)] {
+            let settings = Settings { max_upload_mib: Some(sent), ..Settings::default() };
+            assert_eq!(settings.completed().max_unpacked_mib, Some(unpacked));
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! `/v1/results`, `/v1/axes` and `/v1/history`: flat, over the time of measuring.
 
 use axum::Json;
-use axum::extract::{Query, State};
+use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::Response;
 use serde::{Deserialize, Serialize};
@@ -13,6 +13,7 @@ use crate::store::ResultFilter;
 
 use super::plots::{PlotQuery, PlotTheme};
 use super::problem::Problem;
+use super::query::Query;
 use super::views::{Axis, List};
 use super::{cached, flat, lists};
 

@@ -4,10 +4,9 @@ use std::time::Duration;
 
 use axum::Json;
 use axum::body::Bytes;
-use axum::extract::{Path, Query, State};
+use axum::extract::{Path, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use axum_extra::extract::Query as RepeatedQuery;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
@@ -19,6 +18,7 @@ use super::body;
 use super::lists::{self, DEFAULT_PAGE};
 use super::measurements::idempotency_key;
 use super::problem::Problem;
+use super::query::Query;
 use super::views::{JobStatus, JobView, List, SubmitJob};
 
 /// The longest that a request for a job waits: longer ones meet the limits of
@@ -137,7 +137,7 @@ pub(super) struct ListQuery {
 )]
 pub(super) async fn list(
     State(service): State<Service>,
-    RepeatedQuery(query): RepeatedQuery<ListQuery>,
+    Query(query): Query<ListQuery>,
 ) -> Result<Json<List<JobView>>, Problem> {
     let filter = JobFilter {
         labels: lists::labels(&query.label)?,

@@ -1,7 +1,5 @@
 //! What every list takes: a page, and what its items must match.
 
-use axum::http::StatusCode;
-
 use crate::store::Millis;
 
 use super::problem::Problem;
@@ -14,7 +12,10 @@ pub(super) const DEFAULT_PAGE: u32 = 50;
 pub(super) fn labels(texts: &[String]) -> Result<Vec<(String, String)>, Problem> {
     let pair = |text: &String| match text.split_once(':') {
         Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
-        _ => Err(refused(format!("label: `{text}` is not a name and a value, as in `site:north`"))),
+        _ => Err(Problem::invalid_query(
+            "label".into(),
+            format!("label: `{text}` is not a name and a value, as in `site:north`"),
+        )),
     };
     texts.iter().map(pair).collect()
 }
@@ -25,15 +26,14 @@ pub(super) fn time(member: &str, text: Option<&str>) -> Result<Option<Millis>, P
     let Some(text) = text else { return Ok(None) };
     match text.parse::<jiff::Timestamp>() {
         Ok(time) => Ok(Some(time.as_millisecond())),
-        Err(_) => Err(refused(format!(
-            "{member}: `{text}` is not a time as in `2026-03-04T10:20:00Z`; a `+` in a query is \
-             written `%2B`"
-        ))),
+        Err(_) => Err(Problem::invalid_query(
+            member.to_owned(),
+            format!(
+                "{member}: `{text}` is not a time as in `2026-03-04T10:20:00Z`; a `+` in a query \
+                 is written `%2B`"
+            ),
+        )),
     }
-}
-
-fn refused(detail: String) -> Problem {
-    Problem::of_status(StatusCode::BAD_REQUEST, detail)
 }
 
 #[cfg(test)]

@@ -2,10 +2,9 @@
 
 use axum::Json;
 use axum::body::Bytes;
-use axum::extract::{FromRequest, Multipart, Path, Query, Request, State};
+use axum::extract::{FromRequest, Multipart, Path, Request, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use axum_extra::extract::Query as RepeatedQuery;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
@@ -15,6 +14,7 @@ use crate::store::{FileRow, MeasurementFilter};
 use super::body;
 use super::lists::{self, DEFAULT_PAGE};
 use super::problem::Problem;
+use super::query::Query;
 use super::views::{List, MeasurementView};
 
 /// Query of an upload.
@@ -117,7 +117,7 @@ pub(super) struct ListQuery {
 )]
 pub(super) async fn list(
     State(service): State<Service>,
-    RepeatedQuery(query): RepeatedQuery<ListQuery>,
+    Query(query): Query<ListQuery>,
 ) -> Result<Json<List<MeasurementView>>, Problem> {
     let filter = MeasurementFilter {
         labels: lists::labels(&query.label)?,

@@ -17,6 +17,7 @@ mod lists;
 mod measurements;
 mod plots;
 mod problem;
+mod query;
 mod report;
 mod results;
 mod routes;

@@ -1,6 +1,6 @@
 //! `/v1/jobs/{id}/plots`.
 
-use axum::extract::{Path, Query, State};
+use axum::extract::{Path, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::Response;
 use serde::Deserialize;
@@ -10,6 +10,7 @@ use crate::service::{Format, Plot, Service, Theme};
 
 use super::cached;
 use super::problem::Problem;
+use super::query::Query;
 
 /// Colours of a figure.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]

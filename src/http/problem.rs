@@ -96,6 +96,13 @@ impl Problem {
         Self { reference: Some(reference), ..problem }
     }
 
+    /// The caller asks, behind the question mark, for something that is not understood.
+    pub(super) fn invalid_query(member: String, detail: String) -> Self {
+        let status = StatusCode::BAD_REQUEST;
+        let problem = Self::new(status, "invalid-request", "Invalid request", detail);
+        Self { member: Some(member), ..problem }
+    }
+
     fn invalid_request(member: String, detail: String) -> Self {
         let status = StatusCode::UNPROCESSABLE_ENTITY;
         let problem = Self::new(status, "invalid-request", "Invalid request", detail);

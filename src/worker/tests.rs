@@ -104,6 +104,21 @@ async fn a_panic_fails_its_job_with_a_reference_and_nothing_else() {
 }
 
 #[tokio::test]
+async fn the_log_says_under_the_reference_of_a_panic_what_it_was() {
+    let bench = Bench::new().await;
+    let log = tempfile::NamedTempFile::new().unwrap();
+    let subscriber = tracing_subscriber::fmt().with_writer(Arc::new(log.reopen().unwrap()));
+    let _logging = tracing::subscriber::set_default(subscriber.with_ansi(false).finish());
+    bench.work();
+    let id = bench.submit(PANIC).await;
+    let failure = bench.ended(&id).await.failure.expect("it says why");
+    let reference = failure.reference.expect("a reference to the log");
+    let text = std::fs::read_to_string(log.path()).unwrap();
+    let line = text.lines().find(|line| line.contains(&reference)).expect(&text);
+    assert!(line.contains("scripted"), "{line}");
+}
+
+#[tokio::test]
 async fn data_that_cannot_be_fitted_fails_its_job_with_the_reason() {
     let bench = Bench::new().await;
     bench.work();

@@ -70,7 +70,7 @@ export function kind(job) {
 }
 
 const PARAMETERS = {
-  dc_gain: "DC gain", fc_plus: "Friction forwards", fc_minus: "Friction backwards",
+  dc_gain: "DC gain", fc_plus: "Dry friction forwards", fc_minus: "Dry friction backwards",
   "static_friction.fs_plus": "Static friction forwards", "static_friction.fs_minus": "Static friction backwards",
 };
 

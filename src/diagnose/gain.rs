@@ -78,20 +78,32 @@ pub(super) fn summary_of(left: &Left, components: usize, noise_known: bool) -> V
     }
 }
 
+/// What groups of data are a sample of, which says how their ratio varies. With b_g and a_g the
+/// Σ|Y − Ŷ|² of both models in group g of n, Student's t has n − 1 degrees of freedom.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sample {
+    /// Of a field that is smooth from one to the next: what differs between neighbours is
+    /// chance. With x_g = b_g/mean(b) − a_g/mean(a),
+    ///
+    /// ```text
+    ///   Var(ln ratio) = ¼ · Σ(x_{g+1} − x_g)² / (2n(n − 1))
+    /// ```
+    ///
+    /// the ¼ being that of the root (Wolter 2007, Introduction to Variance Estimation,
+    /// doi:10.1007/978-0-387-35099-8, section 8.2).
+    Smooth,
+    /// Of what happens, each apart from the others: the jackknife, with r_g the ln ratio of all
+    /// groups but g (Efron and Stein 1981, doi:10.1214/aos/1176345462),
+    ///
+    /// ```text
+    ///   Var(ln ratio) = (n − 1)/n · Σ(r_g − mean(r))²
+    /// ```
+    Independent,
+}
+
 /// The gain from one model's predictions to another's, with the interval of its ratio from how
-/// it varies over `groups`, which are in the order of something; `None` where there is a single
-/// group, or nothing is left by one of the models.
-///
-/// Groups are a systematic sample of a field that is smooth from one to the next: what differs
-/// between neighbours is chance. With b_g and a_g the Σ|Y − Ŷ|² of both models in group g of n
-/// and x_g = b_g/mean(b) − a_g/mean(a),
-///
-/// ```text
-///   Var(ln ratio) = ¼ · Σ(x_{g+1} − x_g)² / (2n(n − 1))
-/// ```
-///
-/// the ¼ being that of the root, and Student's t has n − 1 degrees of freedom (Wolter 2007,
-/// Introduction to Variance Estimation, doi:10.1007/978-0-387-35099-8, section 8.2).
+/// it varies over `groups`, which are in the order of something smooth; `None` where there is a
+/// single group, or nothing is left by one of the models.
 pub(super) fn gain(
     before: &Predicted,
     after: &Predicted,
@@ -111,12 +123,13 @@ pub(super) fn gain(
         group[1].add(&after[row]);
     }
     let by_group: Vec<[Left; 2]> = by_group.into_values().collect();
-    gain_of_groups(&by_group, noise_known, heldout)
+    gain_of_groups(&by_group, Sample::Smooth, noise_known, heldout)
 }
 
 /// The same from what both models leave of each group.
 pub(super) fn gain_of_groups(
     groups: &[[Left; 2]],
+    sample: Sample,
     noise_known: bool,
     heldout: String,
 ) -> Option<Gain> {
@@ -125,12 +138,20 @@ pub(super) fn gain_of_groups(
     if !(ratio > 0.0 && ratio.is_finite()) || groups.len() < 2 {
         return None;
     }
+    let std = match sample {
+        Sample::Smooth => smooth_std(groups),
+        Sample::Independent => jackknife_std(groups, &total),
+    };
+    let reach = student(groups.len())? * std;
+    if !reach.is_finite() {
+        return None;
+    }
     let chi2 = total.map(|left| noise_known.then(|| left.chi2 / left.data));
     Some(Gain {
         heldout_nrmse_before: total[0].nrmse(),
         heldout_nrmse_after: total[1].nrmse(),
         ratio,
-        interval95: interval(ratio, groups),
+        interval95: [-1.0, 1.0].map(|side| ratio * (side * reach).exp()),
         chi2_per_dof_before: chi2[0],
         chi2_per_dof_after: chi2[1],
         heldout,
@@ -142,18 +163,33 @@ pub(super) fn error(predicted: &Predicted) -> Option<f64> {
     Some(Left::of(predicted.values()).nrmse()).filter(|error| error.is_finite())
 }
 
-/// 95 % interval of the ratio, of at least two groups.
-fn interval(ratio: f64, groups: &[[Left; 2]]) -> [f64; 2] {
+/// Standard deviation of the logarithm of the ratio, of two groups or more.
+fn smooth_std(groups: &[[Left; 2]]) -> f64 {
     let count = groups.len() as f64;
     let mean = |model: usize| groups.iter().map(|group| group[model].error).sum::<f64>() / count;
     let (before, after) = (mean(0), mean(1));
     let share = |group: &[Left; 2]| group[0].error / before - group[1].error / after;
     let steps = groups.windows(2).map(|pair| (share(&pair[1]) - share(&pair[0])).powi(2));
-    // Of the logarithm of a ratio of roots: half of that of the ratio.
-    let std = 0.5 * (steps.sum::<f64>() / (2.0 * count * (count - 1.0))).sqrt();
-    let quantile = StudentsT::new(0.0, 1.0, count - 1.0);
-    let reach = quantile.map_or(f64::INFINITY, |law| law.inverse_cdf(0.975)) * std;
-    [-1.0, 1.0].map(|side| ratio * (side * reach).exp())
+    0.5 * (steps.sum::<f64>() / (2.0 * count * (count - 1.0))).sqrt()
+}
+
+/// The same; not finite where one group has everything that a model leaves.
+fn jackknife_std(groups: &[[Left; 2]], total: &[Left; 2]) -> f64 {
+    let count = groups.len() as f64;
+    let without = |group: &[Left; 2]| {
+        let [before, after] = [0, 1].map(|model| total[model].error - group[model].error);
+        0.5 * (before / after).ln()
+    };
+    let ratios: Vec<f64> = groups.iter().map(without).collect();
+    let mean = ratios.iter().sum::<f64>() / count;
+    let squares = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>();
+    ((count - 1.0) / count * squares).sqrt()
+}
+
+/// 97.5 % quantile of Student's t of so many groups.
+fn student(groups: usize) -> Option<f64> {
+    let law = StudentsT::new(0.0, 1.0, groups as f64 - 1.0).ok()?;
+    Some(law.inverse_cdf(0.975))
 }
 
 #[cfg(test)]
@@ -236,6 +272,22 @@ mod tests {
         assert!((high / (ratio * reach.exp()) - 1.0).abs() < 1e-6, "{gain:?}");
         // (0.03·3)/0.1²/6 real numbers.
         assert!((gain.chi2_per_dof_before.unwrap() - 1.5).abs() < 1e-12, "{gain:?}");
+    }
+
+    // By hand: without each group in turn the ratio of squares is 5/2, 8/2 and 5/2, half of
+    // whose logarithms is 0.458145, 0.693147, 0.458145; mean 0.536479, Σ(·)² = 0.036818;
+    // times 2/3, its root is 0.156670.
+    #[test]
+    fn independent_groups_are_left_out_one_by_one() {
+        let left = |error: f64| Left { error, size: 1.0, chi2: 0.0, data: 1.0 };
+        let groups = [4.0, 1.0, 4.0].map(|error| [left(error), left(1.0)]);
+        let gain = |groups: &[[Left; 2]]| {
+            gain_of_groups(groups, Sample::Independent, false, String::new())
+        };
+        let [low, high] = gain(&groups).unwrap().interval95;
+        let width = (high / low).ln() / (2.0 * 4.302653);
+        assert!((width - 0.156670).abs() < 1e-6, "{width}");
+        assert_eq!(gain(&[[left(1.0), left(1.0)], [left(0.0), left(0.0)]]), None);
     }
 
     #[test]

@@ -2,7 +2,9 @@
 //!
 //! Both models follow every motion from a beginning that is given, or that each estimates from
 //! a first stretch which is not compared (`identify::follow`). What they leave is grouped into
-//! consecutive blocks of time, long enough to forget what went before them.
+//! consecutive blocks of time, long enough to forget what went before them. The interval of the
+//! gain is of what happened in the motion: where a few moments decide, as with an axis that
+//! seldom sticks, one that had none of them shows too small a gain, and too short an interval.
 
 use crate::answers::{
     Answer, BeginningValue, Identification, Unanswered, ValidatedModel, ValidatedModels,
@@ -12,7 +14,7 @@ use crate::identify::{self, Followed, IdentifyError};
 use crate::measurement::{Measurement, ResponseKind};
 use crate::observer::Observer;
 
-use super::gain::{Left, gain_of_groups, summary_of};
+use super::gain::{Left, Sample, gain_of_groups, summary_of};
 use super::remarks;
 use super::validation::{Outcome, ValidateError};
 
@@ -20,7 +22,7 @@ use super::validation::{Outcome, ValidateError};
 const MOST_BLOCKS: f64 = 24.0;
 
 /// Time constants of the mechanics that a block lasts, at least.
-const TIME_CONSTANTS: f64 = 5.0;
+const TIME_CONSTANTS: f64 = 8.0;
 
 /// What a model makes of every motion.
 type Tries = Vec<Result<Followed, Unanswered>>;
@@ -70,7 +72,9 @@ pub(super) fn tried(
     let pairs = |after: &Vec<Left>| -> Vec<[Left; 2]> {
         before.iter().zip(after).map(|(before, after)| [*before, *after]).collect()
     };
-    let gain = after.as_ref().and_then(|after| gain_of_groups(&pairs(after), false, heldout));
+    let gain = after
+        .as_ref()
+        .and_then(|after| gain_of_groups(&pairs(after), Sample::Independent, false, heldout));
     let components = kept.iter().filter_map(|i| base[*i].as_ref().ok()).map(|f| f.measured.len());
     let components: usize = components.sum();
     let model = |blocks: &[Left], tries: &Tries| ValidatedModel {

@@ -1,30 +1,26 @@
 //! A measurement with its base model, on which extended models are tried.
 
 mod left_out;
+mod model;
+mod predictions;
 mod transfer;
-
-use std::ops::Range as Span;
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::answers::{NoiseSource, OrderChoice, Stage};
-use crate::effects::{self, ActiveEffect, Axis, Effect, Range, Scope};
+use crate::effects::{Effect, Range, Scope};
 use crate::measurement::{Complex, Measurement};
 use crate::observer::Observer;
-use crate::simulate::{self, Torque};
 
 use super::compare;
 use super::model_fit::{self, ModelFit};
 use super::noise_law::NoiseLaw;
 use super::objective::Misfit;
-use super::parameters::Coordinates;
 use super::pipeline::Fitted;
-use super::problem::{Prepared, Problem, Scales, per_velocity};
+use super::problem::Problem;
 use super::refine::{self, Patience};
 use super::{IdentifyError, IdentifyRequest, Solved, answer, no_response, solve};
-
-/// Angle over the travel beyond which a torque is sampled no more finely.
-const MOST_RADIANS: f64 = 2000.0;
+pub use model::Model;
 
 /// Share of the largest component below which a difference between model and data
 /// says nothing: two good simulations of one machine agree to no more (contract, section 3).
@@ -41,65 +37,6 @@ pub enum Effort {
     Settle,
     /// To the last digit.
     Thorough,
-}
-
-/// The base model with some effects, at some values of all parameters.
-#[derive(Debug, Clone)]
-pub struct Model {
-    coordinates: Coordinates,
-    point: Vec<f64>,
-    /// Sum of squared residuals; infinite where it has no response.
-    pub cost: f64,
-    /// Simulations of the whole measurement that led here.
-    pub evaluations: u64,
-}
-
-impl Model {
-    /// Its effects.
-    pub fn effects(&self) -> &[&'static dyn Effect] {
-        &self.coordinates.effects
-    }
-
-    /// Number of parameters.
-    pub fn parameters(&self) -> usize {
-        self.point.len()
-    }
-
-    /// Moves the first parameters by these steps, each at most `most`.
-    pub fn shift(&mut self, steps: impl Iterator<Item = (usize, f64)>, most: f64) {
-        for (i, step) in steps.filter(|(_, step)| step.is_finite()) {
-            self.point[i] += step.clamp(-most, most);
-        }
-        self.coordinates.clamp(&mut self.point);
-        self.cost = f64::NAN;
-    }
-
-    /// Which of the parameters belong to the effect at `index`.
-    pub fn parameters_of(&self, index: usize) -> Span<usize> {
-        let count = |effect: &&dyn Effect| effect.parameters().len();
-        let before: usize = self.effects()[..index].iter().map(count).sum();
-        let begin = self.coordinates.base_len() + before;
-        begin..begin + count(&self.effects()[index])
-    }
-
-    /// Sets a parameter to a value in the problem's scales.
-    pub fn set(&mut self, parameter: usize, value: f64) {
-        self.point[parameter] = self.coordinates.coordinate(parameter, value);
-        self.coordinates.clamp(&mut self.point);
-        self.cost = f64::NAN;
-    }
-
-    /// The value of a parameter in the problem's scales.
-    pub fn value(&self, parameter: usize) -> f64 {
-        self.coordinates.value(parameter, self.point[parameter]).0
-    }
-
-    /// Standard deviation, before the data is seen, of each coordinate: that of
-    /// a uniform law over the range where a search looks first.
-    pub fn prior_std(&self, parameter: usize) -> f64 {
-        let Coordinates { search_lower, search_upper, .. } = &self.coordinates;
-        (search_upper[parameter] - search_lower[parameter]) / 12.0_f64.sqrt()
-    }
 }
 
 /// A model's residuals, and how they move with its parameters.
@@ -251,124 +188,6 @@ impl<'a> Workbench<'a> {
         let (coordinates, kept) = model.coordinates.without_effect(index);
         let point = kept.iter().map(|i| model.point[*i]).collect();
         Model { coordinates, point, cost: f64::NAN, evaluations: 0 }
-    }
-
-    /// Ŷ/σ of a model, row by row; `None` where it has no response, or once the observer
-    /// cancels.
-    pub fn predict(&self, model: &Model) -> Option<DVector<f64>> {
-        if self.observer.cancelled() {
-            return None;
-        }
-        // Residuals are (Ŷ − Y)/σ: the data is added again.
-        let residuals = self.misfit(model).residuals(&model.point).ok()?;
-        Some(residuals + self.data_in_sigmas())
-    }
-
-    fn data_in_sigmas(&self) -> DVector<f64> {
-        let mut rows = Vec::with_capacity(self.problem.data());
-        for (experiment, sigma) in self.problem.experiments.iter().zip(&self.fitted.weights.sigma) {
-            for (target, sigma) in experiment.targets.iter().zip(sigma) {
-                rows.push(target.value.re / sigma);
-                if !target.real {
-                    rows.push(target.value.im / sigma);
-                }
-            }
-        }
-        DVector::from_vec(rows)
-    }
-
-    /// By how much each of these settings of an effect that is a torque would move
-    /// Ŷ/σ, to first order and as if the model had no other effect; the mean of
-    /// the velocity stays. `turns` is the angle of the torque per travel, in the
-    /// problem's scales. `None` where the base model has no response, or once the observer
-    /// cancels.
-    pub fn torque_changes(
-        &self,
-        model: &Model,
-        effect: &'static dyn Effect,
-        settings: &[Vec<f64>],
-        turns: f64,
-    ) -> Option<Vec<DVector<f64>>> {
-        if self.observer.cancelled() {
-            return None;
-        }
-        let plant = model.coordinates.plant(&model.point);
-        let laws: Vec<Axis> = settings
-            .iter()
-            .filter_map(|values| ActiveEffect::new(effect, values.clone()).ok())
-            .map(|active| effects::enter_values(plant, &[active], 0.0))
-            .collect();
-        let torques: Vec<_> = laws
-            .iter()
-            .map(|axis| {
-                move |v: f64, position: f64| -> f64 {
-                    axis.torques.iter().map(|law| law.at(v, position)).sum()
-                }
-            })
-            .collect();
-        let torques: Vec<&Torque<'_>> = torques.iter().map(|torque| torque as _).collect();
-        let mut changes = vec![DVector::zeros(self.data()); settings.len()];
-        let mut row = 0;
-        for (experiment, sigma) in self.problem.experiments.iter().zip(&self.fitted.weights.sigma) {
-            let Prepared { excitation, highest, targets } = experiment;
-            let travel = targets.iter().filter(|target| target.order > 0).map(|target| {
-                let rate = target.order as f64 * excitation.omega_rad_s();
-                (target.value / target.per_velocity).norm() / rate
-            });
-            let angle = turns * travel.fold(0.0, f64::max);
-            let samples = 4 * (angle.min(MOST_RADIANS) as usize + highest + 16);
-            let moved =
-                simulate::respond_to_torques(&plant, excitation, *highest, &torques, samples)
-                    .ok()?;
-            for (change, moved) in changes.iter_mut().zip(&moved) {
-                let mut row = row;
-                for (target, sigma) in targets.iter().zip(sigma) {
-                    let value = moved[target.order] * target.per_velocity / *sigma;
-                    change[row] = value.re;
-                    row += 1;
-                    if !target.real {
-                        change[row] = value.im;
-                        row += 1;
-                    }
-                }
-            }
-            row += targets.iter().map(|target| if target.real { 1 } else { 2 }).sum::<usize>();
-        }
-        Some(changes)
-    }
-
-    /// A model's residuals and derivatives; `None` where it has no response.
-    pub fn linearise(&self, model: &Model) -> Option<Linear> {
-        let misfit = self.misfit(model);
-        let here = misfit.linearise(&model.point).ok()?;
-        let held = refine::held(&misfit, &model.point, &here);
-        Some(Linear { residuals: -here.residuals, jacobian: here.jacobian, held })
-    }
-
-    /// Σ|ΔY|²/σ² between two models in an experiment with a pure cosine of this
-    /// magnitude (input units) and frequency (rad/s), σ the median deviation of
-    /// the data; `None` where one has no response.
-    pub fn separation(&self, models: [&Model; 2], magnitude: f64, omega_rad_s: f64) -> Option<f64> {
-        let Scales { omega, input, .. } = self.problem.scales;
-        let omega = omega_rad_s / omega;
-        let excitation = simulate::Excitation::cosine(omega, magnitude / input);
-        let wanted = self.problem.experiments.iter().max_by_key(|experiment| experiment.highest)?;
-        let respond = |model: &Model| {
-            let plant = model.coordinates.plant(&model.point);
-            let effects = model.coordinates.effects_at(&model.point);
-            simulate::respond(&plant, &effects, &excitation, wanted.highest).ok()
-        };
-        let (first, second) = (respond(models[0])?, respond(models[1])?);
-        let mut sigmas: Vec<f64> = self.fitted.weights.sigma.iter().flatten().copied().collect();
-        sigmas.sort_by(f64::total_cmp);
-        let sigma = sigmas.get(sigmas.len() / 2)?;
-        let kind = self.measurement.metadata().response_kind;
-        let targets = wanted.targets.iter().filter(|target| !target.constraint);
-        let squares = targets.map(|target| {
-            let k = target.order;
-            ((first[k] - second[k]) * per_velocity(kind, k, omega) / sigma).norm_sqr()
-        });
-        Some(squares.sum())
     }
 
     /// Fits all parameters of a model, from where they are.

@@ -1,0 +1,133 @@
+//! What models say of the measurement, and of what was not measured.
+
+use nalgebra::DVector;
+
+use crate::effects::{self, ActiveEffect, Axis, Effect};
+use crate::simulate::{self, Torque};
+
+use super::super::problem::{Prepared, Scales, per_velocity};
+use super::super::refine;
+use super::{Linear, Model, Workbench};
+
+/// Angle over the travel beyond which a torque is sampled no more finely.
+const MOST_RADIANS: f64 = 2000.0;
+
+impl Workbench<'_> {
+    /// Ŷ/σ of a model, row by row; `None` where it has no response, or once the observer
+    /// cancels.
+    pub fn predict(&self, model: &Model) -> Option<DVector<f64>> {
+        if self.observer.cancelled() {
+            return None;
+        }
+        // Residuals are (Ŷ − Y)/σ: the data is added again.
+        let residuals = self.misfit(model).residuals(&model.point).ok()?;
+        Some(residuals + self.data_in_sigmas())
+    }
+
+    fn data_in_sigmas(&self) -> DVector<f64> {
+        let mut rows = Vec::with_capacity(self.problem.data());
+        for (experiment, sigma) in self.problem.experiments.iter().zip(&self.fitted.weights.sigma) {
+            for (target, sigma) in experiment.targets.iter().zip(sigma) {
+                rows.push(target.value.re / sigma);
+                if !target.real {
+                    rows.push(target.value.im / sigma);
+                }
+            }
+        }
+        DVector::from_vec(rows)
+    }
+
+    /// By how much each of these settings of an effect that is a torque would move
+    /// Ŷ/σ, to first order and as if the model had no other effect; the mean of
+    /// the velocity stays. `turns` is the angle of the torque per travel, in the
+    /// problem's scales. `None` where the base model has no response, or once the observer
+    /// cancels.
+    pub fn torque_changes(
+        &self,
+        model: &Model,
+        effect: &'static dyn Effect,
+        settings: &[Vec<f64>],
+        turns: f64,
+    ) -> Option<Vec<DVector<f64>>> {
+        if self.observer.cancelled() {
+            return None;
+        }
+        let plant = model.coordinates.plant(&model.point);
+        let laws: Vec<Axis> = settings
+            .iter()
+            .filter_map(|values| ActiveEffect::new(effect, values.clone()).ok())
+            .map(|active| effects::enter_values(plant, &[active], 0.0))
+            .collect();
+        let torques: Vec<_> = laws
+            .iter()
+            .map(|axis| {
+                move |v: f64, position: f64| -> f64 {
+                    axis.torques.iter().map(|law| law.at(v, position)).sum()
+                }
+            })
+            .collect();
+        let torques: Vec<&Torque<'_>> = torques.iter().map(|torque| torque as _).collect();
+        let mut changes = vec![DVector::zeros(self.data()); settings.len()];
+        let mut row = 0;
+        for (experiment, sigma) in self.problem.experiments.iter().zip(&self.fitted.weights.sigma) {
+            let Prepared { excitation, highest, targets } = experiment;
+            let travel = targets.iter().filter(|target| target.order > 0).map(|target| {
+                let rate = target.order as f64 * excitation.omega_rad_s();
+                (target.value / target.per_velocity).norm() / rate
+            });
+            let angle = turns * travel.fold(0.0, f64::max);
+            let samples = 4 * (angle.min(MOST_RADIANS) as usize + highest + 16);
+            let moved =
+                simulate::respond_to_torques(&plant, excitation, *highest, &torques, samples)
+                    .ok()?;
+            for (change, moved) in changes.iter_mut().zip(&moved) {
+                let mut row = row;
+                for (target, sigma) in targets.iter().zip(sigma) {
+                    let value = moved[target.order] * target.per_velocity / *sigma;
+                    change[row] = value.re;
+                    row += 1;
+                    if !target.real {
+                        change[row] = value.im;
+                        row += 1;
+                    }
+                }
+            }
+            row += targets.iter().map(|target| if target.real { 1 } else { 2 }).sum::<usize>();
+        }
+        Some(changes)
+    }
+
+    /// A model's residuals and derivatives; `None` where it has no response.
+    pub fn linearise(&self, model: &Model) -> Option<Linear> {
+        let misfit = self.misfit(model);
+        let here = misfit.linearise(&model.point).ok()?;
+        let held = refine::held(&misfit, &model.point, &here);
+        Some(Linear { residuals: -here.residuals, jacobian: here.jacobian, held })
+    }
+
+    /// Σ|ΔY|²/σ² between two models in an experiment with a pure cosine of this
+    /// magnitude (input units) and frequency (rad/s), σ the median deviation of
+    /// the data; `None` where one has no response.
+    pub fn separation(&self, models: [&Model; 2], magnitude: f64, omega_rad_s: f64) -> Option<f64> {
+        let Scales { omega, input, .. } = self.problem.scales;
+        let omega = omega_rad_s / omega;
+        let excitation = simulate::Excitation::cosine(omega, magnitude / input);
+        let wanted = self.problem.experiments.iter().max_by_key(|experiment| experiment.highest)?;
+        let respond = |model: &Model| {
+            let plant = model.coordinates.plant(&model.point);
+            let effects = model.coordinates.effects_at(&model.point);
+            simulate::respond(&plant, &effects, &excitation, wanted.highest).ok()
+        };
+        let (first, second) = (respond(models[0])?, respond(models[1])?);
+        let mut sigmas: Vec<f64> = self.fitted.weights.sigma.iter().flatten().copied().collect();
+        sigmas.sort_by(f64::total_cmp);
+        let sigma = sigmas.get(sigmas.len() / 2)?;
+        let kind = self.measurement.metadata().response_kind;
+        let targets = wanted.targets.iter().filter(|target| !target.constraint);
+        let squares = targets.map(|target| {
+            let k = target.order;
+            ((first[k] - second[k]) * per_velocity(kind, k, omega) / sigma).norm_sqr()
+        });
+        Some(squares.sum())
+    }
+}

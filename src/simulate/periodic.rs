@@ -9,25 +9,24 @@
 //! converges by Newton's method on the return map, whose slope the pass gives
 //! along the way.
 
+mod instants;
+mod waves;
+
 use crate::measurement::Complex;
 use crate::plant::{Friction, Plant};
 
 use super::NoResponse;
 use super::excitation::{Excitation, Grid};
 use super::orbit::{Motion, Orbit, Phase};
-use super::samples::{Samples, quintic_at};
+use super::samples::Samples;
 use super::spectrum::sliding_friction;
-use super::wave::{bisect, root};
+use waves::Waves;
 
 /// Periods after which a motion from rest counts as not periodic.
 const MOST_PERIODS: usize = 400;
 
 /// Share of the largest x that is lost in rounding.
 const ROUNDING: f64 = 1e-13;
-
-/// Share of a cell that Newton's step may move an instant at last: its error
-/// after the step is of the order of the step squared.
-const LAST_STEP: f64 = 1e-8;
 
 /// Switches of one cell beyond which time has stopped passing.
 const MOST_SWITCHES_PER_CELL: usize = 64;
@@ -131,70 +130,6 @@ impl Pass {
     }
 }
 
-/// Torque and steady response on the grid.
-struct Waves {
-    a: f64,
-    torque: Samples,
-    /// w: steady response of 1/(s + a) to the torque.
-    steady: Vec<f64>,
-    /// exp(−ah) over a cell.
-    kept: f64,
-}
-
-impl Waves {
-    fn new(plant: &Plant, lines: &[Complex], excitation: &Excitation, grid: &Grid) -> Self {
-        let omega = excitation.omega_rad_s();
-        let a = plant.viscous_rate_rad_s;
-        let through: Vec<Complex> = lines
-            .iter()
-            .enumerate()
-            .map(|(l, torque)| torque / Complex::new(a, l as f64 * omega))
-            .collect();
-        let (torque, steady) = Samples::of(grid, omega, lines, &through);
-        let kept = (-a * torque.step_s).exp();
-        Self { a, torque, steady, kept }
-    }
-}
-
-impl Course for Waves {
-    fn cells(&self) -> usize {
-        self.torque.cells()
-    }
-
-    fn time(&self, n: usize) -> f64 {
-        n as f64 * self.torque.step_s
-    }
-
-    fn kept(&self, _cell: usize) -> f64 {
-        self.kept
-    }
-
-    fn node(&self, n: usize) -> (f64, f64) {
-        (self.torque.value[n], self.steady[n])
-    }
-
-    fn rate_at_end(&self, cell: usize) -> f64 {
-        self.torque.first[cell + 1]
-    }
-
-    fn torque(&self, cell: usize, time_s: f64) -> (f64, f64) {
-        (self.torque.at(cell, time_s), self.torque.slope_at(cell, time_s))
-    }
-
-    /// w by the quintic through values and two derivatives, which w' = −a·w + τ
-    /// gives exactly.
-    fn both(&self, cell: usize, time_s: f64) -> (f64, f64) {
-        let h = self.torque.step_s;
-        let end = |n: usize| {
-            let first = self.torque.value[n] - self.a * self.steady[n];
-            let second = self.torque.first[n] - self.a * first;
-            [self.steady[n], h * first, h * h * second]
-        };
-        let steady = quintic_at(end(cell), end(cell + 1), time_s / h - cell as f64);
-        (self.torque.at(cell, time_s), steady)
-    }
-}
-
 /// A motion under the torque of a course.
 struct Followed<'a, C> {
     a: f64,
@@ -279,149 +214,5 @@ impl<C: Course> Followed<'_, C> {
             }
         };
         Some(Pass { phases, end: State { x: anchor.x, motion: state.motion }, slope })
-    }
-
-    /// The instant within the cell at which the torque exceeds a static level.
-    fn breakaway(&self, cell: usize, from_s: f64) -> Option<(f64, Motion)> {
-        let course = self.course;
-        let (plus, minus) = (self.friction.fs_plus, self.friction.fs_minus);
-        let direction = |torque: f64| match torque {
-            t if t > plus => Some(Motion::Forward),
-            t if t < -minus => Some(Motion::Backward),
-            _ => None,
-        };
-        // Most cells are asked for their start alone.
-        let whole_cell = from_s <= course.time(cell);
-        let start = if whole_cell { course.node(cell).0 } else { course.torque(cell, from_s).0 };
-        if let Some(motion) = direction(start) {
-            return Some((from_s, motion));
-        }
-        let mut low = from_s;
-        let mut high = course.time(cell + 1);
-        let length_s = high - low;
-        let motion = match direction(course.node(cell + 1).0) {
-            Some(motion) => motion,
-            None => {
-                high = self.top(cell, from_s)?;
-                direction(course.torque(cell, high).0)?
-            }
-        };
-        let level = if motion == Motion::Forward { plus } else { -minus };
-        let mut time_s = 0.5 * (low + high);
-        for _ in 0..60 {
-            let (torque, rate) = course.torque(cell, time_s);
-            let excess = torque - level;
-            if (excess > 0.0) == (motion == Motion::Forward) {
-                high = time_s;
-            } else {
-                low = time_s;
-            }
-            let newton = time_s - excess / rate;
-            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-            let moved = (next - time_s).abs();
-            time_s = next;
-            if moved <= LAST_STEP * length_s {
-                break;
-            }
-        }
-        Some((time_s, motion))
-    }
-
-    /// The instant within the cell at which the torque turns back, where its
-    /// tangent at the end lets it exceed a static level between two nodes.
-    fn top(&self, cell: usize, from_s: f64) -> Option<f64> {
-        let course = self.course;
-        let end_s = course.time(cell + 1);
-        let rate_end = course.rate_at_end(cell);
-        let sign = -rate_end.signum();
-        let level = if sign > 0.0 { self.friction.fs_plus } else { self.friction.fs_minus };
-        let reach = sign * course.node(cell + 1).0 + rate_end.abs() * (end_s - from_s);
-        if reach <= level {
-            return None;
-        }
-        let rises = |time_s: f64| sign * course.torque(cell, time_s).1 > 0.0;
-        rises(from_s).then(|| bisect(from_s, end_s, rises))
-    }
-
-    /// The instant within the cell at which a slide ends, and what follows.
-    fn stop(
-        &self,
-        cell: usize,
-        anchor: Anchor,
-        friction: f64,
-        motion: Motion,
-        x_end: f64,
-    ) -> Option<(f64, Motion)> {
-        let course = self.course;
-        let sign = if motion == Motion::Forward { 1.0 } else { -1.0 };
-        let cell_end = course.time(cell + 1);
-        let (starts_whole, torque_end) =
-            (anchor.time_s <= course.time(cell), course.node(cell + 1).0);
-        let torque_start =
-            if starts_whole { course.node(cell).0 } else { course.torque(cell, anchor.time_s).0 };
-        let rate_start = sign * (-self.a * anchor.x + torque_start - friction);
-        let rate_end = sign * (-self.a * x_end + torque_end - friction);
-        // x and x', both positive in the direction of the slide.
-        let offset = friction / self.a;
-        let x = |time_s: f64| {
-            let (torque, steady) = course.both(cell, time_s);
-            let kept = (-self.a * (time_s - anchor.time_s)).exp();
-            let x = steady - offset + (anchor.x - anchor.steady + offset) * kept;
-            (sign * x, sign * (-self.a * x + torque - friction))
-        };
-        // A slide that began within the cell leaves zero, whatever rounding makes of
-        // its first instants: a stop there would be a breakaway again, for ever.
-        let fresh = anchor.x == 0.0;
-        let crosses = sign * x_end < if fresh { -ROUNDING * self.scale } else { 0.0 };
-        let (mut low, mut high) = (anchor.time_s, cell_end);
-        let length_s = high - low;
-        let mut time_s;
-        if crosses && fresh && rate_start > 0.0 {
-            // It leaves zero and returns to it within the cell: look beyond the top.
-            low = bisect(low, high, |t| x(t).1 > 0.0);
-            time_s = 0.5 * (low + high);
-        } else if crosses {
-            // Begin where the cubic through values and slopes of both ends meets zero.
-            let (y, d) = (sign * anchor.x, rate_start * length_s);
-            let value = sign * x_end - y - d;
-            let slope = rate_end * length_s - d;
-            let (square, cube) = (3.0 * value - slope, slope - 2.0 * value);
-            let fallen = |u: f64| -(((cube * u + square) * u + d) * u + y);
-            let falls = |u: f64| -((3.0 * cube * u + 2.0 * square) * u + d);
-            time_s = low + length_s * root(0.0, 1.0, fallen, falls);
-        } else {
-            // It may dip below zero between two nodes, if its tangent does.
-            let within_reach = sign * anchor.x + rate_start * length_s < 0.0;
-            if fresh || !(rate_start < 0.0 && rate_end > 0.0 && within_reach) {
-                return None;
-            }
-            high = bisect(low, high, |t| x(t).1 < 0.0);
-            if x(high).0 >= 0.0 {
-                return None;
-            }
-            time_s = 0.5 * (low + high);
-        }
-        for _ in 0..60 {
-            let (value, rate) = x(time_s);
-            if value > 0.0 {
-                low = time_s;
-            } else {
-                high = time_s;
-            }
-            let newton = time_s - value / rate;
-            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-            let moved = (next - time_s).abs();
-            time_s = next;
-            if moved <= LAST_STEP * length_s {
-                break;
-            }
-        }
-        let torque = course.torque(cell, time_s).0;
-        let next = match motion {
-            Motion::Forward if torque < -self.friction.fs_minus => Motion::Backward,
-            Motion::Backward if torque > self.friction.fs_plus => Motion::Forward,
-            _ => Motion::Stuck,
-        };
-        Some((time_s, next))
     }
 }

@@ -7,9 +7,9 @@
 use crate::effects::Axis;
 use crate::plant::{Dual, Scalar as _};
 
+use super::super::super::shooting;
+use super::super::super::wave::Wave;
 use super::super::NoResponse;
-use super::super::shooting;
-use super::super::wave::Wave;
 use super::{NEAR, Periodic};
 
 /// Newton's steps at one share of the ripple.

@@ -5,8 +5,9 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { createInterface } from "node:readline";
+import { fileURLToPath } from "node:url";
 
-const repository = resolve(import.meta.dirname, "../..");
+const repository = fileURLToPath(new URL("../..", import.meta.url));
 
 /// The program that is tried: of `SERVOSCOPE`, or as `cargo build` leaves it.
 const program = resolve(repository, process.env.SERVOSCOPE ?? "target/debug/servoscope");

@@ -138,14 +138,14 @@ mod tests {
         gains.iter().any(|(id, gain)| *gain > family.limit(id))
     }
 
-    // 9 of 180 are due, with a deviation of 2.9, and four of that.
+    // At most 9 of 180 are due, with a deviation of 2.9, and four of that.
     #[test]
     #[ignore = "slow: 180 measurements, to each of which every effect is fitted"]
-    fn full_refits_exceed_by_chance_as_often_as_the_family_says() {
+    fn full_refits_exceed_by_chance_no_more_often_than_the_family_says() {
         let statements = [NoiseStatement::Std, NoiseStatement::Repeats(6), NoiseStatement::Silent];
         let counts = statements
             .map(|statement| (300..360).filter(|seed| is_exceeded(statement, *seed)).count());
         println!("{counts:?} of 60 each, by {statements:?}");
-        assert!((1..=20).contains(&counts.iter().sum::<usize>()), "{counts:?}");
+        assert!(counts.iter().sum::<usize>() <= 20, "{counts:?}");
     }
 }

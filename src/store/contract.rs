@@ -343,6 +343,23 @@ async fn a_deleted_measurement_takes_its_jobs_and_keys_with_it(store: &dyn Store
     assert_eq!(again, Inserted::Created);
 }
 
+async fn a_deleted_job_takes_its_key_with_it(store: &dyn Store) {
+    let ended = leased_job(store, LONG).await;
+    store.finish(&ended, &Outcome::Cancelled).await.unwrap();
+    let promise = key("k", "body");
+    let job = || NewJobRow {
+        id: id(),
+        measurement_id: ended.measurement_id.clone(),
+        kind: "identify".into(),
+        request: "{}".into(),
+    };
+    let first = job();
+    assert_eq!(store.insert_job(&first, Some(&promise)).await.unwrap(), Inserted::Created);
+    store.cancel(&first.id).await.unwrap();
+    store.delete_job(&first.id).await.unwrap();
+    assert_eq!(store.insert_job(&job(), Some(&promise)).await.unwrap(), Inserted::Created);
+}
+
 async fn what_is_old_is_deleted_and_what_is_wanted_is_not(store: &dyn Store) {
     let ended = leased_job(store, LONG).await;
     store.finish(&ended, &Outcome::Succeeded("{}".into())).await.unwrap();
@@ -435,6 +452,7 @@ engine!(
         a_measurement_comes_back_as_it_was_stored,
         lists_are_paged_newest_first_and_filtered,
         an_idempotency_key_answers_the_same_request_only,
+        a_deleted_job_takes_its_key_with_it,
         a_job_of_an_unknown_measurement_is_refused,
         the_oldest_queued_job_is_leased_once,
         a_job_runs_and_succeeds_with_its_history,

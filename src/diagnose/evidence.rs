@@ -23,10 +23,6 @@ const RARITY: f64 = 6.0;
 /// does: −2 ln ½.
 const LEAST: f64 = 2.0 * std::f64::consts::LN_2;
 
-/// The same where the noise is unknown: what is left may be the model's own error, which differs
-/// between models by more than chance.
-const LEAST_OF_UNKNOWN: f64 = 4.0;
-
 /// Deviation of how much there is of an effect, in units of what was found: machines differ in
 /// that by orders of magnitude, so that no range would be fair to a large and to a small one.
 const SIZE: f64 = 2.0;
@@ -80,11 +76,10 @@ pub(super) fn complexity(workbench: &Workbench<'_>, model: &Model, yardstick: &Y
     let deviations = deviations(workbench, model);
     let scaled = DMatrix::from_fn(own.nrows(), own.ncols(), |row, i| own[(row, i)] * deviations[i]);
     let information = scaled.tr_mul(&scaled) / yardstick.variance(model.cost);
-    let least = if yardstick.known { LEAST } else { LEAST_OF_UNKNOWN };
     let volume: f64 = information
         .symmetric_eigenvalues()
         .iter()
-        .map(|eigenvalue| (1.0 + eigenvalue.max(0.0)).ln().max(least))
+        .map(|eigenvalue| (1.0 + eigenvalue.max(0.0)).ln().max(LEAST))
         .sum();
     volume + RARITY * model.effects().len() as f64
 }

@@ -7,7 +7,7 @@ use crate::measurement::Measurement;
 use super::folds::Folds;
 use super::models::{Key, Models};
 use super::progress::Part;
-use super::unseen::Unseen;
+use super::unseen::{Dropped, Unseen};
 use super::{DiagnoseError, causes, discrepancy, next_experiment};
 
 /// What one order of the actuator comes to.
@@ -52,15 +52,13 @@ impl Conclusion<'_> {
             }
         };
         // Where noise is all that is left, every cause is more than chance, and stays.
-        let prune = |unseen: &Unseen| unseen.prune(&mut self.chosen);
+        let prune = |unseen: &Unseen| unseen.prune(&self.models, &mut self.chosen);
         let dropped = unseen.as_ref().filter(|_| !self.fits).map(prune).unwrap_or_default();
         let mut gain = unseen.as_ref().and_then(|unseen| match dropped.is_empty() {
             true => unseen.gain(&self.chosen),
             false => unseen.gain_of(&self.chosen),
         });
-        for (id, beside) in &dropped {
-            limitations.push(useless(id, beside, &self.chosen));
-        }
+        limitations.extend(dropped.iter().map(useless));
         let mut withdrawn = Key::new();
         if let Some(disappointing) = gain.take_if(|gain| self.disappoints(gain)) {
             limitations.push(disappointed(&self.chosen, &disappointing));
@@ -174,14 +172,14 @@ enum Silence {
 const TOO_SMALL: &str = "that takes five frequencies, three magnitudes, or a record with twenty \
                          lines, to hold some out";
 
-fn useless(id: &str, beside: &Gain, chosen: &Key) -> String {
-    let [low, high] = beside.interval95;
+fn useless(Dropped { id, beside, gain }: &Dropped) -> String {
+    let [low, high] = gain.interval95;
     format!(
         "with {id} beside {} the model would fit the data better, but not predict what the fit \
          has not seen: there the error is divided by {:.3}, 95 % from {low:.3} to {high:.3}; so it \
          is not named",
-        chosen.join(" and "),
-        beside.ratio,
+        beside.join(" and "),
+        gain.ratio,
     )
 }
 

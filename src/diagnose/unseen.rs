@@ -42,6 +42,17 @@ pub(super) struct Unseen {
     what: String,
 }
 
+/// An effect without which the others predict the data no worse.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Dropped {
+    /// It.
+    pub id: &'static str,
+    /// The others.
+    pub beside: Key,
+    /// What it adds to them.
+    pub gain: Gain,
+}
+
 impl Unseen {
     /// Fits `models`, which were fitted to all of a workbench's data and of which that with the
     /// effects `chosen` was chosen, to each part of it.
@@ -168,16 +179,28 @@ impl Unseen {
     }
 
     /// Takes effects away, one by one, without which the others predict the data no worse, the
-    /// most useless first; gives each with what it added.
-    pub fn prune(&self, effects: &mut Key) -> Vec<(&'static str, Gain)> {
-        let mut dropped = Vec::new();
+    /// most useless first. One that is left alone is not the best alone because it was the best
+    /// beside another: it stands back behind what `models` has better.
+    pub fn prune(&self, models: &Models, effects: &mut Key) -> Vec<Dropped> {
+        let mut dropped: Vec<Dropped> = Vec::new();
         while effects.len() > 1 {
-            let beside = |id: &&'static str| Some((*id, self.gain_beside(effects, id)?));
+            let beside = |id: &&'static str| {
+                let others = effects.iter().copied().filter(|other| other != id).collect();
+                Some(Dropped { id, beside: others, gain: self.gain_beside(effects, id)? })
+            };
             let useless = effects.iter().filter_map(beside);
-            let useless = useless.filter(|(_, gain)| gain.interval95[0] <= 1.0);
-            let Some(least) = useless.min_by(|a, b| a.1.ratio.total_cmp(&b.1.ratio)) else { break };
-            effects.retain(|id| *id != least.0);
+            let useless = useless.filter(|dropped| dropped.gain.interval95[0] <= 1.0);
+            let least = useless.min_by(|a, b| a.gain.ratio.total_cmp(&b.gain.ratio));
+            let Some(least) = least else { break };
+            effects.clone_from(&least.beside);
             dropped.push(least);
+        }
+        if effects.len() == 1 && !dropped.is_empty() {
+            let stays = |key: &Key| dropped.iter().all(|dropped| !key.contains(&dropped.id));
+            let was_fitted = |key: &Key| self.by_effects.contains_key(key);
+            let mut singles = models.ranked(1).into_iter();
+            let best = singles.find(|key| stays(key) && was_fitted(key) && models.supported(key));
+            *effects = best.unwrap_or_else(|| effects.clone());
         }
         dropped
     }
@@ -194,6 +217,8 @@ impl Unseen {
 
 #[cfg(test)]
 mod tests {
+    use super::super::family::Family;
+    use super::super::tests::fitted_to;
     use super::*;
     use crate::answers::ComparedHarmonic;
 
@@ -234,20 +259,43 @@ mod tests {
             (&["cogging", "spring", "stribeck"], 0.11),
         ]);
         let mut effects = vec!["cogging", "spring", "stribeck"];
-        let dropped = unseen.prune(&mut effects);
+        let dropped = unseen.prune(&fitted_to(&[]), &mut effects);
         assert_eq!(effects, ["cogging", "spring"]);
         assert_eq!(dropped.len(), 1);
-        assert_eq!(dropped[0].0, "stribeck");
+        assert_eq!((dropped[0].id, &dropped[0].beside), ("stribeck", &effects));
         // 0.1 over 0.11.
-        assert!((dropped[0].1.ratio - 1.0 / 1.1).abs() < 1e-12, "{dropped:?}");
+        assert!((dropped[0].gain.ratio - 1.0 / 1.1).abs() < 1e-12, "{dropped:?}");
+    }
+
+    // With a spring the play gains more than the elastic joint does; alone it gains less.
+    #[test]
+    fn what_is_left_alone_stands_back_behind_what_is_better_alone() {
+        let unseen = unseen(&[
+            (&["backlash"], 0.2),
+            (&["flexible_mode"], 0.2),
+            (&["spring"], 0.4),
+            (&["backlash", "spring"], 0.2),
+        ]);
+        let mut models = fitted_to(&[
+            (&["backlash"], 200.0),
+            (&["flexible_mode"], 190.0),
+            (&["backlash", "spring"], 150.0),
+        ]);
+        models.family = Some(Family::that_asks_for_little(&["backlash", "flexible_mode"]));
+        let mut effects = vec!["backlash", "spring"];
+        let dropped = unseen.prune(&models, &mut effects);
+        assert_eq!((dropped[0].id, effects), ("spring", vec!["flexible_mode"]));
+        assert_eq!(dropped[0].beside, ["backlash"]);
     }
 
     #[test]
     fn the_last_effect_and_what_was_not_fitted_without_stay() {
+        let models = fitted_to(&[]);
         let mut effects = vec!["spring"];
-        assert!(unseen(&[(&["spring"], 0.9)]).prune(&mut effects).is_empty());
+        assert!(unseen(&[(&["spring"], 0.9)]).prune(&models, &mut effects).is_empty());
         let mut effects = vec!["cogging", "spring"];
-        assert!(unseen(&[(&["cogging", "spring"], 0.9)]).prune(&mut effects).is_empty());
+        let unfitted = unseen(&[(&["cogging", "spring"], 0.9)]);
+        assert!(unfitted.prune(&models, &mut effects).is_empty());
         assert_eq!(effects.len(), 2);
     }
 }

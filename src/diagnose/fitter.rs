@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::effects::are_alike;
+use crate::effects::{are_alike, are_kin};
 use crate::identify::{Effort, Model, Workbench};
 use crate::observer::Observer as _;
 
@@ -78,7 +78,23 @@ impl Fitter<'_> {
         };
         let mut fits: Vec<Model> = tried.into_par_iter().filter_map(follow).collect();
         fits.push(leader);
+        let hopes = if self.patient && unexplained { HOPEFUL } else { RIVAL };
+        let counts = |kin: &&Model| from.cost - kin.cost > hopes * most;
+        let kin: Vec<&Model> = fits.iter().filter(counts).collect();
+        let again = |fit| self.as_its_kin(fit, &kin);
+        let again: Vec<Model> = fits.par_iter().filter_map(again).collect();
+        fits.extend(again);
         fits
+    }
+
+    /// A fit again, from where the best of its kin ended, if that fits better: what contains
+    /// another can do no worse, and what is contained may do as well.
+    fn as_its_kin(&self, fit: &Model, kin: &[&Model]) -> Option<Model> {
+        let own = *fit.effects().last()?;
+        let is_kin = |other: &&&Model| other.effects().last().is_some_and(|o| are_kin(own, *o));
+        let better = kin.iter().filter(is_kin).filter(|other| other.cost < fit.cost);
+        let best = better.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        self.settled(self.workbench.exchange(best, own).into(), self.followed)
     }
 
     /// The first steps from an effect's probes, the best first.
@@ -105,5 +121,39 @@ impl Fitter<'_> {
             true => model.clone(),
             false => self.workbench.refine(model, effort),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{exact, noisy, request};
+    use super::*;
+    use crate::benchmark::draw::NoiseStatement;
+    use crate::effects::find;
+    use crate::observer::Silent;
+
+    // What contains it must come to its cost at least; a settled cost is good to 1e-5.
+    #[test]
+    fn play_that_fits_worse_than_the_joint_without_it_starts_again_from_there() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
+        let base = workbench.base();
+        let part = Part { whole: &Silent, span: [0.0, 1.0] };
+        let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
+        let (workbench, starts, followed, patient) = (&workbench, 1, 2, true);
+        let fitter = Fitter { workbench, part, yardstick, starts, followed, patient };
+        let with = |id: &str| workbench.extend(base, find(id).unwrap());
+        let joint = fitter.refine(&with("flexible_mode"), Effort::Settle);
+        let costing = |cost: f64, id: &str| {
+            let mut model = with(id);
+            model.cost = cost;
+            model
+        };
+        let lost = costing(2.0 * joint.cost, "backlash");
+        let found = fitter.as_its_kin(&lost, &[&joint]).unwrap();
+        assert_eq!(found.effects()[0].id(), "backlash");
+        assert!(found.cost < joint.cost * (1.0 + 1e-5), "{} {}", found.cost, joint.cost);
+        assert!(fitter.as_its_kin(&joint, &[&lost]).is_none());
+        assert!(fitter.as_its_kin(&costing(f64::MAX, "spring"), &[&joint]).is_none());
     }
 }

@@ -94,7 +94,11 @@ impl Changes {
         let before = &anchor.prediction + &aim.balancing;
         let mut extended = workbench.extend(&anchor.model, effect);
         let own = extended.parameters_of(extended.effects().len() - 1);
-        for values in grid(effect, &this.ranges) {
+        let mut places = workbench.places(effect);
+        if places.is_empty() {
+            places = grid(effect, &this.ranges);
+        }
+        for values in places {
             own.clone().zip(&values).for_each(|(i, value)| extended.set(i, *value));
             if let Some(prediction) = workbench.predict(&extended) {
                 this.places.push(Place { values, change: prediction - &before });

@@ -59,6 +59,30 @@ fn load_inertia(scope: &Scope) -> f64 {
     0.3 / scope.plant.constant.abs()
 }
 
+/// ρ of the loads that are tried first.
+const LIGHT: f64 = 0.1;
+
+/// Ratio of a frequency that is tried to the one before.
+const NEXT: f64 = 1.25;
+
+/// Damping ratios that are tried at each frequency.
+const DAMPING_RATIOS: [f64; 3] = [0.05, 0.2, 0.8];
+
+/// Light loads that swing behind the joint at √(k/(ρJ)), over the band and up to where
+/// harmonics may still show it. A coarse grid of k misses what is little damped, most of all
+/// beside the actuator's own frequency, which takes up much of what it sees of it.
+fn resonances(scope: &Scope) -> Vec<Vec<f64>> {
+    let inertia = LIGHT / scope.plant.constant.abs();
+    let at = |omega: f64| {
+        let place = |ratio| vec![LIGHT, inertia * omega * omega, 2.0 * ratio * inertia * omega];
+        DAMPING_RATIOS.map(place)
+    };
+    std::iter::successors(Some(scope.omega_low), |omega| Some(omega * NEXT))
+        .take_while(|omega| *omega < 3.0 * scope.omega_high)
+        .flat_map(at)
+        .collect()
+}
+
 /// Makes a load (ρ, k, c, …) so many times as heavy, its motion beside the motor's
 /// as it was.
 pub(super) fn resize_load(values: &mut [f64], factor: f64) {
@@ -89,6 +113,10 @@ impl Effect for FlexibleMode {
 
     fn resize(&self, values: &mut [f64], _ranges: &[Range], factor: f64) {
         resize_load(values, factor);
+    }
+
+    fn places(&self, scope: &Scope) -> Vec<Vec<f64>> {
+        resonances(scope)
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -106,6 +106,12 @@ pub trait Effect: Debug + Sync {
         }
     }
 
+    /// Values of its parameters that a search tries first; empty where a coarse grid over
+    /// their likely ranges will do.
+    fn places(&self, _scope: &Scope) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
     /// Enters the axis, by its parameters, in an experiment that stands at
     /// `run_share` (0 first, 1 last) of the acquisition.
     fn enter(&self, parameters: &[Wide], run_share: f64, axis: &mut Axis<Wide>);
@@ -119,6 +125,15 @@ pub fn find(id: &str) -> Option<&'static dyn Effect> {
 /// Whether one of two effects may look like the other.
 pub fn are_alike(one: &dyn Effect, other: &dyn Effect) -> bool {
     one.imitators().contains(&other.id()) || other.imitators().contains(&one.id())
+}
+
+/// Whether one of two effects has all parameters of the other, so that it is that one with
+/// something more.
+pub fn are_kin(one: &dyn Effect, other: &dyn Effect) -> bool {
+    let has = |more: &dyn Effect, own: &Parameter| more.parameters().iter().any(|p| p.is_same(own));
+    let within =
+        |less: &dyn Effect, more: &dyn Effect| less.parameters().iter().all(|own| has(more, own));
+    one.id() != other.id() && (within(one, other) || within(other, one))
 }
 
 /// An effect with values for its parameters.

@@ -103,3 +103,11 @@ pub struct Parameter {
     /// Where it can lie, given what the data says.
     pub range: fn(&Scope) -> Range,
 }
+
+impl Parameter {
+    /// Whether it means the same as another effect's.
+    pub fn is_same(&self, other: &Self) -> bool {
+        (self.name, self.dimension, self.coordinate)
+            == (other.name, other.dimension, other.coordinate)
+    }
+}

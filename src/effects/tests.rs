@@ -73,6 +73,47 @@ fn where_a_parameter_is_likely_lies_within_what_is_possible() {
 }
 
 #[test]
+fn what_is_tried_first_is_possible() {
+    for effect in ALL {
+        for place in effect.places(&scope()) {
+            assert_eq!(place.len(), effect.parameters().len(), "{}", effect.id());
+            for (parameter, value) in effect.parameters().iter().zip(place) {
+                let [low, high] = (parameter.range)(&scope()).bounds;
+                let name = format!("{} {}", effect.id(), parameter.name);
+                assert!(low <= value && value <= high, "{name}: {value}");
+            }
+        }
+    }
+}
+
+// Resonances overlap where the next begins within the half width, ζ·ω on each side.
+#[test]
+fn a_joint_is_tried_at_every_frequency_of_the_band() {
+    let scope = scope();
+    let mut frequencies: Vec<f64> = find("flexible_mode")
+        .unwrap()
+        .places(&scope)
+        .iter()
+        .filter(|place| place[2] * place[2] < place[1] * place[0] / scope.plant.constant)
+        .map(|place| (place[1] * scope.plant.constant / place[0]).sqrt())
+        .collect();
+    frequencies.sort_by(f64::total_cmp);
+    assert!((frequencies[0] - scope.omega_low).abs() < 1e-9);
+    assert!(frequencies[frequencies.len() - 1] > 2.0 * scope.omega_high);
+    assert!(frequencies.windows(2).all(|pair| pair[1] < 1.3 * pair[0]), "{frequencies:?}");
+}
+
+#[test]
+fn an_effect_that_has_all_of_another_is_its_kin() {
+    let kin = |one: &str, other: &str| are_kin(find(one).unwrap(), find(other).unwrap());
+    assert!(kin("backlash", "flexible_mode") && kin("flexible_mode", "backlash"));
+    assert!(kin("hardening_spring", "spring"));
+    // A stiffness between motor and load is none to the frame.
+    assert!(!kin("spring", "flexible_mode"));
+    assert!(!kin("spring", "spring"));
+}
+
+#[test]
 fn ranges_follow_the_units_of_the_upload() {
     let Scope { plant, .. } = scope();
     let (input, velocity, second) = (1e3, 1e-2, 7.0);

@@ -1,5 +1,6 @@
 //! A measurement with its base model, on which extended models are tried.
 
+mod extension;
 mod left_out;
 mod model;
 mod predictions;
@@ -8,7 +9,7 @@ mod transfer;
 use nalgebra::{DMatrix, DVector};
 
 use crate::answers::{NoiseSource, OrderChoice, Stage};
-use crate::effects::{Effect, Range, Scope};
+use crate::effects::Scope;
 use crate::measurement::{Complex, Measurement};
 use crate::observer::Observer;
 
@@ -164,30 +165,6 @@ impl<'a> Workbench<'a> {
     /// What is known of scales, in the problem's own.
     fn scope(&self) -> Scope {
         self.problem.scope(&self.base.coordinates.plant(&self.base.point))
-    }
-
-    /// Where the parameters of an effect can lie, in the problem's scales.
-    pub fn ranges(&self, effect: &dyn Effect) -> Vec<Range> {
-        let scope = self.scope();
-        effect.parameters().iter().map(|parameter| (parameter.range)(&scope)).collect()
-    }
-
-    /// A model with one more effect, its parameters in the middle of where a
-    /// search looks first; not fitted.
-    pub fn extend(&self, model: &Model, effect: &'static dyn Effect) -> Model {
-        let coordinates = model.coordinates.with_effect(effect, &self.scope());
-        let mut point = model.point.clone();
-        // What is not a number goes to the middle.
-        point.resize(coordinates.len(), f64::NAN);
-        coordinates.clamp(&mut point);
-        Model { coordinates, point, cost: f64::NAN, evaluations: 0 }
-    }
-
-    /// A model without the effect at `index`; not fitted.
-    pub fn reduce(&self, model: &Model, index: usize) -> Model {
-        let (coordinates, kept) = model.coordinates.without_effect(index);
-        let point = kept.iter().map(|i| model.point[*i]).collect();
-        Model { coordinates, point, cost: f64::NAN, evaluations: 0 }
     }
 
     /// Fits all parameters of a model, from where they are.

@@ -104,6 +104,18 @@ fn a_single_hidden_effect_is_named_and_explains_the_data() {
     }
 }
 
+// √(k·K/ρ) is 112 and 107 rad/s there, the actuator's own frequency 128 and 105 rad/s.
+#[test]
+#[ignore = "slow: 2 diagnoses"]
+fn a_joint_that_swings_near_the_actuators_own_frequency_is_found() {
+    let settings = Settings { seed: 41032, ..SETTINGS };
+    for key in ["single-60-flexible_mode-o2-13", "single-60-backlash-o2-6"] {
+        let outcome = run_case(&case(key), &settings, &Silent).unwrap().outcome;
+        assert!(outcome.named_first(), "{key}: {:?}", outcome.causes());
+        assert_eq!(outcome.verdict(), Some(Verdict::Explained), "{key}");
+    }
+}
+
 #[test]
 #[ignore = "slow: 2 diagnoses"]
 fn nothing_is_named_where_nothing_is_hidden() {

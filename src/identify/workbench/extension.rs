@@ -1,0 +1,57 @@
+//! Models with an effect more, less, or in the place of another; none of them fitted.
+
+use crate::effects::{Effect, Parameter, Range};
+
+use super::{Model, Workbench};
+
+impl Workbench<'_> {
+    /// Where the parameters of an effect can lie, in the problem's scales.
+    pub fn ranges(&self, effect: &dyn Effect) -> Vec<Range> {
+        let scope = self.scope();
+        effect.parameters().iter().map(|parameter| (parameter.range)(&scope)).collect()
+    }
+
+    /// Values of an effect's parameters to try first, in the problem's scales.
+    pub fn places(&self, effect: &dyn Effect) -> Vec<Vec<f64>> {
+        effect.places(&self.scope())
+    }
+
+    /// `model` with another effect in the place of its last, at which both are about the same:
+    /// parameters that are the same keep their values, the others stand in the middle of where
+    /// a search looks first, and at its lower end; not fitted.
+    pub fn exchange(&self, model: &Model, effect: &'static dyn Effect) -> [Model; 2] {
+        let last = model.effects().len() - 1;
+        let (lost, from) = (model.effects()[last], model.parameters_of(last));
+        let middle = self.extend(&self.reduce(model, last), effect);
+        let mut exchanged = [middle.clone(), middle];
+        let own = exchanged[0].parameters_of(last);
+        for ((to, parameter), range) in own.zip(effect.parameters()).zip(self.ranges(effect)) {
+            let is_same = |other: &Parameter| parameter.is_same(other);
+            match lost.parameters().iter().position(is_same) {
+                Some(i) => {
+                    exchanged.iter_mut().for_each(|m| m.set(to, model.value(from.start + i)))
+                }
+                None => exchanged[1].set(to, range.likely[0]),
+            }
+        }
+        exchanged
+    }
+
+    /// A model with one more effect, its parameters in the middle of where a
+    /// search looks first; not fitted.
+    pub fn extend(&self, model: &Model, effect: &'static dyn Effect) -> Model {
+        let coordinates = model.coordinates.with_effect(effect, &self.scope());
+        let mut point = model.point.clone();
+        // What is not a number goes to the middle.
+        point.resize(coordinates.len(), f64::NAN);
+        coordinates.clamp(&mut point);
+        Model { coordinates, point, cost: f64::NAN, evaluations: 0 }
+    }
+
+    /// A model without the effect at `index`; not fitted.
+    pub fn reduce(&self, model: &Model, index: usize) -> Model {
+        let (coordinates, kept) = model.coordinates.without_effect(index);
+        let point = kept.iter().map(|i| model.point[*i]).collect();
+        Model { coordinates, point, cost: f64::NAN, evaluations: 0 }
+    }
+}

@@ -143,7 +143,11 @@ mod tests {
         let (workbench, starts, followed, patient) = (&workbench, 1, 2, true);
         let fitter = Fitter { workbench, part, yardstick, starts, followed, patient };
         let with = |id: &str| workbench.extend(base, find(id).unwrap());
-        let joint = fitter.refine(&with("flexible_mode"), Effort::Settle);
+        let mut joint = with("flexible_mode");
+        let places = workbench.places(joint.effects()[0]);
+        let own = joint.parameters_of(0).zip(&places[places.len() / 2]);
+        own.for_each(|(i, value)| joint.set(i, *value));
+        let joint = fitter.refine(&joint, Effort::Settle);
         let costing = |cost: f64, id: &str| {
             let mut model = with(id);
             model.cost = cost;

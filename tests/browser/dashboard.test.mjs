@@ -139,7 +139,7 @@ test("a result is tried on another measurement", async () => {
   await page.getByRole("combobox", { name: "Measurement" }).selectOption(other.id);
   await page.getByRole("button", { name: "Try it" }).click();
   const tried = page.locator("#tried");
-  await tried.getByText(/^Gain/).waitFor();
+  await tried.getByText(/^Verdict/).waitFor();
   assert.match(await tried.textContent(), /static_friction helps here, too[^]*With static friction[^]*Verdict: explained/);
   await tried.scrollIntoViewIfNeeded();
   await picture(page, "09-tried");

@@ -8,7 +8,7 @@ import { ofVerdict } from "./status.js";
 /// A section that tries the result of a job on a measurement of the reader's choice.
 export async function tried(job, signal) {
   const { items } = await json("/v1/measurements?limit=200", { signal });
-  const others = items.filter((item) => item.id !== job.measurement_id);
+  const others = nearestFirst(items, job.measurement_id);
   const body = h("div", { role: "status" });
   const form = h("form", { class: "fields" },
     h("label", {}, h("span", {}, "Measurement"),
@@ -36,7 +36,15 @@ export async function tried(job, signal) {
       : h("p", { class: "state" }, "There is no other measurement yet. ", h("a", { href: "/" }, "Upload one"), ", then come back."));
 }
 
-function told({ models, causes, gain, verdict, remarks, response_unit: unit }) {
+// Of the same axis first, then of the same machine, each as listed.
+function nearestFirst(items, id) {
+  const fitted = items.find((item) => item.id === id);
+  const shares = (item, key) => Boolean(fitted?.[key]) && item[key] === fitted[key];
+  const distance = (item) => (shares(item, "machine") ? 0 : 2) + (shares(item, "axis") ? 0 : 1);
+  return items.filter((item) => item.id !== id).sort((a, b) => distance(a) - distance(b));
+}
+
+function told({ models, causes, verdict, remarks, response_unit: unit }) {
   const model = (name, { nrmse, rms, chi2_per_dof: chi2, components }) => row([
     name,
     ...[percent(nrmse), number(rms, 3), number(chi2, 3), components].map((content) => ({ content, class: "n" })),
@@ -48,8 +56,7 @@ function told({ models, causes, gain, verdict, remarks, response_unit: unit }) {
   return [
     first && h("p", {}, first),
     table("", ["Model", ...titles.map((text) => ({ text, class: "n" }))], [model("Base model", models.base), extended].filter(Boolean)),
-    gain && h("p", {}, `Gain ${number(gain.ratio, 3)}, 95 % from ${number(gain.interval95[0], 3)} to ${number(gain.interval95[1], 3)}. `,
-      verdict && ["Verdict: ", ofVerdict(verdict)]),
+    verdict && h("p", {}, "Verdict: ", ofVerdict(verdict)),
     rest.length > 0 && h("ul", {}, rest.map((remark) => h("li", {}, remark))),
   ].filter(Boolean);
 }

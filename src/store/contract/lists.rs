@@ -1,0 +1,108 @@
+//! Lists, their pages and filters.
+
+use super::*;
+
+pub(super) async fn lists_are_paged_newest_first_and_filtered(store: &dyn Store) {
+    let ids = [
+        stored_measurement(store).await,
+        stored_measurement(store).await,
+        stored_measurement(store).await,
+    ];
+    let everything = MeasurementFilter::default();
+    let first = Page { limit: 2, before: None };
+    let rows = store.measurements(&everything, &first).await.unwrap();
+    assert_eq!(rows.iter().map(|row| &row.id).collect::<Vec<_>>(), [&ids[2], &ids[1]]);
+    let second = Page { limit: 2, before: Some(ids[1].clone()) };
+    let rows = store.measurements(&everything, &second).await.unwrap();
+    assert_eq!(rows.iter().map(|row| &row.id).collect::<Vec<_>>(), [&ids[0]]);
+
+    let elsewhere = MeasurementFilter { machine: Some("press 5".into()), ..everything.clone() };
+    assert!(store.measurements(&elsewhere, &first).await.unwrap().is_empty());
+    let here = MeasurementFilter {
+        machine: Some("press 4".into()),
+        axis: Some("x".into()),
+        labels: vec![("site".into(), "north".into())],
+        since_ms: Some(1_700_000_000_000),
+        // The measurement says 2024-05-06T07:08:09Z.
+        measured_since_ms: Some(1_714_979_289_000),
+        measured_until_ms: Some(1_714_979_289_001),
+        ..everything.clone()
+    };
+    assert_eq!(store.measurements(&here, &first).await.unwrap().len(), 2);
+    for wrong in [
+        MeasurementFilter { labels: vec![("site".into(), "south".into())], ..here.clone() },
+        MeasurementFilter { until_ms: Some(1_700_000_000_000), ..here.clone() },
+        MeasurementFilter { measured_since_ms: Some(1_714_979_289_001), ..here.clone() },
+        MeasurementFilter { measured_until_ms: Some(1_714_979_289_000), ..here.clone() },
+    ] {
+        assert!(store.measurements(&wrong, &first).await.unwrap().is_empty(), "{wrong:?}");
+    }
+
+    let job = queued_job(store).await;
+    let queued = JobFilter {
+        status: Some(Status::Queued),
+        kind: Some("identify".into()),
+        machine: Some("press 4".into()),
+        axis: Some("x".into()),
+        labels: vec![("site".into(), "north".into())],
+        since_ms: Some(1_700_000_000_000),
+        ..JobFilter::default()
+    };
+    let running = JobFilter { status: Some(Status::Running), ..JobFilter::default() };
+    assert_eq!(store.jobs(&queued, &first).await.unwrap()[0].id, job);
+    assert!(store.jobs(&running, &first).await.unwrap().is_empty());
+    for wrong in [
+        JobFilter { kind: Some("diagnose".into()), ..queued.clone() },
+        JobFilter { machine: Some("press 5".into()), ..queued.clone() },
+        JobFilter { labels: vec![("shift".into(), "night".into())], ..queued.clone() },
+        JobFilter { until_ms: Some(1_700_000_000_000), ..queued.clone() },
+    ] {
+        assert!(store.jobs(&wrong, &first).await.unwrap().is_empty(), "{wrong:?}");
+    }
+}
+
+pub(super) async fn results_are_listed_by_when_they_were_measured(store: &dyn Store) {
+    let mut jobs = Vec::new();
+    for (axis, measured_at) in [("x", Some("2024-05-06T07:08:09Z")), ("x", None), ("y", None)] {
+        let row = MeasurementRow {
+            axis: Some(axis.into()),
+            measured_at: measured_at.map(str::to_owned),
+            ..measurement(&id())
+        };
+        store.insert_measurement(&row, &[file(b"x")], None).await.unwrap();
+        for _ in 0..2 {
+            let job = NewJobRow {
+                id: id(),
+                measurement_id: row.id.clone(),
+                kind: "identify".into(),
+                request: "{}".into(),
+            };
+            store.insert_job(&job, None).await.unwrap();
+            let lease = store.lease(LONG).await.unwrap().expect("it is queued");
+            store.finish(&lease, &Outcome::Succeeded("{}".into())).await.unwrap();
+            jobs.push(job.id);
+        }
+    }
+    let listed = async |filter: ResultFilter| {
+        let rows = store.results(&filter, 100).await.unwrap();
+        rows.into_iter().map(|row| row.job_id).collect::<Vec<_>>()
+    };
+    let everything = ResultFilter::default;
+    let newest_first: Vec<String> = jobs.iter().rev().cloned().collect();
+    assert_eq!(listed(everything()).await, newest_first);
+    let latest = ResultFilter { latest_only: true, axis: Some("x".into()), ..everything() };
+    assert_eq!(listed(latest).await, [jobs[3].clone(), jobs[1].clone()]);
+    // 2024-05-06T07:08:09Z: from is within, to is not.
+    let at = Some(1_714_979_289_000);
+    let before = ResultFilter { to_ms: at.map(|at| at + 1), ..everything() };
+    assert_eq!(listed(before).await, [jobs[1].clone(), jobs[0].clone()]);
+    assert!(listed(ResultFilter { to_ms: at, ..everything() }).await.is_empty());
+    assert_eq!(listed(ResultFilter { from_ms: at, ..everything() }).await.len(), 6);
+
+    let axes = store.axes(Some("press 4"), 100).await.unwrap();
+    let counts: Vec<_> =
+        axes.iter().map(|axis| (axis.axis.as_str(), axis.measurements, axis.results)).collect();
+    assert_eq!(counts, [("x", 2, 2), ("y", 1, 1)]);
+    assert_eq!(Some(axes[0].first_ms), at);
+    assert!(store.axes(Some("press 5"), 100).await.unwrap().is_empty());
+}

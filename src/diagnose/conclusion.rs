@@ -193,3 +193,24 @@ fn disappointed(chosen: &Key, gain: &Gain) -> String {
         gain.heldout
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_withdrawn_is_said_with_what_it_was_beside() {
+        let gain = Gain {
+            heldout_nrmse_before: 0.2,
+            heldout_nrmse_after: 0.25,
+            ratio: 0.8,
+            interval95: [0.5, 1.3],
+            chi2_per_dof_before: None,
+            chi2_per_dof_after: None,
+            heldout: "lines".into(),
+        };
+        let said = useless(&Dropped { id: "spring", beside: vec!["backlash"], gain });
+        assert!(said.starts_with("with spring beside backlash the model would fit"), "{said}");
+        assert!(said.contains("divided by 0.800, 95 % from 0.500 to 1.300"), "{said}");
+    }
+}

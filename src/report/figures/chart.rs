@@ -208,6 +208,20 @@ mod tests {
         assert!(svg.contains("servoscope-figure-4") && !svg.contains("NaN"));
     }
 
+    // A pale line is told from the one on it, and a dashed one from the one beneath.
+    #[test]
+    fn every_stroke_is_drawn_in_its_own_way_and_the_style_knows_it() {
+        let strokes = [Stroke::Solid, Stroke::Dashed, Stroke::Broad];
+        let drawn = strokes.map(|stroke| {
+            let line = Line { stroke, ..line("a", vec![[0.0, 1.0], [1.0, 2.0]]) };
+            let plot = Plot { lines: vec![line], ..Plot::default() };
+            let svg = lines("figure-4", "", "", &[plot], Theme::Light);
+            assert!(svg.contains(&format!(".{}", stroke.class())), "{stroke:?}");
+            svg
+        });
+        assert!(drawn[0] != drawn[1] && drawn[1] != drawn[2] && drawn[0] != drawn[2]);
+    }
+
     #[test]
     fn nothing_below_the_floor_takes_the_axis_along() {
         let plot = |floor| Plot {

@@ -81,7 +81,7 @@ impl Fitter<'_> {
         let hopes = if self.patient && unexplained { HOPEFUL } else { RIVAL };
         let counts = |kin: &&Model| from.cost - kin.cost > hopes * most;
         let kin: Vec<&Model> = fits.iter().filter(counts).collect();
-        let again = |fit| self.as_its_kin(fit, &kin);
+        let again = |fit| self.refit_from_kin(fit, &kin);
         let again: Vec<Model> = fits.par_iter().filter_map(again).collect();
         fits.extend(again);
         fits
@@ -89,7 +89,7 @@ impl Fitter<'_> {
 
     /// A fit again, from where the best of its kin ended, if that fits better: what contains
     /// another can do no worse, and what is contained may do as well.
-    fn as_its_kin(&self, fit: &Model, kin: &[&Model]) -> Option<Model> {
+    fn refit_from_kin(&self, fit: &Model, kin: &[&Model]) -> Option<Model> {
         let own = *fit.effects().last()?;
         let is_kin = |other: &&&Model| other.effects().last().is_some_and(|o| are_kin(own, *o));
         let better = kin.iter().filter(is_kin).filter(|other| other.cost < fit.cost);
@@ -154,10 +154,10 @@ mod tests {
             model
         };
         let lost = costing(2.0 * joint.cost, "backlash");
-        let found = fitter.as_its_kin(&lost, &[&joint]).unwrap();
+        let found = fitter.refit_from_kin(&lost, &[&joint]).unwrap();
         assert_eq!(found.effects()[0].id(), "backlash");
         assert!(found.cost < joint.cost * (1.0 + 1e-5), "{} {}", found.cost, joint.cost);
-        assert!(fitter.as_its_kin(&joint, &[&lost]).is_none());
-        assert!(fitter.as_its_kin(&costing(f64::MAX, "spring"), &[&joint]).is_none());
+        assert!(fitter.refit_from_kin(&joint, &[&lost]).is_none());
+        assert!(fitter.refit_from_kin(&costing(f64::MAX, "spring"), &[&joint]).is_none());
     }
 }

@@ -135,15 +135,18 @@ test("the report and the data are downloaded", async () => {
 
 test("a result is tried on another measurement", async () => {
   const other = await server.post("/v1/measurements", simulated([...STICKY, "--seed", "5"], { ...PRESS, measured_at: "2026-03-11T10:20:00Z" }), "text/csv");
+  const stranger = await server.post("/v1/measurements", simulated([...STICKY, "--seed", "6"], {}), "text/csv");
   const page = await visit(diagnosed);
-  await page.getByRole("combobox", { name: "Measurement" }).selectOption(other.id);
+  const choice = page.getByRole("combobox", { name: "Measurement" });
+  assert.equal(await choice.inputValue(), other.id, "the same axis comes before what is newer");
+  await choice.selectOption(other.id);
   await page.getByRole("button", { name: "Try it" }).click();
   const tried = page.locator("#tried");
   await tried.getByText(/^Verdict/).waitFor();
   assert.match(await tried.textContent(), /static_friction helps here, too[^]*With static friction[^]*Verdict: explained/);
   await tried.scrollIntoViewIfNeeded();
   await picture(page, "09-tried");
-  await fetch(`${server.address}/v1/measurements/${other.id}`, { method: "DELETE" });
+  for (const { id } of [other, stranger]) await fetch(`${server.address}/v1/measurements/${id}`, { method: "DELETE" });
 });
 
 test("a job is cancelled, started again and deleted", async () => {

@@ -16,9 +16,9 @@ impl Workbench<'_> {
         effect.places(&self.scope())
     }
 
-    /// `model` with another effect in the place of its last, at which both are about the same:
-    /// parameters that are the same keep their values, the others stand in the middle of where
-    /// a search looks first, and at its lower end; not fitted.
+    /// A model with another effect in the place of its last: parameters that both effects
+    /// have keep their values, the others stand in the middle of where a search looks first,
+    /// or at its lower end; not fitted.
     pub fn exchange(&self, model: &Model, effect: &'static dyn Effect) -> [Model; 2] {
         let last = model.effects().len() - 1;
         let (lost, from) = (model.effects()[last], model.parameters_of(last));

@@ -47,7 +47,7 @@ impl Misfit<'_> {
         let effects = self.coordinates.effects_at(point);
         let predict = |experiment: &Prepared| {
             let Prepared { excitation, highest, targets } = experiment;
-            let velocity = simulate::respond(&plant, &effects, excitation, *highest)?;
+            let velocity = simulate::respond_even_unstable(&plant, &effects, excitation, *highest)?;
             Ok(targets.iter().map(|t| velocity[t.order] * t.per_velocity).collect())
         };
         self.every(predict, |e| self.stand_in.map(|values| values[e].clone()))

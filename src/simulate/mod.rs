@@ -82,6 +82,15 @@ pub enum NoResponse {
     },
 }
 
+/// Which periodic motions count as a response.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Counts {
+    /// The one reached from rest.
+    FromRest,
+    /// Where the motion from rest does not settle, an unstable one too.
+    EvenUnstable,
+}
+
 /// Velocity harmonics and their derivatives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
@@ -106,6 +115,31 @@ pub fn respond(
     excitation: &Excitation,
     highest: usize,
 ) -> Result<Vec<Complex>, NoResponse> {
+    respond_if(Counts::FromRest, plant, effects, excitation, highest)
+}
+
+/// Like [`respond`], but where the motion from rest does not settle to the period of the input
+/// an unstable motion of that period stands in, if there is one: a search passes through such
+/// places, and should not stand before a wall there.
+///
+/// # Errors
+/// See [`NoResponse`].
+pub fn respond_even_unstable(
+    plant: &Plant,
+    effects: &[ActiveEffect],
+    excitation: &Excitation,
+    highest: usize,
+) -> Result<Vec<Complex>, NoResponse> {
+    respond_if(Counts::EvenUnstable, plant, effects, excitation, highest)
+}
+
+fn respond_if(
+    counts: Counts,
+    plant: &Plant,
+    effects: &[ActiveEffect],
+    excitation: &Excitation,
+    highest: usize,
+) -> Result<Vec<Complex>, NoResponse> {
     let axis = effects::enter_values(*plant, effects, excitation.run_share());
     check(&axis)?;
     let mut velocity = if axis.is_base() {
@@ -116,13 +150,13 @@ pub fn respond(
     } else if axis.is_piecewise_linear() {
         slides::respond(&axis, excitation, highest)?
     } else {
-        hybrid::respond(&axis, excitation, highest)?
+        hybrid::respond(&axis, excitation, highest, counts)?
     };
     sensor::report(&axis, excitation.omega_rad_s(), &mut velocity, &mut []);
     Ok(velocity)
 }
 
-/// Like [`respond`], with the derivative of every harmonic by every variable:
+/// Like [`respond_even_unstable`], with the derivative of every harmonic by every variable:
 /// the first `variables` lanes of the plant, then the effects' parameters in
 /// order.
 ///

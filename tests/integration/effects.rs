@@ -11,7 +11,9 @@ use servoscope::benchmark::simulator::{Effect, Settings};
 use servoscope::effects::{self, ActiveEffect, Wide};
 use servoscope::measurement::Complex;
 use servoscope::plant::{Actuator, Friction, Plant};
-use servoscope::simulate::{Excitation, respond, respond_with_sensitivities};
+use servoscope::simulate::{
+    Excitation, NoResponse, respond, respond_even_unstable, respond_with_sensitivities,
+};
 
 use crate::simulators::{Case, largest_difference};
 
@@ -203,6 +205,44 @@ fn points_where_newtons_method_takes_long_are_those_of_the_other_simulator() {
         let apart = largest_difference(&both.exact.unwrap(), &both.stepped.unwrap()) / largest;
         assert!(apart < 1e-6, "{id} {order} {seed} {point}: {apart:e}");
     });
+}
+
+/// An axis with play in a point of its own.
+fn with_play([damping, gap]: [f64; 2], magnitude: f64, omega_rad_s: f64) -> Case {
+    let actuator =
+        Actuator::SecondOrder { natural_frequency_rad_s: 6.245474, damping_ratio: 0.5944140 };
+    let friction = Friction::coulomb(0.2888457, 0.3872526);
+    let plant = Plant { constant: 1.660596, viscous_rate_rad_s: 3.042747, actuator, friction };
+    let (load_inertia_fraction, stiffness) = (0.182259, 59.97234);
+    let effects = vec![Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
+    let input = vec![Complex::new(0.0, 0.0), Complex::new(magnitude, 0.0)];
+    Case { plant, effects, run_share: 0.0, omega_rad_s, input }
+}
+
+// Multipliers of the motions that Newton's method comes to first: −3.7 and 3.6. The tolerance
+// is the contract's, of the largest response of a design that has both points.
+#[test]
+fn a_periodic_motion_in_which_no_axis_stays_is_not_the_response() {
+    for (magnitude, omega_rad_s) in [(0.865747, 3.003098), (1.731494, 12.337548)] {
+        let case = with_play([0.3670977, 0.004244359], magnitude, omega_rad_s);
+        let both = case.simulate(&Settings::default());
+        let apart = largest_difference(&both.exact.unwrap(), &both.stepped.unwrap());
+        assert!(apart < 5e-5 * 0.4, "{magnitude} {omega_rad_s}: {apart:e}");
+    }
+}
+
+#[test]
+fn where_impacts_never_come_to_repeat_there_is_no_response_but_something_to_go_on_from() {
+    for (magnitude, omega_rad_s) in [(1.7315, 3.359038), (0.8657, 3.412783)] {
+        let case = with_play([0.1, 0.004244359], magnitude, omega_rad_s);
+        let both = case.simulate(&Settings::default());
+        assert!(both.stepped.is_err(), "{magnitude} {omega_rad_s}");
+        let exact = both.exact.unwrap_err();
+        assert!(matches!(exact, NoResponse::NotPeriodic { .. }), "{exact}");
+        let (effects, excitation) = (case.active(), case.excitation());
+        let unstable = respond_even_unstable(&case.plant, &effects, &excitation, 7).unwrap();
+        assert!(unstable[1].norm() > 0.0 && unstable.iter().all(|v| v.is_finite()));
+    }
 }
 
 // Friction of 0.5 forward and 0.4 backward holds an axis that a torque of less than 0.45

@@ -34,15 +34,23 @@ pub struct Both {
 }
 
 impl Case {
-    /// Harmonics from the exact one.
-    pub fn respond(&self, highest: usize) -> Result<Vec<Complex>, NoResponse> {
+    /// Its effects, as the library knows them.
+    pub fn active(&self) -> Vec<ActiveEffect> {
         let active = |effect: &Effect| {
             let values = effect.parameters().iter().map(|(_, value)| *value).collect();
             ActiveEffect::new(effects::find(effect.id()).unwrap(), values).unwrap()
         };
-        let active: Vec<ActiveEffect> = self.effects.iter().map(active).collect();
-        let excitation = Excitation::new(self.omega_rad_s, self.input.clone());
-        respond(&self.plant, &active, &excitation.at_run_share(self.run_share), highest)
+        self.effects.iter().map(active).collect()
+    }
+
+    /// Its input.
+    pub fn excitation(&self) -> Excitation {
+        Excitation::new(self.omega_rad_s, self.input.clone()).at_run_share(self.run_share)
+    }
+
+    /// Harmonics from the exact one.
+    pub fn respond(&self, highest: usize) -> Result<Vec<Complex>, NoResponse> {
+        respond(&self.plant, &self.active(), &self.excitation(), highest)
     }
 
     /// Harmonics 0 to 9, or to the highest line of the input, from both simulators.

@@ -26,11 +26,11 @@ use crate::effects::{Axis, Wide};
 use crate::measurement::Complex;
 use crate::plant::{Dual, Scalar as _};
 
-use super::NoResponse;
 use super::drive;
 use super::excitation::Excitation;
 use super::pair::Pair;
 use super::shooting;
+use super::{Counts, NoResponse};
 pub(super) use follow::follow;
 use mechanics::Mechanics;
 use return_map::{Followed, Periodic};
@@ -47,21 +47,23 @@ const MOST_STATES: usize = 6;
 /// Cells of a period of a cosine in the end, at least: its quintics miss by 8e-8.
 const TIGHT_CELLS: usize = 16;
 
-/// Velocity harmonics of the periodic motion reached from rest.
+/// Velocity harmonics of the periodic motion reached from rest, or of what `counts` in its
+/// place.
 pub(super) fn respond(
     axis: &Axis,
     excitation: &Excitation,
     highest: usize,
+    counts: Counts,
 ) -> Result<Vec<Complex>, NoResponse> {
     match Mechanics::new(axis).states {
-        1 => velocity::<1>(axis, excitation, highest),
-        2 => velocity::<2>(axis, excitation, highest),
-        3 => velocity::<3>(axis, excitation, highest),
-        _ => velocity::<MOST_STATES>(axis, excitation, highest),
+        1 => velocity::<1>(axis, excitation, highest, counts),
+        2 => velocity::<2>(axis, excitation, highest, counts),
+        3 => velocity::<3>(axis, excitation, highest, counts),
+        _ => velocity::<MOST_STATES>(axis, excitation, highest, counts),
     }
 }
 
-/// The same with derivatives by the first `rows` lanes of the axis.
+/// The same, even of an unstable one, with derivatives by the first `rows` lanes of the axis.
 pub(super) fn differentiate(
     axis: &Axis<Wide>,
     values: &Axis,
@@ -94,8 +96,9 @@ fn velocity<const M: usize>(
     axis: &Axis,
     excitation: &Excitation,
     highest: usize,
+    counts: Counts,
 ) -> Result<Vec<Complex>, NoResponse> {
-    let Some(mut periodic) = Periodic::<M>::find(axis, excitation)? else {
+    let Some(mut periodic) = Periodic::<M>::find(axis, excitation, counts)? else {
         return Ok(vec![Complex::new(0.0, 0.0); highest + 1]);
     };
     let (wave, grid) = drive::torque(axis, excitation, cells(highest));
@@ -112,7 +115,7 @@ fn chunk<const M: usize, const N: usize>(
     highest: usize,
     rows: Range<usize>,
 ) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
-    let Some(mut periodic) = Periodic::<M>::find(values, excitation)? else {
+    let Some(mut periodic) = Periodic::<M>::find(values, excitation, Counts::EvenUnstable)? else {
         let zero = vec![Complex::new(0.0, 0.0); highest + 1];
         return Ok((zero.clone(), vec![zero; rows.len()]));
     };

@@ -1,12 +1,12 @@
 //! The periodic motion that is reached from rest, by Newton's method on the return map.
 
+mod closing;
 mod leash;
 mod ripple;
 
 use crate::effects::Axis;
-use crate::plant::{Dual, Scalar};
+use crate::plant::Scalar;
 
-use super::super::NoResponse;
 use super::super::drive;
 use super::super::excitation::{Excitation, Grid};
 use super::super::fourier::Fourier;
@@ -15,6 +15,7 @@ use super::super::pair::Pair;
 use super::super::shooting;
 use super::super::spectrum;
 use super::super::wave::Wave;
+use super::super::{Counts, NoResponse};
 use super::mechanics::{self, Mechanics};
 use super::pass::{Pass, Precision};
 use super::runge_kutta::Vector;
@@ -31,12 +32,6 @@ const LOOSE_CELLS: usize = 8;
 
 /// Newton's steps after which the motion counts as not periodic.
 const MOST_ITERATIONS: usize = 60;
-
-/// Newton's steps in a row that may fail to get nearer.
-const PATIENT: usize = 3;
-
-/// Periods followed without Newton's method, all together, likewise.
-const MOST_PERIODS: usize = 500;
 
 /// Effort for one point, in exact steps, beyond which it counts as not periodic, and what is
 /// added for each cell of its input: of the first `FEW_CELLS`, and of those of a record beyond
@@ -92,8 +87,13 @@ pub(super) struct Followed<S, const M: usize> {
 }
 
 impl<const M: usize> Periodic<M> {
-    /// Finds the periodic motion reached from rest; `None`: it is rest itself.
-    pub fn find(axis: &Axis, excitation: &Excitation) -> Result<Option<Self>, NoResponse> {
+    /// Finds the periodic motion reached from rest, or one that `counts` in its place;
+    /// `None`: it is rest itself.
+    pub fn find(
+        axis: &Axis,
+        excitation: &Excitation,
+        counts: Counts,
+    ) -> Result<Option<Self>, NoResponse> {
         let (wave, _) = drive::torque(axis, excitation, LOOSE_CELLS);
         let mut mechanics = Mechanics::new(axis);
         let range = wave.range();
@@ -129,7 +129,7 @@ impl<const M: usize> Periodic<M> {
         if let Some(i) = mechanics.position_integral {
             periodic.sizes[i] = range.0.abs().max(range.1.abs());
         }
-        periodic.close(axis, &wave)?;
+        periodic.close(axis, &wave, counts)?;
         Ok(Some(periodic))
     }
 
@@ -158,48 +158,6 @@ impl<const M: usize> Periodic<M> {
             end[i] = self.state[i];
         }
         Some((end, pass.largest))
-    }
-
-    /// Newton's method at loose precision until it hardly moves. Where it does not
-    /// get nearer, the motion itself is followed for some periods, and more each time; that
-    /// of a balanced axis, as its ripple grows.
-    fn close(&mut self, axis: &Axis, wave: &Wave<f64>) -> Result<(), NoResponse> {
-        let (lifted_axis, lifted) = (axis.map(Dual::<M>::constant), wave.map(Dual::<M>::constant));
-        let failed = |periods: usize| NoResponse::NotPeriodic { periods };
-        let begin = self.state;
-        let mut leash = Leash::new(self.leash);
-        let (mut patience, mut periods) = (4, 1);
-        for _ in 0..MOST_ITERATIONS {
-            let followed = self.follow(&lifted_axis, &lifted, None, 0).ok_or(failed(periods))?;
-            let step = shooting::newton_step(&followed.residuals, 0);
-            let longest = self.longest(step.as_slice());
-            if longest < NEAR || self.within_error(&followed.residuals) {
-                self.advance(step.as_slice(), (self.leash / longest).min(1.0));
-                return Ok(());
-            }
-            if !longest.is_finite() {
-                return Err(failed(periods));
-            }
-            let share = leash.share(longest);
-            if leash.stalled < PATIENT {
-                self.advance(step.as_slice(), share);
-                continue;
-            }
-            if axis.balanced {
-                self.state = begin;
-                return self.grow_ripple(axis, wave);
-            }
-            let mechanics = Mechanics::new(axis);
-            for _ in 0..patience {
-                self.state = self.plain(&mechanics, wave).ok_or(failed(periods))?.0;
-            }
-            periods += patience;
-            if periods > MOST_PERIODS {
-                return Err(failed(periods));
-            }
-            (leash, patience) = (Leash::new(self.leash), 2 * patience);
-        }
-        Err(failed(periods))
     }
 
     /// A step's largest entry as a share of the states' sizes.

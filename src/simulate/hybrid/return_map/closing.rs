@@ -1,0 +1,140 @@
+//! From rest to the periodic motion that it leads to.
+
+use nalgebra::DMatrix;
+
+use crate::effects::Axis;
+use crate::plant::{Dual, Scalar as _};
+
+use super::super::super::shooting;
+use super::super::super::wave::Wave;
+use super::super::super::{Counts, NoResponse};
+use super::super::mechanics::Mechanics;
+use super::super::runge_kutta::Vector;
+use super::leash::Leash;
+use super::{MOST_ITERATIONS, NEAR, Periodic, effort, largest_share};
+
+/// Newton's steps in a row that may fail to get nearer.
+const PATIENT: usize = 3;
+
+/// Newton's steps from one place of a motion that has an unstable one beside it: what they do
+/// not close by then they wander about.
+const MOST_STEPS: usize = 20;
+
+/// Newton's steps from all places.
+const MOST_STEPS_IN_ALL: usize = 3 * MOST_ITERATIONS;
+
+/// Periods followed from rest after the first before Newton's method is tried again.
+const FIRST_PERIODS: usize = 4;
+
+/// Periods followed from rest after which the motion counts as not periodic.
+const MOST_PERIODS: usize = 500;
+
+/// Size of a multiplier from which on a motion is unstable: what rounding and a loose step make
+/// of those that are exactly 1, such as of a twist within the play of an axis that friction
+/// holds, is less.
+const UNSTABLE: f64 = 1.02;
+
+/// Share of the effort for one point that is kept for an unstable motion once no other is found.
+const RESERVE: usize = 4;
+
+impl<const M: usize> Periodic<M> {
+    /// Newton's method at loose precision until it hardly moves, from the end of the first
+    /// period. Where it does not get nearer, the motion itself is followed for some periods, and
+    /// more each time; where it comes to a motion that no axis stays in, the motion from rest
+    /// is; that of a balanced axis, as its ripple grows.
+    pub(super) fn close(
+        &mut self,
+        axis: &Axis,
+        wave: &Wave<f64>,
+        counts: Counts,
+    ) -> Result<(), NoResponse> {
+        let mut unstable = None;
+        self.settle(axis, wave, &mut unstable).or_else(|error| match (counts, unstable) {
+            (Counts::EvenUnstable, Some(state)) => {
+                self.state = state;
+                self.effort = self.effort.max(effort(wave.cells.len()) / RESERVE);
+                Ok(())
+            }
+            _ => Err(error),
+        })
+    }
+
+    /// The same, with the first unstable motion that was met on the way.
+    fn settle(
+        &mut self,
+        axis: &Axis,
+        wave: &Wave<f64>,
+        unstable: &mut Option<Vector<f64, M>>,
+    ) -> Result<(), NoResponse> {
+        let (lifted_axis, lifted) = (axis.map(Dual::<M>::constant), wave.map(Dual::<M>::constant));
+        let failed = |periods: usize| NoResponse::NotPeriodic { periods };
+        let mut reached = self.state;
+        let mut leash = Leash::new(self.leash);
+        let (mut steps, mut patience, mut periods) = (0, FIRST_PERIODS, 1);
+        for _ in 0..MOST_STEPS_IN_ALL {
+            let followed = self.follow(&lifted_axis, &lifted, None, 0).ok_or(failed(periods))?;
+            let step = shooting::newton_step(&followed.residuals, 0);
+            let longest = self.longest(step.as_slice());
+            let closes = longest < NEAR || self.within_error(&followed.residuals);
+            if closes {
+                // What the motion from rest stays at it does not leave, whatever the slope says
+                // where a kink is near.
+                let stays = unstable.is_some() && self.distance_from(&reached) < NEAR;
+                if axis.balanced || stays || is_stable(&followed.residuals) {
+                    self.advance(step.as_slice(), (self.leash / longest).min(1.0));
+                    return Ok(());
+                }
+                unstable.get_or_insert_with(|| {
+                    patience = FIRST_PERIODS;
+                    self.state
+                });
+            }
+            if !longest.is_finite() {
+                return Err(failed(periods));
+            }
+            let share = leash.share(longest);
+            steps += 1;
+            let most = if unstable.is_some() { MOST_STEPS } else { MOST_ITERATIONS };
+            if !closes && leash.stalled < PATIENT && steps < most {
+                self.advance(step.as_slice(), share);
+                continue;
+            }
+            if axis.balanced {
+                self.state = reached;
+                return self.grow_ripple(axis, wave);
+            }
+            // Newton's method has brought what settles slowly nearer, unless it has been led
+            // astray.
+            if unstable.is_some() {
+                self.state = reached;
+            }
+            let mechanics = Mechanics::new(axis);
+            for _ in 0..patience {
+                self.state = self.plain(&mechanics, wave).ok_or(failed(periods))?.0;
+            }
+            if unstable.is_some() {
+                reached = self.state;
+            }
+            periods += patience;
+            if periods > MOST_PERIODS {
+                return Err(failed(periods));
+            }
+            (leash, steps, patience) = (Leash::new(self.leash), 0, 2 * patience);
+        }
+        Err(failed(periods))
+    }
+
+    /// The largest difference from other states, as a share of the states' sizes.
+    fn distance_from(&self, other: &Vector<f64, M>) -> f64 {
+        largest_share(self.state.iter().zip(other).map(|(here, there)| here - there), &self.sizes)
+    }
+}
+
+/// Whether a periodic motion draws those near it towards itself, by its Floquet multipliers:
+/// the residuals are the states after a period less those before.
+fn is_stable<const M: usize>(residuals: &Vector<Dual<M>, M>) -> bool {
+    let monodromy = DMatrix::from_fn(M, M, |row, column| {
+        residuals[row].lane(column) + f64::from(u8::from(row == column))
+    });
+    monodromy.complex_eigenvalues().iter().all(|multiplier| multiplier.norm() < UNSTABLE)
+}

@@ -16,6 +16,18 @@ const RIVAL: f64 = 0.5;
 /// The same of an effect that may be one of several, where none explains the data.
 const HOPEFUL: f64 = 0.02;
 
+/// Share of the misfit that the best effect leaves at most for it to be tried from aside.
+const HELPFUL: f64 = 0.5;
+
+/// Share of the misfit that another valley leaves at most for the search to go on from there.
+const LOWER: f64 = 0.9;
+
+/// How far aside, in standard deviations of where a search looks first.
+const ASIDE: f64 = 0.35;
+
+/// Starts from aside that are followed to their end.
+const FROM_ASIDE: usize = 3;
+
 /// Models that have a response, the best first.
 fn best_first(mut models: Vec<Model>) -> Vec<Model> {
     models.retain(|model| model.cost.is_finite());
@@ -84,7 +96,44 @@ impl Fitter<'_> {
         let again = |fit| self.refit_from_kin(fit, &kin);
         let again: Vec<Model> = fits.par_iter().filter_map(again).collect();
         fits.extend(again);
+        let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
+        fits.extend(best.and_then(|best| self.out_of_valleys(best, HELPFUL * from.cost)));
         fits
+    }
+
+    /// The best that a fit comes to from aside, where it costs less than `most` and does not
+    /// explain the data: perhaps it is of the right effect, in the wrong valley.
+    fn out_of_valleys(&self, mut fit: Model, most: f64) -> Option<Model> {
+        let mut found = None;
+        while fit.cost < most && !self.yardstick.explains(fit.cost) {
+            let Some(next) = self.refit_from_aside(&fit) else { break };
+            let is_lower = next.cost < LOWER * fit.cost;
+            if next.cost < fit.cost {
+                found = Some(next.clone());
+            }
+            if !is_lower {
+                break;
+            }
+            fit = next;
+        }
+        found
+    }
+
+    /// A fit again, from where each parameter of its last effect stands aside. Impacts and
+    /// limits divide the misfit into valleys, and a fit ends in the nearest.
+    fn refit_from_aside(&self, fit: &Model) -> Option<Model> {
+        let own = fit.parameters_of(fit.effects().len().checked_sub(1)?);
+        let aside = own.flat_map(|i| {
+            [-ASIDE, ASIDE].map(|share| {
+                let mut aside = fit.clone();
+                let step = (i, share * fit.prior_std(i));
+                aside.shift(std::iter::once(step), f64::INFINITY);
+                aside
+            })
+        });
+        let aside: Vec<Model> = aside.collect();
+        let tried = aside.par_iter().map(|model| self.refine(model, Effort::Glance)).collect();
+        self.settled(best_first(tried), FROM_ASIDE)
     }
 
     /// A fit again, from where the best of its kin ended, if that fits better: what contains
@@ -159,5 +208,26 @@ mod tests {
         assert!(found.cost < joint.cost * (1.0 + 1e-5), "{} {}", found.cost, joint.cost);
         assert!(fitter.refit_from_kin(&joint, &[&lost]).is_none());
         assert!(fitter.refit_from_kin(&costing(f64::MAX, "spring"), &[&joint]).is_none());
+    }
+
+    #[test]
+    fn what_leaves_most_or_explains_the_data_is_not_tried_from_aside() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let workbench = &Workbench::new(&measurement, &request, &Silent).unwrap();
+        let part = Part { whole: &Silent, span: [0.0, 1.0] };
+        let (starts, followed, patient) = (1, 1, true);
+        let fitter = |dof: f64| {
+            let yardstick = Yardstick { known: true, rounding: 0.0, dof };
+            Fitter { workbench, part, yardstick, starts, followed, patient }
+        };
+        let lag = workbench.extend(workbench.base(), find("sensor_lag").unwrap());
+        let lag = fitter(1.0).refine(&lag, Effort::Brief);
+        assert!(fitter(1.0).out_of_valleys(lag.clone(), 0.5 * lag.cost).is_none());
+        assert!(fitter(lag.cost).out_of_valleys(lag.clone(), 2.0 * lag.cost).is_none());
+        let mut astray = lag.clone();
+        astray.set(lag.parameters_of(0).start, 5.0 * lag.value(lag.parameters_of(0).start));
+        astray.cost = 10.0 * lag.cost;
+        let found = fitter(1.0).out_of_valleys(astray, f64::INFINITY).unwrap();
+        assert!(found.cost < 1.01 * lag.cost, "{} {}", found.cost, lag.cost);
     }
 }

@@ -62,25 +62,28 @@ fn load_inertia(scope: &Scope) -> f64 {
 /// ρ of the loads that are tried first.
 const LIGHT: f64 = 0.1;
 
-/// Ratio of a frequency that is tried to the one before.
-const NEXT: f64 = 1.25;
+/// Damping ratios that are tried.
+const DAMPING_RATIOS: [f64; 4] = [0.02, 0.07, 0.25, 0.8];
 
-/// Damping ratios that are tried at each frequency.
-const DAMPING_RATIOS: [f64; 3] = [0.05, 0.2, 0.8];
+/// By how much a frequency that is tried is larger than the one before, as a share of it, of a
+/// joint that is hardly damped: what is damped more shows as much farther.
+const NEXT: f64 = 0.08;
 
 /// Light loads that swing behind the joint at √(k/(ρJ)), over the band and up to where
 /// harmonics may still show it. A coarse grid of k misses what is little damped, most of all
 /// beside the actuator's own frequency, which takes up much of what it sees of it.
 fn resonances(scope: &Scope) -> Vec<Vec<f64>> {
     let inertia = LIGHT / scope.plant.constant.abs();
-    let at = |omega: f64| {
-        let place = |ratio| vec![LIGHT, inertia * omega * omega, 2.0 * ratio * inertia * omega];
-        DAMPING_RATIOS.map(place)
-    };
-    std::iter::successors(Some(scope.omega_low), |omega| Some(omega * NEXT))
+    let damped = |ratio: f64| {
+        let place =
+            move |omega: f64| vec![LIGHT, inertia * omega * omega, 2.0 * ratio * inertia * omega];
+        std::iter::successors(Some(scope.omega_low), move |omega| {
+            Some(omega * (1.0 + NEXT + ratio))
+        })
         .take_while(|omega| *omega < 3.0 * scope.omega_high)
-        .flat_map(at)
-        .collect()
+        .map(place)
+    };
+    DAMPING_RATIOS.into_iter().flat_map(damped).collect()
 }
 
 /// Makes a load (ρ, k, c, …) so many times as heavy, its motion beside the motor's

@@ -1,6 +1,6 @@
 //! From rest to the periodic motion that it leads to.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Schur};
 
 use crate::effects::Axis;
 use crate::plant::{Dual, Scalar as _};
@@ -33,6 +33,9 @@ const MOST_PERIODS: usize = 500;
 /// of those that are exactly 1, such as of a twist within the play of an axis that friction
 /// holds, is less.
 const UNSTABLE: f64 = 1.02;
+
+/// Sweeps after which the multipliers of so few states are found, if ever.
+const MOST_SWEEPS: usize = 200;
 
 /// Share of the effort for one point that is kept for an unstable motion once no other is found.
 const RESERVE: usize = 4;
@@ -75,6 +78,9 @@ impl<const M: usize> Periodic<M> {
             let followed = self.follow(&lifted_axis, &lifted, None, 0).ok_or(failed(periods))?;
             let step = shooting::newton_step(&followed.residuals, 0);
             let longest = self.longest(step.as_slice());
+            if !longest.is_finite() {
+                return Err(failed(periods));
+            }
             let closes = longest < NEAR || self.within_error(&followed.residuals);
             if closes {
                 // What the motion from rest stays at it does not leave, whatever the slope says
@@ -88,9 +94,6 @@ impl<const M: usize> Periodic<M> {
                     patience = FIRST_PERIODS;
                     self.state
                 });
-            }
-            if !longest.is_finite() {
-                return Err(failed(periods));
             }
             let share = leash.share(longest);
             steps += 1;
@@ -131,10 +134,45 @@ impl<const M: usize> Periodic<M> {
 }
 
 /// Whether a periodic motion draws those near it towards itself, by its Floquet multipliers:
-/// the residuals are the states after a period less those before.
+/// the residuals are the states after a period less those before. Where no multipliers are
+/// found it is taken to.
 fn is_stable<const M: usize>(residuals: &Vector<Dual<M>, M>) -> bool {
     let monodromy = DMatrix::from_fn(M, M, |row, column| {
         residuals[row].lane(column) + f64::from(u8::from(row == column))
     });
-    monodromy.complex_eigenvalues().iter().all(|multiplier| multiplier.norm() < UNSTABLE)
+    // Of what is not finite the iteration would never end.
+    if !monodromy.iter().all(|entry| entry.is_finite()) {
+        return true;
+    }
+    let schur = Schur::try_new(monodromy, f64::EPSILON, MOST_SWEEPS);
+    schur.is_none_or(|schur| {
+        schur.complex_eigenvalues().iter().all(|multiplier| multiplier.norm() < UNSTABLE)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map(rows: [[f64; 2]; 2]) -> Vector<Dual<2>, 2> {
+        let less = |row: usize, lane: usize| rows[row][lane] - f64::from(u8::from(row == lane));
+        std::array::from_fn(|row| Dual::with_lanes(0.0, |lane| less(row, lane)))
+    }
+
+    #[test]
+    fn a_motion_is_stable_whose_multipliers_are_within_the_unit_circle() {
+        assert!(is_stable(&map([[0.9, 100.0], [0.0, -0.9]])));
+        assert!(is_stable(&map([[1.0, 0.0], [0.0, 1.0]])));
+        assert!(!is_stable(&map([[1.1, 0.0], [0.0, 0.0]])));
+        assert!(!is_stable(&map([[0.0, 0.0], [5.0, -1.5]])));
+        // ±1.2j.
+        assert!(!is_stable(&map([[0.0, 1.2], [-1.2, 0.0]])));
+    }
+
+    #[test]
+    fn multipliers_that_are_no_numbers_do_not_hold_up_the_simulation() {
+        for entry in [f64::NAN, f64::INFINITY] {
+            assert!(is_stable(&map([[entry, 0.3], [0.1, 0.5]])));
+        }
+    }
 }

@@ -97,26 +97,21 @@ impl Fitter<'_> {
         let again: Vec<Model> = fits.par_iter().filter_map(again).collect();
         fits.extend(again);
         let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
-        fits.extend(best.and_then(|best| self.out_of_valleys(best, HELPFUL * from.cost)));
+        fits.extend(best.and_then(|best| self.out_of_valleys(&best, HELPFUL * from.cost)));
         fits
     }
 
-    /// The best that a fit comes to from aside, where it costs less than `most` and does not
-    /// explain the data: perhaps it is of the right effect, in the wrong valley.
-    fn out_of_valleys(&self, mut fit: Model, most: f64) -> Option<Model> {
-        let mut found = None;
-        while fit.cost < most && !self.yardstick.explains(fit.cost) {
-            let Some(next) = self.refit_from_aside(&fit) else { break };
-            let is_lower = next.cost < LOWER * fit.cost;
-            if next.cost < fit.cost {
-                found = Some(next.clone());
-            }
-            if !is_lower {
-                break;
-            }
-            fit = next;
+    /// The best that a fit comes to from aside, and from aside of that, where it costs less than
+    /// `most` and does not explain the data: perhaps it is of the right effect, in the wrong
+    /// valley.
+    fn out_of_valleys(&self, fit: &Model, most: f64) -> Option<Model> {
+        if fit.cost >= most || self.yardstick.explains(fit.cost) {
+            return None;
         }
-        found
+        let next = self.refit_from_aside(fit).filter(|next| next.cost < fit.cost)?;
+        let is_lower = next.cost < LOWER * fit.cost;
+        let further = is_lower.then(|| self.out_of_valleys(&next, most)).flatten();
+        Some(further.unwrap_or(next))
     }
 
     /// A fit again, from where each parameter of its last effect stands aside. Impacts and
@@ -222,12 +217,12 @@ mod tests {
         };
         let lag = workbench.extend(workbench.base(), find("sensor_lag").unwrap());
         let lag = fitter(1.0).refine(&lag, Effort::Brief);
-        assert!(fitter(1.0).out_of_valleys(lag.clone(), 0.5 * lag.cost).is_none());
-        assert!(fitter(lag.cost).out_of_valleys(lag.clone(), 2.0 * lag.cost).is_none());
+        assert!(fitter(1.0).out_of_valleys(&lag, 0.5 * lag.cost).is_none());
+        assert!(fitter(lag.cost).out_of_valleys(&lag, 2.0 * lag.cost).is_none());
         let mut astray = lag.clone();
         astray.set(lag.parameters_of(0).start, 5.0 * lag.value(lag.parameters_of(0).start));
         astray.cost = 10.0 * lag.cost;
-        let found = fitter(1.0).out_of_valleys(astray, f64::INFINITY).unwrap();
+        let found = fitter(1.0).out_of_valleys(&astray, f64::INFINITY).unwrap();
         assert!(found.cost < 1.01 * lag.cost, "{} {}", found.cost, lag.cost);
     }
 }

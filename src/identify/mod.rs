@@ -22,6 +22,7 @@ mod noise_law;
 mod objective;
 mod optimiser;
 mod order;
+mod over_cube;
 mod parameters;
 mod pipeline;
 mod problem;

@@ -10,17 +10,17 @@ use crate::measurement::Measurement;
 use crate::plant::{Actuator, Plant};
 
 use super::IdentifyError;
-use super::bee_colony::Objective;
 use super::closed_form;
 use super::history::History;
 use super::methods::{self, Steps};
 use super::noise::{self, Weights};
 use super::objective::Misfit;
-use super::optimiser::{self, Descent, Optimiser, Search, Smooth};
+use super::optimiser::{self, Optimiser, Search};
+use super::over_cube::OverCube;
 use super::parameters::Coordinates;
 use super::problem::Problem;
 use super::proposal;
-use super::refine::{self, Patience, Refined};
+use super::refine::{self, Refined};
 
 /// Rounds in which weights that depend on the model are computed anew.
 const MOST_ROUNDS: usize = 6;
@@ -329,40 +329,4 @@ fn with_fast_pole(plant: &Plant, omega_high: f64) -> Plant {
         already @ Actuator::SecondOrder { .. } => already,
     };
     Plant { actuator, ..*plant }
-}
-
-/// The misfit as a search sees it: over the unit cube, with K solved for.
-struct OverCube<'a> {
-    misfit: &'a Misfit<'a>,
-}
-
-impl Objective for OverCube<'_> {
-    fn dimension(&self) -> usize {
-        self.misfit.coordinates.len() - 1
-    }
-
-    fn cost(&self, cube: &[f64]) -> f64 {
-        if self.misfit.observer.cancelled() {
-            return f64::INFINITY;
-        }
-        let mut point = self.misfit.coordinates.within_search(cube);
-        self.misfit.solve_for_constant(&mut point)
-    }
-}
-
-impl Smooth for OverCube<'_> {
-    fn descend(&self, from: &[f64], most: usize, on_step: &mut dyn FnMut(usize, f64)) -> Descent {
-        let mut start = self.misfit.coordinates.within_search(from);
-        self.misfit.solve_for_constant(&mut start);
-        // Solving for K was one.
-        let patience = Patience { evaluations: most as u64 - 1, ..refine::THOROUGH };
-        let refined = refine::refine(self.misfit, &start, patience, &mut |_, used, cost| {
-            on_step(used as usize + 1, cost);
-        });
-        Descent {
-            point: self.misfit.coordinates.share_of_search_unclamped(&refined.point),
-            cost: refined.cost,
-            evaluations: refined.evaluations as usize + 1,
-        }
-    }
 }

@@ -12,10 +12,15 @@
 //! ρ = Tₛ = 0. A state that a machine does not have is not stepped: N is the number of
 //! those it has.
 
+mod joint;
+mod switching;
+
 use super::effect::Effect;
 use super::friction::DryFriction;
 use super::outsider::{OutsideMechanics, Outsider};
 use crate::plant::Plant;
+pub(super) use joint::Contact;
+use joint::Joint;
 
 /// Index of v, response units: the first state of every machine.
 pub(super) const VELOCITY: usize = 0;
@@ -29,31 +34,11 @@ pub(super) enum Motion {
     Sliding(f64),
 }
 
-/// What the joint between motor and load does at the moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Contact {
-    /// The twist is within the gap.
-    Free,
-    /// It is beyond the gap on this side, +1 or −1.
-    At(f64),
-}
-
 /// Which set of equations holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Mode {
     pub(super) motion: Motion,
     pub(super) contact: Contact,
-}
-
-/// The elastic joint of two masses.
-#[derive(Debug, Clone, Copy)]
-struct Joint {
-    load_fraction: f64,
-    stiffness: f64,
-    damping: f64,
-    half_gap: f64,
-    /// Index of φ; v_load follows it.
-    twist: usize,
 }
 
 /// The cogging torque T·sin(N·θ + φ).
@@ -244,19 +229,6 @@ impl Mechanics {
         fastest
     }
 
-    /// Tₛ, input units.
-    #[inline]
-    fn joint_torque<const N: usize>(&self, contact: Contact, state: &[f64; N]) -> f64 {
-        match (self.joint, contact) {
-            (Some(joint), Contact::At(side)) if N > 2 => {
-                let beyond = state[joint.twist] - side * joint.half_gap;
-                let rate = state[VELOCITY] - state[joint.twist + 1];
-                joint.stiffness * beyond + joint.damping * rate
-            }
-            _ => 0.0,
-        }
-    }
-
     /// τ + b − g − Tₛ, input units, drag aside: what friction has to balance at rest.
     #[inline]
     fn net_torque<const N: usize>(&self, contact: Contact, torque: f64, state: &[f64; N]) -> f64 {
@@ -320,96 +292,12 @@ impl Mechanics {
         slope
     }
 
-    /// The mode in which a state moves on.
-    pub(super) fn mode<const N: usize>(&self, torque: f64, state: &[f64; N]) -> Mode {
-        let contact = self.contact(state);
-        let motion = match state[VELOCITY] {
-            0.0 => self.at_zero(contact, torque, state),
-            v => Motion::Sliding(v.signum()),
-        };
-        Mode { motion, contact }
-    }
-
-    fn contact<const N: usize>(&self, state: &[f64; N]) -> Contact {
-        let Some(joint) = self.joint else { return Contact::Free };
-        let twist = state[joint.twist];
-        let outwards = twist.signum() * (state[VELOCITY] - state[joint.twist + 1]);
-        let beyond = twist.abs() - joint.half_gap;
-        if joint.half_gap == 0.0 {
-            Contact::At(1.0)
-        } else if beyond > 0.0 || (beyond == 0.0 && outwards > 0.0) {
-            Contact::At(twist.signum())
-        } else {
-            Contact::Free
-        }
-    }
-
-    /// How friction meets an axis at v = 0: it holds it unless the torque exceeds the static
-    /// level. A bristle holds nothing.
-    pub(super) fn at_zero<const N: usize>(
-        &self,
-        contact: Contact,
-        torque: f64,
-        state: &[f64; N],
-    ) -> Motion {
-        let net = self.net_torque(contact, torque, state);
-        if let Some((bristle, sigma)) = self.bristle {
-            return Motion::Sliding(if net < sigma * state[bristle] { -1.0 } else { 1.0 });
-        }
-        let factor = self.outside.map_or(1.0, |outside| outside.friction_factor(torque));
-        if net > factor * self.friction.levels.fs_plus {
-            Motion::Sliding(1.0)
-        } else if net < -factor * self.friction.levels.fs_minus {
-            Motion::Sliding(-1.0)
-        } else {
-            Motion::Stuck
-        }
-    }
-
-    /// Whether the motion has come to its end: sliding at v = 0 or beyond, sticking where
-    /// the torque exceeds the static level.
+    /// Tₛ, input units.
     #[inline]
-    pub(super) fn motion_is_over<const N: usize>(
-        &self,
-        mode: Mode,
-        torque: f64,
-        state: &[f64; N],
-    ) -> bool {
-        match mode.motion {
-            Motion::Sliding(direction) => direction * state[VELOCITY] <= 0.0,
-            Motion::Stuck => self.at_zero(mode.contact, torque, state) != Motion::Stuck,
-        }
-    }
-
-    /// Whether the joint has met or left an edge of its gap.
-    #[inline]
-    pub(super) fn contact_is_over<const N: usize>(&self, mode: Mode, state: &[f64; N]) -> bool {
+    fn joint_torque<const N: usize>(&self, contact: Contact, state: &[f64; N]) -> f64 {
         match self.joint {
-            Some(joint) if N > 2 && joint.half_gap > 0.0 => match mode.contact {
-                Contact::Free => state[joint.twist].abs() > joint.half_gap,
-                Contact::At(side) => side * state[joint.twist] < joint.half_gap,
-            },
-            _ => false,
-        }
-    }
-
-    /// The state at an edge of the gap, exactly, and the contact beyond it.
-    pub(super) fn at_edge<const N: usize>(
-        &self,
-        contact: Contact,
-        state: &mut [f64; N],
-    ) -> Contact {
-        let Some(joint) = self.joint else { return contact };
-        let twist = &mut state[joint.twist];
-        match contact {
-            Contact::Free => {
-                *twist = joint.half_gap.copysign(*twist);
-                Contact::At(twist.signum())
-            }
-            Contact::At(side) => {
-                *twist = side * joint.half_gap;
-                Contact::Free
-            }
+            Some(joint) if N > 2 => joint.torque(contact, state),
+            _ => 0.0,
         }
     }
 }

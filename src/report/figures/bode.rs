@@ -1,17 +1,15 @@
 //! Frequency response at every magnitude, measured and simulated.
 
-use std::collections::HashMap;
+mod curves;
 
 use super::canvas::{Anchor, Canvas, LABEL, Marker, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, DEGREES, Scale, padded, range};
-use super::series::{
-    by_magnitude, excited, experiment_label, frequency_hz, has_many_lines, in_fraction, is_seen,
-    largest_measured, left_out, magnitude_label, size,
-};
+use super::series::{in_fraction, left_out};
 use super::text::{self, number};
 use super::{Extended, NothingToDraw, Subject, comparison};
-use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
+use crate::answers::Comparison;
+use curves::{Curve, Point, Ratio, curves};
 
 const LEFT: f64 = 64.0;
 const RIGHT: f64 = WIDTH - 92.0;
@@ -24,44 +22,13 @@ const BELOW_MEASURED_DB: f64 = 20.0;
 /// Points above which markers are small and have no hints.
 const FEW_POINTS: usize = 150;
 
-/// Most that the phase of an axis and its actuator turns over a band, degrees:
-/// beyond it, noise was counted as turns.
-const MOST_TURNED_DEG: f64 = 720.0;
-
-/// Branch of the first phase: its middle, degrees. Position, velocity and
-/// acceleration of an axis all begin within half a turn of it.
-const FIRST_BRANCH_DEG: f64 = -90.0;
-
-#[derive(Debug, Clone, Copy)]
-struct Ratio {
-    gain_db: f64,
-    phase_deg: f64,
-}
-
-#[derive(Debug)]
-struct Point {
-    frequency_hz: f64,
-    /// `None` where nothing moved.
-    measured: Option<Ratio>,
-    simulated: Option<Ratio>,
-    /// Of the model with the causes.
-    extended: Option<Ratio>,
-}
-
 /// What one of the models makes of a point.
 type Model = fn(&Point) -> Option<Ratio>;
-
-#[derive(Debug)]
-struct Curve {
-    label: String,
-    points: Vec<Point>,
-}
 
 pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let comparison = comparison(subject)?;
     let extended = subject.extended;
-    let mut curves = curves(comparison, extended.map(|extended| extended.comparison));
-    curves.iter_mut().for_each(unwrap);
+    let curves = curves(comparison, extended.map(|extended| extended.comparison));
     let points: usize = curves.iter().map(|curve| curve.points.len()).sum();
     if points == 0 {
         return Err(NothingToDraw("no line of the response is a line of the input".into()));
@@ -286,110 +253,4 @@ fn says(curves: &[Curve], extended: Option<Extended<'_>>) -> String {
 /// A departure with two digits, and no smaller than a plot could show.
 fn rounded(departure: f64) -> String {
     number(departure.max(1e-3), 2)
-}
-
-fn curves(comparison: &Comparison, extended: Option<&Comparison>) -> Vec<Curve> {
-    let largest = largest_measured(comparison);
-    let extended: HashMap<usize, &ComparedExperiment> = extended
-        .iter()
-        .flat_map(|extended| &extended.experiments)
-        .map(|experiment| (experiment.experiment, experiment))
-        .collect();
-    let point = |experiment: &ComparedExperiment, harmonic: &ComparedHarmonic| {
-        let seen = is_seen(comparison, harmonic, largest);
-        let same = |other: &&ComparedHarmonic| other.order == harmonic.order;
-        let other = extended.get(&experiment.experiment).map(|other| &other.harmonics);
-        Point {
-            frequency_hz: frequency_hz(experiment, harmonic.order),
-            measured: ratio(harmonic.measured, harmonic.input).filter(|_| seen),
-            simulated: ratio(harmonic.simulated, harmonic.input),
-            extended: other
-                .and_then(|harmonics| harmonics.iter().find(same))
-                .and_then(|other| ratio(other.simulated, harmonic.input)),
-        }
-    };
-    let many = has_many_lines(comparison);
-    let mut curves = Vec::new();
-    for group in by_magnitude(comparison) {
-        let label = magnitude_label(group.magnitude, comparison);
-        if !many {
-            let points = group.experiments.iter().filter_map(|experiment| {
-                let fundamental = excited(experiment).into_iter().next()?;
-                Some(point(experiment, fundamental))
-            });
-            curves.push(Curve { label, points: points.collect() });
-            continue;
-        }
-        for experiment in &group.experiments {
-            let label = experiment_label(experiment, comparison);
-            let points = excited(experiment).into_iter().map(|h| point(experiment, h)).collect();
-            curves.push(Curve { label, points });
-        }
-    }
-    curves.retain(|curve| !curve.points.is_empty());
-    curves
-}
-
-fn ratio(response: [f64; 2], input: [f64; 2]) -> Option<Ratio> {
-    let gain_db = 20.0 * (size(response) / size(input)).log10();
-    let phase_deg = (response[1].atan2(response[0]) - input[1].atan2(input[0])).to_degrees();
-    (gain_db.is_finite() && phase_deg.is_finite()).then_some(Ratio { gain_db, phase_deg })
-}
-
-/// Takes whole turns out of the phases: the simulated curve follows itself, the
-/// measured points follow the simulated curve, which has no noise.
-fn unwrap(curve: &mut Curve) {
-    follow(curve, true);
-    let phases = curve.points.iter().filter_map(|point| point.simulated.or(point.measured));
-    let [low, high] = range(phases.map(|ratio| ratio.phase_deg));
-    if high - low > MOST_TURNED_DEG {
-        follow(curve, false);
-    }
-}
-
-/// Moves every phase by whole turns towards its predecessor, or all towards the
-/// branch of the first.
-fn follow(curve: &mut Curve, predecessor: bool) {
-    let near = |phase: f64, reference: f64| phase - 360.0 * ((phase - reference) / 360.0).round();
-    let mut previous = FIRST_BRANCH_DEG;
-    for point in &mut curve.points {
-        let mut turn = |ratio: &mut Ratio, leads: bool| {
-            ratio.phase_deg = near(ratio.phase_deg, previous);
-            if predecessor && leads {
-                previous = ratio.phase_deg;
-            }
-        };
-        let answers = point.simulated.is_some();
-        point.simulated.iter_mut().for_each(|ratio| turn(ratio, true));
-        point.extended.iter_mut().for_each(|ratio| turn(ratio, false));
-        point.measured.iter_mut().for_each(|ratio| turn(ratio, !answers));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn phases_have_no_jumps_of_a_whole_turn() {
-        let truth: Vec<f64> = (0..40).map(|i| -20.0 - 15.0 * f64::from(i)).collect();
-        let wrapped = |phase: f64| (phase + 180.0).rem_euclid(360.0) - 180.0;
-        let ratio = |phase_deg: f64| Some(Ratio { gain_db: 0.0, phase_deg: wrapped(phase_deg) });
-        let points = truth.iter().enumerate().map(|(i, phase)| Point {
-            frequency_hz: 1.0,
-            measured: ratio(phase + 7.0),
-            // A point of rest in the middle does not lose the count of turns.
-            simulated: ratio(*phase).filter(|_| i != 20),
-            extended: ratio(*phase),
-        });
-        let mut curve = Curve { label: String::new(), points: points.collect() };
-        unwrap(&mut curve);
-        for (point, phase) in curve.points.iter().zip(truth) {
-            let [measured, extended] =
-                [point.measured, point.extended].map(|ratio| ratio.unwrap().phase_deg);
-            assert!((extended - phase).abs() < 1e-9, "{extended} {phase}");
-            // Rounding of angles of a few hundred degrees.
-            assert!((measured - phase - 7.0).abs() < 1e-9, "{measured} {phase}");
-        }
-    }
 }

@@ -24,8 +24,7 @@ impl<C: Course> Followed<'_, C> {
         if let Some(motion) = direction(start) {
             return Some((from_s, motion));
         }
-        let mut low = from_s;
-        let mut high = course.time(cell + 1);
+        let (low, mut high) = (from_s, course.time(cell + 1));
         let length_s = high - low;
         let motion = match direction(course.node(cell + 1).0) {
             Some(motion) => motion,
@@ -34,24 +33,12 @@ impl<C: Course> Followed<'_, C> {
                 direction(course.torque(cell, high).0)?
             }
         };
-        let level = if motion == Motion::Forward { plus } else { -minus };
-        let mut time_s = 0.5 * (low + high);
-        for _ in 0..60 {
+        let (sign, level) = if motion == Motion::Forward { (1.0, plus) } else { (-1.0, -minus) };
+        let excess = |time_s: f64| {
             let (torque, rate) = course.torque(cell, time_s);
-            let excess = torque - level;
-            if (excess > 0.0) == (motion == Motion::Forward) {
-                high = time_s;
-            } else {
-                low = time_s;
-            }
-            let newton = time_s - excess / rate;
-            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-            let moved = (next - time_s).abs();
-            time_s = next;
-            if moved <= LAST_STEP * length_s {
-                break;
-            }
-        }
+            (sign * (torque - level), sign * rate)
+        };
+        let time_s = passing([low, high], 0.5 * (low + high), length_s, excess);
         Some((time_s, motion))
     }
 
@@ -103,11 +90,10 @@ impl<C: Course> Followed<'_, C> {
         let crosses = sign * x_end < if fresh { -ROUNDING * self.scale } else { 0.0 };
         let (mut low, mut high) = (anchor.time_s, cell_end);
         let length_s = high - low;
-        let mut time_s;
-        if crosses && fresh && rate_start > 0.0 {
+        let first = if crosses && fresh && rate_start > 0.0 {
             // It leaves zero and returns to it within the cell: look beyond the top.
             low = bisect(low, high, |t| x(t).1 > 0.0);
-            time_s = 0.5 * (low + high);
+            0.5 * (low + high)
         } else if crosses {
             // Begin where the cubic through values and slopes of both ends meets zero.
             let (y, d) = (sign * anchor.x, rate_start * length_s);
@@ -116,7 +102,7 @@ impl<C: Course> Followed<'_, C> {
             let (square, cube) = (3.0 * value - slope, slope - 2.0 * value);
             let fallen = |u: f64| -(((cube * u + square) * u + d) * u + y);
             let falls = |u: f64| -((3.0 * cube * u + 2.0 * square) * u + d);
-            time_s = low + length_s * root(0.0, 1.0, fallen, falls);
+            low + length_s * root(0.0, 1.0, fallen, falls)
         } else {
             // It may dip below zero between two nodes, if its tangent does.
             let within_reach = sign * anchor.x + rate_start * length_s < 0.0;
@@ -127,23 +113,13 @@ impl<C: Course> Followed<'_, C> {
             if x(high).0 >= 0.0 {
                 return None;
             }
-            time_s = 0.5 * (low + high);
-        }
-        for _ in 0..60 {
-            let (value, rate) = x(time_s);
-            if value > 0.0 {
-                low = time_s;
-            } else {
-                high = time_s;
-            }
-            let newton = time_s - value / rate;
-            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-            let moved = (next - time_s).abs();
-            time_s = next;
-            if moved <= LAST_STEP * length_s {
-                break;
-            }
-        }
+            0.5 * (low + high)
+        };
+        let fallen = |time_s: f64| {
+            let (x, rate) = x(time_s);
+            (-x, -rate)
+        };
+        let time_s = passing([low, high], first, length_s, fallen);
         let torque = course.torque(cell, time_s).0;
         let next = match motion {
             Motion::Forward if torque < -self.friction.fs_minus => Motion::Backward,
@@ -152,4 +128,32 @@ impl<C: Course> Followed<'_, C> {
         };
         Some((time_s, next))
     }
+}
+
+/// Where what rises through zero between two instants does so, by Newton's method from `first`
+/// within that bracket. `rising` gives its value and rate; `length_s` is what the last step is
+/// measured by.
+fn passing(
+    [mut low, mut high]: [f64; 2],
+    first: f64,
+    length_s: f64,
+    rising: impl Fn(f64) -> (f64, f64),
+) -> f64 {
+    let mut time_s = first;
+    for _ in 0..60 {
+        let (value, rate) = rising(time_s);
+        if value >= 0.0 {
+            high = time_s;
+        } else {
+            low = time_s;
+        }
+        let newton = time_s - value / rate;
+        let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
+        let moved = (next - time_s).abs();
+        time_s = next;
+        if moved <= LAST_STEP * length_s {
+            break;
+        }
+    }
+    time_s
 }

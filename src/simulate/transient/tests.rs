@@ -1,3 +1,5 @@
+use nalgebra::{Matrix3, Vector3};
+
 use super::*;
 use crate::plant::Friction;
 
@@ -63,6 +65,28 @@ fn behind_an_actuator_the_torque_starts_from_its_own_state() {
     };
     // Quintics for 0.3 time constants: (0.3)⁶/46080 of τ.
     assert!(worst(&motion.velocity, v) < 1e-7, "{}", worst(&motion.velocity, v));
+}
+
+// Without friction (τ, τ', v) less what they come to are exp(At) of what they begin with.
+#[test]
+fn behind_an_actuator_of_order_2_the_torque_starts_with_its_rate() {
+    let natural_frequency_rad_s: f64 = 30.0;
+    for damping_ratio in [0.3, 1.1] {
+        let actuator = Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio };
+        let (torque, torque_rate) = (Some(-1.0), Some(40.0));
+        let initial = InitialState { torque, torque_rate, ..InitialState::default() };
+        let motion = moved(&plant(actuator, 0.0, 0.0), &[1.0; 100], Intersample::Hold, &initial);
+        let (stiffness, damping) =
+            (natural_frequency_rad_s.powi(2), 2.0 * damping_ratio * natural_frequency_rad_s);
+        let matrix = Matrix3::new(0.0, 1.0, 0.0, -stiffness, -damping, 0.0, 10.0, 0.0, -10.0);
+        let begin = Vector3::new(-1.0, 40.0, 0.0);
+        let end = Vector3::new(1.0, 0.0, 1.0);
+        let v = |t: f64| ((matrix * t).exp() * (begin - end) + end)[2];
+        // Quintics for half of a time constant: (0.47)⁶/46080 of τ − 1, a tenth of which is v in
+        // a step.
+        let apart = worst(&motion.velocity, v);
+        assert!(apart < 1e-7, "{damping_ratio}: {apart:e}");
+    }
 }
 
 #[test]

@@ -57,6 +57,11 @@ pub(super) struct Args {
     /// random one, and counts how often either leaves the hidden effect alone as the cause.
     #[arg(long)]
     separate: bool,
+    /// Says of every single draw which other effect, refitted without noise, comes nearest to
+    /// the hidden one, and counts the first names by how near: what no noise tells apart, no
+    /// diagnosis can.
+    #[arg(long)]
+    nearest: bool,
     /// Draws at once, each with its share of the cores [default: one a core].
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
@@ -97,8 +102,8 @@ impl Args {
     fn settings(&self) -> Settings {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let jobs = self.jobs.unwrap_or(threads);
-        let Self { seed, order_from_data, separate, .. } = *self;
-        Settings { seed, order_from_data, separate, jobs, threads }
+        let Self { seed, order_from_data, separate, nearest, .. } = *self;
+        Settings { seed, order_from_data, separate, nearest, jobs, threads }
     }
 
     /// What repeats a draw of this run, but for its key.

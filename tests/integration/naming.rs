@@ -11,8 +11,14 @@ use servoscope::observer::Silent;
 use crate::reference;
 use crate::shared_files::shared;
 
-const SETTINGS: Settings =
-    Settings { seed: 1, order_from_data: false, separate: false, jobs: 1, threads: 1 };
+const SETTINGS: Settings = Settings {
+    seed: 1,
+    order_from_data: false,
+    separate: false,
+    nearest: false,
+    jobs: 1,
+    threads: 1,
+};
 
 /// Effects of every sort (friction, viscous, acquisition, joint, position, chain, sensor) over
 /// all orders and levels; those with index 4 carry repeats.

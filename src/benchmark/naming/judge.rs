@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::case::{Case, Kind};
 use super::fresh::Fresh;
 use super::make::{Hidden, Made};
+use super::rivals::Nearest;
 use super::separation::Separation;
 use crate::answers::{Diagnosis, ParameterEstimate, Verdict};
 
@@ -36,6 +37,9 @@ pub struct Outcome {
     /// Whether the next experiment told the hidden effect from its rivals; null where that
     /// was not tried.
     pub separation: Option<Separation>,
+    /// The library's effect that imitates a single hidden one best; null where that was not
+    /// asked.
+    pub nearest: Option<Nearest>,
     /// The gain, and what a fresh measurement shows; null where none is given.
     pub fresh: Option<Fresh>,
     /// What it took.
@@ -128,6 +132,7 @@ impl Outcome {
             hidden: made.hidden.clone(),
             answer: answer.map(|diagnosis| Answer::of(diagnosis, made)),
             separation: None,
+            nearest: None,
             fresh: None,
             seconds,
         }

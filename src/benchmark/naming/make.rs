@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::case::{Case, Kind};
 use super::excess::{DETECTABLE, exact, excess_in, of_excess};
 use super::outsiders::{OUTSIDERS, draw_outsider};
-use super::rivals::Rivals;
+use super::rivals::{Nearest, Rivals};
 use crate::benchmark::draw::{Draw, DrawError, NoiseStatement, draw, log_uniform};
 use crate::benchmark::hidden::{IDS, draw_effect};
 use crate::benchmark::responses::Responses;
@@ -65,6 +65,19 @@ impl Made {
     /// Whether an effect is hidden in it.
     pub fn hides(&self, effect: &str) -> bool {
         self.hidden.iter().any(|hidden| hidden.effect == effect)
+    }
+
+    /// The effect of the library that alone imitates a single hidden one best; `None` where
+    /// another number of them is hidden.
+    ///
+    /// # Errors
+    /// See [`MakeError`].
+    pub fn nearest_rival(&self) -> Result<Option<Nearest>, MakeError> {
+        let [hidden] = self.hidden.as_slice() else { return Ok(None) };
+        let responses = Responses::simulate(&self.machine, &Settings::default())?;
+        let exact = responses.exact(Some(self.noise_std))?;
+        let rivals = Rivals::ask(&exact, self.machine.plant.actuator.order())?;
+        Ok(rivals.nearest_to(hidden.effect))
     }
 }
 
@@ -209,7 +222,7 @@ fn judged(
             let ids = [machine.effects[0].id(), machine.effects[1].id()];
             detectable_beside(&rivals()?, ids)?.map(Vec::from)
         }
-        Kind::Outsider => is_outside(&rivals()?)?.then(|| vec![excess]),
+        Kind::Outsider => is_outside(&rivals()?, machine)?.then(|| vec![excess]),
     };
     let hidden = |(effect, excess): (&Effect, f64)| Hidden {
         effect: effect.id(),
@@ -230,9 +243,9 @@ fn detectable_beside(rivals: &Rivals, ids: [&str; 2]) -> Result<Option<[f64; 2]>
 }
 
 /// Whether no effect of the library imitates what was measured.
-fn is_outside(rivals: &Rivals) -> Result<bool, MakeError> {
+fn is_outside(rivals: &Rivals, machine: &Draw) -> Result<bool, MakeError> {
     let unjudged = || MakeError::Unjudged { effect: "any".to_owned() };
-    Ok(rivals.nearest().ok_or_else(unjudged)?.1 >= NOT_IMITATED)
+    Ok(rivals.nearest_to(machine.effects[0].id()).ok_or_else(unjudged)?.excess >= NOT_IMITATED)
 }
 
 /// Parameters of a plant by the name under which they are reported.

@@ -34,7 +34,7 @@ pub use judge::{Answer, Estimated, Named, Outcome, Seconds};
 pub use make::{Hidden, Made, MakeError, make};
 pub use outsiders::{OUTSIDERS, draw_outsider};
 pub use rate::Rate;
-pub use rivals::Rivals;
+pub use rivals::{Nearest, Rivals};
 pub use run::{Run, Settings, Unmade, run_all, run_case};
 pub use separation::Separation;
 pub use summary::{ConfidenceBin, Confusion, EffectRates, Line, NONE, Summary, Times, Wanted};

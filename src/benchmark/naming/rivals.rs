@@ -1,5 +1,7 @@
 //! How well a single effect of the library explains a noise-free response.
 
+use serde::Serialize;
+
 use crate::answers::{Candidate, IdentifyOptions, PlantRequest};
 use crate::diagnose::{DiagnoseError, diagnose};
 use crate::identify::IdentifyRequest;
@@ -12,6 +14,18 @@ use crate::observer::Silent;
 pub struct Rivals {
     base: f64,
     candidates: Vec<Candidate>,
+}
+
+/// The effect that alone, everything else refitted, imitates what is hidden best.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Nearest {
+    /// Its id.
+    pub effect: String,
+    /// Excess χ² that it leaves of the noise-free response. As noise makes χ² scatter, a
+    /// choice by likelihood between it and the hidden effect goes wrong with probability
+    /// Φ(−½√excess), the error of two simple hypotheses (Neyman and Pearson 1933, DOI
+    /// 10.1098/rsta.1933.0009).
+    pub excess: f64,
 }
 
 impl Rivals {
@@ -34,11 +48,13 @@ impl Rivals {
         self.alone().filter(of_effect).map(|candidate| candidate.cost).reduce(f64::min)
     }
 
-    /// The effect that alone explains most, and its excess; `None` where none was tried.
-    pub fn nearest(&self) -> Option<(&str, f64)> {
+    /// The effect other than the hidden one that alone explains most; `None` where none was
+    /// tried.
+    pub fn nearest_to(&self, hidden: &str) -> Option<Nearest> {
         self.alone()
-            .map(|candidate| (candidate.effect.as_str(), candidate.cost))
-            .min_by(|left, right| left.1.total_cmp(&right.1))
+            .filter(|candidate| candidate.effect != hidden)
+            .min_by(|left, right| left.cost.total_cmp(&right.cost))
+            .map(|candidate| Nearest { effect: candidate.effect.clone(), excess: candidate.cost })
     }
 
     /// Every effect alone beside the base model, where costs are χ².
@@ -50,6 +66,7 @@ impl Rivals {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::benchmark::naming::{Case, make};
 
     pub(in super::super) fn rivals(base: f64, costs: &[(&str, f64)]) -> Rivals {
         let candidate = |(effect, cost): &(&str, f64)| Candidate {
@@ -64,12 +81,24 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_nearest_effect_is_the_one_that_leaves_least() {
+    fn the_nearest_effect_is_the_other_one_that_leaves_least() {
         let found = rivals(5_000.0, &[("cogging", 4_000.0), ("spring", 900.0)]);
         assert_eq!(found.excess_with("cogging"), Some(4_000.0));
         assert_eq!(found.excess_with("stribeck"), None);
-        assert_eq!(found.nearest(), Some(("spring", 900.0)));
-        assert_eq!(rivals(10.0, &[]).nearest(), None);
-        assert_eq!(rivals(f64::NAN, &[("spring", 900.0)]).nearest(), None);
+        let nearest = |effect: &str, excess| Some(Nearest { effect: effect.to_owned(), excess });
+        assert_eq!(found.nearest_to("cubic_drag"), nearest("spring", 900.0));
+        assert_eq!(found.nearest_to("spring"), nearest("cogging", 4_000.0));
+        assert_eq!(rivals(10.0, &[]).nearest_to("spring"), None);
+        assert_eq!(rivals(f64::NAN, &[("spring", 900.0)]).nearest_to("cogging"), None);
+    }
+
+    #[test]
+    fn what_comes_nearest_to_a_lag_is_a_delay() {
+        let case: Case = "single-50-sensor_lag-o0-0".parse().unwrap();
+        let made = make(&case, 1, &Silent).unwrap();
+        let nearest = made.nearest_rival().unwrap().unwrap();
+        assert_eq!(nearest.effect, "transport_delay");
+        // It contains the base model.
+        assert!((0.0..made.excess).contains(&nearest.excess), "{nearest:?} of {}", made.excess);
     }
 }

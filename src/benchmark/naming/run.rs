@@ -26,6 +26,8 @@ pub struct Settings {
     pub order_from_data: bool,
     /// Whether to try the next experiment where one is asked for of a single effect.
     pub separate: bool,
+    /// Whether to ask how near the library's other effects come to a single hidden one.
+    pub nearest: bool,
     /// Draws at once; each has its share of `threads`.
     pub jobs: usize,
     /// Threads of all of them together.
@@ -86,6 +88,9 @@ pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Re
         outcome.separation =
             separate(case, &made, answer, &request, rng, observer).map_err(unmade)?;
     }
+    if settings.nearest && case.kind == Kind::Single {
+        outcome.nearest = made.nearest_rival().map_err(unmade)?;
+    }
     Ok(Run { outcome, diagnosis: answer.ok() })
 }
 
@@ -139,7 +144,14 @@ mod tests {
     use crate::observer::Silent;
 
     fn settings(jobs: usize) -> Settings {
-        Settings { seed: 7, order_from_data: false, separate: false, jobs, threads: jobs }
+        Settings {
+            seed: 7,
+            order_from_data: false,
+            separate: false,
+            nearest: false,
+            jobs,
+            threads: jobs,
+        }
     }
 
     fn cases() -> Vec<Case> {

@@ -1,15 +1,14 @@
 //! What a run of the benchmark comes to: rates, confusions, calibration, times.
 
+mod lines;
+
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::case::Kind;
-use super::fresh::Fresh;
-use super::judge::{Estimated, Outcome};
+use super::judge::Outcome;
 use super::rate::Rate;
-use super::separation::Separation;
-use crate::answers::Verdict;
 
 /// Excess at which one bin ends and the next begins.
 const DECADES: [f64; 4] = [120.0, 1_200.0, 12_000.0, 120_000.0];
@@ -134,7 +133,7 @@ impl Summary {
         levels.sort_unstable_by(|left, right| right.cmp(left));
         levels.dedup();
         Self {
-            lines: lines(outcomes, &levels),
+            lines: lines::lines(outcomes, &levels),
             effects: effects(outcomes, &levels),
             confusions: levels.iter().map(|level| confusion(outcomes, *level)).collect(),
             calibration: calibration(outcomes),
@@ -142,115 +141,6 @@ impl Summary {
             job_seconds: times(outcomes.iter().map(|outcome| outcome.seconds.job)),
         }
     }
-}
-
-/// What is counted of a kind of draw, by name.
-type Count = (&'static str, fn(&Outcome) -> bool);
-
-fn lines(outcomes: &[Outcome], levels: &[u32]) -> Vec<Line> {
-    let at = |kind: Kind, level: Option<u32>| {
-        let of = move |o: &&Outcome| o.kind == kind && level.is_none_or(|db| o.level_db == db);
-        outcomes.iter().filter(of)
-    };
-    let mut lines = Vec::new();
-    let mut say = |kind, level_db, (what, count): Count, wanted| {
-        let rate = Rate::count(at(kind, level_db).map(count));
-        if rate.of > 0 {
-            lines.push(Line { kind, level_db, what, rate, wanted });
-        }
-    };
-    let by_level = |level: u32, shares: [f64; 3]| {
-        let place = [60, 50, 40].into_iter().position(|db| db == level);
-        place.map_or(Wanted::Nothing, |place| Wanted::AtLeast(shares[place]))
-    };
-    for &level in levels {
-        let mut single = |count, wanted| say(Kind::Single, Some(level), count, wanted);
-        single(("named first", Outcome::named_first), by_level(level, [0.95, 0.90, 0.80]));
-        single(
-            ("first or an equivalent", Outcome::first_or_equivalent),
-            by_level(level, [0.99, 0.97, 0.92]),
-        );
-        single(("explained", Outcome::is_explained), by_level(level, [0.95, 0.93, 0.90]));
-        single(("nothing else named", Outcome::named_exactly), Wanted::Nothing);
-    }
-    let something: Count = ("something named", |o| !o.causes().is_empty());
-    for &level in levels {
-        say(Kind::Clean, Some(level), something, Wanted::Nothing);
-    }
-    say(Kind::Clean, None, something, Wanted::AtMost(0.02));
-    say(
-        Kind::Clean,
-        None,
-        ("not adequate", |o| o.verdict() != Some(Verdict::Adequate)),
-        Wanted::Nothing,
-    );
-    for &level in levels {
-        let mut pair = |count, wanted| say(Kind::Pair, Some(level), count, wanted);
-        let wanted = match level {
-            60 => Wanted::AtLeast(0.85),
-            50 => Wanted::AtLeast(0.75),
-            _ => Wanted::Nothing,
-        };
-        pair(("both and nothing else", Outcome::named_exactly), wanted);
-        pair(("one of them first", Outcome::named_first), Wanted::Nothing);
-        pair(("explained", Outcome::is_explained), Wanted::Nothing);
-    }
-    let explained: Count =
-        ("explained by a wrong name", |o| o.is_explained() && !o.causes().is_empty());
-    let certain: Count = ("a cause at 0.9 or more", |o| o.any_at(0.9));
-    say(Kind::Outsider, None, explained, Wanted::AtMost(0.05));
-    say(Kind::Outsider, None, certain, Wanted::AtMost(0.10));
-    say(Kind::Outsider, None, something, Wanted::Nothing);
-
-    let mut separated = |what, by: fn(&Separation) -> bool| {
-        let tried = at(Kind::Single, None).filter_map(|o| o.separation.as_ref());
-        let rate = Rate::count(tried.map(by));
-        if rate.of > 0 {
-            let (kind, wanted) = (Kind::Single, Wanted::Nothing);
-            lines.push(Line { kind, level_db: None, what, rate, wanted });
-        }
-    };
-    separated("no doubt left by the next experiment", |s| s.asked_for.ended);
-    separated("no doubt left by a random experiment", |s| s.random.ended);
-    separated("the next experiment speaks more for the hidden effect than a random one", |s| {
-        s.asked_for_is_better()
-    });
-
-    for kind in [Kind::Single, Kind::Pair] {
-        for &level in levels {
-            let right = at(kind, Some(level)).filter(|o| o.named_exactly());
-            let rate = Rate::count(right.filter_map(|o| o.fresh.as_ref()).map(Fresh::held));
-            if rate.of > 0 {
-                let (level_db, wanted) = (Some(level), Wanted::AtLeast(0.90));
-                lines.push(Line { kind, level_db, what: "gain on fresh data held", rate, wanted });
-            }
-            let answers = || at(kind, Some(level)).filter_map(|o| o.answer.as_ref().ok());
-            let mut held = |what, parameters: Vec<&Estimated>| {
-                let rate = Rate::count(parameters.iter().filter_map(|p| p.held()));
-                if rate.of > 0 {
-                    let wanted = Wanted::Nothing;
-                    lines.push(Line { kind, level_db: Some(level), what, rate, wanted });
-                }
-            };
-            let of_effects: Vec<_> = answers().flat_map(|a| &a.effect_parameters).collect();
-            let given = Rate::count(of_effects.iter().map(|p| p.interval95.is_some()));
-            held("parameters of named effects held", of_effects);
-            held(
-                "parameters of the plant held",
-                at(kind, Some(level))
-                    .filter(|o| o.named_exactly())
-                    .filter_map(|o| o.answer.as_ref().ok())
-                    .flat_map(|a| &a.plant_parameters)
-                    .collect(),
-            );
-            if given.of > 0 {
-                let (level_db, wanted) = (Some(level), Wanted::Nothing);
-                let what = "parameters of named effects with an interval";
-                lines.push(Line { kind, level_db, what, rate: given, wanted });
-            }
-        }
-    }
-    lines
 }
 
 fn effects(outcomes: &[Outcome], levels: &[u32]) -> Vec<EffectRates> {
@@ -323,6 +213,8 @@ fn times(seconds: impl Iterator<Item = f64>) -> Times {
 mod tests {
     use super::super::fixtures::outcome;
     use super::*;
+    use crate::answers::Verdict;
+    use crate::benchmark::naming::rivals::Nearest;
 
     fn outcomes() -> Vec<Outcome> {
         let explained = Verdict::Explained;
@@ -364,6 +256,24 @@ mod tests {
             assert_eq!((line.rate, line.met()), (Rate { hits, of }, met), "{kind:?} {what}");
         }
         assert!(summary.lines.iter().all(|l| (l.kind, l.level_db) != (Kind::Pair, Some(40))));
+    }
+
+    #[test]
+    fn first_names_are_counted_by_how_near_a_rival_comes() {
+        let near = |excess: f64, named: &str| {
+            let causes = [(named, 0.9, &[][..])];
+            let key = "single-60-spring-o0-0";
+            let outcome = outcome(key, &["spring"], &causes, Verdict::Explained);
+            let nearest = Some(Nearest { effect: "hardening_spring".into(), excess });
+            Outcome { nearest, ..outcome }
+        };
+        let outcomes = [near(-1e-9, "cogging"), near(3.9, "spring"), near(70.0, "spring")];
+        let summary = Summary::of(&outcomes);
+        let counted = |what: &str| line(&summary, Kind::Single, None, what).rate;
+        assert_eq!(counted("named first, a rival's excess below 4"), Rate { hits: 1, of: 2 });
+        assert_eq!(counted("named first, every rival's 64 or more"), Rate { hits: 1, of: 1 });
+        let between = |l: &Line| l.what.ends_with("4 to 16");
+        assert!(!summary.lines.iter().any(between), "nothing to count");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::case::Kind;
 use super::judge::Outcome;
 use super::rate::Rate;
+use super::rivals::Nearest;
 use super::run::Unmade;
 use super::summary::{Confusion, NONE, Summary, Wanted};
 use crate::benchmark::hidden::IDS;
@@ -136,6 +137,9 @@ pub fn case_text(outcome: &Outcome) -> String {
             let _ = write!(text, " (excess {:.0} beside the other)", hidden.excess);
         }
     }
+    if let Some(Nearest { effect, excess }) = &outcome.nearest {
+        let _ = write!(text, "\n    nearest {effect}: excess {excess:.1} without noise");
+    }
     for cause in outcome.causes() {
         let value = |(name, value): (&String, &Option<f64>)| match value {
             Some(value) => format!("{name} {value:.4}"),
@@ -174,8 +178,10 @@ mod tests {
     #[test]
     fn every_miss_is_listed_with_the_command_that_repeats_it() {
         let wrong = [("cogging", 0.85, &["spring"][..])];
+        let nearest = Some(Nearest { effect: "hardening_spring".into(), excess: 2.34 });
+        let missed = outcome("single-60-spring-o0-0", &["spring"], &wrong, Verdict::Improved);
         let outcomes = [
-            outcome("single-60-spring-o0-0", &["spring"], &wrong, Verdict::Improved),
+            Outcome { nearest, ..missed },
             outcome(
                 "single-60-spring-o0-1",
                 &["spring"],
@@ -189,6 +195,7 @@ mod tests {
             "Missed of the single draws: 1",
             "60 dB (std), order 0, excess 1000, improved",
             "hidden spring: amplitude 1.0000",
+            "nearest hardening_spring: excess 2.3 without noise",
             "named cogging at 0.850",
             "(or spring)",
             "servoscope benchmark --seed 3 --case single-60-spring-o0-0",

@@ -14,6 +14,8 @@ use super::rate::Rate;
 const DECADES: [f64; 4] = [120.0, 1_200.0, 12_000.0, 120_000.0];
 /// Bounds of the bins of confidence.
 const CONFIDENCES: [f64; 6] = [0.0, 0.5, 0.8, 0.9, 0.99, 1.0];
+/// Of causes at a confidence from 0.8 to 0.9 so many are to be right (contract, section 4).
+const CALIBRATED: (f64, [f64; 2]) = (0.8, [0.75, 0.95]);
 
 /// The row or column of draws in which nothing is named.
 pub const NONE: &str = "none";
@@ -26,8 +28,23 @@ pub enum Wanted {
     AtLeast(f64),
     /// This share or less.
     AtMost(f64),
+    /// A share between these.
+    Between([f64; 2]),
     /// It is only reported.
     Nothing,
+}
+
+impl Wanted {
+    /// Whether a share is as wanted; `None` where nothing was counted or asked.
+    pub fn met_by(&self, rate: &Rate) -> Option<bool> {
+        let share = rate.share()?;
+        match *self {
+            Self::AtLeast(least) => Some(share >= least),
+            Self::AtMost(most) => Some(share <= most),
+            Self::Between([least, most]) => Some((least..=most).contains(&share)),
+            Self::Nothing => None,
+        }
+    }
 }
 
 /// A rate with what it should be.
@@ -43,18 +60,6 @@ pub struct Line {
     pub rate: Rate,
     /// What is asked.
     pub wanted: Wanted,
-}
-
-impl Line {
-    /// Whether the share is as wanted; `None` where nothing was counted or asked.
-    pub fn met(&self) -> Option<bool> {
-        let share = self.rate.share()?;
-        match self.wanted {
-            Wanted::AtLeast(least) => Some(share >= least),
-            Wanted::AtMost(most) => Some(share <= most),
-            Wanted::Nothing => None,
-        }
-    }
 }
 
 /// How often a hidden effect is named first, by the size of its excess.
@@ -81,6 +86,8 @@ pub struct ConfidenceBin {
     pub mean: Option<f64>,
     /// How many are right.
     pub right: Rate,
+    /// What is asked.
+    pub wanted: Wanted,
 }
 
 /// First names at one noise level: rows are hidden, columns named.
@@ -193,7 +200,9 @@ fn calibration(outcomes: &[Outcome]) -> Vec<ConfidenceBin> {
             }
         }
         let mean = (right.of > 0).then(|| sum / f64::from(right.of));
-        ConfidenceBin { from, to, mean, right }
+        let (asked_from, shares) = CALIBRATED;
+        let wanted = if from == asked_from { Wanted::Between(shares) } else { Wanted::Nothing };
+        ConfidenceBin { from, to, mean, right, wanted }
     };
     CONFIDENCES.windows(2).map(bin).collect()
 }
@@ -253,7 +262,11 @@ mod tests {
             (Kind::Outsider, None, "a cause at 0.9 or more", 1, 1, Some(false)),
         ] {
             let line = line(&summary, kind, level, what);
-            assert_eq!((line.rate, line.met()), (Rate { hits, of }, met), "{kind:?} {what}");
+            assert_eq!(
+                (line.rate, line.wanted.met_by(&line.rate)),
+                (Rate { hits, of }, met),
+                "{kind:?} {what}"
+            );
         }
         assert!(summary.lines.iter().all(|l| (l.kind, l.level_db) != (Kind::Pair, Some(40))));
     }
@@ -284,6 +297,8 @@ mod tests {
         // At 0.8 to 0.9 a wrong cogging, a wrong stribeck of a clean draw and a right one.
         assert_eq!(counted, [rate(0, 0), rate(0, 0), rate(1, 3), rate(0, 1), rate(2, 2)]);
         assert!((calibration[2].mean.unwrap() - 0.85).abs() < 1e-12);
+        let met: Vec<_> = calibration.iter().map(|bin| bin.wanted.met_by(&bin.right)).collect();
+        assert_eq!(met, [None, None, Some(false), None, None]);
     }
 
     #[test]

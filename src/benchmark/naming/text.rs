@@ -15,15 +15,9 @@ pub fn summary_text(summary: &Summary) -> String {
     let mut text = String::from("Rates, with their 95 % intervals (Clopper–Pearson)\n");
     for line in &summary.lines {
         let level = line.level_db.map_or("all".to_owned(), |db| format!("{db} dB"));
-        let wanted = match line.wanted {
-            Wanted::AtLeast(share) => format!("≥ {:.0} %", 100.0 * share),
-            Wanted::AtMost(share) => format!("≤ {:.0} %", 100.0 * share),
-            Wanted::Nothing => String::new(),
-        };
-        let met = line.met().map_or("", |met| if met { "met" } else { "MISSED" });
-        let kind = line.kind.name();
-        let share = interval(&line.rate);
-        let row = format!("  {kind:<9} {level:<6} {:<45} {share:<38} {wanted:<7} {met}", line.what);
+        let (kind, share) = (line.kind.name(), interval(&line.rate));
+        let asked = asked(&line.wanted, &line.rate);
+        let row = format!("  {kind:<9} {level:<6} {:<45} {share:<38} {asked}", line.what);
         push(&mut text, row.trim_end());
     }
     effects(&mut text, summary);
@@ -34,7 +28,9 @@ pub fn summary_text(summary: &Summary) -> String {
     for bin in &summary.calibration {
         let mean = bin.mean.map_or("–".to_owned(), |mean| format!("{mean:.3}"));
         let (from, to) = (bin.from, bin.to);
-        push(&mut text, &format!("  {from:<4} … {to:<4}  mean {mean:<6} {}", interval(&bin.right)));
+        let (share, asked) = (interval(&bin.right), asked(&bin.wanted, &bin.right));
+        let row = format!("  {from:<4} … {to:<4}  mean {mean:<6} {share:<38} {asked}");
+        push(&mut text, row.trim_end());
     }
     let (data, job) = (summary.data_seconds, summary.job_seconds);
     push(&mut text, "\nSeconds                median     p95");
@@ -157,6 +153,18 @@ pub fn case_text(outcome: &Outcome) -> String {
     text
 }
 
+/// What is asked of a rate, and whether it is met.
+fn asked(wanted: &Wanted, rate: &Rate) -> String {
+    let share = match *wanted {
+        Wanted::AtLeast(least) => format!("≥ {:.0} %", 100.0 * least),
+        Wanted::AtMost(most) => format!("≤ {:.0} %", 100.0 * most),
+        Wanted::Between([least, most]) => format!("{:.0}–{:.0} %", 100.0 * least, 100.0 * most),
+        Wanted::Nothing => return String::new(),
+    };
+    let met = wanted.met_by(rate).map_or("", |met| if met { "met" } else { "MISSED" });
+    format!("{share:<7} {met}")
+}
+
 fn interval(rate: &Rate) -> String {
     let Some(share) = rate.share() else { return "–".to_owned() };
     let [low, high] = rate.interval95().map(|bound| 100.0 * bound);
@@ -215,7 +223,12 @@ mod tests {
                 &[("spring", 1.0, &[])],
                 Verdict::Explained,
             ),
-            outcome("single-60-spring-o0-1", &["spring"], &[], Verdict::Unexplained),
+            outcome(
+                "single-60-spring-o0-1",
+                &["spring"],
+                &[("cogging", 0.85, &[])],
+                Verdict::Improved,
+            ),
             outcome("clean-60-o0-1", &[], &[], Verdict::Adequate),
             outcome("outsider-60-o0-1", &["cubic_drag"], &[], Verdict::Unexplained),
         ];
@@ -229,5 +242,6 @@ mod tests {
         line(&["spring", "60", "1/2"]);
         line(&["cubic_drag", "1"]);
         line(&["0.99 … 1", "1.000", "1/1"]);
+        line(&["0.8  … 0.9", "0.850", "0/1", "75–95 %", "MISSED"]);
     }
 }

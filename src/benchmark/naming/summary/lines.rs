@@ -144,25 +144,23 @@ impl<'a> Lines<'a> {
     /// Whether 95 % intervals hold what they should.
     fn intervals(&mut self, kind: Kind, level: u32) {
         let at = (kind, Some(level));
-        let all = self.at(kind, Some(level));
-        let right = || self.at(kind, Some(level)).filter(|o| o.named_exactly());
-        let answers = |o: &'a Outcome| o.answer.as_ref().ok();
-        let gains: Vec<&Fresh> = right().filter_map(|o| o.fresh.as_ref()).collect();
-        let of_effects = |a: &'a Answer| &a.effect_parameters;
-        let of_effects: Vec<&Estimated> = all.filter_map(answers).flat_map(of_effects).collect();
-        let of_plant = |a: &'a Answer| &a.plant_parameters;
-        let of_plant: Vec<&Estimated> = right().filter_map(answers).flat_map(of_plant).collect();
-        let held = |estimates: &[&Estimated]| -> Vec<bool> {
-            estimates.iter().filter_map(|estimate| estimate.held()).collect()
+        let all: Vec<&Outcome> = self.at(kind, Some(level)).collect();
+        let right: Vec<&Outcome> = all.iter().copied().filter(|o| o.named_exactly()).collect();
+        let answers = |of: &[&'a Outcome]| -> Vec<&'a Answer> {
+            of.iter().filter_map(|o| o.answer.as_ref().ok()).collect()
         };
+        let (all, in_right) = (answers(&all), answers(&right));
+        let of_effects = || all.iter().flat_map(|answer| &answer.effect_parameters);
+        let of_plant = in_right.iter().flat_map(|answer| &answer.plant_parameters);
+        let gains = right.iter().filter_map(|o| o.fresh.as_ref());
         let nothing = Wanted::Nothing;
-        let gain_held = gains.iter().map(|fresh| fresh.held());
-        self.add(at, "gain on fresh data held", Wanted::AtLeast(0.90), gain_held);
-        let effects_held = held(&of_effects).into_iter();
-        self.add(at, "parameters of named effects held", nothing, effects_held);
-        self.add(at, "parameters of the plant held", nothing, held(&of_plant).into_iter());
-        let with_interval = of_effects.iter().map(|estimate| estimate.interval95.is_some());
-        self.add(at, "parameters of named effects with an interval", nothing, with_interval);
+        self.add(at, "gain on fresh data held", Wanted::AtLeast(0.90), gains.map(Fresh::held));
+        let held = of_effects().filter_map(Estimated::held);
+        self.add(at, "parameters of named effects held", nothing, held);
+        let held = of_plant.filter_map(Estimated::held);
+        self.add(at, "parameters of the plant held", nothing, held);
+        let given = of_effects().map(|estimate| estimate.interval95.is_some());
+        self.add(at, "parameters of named effects with an interval", nothing, given);
     }
 }
 

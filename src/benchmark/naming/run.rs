@@ -148,7 +148,7 @@ mod tests {
             seed: 7,
             order_from_data: false,
             separate: false,
-            nearest: false,
+            nearest: true,
             jobs,
             threads: jobs,
         }
@@ -172,6 +172,8 @@ mod tests {
         let in_turn = run_all(&cases, &settings(1), &Silent, &|_, _| {}).unwrap();
         let in_turn = timeless(in_turn);
         assert_eq!(timeless(at_once), in_turn);
+        let nearest = in_turn.iter().map(|outcome| outcome.nearest.is_some());
+        assert_eq!(nearest.collect::<Vec<_>>(), [false, true, false], "of a hidden effect alone");
         let keys: Vec<&str> = in_turn.iter().map(|outcome| outcome.key.as_str()).collect();
         assert_eq!(keys, cases.iter().map(Case::to_string).collect::<Vec<_>>());
     }

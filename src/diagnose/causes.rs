@@ -16,15 +16,16 @@ pub(super) const EQUIVALENT: f64 = 9.0;
 const MOST_EQUIVALENTS: usize = 2;
 
 /// Confidence in a cause is at most this where something remains that nothing in the library
-/// explains: what has no name of its own then looks like what has. Of such causes 4 of 14 were
-/// right (`servoscope benchmark --seed 90110`, and so on).
+/// explains: what has no name of its own then looks like what has. In the benchmark (seed 90110)
+/// 4 of 14 such causes were right.
 const MOST_WITH_REMAINDER: f64 = 0.3;
 
 /// The same of several together, and of three that leave nothing, which follow anything: 6 of
-/// 81.
+/// 81 were right.
 const MOST_OF_SEVERAL: f64 = 0.1;
 
-/// The same of two that leave nothing, but may together imitate something else: 31 of 33.
+/// The same of two that leave nothing, but may together imitate something else: 31 of 33
+/// were right.
 const MOST_IF_IMITATION: f64 = 0.85;
 
 /// Confidence that each of two causes, or what may be mistaken for it, must have for both to

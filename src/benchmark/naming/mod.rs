@@ -4,8 +4,8 @@
 //! - `case`: what a draw is, and the key from which it is drawn again.
 //! - `size`, `excess`: how much of an effect there is, and how much it shows: sizes are
 //!   searched until the base model's excess χ² is the one wanted.
-//! - `outsiders`, `rivals`: what the library does not have, and how well a single effect of
-//!   it would explain a response all the same.
+//! - `outsiders`: what the library does not have. `rivals`: how well a single effect of it
+//!   imitates what is hidden, be it an outsider or another effect.
 //! - `make`: a machine, what is hidden in it, and its measurement.
 //! - `separation`: whether the next experiment ends a doubt sooner than a random one.
 //! - `judge`: one answer against the truth. `rate`, `summary`, `text`: all of them.

@@ -1,4 +1,4 @@
-//! How well a single effect of the library explains a noise-free response.
+//! How well a single effect of the library imitates what is hidden, by the noise-free response.
 
 use serde::Serialize;
 
@@ -21,9 +21,9 @@ pub struct Rivals {
 pub struct Nearest {
     /// Its id.
     pub effect: String,
-    /// Excess χ² that it leaves of the noise-free response. As noise makes χ² scatter, a
-    /// choice by likelihood between it and the hidden effect goes wrong with probability
-    /// Φ(−½√excess), the error of two simple hypotheses (Neyman and Pearson 1933, DOI
+    /// Excess χ² that it leaves of the noise-free response. Where neither contains the other,
+    /// a choice by likelihood between it and the hidden effect goes wrong with probability
+    /// Φ(−½√excess), the error between two simple hypotheses (Neyman and Pearson 1933, DOI
     /// 10.1098/rsta.1933.0009).
     pub excess: f64,
 }

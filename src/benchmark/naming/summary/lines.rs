@@ -9,7 +9,7 @@ use crate::benchmark::naming::rate::Rate;
 use crate::benchmark::naming::separation::Separation;
 
 /// How near a rival comes, as the excess χ² that it leaves without noise. A choice by
-/// likelihood goes wrong in 16 % at the first bound, 2.3 % at the second, 0.003 % at the last.
+/// likelihood ([`super::super::rivals::Nearest`]) goes wrong in 16 % at the first bound, 2.3 % at the second, 0.003 % at the last.
 const NEARNESS: [(&str, [f64; 2]); 4] = [
     ("named first, a rival's excess below 4", [f64::NEG_INFINITY, 4.0]),
     ("named first, the nearest rival's 4 to 16", [4.0, 16.0]),
@@ -17,10 +17,11 @@ const NEARNESS: [(&str, [f64; 2]); 4] = [
     ("named first, every rival's 64 or more", [64.0, f64::INFINITY]),
 ];
 
-/// What is asked of the draws of a level.
-fn by_level(level_db: u32, shares: &[(u32, f64)]) -> Wanted {
-    let share = shares.iter().find(|(db, _)| *db == level_db);
-    share.map_or(Wanted::Nothing, |(_, share)| Wanted::AtLeast(*share))
+/// What is asked of the draws of a level: a share at 60 dB, at 50 dB and at 40 dB.
+fn by_level(level_db: u32, shares: &[f64]) -> Wanted {
+    let place = [60, 50, 40].into_iter().position(|db| db == level_db);
+    let share = place.and_then(|place| shares.get(place));
+    share.map_or(Wanted::Nothing, |share| Wanted::AtLeast(*share))
 }
 
 /// Every rate of which there is anything to count.
@@ -79,10 +80,7 @@ impl<'a> Lines<'a> {
     fn singles(&mut self, levels: &[u32]) {
         for &level in levels {
             let at = (Kind::Single, Some(level));
-            let asked = |shares: [f64; 3]| {
-                let [at_60, at_50, at_40] = shares;
-                by_level(level, &[(60, at_60), (50, at_50), (40, at_40)])
-            };
+            let asked = |shares: [f64; 3]| by_level(level, &shares);
             self.count(at, "named first", asked([0.95, 0.90, 0.80]), Outcome::named_first);
             let or_equivalent = Outcome::first_or_equivalent;
             self.count(at, "first or an equivalent", asked([0.99, 0.97, 0.92]), or_equivalent);
@@ -105,7 +103,7 @@ impl<'a> Lines<'a> {
     fn pairs(&mut self, levels: &[u32]) {
         for &level in levels {
             let at = (Kind::Pair, Some(level));
-            let wanted = by_level(level, &[(60, 0.85), (50, 0.75)]);
+            let wanted = by_level(level, &[0.85, 0.75]);
             self.count(at, "both and nothing else", wanted, Outcome::named_exactly);
             self.count(at, "one of them first", Wanted::Nothing, Outcome::named_first);
             self.count(at, "explained", Wanted::Nothing, Outcome::is_explained);

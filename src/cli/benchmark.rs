@@ -58,8 +58,8 @@ pub(super) struct Args {
     #[arg(long)]
     separate: bool,
     /// Says of every single draw which other effect, refitted without noise, comes nearest to
-    /// the hidden one, and counts the first names by how near: what no noise tells apart, no
-    /// diagnosis can.
+    /// the hidden one, and counts the first names by how near: what is alike without noise, no
+    /// diagnosis tells apart.
     #[arg(long)]
     nearest: bool,
     /// Draws at once, each with its share of the cores [default: one a core].

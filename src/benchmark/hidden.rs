@@ -41,8 +41,8 @@ pub const IDS: [&str; 17] = [
 /// | `quadratic_drag` | c·V² = m × 0.02 … 0.3 |
 /// | `presliding` | σ = F/X × 3 … 60 |
 /// | `friction_drift` | δ ± 0.1 … 0.4 |
-/// | `flexible_mode`, `backlash` | ρ 0.2 … 0.6, resonance a × 2 … 10, its damping ratio × 0.01 … 0.3 (backlash 0.05 … 0.5), gap = X × 0.001 … 0.05 |
-/// | `spring`, `hardening_spring` | K·k = a² × 0.02 … 0.3 (half of it), k₃·X³ = m × 0.02 … 0.3 |
+/// | `flexible_mode`, `backlash` | ρ 0.2 … 0.6, resonance a × 2 … 10, its damping ratio × 0.01 … 0.3 (backlash 0.05 … 0.5), gap = X × 0.001 … 0.3 |
+/// | `spring`, `hardening_spring` | K·k = a² × 0.02 … 0.3 (half of it), k₃·X³ = m × 0.0001 … 0.3 |
 /// | `cogging` | T = F × 0.1 … 0.6, N = 1/X × 1 … 10, φ any |
 /// | `transport_delay`, `sensor_lag` | T = 1/a × 0.005 … 0.05 |
 /// | `actuator_saturation` | limit = m × 1.3 … 3.6 |
@@ -95,14 +95,14 @@ pub fn draw_effect(id: &str, draw: &Draw, rng: &mut ChaCha8Rng) -> Effect {
                 Effect::FlexibleMode { load_inertia_fraction, stiffness, damping }
             } else {
                 let damping = per_ratio * times(0.05, 0.5);
-                let gap = travel * times(0.001, 0.05);
+                let gap = travel * times(0.001, 0.3);
                 Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }
             }
         }
         "spring" => Effect::Spring { stiffness: a * a / k * times(0.02, 0.3) },
         "hardening_spring" => Effect::HardeningSpring {
             stiffness: 0.5 * a * a / k * times(0.02, 0.3),
-            cubic_stiffness: lowest / travel.powi(3) * times(0.02, 0.3),
+            cubic_stiffness: lowest / travel.powi(3) * times(0.0001, 0.3),
         },
         "cogging" => Effect::Cogging {
             amplitude: level * times(0.1, 0.6),

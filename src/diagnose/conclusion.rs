@@ -1,7 +1,7 @@
 //! From what was found to the answer.
 
 use crate::answers::{Diagnosis, Discrepancy, Gain, Identification, NextExperiment, Verdict};
-use crate::identify::{Effort, IdentifyError, IdentifyRequest, ModelFit, Workbench};
+use crate::identify::{Effort, IdentifyError, IdentifyRequest, Intervals, ModelFit, Workbench};
 use crate::measurement::Measurement;
 
 use super::folds::Folds;
@@ -141,7 +141,8 @@ impl Conclusion<'_> {
     fn extended(&self) -> Result<Option<Identification>, DiagnoseError> {
         let Self { workbench, models, chosen, .. } = self;
         let model = models.get(chosen).filter(|_| !chosen.is_empty());
-        let judge = |model| workbench.judge(&workbench.refine(model, Effort::Thorough));
+        let thorough = |model| workbench.refine(model, Effort::Thorough);
+        let judge = |model| workbench.judge(&thorough(model), Intervals::Profile);
         Ok(model.map(judge).transpose()?.map(|fit| fit.identification))
     }
 

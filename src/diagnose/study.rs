@@ -1,7 +1,7 @@
 //! Everything that one order of the actuator leads to.
 
 use crate::answers::Discrepancy;
-use crate::identify::{IdentifyError, Model, ModelFit, Workbench};
+use crate::identify::{IdentifyError, Intervals, Model, ModelFit, Workbench};
 use crate::measurement::Measurement;
 use crate::observer::Observer as _;
 
@@ -39,7 +39,7 @@ impl<'a> Study<'a> {
         part: Part<'_>,
         seed: u64,
     ) -> Result<Self, DiagnoseError> {
-        let fit = workbench.judge(workbench.base())?;
+        let fit = workbench.judge(workbench.base(), Intervals::Profile)?;
         let stage = part.part([0.0, 0.05]).stage("discrepancy", 1);
         let discrepancy = discrepancy::of(&fit, seed);
         stage.step();
@@ -130,5 +130,6 @@ impl<'a> Study<'a> {
 /// Whether noise is all that a model leaves.
 fn noise_like(workbench: &Workbench<'_>, yardstick: Yardstick, model: &Model, seed: u64) -> bool {
     let exact = !yardstick.known && yardstick.explains(model.cost);
-    exact || workbench.judge(model).is_ok_and(|fit| discrepancy::is_noise(&fit, seed))
+    let fit = || workbench.judge(model, Intervals::Curvature);
+    exact || fit().is_ok_and(|fit| discrepancy::is_noise(&fit, seed))
 }

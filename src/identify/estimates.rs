@@ -73,6 +73,9 @@ pub(super) struct Estimates<'a> {
     pub held: &'a [bool],
     /// Deviations that make half a 95 % interval.
     pub quantile: f64,
+    /// How far below and above its point the interval of each coordinate reaches, where that
+    /// is not as many deviations.
+    pub reaches: Vec<Option<[f64; 2]>>,
 }
 
 impl Estimates<'_> {
@@ -138,29 +141,35 @@ impl Estimates<'_> {
     /// logarithm, so it never crosses zero.
     fn logarithmic(&self, value: f64, i: usize, unit_text: &str) -> ParameterEstimate {
         let std = self.uncertainty.std(&unit(&self.fitted.coordinates, i));
-        self.of_logarithm(value, std, self.held[i], unit_text)
+        let known = std.map(|std| (std, self.reach(std, i)));
+        self.of_logarithm(value, known, self.held[i], unit_text)
     }
 
+    /// How far below and above the point the interval of a coordinate reaches.
+    fn reach(&self, std: f64, i: usize) -> [f64; 2] {
+        self.reaches[i].unwrap_or([self.quantile * std; 2])
+    }
+
+    /// The same, from its deviation and how far below and above its interval reaches.
     fn of_logarithm(
         &self,
         value: f64,
-        std: Option<f64>,
+        known: Option<(f64, [f64; 2])>,
         at_bound: bool,
         unit_text: &str,
     ) -> ParameterEstimate {
-        let std = std.filter(|_| !at_bound);
-        let ends = std.map(|std| {
-            let factor = (self.quantile * std).exp();
-            let (a, b) = (value / factor, value * factor);
+        let known = known.filter(|_| !at_bound);
+        let ends = |[below, above]: [f64; 2]| {
+            let (a, b) = (value * (-below).exp(), value * above.exp());
             [a.min(b), a.max(b)]
-        });
+        };
         ParameterEstimate {
             value: Some(value),
-            std: std.map(|std| std * value.abs()),
-            interval95: ends,
+            std: known.map(|(std, _)| std * value.abs()),
+            interval95: known.map(|(_, reach)| ends(reach)),
             unit: unit_text.to_owned(),
             at_bound,
-            identifiable: std.is_some(),
+            identifiable: known.is_some(),
         }
     }
 
@@ -201,8 +210,8 @@ impl Estimates<'_> {
         let uncertainty = if at_bound { self.released } else { self.uncertainty };
         let std = uncertainty.std(&unit(&self.fitted.coordinates, i)).map(|std| std * scale);
         let interval = |std: f64| {
-            let reach = self.quantile * std;
-            [(value - reach).max(low.min(value)), (value + reach).min(high.max(value))]
+            let [below, above] = self.reach(std / scale, i).map(|reach| reach * scale);
+            [(value - below).max(low.min(value)), (value + above).min(high.max(value))]
         };
         ParameterEstimate {
             value: Some(value),
@@ -220,7 +229,8 @@ impl Estimates<'_> {
         combination[CONSTANT] = 1.0;
         let std = self.uncertainty.std(&combination);
         let value = plant.constant / plant.viscous_rate_rad_s;
-        self.of_logarithm(value, std, self.held[0] || self.held[CONSTANT], unit_text)
+        let known = std.map(|std| (std, [self.quantile * std; 2]));
+        self.of_logarithm(value, known, self.held[0] || self.held[CONSTANT], unit_text)
     }
 
     /// Correlations of what is identifiable.

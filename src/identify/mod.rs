@@ -26,6 +26,7 @@ mod over_cube;
 mod parameters;
 mod pipeline;
 mod problem;
+mod profile;
 mod proposal;
 mod refine;
 mod summary;
@@ -43,6 +44,7 @@ pub use compare::compare;
 pub use followed::{Followed, follow, unscored_s};
 pub use model_fit::{Component, ModelFit, fit_base};
 pub use noise_law::NoiseLaw;
+pub use summary::Intervals;
 pub use workbench::{Effort, Linear, Model, Workbench};
 
 use history::History;
@@ -91,7 +93,7 @@ pub fn identify(
     let Solved { chosen, order_choice } = solve(measurement, &problem, request, observer)?;
     let (coordinates, weights) = (&chosen.coordinates, &chosen.weights);
     let misfit = Misfit { problem: &problem, coordinates, weights, observer, stand_in: None };
-    answer(measurement, &misfit, request, &chosen, order_choice)
+    answer(measurement, &misfit, request, &chosen, order_choice, Intervals::Profile)
 }
 
 /// The chosen fit.
@@ -138,11 +140,12 @@ fn answer(
     request: &IdentifyRequest,
     fitted: &Fitted,
     order_choice: Option<OrderChoice>,
+    intervals: Intervals,
 ) -> Result<Identification, IdentifyError> {
     let IdentifyRequest { plant, method, options } = request;
     let Misfit { problem, weights, .. } = misfit;
     let summary =
-        summary::summarise(measurement, problem, fitted, misfit).ok_or_else(no_response)?;
+        summary::summarise(measurement, misfit, fitted, intervals).ok_or_else(no_response)?;
     let limitations = limitations::of(measurement, problem, *method, options, fitted, &summary);
     let stop_reason = fitted.stages.last().map_or("nothing to do", |stage| &stage.stop_reason);
     Ok(Identification {

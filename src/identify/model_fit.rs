@@ -9,7 +9,7 @@ use crate::observer::Observer;
 use super::noise_law::NoiseLaw;
 use super::problem::Problem;
 use super::workbench::Workbench;
-use super::{IdentifyError, IdentifyRequest};
+use super::{IdentifyError, IdentifyRequest, Intervals};
 
 /// One real number that was compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,7 +52,7 @@ pub fn fit_base(
     observer: &dyn Observer,
 ) -> Result<ModelFit, IdentifyError> {
     let workbench = Workbench::new(measurement, request, observer)?;
-    workbench.judge(workbench.base())
+    workbench.judge(workbench.base(), Intervals::Profile)
 }
 
 /// What each row of the residuals of a problem is.

@@ -11,6 +11,7 @@ use super::estimates::{Estimates, Units};
 use super::objective::Misfit;
 use super::pipeline::Fitted;
 use super::problem::Problem;
+use super::profile::Profile;
 use super::refine;
 use super::uncertainty::Uncertainty;
 
@@ -29,13 +30,24 @@ pub(super) struct Summary {
     pub transfer_function: TransferFunction,
 }
 
+/// Where the intervals of parameters end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Intervals {
+    /// Where the curvature at the fitted point puts them.
+    Curvature,
+    /// There, or where the profile of the sum of squares does if that is elsewhere: two
+    /// simulations a parameter more, and some fits.
+    Profile,
+}
+
 /// Summarises a fitted point.
 pub(super) fn summarise(
     measurement: &Measurement,
-    problem: &Problem,
-    fitted: &Fitted,
     misfit: &Misfit<'_>,
+    fitted: &Fitted,
+    intervals: Intervals,
 ) -> Option<Summary> {
+    let problem = misfit.problem;
     let here = misfit.linearise(&fitted.point).ok()?;
     let held = refine::held(misfit, &fitted.point, &here);
     let fitted_count = held.iter().filter(|held| !**held).count();
@@ -47,6 +59,9 @@ pub(super) fn summarise(
     let uncertainty = Uncertainty::new(&here, &held, scale);
     let released = Uncertainty::new(&here, &vec![false; held.len()], scale);
     let quantile = quantile95(if known { fitted.weights.scale_dof } else { dof as f64 });
+    let profile = Profile::new(misfit, &fitted.point, &here, &uncertainty, [quantile, scale]);
+    let profile = profile.filter(|_| intervals == Intervals::Profile);
+    let reaches = |i| profile.as_ref().and_then(|p: &Profile<'_>| p.reaches(i, &uncertainty));
     let plant = problem.in_units(&fitted.coordinates.plant(&fitted.point));
     let units = Units::of(measurement);
     let estimates = Estimates {
@@ -56,6 +71,7 @@ pub(super) fn summarise(
         released: &released,
         held: &held,
         quantile,
+        reaches: (0..held.len()).map(reaches).collect(),
     };
     let parameters = estimates.all(&plant, &units);
     Some(Summary {

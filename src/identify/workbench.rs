@@ -20,7 +20,7 @@ use super::objective::Misfit;
 use super::pipeline::Fitted;
 use super::problem::Problem;
 use super::refine::{self, Patience};
-use super::{IdentifyError, IdentifyRequest, Solved, answer, no_response, solve};
+use super::{IdentifyError, IdentifyRequest, Intervals, Solved, answer, no_response, solve};
 pub use model::Model;
 
 /// Share of the largest component below which a difference between model and data
@@ -191,12 +191,13 @@ impl<'a> Workbench<'a> {
     ///
     /// # Errors
     /// When it has no response.
-    pub fn judge(&self, model: &Model) -> Result<ModelFit, IdentifyError> {
+    pub fn judge(&self, model: &Model, intervals: Intervals) -> Result<ModelFit, IdentifyError> {
         let fitted = self.fitted(model);
         let (coordinates, weights) = (&fitted.coordinates, &fitted.weights);
         let misfit = self.misfit(model);
         let choice = self.order_choice.clone();
-        let identification = answer(self.measurement, &misfit, self.request, &fitted, choice)?;
+        let (measurement, request) = (self.measurement, self.request);
+        let identification = answer(measurement, &misfit, request, &fitted, choice, intervals)?;
         let here = misfit.linearise(&model.point).map_err(|_| no_response())?;
         let held = refine::held(&misfit, &model.point, &here);
         let free: Vec<usize> = (0..held.len()).filter(|i| !held[*i]).collect();

@@ -67,13 +67,15 @@ pub(super) fn fresh(
     }))
 }
 
-/// Other frequencies, in the order of acquisition of the design, between those at its ends: of
-/// these a gain says nothing.
+/// Other frequencies, in the order of acquisition of the design. All but those at the ends are
+/// held out, and each stands for what is nearer to it than to its neighbours: from half-way to
+/// the lowest to half-way to the highest, in the logarithm.
 fn design(machine: &Draw, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
     let mut omegas: Vec<f64> = machine.design.iter().map(|point| point.1).collect();
     omegas.sort_by(f64::total_cmp);
     omegas.dedup();
-    let (slowest, fastest) = (omegas[1], omegas[omegas.len() - 2]);
+    let half_way = |i: usize| (omegas[i] * omegas[i + 1]).sqrt();
+    let (slowest, fastest) = (half_way(0), half_way(omegas.len() - 2));
     let at = |i: usize| slowest * (fastest / slowest).powf(i as f64 / FREQUENCIES as f64);
     let mut magnitudes: Vec<f64> = machine.design.iter().map(|point| point.0).collect();
     magnitudes.dedup();
@@ -99,12 +101,18 @@ mod tests {
     use crate::benchmark::draw::draw;
 
     #[test]
-    fn fresh_points_lie_within_what_was_held_out_at_every_magnitude() {
+    fn fresh_points_lie_nearer_to_what_was_held_out_than_to_the_ends() {
         let machine = draw(0, 3);
         let fresh = design(&machine, &mut ChaCha8Rng::seed_from_u64(1));
         assert_eq!(fresh.len(), 3 * FREQUENCIES);
-        let (second, last_but_one) = (machine.design[1].1, machine.design[14].1);
-        assert!(fresh.iter().all(|(_, omega)| (second..=last_but_one).contains(omega)));
+        let half_way = |i: usize| (machine.design[i].1 * machine.design[i + 1].1).sqrt();
+        let held_out = half_way(0)..=half_way(14);
+        assert!(fresh.iter().all(|(_, omega)| held_out.contains(omega)));
+        // One of them in each of as many equal parts of that.
+        let of_first = fresh[..FREQUENCIES].iter().map(|(_, omega)| *omega);
+        let part = (held_out.end() / held_out.start()).powf(1.0 / FREQUENCIES as f64);
+        let ends = [of_first.clone().next().unwrap(), of_first.last().unwrap()];
+        assert!(ends[0] < held_out.start() * part && ends[1] > held_out.end() / part);
         for (magnitude, omega) in &fresh {
             assert!(machine.design.iter().any(|point| point.0 == *magnitude), "{magnitude}");
             assert!(machine.design.iter().all(|point| point.1 != *omega), "{omega}");

@@ -7,9 +7,9 @@
 //! coordinate, as in the logarithm of a gap that hardly shows, or has kinks, as where an impact
 //! comes or goes.
 //!
-//! Ends are moved outwards alone: what a straight way from the minimum has risen by is the most
-//! that the profile can have, so that one simulation proves an interval too short, while that it
-//! is too long would rest on refits having found the least.
+//! Ends are moved outwards alone: what any point has risen by is the most that the profile can
+//! have there, which proves an interval too short, while that one is too long would rest on
+//! refits having found the least.
 
 use nalgebra::DVector;
 
@@ -18,9 +18,9 @@ use super::parameters::Coordinates;
 use super::refine::{self, Patience};
 use super::uncertainty::Uncertainty;
 
-/// Share by which the root of the rise may fall short of what the curvature promises: with
-/// both ends so much too near an interval holds 92 % in place of 95.
-const SHORT: f64 = 0.1;
+/// Share by which the root of the rise may depart from what the curvature promises: with both
+/// ends so much too near an interval holds 92 % in place of 95.
+const BELIEVED: f64 = 0.1;
 
 /// The same share within which an end is found.
 const FOUND: f64 = 0.03;
@@ -91,8 +91,12 @@ impl<'a> Profile<'a> {
         }
         let mut last: Vec<f64> = self.point.iter().zip(to_end).map(|(p, s)| p + s).collect();
         self.misfit.coordinates.clamp(&mut last);
-        let root = self.root(self.misfit.cost(&last));
-        if root >= 1.0 - SHORT {
+        let mut root = self.root(self.misfit.cost(&last));
+        if root > 1.0 + BELIEVED {
+            // Too high for a straight valley: in a bent one the floor is elsewhere.
+            (last, root) = self.refit(i, self.point[i] + to_end[i], &last);
+        }
+        if root >= 1.0 - BELIEVED {
             return None;
         }
         // Distances and roots of the rise there, before and beyond the end.

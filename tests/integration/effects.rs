@@ -203,6 +203,22 @@ fn no_point_of_an_axis_with_a_restoring_or_a_balancing_torque_goes_unanswered() 
     }
 }
 
+// A curve a thousandth as wide as the motion is fast ends in the last instants before a stop,
+// which a step that goes on beyond it need not meet.
+#[test]
+fn friction_that_falls_just_before_a_stop_acts_alike_in_both_simulators() {
+    let sharp = |case: Case, fastest: f64| {
+        let stribeck_velocity = 1e-3 * fastest;
+        Case { effects: vec![Effect::Stribeck { fs_over_fc: 1.3, stribeck_velocity }], ..case }
+    };
+    let cases = (0..6_u64).into_par_iter().map(|seed| {
+        let (case, fastest) = cosine((seed % 3) as u8, &[], seed);
+        (sharp(case, fastest), fastest)
+    });
+    let found = agreement(cases);
+    assert!(found.compared == 6 && found.worst < allowed("stribeck"), "{found:?}");
+}
+
 // A tenth of what the contract allows, of the largest response of the design; the two
 // simulators are 4e-7 apart in such points.
 #[test]

@@ -87,16 +87,32 @@ impl<S: Scalar, const M: usize> Pace<S, M> {
     /// Whether a step's error is allowed, and how long the next may be.
     #[inline]
     pub fn accepts(&mut self, error: f64, tried_s: f64, cell_s: f64) -> bool {
-        let Pace::Controlled { length_s } = self else { return true };
-        let growth = SAFETY * f64::from((error.max(1e-10) as f32).powf(-0.2));
-        if error > 1.0 {
-            *length_s = tried_s * growth.max(0.2);
+        if self.refuses(error, tried_s) {
             return false;
         }
+        let Pace::Controlled { length_s } = self else { return true };
         // The end of a cell may have cut it short: it says nothing then.
-        *length_s = (length_s.max(tried_s) * growth.clamp(0.3, 4.0)).min(cell_s.max(tried_s));
+        let next_s = length_s.max(tried_s) * growth(error).clamp(0.3, 4.0);
+        *length_s = next_s.min(cell_s.max(tried_s));
         true
     }
+
+    /// Whether a step's error is too large, and then how long the next may be.
+    #[inline]
+    pub fn refuses(&mut self, error: f64, tried_s: f64) -> bool {
+        match self {
+            Pace::Controlled { length_s } if error > 1.0 => {
+                *length_s = tried_s * growth(error).max(0.2);
+                true
+            }
+            _ => false,
+        }
+    }
+}
+
+/// How much longer a step can be for an error that is just allowed.
+fn growth(error: f64) -> f64 {
+    SAFETY * f64::from((error.max(1e-10) as f32).powf(-0.2))
 }
 
 #[cfg(test)]

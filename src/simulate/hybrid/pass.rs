@@ -109,12 +109,16 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                         from = if ends { 1.0 } else { from + width };
                     }
                     Some(switch) => {
-                        switches += 1;
                         *self.effort = self.effort.saturating_sub(SWITCH_EFFORT);
                         let span = (from, width);
+                        let Some(there) =
+                            self.up_to(&mut pace, mode, cell, span, &state, begin, &step, &switch)
+                        else {
+                            continue;
+                        };
                         let late_s;
-                        (state, from, late_s) =
-                            self.up_to(&mut pace, mode, cell, span, &state, begin, &step, &switch);
+                        (state, from, late_s) = there;
+                        switches += 1;
                         mode = self.switched(mode, switch.event, cell.fixed(from), &mut state);
                         if matches!(switch.event, Event::Starts(_)) {
                             self.set_off(mode, cell, from, &mut state);

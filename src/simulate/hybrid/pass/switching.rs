@@ -157,7 +157,8 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     }
 
     /// State and position at a switch, and how much later than there it happens: no
-    /// more than derivatives.
+    /// more than derivatives; `None` where the way there takes shorter steps. One that goes on
+    /// beyond a stop may not have met what friction does just before.
     #[expect(clippy::too_many_arguments, reason = "what a step is made of")]
     pub(super) fn up_to(
         &mut self,
@@ -169,7 +170,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         slope: &Vector<S, M>,
         step: &Step<S, M>,
         switch: &Switch,
-    ) -> (Vector<S, M>, f64, S) {
+    ) -> Option<(Vector<S, M>, f64, S)> {
         let mut part = width * switch.at;
         let cut;
         let (step, mut reach, mut end, end_slope) = match step {
@@ -182,6 +183,9 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                     *again = false;
                 }
                 cut = self.step(pace, mode, cell, (from, &mut part), state, slope);
+                if pace.refuses(self.error(&cut, state), part * cell.length_s) {
+                    return None;
+                }
                 (&cut, 1.0, *cut.end(), *cut.end_slope())
             }
         };
@@ -218,7 +222,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
             let from_s = cell.from_s + from * cell.length_s;
             trace.add(from_s, step.length_s(), step.numbers(VELOCITY).all(), traced);
         }
-        (end, from + part + later, late_s - late_s.value())
+        Some((end, from + part + later, late_s - late_s.value()))
     }
 
     /// Takes the state behind a switch from the instant it happens to that of its value,

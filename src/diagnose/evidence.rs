@@ -4,12 +4,13 @@
 //! uncertain within their likely ranges (Laplace's approximation: Kass and
 //! Raftery 1995, doi:10.1080/01621459.1995.10476572): the misfit, plus
 //! ln det(I + S·Λ·S) with S the prior deviations of the effects' parameters and
-//! Λ what the data says of them once the base parameters are fitted too. What
-//! the data does not determine costs little.
+//! Λ what the data says of them once the base parameters are fitted too, less 2 ln of
+//! the prior where it is less than within the likely ranges. What the data does not
+//! determine costs little.
 
 use nalgebra::DMatrix;
 
-use crate::effects::Coordinate;
+use crate::effects::{Coordinate, Effect};
 use crate::identify::{Linear, Model, Workbench};
 
 use super::subspace::Subspace;
@@ -81,7 +82,16 @@ pub(super) fn complexity(workbench: &Workbench<'_>, model: &Model, yardstick: &Y
         .iter()
         .map(|eigenvalue| (1.0 + eigenvalue.max(0.0)).ln().max(LEAST))
         .sum();
-    volume + RARITY * model.effects().len() as f64
+    volume + RARITY * model.effects().len() as f64 - 2.0 * prior_share(workbench, model).ln()
+}
+
+/// Prior density of the effects' parameters, as a share of that within their likely ranges.
+fn prior_share(workbench: &Workbench<'_>, model: &Model) -> f64 {
+    let of = |(i, effect): (usize, &&'static dyn Effect)| {
+        let values: Vec<f64> = model.parameters_of(i).map(|p| model.value(p)).collect();
+        effect.prior_share(&values, &workbench.ranges(*effect))
+    };
+    model.effects().iter().enumerate().map(of).product()
 }
 
 /// Standard deviations of the effects' parameters before the data is seen, in coordinates.

@@ -106,6 +106,12 @@ pub trait Effect: Debug + Sync {
         }
     }
 
+    /// Prior density of its parameters at these values, as a share of that within their likely
+    /// ranges. `ranges` are those of its parameters.
+    fn prior_share(&self, _values: &[f64], _ranges: &[Range]) -> f64 {
+        1.0
+    }
+
     /// Values of its parameters that a search tries first; empty where a coarse grid over
     /// their likely ranges will do.
     fn places(&self, _scope: &Scope) -> Vec<Vec<f64>> {

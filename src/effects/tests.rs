@@ -55,6 +55,17 @@ fn every_effect_of_the_contract_is_listed_once() {
 }
 
 #[test]
+fn a_play_smaller_than_is_likely_is_as_much_rarer() {
+    let backlash = find("backlash").unwrap();
+    let ranges: Vec<Range> = backlash.parameters().iter().map(|p| (p.range)(&scope())).collect();
+    let share = |times: f64| {
+        let gap = times * ranges[3].likely[0];
+        backlash.prior_share(&[0.3, 10.0, 0.1, gap], &ranges)
+    };
+    assert_eq!([share(0.25), share(1.0), share(50.0)], [0.25, 1.0, 1.0]);
+}
+
+#[test]
 fn where_a_parameter_is_likely_lies_within_what_is_possible() {
     for effect in ALL {
         for parameter in effect.parameters() {

@@ -109,9 +109,9 @@ mod tests {
         let held_out = half_way(0)..=half_way(14);
         assert!(fresh.iter().all(|(_, omega)| held_out.contains(omega)));
         // One of them in each of as many equal parts of that.
-        let of_first = fresh[..FREQUENCIES].iter().map(|(_, omega)| *omega);
+        let mut of_first = fresh[..FREQUENCIES].iter().map(|(_, omega)| *omega);
         let part = (held_out.end() / held_out.start()).powf(1.0 / FREQUENCIES as f64);
-        let ends = [of_first.clone().next().unwrap(), of_first.last().unwrap()];
+        let ends = [of_first.clone().next().unwrap(), of_first.next_back().unwrap()];
         assert!(ends[0] < held_out.start() * part && ends[1] > held_out.end() / part);
         for (magnitude, omega) in &fresh {
             assert!(machine.design.iter().any(|point| point.0 == *magnitude), "{magnitude}");

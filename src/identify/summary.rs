@@ -35,8 +35,8 @@ pub(super) struct Summary {
 pub enum Intervals {
     /// Where the curvature at the fitted point puts them.
     Curvature,
-    /// There, or where the profile of the sum of squares does if that is elsewhere: two
-    /// simulations a parameter more, and some fits.
+    /// There, or where the profile of the sum of squares does if that is further out: two
+    /// simulations more for each parameter, and some fits.
     Profile,
 }
 
@@ -59,9 +59,13 @@ pub(super) fn summarise(
     let uncertainty = Uncertainty::new(&here, &held, scale);
     let released = Uncertainty::new(&here, &vec![false; held.len()], scale);
     let quantile = quantile95(if known { fitted.weights.scale_dof } else { dof as f64 });
-    let profile = Profile::new(misfit, &fitted.point, &here, &uncertainty, [quantile, scale]);
-    let profile = profile.filter(|_| intervals == Intervals::Profile);
-    let reaches = |i| profile.as_ref().and_then(|p: &Profile<'_>| p.reaches(i, &uncertainty));
+    let profile = match intervals {
+        Intervals::Curvature => None,
+        Intervals::Profile => {
+            Profile::new(misfit, &fitted.point, &here, &uncertainty, [quantile, scale])
+        }
+    };
+    let reaches = |i| profile.as_ref()?.reaches(i, &uncertainty);
     let plant = problem.in_units(&fitted.coordinates.plant(&fitted.point));
     let units = Units::of(measurement);
     let estimates = Estimates {

@@ -9,7 +9,8 @@ use crate::benchmark::naming::rate::Rate;
 use crate::benchmark::naming::separation::Separation;
 
 /// How near a rival comes, as the excess χ² that it leaves without noise. A choice by
-/// likelihood ([`super::super::rivals::Nearest`]) goes wrong in 16 % at the first bound, 2.3 % at the second, 0.003 % at the last.
+/// likelihood ([`super::super::rivals::Nearest`]) goes wrong in 16 % at the first bound, 2.3 % at
+/// the second, 0.003 % at the last.
 const NEARNESS: [(&str, [f64; 2]); 4] = [
     ("named first, a rival's excess below 4", [f64::NEG_INFINITY, 4.0]),
     ("named first, the nearest rival's 4 to 16", [4.0, 16.0]),

@@ -18,15 +18,17 @@ pub(super) fn departure(signal: &impl Fn(f64) -> f64, end: f64) -> f64 {
 pub(super) fn root(mut low: f64, mut high: f64, signal: impl Fn(f64) -> f64) -> f64 {
     let (mut below, mut above) = (signal(low), signal(high));
     let mut last = 0;
+    let mut at = 0.5 * (low + high);
     for _ in 0..60 {
         if high - low < 1e-13 {
             break;
         }
         let share = below / (below - above);
-        let at = if share.is_finite() { low + share * (high - low) } else { 0.5 * (low + high) };
+        at = if share.is_finite() { low + share * (high - low) } else { 0.5 * (low + high) };
         let there = signal(at);
-        if there == 0.0 {
-            return at;
+        // One end of the bracket may still be far.
+        if there.abs() < 1e-15 * above.abs().max(below.abs()) {
+            break;
         }
         if there > 0.0 {
             (high, above) = (at, there);
@@ -41,11 +43,8 @@ pub(super) fn root(mut low: f64, mut high: f64, signal: impl Fn(f64) -> f64) -> 
             }
             last = -1;
         }
-        if there.abs() < 1e-15 * above.abs().max(below.abs()) {
-            break;
-        }
     }
-    0.5 * (low + high)
+    at
 }
 
 #[cfg(test)]
@@ -56,6 +55,18 @@ mod tests {
     fn the_root_is_found_where_the_signal_turns_positive() {
         let root = root(0.0, 1.0, |u| u * u * u - 0.3);
         assert!((root - 0.3_f64.cbrt()).abs() < 1e-12, "{root}");
+    }
+
+    // The first secant of a straight line meets its root to rounding, from wherever it comes.
+    #[test]
+    fn the_root_of_a_straight_line_is_found_to_rounding() {
+        for step in 1..1000 {
+            let expected = 0.25 + 0.000_125 * f64::from(step);
+            for slope in [1.0, 4.2e-4, 0.29] {
+                let root = root(0.25, 0.375, |u| slope * u - slope * expected);
+                assert!((root - expected).abs() < 1e-14, "{root} for {expected}");
+            }
+        }
     }
 
     #[test]

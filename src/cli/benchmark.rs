@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use crate::benchmark::hidden::IDS;
 use crate::benchmark::naming::{
-    Case, Kind, Outcome, Plan, Settings, Summary, Unmade, case_text, known_effect, misses_text,
-    run_all, run_case, summary_text,
+    Case, Kind, Outcome, Plan, Settings, Sizing, Summary, Unmade, case_text, known_effect,
+    misses_text, run_all, run_case, summary_text,
 };
 use crate::observer::Observer;
 use crate::report;
@@ -50,6 +50,11 @@ pub(super) struct Args {
     /// Seed of every draw.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    /// Brings an effect to its excess by its character instead of how much of it there is:
+    /// joints by their stiffness, Stribeck curves by their velocity, hardening springs by their
+    /// cubic part.
+    #[arg(long)]
+    by_character: bool,
     /// Leaves the actuator's order to the data instead of giving the true one.
     #[arg(long)]
     order_from_data: bool,
@@ -102,14 +107,16 @@ impl Args {
     fn settings(&self) -> Settings {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let jobs = self.jobs.unwrap_or(threads);
+        let sizing = if self.by_character { Sizing::Character } else { Sizing::Amount };
         let Self { seed, order_from_data, separate, nearest, .. } = *self;
-        Settings { seed, order_from_data, separate, nearest, jobs, threads }
+        Settings { seed, sizing, order_from_data, separate, nearest, jobs, threads }
     }
 
     /// What repeats a draw of this run, but for its key.
     fn command(&self) -> String {
+        let sizing = if self.by_character { " --by-character" } else { "" };
         let order = if self.order_from_data { " --order-from-data" } else { "" };
-        format!("servoscope benchmark --seed {}{order}", self.seed)
+        format!("servoscope benchmark --seed {}{sizing}{order}", self.seed)
     }
 }
 
@@ -253,11 +260,13 @@ mod tests {
 
     #[test]
     fn the_command_that_repeats_a_draw_has_what_it_depends_on() {
-        let args = asked("--seed 9 --order-from-data --orders 1 --jobs 1").unwrap();
-        assert_eq!(args.command(), "servoscope benchmark --seed 9 --order-from-data");
+        let args = asked("--seed 9 --by-character --order-from-data --orders 1 --jobs 1").unwrap();
+        let command = "servoscope benchmark --seed 9 --by-character --order-from-data";
+        assert_eq!(args.command(), command);
         let repeated = format!("{} --case clean-60-o1-0", args.command());
         let again = asked(repeated.trim_start_matches("servoscope benchmark ")).unwrap();
-        assert_eq!(again.settings().seed, args.settings().seed);
+        let settings = Settings { jobs: again.settings().jobs, ..args.settings() };
+        assert_eq!(again.settings(), settings);
         assert_eq!(again.case, "clean-60-o1-0".parse().ok());
     }
 }

@@ -111,3 +111,30 @@ fn deviations(workbench: &Workbench<'_>, model: &Model) -> Vec<f64> {
     }
     deviations
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{exact, noisy, request};
+    use super::*;
+    use crate::benchmark::draw::NoiseStatement;
+    use crate::observer::Silent;
+
+    // Of neither gap does the data say anything; what it says of the joint is the same to a
+    // hundredth of one unit.
+    #[test]
+    fn a_play_ten_times_rarer_costs_twice_the_logarithm_of_it() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());
+        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
+        let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
+        let play = crate::effects::find("backlash").unwrap();
+        let likely = workbench.ranges(play)[3].likely[0];
+        let cost_of = |gap: f64| {
+            let mut model = workbench.extend(workbench.base(), play);
+            let parameter = model.parameters() - 1;
+            model.set(parameter, gap);
+            complexity(&workbench, &model, &yardstick)
+        };
+        let difference = cost_of(0.01 * likely) - cost_of(0.1 * likely);
+        assert!((difference - 2.0 * 10.0_f64.ln()).abs() < 0.1, "{difference}");
+    }
+}

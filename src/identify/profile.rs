@@ -191,6 +191,35 @@ mod tests {
         assert!((above - 0.5).abs() < 1e-9, "{above}");
     }
 
+    // On the straight path to its end the sum rises by more than it should, but refitted there it
+    // stays at a third: seen only if the refit is made where the path has risen too much.
+    #[test]
+    fn in_a_bent_valley_an_end_is_sought_along_the_floor() {
+        let measurement = stepped_sine(&axis(ACTUATORS[1]), 5);
+        let problem = Problem::new(&measurement).unwrap();
+        let coordinates = Coordinates::new(1, false, &problem.prior);
+        let point = coordinates.point(&problem.in_scale(&axis(ACTUATORS[1])));
+        let weights = noise::weights(&measurement, &problem, &IdentifyOptions::default(), None);
+        let misfit = Misfit {
+            problem: &problem,
+            coordinates: &coordinates,
+            weights: &weights,
+            observer: &Silent,
+            stand_in: None,
+        };
+        let here = misfit.linearise(&point).unwrap();
+        let held = vec![false; point.len()];
+        let scale =
+            0.2 / Uncertainty::new(&here, &held, 1.0).covariance[(CONSTANT, CONSTANT)].sqrt();
+        let uncertainty = Uncertainty::new(&here, &held, scale);
+        let profile = Profile::new(&misfit, &point, &here, &uncertainty, [2.0, scale]).unwrap();
+        let end = uncertainty.covariance.column(CONSTANT) * (2.0 / 0.2);
+        let straight: Vec<f64> = point.iter().zip(&end).map(|(p, s)| p + s).collect();
+        assert!(profile.root(misfit.cost(&straight)) > 1.0 + BELIEVED);
+        let [_, above] = profile.reaches(CONSTANT, &uncertainty).unwrap();
+        assert!(above > 2.0 * end[CONSTANT], "{above}");
+    }
+
     // At two deviations of 0.03 the root falls short by 3 %.
     #[test]
     fn the_curvature_is_believed_where_the_response_is_nearly_linear() {

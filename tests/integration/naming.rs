@@ -2,7 +2,7 @@
 
 use servoscope::answers::Verdict;
 use servoscope::benchmark::naming::{
-    Case, DETECTABLE, Estimated, Outcome, Settings, base_excess, make, run_case,
+    Case, DETECTABLE, Estimated, Outcome, Settings, Sizing, base_excess, make, run_case,
 };
 use servoscope::diagnose::diagnose;
 use servoscope::identify::IdentifyRequest;
@@ -13,6 +13,7 @@ use crate::shared_files::shared;
 
 const SETTINGS: Settings = Settings {
     seed: 1,
+    sizing: Sizing::Amount,
     order_from_data: false,
     separate: false,
     nearest: false,
@@ -58,10 +59,10 @@ fn nearly_held(parameter: &Estimated) -> bool {
 fn a_hidden_effect_shows_as_much_as_was_drawn_and_the_same_key_hides_the_same() {
     for key in ["single-40-gain_asymmetry-o1-4", "single-50-friction_drift-o0-0"] {
         let case = case(key);
-        let made = make(&case, 1, &Silent).unwrap();
+        let made = make(&case, 1, Sizing::Amount, &Silent).unwrap();
         assert!(made.excess >= DETECTABLE && made.excess <= 36_000.0 * 1.15, "{}", made.excess);
-        assert_eq!(make(&case, 1, &Silent).unwrap(), made);
-        assert_ne!(make(&case, 2, &Silent).unwrap().hidden, made.hidden);
+        assert_eq!(make(&case, 1, Sizing::Amount, &Silent).unwrap(), made);
+        assert_ne!(make(&case, 2, Sizing::Amount, &Silent).unwrap().hidden, made.hidden);
         let repeats = made.measurement.experiments()[0].repeats.len();
         assert_eq!(repeats, if case.has_repeats() { 6 } else { 0 });
     }
@@ -71,7 +72,7 @@ fn a_hidden_effect_shows_as_much_as_was_drawn_and_the_same_key_hides_the_same() 
 #[test]
 fn the_base_models_chi2_is_its_excess_and_that_of_the_noise() {
     for key in ["single-60-static_friction-o0-0", "single-50-quadratic_drag-o2-2"] {
-        let made = make(&case(key), 1, &Silent).unwrap();
+        let made = make(&case(key), 1, Sizing::Amount, &Silent).unwrap();
         let noisy = base_excess(&made.measurement, case(key).order).unwrap();
         let data: usize =
             made.measurement.experiments().iter().map(|e| 2 * e.response.len() - 1).sum();

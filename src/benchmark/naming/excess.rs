@@ -1,6 +1,7 @@
 //! What a base model leaves of a noise-free response, and effects of a wanted excess.
 
 use super::size::Scales;
+use super::sizing::Sizing;
 use crate::answers::{ColonyOptions, IdentifyOptions, NetworkOptions, PlantRequest};
 use crate::benchmark::draw::{Draw, DrawError};
 use crate::benchmark::responses::Responses;
@@ -81,12 +82,13 @@ pub(super) fn of_excess(
     effect: &Effect,
     target: f64,
     level_db: u32,
+    sizing: Sizing,
 ) -> Option<Effect> {
     let scales = Scales::of(machine);
     // An effect at its smallest size is asked for again and again.
     let mut last: Option<(Effect, Option<f64>)> = None;
     let factor = size_factor(target, |factor| {
-        let sized = scales.times(effect, factor)?;
+        let sized = sizing.times(&scales, effect, factor)?;
         let found = match last {
             Some((same, found)) if same == sized => found,
             _ => excess_of(&Draw { effects: vec![sized], ..machine.clone() }, level_db, &COARSE),
@@ -94,7 +96,7 @@ pub(super) fn of_excess(
         last = Some((sized, found));
         found
     })?;
-    scales.times(effect, factor)
+    sizing.times(&scales, effect, factor)
 }
 
 /// The factor at which `excess` is `target`: secants in the logarithms of both, kept between

@@ -10,6 +10,7 @@ use super::case::{Case, Kind};
 use super::excess::{DETECTABLE, exact, excess_in, of_excess};
 use super::outsiders::{OUTSIDERS, draw_outsider};
 use super::rivals::{Nearest, Rivals};
+use super::sizing::Sizing;
 use crate::benchmark::draw::{Draw, DrawError, NoiseStatement, draw, log_uniform};
 use crate::benchmark::hidden::{IDS, draw_effect};
 use crate::benchmark::responses::Responses;
@@ -104,12 +105,18 @@ pub enum MakeError {
     Draw(#[from] DrawError),
 }
 
-/// Draws a case; everything random follows from `base_seed` and the case's key. The observer
-/// is asked before every attempt whether to go on.
+/// Draws a case; everything random follows from `base_seed` and the case's key, and `sizing`
+/// brings what is hidden to its excess. The observer is asked before every attempt whether to
+/// go on.
 ///
 /// # Errors
 /// See [`MakeError`].
-pub fn make(case: &Case, base_seed: u64, observer: &dyn Observer) -> Result<Made, MakeError> {
+pub fn make(
+    case: &Case,
+    base_seed: u64,
+    sizing: Sizing,
+    observer: &dyn Observer,
+) -> Result<Made, MakeError> {
     let rng = &mut case.rng(base_seed);
     let mut targets = targets(case, rng);
     for attempt in 1..=MOST_ATTEMPTS {
@@ -120,7 +127,12 @@ pub fn make(case: &Case, base_seed: u64, observer: &dyn Observer) -> Result<Made
             targets = self::targets(case, rng);
         }
         let mut machine = draw(case.order, rng.random());
-        let Some(effects) = effects(case, &machine, targets, attempt, rng) else { continue };
+        let sized = |effect: Effect, target: f64| {
+            of_excess(&machine, &effect, target, case.level_db, sizing)
+        };
+        let Some(effects) = effects(case, &machine, sized, targets, attempt, rng) else {
+            continue;
+        };
         machine.effects = effects;
         let responses = Responses::simulate(&machine, &Settings::default())?;
         let excess = match case.kind {
@@ -165,15 +177,15 @@ fn most_excess(level_db: u32) -> f64 {
     }
 }
 
-/// What is hidden in a machine, in the size of its target; `None` where it has none.
+/// What is hidden in a machine, `sized` to its target; `None` where no size has it.
 fn effects(
     case: &Case,
     machine: &Draw,
+    sized: impl Fn(Effect, f64) -> Option<Effect>,
     targets: [f64; 2],
     attempt: usize,
     rng: &mut ChaCha8Rng,
 ) -> Option<Vec<Effect>> {
-    let sized = |effect: Effect, target: f64| of_excess(machine, &effect, target, case.level_db);
     match case.kind {
         Kind::Clean => Some(Vec::new()),
         Kind::Single => {

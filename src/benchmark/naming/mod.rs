@@ -2,8 +2,8 @@
 //! public interface, and scores what it names.
 //!
 //! - `case`: what a draw is, and the key from which it is drawn again.
-//! - `size`, `excess`: how much of an effect there is, and how much it shows: sizes are
-//!   searched until the base model's excess χ² is the one wanted.
+//! - `size`, `sizing`, `excess`: how much of an effect there is, what is varied of it, and how
+//!   much it shows: sizes are searched until the base model's excess χ² is the one wanted.
 //! - `outsiders`: what the library does not have. `rivals`: how well a single effect of it
 //!   imitates what is hidden, be it an outsider or another effect.
 //! - `make`: a machine, what is hidden in it, and its measurement.
@@ -24,6 +24,7 @@ mod rivals;
 mod run;
 mod separation;
 mod size;
+mod sizing;
 mod summary;
 mod text;
 
@@ -37,5 +38,6 @@ pub use rate::Rate;
 pub use rivals::{Nearest, Rivals};
 pub use run::{Run, Settings, Unmade, run_all, run_case};
 pub use separation::Separation;
+pub use sizing::Sizing;
 pub use summary::{ConfidenceBin, Confusion, EffectRates, Line, NONE, Summary, Times, Wanted};
 pub use text::{case_text, misses_text, summary_text};

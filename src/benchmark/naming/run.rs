@@ -12,6 +12,7 @@ use super::fresh::fresh;
 use super::judge::{Outcome, Seconds};
 use super::make::{MakeError, make};
 use super::separation::separate;
+use super::sizing::Sizing;
 use crate::answers::{Diagnosis, IdentifyOptions, PlantRequest};
 use crate::diagnose::diagnose;
 use crate::identify::IdentifyRequest;
@@ -22,6 +23,8 @@ use crate::observer::Observer;
 pub struct Settings {
     /// Seed of everything.
     pub seed: u64,
+    /// What is varied of a hidden effect until it shows as much as is wanted.
+    pub sizing: Sizing,
     /// Whether the actuator's order is left to the data.
     pub order_from_data: bool,
     /// Whether to try the next experiment where one is asked for of a single effect.
@@ -58,7 +61,7 @@ pub struct Unmade {
 /// Where the draw cannot be made.
 pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Result<Run, Unmade> {
     let began = Instant::now();
-    let made = make(case, settings.seed, observer)
+    let made = make(case, settings.seed, settings.sizing, observer)
         .map_err(|error| Unmade { key: case.to_string(), reason: error.to_string() })?;
     let data = began.elapsed().as_secs_f64();
     let given = PlantRequest { actuator_order: case.order };
@@ -146,6 +149,7 @@ mod tests {
     fn settings(jobs: usize) -> Settings {
         Settings {
             seed: 7,
+            sizing: Sizing::Amount,
             order_from_data: false,
             separate: false,
             nearest: true,

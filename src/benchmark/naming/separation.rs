@@ -120,6 +120,7 @@ fn with_experiment(
 
 #[cfg(test)]
 mod tests {
+    use super::super::sizing::Sizing;
     use super::*;
     use crate::benchmark::naming::make;
     use crate::observer::Silent;
@@ -128,7 +129,7 @@ mod tests {
     fn one_more_experiment_stands_at_the_end_and_is_as_noisy_as_the_others() {
         for key in ["single-50-friction_drift-o0-0", "single-50-gain_asymmetry-o0-4"] {
             let case: Case = key.parse().unwrap();
-            let made = make(&case, 1, &Silent).unwrap();
+            let made = make(&case, 1, Sizing::Amount, &Silent).unwrap();
             let rng = &mut case.rng(2);
             let (magnitude, omega) = random_point(&made.machine, rng);
             let extended = with_experiment(&case, &made, (magnitude, omega), rng).unwrap().unwrap();
@@ -145,7 +146,7 @@ mod tests {
     #[test]
     fn a_hidden_effect_leads_by_what_the_best_other_is_behind() {
         let case: Case = "single-50-gain_asymmetry-o0-4".parse().unwrap();
-        let made = make(&case, 1, &Silent).unwrap();
+        let made = make(&case, 1, Sizing::Amount, &Silent).unwrap();
         let candidate = |(effect, criterion): &(&str, f64)| Candidate {
             effect: (*effect).to_owned(),
             cost: 0.0,

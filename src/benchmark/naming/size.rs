@@ -1,4 +1,4 @@
-//! The one parameter of an effect that says how much of it there is.
+//! How much of an effect there is: the one parameter that says so.
 //!
 //! | effect | size | as far as |
 //! | --- | --- | --- |

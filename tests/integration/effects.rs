@@ -258,6 +258,31 @@ fn with_play([damping, gap]: [f64; 2], magnitude: f64, omega_rad_s: f64) -> Case
     Case { plant, effects, run_share: 0.0, omega_rad_s, input }
 }
 
+// At low frequencies the axis rests for long, and the load drifts from end to end of its gap,
+// its twist a straight line. The tolerance is half of the contract's, of the largest response here.
+#[test]
+fn a_load_that_drifts_in_its_gap_while_the_axis_rests_touches_alike_in_both_simulators() {
+    let plant = Plant {
+        constant: 7.448064,
+        viscous_rate_rad_s: 4.496167,
+        actuator: Actuator::FirstOrder { corner_rad_s: 10.42757 },
+        friction: Friction::coulomb(0.1064672, 0.1157884),
+    };
+    let (load_inertia_fraction, stiffness, damping, gap) =
+        (0.2376795, 680.8241, 0.94244, 1.4817e-4);
+    let effects = vec![Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
+    let slow = [0.67, 0.89, 1.18, 1.56, 2.07, 2.74, 3.62];
+    (0..3 * slow.len()).into_par_iter().for_each(|i| {
+        let (magnitude, omega_rad_s) = (0.2219 * [1.0, 2.0, 4.0][i % 3], slow[i / 3]);
+        let input = vec![Complex::new(0.0, 0.0), Complex::new(magnitude, 0.0)];
+        let effects = effects.clone();
+        let both = Case { plant, effects, run_share: 0.0, omega_rad_s, input }
+            .simulate(&Settings::default());
+        let apart = largest_difference(&both.exact.unwrap(), &both.stepped.unwrap());
+        assert!(apart < 1e-5, "{magnitude} {omega_rad_s}: {apart:e}");
+    });
+}
+
 // Multipliers of the motions that Newton's method comes to first: −3.7 and 3.6. The tolerance
 // is the contract's, of the largest response of a design that has both points.
 #[test]

@@ -51,8 +51,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
     /// Brings an effect to its excess by its character instead of how much of it there is:
-    /// joints by their stiffness, Stribeck curves by their velocity, hardening springs by their
-    /// cubic part.
+    /// joints by their stiffness, Stribeck curves by their velocity.
     #[arg(long)]
     by_character: bool,
     /// Leaves the actuator's order to the data instead of giving the true one.

@@ -59,6 +59,11 @@ impl Yardstick {
         cost <= self.rounding + if self.known { noise } else { 0.0 }
     }
 
+    /// What a cost is beyond that of noise, where it is known.
+    pub fn beyond(&self, cost: f64) -> f64 {
+        if self.known { (cost - self.dof).max(0.0) } else { cost }
+    }
+
     /// Variance of the noise in units of the weights, after a model of this cost.
     pub fn variance(&self, cost: f64) -> f64 {
         if self.known { 1.0 } else { (cost + self.rounding) / self.dof }

@@ -16,10 +16,11 @@ const RIVAL: f64 = 0.5;
 /// The same of an effect that may be one of several, where none explains the data.
 const HOPEFUL: f64 = 0.02;
 
-/// Share of the misfit that the best effect leaves at most for it to be tried from aside.
+/// Share of what is beyond noise that the best effect leaves at most for it to be tried from
+/// aside.
 const HELPFUL: f64 = 0.5;
 
-/// Share of the misfit that another valley leaves at most for the search to go on from there.
+/// The same share that another valley leaves at most for the search to go on from there.
 const LOWER: f64 = 0.9;
 
 /// How far aside, in standard deviations of where a search looks first.
@@ -97,36 +98,44 @@ impl Fitter<'_> {
         let again: Vec<Model> = fits.par_iter().filter_map(again).collect();
         fits.extend(again);
         let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
-        fits.extend(best.and_then(|best| self.out_of_valleys(&best, HELPFUL * from.cost)));
+        fits.extend(best.and_then(|best| {
+            self.out_of_valleys(&best, HELPFUL * self.yardstick.beyond(from.cost))
+        }));
         fits
     }
 
-    /// The best that a fit comes to from aside, and from aside of that, where it costs less than
-    /// `most` and does not explain the data: perhaps it is of the right effect, in the wrong
-    /// valley.
+    /// The best that a fit comes to from aside, and from aside of that, where it leaves less than
+    /// `most` beyond noise and does not explain the data: perhaps it is of the right effect, in
+    /// the wrong valley.
     fn out_of_valleys(&self, fit: &Model, most: f64) -> Option<Model> {
-        if fit.cost >= most || self.yardstick.explains(fit.cost) {
+        let beyond = |model: &Model| self.yardstick.beyond(model.cost);
+        if beyond(fit) >= most || self.yardstick.explains(fit.cost) {
             return None;
         }
         let next = self.refit_from_aside(fit).filter(|next| next.cost < fit.cost)?;
-        let is_lower = next.cost < LOWER * fit.cost;
+        let is_lower = beyond(&next) < LOWER * beyond(fit);
         let further = is_lower.then(|| self.out_of_valleys(&next, most)).flatten();
         Some(further.unwrap_or(next))
     }
 
-    /// A fit again, from where each parameter of its last effect stands aside. Impacts and
+    /// A fit again, from where one or two parameters of its last effect stand aside. Impacts and
     /// limits divide the misfit into valleys, and a fit ends in the nearest.
     fn refit_from_aside(&self, fit: &Model) -> Option<Model> {
         let own = fit.parameters_of(fit.effects().len().checked_sub(1)?);
-        let aside = own.flat_map(|i| {
-            [-ASIDE, ASIDE].map(|share| {
-                let mut aside = fit.clone();
-                let step = (i, share * fit.prior_std(i));
-                aside.shift(std::iter::once(step), f64::INFINITY);
-                aside
-            })
+        let sides = own.flat_map(|i| [(i, -ASIDE), (i, ASIDE)]);
+        let sides: Vec<(usize, f64)> =
+            sides.map(|(i, side)| (i, side * fit.prior_std(i))).collect();
+        let alone = sides.iter().map(|side| vec![*side]);
+        let both = sides.iter().enumerate().flat_map(|(n, one)| {
+            let others = sides[n + 1..].iter().filter(|other| other.0 != one.0);
+            others.map(|other| vec![*one, *other])
         });
-        let aside: Vec<Model> = aside.collect();
+        let shifted = |steps: Vec<(usize, f64)>| {
+            let mut aside = fit.clone();
+            aside.shift(steps.into_iter(), f64::INFINITY);
+            aside
+        };
+        let aside: Vec<Model> = alone.chain(both).map(shifted).collect();
         let tried = aside.par_iter().map(|model| self.refine(model, Effort::Glance)).collect();
         self.settled(best_first(tried), FROM_ASIDE)
     }

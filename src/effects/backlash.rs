@@ -49,10 +49,9 @@ impl Effect for Backlash {
         &PARAMETERS
     }
 
-    // A play ten times smaller than the smallest that is likely is ten times as rare: none is
-    // made that small on purpose, and what wear leaves has no reason to be.
+    // None is made that small on purpose, and what wear leaves has no reason to be.
     fn prior_share(&self, values: &[f64], ranges: &[Range]) -> f64 {
-        (values[3] / ranges[3].likely[0]).min(1.0)
+        ranges[3].share_of_small(values[3])
     }
 
     fn resize(&self, values: &mut [f64], _ranges: &[Range], factor: f64) {

@@ -91,6 +91,14 @@ pub struct Range {
     pub absent: Option<f64>,
 }
 
+impl Range {
+    /// Prior density at a positive value that may be smaller than is likely, as a share of that
+    /// within: what is ten times smaller is ten times as rare.
+    pub fn share_of_small(&self, value: f64) -> f64 {
+        (value / self.likely[0]).min(1.0)
+    }
+}
+
 /// One parameter of an effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {

@@ -22,10 +22,10 @@ const PARAMETERS: [Parameter; 2] = [
         name: "stribeck_velocity",
         dimension: Dimension::VELOCITY,
         coordinate: Coordinate::Logarithmic,
-        // Slower than a thousandth of the fastest motion it is static friction,
+        // Slower than a ten-thousandth of the fastest motion it is static friction,
         // much faster than it a change of the Coulomb level.
         range: |scope| Range {
-            bounds: [1e-3, 3.0].map(|share| share * scope.largest_velocity),
+            bounds: [1e-4, 3.0].map(|share| share * scope.largest_velocity),
             likely: [0.01, 0.5].map(|share| share * scope.largest_velocity),
             absent: None,
         },
@@ -83,6 +83,11 @@ impl Effect for Stribeck {
 
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
+    }
+
+    // So narrow a curve is static friction that is alike both ways, to most data.
+    fn prior_share(&self, values: &[f64], ranges: &[Range]) -> f64 {
+        ranges[1].share_of_small(values[1])
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -15,7 +15,6 @@ pub enum Sizing {
     /// | --- | --- | --- |
     /// | `stribeck` | vs | V |
     /// | `backlash`, `flexible_mode` | the joint softer at the same damping ratio: 1/k, 1/c² | a resonance at a/2 |
-    /// | `hardening_spring` | k₃ alone | k₃·X³ = 3 m |
     ///
     /// All others as by [`Sizing::Amount`].
     Character,
@@ -32,7 +31,7 @@ impl Sizing {
 }
 
 fn by_character(scales: &Scales, effect: &Effect, factor: f64) -> Option<Effect> {
-    let (velocity, travel) = (scales.velocity(), scales.travel());
+    let velocity = scales.velocity();
     let softer = |fraction: f64, stiffness: f64, damping: f64| {
         let resonance =
             (scales.constant * stiffness / (factor * fraction * (1.0 - fraction))).sqrt();
@@ -51,11 +50,6 @@ fn by_character(scales: &Scales, effect: &Effect, factor: f64) -> Option<Effect>
         Effect::FlexibleMode { load_inertia_fraction, stiffness, damping } => {
             let (stiffness, damping) = softer(load_inertia_fraction, stiffness, damping)?;
             Effect::FlexibleMode { load_inertia_fraction, stiffness, damping }
-        }
-        Effect::HardeningSpring { stiffness, cubic_stiffness } => {
-            let cubic_stiffness = factor * cubic_stiffness;
-            (cubic_stiffness * travel.powi(3) <= 3.0 * scales.lowest)
-                .then_some(Effect::HardeningSpring { stiffness, cubic_stiffness })?
         }
         _ => scales.times(effect, factor)?,
     })

@@ -23,6 +23,11 @@ const MOST_STEPS: usize = 20;
 /// Periods followed from rest after the first before Newton's method is tried again.
 const FIRST_PERIODS: usize = 4;
 
+/// Change of the states over a period, as a share of their sizes, from which on Newton's method
+/// may lead from one of several motions to another, and periods followed until it is less.
+const FAR: f64 = 0.05;
+const APPROACH: usize = 8;
+
 /// Periods followed from rest after which the motion counts as not periodic.
 const MOST_PERIODS: usize = 500;
 
@@ -74,8 +79,12 @@ impl<const M: usize> Periodic<M> {
         unstable: &mut Option<Vector<f64, M>>,
     ) -> Result<(), NoResponse> {
         let mechanics = Mechanics::new(axis);
+        let mut periods = 1;
+        if !axis.balanced && !mechanics.contracts() {
+            periods += self.approach(&mechanics, wave)?;
+        }
         let mut rested = self.state;
-        let (mut periods, mut patience) = (1, FIRST_PERIODS);
+        let mut patience = FIRST_PERIODS;
         loop {
             let failed = NoResponse::NotPeriodic { periods };
             let beside = unstable.map(|_| rested);
@@ -108,6 +117,23 @@ impl<const M: usize> Periodic<M> {
             }
             patience *= 2;
         }
+    }
+
+    /// Follows the motion until a period hardly changes it, and says for how many.
+    fn approach(
+        &mut self,
+        mechanics: &Mechanics<f64>,
+        wave: &Wave<f64>,
+    ) -> Result<usize, NoResponse> {
+        for period in 1..=APPROACH {
+            let failed = NoResponse::NotPeriodic { periods: 1 + period };
+            let before = self.state;
+            self.state = self.plain(mechanics, wave).ok_or(failed)?.0;
+            if self.distance_from(&before) < FAR {
+                return Ok(period);
+            }
+        }
+        Ok(APPROACH)
     }
 
     /// Newton's method from where the motion is. `beside` is the motion from rest where an

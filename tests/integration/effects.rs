@@ -295,6 +295,28 @@ fn a_periodic_motion_in_which_no_axis_stays_is_not_the_response() {
     }
 }
 
+// Newton's method from the end of the first period ends in another motion. The tolerance is the
+// contract's, of the response itself.
+#[test]
+fn of_several_motions_that_repeat_the_one_reached_from_rest_is_the_response() {
+    let plant = Plant {
+        constant: 3.493069,
+        viscous_rate_rad_s: 12.23117,
+        actuator: Actuator::FirstOrder { corner_rad_s: 68.11610 },
+        friction: Friction::coulomb(0.7032706, 0.6551141),
+    };
+    let effects = vec![Effect::Backlash {
+        load_inertia_fraction: 0.03779108,
+        stiffness: 23.32777,
+        damping: 0.3579927,
+        gap: 0.009293163,
+    }];
+    let input = vec![Complex::new(0.0, 0.0), Complex::new(1.5987, 0.0)];
+    let case = Case { plant, effects, run_share: 0.0, omega_rad_s: 22.798, input };
+    let apart = case.difference();
+    assert!(apart < 5e-5, "{apart:e}");
+}
+
 #[test]
 fn where_impacts_never_come_to_repeat_there_is_no_response_but_something_to_go_on_from() {
     for (magnitude, omega_rad_s) in [(1.7315, 3.359038), (0.8657, 3.412783)] {

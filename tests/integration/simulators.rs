@@ -65,7 +65,7 @@ impl Case {
     }
 
     /// Largest difference between the simulators, as a share of the largest harmonic.
-    fn difference(&self) -> f64 {
+    pub fn difference(&self) -> f64 {
         // Steps so short that no visit to v = 0 hides within one.
         let settings = Settings { steps_per_input_line: 256, ..Settings::default() };
         let Both { exact, stepped } = self.simulate(&settings);

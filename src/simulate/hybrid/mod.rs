@@ -6,8 +6,9 @@
 //! (`runge_kutta`), all cut where the motion switches (`pass`). The state at the
 //! beginning of the period is found by Newton's method on the return map; the
 //! derivatives it needs ride along in dual numbers. Where several periodic
-//! motions may exist the one reached from rest counts: Newton's step is then kept
-//! so short that it follows the motion's own slow approach.
+//! motions may exist the one reached from rest counts: it is followed until a period hardly
+//! changes it, and Newton's step is then kept so short that it follows the motion's own slow
+//! approach.
 
 mod affine;
 mod crossing;

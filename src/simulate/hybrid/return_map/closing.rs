@@ -51,7 +51,8 @@ enum Closing {
 
 impl<const M: usize> Periodic<M> {
     /// Newton's method at loose precision until it hardly moves, from the end of the first
-    /// period. Where it does not get nearer, the motion itself is followed for some periods, and
+    /// period, or where motions may not be unique from that of one that hardly changes them.
+    /// Where it does not get nearer, the motion itself is followed for some periods, and
     /// more each time; where it comes to a motion that no axis stays in, the motion from rest
     /// is; that of a balanced axis, as its ripple grows.
     pub(super) fn close(
@@ -81,7 +82,8 @@ impl<const M: usize> Periodic<M> {
         let mechanics = Mechanics::new(axis);
         let mut periods = 1;
         if !axis.balanced && !mechanics.contracts() {
-            periods += self.approach(&mechanics, wave)?;
+            periods +=
+                self.approach(&mechanics, wave).ok_or(NoResponse::NotPeriodic { periods })?;
         }
         let mut rested = self.state;
         let mut patience = FIRST_PERIODS;
@@ -119,21 +121,17 @@ impl<const M: usize> Periodic<M> {
         }
     }
 
-    /// Follows the motion until a period hardly changes it, and says for how many.
-    fn approach(
-        &mut self,
-        mechanics: &Mechanics<f64>,
-        wave: &Wave<f64>,
-    ) -> Result<usize, NoResponse> {
+    /// Follows the motion until a period hardly changes it, and says for how many; `None` where
+    /// it cannot be followed.
+    fn approach(&mut self, mechanics: &Mechanics<f64>, wave: &Wave<f64>) -> Option<usize> {
         for period in 1..=APPROACH {
-            let failed = NoResponse::NotPeriodic { periods: 1 + period };
             let before = self.state;
-            self.state = self.plain(mechanics, wave).ok_or(failed)?.0;
+            self.state = self.plain(mechanics, wave)?.0;
             if self.distance_from(&before) < FAR {
-                return Ok(period);
+                return Some(period);
             }
         }
-        Ok(APPROACH)
+        Some(APPROACH)
     }
 
     /// Newton's method from where the motion is. `beside` is the motion from rest where an

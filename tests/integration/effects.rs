@@ -246,16 +246,25 @@ fn points_where_newtons_method_takes_long_are_those_of_the_other_simulator() {
     });
 }
 
-/// An axis with play in a point of its own.
-fn with_play([damping, gap]: [f64; 2], magnitude: f64, omega_rad_s: f64) -> Case {
+/// An axis with play (ρ, k, c and gap) in a point of its own.
+fn with_play(
+    plant: Plant,
+    [load_inertia_fraction, stiffness, damping, gap]: [f64; 4],
+    magnitude: f64,
+    omega_rad_s: f64,
+) -> Case {
+    let effects = vec![Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
+    let input = vec![Complex::new(0.0, 0.0), Complex::new(magnitude, 0.0)];
+    Case { plant, effects, run_share: 0.0, omega_rad_s, input }
+}
+
+/// One whose impacts depend on the joint's damping and on the point.
+fn rattling(damping: f64, magnitude: f64, omega_rad_s: f64) -> Case {
     let actuator =
         Actuator::SecondOrder { natural_frequency_rad_s: 6.245474, damping_ratio: 0.5944140 };
     let friction = Friction::coulomb(0.2888457, 0.3872526);
     let plant = Plant { constant: 1.660596, viscous_rate_rad_s: 3.042747, actuator, friction };
-    let (load_inertia_fraction, stiffness) = (0.182259, 59.97234);
-    let effects = vec![Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
-    let input = vec![Complex::new(0.0, 0.0), Complex::new(magnitude, 0.0)];
-    Case { plant, effects, run_share: 0.0, omega_rad_s, input }
+    with_play(plant, [0.182259, 59.97234, damping, 0.004244359], magnitude, omega_rad_s)
 }
 
 // At low frequencies the axis rests for long, and the load drifts from end to end of its gap,
@@ -268,16 +277,11 @@ fn a_load_that_drifts_in_its_gap_while_the_axis_rests_touches_alike_in_both_simu
         actuator: Actuator::FirstOrder { corner_rad_s: 10.42757 },
         friction: Friction::coulomb(0.1064672, 0.1157884),
     };
-    let (load_inertia_fraction, stiffness, damping, gap) =
-        (0.2376795, 680.8241, 0.94244, 1.4817e-4);
-    let effects = vec![Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
+    let joint = [0.2376795, 680.8241, 0.94244, 1.4817e-4];
     let slow = [0.67, 0.89, 1.18, 1.56, 2.07, 2.74, 3.62];
     (0..3 * slow.len()).into_par_iter().for_each(|i| {
         let (magnitude, omega_rad_s) = (0.2219 * [1.0, 2.0, 4.0][i % 3], slow[i / 3]);
-        let input = vec![Complex::new(0.0, 0.0), Complex::new(magnitude, 0.0)];
-        let effects = effects.clone();
-        let both = Case { plant, effects, run_share: 0.0, omega_rad_s, input }
-            .simulate(&Settings::default());
+        let both = with_play(plant, joint, magnitude, omega_rad_s).simulate(&Settings::default());
         let apart = largest_difference(&both.exact.unwrap(), &both.stepped.unwrap());
         assert!(apart < 1e-5, "{magnitude} {omega_rad_s}: {apart:e}");
     });
@@ -288,7 +292,7 @@ fn a_load_that_drifts_in_its_gap_while_the_axis_rests_touches_alike_in_both_simu
 #[test]
 fn a_periodic_motion_in_which_no_axis_stays_is_not_the_response() {
     for (magnitude, omega_rad_s) in [(0.865747, 3.003098), (1.731494, 12.337548)] {
-        let case = with_play([0.3670977, 0.004244359], magnitude, omega_rad_s);
+        let case = rattling(0.3670977, magnitude, omega_rad_s);
         let both = case.simulate(&Settings::default());
         let apart = largest_difference(&both.exact.unwrap(), &both.stepped.unwrap());
         assert!(apart < 5e-5 * 0.4, "{magnitude} {omega_rad_s}: {apart:e}");
@@ -305,22 +309,15 @@ fn of_several_motions_that_repeat_the_one_reached_from_rest_is_the_response() {
         actuator: Actuator::FirstOrder { corner_rad_s: 68.11610 },
         friction: Friction::coulomb(0.7032706, 0.6551141),
     };
-    let effects = vec![Effect::Backlash {
-        load_inertia_fraction: 0.03779108,
-        stiffness: 23.32777,
-        damping: 0.3579927,
-        gap: 0.009293163,
-    }];
-    let input = vec![Complex::new(0.0, 0.0), Complex::new(1.5987, 0.0)];
-    let case = Case { plant, effects, run_share: 0.0, omega_rad_s: 22.798, input };
-    let apart = case.difference();
+    let joint = [0.03779108, 23.32777, 0.3579927, 0.009293163];
+    let apart = with_play(plant, joint, 1.5987, 22.798).difference();
     assert!(apart < 5e-5, "{apart:e}");
 }
 
 #[test]
 fn where_impacts_never_come_to_repeat_there_is_no_response_but_something_to_go_on_from() {
     for (magnitude, omega_rad_s) in [(1.7315, 3.359038), (0.8657, 3.412783)] {
-        let case = with_play([0.1, 0.004244359], magnitude, omega_rad_s);
+        let case = rattling(0.1, magnitude, omega_rad_s);
         let both = case.simulate(&Settings::default());
         assert!(both.stepped.is_err(), "{magnitude} {omega_rad_s}");
         let exact = both.exact.unwrap_err();

@@ -12,6 +12,7 @@
 //! what was computed once serves for every model it may be added to.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::effects::{ALL, Coordinate, Effect, Range};
 use crate::identify::{Model, Workbench};
@@ -32,6 +33,9 @@ const LONGEST_SHIFT: f64 = 0.3;
 
 /// Cosine above which two places show the same.
 const SAME: f64 = 0.9999;
+
+/// Cosine below which a start shows something else than one before it.
+const ELSE: f64 = 0.9;
 
 /// By how much a change may be scaled up to fit the residuals.
 const LARGEST_SCALE: f64 = 1.5;
@@ -66,7 +70,7 @@ pub(super) struct Probe {
 pub(super) struct Probed {
     /// The effect.
     pub effect: &'static dyn Effect,
-    /// Its probes, that of the largest gain first.
+    /// Its probes, in the order in which fits start from them: that of the largest gain first.
     pub probes: Vec<Probe>,
     /// The directions in which it would show around each place of its parameters.
     pub spans: Vec<Subspace>,
@@ -92,18 +96,19 @@ impl Changes {
         }
         let Some(aim) = Aim::of(workbench, anchor, effect) else { return this };
         let before = &anchor.prediction + &aim.balancing;
-        let mut extended = workbench.extend(&anchor.model, effect);
+        let extended = workbench.extend(&anchor.model, effect);
         let own = extended.parameters_of(extended.effects().len() - 1);
         let mut places = workbench.places(effect);
         if places.is_empty() {
             places = grid(effect, &this.ranges);
         }
-        for values in places {
+        let place = |values: Vec<f64>| {
+            let mut extended = extended.clone();
             own.clone().zip(&values).for_each(|(i, value)| extended.set(i, *value));
-            if let Some(prediction) = workbench.predict(&extended) {
-                this.places.push(Place { values, change: prediction - &before });
-            }
-        }
+            let change = workbench.predict(&extended)? - &before;
+            Some(Place { values, change })
+        };
+        this.places = places.into_par_iter().filter_map(place).collect();
         this
     }
 
@@ -128,7 +133,7 @@ impl Changes {
                 .collect();
             spans = neighbourhoods(&directions, self.effect.parameters().len());
         }
-        let mut probes: Vec<Probe> = places
+        let probes: Vec<Probe> = different_first(places, anchor)
             .into_iter()
             .map(|Tried { values, change, gain }| {
                 let mut start = workbench.extend(&anchor.model, self.effect);
@@ -139,7 +144,6 @@ impl Changes {
                 Probe { start, gain: gain - aim.price }
             })
             .collect();
-        probes.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let energy = spans.iter().map(|span| span.energy(&aim.left)).fold(0.0, f64::max);
         Probed { effect: self.effect, probes, spans, energy: energy - aim.price }
     }
@@ -194,6 +198,25 @@ pub(super) struct Tried {
     pub values: Vec<f64>,
     pub change: DVector<f64>,
     pub gain: f64,
+}
+
+/// Places by their gain, those first that show something else than any of a larger gain: a fit
+/// from beside another ends where that one does.
+fn different_first(mut places: Vec<Tried>, anchor: &Anchor) -> Vec<Tried> {
+    places.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut shown: Vec<DVector<f64>> = Vec::new();
+    let (mut different, mut others) = (Vec::new(), Vec::new());
+    for tried in places {
+        let direction = anchor.fitted.complement(&tried.change).normalize();
+        if shown.iter().all(|other| other.dot(&direction).abs() < ELSE) {
+            shown.push(direction);
+            different.push(tried);
+        } else {
+            others.push(tried);
+        }
+    }
+    different.append(&mut others);
+    different
 }
 
 /// The spans of each direction with its nearest: an effect with p parameters,
@@ -267,5 +290,28 @@ fn axis(coordinate: Coordinate, range: &Range, step: f64, sizes: &[f64]) -> Vec<
             let at = |i: usize| low + (high - low) * (i as f64 + 0.5) / f64::from(count);
             (0..count as usize).map(at).collect()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{exact, noisy, request};
+    use super::*;
+    use crate::benchmark::draw::NoiseStatement;
+    use crate::observer::Silent;
+
+    #[test]
+    fn what_shows_the_same_as_a_place_of_larger_gain_comes_after_what_shows_something_else() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
+        let anchor = Anchor::new(&workbench, workbench.base()).unwrap();
+        let wave = |cycles: f64| {
+            DVector::from_fn(anchor.residuals.len(), |row, _| (cycles * row as f64).sin())
+        };
+        let tried = |(change, gain)| Tried { values: Vec::new(), change, gain };
+        let places = [(wave(2.0), 1.0), (wave(1.0), 3.0), (2.0 * wave(1.0), 2.0)].map(tried);
+        let gains: Vec<f64> =
+            different_first(places.into(), &anchor).iter().map(|tried| tried.gain).collect();
+        assert_eq!(gains, [3.0, 1.0, 2.0]);
     }
 }

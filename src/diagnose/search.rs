@@ -168,15 +168,20 @@ impl<'a> Search<'a> {
         any
     }
 
-    /// Fits what a model is without each of its effects, where it was not yet.
+    /// Fits what a model is without each of its effects, where it was not yet or was worse than
+    /// the first steps from here.
     fn shrink(&mut self, from: &Key, part: Part<'_>) {
         let Some(model) = self.models.get(from) else { return };
-        let missing: Vec<Model> = (0..model.effects().len())
-            .map(|index| self.workbench.reduce(model, index))
-            .filter(|model| self.models.get(&key(model)).is_none())
-            .collect();
         let fitter = self.fitter(part, from.len() - 1);
-        let fits = missing.par_iter().map(|model| fitter.refine(model, Effort::Settle)).collect();
+        let without = |index| {
+            let rest = self.workbench.reduce(model, index);
+            let Some(known) = self.models.get(&key(&rest)) else {
+                return Some(fitter.refine(&rest, Effort::Settle));
+            };
+            let rest = fitter.refine(&rest, Effort::Glance);
+            (rest.cost < known.cost).then(|| fitter.refine(&rest, Effort::Settle))
+        };
+        let fits = (0..model.effects().len()).into_par_iter().filter_map(without).collect();
         self.keep(fits);
     }
 
@@ -244,5 +249,36 @@ impl<'a> Remaining<'a> {
         let taken = self.0.part([0.0, share]);
         self.0 = self.0.part([share, 1.0]);
         taken
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{exact, noisy, request};
+    use super::*;
+    use crate::benchmark::draw::NoiseStatement;
+    use crate::effects::find;
+    use crate::observer::Silent;
+
+    // Settled costs are good to 1e-5.
+    #[test]
+    fn what_a_pair_is_without_one_effect_replaces_a_fit_of_the_other_alone_that_was_worse() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let workbench = &Workbench::new(&measurement, &request, &Silent).unwrap();
+        let part = Part { whole: &Silent, span: [0.0, 1.0] };
+        let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
+        let models = Models::new(workbench.base().clone(), yardstick);
+        let (changes, grown) = (Vec::new(), BTreeSet::new());
+        let mut search = Search { workbench, seed: 1, breadth: WIDE, models, changes, grown };
+        let mut astray = workbench.extend(workbench.base(), find("sensor_lag").unwrap());
+        let fitted = workbench.refine(&astray, Effort::Settle);
+        astray.cost = 2.0 * fitted.cost;
+        let pair = workbench.extend(&fitted, find("quadratic_drag").unwrap());
+        let pair = workbench.refine(&pair, Effort::Brief);
+        let keys = [&fitted, &pair].map(key);
+        search.keep(vec![astray, pair]);
+        search.shrink(&keys[1], part);
+        let found = search.models.get(&keys[0]).unwrap();
+        assert!(found.cost < fitted.cost * (1.0 + 1e-5), "{} {}", found.cost, fitted.cost);
     }
 }

@@ -6,7 +6,7 @@
 //! pull just before contact ends), 0 inside the gap. y is the motor's velocity.
 
 use super::flexible_mode::{DAMPING, LOAD_INERTIA_FRACTION, STIFFNESS, resize_load};
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, SecondMass, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, SecondMass, Wide};
 
 /// ρ, k, c and the gap.
 #[derive(Debug)]
@@ -24,6 +24,35 @@ const GAP: Parameter = Parameter {
         absent: None,
     },
 };
+
+/// Loads that are tried first. What play does is not in proportion to the load: a light one
+/// points to another gap than a heavy one.
+const LOADS: [f64; 2] = [0.1, 0.3];
+
+/// Damping ratios of the contact that are tried.
+const DAMPING_RATIOS: [f64; 2] = [0.05, 0.4];
+
+/// Gaps that are tried, as shares of the longest travel.
+const GAPS: [f64; 3] = [3e-4, 3e-3, 3e-2];
+
+/// By how much a frequency of the contact is larger than the one tried before.
+const NEXT: f64 = 3.0;
+
+/// Loads that swing against the motor, while in contact, at √(k/(ρ(1 − ρ)J)): from within the
+/// band to where contacts are but impacts, of which only the damping ratio shows.
+fn contacts(scope: &Scope) -> Vec<Vec<f64>> {
+    let contact = |load: f64, omega: f64, ratio: f64, gap: f64| {
+        let inertia = load * (1.0 - load) / scope.plant.constant.abs();
+        let (stiffness, damping) = (inertia * omega * omega, 2.0 * ratio * inertia * omega);
+        vec![load, stiffness, damping, gap * scope.largest_travel]
+    };
+    std::iter::successors(Some(2.0 * scope.omega_low), |omega| Some(NEXT * omega))
+        .take_while(|omega| *omega < 10.0 * scope.omega_high)
+        .flat_map(|omega| LOADS.map(|load| (omega, load)))
+        .flat_map(|(omega, load)| DAMPING_RATIOS.map(|ratio| (omega, load, ratio)))
+        .flat_map(|(omega, load, ratio)| GAPS.map(|gap| contact(load, omega, ratio, gap)))
+        .collect()
+}
 
 impl Effect for Backlash {
     fn id(&self) -> &'static str {
@@ -47,6 +76,10 @@ impl Effect for Backlash {
 
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
+    }
+
+    fn places(&self, scope: &Scope) -> Vec<Vec<f64>> {
+        contacts(scope)
     }
 
     // None is made that small on purpose, and what wear leaves has no reason to be.

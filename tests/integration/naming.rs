@@ -145,6 +145,19 @@ fn a_fit_leaves_a_valley_that_two_parameters_hold_it_in() {
     are_explained(settings, &["single-60-backlash-o1-7"]);
 }
 
+// Both swing far above the band. What shows of it is much like a light load's that swings in it.
+#[test]
+#[ignore = "slow: 2 diagnoses"]
+fn a_joint_far_stiffer_than_the_band_is_wide_is_not_taken_for_a_light_load_in_it() {
+    let settings = Settings { seed: 41041, sizing: Sizing::Character, ..SETTINGS };
+    for key in ["single-60-flexible_mode-o0-12", "single-60-backlash-o1-13"] {
+        let outcome = run_case(&case(key), &settings, &Silent).unwrap().outcome;
+        assert!(outcome.named_first(), "{key}: {:?}", outcome.causes());
+        let parameters = outcome.answer.unwrap().effect_parameters;
+        assert!(parameters.iter().all(nearly_held), "{key}: {parameters:?}");
+    }
+}
+
 #[test]
 #[ignore = "slow: 2 diagnoses"]
 fn nothing_is_named_where_nothing_is_hidden() {

@@ -6,11 +6,11 @@
 //! ln det(I + S·Λ·S) with S the prior deviations of the effects' parameters and
 //! Λ what the data says of them once the base parameters are fitted too, less 2 ln of
 //! the prior where it is less than within the likely ranges. What the data does not
-//! determine costs little.
+//! determine costs little, and that it is small where the data does not say so, nothing.
 
 use nalgebra::DMatrix;
 
-use crate::effects::{Coordinate, Effect};
+use crate::effects::{Coordinate, Range};
 use crate::identify::{Linear, Model, Workbench};
 
 use super::subspace::Subspace;
@@ -27,6 +27,9 @@ const LEAST: f64 = 2.0 * std::f64::consts::LN_2;
 /// Deviation of how much there is of an effect, in units of what was found: machines differ in
 /// that by orders of magnitude, so that no range would be fair to a large and to a small one.
 const SIZE: f64 = 2.0;
+
+/// Values between a small one and the likely range that are tried in its place.
+const LARGER: u32 = 4;
 
 /// What one more order of the actuator costs: as an effect of one parameter that the data
 /// narrows down by a factor of e².
@@ -87,16 +90,36 @@ pub(super) fn complexity(workbench: &Workbench<'_>, model: &Model, yardstick: &Y
         .iter()
         .map(|eigenvalue| (1.0 + eigenvalue.max(0.0)).ln().max(LEAST))
         .sum();
-    volume + RARITY * model.effects().len() as f64 - 2.0 * prior_share(workbench, model).ln()
+    let small = (0..model.effects().len()).map(|i| smallness(workbench, model, i, yardstick));
+    volume + RARITY * model.effects().len() as f64 + small.sum::<f64>()
 }
 
-/// Prior density of the effects' parameters, as a share of that within their likely ranges.
-fn prior_share(workbench: &Workbench<'_>, model: &Model) -> f64 {
-    let of = |(i, effect): (usize, &&'static dyn Effect)| {
-        let values: Vec<f64> = model.parameters_of(i).map(|p| model.value(p)).collect();
-        effect.prior_share(&values, &workbench.ranges(*effect))
+/// What it costs that a parameter of this effect is smaller than is likely.
+fn smallness(workbench: &Workbench<'_>, model: &Model, i: usize, yardstick: &Yardstick) -> f64 {
+    let effect = model.effects()[i];
+    let Some(rare) = effect.rarer_where_small() else { return 0.0 };
+    let parameter = model.parameters_of(i).start + rare;
+    let growth = |value: f64| {
+        let mut larger = model.clone();
+        larger.set(parameter, value);
+        Some(yardstick.misfit(workbench.cost(&larger)?) - yardstick.misfit(model.cost))
     };
-    model.effects().iter().enumerate().map(of).product()
+    least_price(&workbench.ranges(effect)[rare], model.value(parameter), growth)
+}
+
+/// −2 ln of the prior of a value, as a share of that within the likely range, or what a larger
+/// one costs, by which the misfit grows so much, if that is less.
+fn least_price(range: &Range, value: f64, growth: impl Fn(f64) -> Option<f64>) -> f64 {
+    let price = |value: f64| -2.0 * range.share_of_small(value).ln();
+    if price(value) == 0.0 {
+        return 0.0;
+    }
+    let larger = |step: u32| {
+        let share = f64::from(step) / f64::from(LARGER);
+        let larger = value * (range.likely[0] / value).powf(share);
+        Some(price(larger) + growth(larger)?)
+    };
+    (1..=LARGER).filter_map(larger).fold(price(value), f64::min).max(0.0)
 }
 
 /// Standard deviations of the effects' parameters before the data is seen, in coordinates.
@@ -124,22 +147,41 @@ mod tests {
     use crate::benchmark::draw::NoiseStatement;
     use crate::observer::Silent;
 
-    // Of neither gap does the data say anything; what it says of the joint is the same to a
-    // hundredth of one unit.
+    const RANGE: Range = Range { bounds: [1e-6, 1.0], likely: [1e-2, 0.1], absent: None };
+
     #[test]
-    fn a_play_ten_times_rarer_costs_twice_the_logarithm_of_it() {
+    fn what_must_be_small_costs_its_rarity_and_what_may_be_likely_what_the_misfit_grows_by() {
+        let rarity = 2.0 * 10.0_f64.ln();
+        let price = |value: f64, growth: fn(f64) -> Option<f64>| least_price(&RANGE, value, growth);
+        let close = |found: f64, expected: f64| (found - expected).abs() < 1e-12;
+        assert!(close(price(1e-4, |_| Some(1e3)), 2.0 * rarity));
+        assert!(close(price(1e-4, |_| None), 2.0 * rarity));
+        assert!(close(price(1e-4, |value| Some(if value > 2e-3 { 1e3 } else { 0.0 })), rarity));
+        assert!(close(price(1e-4, |_| Some(0.5)), 0.5));
+        assert_eq!(price(1e-4, |_| Some(-0.5)), 0.0);
+        assert_eq!(price(0.05, |_| Some(-0.5)), 0.0);
+    }
+
+    // What the data says of a heavy joint with either gap differs by half a unit at most; a light
+    // one hardly shows.
+    #[test]
+    fn that_a_play_is_small_costs_only_where_the_data_says_so() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());
         let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
         let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
         let play = crate::effects::find("backlash").unwrap();
         let likely = workbench.ranges(play)[3].likely[0];
-        let cost_of = |gap: f64| {
+        let cost_of = |load: f64, gap: f64| {
             let mut model = workbench.extend(workbench.base(), play);
-            let parameter = model.parameters() - 1;
-            model.set(parameter, gap);
+            let own = model.parameters_of(0);
+            model.set(own.start, load);
+            model.set(own.end - 1, gap * likely);
+            model.cost = workbench.cost(&model).unwrap();
             complexity(&workbench, &model, &yardstick)
         };
-        let difference = cost_of(0.01 * likely) - cost_of(0.1 * likely);
-        assert!((difference - 2.0 * 10.0_f64.ln()).abs() < 0.1, "{difference}");
+        for (load, expected) in [(0.1, 2.0 * 10.0_f64.ln()), (1e-3, 0.0)] {
+            let difference = cost_of(load, 0.01) - cost_of(load, 0.1);
+            assert!((difference - expected).abs() < 0.5, "{load}: {difference}");
+        }
     }
 }

@@ -83,8 +83,8 @@ impl Effect for Backlash {
     }
 
     // None is made that small on purpose, and what wear leaves has no reason to be.
-    fn prior_share(&self, values: &[f64], ranges: &[Range]) -> f64 {
-        ranges[3].share_of_small(values[3])
+    fn rarer_where_small(&self) -> Option<usize> {
+        Some(3)
     }
 
     fn resize(&self, values: &mut [f64], _ranges: &[Range], factor: f64) {

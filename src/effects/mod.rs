@@ -106,10 +106,9 @@ pub trait Effect: Debug + Sync {
         }
     }
 
-    /// Prior density of its parameters at these values, as a share of that within their likely
-    /// ranges. `ranges` are those of its parameters.
-    fn prior_share(&self, _values: &[f64], _ranges: &[Range]) -> f64 {
-        1.0
+    /// The one of its parameters that is the rarer the smaller it is below its likely range.
+    fn rarer_where_small(&self) -> Option<usize> {
+        None
     }
 
     /// Values of its parameters that a search tries first; empty where a coarse grid over

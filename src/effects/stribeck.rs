@@ -86,8 +86,8 @@ impl Effect for Stribeck {
     }
 
     // So narrow a curve is static friction that is alike both ways, to most data.
-    fn prior_share(&self, values: &[f64], ranges: &[Range]) -> f64 {
-        ranges[1].share_of_small(values[1])
+    fn rarer_where_small(&self) -> Option<usize> {
+        Some(1)
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -56,16 +56,12 @@ fn every_effect_of_the_contract_is_listed_once() {
 
 #[test]
 fn a_play_or_a_friction_curve_smaller_than_is_likely_is_as_much_rarer() {
-    for (id, others, parameter) in
-        [("backlash", vec![0.3, 10.0, 0.1], "gap"), ("stribeck", vec![1.3], "stribeck_velocity")]
-    {
+    for (id, name) in [("backlash", "gap"), ("stribeck", "stribeck_velocity")] {
         let effect = find(id).unwrap();
-        let ranges: Vec<Range> = effect.parameters().iter().map(|p| (p.range)(&scope())).collect();
-        assert_eq!(effect.parameters()[others.len()].name, parameter);
-        let share = |times: f64| {
-            let small = times * ranges[others.len()].likely[0];
-            effect.prior_share(&[others.as_slice(), &[small]].concat(), &ranges)
-        };
+        let parameter = &effect.parameters()[effect.rarer_where_small().unwrap()];
+        assert_eq!(parameter.name, name);
+        let range = (parameter.range)(&scope());
+        let share = |times: f64| range.share_of_small(times * range.likely[0]);
         assert_eq!([share(0.25), share(1.0), share(50.0)], [0.25, 1.0, 1.0], "{id}");
     }
 }

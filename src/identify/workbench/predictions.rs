@@ -24,6 +24,12 @@ impl Workbench<'_> {
         Some(residuals + self.data_in_sigmas())
     }
 
+    /// Σ|Y − Ŷ|²/σ² of a model as it stands; `None` where it has no response, or once the
+    /// observer cancels.
+    pub fn cost(&self, model: &Model) -> Option<f64> {
+        Some((self.predict(model)? - self.data_in_sigmas()).norm_squared())
+    }
+
     fn data_in_sigmas(&self) -> DVector<f64> {
         let mut rows = Vec::with_capacity(self.problem.data());
         for (experiment, sigma) in self.problem.experiments.iter().zip(&self.fitted.weights.sigma) {

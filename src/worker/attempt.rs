@@ -49,12 +49,7 @@ pub(super) async fn run(shared: Arc<Shared>, lease: Lease) {
     let Lease { measurement_id, request, .. } = &attempt.lease;
     let files = match attempt.shared.service.job_files(measurement_id, request).await {
         Ok(files) => files,
-        Err(error) => {
-            // Handed back at once it would be taken again at once, for as long as the store fails.
-            let stopped = attempt.shared.signals.stopped();
-            let _ = tokio::time::timeout(PAUSE, stopped).await;
-            return attempt.hand_back(&error).await;
-        }
+        Err(error) => return attempt.hand_back_later(&error).await,
     };
     let computing = threads::spawn({
         let service = attempt.shared.service.clone();
@@ -64,7 +59,7 @@ pub(super) async fn run(shared: Arc<Shared>, lease: Lease) {
     });
     match computing {
         Ok(computing) => attempt.follow(computing).await,
-        Err(error) => attempt.hand_back(&error).await,
+        Err(error) => attempt.hand_back_later(&error).await,
     }
 }
 
@@ -173,6 +168,14 @@ impl Attempt {
             tokio::time::sleep(Duration::from_secs(1)).await;
         }
         error!("the outcome is given up; the job is queued again when its lease expires");
+    }
+
+    /// Handed back at once it would be taken again at once, for as long as the store fails or no
+    /// thread can be started.
+    async fn hand_back_later(self, reason: &(dyn std::fmt::Display + Sync)) {
+        let stopped = self.shared.signals.stopped();
+        let _ = tokio::time::timeout(PAUSE, stopped).await;
+        self.hand_back(reason).await;
     }
 
     async fn hand_back(self, reason: &(dyn std::fmt::Display + Sync)) {

@@ -16,18 +16,21 @@ impl Workbench<'_> {
     /// Ŷ/σ of a model, row by row; `None` where it has no response, or once the observer
     /// cancels.
     pub fn predict(&self, model: &Model) -> Option<DVector<f64>> {
-        if self.observer.cancelled() {
-            return None;
-        }
-        // Residuals are (Ŷ − Y)/σ: the data is added again.
-        let residuals = self.misfit(model).residuals(&model.point).ok()?;
-        Some(residuals + self.data_in_sigmas())
+        Some(self.excess(model)? + self.data_in_sigmas())
     }
 
     /// Σ|Y − Ŷ|²/σ² of a model as it stands; `None` where it has no response, or once the
     /// observer cancels.
     pub fn cost(&self, model: &Model) -> Option<f64> {
-        Some((self.predict(model)? - self.data_in_sigmas()).norm_squared())
+        Some(self.excess(model)?.norm_squared())
+    }
+
+    /// (Ŷ − Y)/σ of a model as it stands, under the conditions of [`Self::predict`].
+    fn excess(&self, model: &Model) -> Option<DVector<f64>> {
+        if self.observer.cancelled() {
+            return None;
+        }
+        self.misfit(model).residuals(&model.point).ok()
     }
 
     fn data_in_sigmas(&self) -> DVector<f64> {

@@ -7,7 +7,7 @@
 //! (`sentence`); `discrepancy` puts it together.
 //!
 //! Then every effect of the library is tried beside the base model (`anchor`,
-//! `probes`, `scan`) and refitted with it (`fitter`, `search`). An effect is named
+//! `probes`, `grid`, `scan`) and refitted with it (`fitter`, `search`). An effect is named
 //! where it gains more than chance makes any effect gain (`family`, `null`); between
 //! those of which that holds, the evidence decides (`evidence`, `models`, `causes`).
 //! `study` puts it together for one order of the actuator, and `orders` for several. Parts of
@@ -27,6 +27,7 @@ mod family;
 mod fitter;
 mod folds;
 mod gain;
+mod grid;
 mod groups;
 mod layout;
 mod models;

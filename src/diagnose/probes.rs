@@ -14,19 +14,13 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::effects::{ALL, Coordinate, Effect, Range};
+use crate::effects::{ALL, Effect, Range};
 use crate::identify::{Model, Workbench};
 
 use super::anchor::Anchor;
+use super::grid;
 use super::scan::{self, Pitch};
 use super::subspace::Subspace;
-
-/// Places of an effect's parameters, at most.
-const MOST_PLACES: usize = 24;
-
-/// Shares of the way from where an effect vanishes to the end of its likely range, of
-/// an effect with one parameter, with two, and with more, whose others say its shape.
-const SIZES: [&[f64]; 3] = [&[0.05, 0.2, 0.5, 0.8], &[0.15, 0.6], &[0.15]];
 
 /// Longest step of a parameter of the anchor on the way to a start.
 const LONGEST_SHIFT: f64 = 0.3;
@@ -35,7 +29,7 @@ const LONGEST_SHIFT: f64 = 0.3;
 const SAME: f64 = 0.9999;
 
 /// Cosine below which a start shows something else than one before it.
-const ELSE: f64 = 0.9;
+const DIFFERENT: f64 = 0.9;
 
 /// By how much a change may be scaled up to fit the residuals.
 const LARGEST_SCALE: f64 = 1.5;
@@ -100,7 +94,7 @@ impl Changes {
         let own = extended.parameters_of(extended.effects().len() - 1);
         let mut places = workbench.places(effect);
         if places.is_empty() {
-            places = grid(effect, &this.ranges);
+            places = grid::of(effect, &this.ranges);
         }
         let place = |values: Vec<f64>| {
             let mut extended = extended.clone();
@@ -133,7 +127,7 @@ impl Changes {
                 .collect();
             spans = neighbourhoods(&directions, self.effect.parameters().len());
         }
-        let probes: Vec<Probe> = different_first(places, anchor)
+        let probes: Vec<Probe> = different_first(places, &anchor.fitted)
             .into_iter()
             .map(|Tried { values, change, gain }| {
                 let mut start = workbench.extend(&anchor.model, self.effect);
@@ -200,15 +194,15 @@ pub(super) struct Tried {
     pub gain: f64,
 }
 
-/// Places by their gain, those first that show something else than any of a larger gain: a fit
-/// from beside another ends where that one does.
-fn different_first(mut places: Vec<Tried>, anchor: &Anchor) -> Vec<Tried> {
+/// Places by their gain, those first that show something else, beside what is `fitted`, than any
+/// of a larger gain: a fit from beside another ends where that one does.
+fn different_first(mut places: Vec<Tried>, fitted: &Subspace) -> Vec<Tried> {
     places.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let mut shown: Vec<DVector<f64>> = Vec::new();
     let (mut different, mut others) = (Vec::new(), Vec::new());
     for tried in places {
-        let direction = anchor.fitted.complement(&tried.change).normalize();
-        if shown.iter().all(|other| other.dot(&direction).abs() < ELSE) {
+        let direction = fitted.complement(&tried.change).normalize();
+        if shown.iter().all(|other| other.dot(&direction).abs() < DIFFERENT) {
             shown.push(direction);
             different.push(tried);
         } else {
@@ -241,77 +235,18 @@ fn neighbourhoods(directions: &[DVector<f64>], parameters: usize) -> Vec<Subspac
         .collect()
 }
 
-/// Values to try: every combination of a few of each parameter.
-fn grid(effect: &dyn Effect, ranges: &[Range]) -> Vec<Vec<f64>> {
-    let sizes = SIZES[ranges.len().min(SIZES.len()) - 1];
-    let mut step = if ranges.len() == 1 { 4.0_f64 } else { 1.4 };
-    loop {
-        let axes: Vec<Vec<f64>> = effect
-            .parameters()
-            .iter()
-            .zip(ranges)
-            .map(|(parameter, range)| axis(parameter.coordinate, range, step, sizes))
-            .collect();
-        let count: usize = axes.iter().map(Vec::len).product();
-        if count <= MOST_PLACES || step > 100.0 {
-            return axes.iter().fold(vec![Vec::new()], |points, axis| {
-                let longer = |point: &Vec<f64>| {
-                    let point = point.clone();
-                    axis.iter().map(move |value| [&point[..], &[*value]].concat())
-                };
-                points.iter().flat_map(longer).collect()
-            });
-        }
-        step *= 1.1;
-    }
-}
-
-/// A few values of one parameter; logarithms in steps of about this factor.
-fn axis(coordinate: Coordinate, range: &Range, step: f64, sizes: &[f64]) -> Vec<f64> {
-    let [low, high] = range.likely;
-    let ends = || [low, high].into_iter();
-    match (coordinate, range.absent) {
-        (Coordinate::Logarithmic, Some(absent)) if absent > 0.0 && absent.is_finite() => ends()
-            .filter(|end| (end / absent).ln().abs() > 0.1 * (high / low).ln())
-            .flat_map(|end| sizes.iter().map(move |size| absent * (end / absent).powf(*size)))
-            .collect(),
-        (_, Some(absent)) if absent.is_finite() => ends()
-            .filter(|end| (end - absent).abs() > 0.1 * (high - low))
-            .flat_map(|end| sizes.iter().map(move |size| absent + size * (end - absent)))
-            .collect(),
-        (Coordinate::Logarithmic, _) => {
-            let ratio = (high / low).ln();
-            let count = ((ratio / step.ln()).round() as usize).max(1);
-            let at = |i: usize| low * (ratio * (i as f64 + 0.5) / count as f64).exp();
-            (0..count).map(at).collect()
-        }
-        (Coordinate::Linear, _) => {
-            let count = if step < 10.0 { 4 } else { 2 };
-            let at = |i: usize| low + (high - low) * (i as f64 + 0.5) / f64::from(count);
-            (0..count as usize).map(at).collect()
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{exact, noisy, request};
     use super::*;
-    use crate::benchmark::draw::NoiseStatement;
-    use crate::observer::Silent;
 
     #[test]
     fn what_shows_the_same_as_a_place_of_larger_gain_comes_after_what_shows_something_else() {
-        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
-        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
-        let anchor = Anchor::new(&workbench, workbench.base()).unwrap();
-        let wave = |cycles: f64| {
-            DVector::from_fn(anchor.residuals.len(), |row, _| (cycles * row as f64).sin())
-        };
+        let unit = |row: usize| DVector::from_fn(3, |i, _| if i == row { 1.0 } else { 0.0 });
+        let fitted = Subspace::of(&DMatrix::from_columns(&[unit(0)]));
         let tried = |(change, gain)| Tried { values: Vec::new(), change, gain };
-        let places = [(wave(2.0), 1.0), (wave(1.0), 3.0), (2.0 * wave(1.0), 2.0)].map(tried);
-        let gains: Vec<f64> =
-            different_first(places.into(), &anchor).iter().map(|tried| tried.gain).collect();
-        assert_eq!(gains, [3.0, 1.0, 2.0]);
+        // Of the second, most is fitted; the rest shows what the first does.
+        let places = [(unit(1), 3.0), (unit(1) + 5.0 * unit(0), 2.0), (unit(2), 1.0)].map(tried);
+        let found = different_first(places.into(), &fitted);
+        assert_eq!(found.iter().map(|tried| tried.gain).collect::<Vec<_>>(), [3.0, 1.0, 2.0]);
     }
 }

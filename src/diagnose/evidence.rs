@@ -5,8 +5,9 @@
 //! Raftery 1995, doi:10.1080/01621459.1995.10476572): the misfit, plus
 //! ln det(I + S·Λ·S) with S the prior deviations of the effects' parameters and
 //! Λ what the data says of them once the base parameters are fitted too, less 2 ln of
-//! the prior where it is less than within the likely ranges. What the data does not
-//! determine costs little, and that it is small where the data does not say so, nothing.
+//! the prior where it is less than within the likely ranges. A parameter that the data
+//! does not determine costs little; that it is small costs nothing where a larger value
+//! fits as well.
 
 use nalgebra::DMatrix;
 

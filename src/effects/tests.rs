@@ -115,6 +115,28 @@ fn a_joint_is_tried_at_every_frequency_of_the_band_the_sharper_the_more_often() 
     }
 }
 
+// Beyond ten times the band a contact is an impact, whatever its stiffness. A light load shows
+// as a heavier one does with another gap.
+#[test]
+fn play_is_tried_from_contacts_that_swing_in_the_band_to_impacts_of_light_and_heavy_loads() {
+    let scope = scope();
+    let places = find("backlash").unwrap().places(&scope);
+    for (heavy, gap) in [(false, 1e-3), (true, 1e-3), (false, 1e-2), (true, 1e-2)] {
+        let is_so = |place: &&Vec<f64>| {
+            (place[0] > 0.2) == heavy && (place[3] / scope.largest_travel > gap) == (gap > 5e-3)
+        };
+        let frequency = |place: &Vec<f64>| {
+            let inertia = place[0] * (1.0 - place[0]) / scope.plant.constant;
+            (place[1] / inertia).sqrt()
+        };
+        let mut found: Vec<f64> = places.iter().filter(is_so).map(frequency).collect();
+        found.sort_by(f64::total_cmp);
+        assert!(found[0] < 3.0 * scope.omega_low, "{found:?}");
+        assert!(found[found.len() - 1] > 3.3 * scope.omega_high, "{found:?}");
+        assert!(found.windows(2).all(|pair| pair[1] < 3.01 * pair[0]), "{found:?}");
+    }
+}
+
 #[test]
 fn an_effect_that_has_all_of_another_is_its_kin() {
     let kin = |one: &str, other: &str| are_kin(find(one).unwrap(), find(other).unwrap());

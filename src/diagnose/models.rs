@@ -99,10 +99,15 @@ impl Models {
         }
     }
 
+    /// Whether an effect of a model gains more than so many times what chance makes any gain.
+    pub fn exceeds(&self, key: &Key, id: &str, times: f64) -> bool {
+        let limit = self.family.as_ref().map_or(f64::INFINITY, |family| family.limit(id));
+        self.loss(key, id) > times * limit
+    }
+
     /// Whether each effect of a model is more than chance.
     pub fn supported(&self, key: &Key) -> bool {
-        let limit = |id: &str| self.family.as_ref().map_or(f64::INFINITY, |f| f.limit(id));
-        key.iter().all(|id| self.loss(key, id) > limit(id))
+        key.iter().all(|id| self.exceeds(key, id, 1.0))
     }
 
     /// Models with so many effects, the best first.

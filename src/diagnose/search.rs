@@ -6,6 +6,8 @@
 //! library gain (`family`), each model refitted; among the models of which that
 //! holds the evidence decides (`evidence`, `models`).
 
+mod valleys;
+
 use std::collections::BTreeSet;
 
 use rayon::prelude::*;
@@ -32,13 +34,17 @@ struct Breadth {
     followed: usize,
     /// Single effects to which others are added.
     grown: usize,
+    /// Further starts of what was chosen, where its misfit has many valleys.
+    deeper: usize,
 }
 
 /// The same of cosines.
-const WIDE: Breadth = Breadth { further: [5, 3], starts: [4, 4, 2], followed: 2, grown: 4 };
+const WIDE: Breadth =
+    Breadth { further: [5, 3], starts: [4, 4, 2], followed: 2, grown: 4, deeper: 8 };
 
 /// The same of records, whose simulation takes a thousand times longer.
-const NARROW: Breadth = Breadth { further: [3, 1], starts: [2, 1, 1], followed: 1, grown: 1 };
+const NARROW: Breadth =
+    Breadth { further: [3, 1], starts: [2, 1, 1], followed: 1, grown: 1, deeper: 0 };
 
 /// Share of the limit that a probe's gain must reach for a fit to be worthwhile.
 const PROMISING: f64 = 0.7;
@@ -260,16 +266,21 @@ mod tests {
     use crate::effects::find;
     use crate::observer::Silent;
 
+    pub(super) const PART: Part<'_> = Part { whole: &Silent, span: [0.0, 1.0] };
+
+    pub(super) fn nothing_fitted<'a>(workbench: &'a Workbench<'a>) -> Search<'a> {
+        let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
+        let models = Models::new(workbench.base().clone(), yardstick);
+        let (changes, grown) = (Vec::new(), BTreeSet::new());
+        Search { workbench, seed: 1, breadth: WIDE, models, changes, grown }
+    }
+
     // Settled costs are good to 1e-5.
     #[test]
     fn what_a_pair_is_without_one_effect_replaces_a_fit_of_the_other_alone_that_was_worse() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
         let workbench = &Workbench::new(&measurement, &request, &Silent).unwrap();
-        let part = Part { whole: &Silent, span: [0.0, 1.0] };
-        let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
-        let models = Models::new(workbench.base().clone(), yardstick);
-        let (changes, grown) = (Vec::new(), BTreeSet::new());
-        let mut search = Search { workbench, seed: 1, breadth: WIDE, models, changes, grown };
+        let mut search = nothing_fitted(workbench);
         let mut astray = workbench.extend(workbench.base(), find("sensor_lag").unwrap());
         let fitted = workbench.refine(&astray, Effort::Settle);
         astray.cost = 2.0 * fitted.cost;
@@ -277,7 +288,7 @@ mod tests {
         let pair = workbench.refine(&pair, Effort::Brief);
         let keys = [&fitted, &pair].map(key);
         search.keep(vec![astray, pair]);
-        search.shrink(&keys[1], part);
+        search.shrink(&keys[1], PART);
         let found = search.models.get(&keys[0]).unwrap();
         assert!(found.cost < fitted.cost * (1.0 + 1e-5), "{} {}", found.cost, fitted.cost);
     }

@@ -16,6 +16,10 @@ use super::{DiagnoseError, causes, discrepancy};
 /// Parameters of a base model, at most: of models of any order the misfit counts alike.
 const LARGEST_BASE: usize = 6;
 
+/// Shares of the second part: several effects together, and the chosen ones from more starts.
+const COMBINING: [f64; 2] = [0.0, 0.8];
+const DEEPENING: [f64; 2] = [0.8, 1.0];
+
 /// A base model, what it gets wrong, and the causes that were found.
 pub(super) struct Study<'a> {
     workbench: &'a Workbench<'a>,
@@ -77,7 +81,9 @@ impl<'a> Study<'a> {
                 .map(|model| workbench.error_left_out(model, |e, order| folds.part_of(e, order)));
             matches!(errors, [Some(without), Some(with)] if with < without)
         };
-        search.combine(part, most, sufficient, adds);
+        search.combine(part.part(COMBINING), most, sufficient, adds);
+        self.choose(part)?;
+        self.search.deepen(&self.chosen, part.part(DEEPENING));
         self.choose(part)
     }
 

@@ -76,6 +76,11 @@ impl Signals {
         self.stopping.send_replace(true);
     }
 
+    /// Whether the process was asked to stop.
+    pub fn is_stopping(&self) -> bool {
+        *self.stopping.borrow()
+    }
+
     /// Completes once the process is asked to stop.
     pub async fn stopped(&self) {
         let mut stopping = self.stopping.subscribe();

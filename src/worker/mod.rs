@@ -83,9 +83,10 @@ pub fn start(
 async fn run(shared: Arc<Shared>) {
     let mut running = JoinSet::new();
     let mut stopped = std::pin::pin!(shared.signals.stopped());
-    loop {
+    // What is handed back while the process stops is left to others, and to the next start.
+    while !shared.signals.is_stopping() {
         recover(&shared).await;
-        while running.len() < shared.settings.slots {
+        while running.len() < shared.settings.slots && !shared.signals.is_stopping() {
             match shared.store.lease(shared.settings.lease).await {
                 Ok(Some(lease)) => {
                     let span = info_span!("job", job = lease.job_id, attempt = lease.attempt);
@@ -99,7 +100,7 @@ async fn run(shared: Arc<Shared>) {
             }
         }
         tokio::select! {
-            () = &mut stopped => break,
+            () = &mut stopped => {}
             () = shared.signals.queued() => {}
             Some(ended) = running.join_next() => report(ended),
             () = tokio::time::sleep(LOOK_AGAIN) => {}

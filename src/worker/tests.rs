@@ -174,6 +174,21 @@ async fn a_stopping_worker_hands_its_jobs_back_uncharged() {
 }
 
 #[tokio::test]
+async fn a_stopping_worker_does_not_take_up_again_what_it_hands_back() {
+    // Which of two signals it sees first is chance.
+    for _ in 0..8 {
+        let bench = Bench::new().await;
+        let worker = bench.work();
+        let id = bench.submit(RUN_UNTIL_CANCELLED).await;
+        bench.running(&id).await;
+        bench.signals.job_queued();
+        bench.signals.stop();
+        tokio::time::timeout(PATIENCE, worker).await.expect("it stops").unwrap();
+        assert_eq!(bench.service.job(&id).await.unwrap().row.attempt, 1);
+    }
+}
+
+#[tokio::test]
 async fn a_result_asked_for_too_early_says_what_to_do() {
     let bench = Bench::new().await;
     let id = bench.submit(SUCCEED).await;

@@ -31,7 +31,7 @@ mod viscous_asymmetry;
 
 use std::fmt::Debug;
 
-use crate::plant::{Plant, Scalar};
+use crate::plant::{Friction, Plant, Scalar};
 
 pub use axis::{Axis, InputMap, SecondMass, Stage, WIDE_LANES, Wide};
 pub use jet::{Jet, MOST_TERMS};
@@ -116,6 +116,10 @@ pub trait Effect: Debug + Sync {
     fn places(&self, _scope: &Scope) -> Vec<Vec<f64>> {
         Vec::new()
     }
+
+    /// Where some of its parameters do nothing, moves them to where all of them act: no
+    /// derivative tells a fit that they may matter.
+    fn rouse(&self, _values: &mut [f64], _friction: &Friction) {}
 
     /// Enters the axis, by its parameters, in an experiment that stands at
     /// `run_share` (0 first, 1 last) of the acquisition.

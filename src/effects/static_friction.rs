@@ -3,9 +3,12 @@
 //! v = 0: f takes whatever value in [−Fs⁻, +Fs⁺] keeps the axis at rest, with
 //! Fs > Fc. The motion stays linear between switches.
 
-use crate::plant::Scalar as _;
+use crate::plant::{Friction, Scalar as _};
 
 use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, Wide};
+
+/// Excess of a level over the Coulomb level at which it acts, and changes next to nothing.
+const LEAST_EXCESS: f64 = 1e-6;
 
 /// Fs⁺ and Fs⁻; below the Coulomb level they are the Coulomb level.
 #[derive(Debug)]
@@ -52,6 +55,20 @@ impl Effect for StaticFriction {
 
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
+    }
+
+    // What one level alone explains, both may explain better.
+    fn rouse(&self, values: &mut [f64], friction: &Friction) {
+        let coulomb = [friction.fc_plus, friction.fc_minus];
+        if values.iter().zip(coulomb).all(|(level, coulomb)| *level >= coulomb) {
+            return;
+        }
+        let excess = values.iter().zip(coulomb).map(|(level, coulomb)| level / coulomb - 1.0);
+        let share = 0.5 * excess.filter(|excess| excess.is_finite()).fold(LEAST_EXCESS, f64::max);
+        values
+            .iter_mut()
+            .zip(coulomb)
+            .for_each(|(level, coulomb)| *level = (1.0 + share) * coulomb);
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

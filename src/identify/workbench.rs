@@ -177,6 +177,19 @@ impl<'a> Workbench<'a> {
             Effort::Settle => Patience { steps: 60, cost_tolerance: 1e-5, ..patience },
             Effort::Thorough => refine::THOROUGH,
         };
+        let refined = self.descend(model, patience);
+        match refined.roused() {
+            Some(roused) => {
+                let again = self.descend(&roused, patience);
+                let evaluations = again.evaluations;
+                let best = if again.cost < refined.cost { again } else { refined };
+                Model { evaluations, ..best }
+            }
+            None => refined,
+        }
+    }
+
+    fn descend(&self, model: &Model, patience: Patience) -> Model {
         let refined =
             refine::refine(&self.misfit(model), &model.point, patience, &mut |_, _, _| ());
         Model {

@@ -1,11 +1,12 @@
 //! A small fixed part of the benchmark of naming.
 
-use servoscope::answers::Verdict;
+use servoscope::answers::{PlantRequest, Verdict};
 use servoscope::benchmark::naming::{
     Case, DETECTABLE, Estimated, Outcome, Settings, Sizing, base_excess, make, run_case,
 };
 use servoscope::diagnose::diagnose;
-use servoscope::identify::IdentifyRequest;
+use servoscope::effects::find;
+use servoscope::identify::{Effort, IdentifyRequest, Workbench};
 use servoscope::observer::Silent;
 
 use crate::reference;
@@ -94,6 +95,27 @@ fn a_small_draw_is_named_and_what_is_clean_is_not() {
         let outcome = outcome(key);
         let causes: Vec<&str> = outcome.causes().iter().map(|c| c.effect.as_str()).collect();
         assert_eq!(causes, named.into_iter().collect::<Vec<_>>(), "{key}");
+    }
+}
+
+// There nothing says which way to go; a step too far had left a level where it stayed.
+#[test]
+fn static_friction_is_found_from_levels_at_which_it_does_nothing() {
+    let case = case("single-60-static_friction-o0-0");
+    let made = make(&case, 1, Sizing::Amount, &Silent).unwrap();
+    let plant = Some(PlantRequest { actuator_order: case.order });
+    let request = IdentifyRequest { plant, ..IdentifyRequest::default() };
+    let workbench = Workbench::new(&made.measurement, &request, &Silent).unwrap();
+    let static_friction = find("static_friction").unwrap();
+    let mut model = workbench.extend(workbench.base(), static_friction);
+    let [plus, minus] = [0, 1].map(|i| model.parameters_of(0).start + i);
+    let levels = workbench.ranges(static_friction);
+    for dead in [vec![plus], vec![minus], vec![plus, minus]] {
+        [plus, minus].iter().zip(&levels).for_each(|(p, level)| model.set(*p, level.likely[1]));
+        dead.iter().for_each(|parameter| model.set(*parameter, 0.0));
+        let found = workbench.refine(&model, Effort::Settle);
+        // χ² of noise alone is the data less some parameters.
+        assert!(found.cost < 1.2 * workbench.data() as f64, "{} {dead:?}", found.cost);
     }
 }
 

@@ -57,6 +57,22 @@ impl Model {
         self.coordinates.value(parameter, self.point[parameter]).0
     }
 
+    /// The same where every parameter acts; `None` where they do already.
+    pub(super) fn roused(&self) -> Option<Self> {
+        let friction = self.coordinates.plant(&self.point).friction;
+        let mut roused = self.clone();
+        for (i, effect) in self.effects().iter().enumerate() {
+            let own = self.parameters_of(i);
+            let before: Vec<f64> = own.clone().map(|parameter| self.value(parameter)).collect();
+            let mut values = before.clone();
+            effect.rouse(&mut values, &friction);
+            let moved =
+                own.zip(before.into_iter().zip(values)).filter(|(_, (old, new))| old != new);
+            moved.for_each(|(parameter, (_, value))| roused.set(parameter, value));
+        }
+        (roused.point != self.point).then_some(roused)
+    }
+
     /// Standard deviation, before the data is seen, of each coordinate: that of
     /// a uniform law over the range where a search looks first.
     pub fn prior_std(&self, parameter: usize) -> f64 {

@@ -55,7 +55,7 @@ pub struct TransferFunction {
 pub struct Fit {
     /// Sum of squared weighted residuals; null where the noise is unknown.
     pub chi2: Option<f64>,
-    /// Real data less fitted parameters.
+    /// Real data less fitted parameters, at least 0.
     pub dof: i64,
     /// χ² per degree of freedom; null where the noise is unknown.
     pub chi2_per_dof: Option<f64>,
@@ -65,8 +65,8 @@ pub struct Fit {
     pub rms_residual: f64,
     /// Probability of a χ² at least as large if the model were right.
     pub p_value: Option<f64>,
-    /// Whether the residual is no larger than the noise (p ≥ 0.01); null where
-    /// the noise is unknown.
+    /// Whether the residual is no larger than the noise (p ≥ 0.01), and smaller than what is
+    /// simulated; null where the noise is unknown or no degree of freedom is left.
     pub adequate: Option<bool>,
     /// Factor by which every standard deviation was widened because the model
     /// leaves more than noise: √(χ²/dof), at least 1.

@@ -1,6 +1,7 @@
 //! From what was found to the answer.
 
 use crate::answers::{Diagnosis, Discrepancy, Gain, Identification, NextExperiment, Verdict};
+use crate::effects::ALL;
 use crate::identify::{Effort, IdentifyError, IdentifyRequest, Intervals, ModelFit, Workbench};
 use crate::measurement::Measurement;
 
@@ -40,6 +41,7 @@ impl Conclusion<'_> {
         part: Part<'_>,
     ) -> Result<Diagnosis, DiagnoseError> {
         let mut limitations = discrepancy::limitations(&self.fit, &self.discrepancy);
+        limitations.extend(undecided(self.workbench));
         let unseen = match self.unseen(measurement, request, part) {
             Ok(unseen) => Some(unseen),
             Err(Silence::Cancelled) => return Err(IdentifyError::Cancelled.into()),
@@ -168,6 +170,27 @@ enum Silence {
     Nothing,
     /// For this reason.
     Because(String),
+}
+
+/// Effects that could not be tried for lack of data, in a sentence.
+fn undecided(workbench: &Workbench<'_>) -> Option<String> {
+    let base = workbench.base();
+    let lacking: Vec<&str> = ALL
+        .iter()
+        .filter(|effect| !workbench.can_decide(base, **effect))
+        .map(|effect| effect.id())
+        .collect();
+    let what = match lacking.len() {
+        0 => return None,
+        all if all == ALL.len() => "no effect of the library".to_owned(),
+        _ => lacking.join(", "),
+    };
+    Some(format!(
+        "{} numbers were measured, and the base model alone has {} parameters: too few data to \
+         decide on {what}; measure more frequencies, magnitudes or harmonics",
+        workbench.data(),
+        base.parameters()
+    ))
 }
 
 const TOO_SMALL: &str = "that takes five frequencies, three magnitudes, or a record with twenty \

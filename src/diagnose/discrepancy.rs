@@ -27,12 +27,15 @@ pub(super) fn of(fit: &ModelFit, seed: u64) -> Discrepancy {
     let nulls = Nulls::draw(&residuals, &statistics, seed);
     let judgement = nulls.judge(&statistics, &residuals.values);
     let rounding = is_rounding(&residuals, ROUNDING);
-    let noise_like = rounding || judgement.noise_like;
+    let contradiction = contradiction(fit, &residuals);
+    let noise_like = contradiction.is_none() && (rounding || judgement.noise_like);
     let patterns = match noise_like {
         true => Vec::new(),
         false => patterns::find(&residuals, &regions, judgement.region_limit),
     };
-    let sentence = if rounding {
+    let sentence = if let Some(sentence) = contradiction.filter(|_| patterns.is_empty()) {
+        sentence
+    } else if rounding {
         "the simulation agrees with the measurement to the last digits: what is left is rounding"
             .into()
     } else if judgement.tests.iter().all(|test| test.p_value.is_none()) {
@@ -57,12 +60,33 @@ pub(super) fn of(fit: &ModelFit, seed: u64) -> Discrepancy {
 /// Whether what an extended model leaves is noise.
 pub(super) fn is_noise(fit: &ModelFit, seed: u64) -> bool {
     let residuals = Residuals::of(fit);
+    if contradiction(fit, &residuals).is_some() {
+        return false;
+    }
     if is_rounding(&residuals, EXTENDED_ROUNDING) {
         return true;
     }
     let regions = Regions::new(&residuals.layout, &residuals.freedom);
     let statistics = statistics::all(&residuals, &regions);
     Nulls::draw(&residuals, &statistics, seed).judge(&statistics, &residuals.values).noise_like
+}
+
+/// Why what a model leaves cannot be noise, whatever its structure; `None` where it can.
+fn contradiction(fit: &ModelFit, residuals: &Residuals) -> Option<String> {
+    let cells: Vec<&Cell> = residuals.layout.cells.iter().collect();
+    let sizes = Sizes::of(residuals, &cells)?;
+    if sizes.rms_left > sizes.rms_simulated {
+        return Some(
+            "the simulation is wrong: it leaves more of the response than it simulates, so that \
+             the response is not that of an axis to this input, or is lost in noise"
+                .into(),
+        );
+    }
+    let ratio = fit.contradicts_noise?;
+    Some(format!(
+        "the simulation is wrong: it leaves {} times the stated noise, in no pattern",
+        sentence::short(ratio.sqrt())
+    ))
 }
 
 /// Whether what is left is rounding: only where nothing else tells the noise.

@@ -211,8 +211,10 @@ impl<'a> Search<'a> {
 
     /// What every effect of the library changes that can be tested.
     fn changes(&self, anchor: &Anchor, part: Part<'_>) -> Vec<Changes> {
-        let testable =
-            |effect: &&&'static dyn Effect| self.workbench.runs_known() || !effect.needs_run();
+        let (workbench, base) = (self.workbench, &anchor.model);
+        let testable = |effect: &&&'static dyn Effect| {
+            (workbench.runs_known() || !effect.needs_run()) && workbench.can_decide(base, **effect)
+        };
         let effects: Vec<&&dyn Effect> = ALL.iter().filter(testable).collect();
         let stage = part.part(PROBING).stage("probing", effects.len());
         let changes = |effect: &&'static dyn Effect| {
@@ -226,7 +228,10 @@ impl<'a> Search<'a> {
     /// Probes of every effect that the model lacks and can have.
     fn probe(&self, anchor: &Anchor, part: Part<'_>) -> Vec<Probed> {
         let (own, workbench) = (anchor.model.effects(), self.workbench);
-        let lacks = |changes: &&Changes| own.iter().all(|own| own.id() != changes.effect.id());
+        let lacks = |changes: &&Changes| {
+            own.iter().all(|own| own.id() != changes.effect.id())
+                && workbench.can_decide(&anchor.model, changes.effect)
+        };
         let lacking: Vec<&Changes> = self.changes.iter().filter(lacks).collect();
         let settles = own.iter().any(|effect| effect.settles());
         lacking

@@ -19,6 +19,7 @@ use rustfft::FftPlanner;
 use crate::measurement::Complex;
 use crate::plant::{Actuator, Friction, Plant};
 
+use super::linear_least_squares;
 use super::problem::{Prepared, Problem};
 
 /// A fundamental: ω, U, V, in scale.
@@ -114,7 +115,7 @@ fn actuator_from_pairs(fundamentals: &[Fundamental], order: u8) -> Option<Actuat
         right[2 * r] = weight * d.re;
         right[2 * r + 1] = weight * d.im;
     }
-    let solution = rows.svd(true, true).solve(&right, 1e-12).ok()?;
+    let solution = linear_least_squares::solve(rows, &right)?;
     let (level, slope) = (solution[0], solution[1]);
     if order == 1 {
         let corner_rad_s = level / slope;
@@ -149,7 +150,7 @@ fn mechanics(fundamentals: &[Fundamental], actuator: Actuator) -> Option<Plant> 
         right[2 * r] = weight * torque.re;
         right[2 * r + 1] = weight * torque.im;
     }
-    let solution = rows.svd(true, true).solve(&right, 1e-12).ok()?;
+    let solution = linear_least_squares::solve(rows, &right)?;
     let (inverse_constant, ratio, level) = (solution[0], solution[1], solution[2].max(0.0));
     if inverse_constant <= 0.0 || ratio <= 0.0 {
         return None;
@@ -208,7 +209,7 @@ fn inverse_dynamics(problem: &Problem, order: u8) -> Option<Plant> {
         right[2 * r] = row[4].re;
         right[2 * r + 1] = row[4].im;
     }
-    let solution = rows.svd(true, true).solve(&right, 1e-12).ok()?;
+    let solution = linear_least_squares::solve(rows, &right)?;
     if solution[0] <= 0.0 {
         return None;
     }

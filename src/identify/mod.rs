@@ -12,6 +12,7 @@ mod fixtures;
 mod followed;
 mod history;
 mod limitations;
+mod linear_least_squares;
 mod methods;
 mod model_fit;
 mod moderation;

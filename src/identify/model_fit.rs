@@ -40,6 +40,9 @@ pub struct ModelFit {
     pub jacobian: DMatrix<f64>,
     /// The law of the noise in `residuals`; where its size is unknown, up to a factor.
     pub noise: NoiseLaw,
+    /// χ² per degree of freedom by the noise that the measurement states, where the fit weighs
+    /// all harmonics alike instead and the model cannot come down to that noise.
+    pub contradicts_noise: Option<f64>,
 }
 
 /// Fits the base model and keeps what a diagnosis needs of the fit.

@@ -51,7 +51,8 @@ pub(super) fn summarise(
     let here = misfit.linearise(&fitted.point).ok()?;
     let held = refine::held(misfit, &fitted.point, &here);
     let fitted_count = held.iter().filter(|held| !**held).count();
-    let dof = problem.data() as i64 - fitted_count as i64;
+    // Where there are fewer data than parameters, all of them are used up.
+    let dof = problem.data().saturating_sub(fitted_count) as i64;
     let fit = goodness(problem, fitted, misfit, dof)?;
     let known = fitted.weights.known();
     let residual_scale = (fitted.cost / dof.max(1) as f64).sqrt();
@@ -96,11 +97,12 @@ fn quantile95(dof: f64) -> f64 {
 
 fn goodness(problem: &Problem, fitted: &Fitted, misfit: &Misfit<'_>, dof: i64) -> Option<Fit> {
     let predicted = misfit.predict(&fitted.point).ok()?;
-    let (mut left, mut size, mut count) = (0.0, 0.0, 0);
+    let (mut left, mut size, mut simulated, mut count) = (0.0, 0.0, 0.0, 0);
     for (e, experiment) in problem.experiments.iter().enumerate() {
         for (t, target) in experiment.targets.iter().enumerate().filter(|(_, t)| !t.constraint) {
             left += (predicted[e][t] - target.value).norm_sqr();
             size += target.value.norm_sqr();
+            simulated += predicted[e][t].norm_sqr();
             count += 1;
         }
     }
@@ -116,7 +118,8 @@ fn goodness(problem: &Problem, fitted: &Fitted, misfit: &Misfit<'_>, dof: i64) -
             Some(ChiSquared::new(dof as f64).ok()?.sf(chi2))
         }
     });
-    let adequate = p_value.map(|p| p >= LEVEL);
+    // A model that leaves more than it simulates explains nothing, however large the noise.
+    let adequate = p_value.map(|p| p >= LEVEL && left <= simulated);
     let chi2_per_dof = chi2.filter(|_| dof > 0).map(|chi2| chi2 / dof as f64);
     let uncertainty_scale = match (adequate, chi2_per_dof) {
         (Some(false), Some(ratio)) => ratio.max(1.0).sqrt(),

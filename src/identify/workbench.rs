@@ -4,6 +4,7 @@ mod extension;
 mod left_out;
 mod model;
 mod predictions;
+mod stated_noise;
 mod transfer;
 
 use nalgebra::{DMatrix, DVector};
@@ -231,6 +232,7 @@ impl<'a> Workbench<'a> {
             residuals: -here.residuals / sigma,
             jacobian: here.jacobian.select_columns(&free) / sigma,
             noise: self.noise(),
+            contradicts_noise: self.contradicted_noise(model, dof),
         })
     }
 

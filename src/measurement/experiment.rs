@@ -1,6 +1,6 @@
 //! One periodic input and its response.
 
-use super::Complex;
+use super::{Complex, size};
 
 /// One harmonic of a response.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,8 +84,19 @@ impl Experiment {
         if !(self.omega_rad_s.is_finite() && self.omega_rad_s > 0.0) {
             return Err(format!("frequency {} rad/s is not positive", self.omega_rad_s));
         }
+        if let Some(reason) = size::fault("the magnitude", self.magnitude) {
+            return Err(reason);
+        }
+        if let Some(reason) = size::frequency_fault("the frequency (rad/s)", self.omega_rad_s) {
+            return Err(reason);
+        }
         if !self.input.iter().all(finite) {
             return Err("an input harmonic is not finite".into());
+        }
+        let parts = self.input.iter().flat_map(|u| [u.re, u.im]);
+        let largest = parts.map(f64::abs).fold(0.0, f64::max);
+        if let Some(reason) = size::fault("the largest line of the input", largest) {
+            return Err(reason);
         }
         if self.response.is_empty() {
             return Err("there is no response".into());

@@ -11,6 +11,7 @@ mod period;
 mod record;
 mod sampling;
 mod significance;
+mod size;
 mod spectrum;
 mod transient;
 mod waveform;
@@ -59,8 +60,8 @@ impl Measurement {
     ///
     /// # Errors
     /// When there is no experiment, or a value is not finite, a magnitude
-    /// negative, a frequency or deviation not positive, or a repeat not aligned
-    /// with the data it deviates from.
+    /// negative, a frequency or deviation not positive, a repeat not aligned
+    /// with the data it deviates from, or a size beyond what can be computed with.
     pub fn new(
         metadata: Metadata,
         experiments: Vec<Experiment>,
@@ -75,6 +76,7 @@ impl Measurement {
                 .check()
                 .map_err(|reason| InvalidMeasurement::Experiment { experiment: index, reason })?;
         }
+        check_sizes(&experiments)?;
         let runs = || experiments.iter().filter_map(|experiment| experiment.run);
         let acquisition = runs().reduce(f64::min).zip(runs().reduce(f64::max));
         let acquisition = acquisition.map(|(first, last)| [first, last]);
@@ -156,5 +158,38 @@ impl Measurement {
     /// Hexadecimal SHA-256 of the bytes it was read from.
     pub fn sha256(&self) -> &str {
         &self.sha256
+    }
+}
+
+/// The largest response can be computed with, and so can every deviation beside it.
+fn check_sizes(experiments: &[Experiment]) -> Result<(), InvalidMeasurement> {
+    let wrong = |experiment, reason| InvalidMeasurement::Experiment { experiment, reason };
+    let every = || {
+        let of = |(index, e)| -> Vec<(usize, Harmonic)> {
+            let e: &Experiment = e;
+            e.response.iter().map(|harmonic| (index, *harmonic)).collect()
+        };
+        experiments.iter().enumerate().flat_map(of)
+    };
+    let size = |harmonic: &Harmonic| harmonic.value.re.abs().max(harmonic.value.im.abs());
+    let largest = every().max_by(|a, b| size(&a.1).total_cmp(&size(&b.1)));
+    let Some((index, largest)) = largest.map(|(index, harmonic)| (index, size(&harmonic))) else {
+        return Ok(());
+    };
+    if let Some(reason) = size::fault("a largest response", largest) {
+        return Err(wrong(index, reason));
+    }
+    let within = 1.0 / size::LARGEST_DEVIATION..=size::LARGEST_DEVIATION;
+    let told = every().filter_map(|(index, harmonic)| Some((index, harmonic.std?)));
+    let odd = told.filter(|_| largest > 0.0).find(|(_, std)| !within.contains(&(std / largest)));
+    match odd {
+        Some((index, std)) => Err(wrong(
+            index,
+            format!(
+                "a standard deviation of {std:e} beside a largest response of {largest:e} cannot \
+                 be computed with: give it in units of the response, or leave it out"
+            ),
+        )),
+        None => Ok(()),
     }
 }

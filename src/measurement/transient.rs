@@ -1,5 +1,7 @@
 //! A motion under an input that does not repeat.
 
+use super::size;
+
 /// What an input does between two samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Intersample {
@@ -71,6 +73,15 @@ impl Transient {
         }
         if !self.input.iter().chain(&self.output).all(|value| value.is_finite()) {
             return Err("a sample is not finite".into());
+        }
+        if let Some(reason) = size::frequency_fault("the sampling interval (s)", self.step_s) {
+            return Err(reason);
+        }
+        for (what, samples) in [("the input", &self.input), ("the response", &self.output)] {
+            let largest = samples.iter().map(|value| value.abs()).fold(0.0, f64::max);
+            if let Some(reason) = size::fault(&format!("{what}: a largest sample"), largest) {
+                return Err(reason);
+            }
         }
         match self.beginning.settle_s {
             Some(settle_s) if settle_s >= self.duration_s() => Err(format!(

@@ -14,7 +14,7 @@ use super::number::{Rounding, digits, significant};
 /// Writes an identification the way it is read: whether the model can be
 /// trusted, what to mind, what was found, and how.
 pub fn identification(answer: &Identification) -> String {
-    let mut sections = vec![section(verdict(&answer.fit), fit(answer))];
+    let mut sections = vec![section(verdict(answer), fit(answer))];
     if !answer.limitations.is_empty() {
         let lines = answer.limitations.iter().map(|text| format!("- {text}"));
         sections.push(section("Mind", lines.collect()));
@@ -45,11 +45,14 @@ pub(super) fn section(title: &str, lines: Vec<String>) -> String {
     })
 }
 
-fn verdict(fit: &Fit) -> &'static str {
-    match fit.adequate {
+fn verdict(answer: &Identification) -> &'static str {
+    let is_noise = answer.fit.p_value.is_some_and(|p| p >= 0.01);
+    match answer.fit.adequate {
         Some(true) => "ADEQUATE: the model explains the data to within its noise",
+        Some(false) if is_noise => "NOT ADEQUATE: the model leaves more than it simulates",
         Some(false) => "NOT ADEQUATE: the model leaves more than noise",
-        None => "Adequacy unknown, because the noise is",
+        None if answer.noise == NoiseSource::Estimated => "Adequacy unknown, because the noise is",
+        None => "Adequacy unknown: there are no more data than parameters",
     }
 }
 

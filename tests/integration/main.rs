@@ -20,6 +20,7 @@ mod naming;
 mod openapi;
 mod operations;
 mod process;
+mod properties;
 mod readme;
 mod real_data;
 mod reference;

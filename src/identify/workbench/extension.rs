@@ -11,6 +11,13 @@ impl Workbench<'_> {
         effect.parameters().iter().map(|parameter| (parameter.range)(&scope)).collect()
     }
 
+    /// Whether the data are more than the parameters of a model with one more effect (and the
+    /// scale of the noise, where that is unknown): fewer decide nothing.
+    pub fn can_decide(&self, model: &Model, effect: &dyn Effect) -> bool {
+        let scale = usize::from(!self.noise_known());
+        self.data() > model.parameters() + effect.parameters().len() + scale
+    }
+
     /// Values of an effect's parameters to try first, in the problem's scales.
     pub fn places(&self, effect: &dyn Effect) -> Vec<Vec<f64>> {
         effect.places(&self.scope())

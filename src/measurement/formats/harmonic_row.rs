@@ -6,7 +6,7 @@ use super::fault::Fault;
 use super::layout::{Form, Layout};
 use super::limits::MAX_HARMONIC;
 use super::table::Row;
-use crate::measurement::Complex;
+use crate::measurement::{Complex, size};
 
 /// What makes rows one experiment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -86,27 +86,31 @@ impl Entry {
             mean_had_imaginary_part: layout.form == Form::Rectangular
                 && (imaginary(written_response) || imaginary(written_input)),
         };
-        entry.check_finite(row, layout)?;
+        entry.check_sizes(row, layout)?;
         Ok(entry)
     }
 
-    /// Products of finite numbers need not be finite.
-    fn check_finite(&self, row: Row<'_>, layout: Layout) -> Result<(), Fault> {
-        let finite = |z: Option<Complex>| z.is_none_or(|z| z.re.is_finite() && z.im.is_finite());
-        let too_large = "the value is too large for a floating-point number";
-        if !finite(self.response) {
-            return Err(row.fault(response_column(layout.form), too_large));
+    /// What is wrong with the size of a value, at its column. Of a response, an input line and a
+    /// deviation only what is too large is: single ones may be as small as rounding.
+    fn check_sizes(&self, row: Row<'_>, layout: Layout) -> Result<(), Fault> {
+        let large = |z: Option<Complex>| z.map(|z| z.re.abs().max(z.im.abs()).max(1.0));
+        let response = response_column(layout.form);
+        let values = [
+            (response, "the response", large(self.response)),
+            (Column::URe, "the input", large(self.input)),
+            (Column::Magnitude, "the magnitude", self.magnitude),
+            (Column::Std, "the deviation", self.std.map(|std| std.max(1.0))),
+        ];
+        for (column, what, value) in values {
+            if let Some(reason) = value.and_then(|value| size::fault(what, value)) {
+                return Err(row.fault(column, reason));
+            }
         }
-        if !finite(self.input) {
-            return Err(row.fault(Column::URe, too_large));
+        let frequency = if layout.hertz { Column::FrequencyHz } else { Column::OmegaRadS };
+        match size::frequency_fault("the frequency (rad/s)", self.omega_rad_s) {
+            Some(reason) => Err(row.fault(frequency, reason)),
+            None => Ok(()),
         }
-        if !self.magnitude.is_none_or(f64::is_finite) {
-            return Err(row.fault(Column::Magnitude, too_large));
-        }
-        if !self.std.is_none_or(f64::is_finite) {
-            return Err(row.fault(Column::Std, too_large));
-        }
-        Ok(())
     }
 }
 

@@ -1,0 +1,39 @@
+//! Linear least squares where the data may not determine every unknown.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Singular values below this are taken for rounding: what they belong to stays 0.
+const RANK_TOLERANCE: f64 = 1e-12;
+
+/// The shortest x with the least |rows·x − right|, by singular values; `None` where an entry or
+/// the solution is not a finite number, of which a decomposition knows nothing.
+pub(super) fn solve(rows: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+    let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+    if !finite(rows.as_slice()) || !finite(right.as_slice()) {
+        return None;
+    }
+    let solution = rows.svd(true, true).solve(right, RANK_TOLERANCE).ok()?;
+    finite(solution.as_slice()).then_some(solution)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_number_has_no_solution() {
+        let right = DVector::from_vec(vec![1.0, 2.0]);
+        for entry in [f64::NAN, f64::INFINITY] {
+            let rows = DMatrix::from_row_slice(2, 1, &[1.0, entry]);
+            assert_eq!(solve(rows, &right), None);
+        }
+    }
+
+    // Only the sum of both unknowns is seen: the shortest solution shares it between them.
+    #[test]
+    fn what_is_not_seen_stays_nothing() {
+        let rows = DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 1.0, 1.0]);
+        let found = solve(rows, &DVector::from_vec(vec![2.0, 2.0])).unwrap();
+        assert!((found[0] - 1.0).abs() < 1e-12 && (found[1] - 1.0).abs() < 1e-12);
+    }
+}

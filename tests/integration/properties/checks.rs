@@ -1,0 +1,186 @@
+//! What must hold of every answer, whatever was measured.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use servoscope::answers::{Diagnosis, Identification, NoiseSource, Verdict};
+use servoscope::diagnose::{DiagnoseError, diagnose};
+use servoscope::identify::{IdentifyError, IdentifyRequest, compare, identify};
+use servoscope::measurement::Measurement;
+use servoscope::measurement::formats::{Source, read};
+
+use super::cases::Case;
+use crate::machines::Watcher;
+
+/// Questions whether to go on that the whole diagnosis of one experiment may take: a search that
+/// does not end asks without end. The base model takes some 4000 evaluations for the three orders,
+/// each effect some hundred, and one in ten thousand of the drawn cases took a third of this.
+const MOST_QUESTIONS: u64 = 3_000_000;
+
+/// What was found of a case.
+#[derive(Debug, Default)]
+pub struct Findings {
+    /// What must not be, in sentences.
+    pub faults: Vec<String>,
+    /// Effects that were named.
+    pub named: Vec<String>,
+    /// Whether there was an answer at all.
+    pub answered: bool,
+}
+
+/// Reads, identifies and diagnoses a case.
+pub fn examine(case: &Case) -> Findings {
+    let mut findings = Findings::default();
+    let text = case.text();
+    let source = Source { name: "case.csv", bytes: text.as_bytes() };
+    let Some(read) = guarded(&mut findings, "reading", || read(&[source])) else { return findings };
+    // What is refused is refused by line and column; that is the formats' own test.
+    let Ok(measurement) = read else { return findings };
+    let request = IdentifyRequest::default();
+    let watcher = Watcher::cancelling_after(MOST_QUESTIONS);
+    let identified =
+        guarded(&mut findings, "identify", || identify(&measurement, &request, &watcher));
+    match identified {
+        Some(Ok(answer)) => check_identification(&measurement, &answer, &mut findings),
+        Some(Err(error)) => check_refusal("identify", &error, &mut findings),
+        None => {}
+    }
+    let diagnosed =
+        guarded(&mut findings, "diagnose", || diagnose(&measurement, &request, &watcher));
+    match diagnosed {
+        Some(Ok(answer)) => {
+            findings.answered = true;
+            findings.named = answer.causes.iter().map(|cause| cause.effect.clone()).collect();
+            check_diagnosis(&measurement, &answer, &mut findings);
+        }
+        Some(Err(DiagnoseError::Identify(error))) => {
+            check_refusal("diagnose", &error, &mut findings);
+        }
+        Some(Err(error)) => findings.faults.push(format!("diagnose: {error}")),
+        None => {}
+    }
+    findings
+}
+
+fn guarded<T>(findings: &mut Findings, what: &str, compute: impl FnOnce() -> T) -> Option<T> {
+    catch_unwind(AssertUnwindSafe(compute))
+        .map_err(|panic| {
+            let text = panic.downcast_ref::<String>().map(String::as_str);
+            let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("?");
+            findings.faults.push(format!("{what} panicked: {text}"));
+        })
+        .ok()
+}
+
+fn check_refusal(what: &str, error: &IdentifyError, findings: &mut Findings) {
+    match error {
+        IdentifyError::Unusable { .. } => {}
+        IdentifyError::Cancelled => findings.faults.push(format!("{what} does not end")),
+        IdentifyError::Options(_) => findings.faults.push(format!("{what}: {error}")),
+    }
+}
+
+/// Sum of squares of what a model leaves, by the noise that the measurement states, and the
+/// number of real data; `None` where nothing is stated.
+fn stated_misfit(measurement: &Measurement, answer: &Identification) -> Option<(f64, usize)> {
+    let stated =
+        measurement.experiments().iter().flat_map(|e| &e.response).all(|h| h.std.is_some());
+    if !stated {
+        return None;
+    }
+    let comparison = compare(measurement, answer).ok()?;
+    let (mut sum, mut count) = (0.0, 0);
+    for experiment in &comparison.experiments {
+        let measured = &measurement.experiments()[experiment.experiment];
+        for harmonic in &experiment.harmonics {
+            let std = measured.harmonic(harmonic.order)?.std?;
+            let parts = if harmonic.order == 0 { 1 } else { 2 };
+            for part in 0..parts {
+                sum += ((harmonic.measured[part] - harmonic.simulated[part]) / std).powi(2);
+                count += 1;
+            }
+        }
+    }
+    Some((sum, count))
+}
+
+/// Whether a model leaves more of the response than it simulates, beyond rounding.
+fn leaves_more_than_it_simulates(measurement: &Measurement, answer: &Identification) -> bool {
+    let Ok(comparison) = compare(measurement, answer) else { return false };
+    let (mut left, mut simulated) = (0.0, 0.0);
+    for harmonic in comparison.experiments.iter().flat_map(|e| &e.harmonics) {
+        for part in 0..2 {
+            left += (harmonic.measured[part] - harmonic.simulated[part]).powi(2);
+            simulated += harmonic.simulated[part].powi(2);
+        }
+    }
+    left > 1.001 * simulated
+}
+
+fn check_identification(
+    measurement: &Measurement,
+    answer: &Identification,
+    findings: &mut Findings,
+) {
+    let mut fault = |text: String| findings.faults.push(text);
+    if answer.fit.dof < 0 {
+        fault(format!("{} degrees of freedom", answer.fit.dof));
+    }
+    match serde_json::to_string(answer) {
+        Ok(text) => {
+            if let Err(error) = serde_json::from_str::<Identification>(&text) {
+                fault(format!("the answer has what is no number: {error}"));
+            }
+        }
+        Err(error) => fault(format!("the answer cannot be written: {error}")),
+    }
+    if answer.fit.adequate == Some(true) {
+        if leaves_more_than_it_simulates(measurement, answer) {
+            fault("adequate, and leaves more than it simulates".into());
+        }
+        if contradicted(measurement, answer) {
+            fault("adequate against the stated noise".into());
+        }
+    }
+}
+
+/// Whether what a model leaves exceeds the stated noise beyond any doubt: by ten standard
+/// deviations of χ².
+fn contradicted(measurement: &Measurement, answer: &Identification) -> bool {
+    stated_misfit(measurement, answer).is_some_and(|(chi2, count)| {
+        let count = count as f64;
+        chi2 > count + 10.0 * (2.0 * count).sqrt() + 10.0
+    })
+}
+
+fn check_diagnosis(measurement: &Measurement, answer: &Diagnosis, findings: &mut Findings) {
+    check_identification(measurement, &answer.base, findings);
+    if let Some(extended) = &answer.extended {
+        check_identification(measurement, extended, findings);
+    }
+    let best = answer.extended.as_ref().unwrap_or(&answer.base);
+    let mut fault = |text: String| findings.faults.push(text);
+    if let Err(error) =
+        serde_json::to_string(answer).and_then(|text| serde_json::from_str::<Diagnosis>(&text))
+    {
+        fault(format!("the diagnosis has what is no number: {error}"));
+    }
+    if matches!(answer.verdict, Verdict::Adequate | Verdict::Explained) {
+        if contradicted(measurement, best) {
+            fault(format!("{:?} against the stated noise", answer.verdict));
+        }
+        if leaves_more_than_it_simulates(measurement, best) {
+            fault(format!("{:?}, and leaves more than it simulates", answer.verdict));
+        }
+    }
+    let data: usize = measurement
+        .experiments()
+        .iter()
+        .flat_map(|e| &e.response)
+        .map(|h| if h.order == 0 { 1 } else { 2 })
+        .sum();
+    let known = usize::from(best.noise == NoiseSource::Estimated);
+    let free = best.parameters.len().saturating_sub(1);
+    if !answer.causes.is_empty() && data < free + known {
+        fault(format!("{:?} named from {data} data", answer.causes[0].effect));
+    }
+}

@@ -1,0 +1,44 @@
+//! Cases that once had wrong answers, each with what was wrong.
+
+use super::cases::{Case, Statement, Subject};
+
+/// Every kept case.
+pub fn cases() -> Vec<Case> {
+    let ordinary = Case::ordinary;
+    vec![
+        // Called adequate: all of the response was left, a thousand times the stated noise.
+        Case {
+            subject: Subject::Noise,
+            noise: 1.0,
+            statement: Statement::Std(1e-3),
+            magnitudes: vec![1.0, 2.0, 4.0],
+            omegas: vec![1.0, 3.0, 10.0, 30.0],
+            ..ordinary()
+        },
+        // A hardening spring was named from two numbers.
+        Case {
+            magnitudes: vec![1.0],
+            omegas: vec![3.0],
+            harmonics: vec![1],
+            statement: Statement::Silent,
+            ..ordinary()
+        },
+        // Panicked: the closed form divided by a friction of exactly 0.
+        Case {
+            subject: Subject::Linear,
+            noise: 0.0,
+            statement: Statement::Silent,
+            harmonics: vec![1],
+            magnitudes: (1..=8).map(f64::from).collect(),
+            omegas: (1..=8).map(f64::from).collect(),
+            ..ordinary()
+        },
+        // Panicked: sizes far from one.
+        Case { decades: [0, 30, 0], ..ordinary() },
+        Case { decades: [0, -30, 0], ..ordinary() },
+        Case { decades: [0, 150, 0], ..ordinary() },
+        Case { decades: [-300, 0, 0], ..ordinary() },
+        Case { statement: Statement::Std(1e300), ..ordinary() },
+        Case { omegas: vec![1e-6, 1e-3, 1.0, 1e3, 1e6], subject: Subject::Linear, ..ordinary() },
+    ]
+}

@@ -374,6 +374,51 @@ fn a_body_too_large_is_refused_as_sent_and_as_unpacked() {
     json_of(server.post("/v1/measurements", &headers, GZIP_OF_ANY), 201);
 }
 
+/// A form with one file of the three letters `any`.
+const FORM: &str = "--x\r\ncontent-disposition: form-data; name=\"a\"; filename=\"a.csv\"\r\n\
+                    content-type: text/csv\r\n\r\nany\r\n--x--\r\n";
+
+#[test]
+fn a_body_that_is_not_the_gzip_it_claims_to_be_is_the_callers_fault() {
+    let server = Server::start();
+    let mut corrupted = GZIP_OF_ANY.to_vec();
+    corrupted[12] ^= 0xff;
+    let cut = &GZIP_OF_ANY[..GZIP_OF_ANY.len() - 6];
+    let kinds = ["text/csv", "application/json", "multipart/form-data; boundary=x"];
+    for path in ["/v1/measurements", "/v1/jobs", "/v1/validations"] {
+        for kind in kinds {
+            for body in [&corrupted[..], cut, b"no gzip at all"] {
+                let headers = [("content-type", kind), ("content-encoding", "gzip")];
+                let answer = server.post(path, &headers, body);
+                let status = answer.status().as_u16();
+                assert!(status == 400 || status == 415, "{path} {kind}: {status}");
+                problem(answer, status);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_form_that_is_cut_short_or_has_another_boundary_is_the_callers_fault() {
+    let server = Server::start();
+    let post = |boundary: &str, body: &str| {
+        let kind = format!("multipart/form-data{boundary}");
+        server.post("/v1/measurements", &[("content-type", kind.as_str())], body.as_bytes())
+    };
+    json_of(post("; boundary=x", FORM), 201);
+    for (boundary, body) in [
+        ("; boundary=x", &FORM[..FORM.len() - 10]),
+        ("; boundary=x", &FORM[..20]),
+        ("; boundary=y", FORM),
+        ("", FORM),
+        ("; boundary=x", ""),
+    ] {
+        problem(post(boundary, body), 400);
+    }
+    let huge = FORM.replace("any", &"a".repeat(LIMIT));
+    problem(post("; boundary=x", &huge), 413);
+}
+
 #[test]
 fn a_repeated_key_gives_the_same_resource_and_never_another() {
     let server = Server::start();

@@ -78,8 +78,9 @@ fn moving_fundamentals(problem: &Problem) -> Vec<Fundamental> {
     };
     let all: Vec<Fundamental> = problem.experiments.iter().filter_map(of).collect();
     let gain = |f: &Fundamental| f.velocity.norm() / f.input.norm();
-    // Half the gain that the largest input finds at that frequency: well above
-    // breakaway, where the describing function holds.
+    // Three tenths of the largest gain found near that frequency. A sine barely above breakaway
+    // moves the axis for a small part of its period: its gain is far below that of a large one,
+    // and the describing function does not hold.
     let strongest = |omega: f64| {
         let near = all.iter().filter(|f| (f.omega / omega).ln().abs() < 0.2);
         near.map(gain).fold(0.0, f64::max)

@@ -94,7 +94,7 @@ fn agreement(cases: impl ParallelIterator<Item = (Case, f64)>) -> Agreement {
 // further: no reference stands so near one.
 #[test]
 fn the_benchmark_draws_effects_such_as_those_of_the_references() {
-    for name in reference::names().into_iter().flatten() {
+    for name in reference::names() {
         let Some((id, parameters)) = reference::effect(&name) else { continue };
         let plant = reference::plant(&name);
         let machine = Draw { plant, ..reference::g_draw(plant.actuator.order()) };

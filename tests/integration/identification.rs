@@ -12,7 +12,7 @@ use crate::reference::{self, g};
 /// Runs seeds on a reference file and asserts that every parameter of every answer is
 /// within 0.004 % of the truth.
 fn assert_recovers(name: &str, order: u8, given: Option<u8>, seeds: std::ops::RangeInclusive<u64>) {
-    let Some(measurement) = reference::measurement(name) else { return };
+    let measurement = reference::measurement(name);
     seeds.into_par_iter().for_each(|seed| {
         let options = IdentifyOptions { seed, ..IdentifyOptions::default() };
         let answer = ask(&measurement, given, options).expect("an answer");

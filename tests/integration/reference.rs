@@ -8,7 +8,7 @@ use servoscope::measurement::formats::{self, Source};
 use servoscope::measurement::{Complex, Measurement};
 use servoscope::plant::{Actuator, Friction, Plant};
 
-use crate::shared_files::shared;
+use crate::shared_files::{reference, shared};
 
 /// One experiment of a reference file.
 pub struct Point {
@@ -60,18 +60,15 @@ pub fn g_measurement(order: u8) -> Measurement {
     measure(&g_draw(order), 1).expect("G1 and G2 have periodic responses")
 }
 
-/// A reference file as a measurement; `None`, with a message, where it is absent.
-pub fn measurement(name: &str) -> Option<Measurement> {
-    let path = shared(&format!("reference/{name}"))?;
-    let bytes = std::fs::read(path).expect("a readable reference");
-    Some(formats::read(&[Source { name, bytes: &bytes }]).expect("a valid reference"))
+/// A reference file as a measurement.
+pub fn measurement(name: &str) -> Measurement {
+    let bytes = std::fs::read(reference(name)).expect("a readable reference");
+    formats::read(&[Source { name, bytes: &bytes }]).expect("a valid reference")
 }
 
-/// Points of a reference file in the order of acquisition; `None`, with a message, where
-/// it is absent.
-pub fn points(name: &str) -> Option<Vec<Point>> {
-    let path = shared(&format!("reference/{name}"))?;
-    let mut reader = csv::Reader::from_path(path).expect("a readable reference");
+/// Points of a reference file in the order of acquisition.
+pub fn points(name: &str) -> Vec<Point> {
+    let mut reader = csv::Reader::from_path(reference(name)).expect("a readable reference");
     let mut points: BTreeMap<u64, Point> = BTreeMap::new();
     for row in reader.deserialize() {
         let (magnitude, omega_rad_s, harmonic, re, im, run): (f64, f64, usize, f64, f64, u64) =
@@ -85,22 +82,26 @@ pub fn points(name: &str) -> Option<Vec<Point>> {
         assert_eq!(point.harmonics.len(), harmonic, "harmonics in order");
         point.harmonics.push(Complex::new(re, im));
     }
-    Some(points.into_values().collect())
+    points.into_values().collect()
 }
 
-/// Names of every reference file; `None`, with a message, where they are absent.
-pub fn names() -> Option<Vec<String>> {
-    let index = std::fs::read_to_string(shared("reference/index.json")?).expect("an index");
-    let index: Vec<Value> = serde_json::from_str(&index).expect("an index");
-    Some(index.iter().map(|entry| entry["file"].as_str().expect("a name").to_owned()).collect())
+/// The index of the reference files.
+fn index() -> Vec<Value> {
+    let index = std::fs::read_to_string(reference("index.json")).expect("an index");
+    serde_json::from_str(&index).expect("an index")
+}
+
+/// Names of every reference file.
+pub fn names() -> Vec<String> {
+    let name = |entry: &Value| entry["file"].as_str().expect("a name").to_owned();
+    let names: Vec<String> = index().iter().map(name).collect();
+    assert_eq!(names.len(), 21);
+    names
 }
 
 /// What the index says of a reference file.
 fn entry(name: &str) -> Value {
-    let index = shared("reference/index.json").expect("an index beside the reference");
-    let index = std::fs::read_to_string(index).expect("an index");
-    let index: Vec<Value> = serde_json::from_str(&index).expect("an index");
-    index.into_iter().find(|entry| entry["file"] == name).expect("an entry")
+    index().into_iter().find(|entry| entry["file"] == name).expect("an entry")
 }
 
 /// Id and parameters of the effect in a reference file, if it has one.
@@ -138,12 +139,9 @@ pub fn plant(name: &str) -> Plant {
 }
 
 /// Largest deviation of simulated harmonics from a reference file, as a share of the
-/// file's largest component; `None` where the file is absent.
-pub fn largest_deviation(
-    name: &str,
-    simulate: impl Fn(&Plant, &Point) -> Vec<Complex>,
-) -> Option<f64> {
-    let points = points(name)?;
+/// file's largest component.
+pub fn largest_deviation(name: &str, simulate: impl Fn(&Plant, &Point) -> Vec<Complex>) -> f64 {
+    let points = points(name);
     assert_eq!(points.len(), 39, "{name}");
     let plant = plant(name);
     let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
@@ -155,5 +153,24 @@ pub fn largest_deviation(
             largest = largest.max(expected.re.abs()).max(expected.im.abs());
         }
     }
-    Some(worst / largest)
+    worst / largest
+}
+
+/// Where the originals are at hand, the copies in this repository are still the same.
+#[test]
+fn the_contract_and_its_reference_responses_are_copied_to_the_letter() {
+    let read = |path: &std::path::Path| std::fs::read(path).expect("a readable file");
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    if let Some(contract) = shared("contract.md") {
+        assert!(read(&contract) == read(&root.join("docs/contract.md")), "docs/contract.md");
+    }
+    let Some(folder) = shared("reference") else { return };
+    let files: Vec<_> = std::fs::read_dir(folder).expect("a folder").collect();
+    assert_eq!(files.len(), names().len() + 1);
+    for file in files {
+        let file = file.expect("a file");
+        let name = file.file_name();
+        let copy = reference(name.to_str().expect("a name"));
+        assert!(read(&file.path()) == read(&copy), "{}", copy.display());
+    }
 }

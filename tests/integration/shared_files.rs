@@ -1,10 +1,9 @@
-//! Measured data and reference responses, which the repository does not carry.
+//! Measured data, which the repository does not carry, and reference responses, which it does.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The file or folder `path` of `../shared`, where measured data is
-/// `data/…` and reference responses are `reference/…`.
+/// The file or folder `path` of `../shared`, where measured data is `data/…`.
 ///
 /// `SERVO_DATA_DIR` says where the measured data is instead. Where the file is
 /// absent this says so and answers `None`: the test is skipped. With
@@ -23,6 +22,11 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     assert!(std::env::var_os("SERVO_REQUIRE_DATA").is_none(), "{absent}");
     skipped(&absent);
     None
+}
+
+/// A file of the contract's reference responses, `tests/reference/…`.
+pub fn reference(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference").join(name)
 }
 
 /// Says why a test is skipped, past the capture of a passing test's output.

@@ -77,17 +77,6 @@ impl Case {
         }
     }
 
-    /// Whether the stated noise is the true one, or none is stated, and whatever is measured is
-    /// what an axis of the base model answers.
-    pub fn is_honest(&self) -> bool {
-        let true_model = matches!(self.subject, Subject::Axis | Subject::Linear | Subject::Stuck);
-        let told = match self.statement {
-            Statement::Std(ratio) => ratio == 1.0 && self.noise > 0.0,
-            Statement::Silent | Statement::Repeats(_) => self.noise > 0.0,
-        };
-        true_model && told && self.digits >= 10
-    }
-
     fn plant(&self) -> Plant {
         let friction = match self.subject {
             Subject::Linear => Friction::coulomb(0.0, 0.0),

@@ -8,6 +8,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use crate::benchmark::simulator::Effect;
+use crate::effects::{check_slots, find};
 use crate::measurement::ResponseKind;
 use crate::measurement::formats::{MAX_ROWS, write_harmonic_csv};
 
@@ -171,6 +172,8 @@ fn bench(args: &Args) -> Result<Bench, Failure> {
         let reason = format!("the table would have {rows} rows; at most {MAX_ROWS} can be read");
         return Err(Failure::Input(reason));
     }
+    let together: Vec<_> = args.effects.iter().filter_map(|effect| find(effect.id())).collect();
+    check_slots(&together).map_err(|error| Failure::Input(format!("--effect: {error}")))?;
     Ok(Bench {
         plant,
         effects: args.effects.clone(),
@@ -310,6 +313,11 @@ mod tests {
             ("--effect spring:k=1", "it has stiffness"),
             ("--effect spring:stiffness", "is not NAME=VALUE"),
             ("--effect spring:stiffness=1,stiffness=2", "`stiffness` is given twice"),
+            (
+                "--effect flexible_mode:load_inertia_fraction=0.3,stiffness=9,damping=0.1 \
+                 --effect backlash:load_inertia_fraction=0.3,stiffness=9,damping=0.1,gap=0.1",
+                "`flexible_mode` and `backlash` cannot act together",
+            ),
             ("--effect spring:stiffness=-1", "at least 0"),
         ] {
             let refused = asked(line).unwrap_err();

@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
-use crate::effects::{ALL, Effect};
+use crate::effects::{ALL, Effect, check_slots};
 use crate::identify::{Effort, Model, Workbench};
 use crate::observer::Observer as _;
 
@@ -229,8 +229,8 @@ impl<'a> Search<'a> {
     fn probe(&self, anchor: &Anchor, part: Part<'_>) -> Vec<Probed> {
         let (own, workbench) = (anchor.model.effects(), self.workbench);
         let lacks = |changes: &&Changes| {
-            own.iter().all(|own| own.id() != changes.effect.id())
-                && workbench.can_decide(&anchor.model, changes.effect)
+            let together: Vec<&dyn Effect> = own.iter().copied().chain([changes.effect]).collect();
+            check_slots(&together).is_ok() && workbench.can_decide(&anchor.model, changes.effect)
         };
         let lacking: Vec<&Changes> = self.changes.iter().filter(lacks).collect();
         let settles = own.iter().any(|effect| effect.settles());

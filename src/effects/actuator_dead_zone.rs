@@ -2,7 +2,7 @@
 //!
 //! u − clip(u, ±half_width), before A(s).
 
-use super::{Axis, Coordinate, Dimension, Effect, InputMap, Parameter, Range, Stage, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, InputMap, Parameter, Range, Slot, Stage, Wide};
 use crate::plant::Scalar as _;
 
 /// The half width.
@@ -36,6 +36,10 @@ impl Effect for ActuatorDeadZone {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["static_friction", "stribeck"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::DeadZone
     }
 
     fn parameters(&self) -> &'static [Parameter] {

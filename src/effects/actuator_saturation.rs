@@ -2,7 +2,7 @@
 //!
 //! u clipped to ±limit, before A(s).
 
-use super::{Axis, Coordinate, Dimension, Effect, InputMap, Parameter, Range, Stage, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, InputMap, Parameter, Range, Slot, Stage, Wide};
 use crate::plant::Scalar as _;
 
 /// The limit.
@@ -37,6 +37,10 @@ impl Effect for ActuatorSaturation {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["quadratic_drag", "slew_limit"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::Saturation
     }
 
     fn parameters(&self) -> &'static [Parameter] {

@@ -6,7 +6,7 @@
 //! pull just before contact ends), 0 inside the gap. y is the motor's velocity.
 
 use super::flexible_mode::{DAMPING, LOAD_INERTIA_FRACTION, STIFFNESS, resize_load};
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, SecondMass, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, SecondMass, Slot, Wide};
 
 /// ρ, k, c and the gap.
 #[derive(Debug)]
@@ -72,6 +72,10 @@ impl Effect for Backlash {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["flexible_mode"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::SecondMass
     }
 
     fn parameters(&self) -> &'static [Parameter] {

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use super::jet;
 use super::{
     Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials,
-    Range, Wide,
+    Range, Slot, Wide,
 };
 
 /// T, N and φ.
@@ -112,6 +112,10 @@ impl Effect for Cogging {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["spring", "hardening_spring", "stribeck"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::Torque
     }
 
     fn parameters(&self) -> &'static [Parameter] {

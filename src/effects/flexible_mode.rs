@@ -4,7 +4,7 @@
 //! (1 − ρ)J·v' = −(a/K)·v + τ − f − T_s, ρJ·v_load' = T_s,
 //! T_s = k·φ + c·(v − v_load). y is the motor's velocity.
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, SecondMass, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, SecondMass, Slot, Wide};
 use crate::plant::Scalar as _;
 
 /// ρ, k and c.
@@ -108,6 +108,10 @@ impl Effect for FlexibleMode {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["backlash", "spring", "sensor_lag"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::SecondMass
     }
 
     fn parameters(&self) -> &'static [Parameter] {

@@ -3,7 +3,7 @@
 //! All friction levels, Fc and Fs, × (1 + δ·(run − run_min)/(run_max − run_min)).
 //! Not testable without `run`.
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Slot, Wide};
 
 /// δ.
 #[derive(Debug)]
@@ -32,6 +32,10 @@ impl Effect for FrictionDrift {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["stribeck", "quadratic_drag"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::FrictionScale
     }
 
     fn parameters(&self) -> &'static [Parameter] {

@@ -2,7 +2,7 @@
 //!
 //! (1 + γ)u for u > 0, (1 − γ)u for u < 0, before A(s).
 
-use super::{Axis, Coordinate, Dimension, Effect, InputMap, Parameter, Range, Stage, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, InputMap, Parameter, Range, Slot, Stage, Wide};
 use crate::plant::Scalar as _;
 
 /// γ.
@@ -31,6 +31,10 @@ impl Effect for GainAsymmetry {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["viscous_asymmetry"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::Gain
     }
 
     fn parameters(&self) -> &'static [Parameter] {

@@ -6,7 +6,7 @@ use super::jet;
 use super::spring::STIFFNESS;
 use super::{
     Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials,
-    Range, Wide,
+    Range, Slot, Wide,
 };
 
 /// k and k₃.
@@ -83,6 +83,10 @@ impl Effect for HardeningSpring {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["spring", "presliding"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::Torque
     }
 
     fn parameters(&self) -> &'static [Parameter] {

@@ -10,6 +10,7 @@ mod axis;
 mod jet;
 mod law;
 mod parameter;
+mod slot;
 
 mod actuator_dead_zone;
 mod actuator_saturation;
@@ -37,6 +38,7 @@ pub use axis::{Axis, InputMap, SecondMass, Stage, WIDE_LANES, Wide};
 pub use jet::{Jet, MOST_TERMS};
 pub use law::{Form, LAW_PARAMETERS, Law, Partials};
 pub use parameter::{Coordinate, Dimension, Parameter, Range, Scope};
+pub use slot::{SameSlot, Slot, check_slots};
 
 /// Every effect.
 pub const ALL: &[&dyn Effect] = &[
@@ -72,6 +74,9 @@ pub trait Effect: Debug + Sync {
 
     /// Ids of effects that may look like it.
     fn imitators(&self) -> &'static [&'static str];
+
+    /// The place in the chain that it fills.
+    fn slot(&self) -> Slot;
 
     /// Its parameters, in the order in which [`Self::enter`] takes them.
     fn parameters(&self) -> &'static [Parameter];

@@ -4,7 +4,7 @@
 //! is no rest: below breakaway the axis moves on its bristles. Together with a
 //! friction curve, Fc is what the curve makes of it.
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Slot, Wide};
 
 /// σ.
 #[derive(Debug)]
@@ -42,6 +42,10 @@ impl Effect for Presliding {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["static_friction", "stribeck", "spring"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::Bristle
     }
 
     fn parameters(&self) -> &'static [Parameter] {

@@ -5,7 +5,7 @@
 use super::jet;
 use super::{
     Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials,
-    Range, Wide,
+    Range, Slot, Wide,
 };
 
 /// c.
@@ -75,6 +75,10 @@ impl Effect for QuadraticDrag {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["stribeck", "actuator_saturation"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::Torque
     }
 
     fn parameters(&self) -> &'static [Parameter] {

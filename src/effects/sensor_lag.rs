@@ -2,7 +2,7 @@
 //!
 //! T·y' + y = v: Yₖ = Vₖ/(1 + jkωT).
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Slot, Wide};
 
 /// T.
 #[derive(Debug)]
@@ -35,6 +35,10 @@ impl Effect for SensorLag {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["transport_delay"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::SensorLag
     }
 
     fn parameters(&self) -> &'static [Parameter] {

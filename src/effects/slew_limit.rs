@@ -4,7 +4,7 @@
 //! |u'| ≤ rate, in its own periodic steady state (never meeting u, it is a
 //! triangle of amplitude rate·T/4 and zero mean, whatever m).
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Slot, Wide};
 
 /// The rate.
 #[derive(Debug)]
@@ -40,6 +40,10 @@ impl Effect for SlewLimit {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["actuator_saturation", "sensor_lag"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::RateLimit
     }
 
     fn parameters(&self) -> &'static [Parameter] {

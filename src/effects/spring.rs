@@ -4,7 +4,7 @@
 
 use super::{
     Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Wide,
+    Slot, Wide,
 };
 
 /// k.
@@ -73,6 +73,10 @@ impl Effect for Spring {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["hardening_spring", "presliding"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::Torque
     }
 
     fn parameters(&self) -> &'static [Parameter] {

@@ -5,7 +5,7 @@
 
 use crate::plant::{Friction, Scalar as _};
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, Slot, Wide};
 
 /// Excess of a level over the Coulomb level at which it acts, and changes next to nothing.
 const LEAST_EXCESS: f64 = 1e-6;
@@ -51,6 +51,10 @@ impl Effect for StaticFriction {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["stribeck", "presliding"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::StaticLevel
     }
 
     fn parameters(&self) -> &'static [Parameter] {

@@ -4,7 +4,7 @@
 
 use super::{
     Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Wide,
+    Slot, Wide,
 };
 
 /// r and vs.
@@ -79,6 +79,10 @@ impl Effect for Stribeck {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["static_friction", "quadratic_drag", "presliding"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::FrictionCurve
     }
 
     fn parameters(&self) -> &'static [Parameter] {

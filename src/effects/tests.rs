@@ -298,3 +298,67 @@ fn the_series_of_a_law_is_that_of_the_law_along_the_motion() {
     }
     assert_eq!(tried, 3);
 }
+
+/// Most parameters of a base model: a, K, Fc⁺, Fc⁻ and the two of an actuator of order 2.
+const BASE: usize = 6;
+
+/// Most parameters that a base model and `most` effects of a list have that can act together.
+fn most_parameters(list: &[&'static dyn Effect], together: &[&dyn Effect], most: usize) -> usize {
+    let own: usize = together.iter().map(|effect| effect.parameters().len()).sum();
+    if together.len() == most {
+        return own;
+    }
+    let with = |effect: &&'static dyn Effect| -> Option<usize> {
+        let more: Vec<&dyn Effect> = together.iter().copied().chain([*effect as _]).collect();
+        check_slots(&more).is_ok().then(|| most_parameters(list, &more, most))
+    };
+    list.iter().filter_map(with).fold(own, usize::max)
+}
+
+#[test]
+fn derivatives_are_wide_enough_for_any_effects_that_a_diagnosis_may_join() {
+    let most = crate::answers::IdentifyOptions::default().most_effects;
+    assert!(BASE + most_parameters(ALL, &[], most) <= WIDE_LANES);
+}
+
+#[test]
+fn effects_that_fill_one_slot_are_refused_by_name_and_torques_add_up() {
+    let of = |ids: &[&str]| {
+        let effects: Vec<&dyn Effect> = ids.iter().map(|id| find(id).unwrap() as _).collect();
+        check_slots(&effects)
+    };
+    let both = of(&["stribeck", "backlash", "flexible_mode"]).unwrap_err();
+    assert_eq!((both.first, both.second), ("backlash", "flexible_mode"));
+    assert!(both.to_string().contains("`backlash` and `flexible_mode` cannot act together"));
+    assert!(of(&["sensor_lag", "sensor_lag"]).is_err());
+    assert_eq!(of(&["spring", "quadratic_drag", "cogging", "backlash", "stribeck"]), Ok(()));
+}
+
+// What an effect sets must be its own: entered in either order, two that may act together make
+// the same axis.
+#[test]
+fn two_effects_that_may_act_together_leave_each_other_alone() {
+    let axis = |effects: [&'static dyn Effect; 2]| {
+        let active = effects.map(|effect| {
+            let scope = scope();
+            let middle = |p: &Parameter| {
+                let [low, high] = (p.range)(&scope).likely;
+                0.5 * (low + high)
+            };
+            let values = effect.parameters().iter().map(middle).collect();
+            ActiveEffect::new(effect, values).unwrap()
+        });
+        let mut axis = enter_values(plant(), &active, 0.5);
+        axis.torques.sort_by_key(|torque| format!("{torque:?}"));
+        format!("{axis:?}")
+    };
+    for (i, one) in ALL.iter().enumerate() {
+        for other in &ALL[i + 1..] {
+            if check_slots(&[*one as _, *other as _]).is_ok() {
+                assert_eq!(axis([*one, *other]), axis([*other, *one]), "{one:?} {other:?}");
+            } else {
+                assert_ne!(axis([*one, *other]), axis([*other, *one]), "{one:?} {other:?}");
+            }
+        }
+    }
+}

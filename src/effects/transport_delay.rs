@@ -2,7 +2,7 @@
 //!
 //! u(t − T). A periodic response comes later by T as a whole: Yₖ·exp(−jkωT).
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Slot, Wide};
 
 /// T.
 #[derive(Debug)]
@@ -36,6 +36,10 @@ impl Effect for TransportDelay {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["sensor_lag"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::Delay
     }
 
     fn parameters(&self) -> &'static [Parameter] {

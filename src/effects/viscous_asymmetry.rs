@@ -2,7 +2,7 @@
 //!
 //! a becomes a(1 + α) for v > 0 and a(1 − α) for v < 0.
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Wide};
+use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Slot, Wide};
 
 /// α.
 #[derive(Debug)]
@@ -31,6 +31,10 @@ impl Effect for ViscousAsymmetry {
 
     fn imitators(&self) -> &'static [&'static str] {
         &["gain_asymmetry"]
+    }
+
+    fn slot(&self) -> Slot {
+        Slot::ViscousRate
     }
 
     fn parameters(&self) -> &'static [Parameter] {

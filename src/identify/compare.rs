@@ -186,6 +186,9 @@ pub(super) fn reported_effects(
         let values = effect.parameters().iter().map(value).collect::<Result<_, _>>()?;
         reported.extend(ActiveEffect::new(effect, values).ok());
     }
+    let together: Vec<_> = reported.iter().map(ActiveEffect::effect).collect();
+    let unusable = |error: effects::SameSlot| IdentifyError::Unusable { reason: error.to_string() };
+    effects::check_slots(&together).map_err(unusable)?;
     Ok(reported)
 }
 

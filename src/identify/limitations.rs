@@ -59,6 +59,9 @@ pub(super) fn of(
              cannot be stated"
             .into());
     } else if fitted.weights.source == NoiseSource::Estimated {
+        if measurement.experiments().iter().any(|e| e.has_repeats()) {
+            say("the repeats are copies of each other, and say nothing of the noise".into());
+        }
         say("the size of the noise is unknown: χ² and adequacy cannot be stated; give std, \
              repeats or the option noise_std"
             .into());

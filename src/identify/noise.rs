@@ -21,6 +21,9 @@ use crate::simulate;
 use super::moderation::{Cell, moderate};
 use super::problem::{Prepared, Problem};
 
+/// Scatter, as a share of the values, that the rounding of a mean makes of repeats that are copies.
+const COPY: f64 = 1e-13;
+
 /// Standard deviation of every target, in scale.
 #[derive(Debug, Clone)]
 pub(super) struct Weights {
@@ -62,7 +65,7 @@ pub(super) fn weights(
     if options.weights == Weighting::Response {
         return uniform(1.0, NoiseSource::Estimated);
     }
-    if experiments.iter().any(|e| !e.repeats.is_empty()) {
+    if experiments.iter().any(|e| !e.repeats.is_empty()) && scatters(experiments) {
         return from_scatter(experiments, problem, model);
     }
     let given: Vec<f64> =
@@ -85,6 +88,19 @@ pub(super) fn weights(
         Some(std) => uniform(std / problem.response_scale, NoiseSource::Given),
         None => uniform(1.0, NoiseSource::Estimated),
     }
+}
+
+/// Whether repeats differ by more than rounding: copies say nothing of the noise.
+fn scatters(experiments: &[Experiment]) -> bool {
+    let power = |values: &[Complex]| values.iter().map(Complex::norm_sqr).sum::<f64>();
+    experiments.iter().any(|e| {
+        let response: f64 = e.response.iter().map(|h| h.value.norm_sqr()).sum();
+        let rounding = COPY * COPY;
+        e.repeats.iter().any(|repeat| {
+            power(&repeat.response) > rounding * response
+                || power(&repeat.input) > rounding * power(&e.input)
+        })
+    })
 }
 
 fn from_scatter(experiments: &[Experiment], problem: &Problem, model: Option<&Plant>) -> Weights {

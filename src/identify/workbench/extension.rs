@@ -1,6 +1,6 @@
 //! Models with an effect more, less, or in the place of another; none of them fitted.
 
-use crate::effects::{Effect, Parameter, Range};
+use crate::effects::{Effect, Parameter, Range, WIDE_LANES};
 
 use super::{Model, Workbench};
 
@@ -12,10 +12,12 @@ impl Workbench<'_> {
     }
 
     /// Whether the data are more than the parameters of a model with one more effect (and the
-    /// scale of the noise, where that is unknown): fewer decide nothing.
+    /// scale of the noise, where that is unknown), as fewer decide nothing, and derivatives by
+    /// all of them can be computed.
     pub fn can_decide(&self, model: &Model, effect: &dyn Effect) -> bool {
+        let parameters = model.parameters() + effect.parameters().len();
         let scale = usize::from(!self.noise_known());
-        self.data() > model.parameters() + effect.parameters().len() + scale
+        self.data() > parameters + scale && parameters <= WIDE_LANES
     }
 
     /// Values of an effect's parameters to try first, in the problem's scales.

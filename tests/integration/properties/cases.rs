@@ -83,7 +83,7 @@ impl Case {
             Subject::Stuck => {
                 // Above some of the magnitudes, or above all of them.
                 let middle = self.magnitudes[self.magnitudes.len() / 2];
-                let level = if self.seed % 2 == 0 { 0.9 * middle } else { 1.5 * middle };
+                let level = if self.seed.is_multiple_of(2) { 0.9 * middle } else { 1.5 * middle };
                 Friction::coulomb(level, 0.9 * level)
             }
             _ => {

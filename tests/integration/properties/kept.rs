@@ -33,6 +33,8 @@ pub fn cases() -> Vec<Case> {
             omegas: (1..=8).map(f64::from).collect(),
             ..ordinary()
         },
+        // An infinite χ²: two repeats that are copies have no scatter.
+        Case { statement: Statement::Repeats(2), noise: 0.0, ..ordinary() },
         // Panicked: sizes far from one.
         Case { decades: [0, 30, 0], ..ordinary() },
         Case { decades: [0, -30, 0], ..ordinary() },

@@ -256,12 +256,13 @@ mod tests {
     #[test]
     fn the_verdict_comes_first_and_what_to_mind_before_any_number() {
         let mut answer = sample::identification();
-        for (adequate, begin) in [
-            (Some(true), "ADEQUATE: the model explains the data"),
-            (Some(false), "NOT ADEQUATE: the model leaves more than noise"),
-            (None, "Adequacy unknown"),
+        for (adequate, p_value, begin) in [
+            (Some(true), Some(0.5), "ADEQUATE: the model explains the data"),
+            (Some(false), Some(1e-6), "NOT ADEQUATE: the model leaves more than noise"),
+            (Some(false), Some(0.5), "NOT ADEQUATE: the model leaves more than it simulates"),
+            (None, None, "Adequacy unknown"),
         ] {
-            answer.fit.adequate = adequate;
+            (answer.fit.adequate, answer.fit.p_value) = (adequate, p_value);
             assert!(identification(&answer).starts_with(begin));
         }
         let text = identification(&answer);

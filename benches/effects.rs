@@ -12,7 +12,7 @@ use servoscope::benchmark::draw::{Draw, draw};
 use servoscope::benchmark::hidden::{IDS, draw_effect};
 use servoscope::effects::{ActiveEffect, Wide, find};
 use servoscope::plant::{Friction, Plant};
-use servoscope::simulate::{Excitation, respond, respond_with_sensitivities};
+use servoscope::simulate::{Counts, Excitation, respond, respond_with_sensitivities};
 
 /// Machines of each actuator order.
 const MACHINES: u64 = 15;
@@ -103,7 +103,14 @@ fn main() {
             let (plant, count) = variable(&case.plant);
             time(case, |point| {
                 let effects = &case.effects;
-                let found = respond_with_sensitivities(&plant, count, effects, point, HIGHEST);
+                let found = respond_with_sensitivities(
+                    Counts::EvenUnstable,
+                    &plant,
+                    count,
+                    effects,
+                    point,
+                    HIGHEST,
+                );
                 let _ = black_box(found);
             })
         });

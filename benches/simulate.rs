@@ -8,7 +8,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use servoscope::effects::Wide;
 use servoscope::measurement::Complex;
 use servoscope::plant::{Actuator, Friction, Plant};
-use servoscope::simulate::{Excitation, respond, respond_with_sensitivities};
+use servoscope::simulate::{Counts, Excitation, respond, respond_with_sensitivities};
 
 fn g1() -> Plant {
     Plant {
@@ -51,8 +51,15 @@ fn stepped_sine(criterion: &mut Criterion) {
     group.bench_function("with_sensitivities", |bencher| {
         bencher.iter(|| {
             for point in &points {
-                black_box(respond_with_sensitivities(black_box(&variable), 4, &[], point, 9))
-                    .expect("a response");
+                black_box(respond_with_sensitivities(
+                    Counts::EvenUnstable,
+                    black_box(&variable),
+                    4,
+                    &[],
+                    point,
+                    9,
+                ))
+                .expect("a response");
             }
         });
     });
@@ -94,8 +101,15 @@ fn multisines(criterion: &mut Criterion, name: &str, cases: [(usize, Excitation,
         });
         group.bench_function(BenchmarkId::new("with_sensitivities", size), |bencher| {
             bencher.iter(|| {
-                respond_with_sensitivities(black_box(&variable), 4, &[], excitation, *highest)
-                    .expect("one")
+                respond_with_sensitivities(
+                    Counts::EvenUnstable,
+                    black_box(&variable),
+                    4,
+                    &[],
+                    excitation,
+                    *highest,
+                )
+                .expect("one")
             });
         });
     }

@@ -39,6 +39,13 @@ pub struct ComparedExperiment {
 pub struct Unanswered {
     /// Its index in the measurement.
     pub experiment: usize,
+    /// Half the peak-to-peak value of the input, input units; null for a motion that does not
+    /// repeat.
+    #[serde(default)]
+    pub magnitude: Option<f64>,
+    /// Fundamental, rad/s; null likewise.
+    #[serde(default)]
+    pub omega_rad_s: Option<f64>,
     /// Why, in words.
     pub reason: String,
 }

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{IdentifyOptions, Method};
+use super::{IdentifyOptions, Method, Unanswered};
 
 /// Where the weights of the fit come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -71,6 +71,10 @@ pub struct Fit {
     /// Factor by which every standard deviation was widened because the model
     /// leaves more than noise: √(χ²/dof), at least 1.
     pub uncertainty_scale: f64,
+    /// Experiments in which the model has no response of the excitation's period: they are in no
+    /// sum, neither in χ² nor in the degrees of freedom nor in the intervals.
+    #[serde(default)]
+    pub unanswered: Vec<Unanswered>,
 }
 
 /// One stage of the computation and where it ended.

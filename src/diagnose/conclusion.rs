@@ -1,7 +1,6 @@
 //! From what was found to the answer.
 
 use crate::answers::{Diagnosis, Discrepancy, Gain, Identification, NextExperiment, Verdict};
-use crate::effects::ALL;
 use crate::identify::{Effort, IdentifyError, IdentifyRequest, Intervals, ModelFit, Workbench};
 use crate::measurement::Measurement;
 
@@ -41,7 +40,7 @@ impl Conclusion<'_> {
         part: Part<'_>,
     ) -> Result<Diagnosis, DiagnoseError> {
         let mut limitations = discrepancy::limitations(&self.fit, &self.discrepancy);
-        limitations.extend(undecided(self.workbench));
+        limitations.extend(super::limitations::undecided(self.workbench));
         let unseen = match self.unseen(measurement, request, part) {
             Ok(unseen) => Some(unseen),
             Err(Silence::Cancelled) => return Err(IdentifyError::Cancelled.into()),
@@ -75,6 +74,7 @@ impl Conclusion<'_> {
             ));
         }
         let extended = self.extended()?;
+        limitations.extend(extended.as_ref().and_then(super::limitations::unanswered));
         let Self { models, chosen, .. } = &self;
         let named = |extended| causes::named(models, chosen, extended, self.fits);
         let mut causes = extended.as_ref().map(named).unwrap_or_default();
@@ -170,27 +170,6 @@ enum Silence {
     Nothing,
     /// For this reason.
     Because(String),
-}
-
-/// Effects that could not be tried for lack of data, in a sentence.
-fn undecided(workbench: &Workbench<'_>) -> Option<String> {
-    let base = workbench.base();
-    let lacking: Vec<&str> = ALL
-        .iter()
-        .filter(|effect| !workbench.can_decide(base, **effect))
-        .map(|effect| effect.id())
-        .collect();
-    let what = match lacking.len() {
-        0 => return None,
-        all if all == ALL.len() => "no effect of the library".to_owned(),
-        _ => lacking.join(", "),
-    };
-    Some(format!(
-        "{} numbers were measured, and the base model alone has {} parameters: too few data to \
-         decide on {what}; measure more frequencies, magnitudes or harmonics",
-        workbench.data(),
-        base.parameters()
-    ))
 }
 
 const TOO_SMALL: &str = "that takes five frequencies, three magnitudes, or a record with twenty \

@@ -30,6 +30,7 @@ mod gain;
 mod grid;
 mod groups;
 mod layout;
+mod limitations;
 mod models;
 mod motions;
 mod next_experiment;
@@ -45,6 +46,7 @@ mod residual;
 mod scan;
 mod search;
 mod sentence;
+
 mod statistics;
 mod study;
 mod subspace;

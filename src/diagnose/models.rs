@@ -26,8 +26,9 @@ pub(super) struct Visited {
 }
 
 impl Visited {
-    /// A fitted model, weighed.
+    /// A fitted model, weighed by the motions that it reaches from rest.
     pub fn new(workbench: &Workbench<'_>, model: Model, yardstick: &Yardstick) -> Self {
+        let model = workbench.from_rest(model);
         let complexity = evidence::complexity(workbench, &model, yardstick);
         Self { model, complexity }
     }

@@ -26,7 +26,8 @@ pub fn compare(
     measurement: &Measurement,
     answer: &Identification,
 ) -> Result<Comparison, IdentifyError> {
-    let problem = Problem::new(measurement)?;
+    let left_out: Vec<usize> = answer.fit.unanswered.iter().map(|lost| lost.experiment).collect();
+    let problem = Problem::new(measurement)?.without(&left_out);
     let plant = problem.in_scale(&reported_plant(answer)?);
     let effects = reported_effects(answer, problem.scales)?;
     let options = &answer.provenance.options;
@@ -72,7 +73,12 @@ pub(super) fn beside(
                 ),
             }),
             Err(error) => {
-                unanswered.push(Unanswered { experiment: index, reason: error.to_string() });
+                unanswered.push(Unanswered {
+                    experiment: index,
+                    magnitude: Some(experiment.magnitude),
+                    omega_rad_s: Some(experiment.omega_rad_s),
+                    reason: error.to_string(),
+                });
             }
         }
     }

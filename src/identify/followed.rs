@@ -93,7 +93,12 @@ pub fn follow(
         let kind = measurement.metadata().response_kind;
         let model = Model { plant: &plant, effects: &effects, run_share: run, kind, transient };
         let followed = model.followed(*unscored_s);
-        followed.map_err(|error| Unanswered { experiment, reason: error.to_string() })
+        followed.map_err(|error| Unanswered {
+            experiment,
+            magnitude: None,
+            omega_rad_s: None,
+            reason: error.to_string(),
+        })
     });
     Ok(followed.collect())
 }

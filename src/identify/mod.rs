@@ -93,7 +93,7 @@ pub fn identify(
     let problem = Problem::new(measurement)?;
     let Solved { chosen, order_choice } = solve(measurement, &problem, request, observer)?;
     let (coordinates, weights) = (&chosen.coordinates, &chosen.weights);
-    let misfit = Misfit { problem: &problem, coordinates, weights, observer, stand_in: None };
+    let misfit = Misfit::new(&problem, coordinates, weights, observer);
     answer(measurement, &misfit, request, &chosen, order_choice, Intervals::Profile)
 }
 

@@ -40,6 +40,16 @@ pub(super) struct Weights {
 }
 
 impl Weights {
+    /// The same with nothing measured in these experiments.
+    pub fn without(&self, experiments: &[usize]) -> Self {
+        let mut rest = self.clone();
+        for e in experiments {
+            rest.sigma[*e].clear();
+            rest.scatter.get_mut(*e).map(Vec::clear);
+        }
+        rest
+    }
+
     /// Whether the size of the noise is known.
     pub fn known(&self) -> bool {
         self.source != NoiseSource::Estimated

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::measurement::Complex;
 use crate::observer::Observer;
-use crate::simulate::{self, NoResponse};
+use crate::simulate::{self, Counts, NoResponse, Response};
 
 use super::noise::Weights;
 use super::parameters::{CONSTANT, Coordinates};
@@ -27,6 +27,22 @@ pub(super) struct Misfit<'a> {
     /// experiment for which it has no periodic response; `None`: such a model
     /// is worth nothing.
     pub stand_in: Option<&'a [Vec<Complex>]>,
+    /// Which motions are a response.
+    pub counts: Counts,
+}
+
+impl<'a> Misfit<'a> {
+    /// Of a model without effects, or of one that must have a response from rest in every
+    /// experiment.
+    pub fn new(
+        problem: &'a Problem,
+        coordinates: &'a Coordinates,
+        weights: &'a Weights,
+        observer: &'a dyn Observer,
+    ) -> Self {
+        let (stand_in, counts) = (None, Counts::FromRest);
+        Self { problem, coordinates, weights, observer, stand_in, counts }
+    }
 }
 
 /// Share of the experiments in which a model may lack a response.
@@ -47,7 +63,11 @@ impl Misfit<'_> {
         let effects = self.coordinates.effects_at(point);
         let predict = |experiment: &Prepared| {
             let Prepared { excitation, highest, targets } = experiment;
-            let velocity = simulate::respond_even_unstable(&plant, &effects, excitation, *highest)?;
+            if targets.is_empty() {
+                return Ok(Vec::new());
+            }
+            let velocity =
+                simulate::respond_if(self.counts, &plant, &effects, excitation, *highest)?;
             Ok(targets.iter().map(|t| velocity[t.order] * t.per_velocity).collect())
         };
         self.every(predict, |e| self.stand_in.map(|values| values[e].clone()))
@@ -77,6 +97,19 @@ impl Misfit<'_> {
         experiments.par_iter().enumerate().map(or_stand_in).collect()
     }
 
+    /// Experiments of which something was measured and in which a point has no response.
+    pub fn unanswered(&self, point: &[f64]) -> Vec<usize> {
+        let plant = self.coordinates.plant(point);
+        let effects = self.coordinates.effects_at(point);
+        let is_unanswered = |Prepared { excitation, highest, targets }: &Prepared| {
+            let response =
+                || simulate::respond_if(self.counts, &plant, &effects, excitation, *highest);
+            !targets.is_empty() && response().is_err()
+        };
+        let experiments = self.problem.experiments.par_iter().enumerate();
+        experiments.filter(|(_, experiment)| is_unanswered(experiment)).map(|(e, _)| e).collect()
+    }
+
     /// Residuals (Ŷ − Y)/σ.
     pub fn residuals(&self, point: &[f64]) -> Result<DVector<f64>, NoResponse> {
         let predicted = self.predict(point)?;
@@ -99,8 +132,18 @@ impl Misfit<'_> {
         let effects = self.coordinates.effects_at(point);
         let (base, columns) = (self.coordinates.base_len(), self.coordinates.len());
         let respond = |experiment: &Prepared| {
-            let Prepared { excitation, highest, .. } = experiment;
-            simulate::respond_with_sensitivities(&plant, base, &effects, excitation, *highest)
+            let Prepared { excitation, highest, targets } = experiment;
+            if targets.is_empty() {
+                return Ok(Response { velocity: Vec::new(), sensitivities: Vec::new() });
+            }
+            simulate::respond_with_sensitivities(
+                self.counts,
+                &plant,
+                base,
+                &effects,
+                excitation,
+                *highest,
+            )
         };
         let responses = self.every(respond, |e| {
             let targets = &self.problem.experiments[e].targets;
@@ -109,7 +152,7 @@ impl Misfit<'_> {
             for (target, value) in targets.iter().zip(&self.stand_in?[e]) {
                 velocity[target.order] = value / target.per_velocity;
             }
-            Some(simulate::Response { velocity, sensitivities: vec![zero; columns] })
+            Some(Response { velocity, sensitivities: vec![zero; columns] })
         })?;
         let slopes: Vec<f64> =
             point.iter().enumerate().map(|(i, x)| self.coordinates.value(i, *x).1).collect();

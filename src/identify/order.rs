@@ -86,8 +86,7 @@ fn comparable_costs(problem: &Problem, fits: &[Fitted], observer: &dyn Observer)
     fits.iter()
         .map(|fit| {
             let coordinates = &fit.coordinates;
-            let misfit =
-                Misfit { problem, coordinates, weights: &best.weights, observer, stand_in: None };
+            let misfit = Misfit::new(problem, coordinates, &best.weights, observer);
             refine::refine(&misfit, &fit.point, refine::THOROUGH, &mut |_, _, _| {}).cost
         })
         .collect()

@@ -29,6 +29,7 @@ const MOST_ROUNDS: usize = 6;
 const SETTLED: f64 = 1e-6;
 
 /// A fitted base model of one actuator order.
+#[derive(Clone)]
 pub(super) struct Fitted {
     /// Actuator order.
     pub order: u8,
@@ -288,13 +289,7 @@ impl Run<'_> {
     }
 
     fn misfit<'m>(&'m self, coordinates: &'m Coordinates, weights: &'m Weights) -> Misfit<'m> {
-        Misfit {
-            problem: self.problem,
-            coordinates,
-            weights,
-            observer: self.history.observer,
-            stand_in: None,
-        }
+        Misfit::new(self.problem, coordinates, weights, self.history.observer)
     }
 
     fn in_units(&self, misfit: &Misfit<'_>, point: &[f64]) -> Plant {

@@ -42,7 +42,7 @@ pub(super) struct Target {
 }
 
 /// One experiment, ready for simulation.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Prepared {
     /// The input, in scale.
     pub excitation: Excitation,
@@ -53,7 +53,7 @@ pub(super) struct Prepared {
 }
 
 /// A measurement ready for fitting.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Problem {
     /// Its scales.
     pub scales: Scales,
@@ -138,6 +138,13 @@ impl Problem {
             runs_known,
             largest_travel: largest_travel(experiments, kind) * scales.omega / scales.velocity,
         })
+    }
+
+    /// The same with nothing measured in these experiments.
+    pub fn without(&self, experiments: &[usize]) -> Self {
+        let mut rest = self.clone();
+        experiments.iter().for_each(|e| rest.experiments[*e].targets.clear());
+        rest
     }
 
     /// Number of real data, constraints included.

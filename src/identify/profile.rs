@@ -170,13 +170,7 @@ mod tests {
             (coordinates.lower[i], coordinates.upper[i]) = (point[i], point[i]);
         }
         let weights = noise::weights(&measurement, &problem, &IdentifyOptions::default(), None);
-        let misfit = Misfit {
-            problem: &problem,
-            coordinates: &coordinates,
-            weights: &weights,
-            observer: &Silent,
-            stand_in: None,
-        };
+        let misfit = Misfit::new(&problem, &coordinates, &weights, &Silent);
         let here = misfit.linearise(&point).unwrap();
         let unit = Uncertainty::new(&here, &held, 1.0).covariance[(CONSTANT, CONSTANT)];
         let scale = share / unit.sqrt();

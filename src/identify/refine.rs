@@ -215,13 +215,7 @@ mod tests {
         let problem = Problem::new(measurement).unwrap();
         let coordinates = Coordinates::new(order, false, &problem.prior);
         let weights = noise::weights(measurement, &problem, &IdentifyOptions::default(), None);
-        let misfit = Misfit {
-            problem: &problem,
-            coordinates: &coordinates,
-            weights: &weights,
-            observer,
-            stand_in: None,
-        };
+        let misfit = Misfit::new(&problem, &coordinates, &weights, observer);
         let mut start = coordinates.within_search(&vec![0.5; coordinates.len() - 1]);
         misfit.solve_for_constant(&mut start);
         let refined = refine(&misfit, &start, THOROUGH, &mut |_, _, _| ());

@@ -134,6 +134,7 @@ fn goodness(problem: &Problem, fitted: &Fitted, misfit: &Misfit<'_>, dof: i64) -
         p_value,
         adequate,
         uncertainty_scale,
+        unanswered: Vec::new(),
     })
 }
 

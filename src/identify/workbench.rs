@@ -1,5 +1,6 @@
 //! A measurement with its base model, on which extended models are tried.
 
+mod answered;
 mod extension;
 mod left_out;
 mod model;
@@ -13,6 +14,7 @@ use crate::answers::{NoiseSource, OrderChoice, Stage};
 use crate::effects::Scope;
 use crate::measurement::{Complex, Measurement};
 use crate::observer::Observer;
+use crate::simulate::Counts;
 
 use super::compare;
 use super::model_fit::{self, ModelFit};
@@ -170,14 +172,7 @@ impl<'a> Workbench<'a> {
 
     /// Fits all parameters of a model, from where they are.
     pub fn refine(&self, model: &Model, effort: Effort) -> Model {
-        let negligible = if self.noise_known() { self.data() as f64 } else { self.rounding() };
-        let patience = Patience { negligible, ..refine::THOROUGH };
-        let patience = match effort {
-            Effort::Glance => Patience { steps: 4, cost_tolerance: 1e-3, ..patience },
-            Effort::Brief => Patience { steps: 5, cost_tolerance: 1e-3, ..patience },
-            Effort::Settle => Patience { steps: 60, cost_tolerance: 1e-5, ..patience },
-            Effort::Thorough => refine::THOROUGH,
-        };
+        let patience = self.patience(effort);
         let refined = self.descend(model, patience);
         match refined.roused() {
             Some(roused) => {
@@ -190,9 +185,23 @@ impl<'a> Workbench<'a> {
         }
     }
 
+    fn patience(&self, effort: Effort) -> Patience {
+        let negligible = if self.noise_known() { self.data() as f64 } else { self.rounding() };
+        let patience = Patience { negligible, ..refine::THOROUGH };
+        match effort {
+            Effort::Glance => Patience { steps: 4, cost_tolerance: 1e-3, ..patience },
+            Effort::Brief => Patience { steps: 5, cost_tolerance: 1e-3, ..patience },
+            Effort::Settle => Patience { steps: 60, cost_tolerance: 1e-5, ..patience },
+            Effort::Thorough => refine::THOROUGH,
+        }
+    }
+
     fn descend(&self, model: &Model, patience: Patience) -> Model {
-        let refined =
-            refine::refine(&self.misfit(model), &model.point, patience, &mut |_, _, _| ());
+        self.descend_by(&self.misfit(model), model, patience)
+    }
+
+    fn descend_by(&self, misfit: &Misfit<'_>, model: &Model, patience: Patience) -> Model {
+        let refined = refine::refine(misfit, &model.point, patience, &mut |_, _, _| ());
         Model {
             coordinates: model.coordinates.clone(),
             point: refined.point,
@@ -201,17 +210,25 @@ impl<'a> Workbench<'a> {
         }
     }
 
-    /// Everything needed to judge a fitted model.
+    /// Everything needed to judge a fitted model. Where it has no response from rest in some
+    /// experiments it is fitted again to the others, and judged by them.
     ///
     /// # Errors
-    /// When it has no response.
+    /// When it has no response at all.
     pub fn judge(&self, model: &Model, intervals: Intervals) -> Result<ModelFit, IdentifyError> {
+        match self.where_answered(model) {
+            None => self.judge_whole(model, intervals),
+            Some((rest, model)) => rest.judge_whole(&model, intervals),
+        }
+    }
+
+    fn judge_whole(&self, model: &Model, intervals: Intervals) -> Result<ModelFit, IdentifyError> {
         let fitted = self.fitted(model);
         let (coordinates, weights) = (&fitted.coordinates, &fitted.weights);
         let misfit = self.misfit(model);
         let choice = self.order_choice.clone();
         let (measurement, request) = (self.measurement, self.request);
-        let identification = answer(measurement, &misfit, request, &fitted, choice, intervals)?;
+        let mut identification = answer(measurement, &misfit, request, &fitted, choice, intervals)?;
         let here = misfit.linearise(&model.point).map_err(|_| no_response())?;
         let held = refine::held(&misfit, &model.point, &here);
         let free: Vec<usize> = (0..held.len()).filter(|i| !held[*i]).collect();
@@ -221,6 +238,7 @@ impl<'a> Workbench<'a> {
         let all = |_| true;
         let comparison =
             compare::beside(self.measurement, &self.problem, &plant, &effects, weights, dof, all);
+        identification.fit.unanswered.clone_from(&comparison.unanswered);
         let sigma = match weights.known() {
             true => 1.0,
             false => (model.cost / dof.max(1) as f64).sqrt().max(f64::MIN_POSITIVE),
@@ -268,6 +286,7 @@ impl<'a> Workbench<'a> {
             weights: &self.fitted.weights,
             observer: self.observer,
             stand_in: (!self.stand_in.is_empty()).then_some(&self.stand_in),
+            counts: Counts::EvenUnstable,
         }
     }
 }

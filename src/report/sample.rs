@@ -40,6 +40,7 @@ pub(crate) fn identification() -> Identification {
             p_value: Some(0.74),
             adequate: Some(true),
             uncertainty_scale: 1.0,
+            unanswered: Vec::new(),
         },
         correlations: Correlations {
             names: vec!["pole".into(), "constant".into()],

@@ -84,10 +84,12 @@ pub enum NoResponse {
 
 /// Which periodic motions count as a response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Counts {
+pub enum Counts {
     /// The one reached from rest.
     FromRest,
-    /// Where the motion from rest does not settle, an unstable one too.
+    /// Where the motion from rest does not settle to the period of the input, an unstable motion
+    /// of that period too: a search passes through such places, and should not stand before a
+    /// wall there.
     EvenUnstable,
 }
 
@@ -118,22 +120,11 @@ pub fn respond(
     respond_if(Counts::FromRest, plant, effects, excitation, highest)
 }
 
-/// Like [`respond`], but where the motion from rest does not settle to the period of the input
-/// an unstable motion of that period stands in, if there is one: a search passes through such
-/// places, and should not stand before a wall there.
+/// Like [`respond`], of a motion that `counts`.
 ///
 /// # Errors
 /// See [`NoResponse`].
-pub fn respond_even_unstable(
-    plant: &Plant,
-    effects: &[ActiveEffect],
-    excitation: &Excitation,
-    highest: usize,
-) -> Result<Vec<Complex>, NoResponse> {
-    respond_if(Counts::EvenUnstable, plant, effects, excitation, highest)
-}
-
-fn respond_if(
+pub fn respond_if(
     counts: Counts,
     plant: &Plant,
     effects: &[ActiveEffect],
@@ -156,7 +147,7 @@ fn respond_if(
     Ok(velocity)
 }
 
-/// Like [`respond_even_unstable`], with the derivative of every harmonic by every variable:
+/// Like [`respond_if`], with the derivative of every harmonic by every variable:
 /// the first `variables` lanes of the plant, then the effects' parameters in
 /// order.
 ///
@@ -166,6 +157,7 @@ fn respond_if(
 /// # Panics
 /// If all variables together are more than [`effects::WIDE_LANES`].
 pub fn respond_with_sensitivities(
+    counts: Counts,
     plant: &Plant<Wide>,
     variables: usize,
     effects: &[ActiveEffect],
@@ -188,7 +180,7 @@ pub fn respond_with_sensitivities(
     } else if axis.is_piecewise_linear() {
         slides::differentiate(&axis, &values, excitation, highest, rows)?
     } else {
-        hybrid::differentiate(&axis, &values, excitation, highest, rows)?
+        hybrid::differentiate(&axis, &values, excitation, highest, rows, counts)?
     };
     sensor::report(&axis, excitation.omega_rad_s(), &mut velocity, &mut sensitivities);
     Ok(Response { velocity, sensitivities })

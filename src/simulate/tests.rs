@@ -87,7 +87,8 @@ fn sensitivities_agree_with_finite_differences() {
                 Wide::variable(value, lane - 1)
             });
             let response =
-                respond_with_sensitivities(&variables, lane, &[], excitation, 6).unwrap();
+                respond_with_sensitivities(Counts::FromRest, &variables, lane, &[], excitation, 6)
+                    .unwrap();
             // The order in which a plant's numbers are mapped.
             let actuator = all.len() - 6 - usize::from(lane == 7);
             let order: Vec<usize> = [0, 1].into_iter().chain(6..6 + actuator).chain(2..6).collect();

@@ -12,7 +12,7 @@ use servoscope::effects::{self, ActiveEffect, Wide};
 use servoscope::measurement::Complex;
 use servoscope::plant::{Actuator, Friction, Plant};
 use servoscope::simulate::{
-    Excitation, NoResponse, respond, respond_even_unstable, respond_with_sensitivities,
+    Counts, Excitation, NoResponse, respond, respond_if, respond_with_sensitivities,
 };
 
 use crate::reference;
@@ -323,7 +323,8 @@ fn where_impacts_never_come_to_repeat_there_is_no_response_but_something_to_go_o
         let exact = both.exact.unwrap_err();
         assert!(matches!(exact, NoResponse::NotPeriodic { .. }), "{exact}");
         let (effects, excitation) = (case.active(), case.excitation());
-        let unstable = respond_even_unstable(&case.plant, &effects, &excitation, 7).unwrap();
+        let unstable =
+            respond_if(Counts::EvenUnstable, &case.plant, &effects, &excitation, 7).unwrap();
         assert!(unstable[1].norm() > 0.0 && unstable.iter().all(|v| v.is_finite()));
     }
 }
@@ -426,7 +427,15 @@ fn derivative_error(case: &Case) -> f64 {
     let excitation = excitation.at_run_share(case.run_share);
     let (wide, numbers) = variable(&case.plant);
     let count = numbers.len();
-    let exact = respond_with_sensitivities(&wide, count, &active(&values), &excitation, 7).unwrap();
+    let exact = respond_with_sensitivities(
+        Counts::FromRest,
+        &wide,
+        count,
+        &active(&values),
+        &excitation,
+        7,
+    )
+    .unwrap();
     let all: Vec<f64> = numbers.into_iter().chain(values).collect();
     assert_eq!(exact.sensitivities.len(), all.len());
     let largest = exact.velocity.iter().map(|v| v.norm()).fold(0.0, f64::max);

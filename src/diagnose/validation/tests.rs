@@ -104,7 +104,12 @@ fn what_one_model_has_no_response_for_counts_for_neither() {
     let mut extended = base.clone();
     let lost = extended.experiments.remove(2).experiment;
     let reason = "it never settles".to_owned();
-    extended.unanswered.push(crate::answers::Unanswered { experiment: lost, reason });
+    extended.unanswered.push(crate::answers::Unanswered {
+        experiment: lost,
+        magnitude: Some(1.0),
+        omega_rad_s: Some(2.0),
+        reason,
+    });
     let same = UnitAgreement::Same;
     let measurement = measurement(None);
     let found = compared(&answer, &measurement, &same, &base, Some(&extended)).unwrap();

@@ -158,8 +158,12 @@ fn extremes() -> Vec<(&'static str, Known)> {
     bare.comparison.input_unit.clear();
     bare.comparison.response_unit.clear();
     bare.comparison.std_estimated = true;
-    bare.comparison.unanswered =
-        vec![Unanswered { experiment: 18, reason: "it does not settle".into() }];
+    bare.comparison.unanswered = vec![Unanswered {
+        experiment: 18,
+        magnitude: Some(1.0),
+        omega_rad_s: Some(2.0),
+        reason: "it does not settle".into(),
+    }];
     let mut many = sample::comparison();
     many.experiments =
         (0..40).map(|i| experiment(i, 1.0 + i as f64, 2.0 + i as f64, &[1], 3)).collect();

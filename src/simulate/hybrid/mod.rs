@@ -64,22 +64,24 @@ pub(super) fn respond(
     }
 }
 
-/// The same, even of an unstable one, with derivatives by the first `rows` lanes of the axis.
+/// The same, with derivatives by the first `rows` lanes of the axis.
 pub(super) fn differentiate(
     axis: &Axis<Wide>,
     values: &Axis,
     excitation: &Excitation,
     highest: usize,
     rows: usize,
+    counts: Counts,
 ) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
+    let request = (excitation, highest, counts);
     let next = |first: usize| match (Mechanics::new(values).states, rows) {
-        (1, ..=7) => chunk::<1, 8>(axis, values, excitation, highest, first..rows),
-        (1, _) => chunk::<1, 16>(axis, values, excitation, highest, first..rows),
-        (2, ..=6) => chunk::<2, 8>(axis, values, excitation, highest, first..rows),
-        (2, _) => chunk::<2, 16>(axis, values, excitation, highest, first..rows),
-        (3, ..=9) => chunk::<3, 12>(axis, values, excitation, highest, first..rows),
-        (3, _) => chunk::<3, 16>(axis, values, excitation, highest, first..rows),
-        _ => chunk::<MOST_STATES, 16>(axis, values, excitation, highest, first..rows),
+        (1, ..=7) => chunk::<1, 8>(axis, values, request, first..rows),
+        (1, _) => chunk::<1, 16>(axis, values, request, first..rows),
+        (2, ..=6) => chunk::<2, 8>(axis, values, request, first..rows),
+        (2, _) => chunk::<2, 16>(axis, values, request, first..rows),
+        (3, ..=9) => chunk::<3, 12>(axis, values, request, first..rows),
+        (3, _) => chunk::<3, 16>(axis, values, request, first..rows),
+        _ => chunk::<MOST_STATES, 16>(axis, values, request, first..rows),
     };
     let (velocity, mut sensitivities) = next(0)?;
     while sensitivities.len() < rows {
@@ -112,11 +114,10 @@ fn velocity<const M: usize>(
 fn chunk<const M: usize, const N: usize>(
     axis: &Axis<Wide>,
     values: &Axis,
-    excitation: &Excitation,
-    highest: usize,
+    (excitation, highest, counts): (&Excitation, usize, Counts),
     rows: Range<usize>,
 ) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
-    let Some(mut periodic) = Periodic::<M>::find(values, excitation, Counts::EvenUnstable)? else {
+    let Some(mut periodic) = Periodic::<M>::find(values, excitation, counts)? else {
         let zero = vec![Complex::new(0.0, 0.0); highest + 1];
         return Ok((zero.clone(), vec![zero; rows.len()]));
     };

@@ -1,0 +1,51 @@
+//! What a diagnosis cannot say, in sentences.
+
+use crate::answers::{Identification, Unanswered};
+use crate::effects::ALL;
+use crate::identify::Workbench;
+
+/// Effects that could not be tried for lack of data, in a sentence.
+pub(super) fn undecided(workbench: &Workbench<'_>) -> Option<String> {
+    let base = workbench.base();
+    let lacking: Vec<&str> = ALL
+        .iter()
+        .filter(|effect| !workbench.can_decide(base, **effect))
+        .map(|effect| effect.id())
+        .collect();
+    let what = match lacking.len() {
+        0 => return None,
+        all if all == ALL.len() => "no effect of the library".to_owned(),
+        _ => lacking.join(", "),
+    };
+    Some(format!(
+        "{} numbers were measured, and the base model alone has {} parameters: too few data to \
+         decide on {what}; measure more frequencies, magnitudes or harmonics",
+        workbench.data(),
+        base.parameters()
+    ))
+}
+
+/// Experiments without a response that a sentence names.
+const MOST_PLACES: usize = 3;
+
+/// Where a model has no response, in a sentence.
+pub(super) fn unanswered(answer: &Identification) -> Option<String> {
+    let experiments = &answer.fit.unanswered;
+    if experiments.is_empty() {
+        return None;
+    }
+    let at = |lost: &Unanswered| {
+        Some(format!("magnitude {} at {:.4} rad/s", lost.magnitude?, lost.omega_rad_s?))
+    };
+    let places: Vec<String> = experiments.iter().take(MOST_PLACES).filter_map(at).collect();
+    let more = match experiments.len() - places.len() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    Some(format!(
+        "the model has no periodic response from rest in {} of the experiments ({}{more}): they \
+         are in no sum of its fit, and what the axis does there it does not say",
+        experiments.len(),
+        places.join(", "),
+    ))
+}

@@ -48,6 +48,9 @@ pub struct BeginningValue {
     pub quantity: String,
     /// Its value, in the units of the measurement.
     pub value: f64,
+    /// Why no axis is likely to begin so, in words; null where one may.
+    #[serde(default)]
+    pub implausible: Option<String>,
 }
 
 /// How a motion that does not repeat was compared.

@@ -53,7 +53,7 @@ fn axis(coordinate: Coordinate, range: &Range, step: f64, sizes: &[f64]) -> Vec<
             let at = |i: usize| low * (ratio * (i as f64 + 0.5) / count as f64).exp();
             (0..count).map(at).collect()
         }
-        (Coordinate::Linear, _) => {
+        (Coordinate::Linear | Coordinate::Angle, _) => {
             let count = if step < 10.0 { 4 } else { 2 };
             let at = |i: usize| low + (high - low) * (i as f64 + 0.5) / f64::from(count);
             (0..count as usize).map(at).collect()

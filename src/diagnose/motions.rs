@@ -10,7 +10,7 @@ use crate::answers::{
     Answer, BeginningValue, Identification, Unanswered, ValidatedModel, ValidatedModels,
     ValidatedMotion,
 };
-use crate::identify::{self, Followed, IdentifyError};
+use crate::identify::{self, Begun, Followed, IdentifyError};
 use crate::measurement::{Measurement, ResponseKind};
 use crate::observer::Observer;
 
@@ -138,9 +138,10 @@ fn motions(
 ) -> Vec<ValidatedMotion> {
     let values = |tried: Option<&Result<Followed, Unanswered>>| {
         let found = tried.and_then(|tried| tried.as_ref().ok()).map(|f| f.beginning.as_slice());
-        let value = |(quantity, value): &(crate::simulate::Quantity, f64)| BeginningValue {
-            quantity: quantity.name().into(),
-            value: *value,
+        let value = |begun: &Begun| BeginningValue {
+            quantity: begun.quantity.name().into(),
+            value: begun.value,
+            implausible: begun.implausible.clone(),
         };
         found.unwrap_or_default().iter().map(value).collect()
     };

@@ -155,6 +155,22 @@ pub(super) fn of_data(
     said
 }
 
+/// What makes an estimated beginning unlikely.
+fn implausible(number: usize, model: &str, values: &[BeginningValue]) -> Option<String> {
+    let unlikely = |begun: &BeginningValue| {
+        let why = begun.implausible.as_ref()?;
+        Some(format!("{} {:.4} ({why})", begun.quantity, begun.value))
+    };
+    let all: Vec<String> = values.iter().filter_map(unlikely).collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "motion {number}: what the {model} model is estimated to begin with is implausible: {}; \
+             it makes up for something that the model lacks; say how the motion begins",
+            all.join("; ")
+        )
+    })
+}
+
 /// How motions that do not repeat were compared, with an extended model or without.
 pub(super) fn of_motions(
     motions: &[ValidatedMotion],
@@ -183,6 +199,8 @@ pub(super) fn of_motions(
                  ({models})",
                 motion.unscored_s,
             ));
+            said.extend(implausible(number, "base", &motion.base));
+            said.extend(implausible(number, "extended", &motion.extended));
         } else {
             said.push(format!("motion {number} is taken to begin at rest"));
         }

@@ -41,7 +41,7 @@ const PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "phase",
         dimension: Dimension::NONE,
-        coordinate: Coordinate::Linear,
+        coordinate: Coordinate::Angle,
         // A whole turn and a little more, so that no solution lies on a bound.
         range: |_| Range { bounds: [-7.0, 7.0], likely: [-PI, PI], absent: None },
     },

@@ -48,6 +48,8 @@ impl Dimension {
 pub enum Coordinate {
     /// As it is: 0 or either sign is possible.
     Linear,
+    /// As it is, in radians: a turn more is the same.
+    Angle,
     /// As its logarithm: positive, and its order of magnitude is unknown.
     Logarithmic,
 }

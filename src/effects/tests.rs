@@ -78,7 +78,7 @@ fn where_a_parameter_is_likely_lies_within_what_is_possible() {
             let reached = |value: f64| bounds[0] <= value && value <= bounds[1];
             let approached = |value: f64| logarithmic && (value == 0.0 || value.is_infinite());
             assert!(absent.is_none_or(|value| reached(value) || approached(value)), "{name}");
-            let positive = parameter.coordinate == Coordinate::Linear || bounds[0] > 0.0;
+            let positive = parameter.coordinate != Coordinate::Logarithmic || bounds[0] > 0.0;
             assert!(positive, "{name}: the logarithm of a bound");
         }
     }

@@ -11,7 +11,7 @@ impl Coordinates {
         for (index, parameter) in effect.parameters().iter().enumerate() {
             let range = (parameter.range)(scope);
             let transformed = |ends: [f64; 2]| match parameter.coordinate {
-                effects::Coordinate::Linear => ends,
+                effects::Coordinate::Linear | effects::Coordinate::Angle => ends,
                 effects::Coordinate::Logarithmic => ends.map(f64::ln),
             };
             these.push(
@@ -54,7 +54,7 @@ impl Coordinates {
         match self.list[i] {
             Coordinate::OfEffect { effect, parameter } => {
                 match self.effects[effect].parameters()[parameter].coordinate {
-                    effects::Coordinate::Linear => (coordinate, 1.0),
+                    effects::Coordinate::Linear | effects::Coordinate::Angle => (coordinate, 1.0),
                     effects::Coordinate::Logarithmic => (coordinate.exp(), coordinate.exp()),
                 }
             }
@@ -67,7 +67,7 @@ impl Coordinates {
         match self.list[i] {
             Coordinate::OfEffect { effect, parameter } => {
                 match self.effects[effect].parameters()[parameter].coordinate {
-                    effects::Coordinate::Linear => value,
+                    effects::Coordinate::Linear | effects::Coordinate::Angle => value,
                     effects::Coordinate::Logarithmic => value.ln(),
                 }
             }

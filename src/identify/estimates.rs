@@ -11,7 +11,7 @@ use super::naming;
 use super::parameters::{CONSTANT, Coordinate};
 use super::pipeline::Fitted;
 use super::problem::{Problem, Scales};
-use super::uncertainty::{Uncertainty, unit};
+use super::uncertainty::{LARGEST_OF_LOGARITHM, Uncertainty, largest_std, unit};
 
 /// Units of the parameters, made of those of the upload.
 #[derive(Debug)]
@@ -140,9 +140,15 @@ impl Estimates<'_> {
     /// A parameter whose logarithm was estimated: its interval is that of the
     /// logarithm, so it never crosses zero.
     fn logarithmic(&self, value: f64, i: usize, unit_text: &str) -> ParameterEstimate {
-        let std = self.uncertainty.std(&unit(&self.fitted.coordinates, i));
+        let std = self.std(self.uncertainty, i);
         let known = std.map(|std| (std, self.reach(std, i)));
         self.of_logarithm(value, known, self.held[i], unit_text)
+    }
+
+    /// Standard deviation of a coordinate; `None` where the data does not determine it.
+    fn std(&self, uncertainty: &Uncertainty, i: usize) -> Option<f64> {
+        let coordinates = &self.fitted.coordinates;
+        uncertainty.std(&unit(coordinates, i), largest_std(coordinates, i))
     }
 
     /// How far below and above the point the interval of a coordinate reaches.
@@ -189,7 +195,7 @@ impl Estimates<'_> {
         let unit_text = units.unit(parameter.dimension);
         match parameter.coordinate {
             effects::Coordinate::Logarithmic => self.logarithmic(value, i, &unit_text),
-            effects::Coordinate::Linear => {
+            effects::Coordinate::Linear | effects::Coordinate::Angle => {
                 let ends = [coordinates.lower[i] * scale, coordinates.upper[i] * scale];
                 self.linear(value, i, scale, ends, &unit_text)
             }
@@ -208,7 +214,7 @@ impl Estimates<'_> {
     ) -> ParameterEstimate {
         let at_bound = self.held[i];
         let uncertainty = if at_bound { self.released } else { self.uncertainty };
-        let std = uncertainty.std(&unit(&self.fitted.coordinates, i)).map(|std| std * scale);
+        let std = self.std(uncertainty, i).map(|std| std * scale);
         let interval = |std: f64| {
             let [below, above] = self.reach(std / scale, i).map(|reach| reach * scale);
             [(value - below).max(low.min(value)), (value + above).min(high.max(value))]
@@ -227,7 +233,7 @@ impl Estimates<'_> {
         let mut combination = vec![0.0; self.fitted.coordinates.len()];
         combination[0] = -1.0;
         combination[CONSTANT] = 1.0;
-        let std = self.uncertainty.std(&combination);
+        let std = self.uncertainty.std(&combination, LARGEST_OF_LOGARITHM);
         let value = plant.constant / plant.viscous_rate_rad_s;
         let known = std.map(|std| (std, [self.quantile * std; 2]));
         self.of_logarithm(value, known, self.held[0] || self.held[CONSTANT], unit_text)
@@ -238,7 +244,7 @@ impl Estimates<'_> {
         let list = &self.fitted.coordinates.list;
         let which: Vec<usize> = (0..list.len())
             .filter(|i| !self.held[*i])
-            .filter(|i| self.uncertainty.std(&unit(&self.fitted.coordinates, *i)).is_some())
+            .filter(|i| self.std(self.uncertainty, *i).is_some())
             .collect();
         let mut matrix = self.uncertainty.correlations(&which);
         // Poles are reported as −a and −p.

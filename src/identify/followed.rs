@@ -2,8 +2,17 @@
 //!
 //! Where the upload does not say how a motion begins, the quantities that it depends on from
 //! its beginning are those of least squares over a first stretch, which is not compared: what
-//! is compared has not been fitted in any way. An axis begins at rest where that explains the
-//! stretch as well. What the stretch does not tell stays as at rest.
+//! is compared has not been fitted in any way. What they are before the stretch is seen is a
+//! normal law about rest, as wide as that of any beginning which the axis can be brought to; the
+//! stretch speaks against it as much as the model's own errors let it: with σ² the mean square of
+//! what the model leaves, s the width, and τ the samples after which the axis has forgotten,
+//!
+//! ```text
+//!   Σ r² + σ²·τ·Σ (x/s)²
+//! ```
+//!
+//! is least (maximum a posteriori, with one independent error in τ samples). An axis begins at
+//! rest where that explains the stretch as well.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -27,9 +36,21 @@ const TIME_CONSTANTS: f64 = 3.0;
 /// Samples of a stretch that tells anything.
 const FEWEST: usize = 8;
 
-/// What a size of an unknown costs, as a share of the square of the response: it keeps at rest
-/// what the stretch does not tell.
-const RELUCTANCE: f64 = 1e-6;
+/// Least mean square of what a model leaves, as a share of the square of the response: it keeps
+/// at rest what the stretch does not tell.
+const LEAST_ERROR: f64 = 1e-6;
+
+/// Width of the law of an unknown about rest, in its sizes: the deviation of a uniform law from
+/// one size below rest to one above, 1/√3.
+const WIDTH: f64 = 0.577_350_269_189_625_8;
+
+/// By how much a moving beginning must lower the sum in variances of an independent error: that
+/// of one unknown at rest by chance exceeds 9 in 3 of 1000 motions.
+const CERTAIN: f64 = 9.0;
+
+/// Share of the root mean square of the velocity by which a first velocity may differ from that
+/// which the first samples show.
+const BESIDE: f64 = 0.1;
 
 /// How much less a moving beginning must leave of the stretch than one at rest, as a share.
 const WORTH: f64 = 0.05;
@@ -55,7 +76,18 @@ pub struct Followed {
     /// Whether it is said how the motion begins.
     pub given: bool,
     /// What it begins with beyond rest.
-    pub beginning: Vec<(Quantity, f64)>,
+    pub beginning: Vec<Begun>,
+}
+
+/// A quantity that a motion was estimated to begin with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Begun {
+    /// Which.
+    pub quantity: Quantity,
+    /// Its value, in the units of the measurement.
+    pub value: f64,
+    /// Why no axis is likely to begin so, in words.
+    pub implausible: Option<String>,
 }
 
 /// Seconds at the beginning of a motion that are not compared, for a base model.
@@ -164,32 +196,91 @@ impl Model<'_> {
         &self,
         rest: InitialState,
         count: usize,
-    ) -> Result<(InitialState, Vec<(Quantity, f64)>), NoResponse> {
+    ) -> Result<(InitialState, Vec<Begun>), NoResponse> {
         let all_of = self.compared(&self.transient.output);
         let size = (all_of.iter().map(|y| y * y).sum::<f64>() / all_of.len() as f64).sqrt();
+        let size = if size > 0.0 { size } else { 1.0 };
         let unknowns = self.unknowns();
-        let search = Search {
+        let Transient { output, step_s, .. } = self.transient;
+        let independent = (1.0 / (self.plant.viscous_rate_rad_s * step_s)).max(1.0);
+        let mut search = Search {
             model: self,
             rest,
             unknowns: &unknowns,
-            measured: self.compared(&self.transient.output[..count]),
-            size: if size > 0.0 { size } else { 1.0 },
+            measured: self.compared(&output[..count]),
+            size,
+            error: LEAST_ERROR * independent,
         };
         let still = vec![0.0; unknowns.len()];
+        let free = search.best(search.starts()?)?;
+        // A beginning that is right leaves less of what follows than rest does; one that makes up
+        // for something else does not.
+        let later = [&still, &free.1].map(|point| self.left_later(&search.initial(point), count));
+        let [rest_later, free_later] = later;
+        let error = rest_later?.min(free_later?) / (size * size);
+        search.error = error.max(LEAST_ERROR) * independent;
         let at_rest = search.cost(&still)?;
-        let mut best = (at_rest, still);
-        for start in search.starts()? {
-            let found = search.least_squares(start)?;
-            if found.0 < best.0 {
-                best = found;
-            }
-        }
-        if best.0 > (1.0 - WORTH) * at_rest {
+        let best = search.best(vec![free.1])?;
+        if best.0 > (1.0 - WORTH) * at_rest || at_rest - best.0 < CERTAIN * search.error {
             return Ok((rest, Vec::new()));
         }
-        let values =
-            unknowns.iter().zip(&best.1).map(|(u, x)| (u.quantity, u.at_rest + x * u.size));
-        Ok((search.initial(&best.1), values.collect()))
+        let shown = self.first_velocity(count);
+        let begun = |(unknown, x): (&Unknown, &f64)| {
+            let value = unknown.at_rest + x * unknown.size;
+            let implausible = self.implausible(unknown, value, shown);
+            Begun { quantity: unknown.quantity, value, implausible }
+        };
+        let begun = unknowns.iter().zip(&best.1).map(begun).collect();
+        Ok((search.initial(&best.1), begun))
+    }
+
+    /// Mean square of what the model leaves of a motion behind the first `count` samples.
+    fn left_later(&self, initial: &InitialState, count: usize) -> Result<f64, NoResponse> {
+        let Transient { input, output, .. } = self.transient;
+        let simulated = self.response(input.len(), initial)?;
+        let pairs = self.compared(&output[count..]).into_iter();
+        let pairs = pairs.zip(self.compared(&simulated[count..]));
+        let squares: f64 = pairs.map(|(measured, simulated)| (measured - simulated).powi(2)).sum();
+        Ok(squares / (output.len() - count).max(1) as f64)
+    }
+
+    /// The velocity that the first samples of a stretch show, and what the velocity is over the
+    /// whole motion (root mean square); `None` of an acceleration, which shows none.
+    fn first_velocity(&self, count: usize) -> Option<[f64; 2]> {
+        let Transient { output, step_s, .. } = self.transient;
+        let early = &output[..(count / 20).clamp(4, 50).min(output.len())];
+        let rms = |squares: f64, count: usize| (squares / count.max(1) as f64).sqrt();
+        match self.kind {
+            ResponseKind::Velocity => {
+                let mean = early.iter().sum::<f64>() / early.len() as f64;
+                Some([mean, rms(output.iter().map(|v| v * v).sum(), output.len())])
+            }
+            ResponseKind::Position => {
+                // Of neighbours as far apart as the slope is taken over, lest noise count.
+                let apart = early.len() - 1;
+                let steps = output.iter().zip(&output[apart..]);
+                let squares = steps.map(|(a, b)| ((b - a) / (apart as f64 * step_s)).powi(2));
+                Some([slope(early) / step_s, rms(squares.sum(), output.len() - apart)])
+            }
+            ResponseKind::Acceleration => None,
+        }
+    }
+
+    /// Why an axis is unlikely to begin with this value of an unknown.
+    fn implausible(
+        &self,
+        unknown: &Unknown,
+        value: f64,
+        shown: Option<[f64; 2]>,
+    ) -> Option<String> {
+        let Unknown { quantity, at_rest, size } = *unknown;
+        if (value - at_rest).abs() > size {
+            return Some(format!("it is beyond {size:.4}, what the largest input brings it to"));
+        }
+        let [first, usual] = shown.filter(|_| quantity == Quantity::Velocity)?;
+        ((value - first).abs() > BESIDE * usual).then(|| {
+            format!("the first samples show {first:.4}, with {usual:.4} rms over the motion")
+        })
     }
 
     fn unknowns(&self) -> Vec<Unknown> {
@@ -222,6 +313,14 @@ impl Model<'_> {
     }
 }
 
+/// Slope of the straight line through some values, per step.
+fn slope(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let about = |n: usize| n as f64 - 0.5 * (count - 1.0);
+    let sum: f64 = values.iter().enumerate().map(|(n, y)| about(n) * y).sum();
+    sum * 12.0 / (count * (count * count - 1.0))
+}
+
 /// Least squares over a first stretch. Unknowns are counted from rest in their sizes.
 struct Search<'a> {
     model: &'a Model<'a>,
@@ -230,6 +329,8 @@ struct Search<'a> {
     measured: Vec<f64>,
     /// Of the response, root mean square.
     size: f64,
+    /// σ²·τ, in squares of the size.
+    error: f64,
 }
 
 impl Search<'_> {
@@ -251,7 +352,7 @@ impl Search<'_> {
         let simulated = self.model.response(count, &self.initial(point))?;
         let left = self.model.compared(&simulated);
         let left = left.iter().zip(&self.measured).map(|(s, m)| (m - s) / self.size);
-        let reluctance = (RELUCTANCE * count as f64).sqrt();
+        let reluctance = self.error.sqrt() / WIDTH;
         let all: Vec<f64> = left.chain(point.iter().map(|x| reluctance * x)).collect();
         Ok(DVector::from_vec(all))
     }
@@ -262,18 +363,8 @@ impl Search<'_> {
 
     /// A velocity as the first samples show it, and the positions that suit them best.
     fn starts(&self) -> Result<Vec<Vec<f64>>, NoResponse> {
-        let Transient { output, step_s, .. } = self.model.transient;
-        let early = &output[..(self.measured.len() / 20).clamp(4, 50).min(output.len())];
-        let count = early.len() as f64;
-        let velocity = match self.model.kind {
-            ResponseKind::Velocity => early.iter().sum::<f64>() / count,
-            ResponseKind::Position => {
-                let about = |n: usize| n as f64 - 0.5 * (count - 1.0);
-                let slope: f64 = early.iter().enumerate().map(|(n, y)| about(n) * y).sum();
-                slope * 12.0 / (count * (count * count - 1.0)) / step_s
-            }
-            ResponseKind::Acceleration => 0.0,
-        };
+        let shown = self.model.first_velocity(self.measured.len());
+        let velocity = shown.map_or(0.0, |[first, _]| first);
         let mut start = vec![0.0; self.unknowns.len()];
         for (x, unknown) in start.iter_mut().zip(self.unknowns) {
             if unknown.quantity == Quantity::Velocity {
@@ -291,6 +382,19 @@ impl Search<'_> {
         tried.push((self.cost(&start)?, start));
         tried.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(tried.into_iter().take(PROMISING).map(|(_, point)| point).collect())
+    }
+
+    /// The least sum, and where, that is found from these points or rest.
+    fn best(&self, starts: Vec<Vec<f64>>) -> Result<(f64, Vec<f64>), NoResponse> {
+        let still = vec![0.0; self.unknowns.len()];
+        let mut best = (self.cost(&still)?, still);
+        for start in starts {
+            let found = self.least_squares(start)?;
+            if found.0 < best.0 {
+                best = found;
+            }
+        }
+        Ok(best)
     }
 
     /// Levenberg–Marquardt's method with differences.

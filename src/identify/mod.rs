@@ -42,7 +42,7 @@ use crate::observer::Observer;
 
 pub use agreement::UnitAgreement;
 pub use compare::compare;
-pub use followed::{Followed, follow, unscored_s};
+pub use followed::{Begun, Followed, follow, unscored_s};
 pub use model_fit::{Component, ModelFit, fit_base};
 pub use noise_law::NoiseLaw;
 pub use summary::Intervals;

@@ -1,17 +1,21 @@
 //! Standard deviations, correlations, and what the data does not determine.
 
+use std::f64::consts::TAU;
+
 use nalgebra::DMatrix;
 
+use crate::effects;
+
 use super::objective::Linearisation;
-use super::parameters::Coordinates;
+use super::parameters::{Coordinate, Coordinates};
 
 /// A direction whose effect on the response is this much smaller than that of
 /// the strongest one is lost in rounding: the data cannot see it.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// A logarithm (or a level in units of the largest input) known no better than
-/// this is not identified: the interval would span more than a factor of 50.
-const LARGEST_STD: f64 = 1.0;
+/// A logarithm known no better than this is not identified: the interval would span more than a
+/// factor of 50.
+pub(super) const LARGEST_OF_LOGARITHM: f64 = 1.0;
 
 /// Covariance of the coordinates, and which of them the data determines.
 #[derive(Debug, Clone)]
@@ -58,13 +62,13 @@ impl Uncertainty {
     }
 
     /// Standard deviation of a linear combination of coordinates; `None` where
-    /// the data does not determine it.
-    pub fn std(&self, combination: &[f64]) -> Option<f64> {
+    /// the data does not determine it, or no better than to `largest`.
+    pub fn std(&self, combination: &[f64], largest: f64) -> Option<f64> {
         let row = nalgebra::RowDVector::from_row_slice(combination);
         let size = row.norm();
         let lost = (&row * &self.unseen).norm() > 1e-3 * size;
         let std = (&row * &self.covariance * row.transpose())[(0, 0)].max(0.0).sqrt();
-        (!lost && std.is_finite() && std <= LARGEST_STD).then_some(std)
+        (!lost && std.is_finite() && std <= largest).then_some(std)
     }
 
     /// Correlation matrix of the coordinates in `which`.
@@ -78,6 +82,26 @@ impl Uncertainty {
     }
 }
 
+/// Deviation from which on a coordinate is not identified: that of a uniform law over where it
+/// can lie, or over a turn; of a logarithm less, as its range is only where anything would show.
+pub(super) fn largest_std(coordinates: &Coordinates, i: usize) -> f64 {
+    let of_uniform = |width: f64| width / 12.0_f64.sqrt();
+    let scale = match coordinates.list[i] {
+        Coordinate::FcPlus | Coordinate::FcMinus | Coordinate::FcMean => {
+            effects::Coordinate::Linear
+        }
+        Coordinate::OfEffect { effect, parameter } => {
+            coordinates.effects[effect].parameters()[parameter].coordinate
+        }
+        _ => effects::Coordinate::Logarithmic,
+    };
+    match scale {
+        effects::Coordinate::Linear => of_uniform(coordinates.upper[i] - coordinates.lower[i]),
+        effects::Coordinate::Angle => of_uniform(TAU),
+        effects::Coordinate::Logarithmic => LARGEST_OF_LOGARITHM,
+    }
+}
+
 /// The combination that is one coordinate alone.
 pub(super) fn unit(coordinates: &Coordinates, i: usize) -> Vec<f64> {
     (0..coordinates.len()).map(|j| f64::from(u8::from(i == j))).collect()
@@ -87,6 +111,8 @@ pub(super) fn unit(coordinates: &Coordinates, i: usize) -> Vec<f64> {
 mod tests {
     use nalgebra::DVector;
 
+    use super::super::fixtures::{ACTUATORS, axis, stepped_sine};
+    use super::super::problem::Problem;
     use super::*;
 
     fn here(rows: usize, columns: usize, jacobian: &[f64]) -> Linearisation {
@@ -102,9 +128,9 @@ mod tests {
         let here = here(3, 2, &[20.0, 10.0, 0.0, 10.0, 20.0, 0.0]);
         let uncertainty = Uncertainty::new(&here, &[false, false], 2.0);
         let close = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-12, "{found}");
-        close(uncertainty.std(&[1.0, 0.0]).unwrap(), 0.2 * (2.0_f64 / 12.0).sqrt());
-        close(uncertainty.std(&[0.0, 1.0]).unwrap(), 0.2 * (8.0_f64 / 12.0).sqrt());
-        close(uncertainty.std(&[1.0, 1.0]).unwrap(), 0.2 * (6.0_f64 / 12.0).sqrt());
+        close(uncertainty.std(&[1.0, 0.0], 1.0).unwrap(), 0.2 * (2.0_f64 / 12.0).sqrt());
+        close(uncertainty.std(&[0.0, 1.0], 1.0).unwrap(), 0.2 * (8.0_f64 / 12.0).sqrt());
+        close(uncertainty.std(&[1.0, 1.0], 1.0).unwrap(), 0.2 * (6.0_f64 / 12.0).sqrt());
         close(uncertainty.correlations(&[0, 1])[0][1], -0.5);
     }
 
@@ -112,8 +138,8 @@ mod tests {
     fn what_is_held_is_taken_as_known() {
         let here = here(3, 2, &[20.0, 10.0, 0.0, 10.0, 20.0, 0.0]);
         let uncertainty = Uncertainty::new(&here, &[false, true], 1.0);
-        assert!((uncertainty.std(&[1.0, 0.0]).unwrap() - 800.0_f64.powf(-0.5)).abs() < 1e-12);
-        assert_eq!(uncertainty.std(&[0.0, 1.0]), Some(0.0));
+        assert!((uncertainty.std(&[1.0, 0.0], 1.0).unwrap() - 800.0_f64.powf(-0.5)).abs() < 1e-12);
+        assert_eq!(uncertainty.std(&[0.0, 1.0], 1.0), Some(0.0));
     }
 
     #[test]
@@ -121,15 +147,33 @@ mod tests {
         // Only the sum of the first two matters, and the third.
         let here = here(3, 3, &[5.0, 5.0, 0.0, 0.0, 0.0, 5.0, 5.0, 5.0, 1.0]);
         let uncertainty = Uncertainty::new(&here, &[false; 3], 1.0);
-        assert_eq!(uncertainty.std(&[1.0, 0.0, 0.0]), None);
-        assert_eq!(uncertainty.std(&[1.0, -1.0, 0.0]), None);
-        assert!(uncertainty.std(&[1.0, 1.0, 0.0]).is_some());
-        assert!(uncertainty.std(&[0.0, 0.0, 1.0]).is_some());
+        assert_eq!(uncertainty.std(&[1.0, 0.0, 0.0], 1.0), None);
+        assert_eq!(uncertainty.std(&[1.0, -1.0, 0.0], 1.0), None);
+        assert!(uncertainty.std(&[1.0, 1.0, 0.0], 1.0).is_some());
+        assert!(uncertainty.std(&[0.0, 0.0, 1.0], 1.0).is_some());
     }
 
+    // A level lies between 0 and 1.05 times the largest input, the amplitude of cogging between
+    // −1 and 1 times it, a phase anywhere on a turn.
     #[test]
-    fn a_logarithm_known_to_more_than_one_is_not_identified() {
+    fn a_level_or_a_phase_is_identified_where_it_is_known_better_than_from_its_range_alone() {
+        let measurement = stepped_sine(&axis(ACTUATORS[0]), 3);
+        let problem = Problem::new(&measurement).unwrap();
+        let base = Coordinates::new(0, false, &problem.prior);
+        let scope = problem.scope(&problem.in_scale(&axis(ACTUATORS[0])));
+        let coordinates = base.with_effect(effects::find("cogging").unwrap(), &scope);
+        let largest: Vec<f64> =
+            (0..coordinates.len()).map(|i| largest_std(&coordinates, i)).collect();
+        let level = 1.05 * problem.prior.largest_level / 12.0_f64.sqrt();
+        let [amplitude, phase] = [2.0, TAU].map(|width| width / 12.0_f64.sqrt());
+        assert_eq!(largest, [1.0, 1.0, level, level, amplitude, 1.0, phase]);
+    }
+
+    // One over 0.9 is 1.11.
+    #[test]
+    fn what_is_known_no_better_than_to_the_largest_deviation_is_not_identified() {
         let uncertainty = Uncertainty::new(&here(1, 1, &[0.9]), &[false], 1.0);
-        assert_eq!(uncertainty.std(&[1.0]), None);
+        assert_eq!(uncertainty.std(&[1.0], LARGEST_OF_LOGARITHM), None);
+        assert!(uncertainty.std(&[1.0], 1.2).is_some());
     }
 }

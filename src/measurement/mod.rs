@@ -9,11 +9,14 @@ pub mod formats;
 mod metadata;
 mod period;
 mod record;
+mod repetition;
 mod sampling;
+mod scatter;
 mod significance;
 mod size;
 mod spectrum;
 mod transient;
+mod units;
 mod waveform;
 
 pub use experiment::{Experiment, Harmonic, Repeat};

@@ -1,5 +1,6 @@
 //! From a sampled record to the harmonics of its periods.
 
+use super::repetition::Change;
 use super::spectrum::{self, Periods};
 use super::waveform::half_peak_to_peak;
 use super::{
@@ -12,6 +13,13 @@ const WHOLE_SAMPLES: f64 = 1e-6;
 
 /// Scatter of periods that are copies: what rounding in a transform leaves.
 const ROUNDING: f64 = 1e-13;
+
+/// Periods beside the first that say how far one departs from the mean by chance.
+const FEWEST_OTHERS: usize = 3;
+
+/// Times as far as the others that a first period departs which has not settled. Periods that
+/// scatter alike depart alike, since each departure is a sum over all lines.
+const UNSETTLED: f64 = 2.5;
 
 /// Input and response of one axis, sampled together.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -63,6 +71,19 @@ pub enum RecordError {
     NoPeriodFound {
         /// Duration of the record, s.
         duration_s: f64,
+    },
+    /// The input contradicts the period that was given.
+    #[error(
+        "the input does not repeat with the period of {period_s} s that is given: from one period \
+         to the next it changes by {percent:.0} % of its root mean square; give the right \
+         period_s, leave it out to have the period found, or say period_s: none where the record \
+         does not repeat"
+    )]
+    NotRepeating {
+        /// The period, s.
+        period_s: f64,
+        /// Change of the input, % of its root mean square.
+        percent: f64,
     },
     /// A period of too few samples.
     #[error("the period {period_s} s has {samples:.3} samples, and at least 4 are needed")]
@@ -123,6 +144,17 @@ impl Record {
             return Err(RecordError::Undersampled { period_s: samples * step_s, samples });
         }
         let samples = whole_if_nearly(samples);
+        let change = Change::of(&self.input, samples);
+        if let (Some(period_s), Some(change)) = (period_s, change.filter(|it| it.contradicts())) {
+            return Err(RecordError::NotRepeating { period_s, percent: 100.0 * change.share });
+        }
+        if let Some(Change { share, .. }) = change.filter(|change| change.is_large()) {
+            let percent = 100.0 * share;
+            remarks.push(format!(
+                "from one period to the next the input changes by {percent:.0} % of its root mean \
+                 square"
+            ));
+        }
         let period_s = period_s.unwrap_or_else(|| {
             let found_s = rounded(samples * step_s);
             remarks.push(format!("the period of {found_s} s is found from the input"));
@@ -187,8 +219,11 @@ impl Record {
             remarks.push("the periods are copies and say nothing of the noise".into());
         }
         remarks.push(format!("{highest} output harmonics above the noise are used"));
-        if input_deviations.iter().any(|deviation| power(deviation) > 0.5 * power(&input[1..])) {
-            remarks.push("the input does not repeat with this period".into());
+        if let Some(times) = unsettled(&output_deviations) {
+            remarks.push(format!(
+                "the response of the first period departs from the mean {times:.1} times as far as \
+                 that of the others: it has not settled; give more settle_periods"
+            ));
         }
         let repeats = input_deviations
             .into_iter()
@@ -214,6 +249,19 @@ impl Record {
             from_record: true,
         }
     }
+}
+
+/// How many times further the first of several spectra departs from their mean than the others
+/// do, where that is more than scatter makes it.
+fn unsettled(deviations: &[Vec<Complex>]) -> Option<f64> {
+    let [first, others @ ..] = deviations else { return None };
+    if others.len() < FEWEST_OTHERS {
+        return None;
+    }
+    let largest = others.iter().map(|other| power(other)).fold(0.0, f64::max);
+    let mean = others.iter().map(|other| power(other)).sum::<f64>() / others.len() as f64;
+    let times = (power(first) / mean).sqrt();
+    (times > UNSETTLED && power(first) > largest).then_some(times)
 }
 
 fn whole_if_nearly(samples: f64) -> f64 {

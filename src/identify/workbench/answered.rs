@@ -72,3 +72,107 @@ impl Workbench<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::fixtures::joined;
+    use super::super::super::problem::Scales;
+    use super::*;
+    use crate::answers::{IdentifyOptions, PlantRequest};
+    use crate::benchmark::simulator::{self, Machine, Settings};
+    use crate::effects::find;
+    use crate::identify::{IdentifyRequest, Intervals};
+    use crate::measurement::{Complex, Experiment, Harmonic, Measurement};
+    use crate::observer::Silent;
+    use crate::plant::{Actuator, Friction, Plant};
+
+    const STD: f64 = 1e-3;
+    const JOINT: [f64; 4] = [0.182259, 59.97234, 0.1, 0.004244359];
+
+    /// Where the impacts of the axis with play never come to repeat.
+    const RESTLESS: [(f64, f64); 2] = [(1.7315, 3.359038), (0.8657, 3.412783)];
+
+    fn axis() -> Plant {
+        Plant {
+            constant: 1.660596,
+            viscous_rate_rad_s: 3.042747,
+            actuator: Actuator::SecondOrder {
+                natural_frequency_rad_s: 6.245474,
+                damping_ratio: 0.5944140,
+            },
+            friction: Friction::coulomb(0.2888457, 0.3872526),
+        }
+    }
+
+    /// Of twenty places where the axis with play has a response, and of those where it has none
+    /// as if it had no play.
+    fn measurement() -> Measurement {
+        let [load_inertia_fraction, stiffness, damping, gap] = JOINT;
+        let play = [simulator::Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
+        let experiment = |effects: &[simulator::Effect], (magnitude, omega_rad_s)| {
+            let machine = Machine { plant: axis(), effects };
+            let input = vec![Complex::ZERO, Complex::new(magnitude, 0.0)];
+            let velocity =
+                simulator::respond(&machine, 0.0, omega_rad_s, &input, 5, &Settings::default());
+            let harmonic = |(order, value)| Harmonic { order, value, std: Some(STD) };
+            Some(Experiment {
+                magnitude,
+                omega_rad_s,
+                input,
+                input_mean_measured: false,
+                response: velocity.ok()?.into_iter().enumerate().map(harmonic).collect(),
+                run: None,
+                repeats: Vec::new(),
+                from_record: false,
+            })
+        };
+        let frequencies = (0..24).map(|i| 4.5 * 1.1_f64.powi(i));
+        let places = frequencies.flat_map(|omega| [(0.8657, omega), (1.7315, omega)]);
+        let quiet = places.filter_map(|place| experiment(&play, place)).take(20);
+        let restless = RESTLESS.into_iter().filter_map(|place| experiment(&[], place));
+        joined(quiet.chain(restless).collect())
+    }
+
+    // The data has no noise: where the axis has a response, hardly anything is left of the χ² of
+    // 210 that the stated deviation would make.
+    #[test]
+    fn an_answer_is_fitted_to_the_experiments_that_its_model_answers_and_lists_the_others() {
+        let measurement = measurement();
+        let mut options = IdentifyOptions::default();
+        options.network.enabled = false;
+        options.colony.enabled = false;
+        let plant = Some(PlantRequest { actuator_order: 2 });
+        let request = IdentifyRequest { plant, options, ..IdentifyRequest::default() };
+        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
+        let play = find("backlash").unwrap();
+        let mut model = workbench.extend(workbench.base(), play);
+        let base = model.coordinates.point(&workbench.problem.in_scale(&axis()));
+        model.point[..base.len()].copy_from_slice(&base);
+        let Scales { omega, input, velocity } = workbench.problem.scales;
+        for ((i, parameter), value) in model.parameters_of(0).zip(play.parameters()).zip(JOINT) {
+            model.set(i, value / parameter.dimension.factor(input, velocity, 1.0 / omega));
+        }
+        model.cost = workbench.misfit(&model).cost(&model.point);
+        assert!(model.cost.is_finite());
+
+        let fit = workbench.judge(&model, Intervals::Curvature).unwrap();
+        let answer = &fit.identification.fit;
+        let places = answer.unanswered.iter();
+        let places: Vec<_> =
+            places.map(|lost| (lost.magnitude.unwrap(), lost.omega_rad_s.unwrap())).collect();
+        assert_eq!(places, RESTLESS);
+        // Eleven real numbers in each of twenty experiments; six base parameters and four of play.
+        assert_eq!(answer.dof, 20 * 11 - 10);
+        assert_eq!(fit.residuals.len(), 20 * 11);
+        assert_eq!(fit.components.len(), 20 * 11);
+        assert!(answer.chi2.unwrap() < 21.0, "{:?}", answer.chi2);
+
+        // In the search an experiment without a response is worth what the base model leaves.
+        let stood_in = workbench.from_rest(model.clone());
+        let of_base =
+            workbench.misfit(workbench.base()).residuals(&workbench.base().point).unwrap();
+        let of_base = of_base.rows(20 * 11, 2 * 11).norm_squared();
+        assert!(of_base > 100.0, "{of_base}");
+        assert!(stood_in.cost > 0.99 * of_base, "{} {of_base}", stood_in.cost);
+    }
+}

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::convention::{AmplitudeUnit, Convention, Reference};
 use super::fault::Fault;
 use super::limits::MAX_SETTLE_PERIODS;
+use crate::measurement::units;
 use crate::measurement::{Beginning, Intersample, Loop, Metadata, Quantity, ResponseKind};
 
 /// What one file says of itself, and how its numbers are to be read.
@@ -68,6 +69,7 @@ impl Header {
             "response" => {
                 metadata.response = quantity(value);
                 metadata.response_kind = response_kind(&metadata.response.name)?;
+                check_unit(metadata)?;
             }
             "loop" => {
                 metadata.feedback = Some(match value {
@@ -156,6 +158,20 @@ fn response_kind(name: &str) -> Result<ResponseKind, String> {
     }
 }
 
+/// A unit that belongs to another kind of response than the name says is a mistake in one of them.
+fn check_unit(metadata: &Metadata) -> Result<(), String> {
+    let named = |kind: ResponseKind| format!("{kind:?}").to_lowercase();
+    match units::kind_of(&metadata.response.unit) {
+        Some(kind) if kind != metadata.response_kind => Err(format!(
+            "the response is called {}, but `{}` is a unit of {}: correct the one or the other",
+            named(metadata.response_kind),
+            metadata.response.unit,
+            named(kind),
+        )),
+        _ => Ok(()),
+    }
+}
+
 fn period(value: &str) -> Result<f64, String> {
     match value.parse::<f64>() {
         Ok(period) if period.is_finite() && period > 0.0 => Ok(period),
@@ -229,6 +245,8 @@ mod tests {
     fn a_value_that_means_nothing_is_refused_with_its_line_and_key() {
         for (key, value) in [
             ("response", "temperature K"),
+            ("response", "velocity rad"),
+            ("response", "position [m/s]"),
             ("measured_at", "yesterday"),
             ("loop", "half"),
             ("reference", "tan"),

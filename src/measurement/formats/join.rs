@@ -4,7 +4,7 @@ use sha2::{Digest, Sha256};
 
 use super::header::Header;
 use super::{ParseError, Part, Source};
-use crate::measurement::{Measurement, Metadata};
+use crate::measurement::{Measurement, Metadata, scatter};
 
 /// Joins what the files hold.
 pub(super) fn join(sources: &[Source<'_>], parts: Vec<Part>) -> Result<Measurement, ParseError> {
@@ -59,6 +59,7 @@ pub(super) fn join(sources: &[Source<'_>], parts: Vec<Part>) -> Result<Measureme
             experiments.len() + transients.len()
         )));
     }
+    notes.extend(scatter::remark(&experiments));
     let metadata = metadata.unwrap_or_default();
     let joined = match transients.is_empty() {
         true => Measurement::new(metadata, experiments, notes, sha256),

@@ -56,6 +56,18 @@ impl Yardstick {
         }
     }
 
+    /// What a misfit must fall by where χ² must fall by `gain`. Where the noise is unknown, gains
+    /// are counted as if it were as large as what is left before them makes it: of a cost c with
+    /// ν degrees of freedom chance takes up the share gain/ν at most, and ν·ln(c/(c − gain·c/ν))
+    /// of the misfit; what is as large as everything that is left cannot be told from chance.
+    pub fn bar(&self, gain: f64) -> f64 {
+        match self.known {
+            true => gain,
+            false if gain < self.dof => -self.dof * (-gain / self.dof).ln_1p(),
+            false => f64::INFINITY,
+        }
+    }
+
     /// Whether a cost is no larger than noise makes it, 4 standard deviations of χ²
     /// allowed, or rounding where the noise is unknown.
     pub fn explains(&self, cost: f64) -> bool {
@@ -149,6 +161,17 @@ mod tests {
     use crate::observer::Silent;
 
     const RANGE: Range = Range { bounds: [1e-6, 1.0], likely: [1e-2, 0.1], absent: None };
+
+    // Chance that takes up four fifths of ten degrees of freedom leaves a fifth of the cost.
+    #[test]
+    fn of_unknown_noise_a_misfit_must_fall_by_what_chance_leaves_of_all_that_there_is() {
+        let yardstick = |known: bool| Yardstick { known, rounding: 0.0, dof: 10.0 };
+        let unknown = yardstick(false);
+        let fall = unknown.misfit(3.0) - unknown.misfit(0.2 * 3.0);
+        assert!((unknown.bar(8.0) - fall).abs() < 1e-12);
+        assert_eq!(unknown.bar(10.0), f64::INFINITY);
+        assert_eq!(yardstick(true).bar(12.0), 12.0);
+    }
 
     #[test]
     fn what_must_be_small_costs_its_rarity_and_what_may_be_likely_what_the_misfit_grows_by() {

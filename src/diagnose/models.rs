@@ -103,7 +103,7 @@ impl Models {
     /// Whether an effect of a model gains more than so many times what chance makes any gain.
     pub fn exceeds(&self, key: &Key, id: &str, times: f64) -> bool {
         let limit = self.family.as_ref().map_or(f64::INFINITY, |family| family.limit(id));
-        self.loss(key, id) > times * limit
+        self.loss(key, id) > times * self.yardstick.bar(limit)
     }
 
     /// Whether each effect of a model is more than chance.

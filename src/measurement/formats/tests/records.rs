@@ -64,9 +64,41 @@ fn periods_that_are_copies_say_nothing_of_the_noise() {
 }
 
 #[test]
-fn an_input_that_does_not_repeat_is_noted() {
-    let m = ok(&format!("# period_s: 0.13\n{}", record(100, 5)));
-    assert!(m.notes().iter().any(|note| note.contains("does not repeat")));
+fn an_input_that_contradicts_its_period_is_refused_and_one_of_noise_is_said() {
+    let wrong = record(100, 5);
+    refused(&format!("# period_s: 0.13\n{wrong}"), 3, "input", "period_s: none");
+    // A ramp of three times the amplitude over five periods: 0.6 of it from one to the next, and
+    // of the amplitude's root mean square and the ramp's together more than half.
+    let mut drifting = String::from("# period_s: 0.1\ntime_s,input,output\n");
+    for n in 0..500 {
+        let angle = std::f64::consts::TAU * f64::from(n) / 100.0;
+        let input = angle.sin() + 3.0 * f64::from(n) / 500.0;
+        drifting += &format!("{:.3},{input:.6},{:.6}\n", f64::from(n) * 1e-3, angle.cos());
+    }
+    refused(&drifting, 3, "input", "changes by 5");
+    // Every other sample 0.1 higher in every other period: no course of its own.
+    let mut noisy = String::from("# period_s: 0.1\ntime_s,input,output\n");
+    for n in 0..500 {
+        let angle = std::f64::consts::TAU * f64::from(n) / 100.0;
+        let noise = if (n / 100) % 2 == 0 && n % 2 == 0 { 0.2 } else { 0.0 };
+        let input = angle.sin() + noise;
+        noisy += &format!("{:.3},{input:.6},{:.6}\n", f64::from(n) * 1e-3, angle.cos());
+    }
+    assert!(ok(&noisy).notes().iter().any(|note| note.contains("the input changes by 20 %")));
+}
+
+#[test]
+fn a_first_period_that_has_not_settled_is_said() {
+    let mut text = String::from("# period_s: 0.1\ntime_s,input,output\n");
+    for n in 0..600 {
+        let angle = std::f64::consts::TAU * f64::from(n) / 100.0;
+        let noise = 0.01 * f64::from((n * 7919) % 101 - 50) / 50.0;
+        let output = angle.cos() + (-f64::from(n) / 30.0).exp() + noise;
+        text += &format!("{:.3},{:.6},{output:.6}\n", f64::from(n) * 1e-3, angle.sin());
+    }
+    let says = |text: &str| ok(text).notes().iter().any(|note| note.contains("settle_periods"));
+    assert!(says(&text));
+    assert!(!says(&format!("# settle_periods: 1\n{text}")));
 }
 
 #[test]

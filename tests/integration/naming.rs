@@ -51,7 +51,7 @@ fn nearly_held(parameter: &Estimated) -> bool {
         let half = 0.5 * (high - low);
         Estimated { interval95: Some([low - half, high + half]), ..parameter.clone() }
     };
-    parameter.interval95.is_none_or(|interval| widened(interval).held() == Some(true))
+    parameter.interval95.is_some_and(|interval| widened(interval).held() == Some(true))
 }
 
 // The excess is asked for to 10 %, at coarse steps; at full ones it may differ a little more.
@@ -126,7 +126,16 @@ fn a_single_hidden_effect_is_named_and_explains_the_data() {
         assert!(outcome.named_first(), "{key}: {:?}", outcome.causes());
         assert_eq!(outcome.verdict(), Some(Verdict::Explained), "{key}");
         let answer = outcome.answer.unwrap();
-        for parameter in answer.effect_parameters.iter().chain(&answer.plant_parameters) {
+        // A ripple over the position finds a place where it balances any constant torque: what the
+        // levels differ by turns no response, and neither is known alone.
+        let unseen = |parameter: &&Estimated| {
+            key.contains("cogging") && parameter.of == "plant" && parameter.name.starts_with("fc_")
+        };
+        let all = || answer.effect_parameters.iter().chain(&answer.plant_parameters);
+        for parameter in all().filter(unseen) {
+            assert_eq!(parameter.interval95, None, "{key}: {parameter:?}");
+        }
+        for parameter in all().filter(|parameter| !unseen(parameter)) {
             assert!(nearly_held(parameter), "{key}: {parameter:?}");
         }
     }

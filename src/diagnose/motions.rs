@@ -311,6 +311,24 @@ mod tests {
         assert!(found.models.extended.unwrap().nrmse.unwrap() < 1e-4);
     }
 
+    // The machine has no actuator and sticks; the base model's rings, and its friction is too low.
+    // Free to begin with any torque and any rate of it, it would bend the stretch to fit.
+    #[test]
+    fn what_a_model_gets_wrong_is_not_put_down_to_how_a_motion_began() {
+        let mut diagnosis = diagnosis(1.0);
+        for (name, value) in [("natural_frequency", 40.0), ("damping_ratio", 0.1)] {
+            let pole = diagnosis.base.parameters["pole"].clone();
+            diagnosis.base.parameters.insert(name.into(), pole);
+            diagnosis.base.parameters[name].value = Some(value);
+        }
+        diagnosis.base.parameters["fc_plus"].value = Some(0.3);
+        for kind in [ResponseKind::Velocity, ResponseKind::Position] {
+            let found = tried(diagnosis.clone(), &measured(kind, 0, None));
+            assert!(found.models.base.nrmse.unwrap() > 0.05, "{:?}", found.models);
+            assert!(found.motions[0].base.is_empty(), "{:?}", found.motions);
+        }
+    }
+
     #[test]
     fn a_fit_refuses_a_motion_and_says_what_to_do() {
         let measurement = measured(ResponseKind::Velocity, 0, None);

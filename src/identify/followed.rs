@@ -438,3 +438,40 @@ impl Search<'_> {
         Ok((left.norm_squared(), point))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{ACTUATORS, axis};
+    use super::*;
+
+    // A velocity of 0.1 over 200 samples, with a step of 0.01 s.
+    #[test]
+    fn a_beginning_is_implausible_beyond_what_the_input_does_or_beside_what_is_measured() {
+        let transient = Transient {
+            step_s: 0.01,
+            input: vec![1.0; 200],
+            output: vec![0.1; 200],
+            ..Transient::default()
+        };
+        let plant = axis(ACTUATORS[0]);
+        let kind = ResponseKind::Velocity;
+        let model =
+            Model { plant: &plant, effects: &[], run_share: 0.0, kind, transient: &transient };
+        let shown = model.first_velocity(100);
+        assert!(shown.unwrap().iter().all(|v| (v - 0.1).abs() < 1e-12), "{shown:?}");
+        let velocity = Unknown { quantity: Quantity::Velocity, at_rest: 0.0, size: 1.0 };
+        assert_eq!(model.implausible(&velocity, 0.105, shown), None);
+        assert!(model.implausible(&velocity, 0.2, shown).unwrap().contains("show 0.1000"));
+        assert!(model.implausible(&velocity, -1.2, shown).unwrap().contains("beyond 1.0000"));
+        let torque = Unknown { quantity: Quantity::Torque, at_rest: 1.0, size: 2.0 };
+        assert_eq!(model.implausible(&torque, 2.9, shown), None);
+        assert!(model.implausible(&torque, 3.1, shown).is_some());
+
+        // The same as a position, which rises by 0.001 a step.
+        let output = (0..200).map(|n| 0.001 * f64::from(n)).collect();
+        let transient = Transient { output, ..transient.clone() };
+        let position = Model { kind: ResponseKind::Position, transient: &transient, ..model };
+        let shown = position.first_velocity(100).unwrap();
+        assert!(shown.iter().all(|v| (v - 0.1).abs() < 1e-12), "{shown:?}");
+    }
+}

@@ -316,7 +316,7 @@ mod tests {
     #[test]
     fn what_a_model_gets_wrong_is_not_put_down_to_how_a_motion_began() {
         let mut diagnosis = diagnosis(1.0);
-        for (name, value) in [("natural_frequency", 40.0), ("damping_ratio", 0.1)] {
+        for (name, value) in [("natural_frequency", 4.0), ("damping_ratio", 0.1)] {
             let pole = diagnosis.base.parameters["pole"].clone();
             diagnosis.base.parameters.insert(name.into(), pole);
             diagnosis.base.parameters[name].value = Some(value);

@@ -1,6 +1,6 @@
 //! Whatever is measured: no panic, no search without end, no answer that its own data
-//! contradicts, and no cause where nothing can be decided. Drawn measurements go through
-//! `identify`; those that once had a wrong answer through a whole diagnosis, too.
+//! contradicts, and no cause where nothing can be decided. Many drawn measurements go through
+//! `identify`, fewer of them, and all that once had a wrong answer, through a whole diagnosis.
 
 mod cases;
 mod checks;
@@ -44,6 +44,17 @@ fn a_few_measurements_of_every_kind_are_identified_soundly() {
 #[ignore = "slow: a thousand identifications"]
 fn a_thousand_measurements_of_every_kind_are_identified_soundly() {
     assert_sound(&drawn(1000, cases(3, 5), 2), Depth::Identify);
+}
+
+#[test]
+fn a_few_measurements_of_every_kind_are_diagnosed_soundly() {
+    assert_sound(&drawn(12, cases(2, 2), 4), Depth::Diagnose);
+}
+
+#[test]
+#[ignore = "slow: a hundred diagnoses, some of which take a minute"]
+fn a_hundred_measurements_of_every_kind_are_diagnosed_soundly() {
+    assert_sound(&drawn(100, cases(3, 4), 5), Depth::Diagnose);
 }
 
 #[test]

@@ -184,7 +184,14 @@ fn a_joint_far_stiffer_than_the_band_is_wide_is_not_taken_for_a_light_load_in_it
         let outcome = run_case(&case(key), &settings, &Silent).unwrap().outcome;
         assert!(outcome.named_first(), "{key}: {:?}", outcome.causes());
         let parameters = outcome.answer.unwrap().effect_parameters;
-        assert!(parameters.iter().all(nearly_held), "{key}: {parameters:?}");
+        // Under play, any stiffness up to a rigid contact fits as well: it has no interval.
+        let rigid = |p: &&Estimated| p.of == "backlash" && p.name == "stiffness";
+        for parameter in parameters.iter().filter(rigid) {
+            assert_eq!(parameter.interval95, None, "{key}");
+        }
+        for parameter in parameters.iter().filter(|p| !rigid(p)) {
+            assert!(nearly_held(parameter), "{key}: {parameter:?}");
+        }
     }
 }
 

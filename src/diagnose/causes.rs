@@ -133,7 +133,7 @@ pub(super) fn rivals<'s>(
     rivals.into_iter().take(MOST_EQUIVALENTS).map(|(_, id, model)| (id, model)).collect()
 }
 
-/// Every effect that was tried on the base model, the best first; `withdrawn` are effects of the
+/// Every effect that was tried on the base model and can be compared, the best first; `withdrawn` are effects of the
 /// best model where it predicts data held out no better than the base model.
 pub(super) fn candidates(models: &Models, chosen: &Key, withdrawn: &Key) -> Vec<Candidate> {
     let yardstick = &models.yardstick;
@@ -143,7 +143,7 @@ pub(super) fn candidates(models: &Models, chosen: &Key, withdrawn: &Key) -> Vec<
         .filter_map(|effect| {
             let id = effect.id();
             let key = vec![id];
-            let model = models.get(&key)?;
+            let model = models.get(&key).filter(|_| models.criterion(&key).is_finite())?;
             let rejected =
                 (!chosen.contains(&id)).then(|| rejection(models, chosen, withdrawn, id));
             Some(Candidate {

@@ -41,6 +41,7 @@ impl Conclusion<'_> {
     ) -> Result<Diagnosis, DiagnoseError> {
         let mut limitations = discrepancy::limitations(&self.fit, &self.discrepancy);
         limitations.extend(super::limitations::undecided(self.workbench));
+        limitations.extend(super::limitations::incomparable(&self.models));
         let unseen = match self.unseen(measurement, request, part) {
             Ok(unseen) => Some(unseen),
             Err(Silence::Cancelled) => return Err(IdentifyError::Cancelled.into()),

@@ -4,6 +4,8 @@ use crate::answers::{Identification, Unanswered};
 use crate::effects::ALL;
 use crate::identify::Workbench;
 
+use super::models::Models;
+
 /// Effects that could not be tried for lack of data, in a sentence.
 pub(super) fn undecided(workbench: &Workbench<'_>) -> Option<String> {
     let base = workbench.base();
@@ -23,6 +25,21 @@ pub(super) fn undecided(workbench: &Workbench<'_>) -> Option<String> {
         workbench.data(),
         base.parameters()
     ))
+}
+
+/// Effects that were fitted to the base model but have no criterion, in a sentence: the fitted
+/// model has no response in too many experiments, or none that has derivatives.
+pub(super) fn incomparable(models: &Models) -> Option<String> {
+    let fitted = models.all().map(|(key, _)| key).filter(|key| key.len() == 1);
+    let without: Vec<&str> =
+        fitted.filter(|key| !models.criterion(key).is_finite()).map(|key| key[0]).collect();
+    (!without.is_empty()).then(|| {
+        format!(
+            "{} could be fitted, but not compared with the others: there its simulation has no \
+             periodic response, or one that jumps with the parameters",
+            without.join(", ")
+        )
+    })
 }
 
 /// Experiments without a response that a sentence names.

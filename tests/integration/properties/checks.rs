@@ -170,10 +170,15 @@ fn check_diagnosis(measurement: &Measurement, answer: &Diagnosis, findings: &mut
     }
     let best = answer.extended.as_ref().unwrap_or(&answer.base);
     let mut fault = |text: String| findings.faults.push(text);
-    if let Err(error) =
-        serde_json::to_string(answer).and_then(|text| serde_json::from_str::<Diagnosis>(&text))
-    {
-        fault(format!("the diagnosis has what is no number: {error}"));
+    match serde_json::to_string(answer) {
+        Ok(text) => {
+            if let Err(error) = serde_json::from_str::<Diagnosis>(&text) {
+                let place = text.get(..error.column()).unwrap_or(&text);
+                let start = place.char_indices().rev().nth(80).map_or(0, |(at, _)| at);
+                fault(format!("the diagnosis has what is no number: {error}: {}", &place[start..]));
+            }
+        }
+        Err(error) => fault(format!("the diagnosis cannot be written: {error}")),
     }
     if matches!(answer.verdict, Verdict::Adequate | Verdict::Explained) {
         if contradicted(measurement, best) {

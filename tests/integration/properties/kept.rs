@@ -41,6 +41,20 @@ pub fn cases() -> Vec<Case> {
         Case { decades: [0, 150, 0], ..ordinary() },
         Case { decades: [-300, 0, 0], ..ordinary() },
         Case { statement: Statement::Std(1e300), ..ordinary() },
+        // A number of the answer was none.
+        Case {
+            subject: Subject::Linear,
+            order: 1,
+            magnitudes: vec![9.64609107153425, 39.93014982349439, 58.90635057349579],
+            omegas: vec![40.900465858659544, 158.84006008673296, 713.1577409322988],
+            harmonics: vec![0, 1, 2, 3, 4, 5],
+            statement: Statement::Repeats(2),
+            noise: 0.020118061411973098,
+            decades: [-22, -10, -2],
+            response: "acceleration",
+            seed: 74,
+            ..ordinary()
+        },
         Case { omegas: vec![1e-6, 1e-3, 1.0, 1e3, 1e6], subject: Subject::Linear, ..ordinary() },
     ]
 }

@@ -1,5 +1,5 @@
-//! servoscope: from the measured frequency response of a servo axis to its
-//! transfer function and friction.
+//! The server and the command line of servoscope: from the measured frequency response of a servo
+//! axis to its transfer function, its friction, and the cause of what they leave unexplained.
 //!
 //! Layers, each knowing only those below it (a test enforces it):
 //!
@@ -8,43 +8,22 @@
 //!     └────────┼─────────┘
 //!           service                  use cases: joins storage and numerics
 //!     ┌────────┼─────────┐
-//!   store   report    diagnose       rows · text and figures · causes
-//!     │        │         │
-//!     │        │      identify       data → parameters with intervals
-//!     │        │         │
-//!     │        │      simulate       parameters → periodic response
-//!     │        │         │
-//!     │        │      effects        what a base model may lack
+//!   store   report       │           rows · text and figures
 //!     └────────┴─────────┤
-//!   answers      plant · measurement what is asked, fitted and measured
+//!               servoscope_core      measurement → identification → diagnosis
 //! ```
 //!
 //! `web` holds the files of the dashboard, which `http` serves and which asks the
 //! same interface as any other client; its look is that of the report.
 //!
-//! `benchmark` stands beside them: it draws machines, simulates them with a
-//! simulator of its own and asks the public interface what it sees. `reproduce` runs
-//! the experiments of the paper with that simulator and draws what they come to.
-//!
-//! The numeric core (`diagnose` and below) is pure and synchronous: data, seed
-//! and [`observer::Observer`] in, values out; the same seed gives the same bits
-//! at any number of threads.
+//! `servoscope_bench` stands beside them: it draws machines, simulates them with a
+//! simulator of its own, and asks the public interface of `servoscope_core` what it sees.
 
-pub mod answers;
-pub mod benchmark;
 pub mod cli;
 pub mod config;
-pub mod diagnose;
-pub mod effects;
 pub mod http;
-pub mod identify;
-pub mod measurement;
-pub mod observer;
-pub mod plant;
 pub mod report;
-pub mod reproduce;
 pub mod service;
-pub mod simulate;
 pub mod store;
 pub mod web;
 pub mod worker;

@@ -7,13 +7,13 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
-
-use crate::benchmark::hidden::IDS;
-use crate::benchmark::naming::{
+use servoscope_bench::machines::hidden::IDS;
+use servoscope_bench::naming::{
     Case, Kind, Outcome, Plan, Settings, Sizing, Summary, Unmade, case_text, known_effect,
     misses_text, run_all, run_case, summary_text,
 };
-use crate::observer::Observer;
+use servoscope_core::observer::Observer;
+
 use crate::report;
 
 use super::{Failure, interrupt};

@@ -8,13 +8,13 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use servoscope_core::answers::{Answer, ConvergenceRow, IdentifyOptions, Progress};
+use servoscope_core::diagnose::DiagnoseError;
+use servoscope_core::identify::IdentifyError;
+use servoscope_core::measurement::Measurement;
+use servoscope_core::measurement::formats::Source;
+use servoscope_core::observer::Observer;
 
-use crate::answers::{Answer, ConvergenceRow, IdentifyOptions, Progress};
-use crate::diagnose::DiagnoseError;
-use crate::identify::IdentifyError;
-use crate::measurement::Measurement;
-use crate::measurement::formats::Source;
-use crate::observer::Observer;
 use crate::report;
 use crate::report::page::Content;
 use crate::service::{BuiltIn, Compared, JobRequest, Numerics, Submission, measured};
@@ -210,9 +210,9 @@ impl Observer for Watch {
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::answers::Identification;
+
     use super::*;
-    use crate::answers::Identification;
-    use crate::report;
 
     fn args() -> Args {
         Args {
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn the_json_form_is_the_result_object_alone() {
-        let answer = report::sample::identification();
+        let answer = servoscope_core::answers::sample::identification();
         let text = json(&answer).unwrap();
         assert_eq!(serde_json::from_str::<Identification>(&text).unwrap(), answer);
     }

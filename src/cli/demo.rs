@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use crate::answers::Answer;
+use servoscope_core::answers::Answer;
+
 use crate::report;
 use crate::service::{Service, ServiceError, Submission, Upload};
 use crate::store::FileRow;

@@ -6,13 +6,15 @@ use std::sync::atomic::Ordering;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::answers::Method;
-use crate::reproduce::{
-    Circumstances, Plan, Reproduction, Run, System, as_written, as_written_text, charts, document,
-    record, run_all,
+use servoscope_bench::reproduction::{
+    Circumstances, Plan, Reproduction, Run, System, as_written, as_written_text, document, record,
+    run_all,
 };
+use servoscope_core::answers::Method;
 
 use super::{Failure, interrupt};
+
+mod charts;
 
 /// Arguments of `reproduce`.
 #[derive(Debug, clap::Args)]
@@ -82,7 +84,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let reproduction = reproduction.map_err(Failure::other)?;
     bar.0.finish_and_clear();
     let conditions = conditions(&before, &load());
-    let charts = charts(&reproduction).map_err(Failure::other)?;
+    let charts = charts::charts(&reproduction).map_err(Failure::other)?;
     let text = document(
         &reproduction,
         &written,
@@ -104,7 +106,7 @@ fn write(
     folder: &Path,
     text: &str,
     reproduction: &Reproduction,
-    charts: &[crate::reproduce::Chart],
+    charts: &[servoscope_bench::reproduction::Chart],
 ) -> Result<(), Failure> {
     let figures = folder.join("reproduction");
     let create = |path: &Path| std::fs::create_dir_all(path);

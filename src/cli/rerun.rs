@@ -4,10 +4,10 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use serde_json::Value;
+use servoscope_core::answers::{Answer, JobKind, PlantRequest, Provenance};
+use servoscope_core::identify::IdentifyRequest;
+use servoscope_core::measurement::Measurement;
 
-use crate::answers::{Answer, JobKind, PlantRequest, Provenance};
-use crate::identify::IdentifyRequest;
-use crate::measurement::Measurement;
 use crate::service::{BuiltIn, Numerics};
 
 use super::{Failure, computation};
@@ -141,8 +141,9 @@ fn compare(path: &str, before: &Value, after: &Value, found: &mut Vec<String>) {
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::answers::sample;
+
     use super::*;
-    use crate::report::sample;
 
     #[test]
     fn times_may_differ_and_nothing_else_may() {

@@ -7,10 +7,10 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
 
-use crate::benchmark::simulator::Effect;
-use crate::effects::{check_slots, find};
-use crate::measurement::ResponseKind;
-use crate::measurement::formats::{MAX_ROWS, write_harmonic_csv};
+use servoscope_bench::machines::simulator::Effect;
+use servoscope_core::effects::{check_slots, find};
+use servoscope_core::measurement::ResponseKind;
+use servoscope_core::measurement::formats::{MAX_ROWS, write_harmonic_csv};
 
 use super::Failure;
 use axis::Axis;

@@ -3,8 +3,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use crate::diagnose::ValidateError;
-use crate::observer::Silent;
+use servoscope_core::diagnose::ValidateError;
+use servoscope_core::observer::Silent;
+
 use crate::report;
 use crate::service::{BuiltIn, Numerics};
 

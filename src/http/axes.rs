@@ -5,9 +5,9 @@ use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::Response;
 use serde::{Deserialize, Serialize};
+use servoscope_core::answers::{HistoryRow, ResultRow};
 use utoipa::{IntoParams, ToSchema};
 
-use crate::answers::{HistoryRow, ResultRow};
 use crate::service::{HistoryQuery, Service};
 use crate::store::ResultFilter;
 

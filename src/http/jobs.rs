@@ -8,9 +8,9 @@ use axum::extract::{Path, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
+use servoscope_core::answers::JobKind;
 use utoipa::IntoParams;
 
-use crate::answers::JobKind;
 use crate::service::{Service, Submission};
 use crate::store::JobFilter;
 

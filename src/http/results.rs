@@ -4,9 +4,9 @@ use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::HeaderMap;
 use axum::response::Response;
+use servoscope_core::answers::{Diagnosis, Identification};
 use utoipa::ToSchema;
 
-use crate::answers::{Diagnosis, Identification};
 use crate::service::Service;
 
 use super::cached;

@@ -5,9 +5,9 @@ use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::HeaderMap;
 use serde::Deserialize;
+use servoscope_core::answers::Validation;
 use utoipa::ToSchema;
 
-use crate::answers::Validation;
 use crate::service::Service;
 
 use super::body;

@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use servoscope_core::answers::{
+    ConvergenceRow, IdentifyOptions, JobKind, Method, PlantRequest, Progress,
+};
 use utoipa::ToSchema;
 
-use crate::answers::{ConvergenceRow, IdentifyOptions, JobKind, Method, PlantRequest, Progress};
 use crate::service::{Job, Listed, Measured};
 use crate::store::{AxisRow, Millis, Status};
 

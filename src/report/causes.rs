@@ -1,6 +1,6 @@
 //! What the base model misses, as a diagnosis names it.
 
-use crate::answers::{Candidate, Cause, Diagnosis, Gain, Identification};
+use servoscope_core::answers::{Candidate, Cause, Diagnosis, Gain, Identification};
 
 use super::columns::{Side, align_points, table};
 use super::number::{digits, significant};
@@ -179,8 +179,9 @@ pub(super) fn tried(candidates: &[Candidate]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::answers::sample;
+
     use super::*;
-    use crate::report::sample;
 
     fn line<'a>(text: &'a str, begin: &str) -> &'a str {
         let mut lines = text.lines().map(str::trim);

@@ -1,6 +1,8 @@
 //! A diagnosis as plain text for a terminal.
 
-use crate::answers::{Diagnosis, Discrepancy, NoiseSource, Pattern, ResidualGroup, Verdict};
+use servoscope_core::answers::{
+    Diagnosis, Discrepancy, NoiseSource, Pattern, ResidualGroup, Verdict,
+};
 
 use super::causes::{self, tried, with_causes};
 use super::columns::{Side, align_points, table};
@@ -111,8 +113,9 @@ fn tests(discrepancy: &Discrepancy) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::answers::sample;
+
     use super::*;
-    use crate::report::sample;
 
     #[test]
     fn the_verdict_and_its_sentence_come_first_and_the_base_model_last() {

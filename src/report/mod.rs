@@ -6,12 +6,10 @@ mod diagnosis;
 pub mod figures;
 mod number;
 pub mod page;
-#[cfg(test)]
-pub(crate) mod sample;
 mod text;
 mod validation;
 
-use crate::answers::Answer;
+use servoscope_core::answers::Answer;
 
 pub use causes::with_causes;
 pub use diagnosis::diagnosis;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use indexmap::IndexMap;
 
-use crate::answers::{
+use servoscope_core::answers::{
     Fit, Identification, NoiseSource, OrderChoice, ParameterEstimate, Stage, TransferFunction,
 };
 
@@ -228,8 +228,9 @@ fn polynomial(coefficients: &[f64], digits: usize) -> String {
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::answers::sample;
+
     use super::*;
-    use crate::report::sample;
 
     /// The words of the first line that begins with `word`.
     fn words<'a>(text: &'a str, word: &str) -> Vec<&'a str> {

@@ -1,6 +1,6 @@
 //! A validation as plain text for a terminal.
 
-use crate::answers::{Diagnosis, Gain, ValidatedModel, Validation, Verdict};
+use servoscope_core::answers::{Diagnosis, Gain, ValidatedModel, Validation, Verdict};
 
 use super::columns::{Side, align_points, table};
 use super::number::{digits, significant};
@@ -100,8 +100,9 @@ fn name(verdict: Verdict) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::answers::sample;
+
     use super::*;
-    use crate::report::sample;
 
     #[test]
     fn what_it_comes_to_stands_first_and_both_models_in_one_table() {

@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::answers::{Answer, HistoryRow, JobKind, ResultRow};
+use servoscope_core::answers::{Answer, HistoryRow, JobKind, ResultRow};
+
 use crate::report::figures::{self, Estimated, Format, Trend};
 use crate::report::page::parameter_name;
 use crate::store::{AxisRow, Millis, ResultFilter, StoredResult};
@@ -139,7 +140,7 @@ fn parameters(
     wanted: Option<&str>,
 ) -> Result<Vec<(Millis, HistoryRow)>, ServiceError> {
     let answer = answer(&stored.result)?;
-    let row = |(name, estimate): (&String, &crate::answers::ParameterEstimate)| {
+    let row = |(name, estimate): (&String, &servoscope_core::answers::ParameterEstimate)| {
         let row = HistoryRow {
             at: rfc3339(stored.at_ms),
             parameter: name.clone(),
@@ -200,8 +201,9 @@ fn seconds(rfc3339: &str) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::answers::sample;
+
     use super::*;
-    use crate::report::sample;
 
     fn stored(at_ms: Millis, answer: &Answer) -> StoredResult {
         StoredResult {

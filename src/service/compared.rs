@@ -1,7 +1,8 @@
 //! A measurement beside what the models of an answer make of it.
 
-use crate::answers::{Answer, Comparison, ConvergenceRow};
-use crate::measurement::Measurement;
+use servoscope_core::answers::{Answer, Comparison, ConvergenceRow};
+use servoscope_core::measurement::Measurement;
+
 use crate::report::figures::{Extended, Subject};
 use crate::report::with_causes;
 

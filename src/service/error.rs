@@ -1,7 +1,8 @@
 //! Why a request was not carried out.
 
-use crate::answers::InvalidOptions;
-use crate::measurement::formats::ParseError;
+use servoscope_core::answers::InvalidOptions;
+use servoscope_core::measurement::formats::ParseError;
+
 use crate::store::{Status, StoreError};
 
 /// Why a request was not carried out. Texts are for the caller; what only the

@@ -14,7 +14,7 @@ use futures_util::Stream;
 use futures_util::stream::unfold;
 use tracing::warn;
 
-use crate::answers::ConvergenceRow;
+use servoscope_core::answers::ConvergenceRow;
 
 use super::jobs::convergence_row;
 use super::{Job, Service, ServiceError};

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use serde_json::{Map, Number, Value, json};
 
-use crate::answers::{Answer, ComparedHarmonic, Comparison, Identification};
-use crate::measurement::Measurement;
-use crate::measurement::formats::write_harmonic_csv;
+use servoscope_core::answers::{Answer, ComparedHarmonic, Comparison, Identification};
+use servoscope_core::measurement::Measurement;
+use servoscope_core::measurement::formats::write_harmonic_csv;
 
 use super::measurements::sources;
 use super::{Compared, Service, ServiceError, aside};
@@ -208,9 +208,10 @@ fn csv(rows: &[Vec<String>]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::answers::sample;
+    use servoscope_core::measurement::formats::{Source, read};
+
     use super::*;
-    use crate::measurement::formats::{Source, read};
-    use crate::report::sample;
 
     const TABLE: &str = "# input: current A\n# response: velocity rad/s\n# label.site: north\n\
         magnitude,omega_rad_s,experiment,harmonic,re,im,std,repeat,run\n\

@@ -4,10 +4,10 @@ use std::pin::pin;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
+use servoscope_core::answers::{Answer, ConvergenceRow, Progress};
 use sha2::{Digest, Sha256};
 use tokio::time::Instant;
 
-use crate::answers::{Answer, ConvergenceRow, Progress};
 use crate::store::{
     Cancelling, ConvergencePoint, IdempotencyKey, Inserted, JobFilter, JobRow, NewJobRow, Status,
 };

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use servoscope_core::measurement::formats::Source;
+use servoscope_core::measurement::{Experiment, Measurement, Transient};
 use sha2::{Digest, Sha256};
 
-use crate::measurement::formats::Source;
-use crate::measurement::{Experiment, Measurement, Transient};
 use crate::store::{FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow};
 
 use super::{Added, Listed, Service, ServiceError, aside, page, paged};

@@ -1,11 +1,13 @@
 //! The numeric core as the service sees it.
 
-use crate::answers::{Answer, Comparison, Diagnosis, Identification, JobKind, Validation};
-use crate::diagnose::{self, DiagnoseError, ValidateError};
-use crate::identify::{self, IdentifyError, IdentifyRequest};
-use crate::measurement::Measurement;
-use crate::measurement::formats::{self, ParseError, Source};
-use crate::observer::Observer;
+use servoscope_core::answers::{
+    Answer, Comparison, Diagnosis, Identification, JobKind, Validation,
+};
+use servoscope_core::diagnose::{self, DiagnoseError, ValidateError};
+use servoscope_core::identify::{self, IdentifyError, IdentifyRequest};
+use servoscope_core::measurement::Measurement;
+use servoscope_core::measurement::formats::{self, ParseError, Source};
+use servoscope_core::observer::Observer;
 
 /// Everything the service asks of the numeric core: a seam, so that queue,
 /// cancellation and failure can be tested without minutes of computation.

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::answers::{Answer, ConvergenceRow};
+use servoscope_core::answers::{Answer, ConvergenceRow};
+
 use crate::report::figures::{self, Format, Subject};
 
 use super::jobs::answer;
@@ -83,11 +84,13 @@ fn no_plot(id: &str, name: &str, reason: &str, available: Vec<&'static str>) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::answers::Diagnosis;
-    use crate::report::sample;
+    use servoscope_core::answers::Diagnosis;
+    use servoscope_core::answers::sample;
 
-    use crate::measurement::formats::Source;
+    use super::*;
+
+    use servoscope_core::measurement::formats::Source;
+
     use crate::service::Numerics;
     use crate::service::testing::Scripted;
 

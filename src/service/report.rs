@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use servoscope_core::measurement::formats::Source;
+use servoscope_core::measurement::{Experiment, Loop, Measurement, ResponseKind};
 use sha2::{Digest, Sha256};
 
-use crate::measurement::formats::Source;
-use crate::measurement::{Experiment, Loop, Measurement, ResponseKind};
 use crate::report::page::{Content, DataFile, Measured, page};
 
 use super::measurements::{hexadecimal, sources};

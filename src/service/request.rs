@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::answers::{IdentifyOptions, JobKind, Method, PlantRequest};
-use crate::identify::IdentifyRequest;
+use servoscope_core::answers::{IdentifyOptions, JobKind, Method, PlantRequest};
+use servoscope_core::identify::IdentifyRequest;
 
 use super::ServiceError;
 

@@ -1,10 +1,11 @@
 //! Running jobs: what the worker asks of the service.
 
-use crate::answers::Answer;
-use crate::diagnose::{DiagnoseError, ValidateError};
-use crate::identify::IdentifyError;
-use crate::measurement::formats::ParseError;
-use crate::observer::Observer;
+use servoscope_core::answers::Answer;
+use servoscope_core::diagnose::{DiagnoseError, ValidateError};
+use servoscope_core::identify::IdentifyError;
+use servoscope_core::measurement::formats::ParseError;
+use servoscope_core::observer::Observer;
+
 use crate::store::{FileRow, StoreError};
 
 use super::measurements::sources;

@@ -2,14 +2,14 @@
 
 use std::time::Duration;
 
-use crate::answers::{
+use servoscope_core::answers::{
     Answer, Comparison, ConvergenceRow, Diagnosis, Identification, Progress, Validation,
 };
-use crate::diagnose::{DiagnoseError, ValidateError};
-use crate::identify::{IdentifyError, IdentifyRequest};
-use crate::measurement::formats::{ParseError, Source};
-use crate::measurement::{Complex, Experiment, Harmonic, Measurement, Metadata};
-use crate::observer::Observer;
+use servoscope_core::diagnose::{DiagnoseError, ValidateError};
+use servoscope_core::identify::{IdentifyError, IdentifyRequest};
+use servoscope_core::measurement::formats::{ParseError, Source};
+use servoscope_core::measurement::{Complex, Experiment, Harmonic, Measurement, Metadata};
+use servoscope_core::observer::Observer;
 
 use super::Numerics;
 
@@ -85,7 +85,9 @@ impl Numerics for Scripted {
             }
             PANIC => panic!("scripted panic"),
             UNUSABLE => Err(IdentifyError::Unusable { reason: "one frequency only".into() }),
-            seed => Ok(Identification { seed, ..crate::report::sample::identification() }),
+            seed => {
+                Ok(Identification { seed, ..servoscope_core::answers::sample::identification() })
+            }
         }
     }
 
@@ -94,7 +96,7 @@ impl Numerics for Scripted {
         _measurement: &Measurement,
         _answer: &Identification,
     ) -> Result<Comparison, IdentifyError> {
-        Ok(crate::report::sample::comparison())
+        Ok(servoscope_core::answers::sample::comparison())
     }
 
     fn diagnose(
@@ -105,8 +107,8 @@ impl Numerics for Scripted {
         observer: &dyn Observer,
     ) -> Result<Diagnosis, DiagnoseError> {
         let base = self.identify(measurement, request, observer)?;
-        let validation = second.map(|_| crate::report::sample::validation());
-        Ok(Diagnosis { base, validation, ..crate::report::sample::diagnosis() })
+        let validation = second.map(|_| servoscope_core::answers::sample::validation());
+        Ok(Diagnosis { base, validation, ..servoscope_core::answers::sample::diagnosis() })
     }
 
     fn validate(
@@ -117,7 +119,7 @@ impl Numerics for Scripted {
     ) -> Result<Validation, ValidateError> {
         match answer.base().seed {
             INCOMPARABLE => Err(ValidateError::Unusable { reason: "no fc_minus".into() }),
-            _ => Ok(crate::report::sample::validation()),
+            _ => Ok(servoscope_core::answers::sample::validation()),
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::answers::Validation;
-use crate::diagnose::ValidateError;
-use crate::observer::Silent;
+use servoscope_core::answers::Validation;
+use servoscope_core::diagnose::ValidateError;
+use servoscope_core::observer::Silent;
 
 use super::measurements::sources;
 use super::{Service, ServiceError, aside};

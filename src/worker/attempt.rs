@@ -3,10 +3,10 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use servoscope_core::answers::Progress;
 use tokio::time::MissedTickBehavior;
 use tracing::{error, info, warn};
 
-use crate::answers::Progress;
 use crate::service::{Failure, RunError};
 use crate::store::{Beat, ConvergencePoint, Lease, Outcome, StoreError};
 

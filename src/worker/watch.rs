@@ -4,8 +4,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::answers::{ConvergenceRow, Progress};
-use crate::observer::Observer;
+use servoscope_core::answers::{ConvergenceRow, Progress};
+use servoscope_core::observer::Observer;
+
 use crate::store::ConvergencePoint;
 
 /// Collects what a computation reports and tells it when to stop.

@@ -1,7 +1,7 @@
 //! The benchmark's simulator against the reference responses.
 
-use servoscope::benchmark::simulator::{Effect, Machine, Settings, respond};
-use servoscope::measurement::Complex;
+use servoscope_bench::machines::simulator::{Effect, Machine, Settings, respond};
+use servoscope_core::measurement::Complex;
 
 use crate::reference;
 

@@ -6,9 +6,9 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use servoscope::answers::{Identification, IdentifyOptions};
-use servoscope::benchmark::draw::{Draw, NoiseStatement, draw, measure};
-use servoscope::plant::Plant;
+use servoscope_bench::machines::draw::{Draw, NoiseStatement, draw, measure};
+use servoscope_core::answers::{Identification, IdentifyOptions};
+use servoscope_core::plant::Plant;
 
 use crate::machines::{ask, estimate, truth};
 

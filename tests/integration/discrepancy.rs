@@ -6,12 +6,14 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use servoscope::answers::{Discrepancy, Identification, IdentifyOptions, Pattern, PlantRequest};
-use servoscope::benchmark::draw::{Draw, NoiseStatement, draw, measure};
-use servoscope::diagnose::examine;
-use servoscope::identify::IdentifyRequest;
-use servoscope::measurement::{Complex, Experiment, Measurement, Repeat};
-use servoscope::observer::Silent;
+use servoscope_bench::machines::draw::{Draw, NoiseStatement, draw, measure};
+use servoscope_core::answers::{
+    Discrepancy, Identification, IdentifyOptions, Pattern, PlantRequest,
+};
+use servoscope_core::diagnose::examine;
+use servoscope_core::identify::IdentifyRequest;
+use servoscope_core::measurement::{Complex, Experiment, Measurement, Repeat};
+use servoscope_core::observer::Silent;
 
 use crate::machines::{changed, median};
 use crate::reference;

@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use servoscope::benchmark::draw::{Draw, draw};
-use servoscope::benchmark::hidden::{IDS, draw_effect};
-use servoscope::benchmark::simulator::{Effect, Settings};
-use servoscope::effects::{self, ActiveEffect, Wide};
-use servoscope::measurement::Complex;
-use servoscope::plant::{Actuator, Friction, Plant};
-use servoscope::simulate::{
+use servoscope_bench::machines::draw::{Draw, draw};
+use servoscope_bench::machines::hidden::{IDS, draw_effect};
+use servoscope_bench::machines::simulator::{Effect, Settings};
+use servoscope_core::effects::{self, ActiveEffect, Wide};
+use servoscope_core::measurement::Complex;
+use servoscope_core::plant::{Actuator, Friction, Plant};
+use servoscope_core::simulate::{
     Counts, Excitation, NoResponse, respond, respond_if, respond_with_sensitivities,
 };
 

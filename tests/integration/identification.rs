@@ -2,9 +2,9 @@
 
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
-use servoscope::answers::{IdentifyOptions, NoiseSource};
-use servoscope::benchmark::draw::{Draw, NoiseStatement, draw, measure};
-use servoscope::measurement::Measurement;
+use servoscope_bench::machines::draw::{Draw, NoiseStatement, draw, measure};
+use servoscope_core::answers::{IdentifyOptions, NoiseSource};
+use servoscope_core::measurement::Measurement;
 
 use crate::machines::{ask, changed, estimate, largest_error};
 use crate::reference::{self, g};

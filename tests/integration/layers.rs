@@ -1,9 +1,13 @@
-//! Which layer may know which: the picture in `src/lib.rs`, enforced.
+//! Which layer may know which: the pictures in `src/lib.rs` and `crates/core/src/lib.rs`, enforced.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::process::repository;
+
+/// Where the sources of each crate are, and by which names code says that it means a module of it.
+const CRATES: &[&str] = &["src", "crates/core/src", "crates/bench/src"];
+const PREFIXES: &[&str] = &["crate::", "servoscope_core::", "servoscope_bench::"];
 
 /// Plain data and the way a computation reports: everybody may know them.
 const COMMON: &[&str] = &["answers", "observer"];
@@ -45,14 +49,17 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "effects",
             "plant",
             "measurement",
-            "benchmark",
-            "reproduce",
+            "machines",
+            "naming",
+            "reproduction",
         ],
     ),
-    // Judges the others: a simulator of its own, the public interface otherwise.
-    ("benchmark", &["diagnose", "identify", "plant", "measurement"]),
-    // The experiments of the paper: measured by the simulator of `benchmark`, drawn by `report`.
-    ("reproduce", &["benchmark", "identify", "report", "plant", "measurement"]),
+    // Drawn machines and a simulator of their own: nothing that fits.
+    ("machines", &["plant", "measurement"]),
+    // Judges the others by the public interface.
+    ("naming", &["machines", "diagnose", "identify", "plant", "measurement"]),
+    // The experiments of the paper.
+    ("reproduction", &["machines", "identify", "plant", "measurement"]),
 ];
 
 /// The numeric core: data, seed and observer in, values out.
@@ -86,11 +93,15 @@ fn code(path: &Path) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Files of a layer: `src/layer.rs` or everything in `src/layer/`, tests aside.
+/// Files of a layer: `layer.rs` and everything in `layer/`, tests aside.
 fn files(layer: &str) -> Vec<PathBuf> {
-    let single = repository("src").join(format!("{layer}.rs"));
-    let mut found = if single.is_file() { vec![single] } else { Vec::new() };
-    let mut folders = vec![repository("src").join(layer)];
+    let mut found = Vec::new();
+    let mut folders = Vec::new();
+    for sources in CRATES {
+        let single = repository(sources).join(format!("{layer}.rs"));
+        found.extend(single.is_file().then_some(single));
+        folders.push(repository(sources).join(layer));
+    }
     while let Some(folder) = folders.pop() {
         let Ok(entries) = std::fs::read_dir(&folder) else { continue };
         for path in entries.map(|entry| entry.unwrap().path()) {
@@ -102,13 +113,14 @@ fn files(layer: &str) -> Vec<PathBuf> {
             }
         }
     }
+    assert!(!found.is_empty(), "no file of {layer}");
     found
 }
 
-/// Every `name` in `crate::name` and `crate::{name::…, name}`.
+/// Every `name` in `crate::name` and `crate::{name::…, name}`, and in the same of a named crate.
 fn named_layers(code: &str) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
-    for after in code.split("crate::").skip(1) {
+    for after in PREFIXES.iter().flat_map(|prefix| code.split(prefix).skip(1)) {
         match after.strip_prefix('{') {
             Some(group) => names.extend(group_heads(group)),
             None => names.extend([head(after)]),
@@ -178,8 +190,9 @@ fn the_numeric_core_has_no_runtime_clock_log_or_file() {
 #[test]
 fn the_table_lists_every_module_of_the_crate_and_has_no_cycle() {
     let listed: BTreeMap<&str, &[&str]> = ALLOWED.iter().copied().collect();
-    let lib = code(&repository("src/lib.rs"));
-    for line in lib.lines() {
+    let libraries: Vec<String> =
+        CRATES.iter().map(|sources| code(&repository(sources).join("lib.rs"))).collect();
+    for line in libraries.iter().flat_map(|library| library.lines()) {
         if let Some(module) = line.strip_prefix("pub mod ").and_then(|rest| rest.strip_suffix(';'))
         {
             assert!(listed.contains_key(module), "`{module}` is missing from the table");
@@ -198,10 +211,10 @@ fn the_table_lists_every_module_of_the_crate_and_has_no_cycle() {
 #[test]
 fn names_are_found_in_paths_and_groups() {
     let code = "use crate::plant::Plant;\nuse crate::{\n  store::{self, Page},\n  http, };\n\
-                fn f() { crate::cli::main() }";
+                fn f() { crate::cli::main() }\nuse servoscope_core::diagnose::diagnose;";
     let names = named_layers(code);
     assert_eq!(
         names.iter().map(String::as_str).collect::<Vec<_>>(),
-        ["cli", "http", "plant", "store"]
+        ["cli", "diagnose", "http", "plant", "store"]
     );
 }

@@ -1,10 +1,10 @@
 //! What cannot be identified is said, and what is no longer wanted ends.
 
-use servoscope::answers::{Identification, IdentifyOptions};
-use servoscope::benchmark::draw::{Draw, NoiseStatement, measure};
-use servoscope::identify::IdentifyError;
-use servoscope::measurement::Measurement;
-use servoscope::plant::Friction;
+use servoscope_bench::machines::draw::{Draw, NoiseStatement, measure};
+use servoscope_core::answers::{Identification, IdentifyOptions};
+use servoscope_core::identify::IdentifyError;
+use servoscope_core::measurement::Measurement;
+use servoscope_core::plant::Friction;
 
 use crate::machines::{Watcher, ask, ask_watched, changed, estimate, value};
 use crate::reference::{g_draw, g_measurement};

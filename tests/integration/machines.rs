@@ -3,13 +3,13 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use servoscope::answers::{
+use servoscope_core::answers::{
     ConvergenceRow, Identification, IdentifyOptions, ParameterEstimate, PlantRequest, Progress,
 };
-use servoscope::identify::{IdentifyError, IdentifyRequest, identify};
-use servoscope::measurement::{Experiment, Measurement, Metadata};
-use servoscope::observer::{Observer, Silent};
-use servoscope::plant::{Actuator, Plant};
+use servoscope_core::identify::{IdentifyError, IdentifyRequest, identify};
+use servoscope_core::measurement::{Experiment, Measurement, Metadata};
+use servoscope_core::observer::{Observer, Silent};
+use servoscope_core::plant::{Actuator, Plant};
 
 /// Parameters of a machine by the name they are reported under.
 pub fn truth(plant: &Plant) -> Vec<(&'static str, f64)> {

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use servoscope::measurement::formats::{Source, read, write_harmonic_csv};
-use servoscope::measurement::{Complex, Experiment, Measurement, ResponseKind};
+use servoscope_core::measurement::formats::{Source, read, write_harmonic_csv};
+use servoscope_core::measurement::{Complex, Experiment, Measurement, ResponseKind};
 
 use crate::reference;
 use crate::shared_files::{self, shared};

@@ -1,9 +1,9 @@
 //! Every method of the service, on the first system of the paper.
 
 use rayon::prelude::*;
-use servoscope::answers::{Identification, IdentifyOptions, Method, PlantRequest};
-use servoscope::identify::{IdentifyRequest, identify};
-use servoscope::measurement::Measurement;
+use servoscope_core::answers::{Identification, IdentifyOptions, Method, PlantRequest};
+use servoscope_core::identify::{IdentifyRequest, identify};
+use servoscope_core::measurement::Measurement;
 
 use crate::machines::{Watcher, changed, largest_error};
 use crate::reference::{g, g_measurement};

@@ -1,8 +1,8 @@
 //! A result, tried on records that do not repeat.
 
 use serde_json::{Value, json};
-use servoscope::benchmark::simulator::{Effect, Machine, Samples, Settings, Start, follow};
-use servoscope::plant::{Actuator, Friction, Plant};
+use servoscope_bench::machines::simulator::{Effect, Machine, Samples, Settings, Start, follow};
+use servoscope_core::plant::{Actuator, Friction, Plant};
 
 use crate::process::{Server, servoscope, simulated};
 

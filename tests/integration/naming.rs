@@ -1,13 +1,13 @@
 //! A small fixed part of the benchmark of naming.
 
-use servoscope::answers::{PlantRequest, Verdict};
-use servoscope::benchmark::naming::{
+use servoscope_bench::naming::{
     Case, DETECTABLE, Estimated, Outcome, Settings, Sizing, base_excess, make, run_case,
 };
-use servoscope::diagnose::diagnose;
-use servoscope::effects::find;
-use servoscope::identify::{Effort, IdentifyRequest, Workbench};
-use servoscope::observer::Silent;
+use servoscope_core::answers::{PlantRequest, Verdict};
+use servoscope_core::diagnose::diagnose;
+use servoscope_core::effects::find;
+use servoscope_core::identify::{Effort, IdentifyRequest, Workbench};
+use servoscope_core::observer::Silent;
 
 use crate::reference;
 

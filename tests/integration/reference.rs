@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use servoscope::benchmark::draw::{Draw, NoiseStatement, measure};
-use servoscope::measurement::formats::{self, Source};
-use servoscope::measurement::{Complex, Measurement};
-use servoscope::plant::{Actuator, Friction, Plant};
+use servoscope_bench::machines::draw::{Draw, NoiseStatement, measure};
+use servoscope_core::measurement::formats::{self, Source};
+use servoscope_core::measurement::{Complex, Measurement};
+use servoscope_core::plant::{Actuator, Friction, Plant};
 
 use crate::shared_files::{reference, shared};
 

@@ -1,9 +1,9 @@
 //! The paper's experiments in a reduced form, held against what was recorded.
 
-use servoscope::answers::Method;
-use servoscope::reproduce::{
+use servoscope_bench::reproduction::{
     Plan, Recorded, System, as_close_as_published, median, percentile_90, read, record, run_all,
 };
+use servoscope_core::answers::Method;
 
 use crate::process::repository;
 

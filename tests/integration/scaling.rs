@@ -1,9 +1,9 @@
 //! Other units are the same machine.
 
 use rayon::prelude::*;
-use servoscope::answers::IdentifyOptions;
-use servoscope::benchmark::draw::{Draw, NoiseStatement, draw, measure};
-use servoscope::measurement::{Complex, Experiment, Measurement, ResponseKind};
+use servoscope_bench::machines::draw::{Draw, NoiseStatement, draw, measure};
+use servoscope_core::answers::IdentifyOptions;
+use servoscope_core::measurement::{Complex, Experiment, Measurement, ResponseKind};
 
 use crate::machines::{ask, changed};
 use crate::reference::g_measurement;

@@ -1,9 +1,9 @@
 //! What the network and the bee colony do, each on its own.
 
 use rayon::prelude::*;
-use servoscope::answers::{ColonyOptions, Identification, IdentifyOptions, NetworkOptions};
-use servoscope::benchmark::draw::{Draw, NoiseStatement, draw, measure};
-use servoscope::measurement::Measurement;
+use servoscope_bench::machines::draw::{Draw, NoiseStatement, draw, measure};
+use servoscope_core::answers::{ColonyOptions, Identification, IdentifyOptions, NetworkOptions};
+use servoscope_core::measurement::Measurement;
 
 use crate::machines::{Watcher, ask, ask_watched, largest_error, median, relative_errors};
 use crate::reference::{g, g_draw, g_measurement};

@@ -1,8 +1,8 @@
 //! The simulator against the reference responses.
 
-use servoscope::effects::{self, ActiveEffect};
-use servoscope::plant::{Friction, Plant};
-use servoscope::simulate::{Excitation, respond};
+use servoscope_core::effects::{self, ActiveEffect};
+use servoscope_core::plant::{Friction, Plant};
+use servoscope_core::simulate::{Excitation, respond};
 
 use crate::reference;
 

@@ -5,12 +5,12 @@ use std::f64::consts::TAU;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use servoscope::benchmark::draw::draw;
-use servoscope::benchmark::simulator::{self, Effect, Machine, Settings, SimulatorError};
-use servoscope::effects::{self, ActiveEffect};
-use servoscope::measurement::Complex;
-use servoscope::plant::{Friction, Plant};
-use servoscope::simulate::{Excitation, NoResponse, respond};
+use servoscope_bench::machines::draw::draw;
+use servoscope_bench::machines::simulator::{self, Effect, Machine, Settings, SimulatorError};
+use servoscope_core::effects::{self, ActiveEffect};
+use servoscope_core::measurement::Complex;
+use servoscope_core::plant::{Friction, Plant};
+use servoscope_core::simulate::{Excitation, NoResponse, respond};
 
 /// Machines of each order, with the static level raised and not.
 const MACHINES: u64 = 40;

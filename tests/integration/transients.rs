@@ -2,11 +2,11 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use servoscope::benchmark::simulator::{self, Effect, Machine, Samples, Settings, Start};
-use servoscope::effects::{self, ActiveEffect};
-use servoscope::measurement::Intersample;
-use servoscope::plant::{Actuator, Friction, Plant};
-use servoscope::simulate::{InitialState, SampledInput, Trajectory, follow};
+use servoscope_bench::machines::simulator::{self, Effect, Machine, Samples, Settings, Start};
+use servoscope_core::effects::{self, ActiveEffect};
+use servoscope_core::measurement::Intersample;
+use servoscope_core::plant::{Actuator, Friction, Plant};
+use servoscope_core::simulate::{InitialState, SampledInput, Trajectory, follow};
 
 const STEP_S: f64 = 5e-3;
 

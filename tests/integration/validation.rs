@@ -8,14 +8,14 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::{Value, json};
-use servoscope::answers::{Answer, Diagnosis, ValidatedModel, Validation, Verdict};
-use servoscope::benchmark::draw::{Draw, NoiseStatement, draw};
-use servoscope::benchmark::responses::Responses;
-use servoscope::benchmark::simulator::{Effect, Machine, Samples, Settings, Start, follow};
-use servoscope::diagnose::{diagnose, validate};
-use servoscope::identify::IdentifyRequest;
-use servoscope::measurement::{Beginning, Measurement, Metadata, Transient};
-use servoscope::observer::Silent;
+use servoscope_bench::machines::draw::{Draw, NoiseStatement, draw};
+use servoscope_bench::machines::responses::Responses;
+use servoscope_bench::machines::simulator::{Effect, Machine, Samples, Settings, Start, follow};
+use servoscope_core::answers::{Answer, Diagnosis, ValidatedModel, Validation, Verdict};
+use servoscope_core::diagnose::{diagnose, validate};
+use servoscope_core::identify::IdentifyRequest;
+use servoscope_core::measurement::{Beginning, Measurement, Metadata, Transient};
+use servoscope_core::observer::Silent;
 
 use crate::process::{Server, servoscope, simulated};
 

@@ -1,7 +1,8 @@
 //! The axis that is simulated, from its parameters by name.
 
+use servoscope_core::plant::{Actuator, Friction, Plant};
+
 use crate::cli::Failure;
-use crate::plant::{Actuator, Friction, Plant};
 
 /// Parameters of the axis; the defaults are the first system of the paper.
 #[derive(Debug, clap::Args)]

@@ -4,13 +4,13 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::benchmark::draw::{NoiseStatement, noise_std, observe};
-use crate::benchmark::simulator::{self, Effect, Machine, Settings, SimulatorError};
-use crate::measurement::{
+use servoscope_bench::machines::draw::{NoiseStatement, noise_std, observe};
+use servoscope_bench::machines::simulator::{self, Effect, Machine, Settings, SimulatorError};
+use servoscope_core::measurement::{
     Complex, Experiment, InvalidMeasurement, Measurement, Metadata, Quantity, ResponseKind,
 };
-use crate::plant::{Friction, Plant};
-use crate::simulate::{Excitation, NoResponse, respond};
+use servoscope_core::plant::{Friction, Plant};
+use servoscope_core::simulate::{Excitation, NoResponse, respond};
 
 /// Corrections of the input that holds a position.
 const CORRECTIONS: usize = 40;
@@ -288,8 +288,9 @@ fn shifted(friction: Friction, offset: f64) -> Friction {
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::plant::Actuator;
+
     use super::*;
-    use crate::plant::Actuator;
 
     fn bench() -> Bench {
         Bench {

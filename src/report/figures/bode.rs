@@ -2,13 +2,14 @@
 
 mod curves;
 
+use servoscope_core::answers::Comparison;
+
 use super::canvas::{Anchor, Canvas, LABEL, Marker, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, DEGREES, Scale, padded, range};
 use super::series::{in_fraction, left_out};
 use super::text::{self, number};
 use super::{Extended, NothingToDraw, Subject, comparison};
-use crate::answers::Comparison;
 use curves::{Curve, Point, Ratio, curves};
 
 const LEFT: f64 = 64.0;

@@ -1,6 +1,6 @@
 //! How the identification converged, stage by stage.
 
-use crate::answers::ConvergenceRow;
+use servoscope_core::answers::ConvergenceRow;
 
 use super::canvas::{Canvas, MARGIN, Marker, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};

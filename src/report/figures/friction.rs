@@ -3,7 +3,7 @@
 mod model;
 mod velocities;
 
-use crate::answers::{Comparison, Identification};
+use servoscope_core::answers::{Comparison, Identification};
 
 use super::canvas::{Anchor, Canvas, LABEL, Marker, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};

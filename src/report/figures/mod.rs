@@ -23,7 +23,7 @@ mod tests;
 mod text;
 mod theme;
 
-use crate::answers::{Answer, Comparison, ConvergenceRow, Discrepancy, Identification};
+use servoscope_core::answers::{Answer, Comparison, ConvergenceRow, Discrepancy, Identification};
 
 use canvas::Canvas;
 

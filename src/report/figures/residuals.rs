@@ -3,7 +3,7 @@
 mod lines;
 mod map;
 
-use crate::answers::{Comparison, Pattern};
+use servoscope_core::answers::{Comparison, Pattern};
 
 use super::canvas::{Anchor, Canvas, Font, MARGIN, WIDTH};
 use super::series::{counted, has_many_lines, left_out, sigmas};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
+use servoscope_core::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
 
 use super::text;
 

@@ -1,5 +1,7 @@
 //! Harmonics of the response, measured, simulated and the noise between them.
 
+use servoscope_core::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
+
 use super::canvas::{Canvas, MARGIN, Marker, TICK, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, Tick, range};
@@ -9,7 +11,6 @@ use super::series::{
 };
 use super::text::{self, number};
 use super::{NothingToDraw, Subject, comparison};
-use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
 
 /// Panels at most: a few representative experiments say more than all.
 const MOST_PANELS: usize = 4;

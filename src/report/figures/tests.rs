@@ -1,13 +1,13 @@
 //! What holds for every figure, whatever it is drawn of.
 
 use roxmltree::{Document, Node};
-
-use super::{Extended, Subject, Theme, available, draw, names, text};
-use crate::answers::{
+use servoscope_core::answers::sample;
+use servoscope_core::answers::{
     ComparedExperiment, ComparedHarmonic, Comparison, ConvergenceRow, Discrepancy, Identification,
     Pattern, Unanswered,
 };
-use crate::report::sample;
+
+use super::{Extended, Subject, Theme, available, draw, names, text};
 
 /// The largest file, bytes: what a page of several figures may weigh.
 const MOST_BYTES: usize = 300_000;

@@ -1,8 +1,8 @@
 //! What the simulation misses.
 
 use maud::{Markup, html};
+use servoscope_core::answers::{Cause, ParameterEstimate, Verdict};
 
-use crate::answers::{Cause, ParameterEstimate, Verdict};
 use crate::report::causes::per_cent;
 use crate::report::text::{flags, in_digits};
 

@@ -1,8 +1,8 @@
 //! Measured against simulated, before and after, and what that gains.
 
 use maud::{Markup, html};
+use servoscope_core::answers::{Gain, Identification};
 
-use crate::answers::{Gain, Identification};
 use crate::report::causes::{gains, held_out};
 use crate::report::number::digits;
 

@@ -1,8 +1,10 @@
 //! Where the simulation departs from the measurement.
 
 use maud::{Markup, html};
+use servoscope_core::answers::{
+    Discrepancy, NoiseSource, Pattern, ResidualGroup, ResidualTest, Verdict,
+};
 
-use crate::answers::{Discrepancy, NoiseSource, Pattern, ResidualGroup, ResidualTest, Verdict};
 use crate::report::number::{digits, significant};
 
 use super::figure::figure;

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::answers::{Answer, Diagnosis, Identification, Verdict};
+use servoscope_core::answers::{Answer, Diagnosis, Identification, Verdict};
 
 use super::Content;
 use super::words::{a, confidence, effect, joined, number, per_cent, sentence};

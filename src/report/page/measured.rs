@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::answers::{Comparison, NoiseSource};
+use servoscope_core::answers::{Comparison, NoiseSource};
 
 use super::table::{Cell, table};
 use super::words::{number, quantity, sentence};

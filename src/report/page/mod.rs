@@ -23,7 +23,7 @@ mod words;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::answers::{Answer, Comparison, ConvergenceRow};
+use servoscope_core::answers::{Answer, Comparison, ConvergenceRow};
 
 use super::figures::{Extended, Subject};
 

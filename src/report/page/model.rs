@@ -1,8 +1,8 @@
 //! The model: transfer function, parameters, and how they were computed.
 
 use maud::{Markup, html};
+use servoscope_core::answers::{Identification, OrderChoice};
 
-use crate::answers::{Identification, OrderChoice};
 use crate::report::figures::Subject;
 use crate::report::text::{coefficient_digits, cost_name, stages};
 
@@ -86,7 +86,7 @@ fn polynomial(coefficients: &[f64], digits: usize) -> Markup {
 pub(super) fn computed(content: &Content<'_>) -> Option<Section> {
     let model = content.answer.model();
     let (of_model, others) = stages(model);
-    let row = |(name, stage): &(String, &crate::answers::Stage)| {
+    let row = |(name, stage): &(String, &servoscope_core::answers::Stage)| {
         vec![
             Cell::text(name),
             Cell::plain(stage.cost, 4),
@@ -114,7 +114,7 @@ pub(super) fn computed(content: &Content<'_>) -> Option<Section> {
 }
 
 fn order(choice: &OrderChoice, answer: &Identification) -> Markup {
-    let row = |candidate: &crate::answers::OrderCandidate| {
+    let row = |candidate: &servoscope_core::answers::OrderCandidate| {
         vec![
             Cell::text(candidate.actuator_order.to_string()),
             Cell::plain(candidate.chi2, 4),

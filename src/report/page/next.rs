@@ -2,7 +2,7 @@
 
 use maud::html;
 
-use crate::answers::Verdict;
+use servoscope_core::answers::Verdict;
 
 use super::words::{quantity, sentence, without_ids};
 use super::{Content, Section};

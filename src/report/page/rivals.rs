@@ -1,8 +1,8 @@
 //! Every effect that was tried, and why it is not the cause.
 
 use maud::html;
+use servoscope_core::answers::Candidate;
 
-use crate::answers::Candidate;
 use crate::report::number::digits;
 
 use super::table::{Cell, table};

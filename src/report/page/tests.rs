@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use roxmltree::{Document, Node, ParsingOptions};
+use servoscope_core::answers::sample;
+use servoscope_core::answers::{Candidate, Diagnosis, Verdict};
 
 use super::*;
-use crate::answers::{Candidate, Diagnosis, Verdict};
-use crate::report::sample;
 
 /// A page and the answer it was written of, with every figure that can be drawn.
 fn written(answer: &Answer, measured: &Measured) -> String {

@@ -1,8 +1,8 @@
 //! Names, numbers and confidence in words.
 
 use maud::{Markup, html};
+use servoscope_core::answers::Cause;
 
-use crate::answers::Cause;
 use crate::report::figures::superscript;
 
 /// A number as it is printed: a true minus sign, and a power of ten.

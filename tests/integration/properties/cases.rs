@@ -7,9 +7,9 @@ use proptest::sample::{select, subsequence};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use servoscope::benchmark::simulator::{Machine, Settings, respond};
-use servoscope::measurement::Complex;
-use servoscope::plant::{Actuator, Friction, Plant};
+use servoscope_bench::machines::simulator::{Machine, Settings, respond};
+use servoscope_core::measurement::Complex;
+use servoscope_core::plant::{Actuator, Friction, Plant};
 
 /// What answers the input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,11 +2,11 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use servoscope::answers::{Diagnosis, Identification, NoiseSource, Verdict};
-use servoscope::diagnose::{DiagnoseError, diagnose};
-use servoscope::identify::{IdentifyError, IdentifyRequest, compare, identify};
-use servoscope::measurement::Measurement;
-use servoscope::measurement::formats::{Source, read};
+use servoscope_core::answers::{Diagnosis, Identification, NoiseSource, Verdict};
+use servoscope_core::diagnose::{DiagnoseError, diagnose};
+use servoscope_core::identify::{IdentifyError, IdentifyRequest, compare, identify};
+use servoscope_core::measurement::Measurement;
+use servoscope_core::measurement::formats::{Source, read};
 
 use super::cases::Case;
 use crate::machines::Watcher;

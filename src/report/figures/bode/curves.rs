@@ -2,12 +2,13 @@
 
 use std::collections::HashMap;
 
+use servoscope_core::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
+
 use super::super::scale::range;
 use super::super::series::{
     by_magnitude, excited, experiment_label, frequency_hz, has_many_lines, is_seen,
     largest_measured, magnitude_label, size,
 };
-use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
 
 /// Most that the phase of an axis and its actuator turns over a band, degrees:
 /// beyond it, noise was counted as turns.

@@ -1,6 +1,6 @@
 //! Friction as an identified model has it, and how sure it is.
 
-use crate::answers::{Identification, ParameterEstimate};
+use servoscope_core::answers::{Identification, ParameterEstimate};
 
 /// Velocities at which the torque is drawn, each side.
 const STEPS: usize = 40;
@@ -173,8 +173,9 @@ pub(super) fn band(
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::answers::sample;
+
     use super::*;
-    use crate::report::sample;
 
     #[test]
     fn the_band_knows_that_pole_and_constant_go_together() {

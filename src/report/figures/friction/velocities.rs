@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::answers::{ComparedExperiment, Comparison};
+use servoscope_core::answers::{ComparedExperiment, Comparison};
 
 use super::super::canvas::{Anchor, Canvas, NOTE};
 use super::super::panel::{Naming, Panel};
@@ -84,8 +84,9 @@ fn extremes(experiment: &ComparedExperiment, power: i32) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::answers::ComparedHarmonic;
+
     use super::*;
-    use crate::answers::ComparedHarmonic;
 
     #[test]
     fn velocities_follow_from_any_kind_of_response() {

@@ -1,6 +1,6 @@
 //! Records of many lines: residuals over the frequency of the line.
 
-use crate::answers::{ComparedExperiment, Comparison, Pattern};
+use servoscope_core::answers::{ComparedExperiment, Comparison, Pattern};
 
 use super::super::canvas::{Canvas, MARGIN, Marker, WIDTH};
 use super::super::panel::{Key, Look, Naming, Panel, legend};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison, Pattern};
+use servoscope_core::answers::{ComparedExperiment, ComparedHarmonic, Comparison, Pattern};
 
 use super::super::canvas::{AXIS, Anchor, Canvas, HEADING, NOTE, TICK, WIDTH};
 use super::super::scale::Scale;

@@ -1,0 +1,60 @@
+//! Draws and answers made by hand.
+
+use indexmap::IndexMap;
+use servoscope_core::answers::sample;
+use servoscope_core::answers::{Cause, Diagnosis, Verdict};
+
+use super::case::Case;
+use super::judge::{Outcome, Seconds};
+use super::make::{Hidden, Made};
+use crate::machines::draw::{draw, measure};
+
+pub(super) fn cause(effect: &str, confidence: f64, equivalents: &[&str]) -> Cause {
+    Cause {
+        effect: effect.to_owned(),
+        parameters: IndexMap::new(),
+        confidence,
+        explanation: String::new(),
+        gain: None,
+        equivalents: equivalents.iter().map(|id| (*id).to_owned()).collect(),
+    }
+}
+
+/// An answer without causes.
+pub(super) fn diagnosis(verdict: Verdict) -> Diagnosis {
+    Diagnosis { verdict, ..sample::diagnosis() }
+}
+
+/// A draw with effects that all have an amplitude, cycles per unit and a phase of 1.
+pub(super) fn made(hidden: &[&'static str]) -> Made {
+    let mut machine = draw(0, 1);
+    machine.design.truncate(1);
+    let parameters = ["amplitude", "cycles_per_unit", "phase"].map(|name| (name, 1.0));
+    let with_parameters = |effect: &&'static str| Hidden {
+        effect,
+        parameters: IndexMap::from(parameters),
+        excess: 1_000.0,
+    };
+    Made {
+        hidden: hidden.iter().map(with_parameters).collect(),
+        excess: 1_000.0,
+        plant: IndexMap::from([("pole", -10.0)]),
+        measurement: measure(&machine, 1).expect("a machine that moves"),
+        noise_std: 0.1,
+        machine,
+        attempts: 1,
+    }
+}
+
+/// What is made of a draw by its key in which these causes are named.
+pub(super) fn outcome(
+    key: &str,
+    hidden: &[&'static str],
+    causes: &[(&str, f64, &[&str])],
+    verdict: Verdict,
+) -> Outcome {
+    let case: Case = key.parse().expect("a key");
+    let mut answer = diagnosis(verdict);
+    answer.causes = causes.iter().map(|(id, p, equivalents)| cause(id, *p, equivalents)).collect();
+    Outcome::new(&case, &made(hidden), Ok(&answer), Seconds { data: 0.5, job: 2.0 })
+}

@@ -1,0 +1,318 @@
+//! What a diagnosis is worth, knowing the truth.
+
+use std::f64::consts::TAU;
+
+use indexmap::IndexMap;
+use serde::Serialize;
+use servoscope_core::answers::{Diagnosis, ParameterEstimate, Verdict};
+
+use super::case::{Case, Kind};
+use super::fresh::Fresh;
+use super::make::{Hidden, Made};
+use super::rivals::Nearest;
+use super::separation::Separation;
+
+/// Equivalents that count, at most.
+const MOST_EQUIVALENTS: usize = 2;
+
+/// A draw, what was said of it, and what it took.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Outcome {
+    /// The key of the draw.
+    pub key: String,
+    /// What was hidden, in one word.
+    pub kind: Kind,
+    /// Noise, dB.
+    pub level_db: u32,
+    /// True order of the actuator.
+    pub order: u8,
+    /// Whether it carried repeats in place of deviations.
+    pub repeats: bool,
+    /// Excess of the base model of the true order; 0 where nothing is hidden.
+    pub excess: f64,
+    /// What was hidden.
+    pub hidden: Vec<Hidden>,
+    /// What was said; the error where nothing was.
+    pub answer: Result<Answer, String>,
+    /// Whether the next experiment told the hidden effect from its rivals; null where that
+    /// was not tried.
+    pub separation: Option<Separation>,
+    /// The library's effect that imitates a single hidden one best; null where that was not
+    /// asked.
+    pub nearest: Option<Nearest>,
+    /// The gain, and what a fresh measurement shows; null where none is given.
+    pub fresh: Option<Fresh>,
+    /// What it took.
+    pub seconds: Seconds,
+}
+
+/// Wall-clock seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Seconds {
+    /// To draw the machine and simulate it.
+    pub data: f64,
+    /// To diagnose it.
+    pub job: f64,
+}
+
+/// What is kept of a diagnosis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Answer {
+    /// What it came to.
+    pub verdict: Verdict,
+    /// Causes, strongest first.
+    pub causes: Vec<Named>,
+    /// Parameters of causes that were hidden.
+    pub effect_parameters: Vec<Estimated>,
+    /// Parameters of the plant, with the causes or, where none is named, without.
+    pub plant_parameters: Vec<Estimated>,
+}
+
+/// A cause as it was named.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Named {
+    /// Id of the effect.
+    pub effect: String,
+    /// Its confidence.
+    pub confidence: f64,
+    /// What the data cannot tell from it.
+    pub equivalents: Vec<String>,
+    /// Values of its parameters.
+    pub parameters: IndexMap<String, Option<f64>>,
+}
+
+/// A parameter that is known and was estimated.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Estimated {
+    /// The effect, or `plant`.
+    pub of: String,
+    /// Its name.
+    pub name: String,
+    /// Its true value.
+    pub truth: f64,
+    /// The estimate's 95 % interval; null where the data is said not to determine it.
+    pub interval95: Option<[f64; 2]>,
+}
+
+impl Estimated {
+    fn new(of: &str, name: &str, truth: f64, estimate: Option<&ParameterEstimate>) -> Self {
+        let interval95 = estimate.and_then(|estimate| estimate.interval95);
+        Self { of: of.to_owned(), name: name.to_owned(), truth, interval95 }
+    }
+
+    /// Whether the interval holds the truth, a phase in any of its turns; `None` without an
+    /// interval.
+    pub fn held(&self) -> Option<bool> {
+        self.interval95.map(|[low, high]| {
+            let truth = match self.name.as_str() {
+                // The first turn that is not below the interval.
+                "phase" => self.truth + TAU * ((low - self.truth) / TAU).ceil(),
+                _ => self.truth,
+            };
+            (low..=high).contains(&truth)
+        })
+    }
+}
+
+impl Outcome {
+    /// Judges an answer to a draw that was made.
+    pub fn new(
+        case: &Case,
+        made: &Made,
+        answer: Result<&Diagnosis, String>,
+        seconds: Seconds,
+    ) -> Self {
+        Self {
+            key: case.to_string(),
+            kind: case.kind,
+            level_db: case.level_db,
+            order: case.order,
+            repeats: case.has_repeats(),
+            excess: made.excess,
+            hidden: made.hidden.clone(),
+            answer: answer.map(|diagnosis| Answer::of(diagnosis, made)),
+            separation: None,
+            nearest: None,
+            fresh: None,
+            seconds,
+        }
+    }
+
+    /// Causes, strongest first; empty where nothing was said.
+    pub fn causes(&self) -> &[Named] {
+        self.answer.as_ref().map_or(&[], |answer| &answer.causes)
+    }
+
+    /// The verdict, if there is one.
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.answer.as_ref().ok().map(|answer| answer.verdict)
+    }
+
+    /// Whether this effect was hidden.
+    pub fn is_hidden(&self, effect: &str) -> bool {
+        self.hidden.iter().any(|hidden| hidden.effect == effect)
+    }
+
+    /// Whether the first cause is what was hidden.
+    pub fn named_first(&self) -> bool {
+        self.causes().first().is_some_and(|first| self.is_hidden(&first.effect))
+    }
+
+    /// Whether what was hidden is the first cause or among its first two equivalents.
+    pub fn first_or_equivalent(&self) -> bool {
+        let counted = |first: &Named| {
+            first.equivalents.iter().take(MOST_EQUIVALENTS).any(|id| self.is_hidden(id))
+        };
+        self.named_first() || self.causes().first().is_some_and(counted)
+    }
+
+    /// Whether everything hidden is named and nothing else.
+    pub fn named_exactly(&self) -> bool {
+        let causes = self.causes();
+        self.answer.is_ok()
+            && causes.len() == self.hidden.len()
+            && self.hidden.iter().all(|hidden| causes.iter().any(|c| c.effect == hidden.effect))
+    }
+
+    /// Whether the verdict is that the causes explain the data.
+    pub fn is_explained(&self) -> bool {
+        self.verdict() == Some(Verdict::Explained)
+    }
+
+    /// Whether any cause has at least this confidence.
+    pub fn any_at(&self, confidence: f64) -> bool {
+        self.causes().iter().any(|cause| cause.confidence >= confidence)
+    }
+
+    /// Whether it is as it should be: what was hidden named first and everything explained;
+    /// nothing named of what is clean; both of a pair; of an outsider, nothing that claims to
+    /// explain it or to be certain.
+    pub fn is_right(&self) -> bool {
+        self.answer.is_ok()
+            && match self.kind {
+                Kind::Single => self.named_first() && self.is_explained(),
+                Kind::Clean => self.causes().is_empty(),
+                Kind::Pair => self.named_exactly(),
+                Kind::Outsider => !self.is_explained() && !self.any_at(0.9),
+            }
+    }
+}
+
+impl Answer {
+    fn of(diagnosis: &Diagnosis, made: &Made) -> Self {
+        let named = diagnosis.causes.iter().map(|cause| Named {
+            effect: cause.effect.clone(),
+            confidence: cause.confidence,
+            equivalents: cause.equivalents.clone(),
+            parameters: cause.parameters.iter().map(|(name, p)| (name.clone(), p.value)).collect(),
+        });
+        let effect_parameters = made.hidden.iter().flat_map(|hidden| {
+            let causes = diagnosis.causes.iter().filter(|cause| cause.effect == hidden.effect);
+            causes.flat_map(|cause| {
+                hidden.parameters.iter().map(|(name, truth)| {
+                    Estimated::new(hidden.effect, name, *truth, cause.parameters.get(*name))
+                })
+            })
+        });
+        let model = diagnosis.extended.as_ref().unwrap_or(&diagnosis.base);
+        let of_plant = |(name, truth): (&&str, &f64)| {
+            Estimated::new("plant", name, *truth, model.parameters.get(*name))
+        };
+        Self {
+            verdict: diagnosis.verdict,
+            causes: named.collect(),
+            effect_parameters: effect_parameters.collect(),
+            plant_parameters: made.plant.iter().map(of_plant).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{cause, diagnosis, made, outcome};
+    use super::*;
+
+    #[test]
+    fn a_single_effect_counts_where_it_is_first_and_explains() {
+        let named = |causes: &[(&str, f64, &[&str])], verdict| {
+            outcome("single-60-spring-o0-0", &["spring"], causes, verdict)
+        };
+        let right = named(&[("spring", 0.99, &[])], Verdict::Explained);
+        assert!(right.named_first() && right.is_right() && right.named_exactly());
+        let improved = named(&[("spring", 0.99, &[])], Verdict::Improved);
+        assert!(improved.named_first() && !improved.is_right());
+        let second = named(&[("cogging", 0.6, &[]), ("spring", 0.5, &[])], Verdict::Explained);
+        assert!(!second.named_first() && !second.first_or_equivalent() && !second.is_right());
+        let equivalent = named(&[("cogging", 0.6, &["stribeck", "spring"])], Verdict::Explained);
+        assert!(!equivalent.named_first() && equivalent.first_or_equivalent());
+        let third = ["stribeck", "backlash", "spring"];
+        assert!(!named(&[("cogging", 0.6, &third)], Verdict::Explained).first_or_equivalent());
+        let silent = named(&[], Verdict::Unexplained);
+        assert!(!silent.first_or_equivalent() && !silent.is_right());
+    }
+
+    #[test]
+    fn a_pair_counts_where_both_and_nothing_else_are_named() {
+        let named = |causes: &[(&str, f64, &[&str])]| {
+            outcome("pair-60-o0-0", &["spring", "stribeck"], causes, Verdict::Explained)
+        };
+        assert!(named(&[("stribeck", 0.9, &[]), ("spring", 0.9, &[])]).is_right());
+        assert!(!named(&[("stribeck", 0.9, &[])]).is_right());
+        assert!(!named(&[("stribeck", 0.9, &[]), ("cogging", 0.9, &[])]).is_right());
+        let three = [("stribeck", 0.9, &[][..]), ("spring", 0.9, &[]), ("cogging", 0.9, &[])];
+        assert!(!named(&three).is_right());
+    }
+
+    #[test]
+    fn nothing_may_be_named_of_a_clean_draw_and_nothing_certain_of_an_outsider() {
+        let clean = |causes: &[(&str, f64, &[&str])], verdict| {
+            outcome("clean-60-o0-0", &[], causes, verdict).is_right()
+        };
+        assert!(clean(&[], Verdict::Adequate) && clean(&[], Verdict::Unexplained));
+        assert!(!clean(&[("spring", 0.1, &[])], Verdict::Improved));
+        let outsider = |causes: &[(&str, f64, &[&str])], verdict| {
+            outcome("outsider-60-o0-0", &["cubic_drag"], causes, verdict).is_right()
+        };
+        assert!(outsider(&[], Verdict::Unexplained));
+        assert!(outsider(&[("quadratic_drag", 0.7, &[])], Verdict::Improved));
+        assert!(!outsider(&[("quadratic_drag", 0.95, &[])], Verdict::Improved));
+        assert!(!outsider(&[("quadratic_drag", 0.7, &[])], Verdict::Explained));
+    }
+
+    #[test]
+    fn an_answer_that_failed_counts_for_nothing() {
+        let case: Case = "clean-60-o0-0".parse().unwrap();
+        let failed = Err("no response".to_owned());
+        let outcome = Outcome::new(&case, &made(&[]), failed, Seconds::default());
+        assert!(!outcome.is_right() && !outcome.named_exactly());
+    }
+
+    #[test]
+    fn parameters_are_compared_where_their_effect_is_named_and_a_phase_in_any_turn() {
+        let made = made(&["cogging"]);
+        let mut answer = diagnosis(Verdict::Explained);
+        let mut named = cause("cogging", 0.99, &[]);
+        let estimate = |low: f64, high: f64| ParameterEstimate {
+            value: Some(0.5 * (low + high)),
+            std: Some(0.25 * (high - low)),
+            interval95: Some([low, high]),
+            unit: String::new(),
+            at_bound: false,
+            identifiable: true,
+        };
+        // All parameters of what is hidden are 1 in the fixture.
+        named.parameters.insert("amplitude".into(), estimate(0.9, 1.2));
+        named.parameters.insert("cycles_per_unit".into(), estimate(1.1, 1.2));
+        named.parameters.insert("phase".into(), estimate(0.9 - TAU, 1.1 - TAU));
+        answer.causes.push(named);
+        answer.causes.push(cause("spring", 0.9, &[]));
+        let compared = Answer::of(&answer, &made).effect_parameters;
+        let held: Vec<_> = compared.iter().map(|p| (p.name.as_str(), p.held())).collect();
+        let expected =
+            [("amplitude", Some(true)), ("cycles_per_unit", Some(false)), ("phase", Some(true))];
+        assert_eq!(held, expected);
+        answer.causes[0].parameters.clear();
+        let compared = Answer::of(&answer, &made).effect_parameters;
+        assert!(compared.iter().all(|parameter| parameter.held().is_none()));
+    }
+}

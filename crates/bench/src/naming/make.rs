@@ -1,0 +1,284 @@
+//! A draw: its machine, what is hidden in it, and what is measured of it.
+
+use indexmap::IndexMap;
+use rand::RngExt;
+use rand::seq::IndexedRandom;
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use servoscope_core::diagnose::DiagnoseError;
+use servoscope_core::measurement::Measurement;
+use servoscope_core::observer::Observer;
+use servoscope_core::plant::{Actuator, Plant};
+
+use super::case::{Case, Kind};
+use super::excess::{DETECTABLE, exact, excess_in, of_excess};
+use super::outsiders::{OUTSIDERS, draw_outsider};
+use super::rivals::{Nearest, Rivals};
+use super::sizing::Sizing;
+use crate::machines::draw::{Draw, DrawError, NoiseStatement, draw, log_uniform};
+use crate::machines::hidden::{IDS, draw_effect};
+use crate::machines::responses::Responses;
+use crate::machines::simulator::{Effect, Settings};
+
+/// Machines and shapes tried before a draw is given up.
+const MOST_ATTEMPTS: usize = 24;
+/// Of them, those for the excess that was drawn first: one that is hard to reach must not
+/// become rare, and one out of reach (of a bristle softer than can be simulated) must not
+/// empty the draw.
+const SAME_TARGET: usize = 6;
+/// What must remain of an outsider however the library imitates it.
+const NOT_IMITATED: f64 = 60.0;
+/// Repeats where a measurement carries them.
+const REPEATS: usize = 6;
+
+/// Something hidden in a machine.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Hidden {
+    /// Id of the effect or outsider.
+    pub effect: &'static str,
+    /// Its parameters by name.
+    pub parameters: IndexMap<&'static str, f64>,
+    /// Excess of the base model where it alone is missing; of a pair, of the best fit with
+    /// the other one.
+    pub excess: f64,
+}
+
+/// A draw with all that is known of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Made {
+    /// What is hidden; empty where nothing is.
+    pub hidden: Vec<Hidden>,
+    /// Excess of the base model of the true order; 0 where nothing is hidden.
+    pub excess: f64,
+    /// Parameters of the plant by the name under which they are reported.
+    pub plant: IndexMap<&'static str, f64>,
+    /// The machine and how it is measured.
+    pub machine: Draw,
+    /// Standard deviation of re and of im of every harmonic, response units.
+    pub noise_std: f64,
+    /// What is shown to the diagnosis.
+    pub measurement: Measurement,
+    /// Machines and shapes that were tried, this one included.
+    pub attempts: usize,
+}
+
+impl Made {
+    /// Whether an effect is hidden in it.
+    pub fn hides(&self, effect: &str) -> bool {
+        self.hidden.iter().any(|hidden| hidden.effect == effect)
+    }
+
+    /// The effect of the library that alone imitates a single hidden one best; `None` where
+    /// another number of them is hidden.
+    ///
+    /// # Errors
+    /// See [`MakeError`].
+    pub fn nearest_rival(&self) -> Result<Option<Nearest>, MakeError> {
+        let [hidden] = self.hidden.as_slice() else { return Ok(None) };
+        let responses = Responses::simulate(&self.machine, &Settings::default())?;
+        let exact = responses.exact(Some(self.noise_std))?;
+        let rivals = Rivals::ask(&exact, self.machine.plant.actuator.order())?;
+        Ok(rivals.nearest_to(hidden.effect))
+    }
+}
+
+/// Why a draw was not made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MakeError {
+    /// The observer asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+    /// No attempt met the conditions.
+    #[error("none of {MOST_ATTEMPTS} machines and shapes has the wanted excess")]
+    Unreachable,
+    /// Whether an effect is detectable, or an outsider imitated, could not be judged.
+    #[error("the diagnosis of the noise-free response has no candidate `{effect}` to judge it by")]
+    Unjudged {
+        /// What was asked for.
+        effect: String,
+    },
+    /// The diagnosis of the noise-free response failed.
+    #[error(transparent)]
+    Diagnose(#[from] DiagnoseError),
+    /// The machine has no measurement.
+    #[error(transparent)]
+    Draw(#[from] DrawError),
+}
+
+/// Draws a case; everything random follows from `base_seed` and the case's key, and `sizing`
+/// brings what is hidden to its excess. The observer is asked before every attempt whether to
+/// go on.
+///
+/// # Errors
+/// See [`MakeError`].
+pub fn make(
+    case: &Case,
+    base_seed: u64,
+    sizing: Sizing,
+    observer: &dyn Observer,
+) -> Result<Made, MakeError> {
+    let rng = &mut case.rng(base_seed);
+    let mut targets = targets(case, rng);
+    for attempt in 1..=MOST_ATTEMPTS {
+        if observer.cancelled() {
+            return Err(MakeError::Cancelled);
+        }
+        if attempt > SAME_TARGET {
+            targets = self::targets(case, rng);
+        }
+        let mut machine = draw(case.order, rng.random());
+        let sized = |effect: Effect, target: f64| {
+            of_excess(&machine, &effect, target, case.level_db, sizing)
+        };
+        let Some(effects) = effects(case, &machine, sized, targets, attempt, rng) else {
+            continue;
+        };
+        machine.effects = effects;
+        let responses = Responses::simulate(&machine, &Settings::default())?;
+        let excess = match case.kind {
+            Kind::Clean => 0.0,
+            _ => match excess_in(&responses, &machine, case.level_db) {
+                Some(excess) if excess >= DETECTABLE => excess,
+                _ => continue,
+            },
+        };
+        let Some(hidden) = judged(case, &machine, &responses, excess)? else { continue };
+        let noise_db = f64::from(case.level_db);
+        let measurement = responses.noisy(noise_db, statement(case), rng)?;
+        return Ok(Made {
+            hidden,
+            excess,
+            plant: truth(&machine.plant),
+            noise_std: responses.noise_std(noise_db)?,
+            machine,
+            measurement,
+            attempts: attempt,
+        });
+    }
+    Err(MakeError::Unreachable)
+}
+
+/// How a draw tells its noise.
+pub(super) fn statement(case: &Case) -> NoiseStatement {
+    if case.has_repeats() { NoiseStatement::Repeats(REPEATS) } else { NoiseStatement::Std }
+}
+
+/// Excesses to reach, one for each effect that may be hidden.
+fn targets(case: &Case, rng: &mut ChaCha8Rng) -> [f64; 2] {
+    [(); 2].map(|()| log_uniform(DETECTABLE, most_excess(case.level_db), rng))
+}
+
+/// Largest excess that is drawn at a noise level.
+fn most_excess(level_db: u32) -> f64 {
+    match level_db {
+        60.. => 120_000.0,
+        50..60 => 36_000.0,
+        _ => 12_000.0,
+    }
+}
+
+/// What is hidden in a machine, `sized` to its target; `None` where no size has it.
+fn effects(
+    case: &Case,
+    machine: &Draw,
+    sized: impl Fn(Effect, f64) -> Option<Effect>,
+    targets: [f64; 2],
+    attempt: usize,
+    rng: &mut ChaCha8Rng,
+) -> Option<Vec<Effect>> {
+    match case.kind {
+        Kind::Clean => Some(Vec::new()),
+        Kind::Single => {
+            let id = case.effect.expect("a single draw has an effect");
+            Some(vec![sized(draw_effect(id, machine, rng), targets[0])?])
+        }
+        Kind::Pair => {
+            let ids: Vec<&str> = IDS.sample(rng, 2).copied().collect();
+            if contain_each_other(ids[0], ids[1]) {
+                return None;
+            }
+            let shapes = [draw_effect(ids[0], machine, rng), draw_effect(ids[1], machine, rng)];
+            Some(vec![sized(shapes[0], targets[0])?, sized(shapes[1], targets[1])?])
+        }
+        Kind::Outsider => {
+            // In turn, and the next one where the library imitates it.
+            let id = OUTSIDERS[(case.index as usize + attempt - 1) % OUTSIDERS.len()];
+            Some(vec![sized(Effect::Outside(draw_outsider(id, machine, rng)), targets[0])?])
+        }
+    }
+}
+
+/// Whether two effects cannot be told to be two.
+fn contain_each_other(left: &str, right: &str) -> bool {
+    let are =
+        |one: &str, other: &str| (left, right) == (one, other) || (left, right) == (other, one);
+    are("backlash", "flexible_mode")
+        || are("spring", "hardening_spring")
+        || are("presliding", "static_friction")
+}
+
+/// What is hidden with its excess; `None` where a part of a pair cannot be seen, or the
+/// library imitates an outsider.
+fn judged(
+    case: &Case,
+    machine: &Draw,
+    responses: &Responses,
+    excess: f64,
+) -> Result<Option<Vec<Hidden>>, MakeError> {
+    let rivals = || -> Result<Rivals, MakeError> {
+        Ok(Rivals::ask(&exact(responses, case.level_db)?, case.order)?)
+    };
+    let excesses = match case.kind {
+        Kind::Single | Kind::Clean => Some(vec![excess]),
+        Kind::Pair => {
+            let ids = [machine.effects[0].id(), machine.effects[1].id()];
+            detectable_beside(&rivals()?, ids)?.map(Vec::from)
+        }
+        Kind::Outsider => is_outside(&rivals()?, machine)?.then(|| vec![excess]),
+    };
+    let hidden = |(effect, excess): (&Effect, f64)| Hidden {
+        effect: effect.id(),
+        parameters: effect.parameters().into_iter().collect(),
+        excess,
+    };
+    Ok(excesses.map(|excesses| machine.effects.iter().zip(excesses).map(hidden).collect()))
+}
+
+/// Excess of each of two effects beside the other; `None` where one is not detectable.
+fn detectable_beside(rivals: &Rivals, ids: [&str; 2]) -> Result<Option<[f64; 2]>, MakeError> {
+    let without = |other: &str| {
+        let unjudged = || MakeError::Unjudged { effect: other.to_owned() };
+        rivals.excess_with(other).ok_or_else(unjudged)
+    };
+    let excesses = [without(ids[1])?, without(ids[0])?];
+    Ok(excesses.iter().all(|excess| *excess >= DETECTABLE).then_some(excesses))
+}
+
+/// Whether no effect of the library imitates what was measured.
+fn is_outside(rivals: &Rivals, machine: &Draw) -> Result<bool, MakeError> {
+    let unjudged = || MakeError::Unjudged { effect: "any".to_owned() };
+    Ok(rivals.nearest_to(machine.effects[0].id()).ok_or_else(unjudged)?.excess >= NOT_IMITATED)
+}
+
+/// Parameters of a plant by the name under which they are reported.
+fn truth(plant: &Plant) -> IndexMap<&'static str, f64> {
+    let (a, k) = (plant.viscous_rate_rad_s, plant.constant);
+    let mut truth = IndexMap::from([
+        ("pole", -a),
+        ("constant", k),
+        ("dc_gain", k / a),
+        ("fc_plus", plant.friction.fc_plus),
+        ("fc_minus", plant.friction.fc_minus),
+    ]);
+    match plant.actuator {
+        Actuator::Direct => {}
+        Actuator::FirstOrder { corner_rad_s } => {
+            truth.insert("actuator_pole", -corner_rad_s);
+        }
+        Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
+            truth.insert("natural_frequency", natural_frequency_rad_s);
+            truth.insert("damping_ratio", damping_ratio);
+        }
+    }
+    truth
+}

@@ -1,0 +1,201 @@
+//! Runs many draws at once.
+
+use std::sync::Mutex;
+use std::sync::PoisonError;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use rand::RngExt;
+use servoscope_core::answers::{Diagnosis, IdentifyOptions, PlantRequest};
+use servoscope_core::diagnose::diagnose;
+use servoscope_core::identify::IdentifyRequest;
+use servoscope_core::observer::Observer;
+
+use super::case::{Case, Kind};
+use super::fresh::fresh;
+use super::judge::{Outcome, Seconds};
+use super::make::{MakeError, make};
+use super::separation::separate;
+use super::sizing::Sizing;
+
+/// How draws are run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Settings {
+    /// Seed of everything.
+    pub seed: u64,
+    /// What is varied of a hidden effect until it shows as much as is wanted.
+    pub sizing: Sizing,
+    /// Whether the actuator's order is left to the data.
+    pub order_from_data: bool,
+    /// Whether to try the next experiment where one is asked for of a single effect.
+    pub separate: bool,
+    /// Whether to ask how near the library's other effects come to a single hidden one.
+    pub nearest: bool,
+    /// Draws at once; each has its share of `threads`.
+    pub jobs: usize,
+    /// Threads of all of them together.
+    pub threads: usize,
+}
+
+/// A draw that was run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// What it came to.
+    pub outcome: Outcome,
+    /// The whole diagnosis; `None` where it failed.
+    pub diagnosis: Option<Diagnosis>,
+}
+
+/// A draw that could not be made, and why.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Unmade {
+    /// The key of the draw.
+    pub key: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// Makes one draw, has it diagnosed and judges the answer.
+///
+/// # Errors
+/// Where the draw cannot be made.
+pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Result<Run, Unmade> {
+    let began = Instant::now();
+    let made = make(case, settings.seed, settings.sizing, observer)
+        .map_err(|error| Unmade { key: case.to_string(), reason: error.to_string() })?;
+    let data = began.elapsed().as_secs_f64();
+    let given = PlantRequest { actuator_order: case.order };
+    // Another stream than that of the draw; 32 bits are easily typed.
+    let seed = u64::from(case.rng(!settings.seed).random::<u32>());
+    let request = IdentifyRequest {
+        plant: (!settings.order_from_data).then_some(given),
+        options: IdentifyOptions { seed, ..IdentifyOptions::default() },
+        ..IdentifyRequest::default()
+    };
+    let began = Instant::now();
+    let answer = diagnose(&made.measurement, &request, observer);
+    let seconds = Seconds { data, job: began.elapsed().as_secs_f64() };
+    let judged = answer.as_ref().map_err(ToString::to_string);
+    let mut outcome = Outcome::new(case, &made, judged, seconds);
+    let unmade = |error: MakeError| Unmade { key: case.to_string(), reason: error.to_string() };
+    if let Ok(answer) = &answer {
+        // A third stream.
+        let rng = &mut case.rng(settings.seed.rotate_left(8));
+        outcome.fresh = fresh(&made, answer, rng).map_err(unmade)?;
+    }
+    if let Some(answer) =
+        answer.as_ref().ok().filter(|_| settings.separate && case.kind == Kind::Single)
+    {
+        // A fourth stream.
+        let rng = &mut case.rng(settings.seed.swap_bytes());
+        outcome.separation =
+            separate(case, &made, answer, &request, rng, observer).map_err(unmade)?;
+    }
+    if settings.nearest && case.kind == Kind::Single {
+        outcome.nearest = made.nearest_rival().map_err(unmade)?;
+    }
+    Ok(Run { outcome, diagnosis: answer.ok() })
+}
+
+/// Runs draws, several at once; the results are in the order of the cases. What is not begun
+/// when the observer cancels is left out, and so is what it interrupts. `done` is told of
+/// every draw, from any thread.
+///
+/// Each draw has threads to itself, so that its seconds are its own.
+///
+/// # Errors
+/// Where threads cannot be started.
+pub fn run_all(
+    cases: &[Case],
+    settings: &Settings,
+    observer: &dyn Observer,
+    done: &(dyn Fn(&Case, &Result<Outcome, Unmade>) + Sync),
+) -> Result<Vec<Result<Outcome, Unmade>>, rayon::ThreadPoolBuildError> {
+    let next = AtomicUsize::new(0);
+    let results = Mutex::new(Vec::new());
+    let work = || loop {
+        let index = next.fetch_add(1, Ordering::Relaxed);
+        let Some(case) = cases.get(index) else { return };
+        if observer.cancelled() {
+            return;
+        }
+        let result = run_case(case, settings, observer).map(|run| run.outcome);
+        if observer.cancelled() {
+            return;
+        }
+        done(case, &result);
+        results.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
+    };
+    let jobs = settings.jobs.clamp(1, cases.len().max(1));
+    let threads = (settings.threads / jobs).max(1);
+    let pools = (0..jobs)
+        .map(|_| rayon::ThreadPoolBuilder::new().num_threads(threads).build())
+        .collect::<Result<Vec<_>, _>>()?;
+    std::thread::scope(|scope| {
+        for pool in &pools {
+            scope.spawn(|| pool.install(work));
+        }
+    });
+    let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.sort_by_key(|(index, _)| *index);
+    Ok(results.into_iter().map(|(_, result)| result).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use servoscope_core::observer::Silent;
+
+    use super::*;
+
+    fn settings(jobs: usize) -> Settings {
+        Settings {
+            seed: 7,
+            sizing: Sizing::Amount,
+            order_from_data: false,
+            separate: false,
+            nearest: true,
+            jobs,
+            threads: jobs,
+        }
+    }
+
+    fn cases() -> Vec<Case> {
+        ["clean-60-o0-0", "single-50-actuator_dead_zone-o0-0", "clean-60-o0-4"]
+            .map(|key| key.parse().unwrap())
+            .into()
+    }
+
+    fn timeless(results: Vec<Result<Outcome, Unmade>>) -> Vec<Outcome> {
+        let timeless = |outcome: Outcome| Outcome { seconds: Seconds::default(), ..outcome };
+        results.into_iter().map(|result| timeless(result.unwrap())).collect()
+    }
+
+    #[test]
+    fn results_are_the_same_one_at_a_time_and_in_the_order_of_the_cases() {
+        let cases = cases();
+        let at_once = run_all(&cases, &settings(2), &Silent, &|_, _| {}).unwrap();
+        let in_turn = run_all(&cases, &settings(1), &Silent, &|_, _| {}).unwrap();
+        let in_turn = timeless(in_turn);
+        assert_eq!(timeless(at_once), in_turn);
+        let nearest = in_turn.iter().map(|outcome| outcome.nearest.is_some());
+        assert_eq!(nearest.collect::<Vec<_>>(), [false, true, false], "of a hidden effect alone");
+        let keys: Vec<&str> = in_turn.iter().map(|outcome| outcome.key.as_str()).collect();
+        assert_eq!(keys, cases.iter().map(Case::to_string).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_cancelled_run_returns_what_is_done() {
+        struct Impatient(AtomicUsize);
+        impl Observer for Impatient {
+            fn cancelled(&self) -> bool {
+                self.0.load(Ordering::Relaxed) > 0
+            }
+        }
+        let observer = Impatient(AtomicUsize::new(0));
+        let after_first = |_: &Case, _: &Result<Outcome, Unmade>| {
+            observer.0.fetch_add(1, Ordering::Relaxed);
+        };
+        let results = run_all(&cases(), &settings(1), &observer, &after_first).unwrap();
+        assert_eq!(results.len(), 1);
+    }
+}

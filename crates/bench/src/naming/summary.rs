@@ -1,0 +1,338 @@
+//! What a run of the benchmark comes to: rates, confusions, calibration, times.
+
+mod lines;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::case::Kind;
+use super::judge::Outcome;
+use super::rate::Rate;
+
+/// Excess at which one bin ends and the next begins.
+const DECADES: [f64; 4] = [120.0, 1_200.0, 12_000.0, 120_000.0];
+/// Bounds of the bins of confidence.
+const CONFIDENCES: [f64; 6] = [0.0, 0.5, 0.8, 0.9, 0.99, 1.0];
+/// Of causes at a confidence from 0.8 to 0.9 so many are to be right (contract, section 4).
+const CALIBRATED: (f64, [f64; 2]) = (0.8, [0.75, 0.95]);
+
+/// The row or column of draws in which nothing is named.
+pub const NONE: &str = "none";
+
+/// What a rate should be.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Wanted {
+    /// This share or more.
+    AtLeast(f64),
+    /// This share or less.
+    AtMost(f64),
+    /// A share between these.
+    Between([f64; 2]),
+    /// It is only reported.
+    Nothing,
+}
+
+impl Wanted {
+    /// Whether a share is as wanted; `None` where nothing was counted or asked.
+    pub fn met_by(&self, rate: &Rate) -> Option<bool> {
+        let share = rate.share()?;
+        match *self {
+            Self::AtLeast(least) => Some(share >= least),
+            Self::AtMost(most) => Some(share <= most),
+            Self::Between([least, most]) => Some((least..=most).contains(&share)),
+            Self::Nothing => None,
+        }
+    }
+}
+
+/// A rate with what it should be.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Line {
+    /// Kind of draw.
+    pub kind: Kind,
+    /// Noise, dB; null for all levels together.
+    pub level_db: Option<u32>,
+    /// What is counted.
+    pub what: &'static str,
+    /// How many.
+    pub rate: Rate,
+    /// What is asked.
+    pub wanted: Wanted,
+}
+
+/// How often a hidden effect is named first, by the size of its excess.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EffectRates {
+    /// The effect.
+    pub effect: &'static str,
+    /// Noise, dB.
+    pub level_db: u32,
+    /// All of them.
+    pub all: Rate,
+    /// By decade of excess from 120 on.
+    pub by_decade: [Rate; 3],
+}
+
+/// How often what is named with so much confidence is right.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ConfidenceBin {
+    /// Lowest confidence.
+    pub from: f64,
+    /// Highest; it belongs to the next bin, but for 1.
+    pub to: f64,
+    /// Mean confidence of what is in it; null where nothing is.
+    pub mean: Option<f64>,
+    /// How many are right.
+    pub right: Rate,
+    /// What is asked.
+    pub wanted: Wanted,
+}
+
+/// First names at one noise level: rows are hidden, columns named.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Confusion {
+    /// Noise, dB.
+    pub level_db: u32,
+    /// (hidden, first named) → draws.
+    #[serde(serialize_with = "as_rows")]
+    pub counts: BTreeMap<(String, String), u32>,
+}
+
+fn as_rows<S: serde::Serializer>(
+    counts: &BTreeMap<(String, String), u32>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(counts.iter().map(|((hidden, named), count)| (hidden, named, count)))
+}
+
+/// Median and 95th percentile, s.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Times {
+    /// Half of them took no longer.
+    pub median: f64,
+    /// Nineteen of twenty took no longer.
+    pub p95: f64,
+}
+
+/// Everything counted.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Rates with what is asked of them.
+    pub lines: Vec<Line>,
+    /// Single draws by effect, level and excess.
+    pub effects: Vec<EffectRates>,
+    /// Single draws by what is named first.
+    pub confusions: Vec<Confusion>,
+    /// Causes of all draws by confidence.
+    pub calibration: Vec<ConfidenceBin>,
+    /// To make a draw.
+    pub data_seconds: Times,
+    /// To diagnose it.
+    pub job_seconds: Times,
+}
+
+impl Summary {
+    /// Counts the outcomes of a run.
+    pub fn of(outcomes: &[Outcome]) -> Self {
+        let mut levels: Vec<u32> = outcomes.iter().map(|outcome| outcome.level_db).collect();
+        levels.sort_unstable_by(|left, right| right.cmp(left));
+        levels.dedup();
+        Self {
+            lines: lines::lines(outcomes, &levels),
+            effects: effects(outcomes, &levels),
+            confusions: levels.iter().map(|level| confusion(outcomes, *level)).collect(),
+            calibration: calibration(outcomes),
+            data_seconds: times(outcomes.iter().map(|outcome| outcome.seconds.data)),
+            job_seconds: times(outcomes.iter().map(|outcome| outcome.seconds.job)),
+        }
+    }
+}
+
+fn effects(outcomes: &[Outcome], levels: &[u32]) -> Vec<EffectRates> {
+    let mut rates: Vec<EffectRates> = Vec::new();
+    for level_db in levels {
+        let single = |o: &&Outcome| o.kind == Kind::Single && o.level_db == *level_db;
+        for outcome in outcomes.iter().filter(single) {
+            let Some(hidden) = outcome.hidden.first() else { continue };
+            let same = |r: &EffectRates| (r.effect, r.level_db) == (hidden.effect, *level_db);
+            let place = rates.iter().position(same).unwrap_or_else(|| {
+                let (all, by_decade) = Default::default();
+                rates.push(EffectRates {
+                    effect: hidden.effect,
+                    level_db: *level_db,
+                    all,
+                    by_decade,
+                });
+                rates.len() - 1
+            });
+            let right = outcome.named_first();
+            rates[place].all.add(right);
+            // What is a little above the last bound was meant to be below.
+            let decade = DECADES[1..3].iter().filter(|bound| outcome.excess >= **bound).count();
+            rates[place].by_decade[decade].add(right);
+        }
+    }
+    rates
+}
+
+fn confusion(outcomes: &[Outcome], level_db: u32) -> Confusion {
+    let mut counts = BTreeMap::new();
+    for outcome in outcomes.iter().filter(|o| o.level_db == level_db && o.hidden.len() < 2) {
+        let hidden = outcome.hidden.first().map_or(NONE, |hidden| hidden.effect);
+        let named = outcome.causes().first().map_or(NONE, |first| &first.effect);
+        *counts.entry((hidden.to_owned(), named.to_owned())).or_insert(0) += 1;
+    }
+    Confusion { level_db, counts }
+}
+
+fn calibration(outcomes: &[Outcome]) -> Vec<ConfidenceBin> {
+    let bin = |bounds: &[f64]| {
+        let (from, to) = (bounds[0], bounds[1]);
+        let within = |p: f64| p >= from && (p < to || (to >= 1.0 && p <= 1.0));
+        let mut right = Rate::default();
+        let mut sum = 0.0;
+        for outcome in outcomes {
+            for cause in outcome.causes().iter().filter(|cause| within(cause.confidence)) {
+                right.add(outcome.is_hidden(&cause.effect));
+                sum += cause.confidence;
+            }
+        }
+        let mean = (right.of > 0).then(|| sum / f64::from(right.of));
+        let (asked_from, shares) = CALIBRATED;
+        let wanted = if from == asked_from { Wanted::Between(shares) } else { Wanted::Nothing };
+        ConfidenceBin { from, to, mean, right, wanted }
+    };
+    CONFIDENCES.windows(2).map(bin).collect()
+}
+
+fn times(seconds: impl Iterator<Item = f64>) -> Times {
+    let mut sorted: Vec<f64> = seconds.collect();
+    sorted.sort_by(f64::total_cmp);
+    // The smallest value that so many percent do not exceed.
+    let percentile = |percent: usize| {
+        let rank = (percent * sorted.len()).div_ceil(100).max(1);
+        sorted.get(rank - 1).copied().unwrap_or_default()
+    };
+    Times { median: percentile(50), p95: percentile(95) }
+}
+
+#[cfg(test)]
+mod tests {
+    use servoscope_core::answers::Verdict;
+
+    use super::super::fixtures::outcome;
+    use super::*;
+    use crate::naming::rivals::Nearest;
+
+    fn outcomes() -> Vec<Outcome> {
+        let explained = Verdict::Explained;
+        vec![
+            outcome("single-60-spring-o0-0", &["spring"], &[("spring", 0.995, &[])], explained),
+            outcome("single-60-spring-o0-1", &["spring"], &[("cogging", 0.85, &[])], explained),
+            outcome("single-40-spring-o0-0", &["spring"], &[], Verdict::Unexplained),
+            outcome("clean-60-o0-0", &[], &[], Verdict::Adequate),
+            outcome("clean-60-o1-1", &[], &[("stribeck", 0.85, &[])], Verdict::Improved),
+            outcome(
+                "pair-60-o0-0",
+                &["spring", "stribeck"],
+                &[("spring", 1.0, &[]), ("stribeck", 0.85, &[])],
+                explained,
+            ),
+            outcome("outsider-60-o0-0", &["cubic_drag"], &[("spring", 0.95, &[])], explained),
+        ]
+    }
+
+    fn line(summary: &Summary, kind: Kind, level_db: Option<u32>, what: &str) -> Line {
+        let same = |l: &&Line| (l.kind, l.level_db, l.what) == (kind, level_db, what);
+        summary.lines.iter().find(same).unwrap_or_else(|| panic!("{kind:?} {what}")).clone()
+    }
+
+    #[test]
+    fn rates_are_counted_by_kind_and_level_against_what_is_asked() {
+        let summary = Summary::of(&outcomes());
+        for (kind, level, what, hits, of, met) in [
+            (Kind::Single, Some(60), "named first", 1, 2, Some(false)),
+            (Kind::Single, Some(60), "explained", 2, 2, Some(true)),
+            (Kind::Single, Some(40), "explained", 0, 1, Some(false)),
+            (Kind::Clean, None, "something named", 1, 2, Some(false)),
+            (Kind::Clean, Some(60), "something named", 1, 2, None),
+            (Kind::Pair, Some(60), "both and nothing else", 1, 1, Some(true)),
+            (Kind::Outsider, None, "explained by a wrong name", 1, 1, Some(false)),
+            (Kind::Outsider, None, "a cause at 0.9 or more", 1, 1, Some(false)),
+        ] {
+            let line = line(&summary, kind, level, what);
+            assert_eq!(
+                (line.rate, line.wanted.met_by(&line.rate)),
+                (Rate { hits, of }, met),
+                "{kind:?} {what}"
+            );
+        }
+        assert!(summary.lines.iter().all(|l| (l.kind, l.level_db) != (Kind::Pair, Some(40))));
+    }
+
+    #[test]
+    fn first_names_are_counted_by_how_near_a_rival_comes() {
+        let near = |excess: f64, named: &str| {
+            let causes = [(named, 0.9, &[][..])];
+            let key = "single-60-spring-o0-0";
+            let outcome = outcome(key, &["spring"], &causes, Verdict::Explained);
+            let nearest = Some(Nearest { effect: "hardening_spring".into(), excess });
+            Outcome { nearest, ..outcome }
+        };
+        let outcomes = [near(-1e-9, "cogging"), near(3.9, "spring"), near(70.0, "spring")];
+        let summary = Summary::of(&outcomes);
+        let counted = |what: &str| line(&summary, Kind::Single, None, what).rate;
+        assert_eq!(counted("named first, a rival's excess below 4"), Rate { hits: 1, of: 2 });
+        assert_eq!(counted("named first, every rival's 64 or more"), Rate { hits: 1, of: 1 });
+        let between = |l: &Line| l.what.ends_with("4 to 16");
+        assert!(!summary.lines.iter().any(between), "nothing to count");
+    }
+
+    #[test]
+    fn confidence_is_compared_with_the_share_that_is_right() {
+        let calibration = Summary::of(&outcomes()).calibration;
+        let counted: Vec<Rate> = calibration.iter().map(|bin| bin.right).collect();
+        let rate = |hits, of| Rate { hits, of };
+        // At 0.8 to 0.9 a wrong cogging, a wrong stribeck of a clean draw and a right one.
+        assert_eq!(counted, [rate(0, 0), rate(0, 0), rate(1, 3), rate(0, 1), rate(2, 2)]);
+        assert!((calibration[2].mean.unwrap() - 0.85).abs() < 1e-12);
+        let met: Vec<_> = calibration.iter().map(|bin| bin.wanted.met_by(&bin.right)).collect();
+        assert_eq!(met, [None, None, Some(false), None, None]);
+    }
+
+    #[test]
+    fn confusions_have_a_row_and_a_column_for_nothing() {
+        let summary = Summary::of(&outcomes());
+        let [loud, quiet] = &summary.confusions[..] else { panic!("two levels") };
+        assert_eq!((loud.level_db, quiet.level_db), (60, 40));
+        let count = |of: &Confusion, hidden: &str, named: &str| {
+            of.counts.get(&(hidden.to_owned(), named.to_owned())).copied().unwrap_or_default()
+        };
+        assert_eq!(count(loud, "spring", "cogging"), 1);
+        assert_eq!(count(loud, "none", "stribeck"), 1);
+        assert_eq!(count(quiet, "spring", "none"), 1);
+        assert_eq!(loud.counts.values().sum::<u32>(), 5, "pairs have no single row");
+    }
+
+    #[test]
+    fn rates_of_an_effect_fall_into_decades_of_excess() {
+        let mut drawn = outcomes();
+        drawn[0].excess = 50_000.0;
+        drawn[1].excess = 120.0;
+        let effects = Summary::of(&drawn).effects;
+        let springs = &effects[0];
+        assert_eq!((springs.effect, springs.level_db), ("spring", 60));
+        let hits = springs.by_decade.map(|rate| (rate.hits, rate.of));
+        assert_eq!(hits, [(0, 1), (0, 0), (1, 1)]);
+    }
+
+    #[test]
+    fn percentiles_are_values_that_occurred() {
+        let hundred = (1..=100).map(f64::from);
+        assert_eq!(times(hundred), Times { median: 50.0, p95: 95.0 });
+        assert_eq!(times([3.0].into_iter()), Times { median: 3.0, p95: 3.0 });
+        assert_eq!(times(std::iter::empty()), Times::default());
+    }
+}

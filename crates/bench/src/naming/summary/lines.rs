@@ -1,0 +1,169 @@
+//! What is counted of the draws of a kind at a level of noise, and what is asked of it.
+
+use servoscope_core::answers::Verdict;
+
+use super::{Line, Wanted};
+use crate::naming::case::Kind;
+use crate::naming::fresh::Fresh;
+use crate::naming::judge::{Answer, Estimated, Outcome};
+use crate::naming::rate::Rate;
+use crate::naming::separation::Separation;
+
+/// How near a rival comes, as the excess χ² that it leaves without noise. A choice by
+/// likelihood ([`super::super::rivals::Nearest`]) goes wrong in 16 % at the first bound, 2.3 % at
+/// the second, 0.003 % at the last.
+const NEARNESS: [(&str, [f64; 2]); 4] = [
+    ("named first, a rival's excess below 4", [f64::NEG_INFINITY, 4.0]),
+    ("named first, the nearest rival's 4 to 16", [4.0, 16.0]),
+    ("named first, the nearest rival's 16 to 64", [16.0, 64.0]),
+    ("named first, every rival's 64 or more", [64.0, f64::INFINITY]),
+];
+
+/// What is asked of the draws of a level: a share at 60 dB, at 50 dB and at 40 dB.
+fn by_level(level_db: u32, shares: &[f64]) -> Wanted {
+    let place = [60, 50, 40].into_iter().position(|db| db == level_db);
+    let share = place.and_then(|place| shares.get(place));
+    share.map_or(Wanted::Nothing, |share| Wanted::AtLeast(*share))
+}
+
+/// Every rate of which there is anything to count.
+pub(super) fn lines(outcomes: &[Outcome], levels: &[u32]) -> Vec<Line> {
+    let mut lines = Lines { outcomes, lines: Vec::new() };
+    lines.singles(levels);
+    lines.clean(levels);
+    lines.pairs(levels);
+    lines.outsiders();
+    lines.rivals();
+    for kind in [Kind::Single, Kind::Pair] {
+        for &level in levels {
+            lines.intervals(kind, level);
+        }
+    }
+    lines.lines
+}
+
+struct Lines<'a> {
+    outcomes: &'a [Outcome],
+    lines: Vec<Line>,
+}
+
+impl<'a> Lines<'a> {
+    /// Draws of a kind, at one level or at all.
+    fn at(&self, kind: Kind, level_db: Option<u32>) -> impl Iterator<Item = &'a Outcome> + use<'a> {
+        let of = move |o: &&Outcome| o.kind == kind && level_db.is_none_or(|db| o.level_db == db);
+        self.outcomes.iter().filter(of)
+    }
+
+    /// Counts, if there is anything to count.
+    fn add(
+        &mut self,
+        (kind, level_db): (Kind, Option<u32>),
+        what: &'static str,
+        wanted: Wanted,
+        counted: impl Iterator<Item = bool>,
+    ) {
+        let rate = Rate::count(counted);
+        if rate.of > 0 {
+            self.lines.push(Line { kind, level_db, what, rate, wanted });
+        }
+    }
+
+    /// Counts all draws of a kind, at one level or at all.
+    fn count(
+        &mut self,
+        (kind, level_db): (Kind, Option<u32>),
+        what: &'static str,
+        wanted: Wanted,
+        right: impl Fn(&Outcome) -> bool,
+    ) {
+        self.add((kind, level_db), what, wanted, self.at(kind, level_db).map(right));
+    }
+
+    fn singles(&mut self, levels: &[u32]) {
+        for &level in levels {
+            let at = (Kind::Single, Some(level));
+            let asked = |shares: [f64; 3]| by_level(level, &shares);
+            self.count(at, "named first", asked([0.95, 0.90, 0.80]), Outcome::named_first);
+            let or_equivalent = Outcome::first_or_equivalent;
+            self.count(at, "first or an equivalent", asked([0.99, 0.97, 0.92]), or_equivalent);
+            self.count(at, "explained", asked([0.95, 0.93, 0.90]), Outcome::is_explained);
+            self.count(at, "nothing else named", Wanted::Nothing, Outcome::named_exactly);
+        }
+    }
+
+    fn clean(&mut self, levels: &[u32]) {
+        for &level in levels {
+            let at = (Kind::Clean, Some(level));
+            self.count(at, "something named", Wanted::Nothing, names_something);
+        }
+        let all = (Kind::Clean, None);
+        self.count(all, "something named", Wanted::AtMost(0.02), names_something);
+        let doubted = |o: &Outcome| o.verdict() != Some(Verdict::Adequate);
+        self.count(all, "not adequate", Wanted::Nothing, doubted);
+    }
+
+    fn pairs(&mut self, levels: &[u32]) {
+        for &level in levels {
+            let at = (Kind::Pair, Some(level));
+            let wanted = by_level(level, &[0.85, 0.75]);
+            self.count(at, "both and nothing else", wanted, Outcome::named_exactly);
+            self.count(at, "one of them first", Wanted::Nothing, Outcome::named_first);
+            self.count(at, "explained", Wanted::Nothing, Outcome::is_explained);
+        }
+    }
+
+    fn outsiders(&mut self) {
+        let all = (Kind::Outsider, None);
+        let deceived = |o: &Outcome| o.is_explained() && names_something(o);
+        self.count(all, "explained by a wrong name", Wanted::AtMost(0.05), deceived);
+        self.count(all, "a cause at 0.9 or more", Wanted::AtMost(0.10), |o| o.any_at(0.9));
+        self.count(all, "something named", Wanted::Nothing, names_something);
+    }
+
+    /// How near rivals come, and whether one more experiment tells them from what is hidden.
+    fn rivals(&mut self) {
+        let all = (Kind::Single, None);
+        for (what, [from, to]) in NEARNESS {
+            let near = move |o: &&Outcome| {
+                o.nearest.as_ref().is_some_and(|n| (from..to).contains(&n.excess))
+            };
+            let named_first = self.at(Kind::Single, None).filter(near).map(Outcome::named_first);
+            self.add(all, what, Wanted::Nothing, named_first);
+        }
+        let mut separated = |what, by: fn(&Separation) -> bool| {
+            let tried = self.at(Kind::Single, None).filter_map(|o| o.separation.as_ref());
+            self.add(all, what, Wanted::Nothing, tried.map(by));
+        };
+        separated("no doubt left by the next experiment", |s| s.asked_for.ended);
+        separated("no doubt left by a random experiment", |s| s.random.ended);
+        separated("the next experiment speaks more for the hidden effect than a random one", |s| {
+            s.asked_for_is_better()
+        });
+    }
+
+    /// Whether 95 % intervals hold what they should.
+    fn intervals(&mut self, kind: Kind, level: u32) {
+        let at = (kind, Some(level));
+        let all: Vec<&Outcome> = self.at(kind, Some(level)).collect();
+        let right: Vec<&Outcome> = all.iter().copied().filter(|o| o.named_exactly()).collect();
+        let answers = |of: &[&'a Outcome]| -> Vec<&'a Answer> {
+            of.iter().filter_map(|o| o.answer.as_ref().ok()).collect()
+        };
+        let (all, in_right) = (answers(&all), answers(&right));
+        let of_effects = || all.iter().flat_map(|answer| &answer.effect_parameters);
+        let of_plant = in_right.iter().flat_map(|answer| &answer.plant_parameters);
+        let gains = right.iter().filter_map(|o| o.fresh.as_ref());
+        let nothing = Wanted::Nothing;
+        self.add(at, "gain on fresh data held", Wanted::AtLeast(0.90), gains.map(Fresh::held));
+        let held = of_effects().filter_map(Estimated::held);
+        self.add(at, "parameters of named effects held", nothing, held);
+        let held = of_plant.filter_map(Estimated::held);
+        self.add(at, "parameters of the plant held", nothing, held);
+        let given = of_effects().map(|estimate| estimate.interval95.is_some());
+        self.add(at, "parameters of named effects with an interval", nothing, given);
+    }
+}
+
+fn names_something(outcome: &Outcome) -> bool {
+    !outcome.causes().is_empty()
+}

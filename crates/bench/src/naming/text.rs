@@ -1,0 +1,248 @@
+//! The benchmark's report, for a person.
+
+use std::fmt::Write as _;
+
+use super::case::Kind;
+use super::judge::Outcome;
+use super::rate::Rate;
+use super::rivals::Nearest;
+use super::run::Unmade;
+use super::summary::{Confusion, NONE, Summary, Wanted};
+use crate::machines::hidden::IDS;
+
+/// The tables of a run.
+pub fn summary_text(summary: &Summary) -> String {
+    let mut text = String::from("Rates, with their 95 % intervals (Clopper–Pearson)\n");
+    for line in &summary.lines {
+        let level = line.level_db.map_or("all".to_owned(), |db| format!("{db} dB"));
+        let (kind, share) = (line.kind.name(), interval(&line.rate));
+        let asked = asked(&line.wanted, &line.rate);
+        let row = format!("  {kind:<9} {level:<6} {:<45} {share:<38} {asked}", line.what);
+        push(&mut text, row.trim_end());
+    }
+    effects(&mut text, summary);
+    for confusion in &summary.confusions {
+        confused(&mut text, confusion);
+    }
+    push(&mut text, "\nCauses of all draws by confidence: share that is right");
+    for bin in &summary.calibration {
+        let mean = bin.mean.map_or("–".to_owned(), |mean| format!("{mean:.3}"));
+        let (from, to) = (bin.from, bin.to);
+        let (share, asked) = (interval(&bin.right), asked(&bin.wanted, &bin.right));
+        let row = format!("  {from:<4} … {to:<4}  mean {mean:<6} {share:<38} {asked}");
+        push(&mut text, row.trim_end());
+    }
+    let (data, job) = (summary.data_seconds, summary.job_seconds);
+    push(&mut text, "\nSeconds                median     p95");
+    push(&mut text, &format!("  making a draw      {:>8.2} {:>8.2}", data.median, data.p95));
+    push(&mut text, &format!("  diagnosing it      {:>8.2} {:>8.2}", job.median, job.p95));
+    text
+}
+
+fn effects(text: &mut String, summary: &Summary) {
+    if summary.effects.is_empty() {
+        return;
+    }
+    push(text, "\nNamed first, by effect, noise and excess χ²");
+    let heads = ["all", "120 …", "1 200 …", "12 000 …"].map(|head| format!("{head:>9}")).concat();
+    push(text, &format!("  {:<21} {:<5} {heads}", "hidden", "dB"));
+    for row in &summary.effects {
+        let short = |rate: &Rate| match rate.of {
+            0 => format!("{:>9}", "–"),
+            of => format!("{:>9}", format!("{}/{of}", rate.hits)),
+        };
+        let decades = row.by_decade.iter().map(short).collect::<String>();
+        let (effect, level) = (row.effect, row.level_db);
+        push(text, &format!("  {effect:<21} {level:<5} {}{decades}", short(&row.all)));
+    }
+}
+
+/// Columns are numbered as the rows of the effects: seventeen ids side by side fit no page.
+fn confused(text: &mut String, confusion: &Confusion) {
+    if confusion.counts.is_empty() {
+        return;
+    }
+    let level = confusion.level_db;
+    push(text, &format!("\nHidden (rows) and first named (columns) at {level} dB"));
+    let numbers: String = (1..=IDS.len()).map(|number| format!("{number:>4}")).collect();
+    push(text, &format!("  {:<27}{numbers}  none  other", "hidden"));
+    let mut rows: Vec<&str> = IDS.to_vec();
+    for (hidden, _) in confusion.counts.keys() {
+        if !rows.contains(&hidden.as_str()) {
+            rows.push(hidden);
+        }
+    }
+    for (place, hidden) in rows.into_iter().enumerate() {
+        let of_row = |named: &str| {
+            let key = (hidden.to_owned(), named.to_owned());
+            confusion.counts.get(&key).copied().unwrap_or_default()
+        };
+        let all: u32 =
+            confusion.counts.iter().filter(|((row, _), _)| row == hidden).map(|(_, n)| n).sum();
+        if all == 0 {
+            continue;
+        }
+        let shown = |count: u32| if count == 0 { "·".to_owned() } else { count.to_string() };
+        let cells: String = IDS.iter().map(|id| format!("{:>4}", shown(of_row(id)))).collect();
+        let known: u32 = IDS.iter().map(|id| of_row(id)).sum::<u32>() + of_row(NONE);
+        let number = if place < IDS.len() { format!("{:>2}", place + 1) } else { "  ".to_owned() };
+        let (none, other) = (shown(of_row(NONE)), shown(all - known));
+        push(text, &format!("  {number} {hidden:<24}{cells}  {none:>4}  {other:>5}"));
+    }
+}
+
+/// Every draw that is not as it should be, with the command that repeats it.
+pub fn misses_text(outcomes: &[Outcome], unmade: &[Unmade], command: &str) -> String {
+    let mut text = String::new();
+    for kind in Kind::ALL {
+        let missed = |outcome: &&Outcome| outcome.kind == kind && !outcome.is_right();
+        let missed: Vec<&Outcome> = outcomes.iter().filter(missed).collect();
+        if !missed.is_empty() {
+            push(&mut text, &format!("\nMissed of the {} draws: {}", kind.name(), missed.len()));
+        }
+        for outcome in missed {
+            push(&mut text, &case_text(outcome));
+            push(&mut text, &format!("    {command} --case {}", outcome.key));
+        }
+    }
+    if !unmade.is_empty() {
+        push(&mut text, &format!("\nNot made: {}", unmade.len()));
+    }
+    for Unmade { key, reason } in unmade {
+        push(&mut text, &format!("  {key}: {reason}"));
+    }
+    text
+}
+
+/// What was hidden in a draw and what was said of it, in a few lines.
+pub fn case_text(outcome: &Outcome) -> String {
+    let statement = if outcome.repeats { "6 repeats" } else { "std" };
+    let verdict = match &outcome.answer {
+        Ok(answer) => format!("{:?}", answer.verdict).to_lowercase(),
+        Err(error) => format!("failed: {error}"),
+    };
+    let mut text = format!(
+        "  {}: {} dB ({statement}), order {}, excess {:.0}, {verdict}",
+        outcome.key, outcome.level_db, outcome.order, outcome.excess
+    );
+    for hidden in &outcome.hidden {
+        let values = hidden.parameters.iter().map(|(name, value)| format!("{name} {value:.4}"));
+        let values = values.collect::<Vec<_>>().join(", ");
+        let _ = write!(text, "\n    hidden {}: {values}", hidden.effect);
+        if outcome.hidden.len() > 1 {
+            let _ = write!(text, " (excess {:.0} beside the other)", hidden.excess);
+        }
+    }
+    if let Some(Nearest { effect, excess }) = &outcome.nearest {
+        let _ = write!(text, "\n    nearest {effect}: excess {excess:.1} without noise");
+    }
+    for cause in outcome.causes() {
+        let value = |(name, value): (&String, &Option<f64>)| match value {
+            Some(value) => format!("{name} {value:.4}"),
+            None => format!("{name} –"),
+        };
+        let values = cause.parameters.iter().map(value).collect::<Vec<_>>().join(", ");
+        let _ = write!(text, "\n    named {} at {:.3}: {values}", cause.effect, cause.confidence);
+        if !cause.equivalents.is_empty() {
+            let _ = write!(text, " (or {})", cause.equivalents.join(", "));
+        }
+    }
+    if outcome.causes().is_empty() {
+        text.push_str("\n    named nothing");
+    }
+    text
+}
+
+/// What is asked of a rate, and whether it is met.
+fn asked(wanted: &Wanted, rate: &Rate) -> String {
+    let share = match *wanted {
+        Wanted::AtLeast(least) => format!("≥ {:.0} %", 100.0 * least),
+        Wanted::AtMost(most) => format!("≤ {:.0} %", 100.0 * most),
+        Wanted::Between([least, most]) => format!("{:.0}–{:.0} %", 100.0 * least, 100.0 * most),
+        Wanted::Nothing => return String::new(),
+    };
+    let met = wanted.met_by(rate).map_or("", |met| if met { "met" } else { "MISSED" });
+    format!("{share:<7} {met}")
+}
+
+fn interval(rate: &Rate) -> String {
+    let Some(share) = rate.share() else { return "–".to_owned() };
+    let [low, high] = rate.interval95().map(|bound| 100.0 * bound);
+    let Rate { hits, of } = rate;
+    format!("{hits:>4}/{of:<4} {:>5.1} % [{low:.1}, {high:.1}]", 100.0 * share)
+}
+
+fn push(text: &mut String, line: &str) {
+    text.push_str(line);
+    text.push('\n');
+}
+
+#[cfg(test)]
+mod tests {
+    use servoscope_core::answers::Verdict;
+
+    use super::super::fixtures::outcome;
+    use super::*;
+
+    #[test]
+    fn every_miss_is_listed_with_the_command_that_repeats_it() {
+        let wrong = [("cogging", 0.85, &["spring"][..])];
+        let nearest = Some(Nearest { effect: "hardening_spring".into(), excess: 2.34 });
+        let missed = outcome("single-60-spring-o0-0", &["spring"], &wrong, Verdict::Improved);
+        let outcomes = [
+            Outcome { nearest, ..missed },
+            outcome(
+                "single-60-spring-o0-1",
+                &["spring"],
+                &[("spring", 1.0, &[])],
+                Verdict::Explained,
+            ),
+        ];
+        let unmade = [Unmade { key: "pair-60-o0-0".into(), reason: "no such excess".into() }];
+        let text = misses_text(&outcomes, &unmade, "servoscope benchmark --seed 3");
+        for part in [
+            "Missed of the single draws: 1",
+            "60 dB (std), order 0, excess 1000, improved",
+            "hidden spring: amplitude 1.0000",
+            "nearest hardening_spring: excess 2.3 without noise",
+            "named cogging at 0.850",
+            "(or spring)",
+            "servoscope benchmark --seed 3 --case single-60-spring-o0-0",
+            "pair-60-o0-0: no such excess",
+        ] {
+            assert!(text.contains(part), "{part} in\n{text}");
+        }
+        assert!(!text.contains("spring-o0-1"), "{text}");
+    }
+
+    #[test]
+    fn the_tables_say_what_is_met() {
+        let outcomes = [
+            outcome(
+                "single-60-spring-o0-0",
+                &["spring"],
+                &[("spring", 1.0, &[])],
+                Verdict::Explained,
+            ),
+            outcome(
+                "single-60-spring-o0-1",
+                &["spring"],
+                &[("cogging", 0.85, &[])],
+                Verdict::Improved,
+            ),
+            outcome("clean-60-o0-1", &[], &[], Verdict::Adequate),
+            outcome("outsider-60-o0-1", &["cubic_drag"], &[], Verdict::Unexplained),
+        ];
+        let text = summary_text(&Summary::of(&outcomes));
+        let line = |parts: &[&str]| {
+            let has = |line: &&str| parts.iter().all(|part| line.contains(part));
+            assert!(text.lines().any(|line| has(&line)), "{parts:?} in\n{text}");
+        };
+        line(&["single", "named first", "1/2", "50.0 %", "≥ 95 %", "MISSED"]);
+        line(&["clean", "all", "something named", "0/1", "≤ 2 %", "met"]);
+        line(&["spring", "60", "1/2"]);
+        line(&["cubic_drag", "1"]);
+        line(&["0.99 … 1", "1.000", "1/1"]);
+        line(&["0.8  … 0.9", "0.850", "0/1", "75–95 %", "MISSED"]);
+    }
+}

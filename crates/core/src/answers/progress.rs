@@ -1,0 +1,35 @@
+//! Progress and convergence history of a running computation.
+
+use serde::{Deserialize, Serialize};
+
+/// How far a computation has come.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct Progress {
+    /// Stage being computed: `start`, `network`, `colony`, `refinement`, …
+    pub stage: String,
+    /// Steps of the stage that are done.
+    pub done: u64,
+    /// Steps the stage has at most.
+    pub total: u64,
+    /// Share of the whole computation that is done, 0 to 1.
+    pub fraction: f64,
+}
+
+/// One row of convergence history.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct ConvergenceRow {
+    /// Stage the row belongs to.
+    pub stage: String,
+    /// Epoch, cycle or step within the stage.
+    pub cycle: u64,
+    /// Simulations of the whole measurement used so far by the stage.
+    pub evaluations: u64,
+    /// Best cost so far: noise-weighted misfit (χ²), or the loss of the network.
+    pub best: f64,
+    /// Mean cost over the population, where there is one.
+    pub mean: Option<f64>,
+    /// Seconds since the computation began.
+    pub elapsed_s: f64,
+}

@@ -1,0 +1,300 @@
+//! Which effects the base model lacks.
+//!
+//! Every effect is fitted together with the base model, from several starts;
+//! then pairs and triples grow from the best. An effect stays only while its
+//! model is worse without it by more than chance makes any effect of the
+//! library gain (`family`), each model refitted; among the models of which that
+//! holds the evidence decides (`evidence`, `models`).
+
+mod valleys;
+
+use std::collections::BTreeSet;
+
+use rayon::prelude::*;
+
+use crate::effects::{ALL, Effect, check_slots};
+use crate::identify::{Effort, Model, Workbench};
+use crate::observer::Observer as _;
+
+use super::anchor::Anchor;
+use super::evidence::Yardstick;
+use super::family::Family;
+use super::fitter::Fitter;
+use super::models::{Key, Models, Visited, key};
+use super::probes::{Changes, Probed};
+use super::progress::Part;
+
+/// How widely models are tried.
+struct Breadth {
+    /// Effects that are fitted beside one and beside two others, those of the largest gain.
+    further: [usize; 2],
+    /// Starts of a fit beside none, one and two others of which a few steps are taken.
+    starts: [usize; 3],
+    /// Starts that are followed to their end.
+    followed: usize,
+    /// Single effects to which others are added.
+    grown: usize,
+    /// Further starts of what was chosen, where its misfit has many valleys.
+    deeper: usize,
+}
+
+/// The same of cosines.
+const WIDE: Breadth =
+    Breadth { further: [5, 3], starts: [4, 4, 2], followed: 2, grown: 4, deeper: 8 };
+
+/// The same of records, whose simulation takes a thousand times longer.
+const NARROW: Breadth =
+    Breadth { further: [3, 1], starts: [2, 1, 1], followed: 1, grown: 1, deeper: 0 };
+
+/// Share of the limit that a probe's gain must reach for a fit to be worthwhile.
+const PROMISING: f64 = 0.7;
+
+/// Shares of the first part: what every effect would change, and every effect alone.
+const PROBING: [f64; 2] = [0.0, 0.4];
+const CANDIDATES: [f64; 2] = [0.4, 1.0];
+
+/// Share of what is left of a search that adding one more effect takes: how often that
+/// will be done is not known.
+const COMBINATIONS: f64 = 0.2;
+
+/// A search for what a workbench's base model lacks.
+pub(super) struct Search<'a> {
+    workbench: &'a Workbench<'a>,
+    seed: u64,
+    breadth: Breadth,
+    /// Everything that was fitted.
+    pub models: Models,
+    /// What every effect changes beside the base model.
+    changes: Vec<Changes>,
+    /// Models from which larger ones were grown.
+    grown: BTreeSet<Key>,
+}
+
+/// Whether an effect may gain more than chance; `scale` is the noise's variance in
+/// units of the weights.
+fn promises(probed: &Probed, family: &Family, scale: f64) -> bool {
+    probed.promise() / scale > PROMISING * family.limit(probed.effect.id())
+}
+
+impl<'a> Search<'a> {
+    /// With every effect fitted alone.
+    pub fn new(
+        workbench: &'a Workbench<'a>,
+        part: Part<'_>,
+        seed: u64,
+        yardstick: Yardstick,
+    ) -> Self {
+        let models = Models::new(workbench.base().clone(), yardstick);
+        let (changes, grown) = (Vec::new(), BTreeSet::new());
+        let breadth = if workbench.has_cosines_alone() { WIDE } else { NARROW };
+        let mut this = Self { workbench, seed, breadth, models, changes, grown };
+        this.singles(part);
+        this
+    }
+
+    fn singles(&mut self, part: Part<'_>) {
+        let Some(anchor) = Anchor::new(self.workbench, self.workbench.base()) else { return };
+        self.changes = self.changes(&anchor, part);
+        let probed = self.probe(&anchor, part);
+        let family = self.family(&anchor, &probed);
+        let scale = self.models.yardstick.variance(anchor.model.cost);
+        let stage = part.part(CANDIDATES).stage("candidates", probed.len());
+        let promising = |probed: &Probed| promises(probed, &family, scale);
+        let fits = self.fitter(part, 0).fit(&anchor.model, &probed, promising, &stage);
+        self.models.family = Some(family);
+        self.keep(fits);
+    }
+
+    /// Fits pairs and triples, up to `most` effects, as long as `sufficient` does not hold
+    /// of the best model or an effect beside it promises something, and one more effect
+    /// `adds` to the model without it.
+    pub fn combine(
+        &mut self,
+        part: Part<'_>,
+        most: usize,
+        sufficient: impl Fn(&Model) -> bool,
+        adds: impl Fn(&Model, &Model) -> bool,
+    ) {
+        let mut part = Remaining(part);
+        for size in 1..most {
+            let best = self.models.best_supported();
+            let Some(model) = self.models.get(&best).filter(|_| best.len() >= size) else { break };
+            let enough = sufficient(model);
+            let mut grown = self.grow(&best, enough, &mut part);
+            if size == 1 && !enough {
+                for other in self.models.ranked(size).into_iter().take(self.breadth.grown) {
+                    let found = self.models.best_supported();
+                    if self.models.get(&found).is_some_and(&sufficient) {
+                        break;
+                    }
+                    grown |= self.grow(&other, enough, &mut part);
+                }
+            }
+            if !grown {
+                break;
+            }
+            // The best of the larger models is held against all that it contains,
+            // and a pair against its rivals in the place of each of its effects.
+            if let Some(next) = self.models.ranked(size + 1).first().cloned() {
+                if let (Some(without), Some(with)) =
+                    (self.models.get(&best), self.models.get(&next))
+                    && !adds(without, with)
+                {
+                    break;
+                }
+                self.shrink(&next, part.0);
+                for id in next.iter().filter(|_| size == 1) {
+                    let rest = next.iter().copied().filter(|other| other != id).collect();
+                    self.grow(&rest, enough, &mut part);
+                }
+            }
+        }
+    }
+
+    /// Fits models with one more effect than `from`, those that promise most, or where it
+    /// is not enough those that gain most; says whether there was any.
+    fn grow(&mut self, from: &Key, enough: bool, part: &mut Remaining<'_>) -> bool {
+        if part.0.cancelled() || !self.grown.insert(from.clone()) {
+            return false;
+        }
+        let anchor = self.models.get(from).and_then(|model| Anchor::new(self.workbench, model));
+        let Some(anchor) = anchor else { return false };
+        let part = part.take(COMBINATIONS);
+        let mut probed = self.probe(&anchor, part);
+        let family = self.family(&anchor, &probed);
+        let scale = self.models.yardstick.variance(anchor.model.cost);
+        let promising = |probed: &Probed| promises(probed, &family, scale);
+        probed.retain(|probed| !enough || promising(probed));
+        probed.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
+        probed.truncate(self.breadth.further[from.len() - 1]);
+        let stage = part.stage("combinations", probed.len());
+        let fits = self.fitter(part, from.len()).fit(&anchor.model, &probed, promising, &stage);
+        let any = !fits.is_empty();
+        self.keep(fits);
+        any
+    }
+
+    /// Fits what a model is without each of its effects, where it was not yet or was worse than
+    /// the first steps from here.
+    fn shrink(&mut self, from: &Key, part: Part<'_>) {
+        let Some(model) = self.models.get(from) else { return };
+        let fitter = self.fitter(part, from.len() - 1);
+        let without = |index| {
+            let rest = self.workbench.reduce(model, index);
+            let Some(known) = self.models.get(&key(&rest)) else {
+                return Some(fitter.refine(&rest, Effort::Settle));
+            };
+            let rest = fitter.refine(&rest, Effort::Glance);
+            (rest.cost < known.cost).then(|| fitter.refine(&rest, Effort::Settle))
+        };
+        let fits = (0..model.effects().len()).into_par_iter().filter_map(without).collect();
+        self.keep(fits);
+    }
+
+    /// Who fits effects beside so many others.
+    fn fitter<'p>(&self, part: Part<'p>, beside: usize) -> Fitter<'p>
+    where
+        'a: 'p,
+    {
+        let (workbench, yardstick) = (self.workbench, self.models.yardstick);
+        let Breadth { starts, followed, .. } = self.breadth;
+        let (starts, patient) = (starts[beside], beside < 2);
+        Fitter { workbench, part, yardstick, starts, followed, patient }
+    }
+
+    fn keep(&mut self, fits: Vec<Model>) {
+        let (workbench, yardstick) = (self.workbench, self.models.yardstick);
+        let weighed = |model| Visited::new(workbench, model, &yardstick);
+        let fits: Vec<Visited> = fits.into_par_iter().map(weighed).collect();
+        fits.into_iter().for_each(|visited| self.models.keep(visited));
+    }
+
+    /// What every effect of the library changes that can be tested.
+    fn changes(&self, anchor: &Anchor, part: Part<'_>) -> Vec<Changes> {
+        let (workbench, base) = (self.workbench, &anchor.model);
+        let testable = |effect: &&&'static dyn Effect| {
+            (workbench.runs_known() || !effect.needs_run()) && workbench.can_decide(base, **effect)
+        };
+        let effects: Vec<&&dyn Effect> = ALL.iter().filter(testable).collect();
+        let stage = part.part(PROBING).stage("probing", effects.len());
+        let changes = |effect: &&'static dyn Effect| {
+            let changes = Changes::of(self.workbench, anchor, *effect);
+            stage.step();
+            changes
+        };
+        effects.into_par_iter().filter(|_| !part.cancelled()).map(changes).collect()
+    }
+
+    /// Probes of every effect that the model lacks and can have.
+    fn probe(&self, anchor: &Anchor, part: Part<'_>) -> Vec<Probed> {
+        let (own, workbench) = (anchor.model.effects(), self.workbench);
+        let lacks = |changes: &&Changes| {
+            let together: Vec<&dyn Effect> = own.iter().copied().chain([changes.effect]).collect();
+            check_slots(&together).is_ok() && workbench.can_decide(&anchor.model, changes.effect)
+        };
+        let lacking: Vec<&Changes> = self.changes.iter().filter(lacks).collect();
+        let settles = own.iter().any(|effect| effect.settles());
+        lacking
+            .into_par_iter()
+            .filter(|_| !part.cancelled())
+            .map(|changes| match settles && changes.effect.settles() {
+                // Half of what it changes beside the base model is there already.
+                true => Changes::of(workbench, anchor, changes.effect).probe(workbench, anchor),
+                false => changes.probe(workbench, anchor),
+            })
+            .collect()
+    }
+
+    fn family(&self, anchor: &Anchor, probed: &[Probed]) -> Family {
+        let known = self.models.yardstick.known;
+        Family::new(anchor, &self.workbench.noise(), known, probed, self.seed)
+    }
+}
+
+/// What is left of a part whose steps are not counted beforehand.
+struct Remaining<'a>(Part<'a>);
+
+impl<'a> Remaining<'a> {
+    /// Takes a share of it.
+    fn take(&mut self, share: f64) -> Part<'a> {
+        let taken = self.0.part([0.0, share]);
+        self.0 = self.0.part([share, 1.0]);
+        taken
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{exact, noisy, request};
+    use super::*;
+    use crate::effects::find;
+    use crate::machines::draw::NoiseStatement;
+    use crate::observer::Silent;
+
+    pub(super) const PART: Part<'_> = Part { whole: &Silent, span: [0.0, 1.0] };
+
+    pub(super) fn nothing_fitted<'a>(workbench: &'a Workbench<'a>) -> Search<'a> {
+        let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
+        let models = Models::new(workbench.base().clone(), yardstick);
+        let (changes, grown) = (Vec::new(), BTreeSet::new());
+        Search { workbench, seed: 1, breadth: WIDE, models, changes, grown }
+    }
+
+    // Settled costs are good to 1e-5.
+    #[test]
+    fn what_a_pair_is_without_one_effect_replaces_a_fit_of_the_other_alone_that_was_worse() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let workbench = &Workbench::new(&measurement, &request, &Silent).unwrap();
+        let mut search = nothing_fitted(workbench);
+        let mut astray = workbench.extend(workbench.base(), find("sensor_lag").unwrap());
+        let fitted = workbench.refine(&astray, Effort::Settle);
+        astray.cost = 2.0 * fitted.cost;
+        let pair = workbench.extend(&fitted, find("quadratic_drag").unwrap());
+        let pair = workbench.refine(&pair, Effort::Brief);
+        let keys = [&fitted, &pair].map(key);
+        search.keep(vec![astray, pair]);
+        search.shrink(&keys[1], PART);
+        let found = search.models.get(&keys[0]).unwrap();
+        assert!(found.cost < fitted.cost * (1.0 + 1e-5), "{} {}", found.cost, fitted.cost);
+    }
+}

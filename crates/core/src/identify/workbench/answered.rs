@@ -1,0 +1,178 @@
+//! Models that have no response in some experiments.
+//!
+//! A search passes through places where the motion from rest does not settle to the period of
+//! the input: an unstable motion of that period stands in there, or what the base model says
+//! (`objective`). Nothing of that counts in the end. Among models, one is worth what the motions
+//! reached from rest leave, and as much as the base model where there is none, so that an effect
+//! gains nothing by having no response. An answer is fitted to what has a response, and judged
+//! by it.
+
+use crate::simulate::Counts;
+
+use super::super::objective::Misfit;
+use super::super::pipeline::Fitted;
+use super::super::refine;
+use super::{Effort, Model, Workbench};
+
+impl Workbench<'_> {
+    /// A fitted model as it counts among others: as it is where it has a response from rest in
+    /// every experiment, and else fitted again, by the motions that are reached from rest. Its
+    /// cost is infinite where too many experiments have none.
+    pub fn from_rest(&self, model: Model) -> Model {
+        if !model.cost.is_finite() || self.unanswered(&model).is_empty() {
+            return model;
+        }
+        let misfit = Misfit { counts: Counts::FromRest, ..self.misfit(&model) };
+        self.descend_by(&misfit, &model, self.patience(Effort::Settle))
+    }
+
+    /// Experiments in which a model has no response from rest.
+    fn unanswered(&self, model: &Model) -> Vec<usize> {
+        if model.effects().is_empty() {
+            return Vec::new();
+        }
+        let misfit = Misfit { counts: Counts::FromRest, ..self.misfit(model) };
+        misfit.unanswered(&model.point)
+    }
+
+    /// A model fitted to the experiments in which it has a response from rest, on a workbench of
+    /// them alone; `None` where these are all.
+    pub(super) fn where_answered(&self, model: &Model) -> Option<(Self, Model)> {
+        let mut left_out = self.unanswered(model);
+        if left_out.is_empty() {
+            return None;
+        }
+        let mut model = model.clone();
+        loop {
+            let rest = self.without(&left_out);
+            let weights = &rest.fitted.weights;
+            let misfit = Misfit::new(&rest.problem, &model.coordinates, weights, self.observer);
+            model = rest.descend_by(&misfit, &model, refine::THOROUGH);
+            // Some may have a response where the fit has led to; those that had one still do.
+            let still = self.unanswered(&model);
+            if still.len() >= left_out.len() || self.observer.cancelled() {
+                return Some((rest, model));
+            }
+            left_out = still;
+        }
+    }
+
+    /// The same workbench with nothing measured in these experiments.
+    fn without(&self, experiments: &[usize]) -> Self {
+        let fitted = self.fitted.clone();
+        Self {
+            measurement: self.measurement,
+            request: self.request,
+            observer: self.observer,
+            problem: self.problem.without(experiments),
+            fitted: Fitted { weights: fitted.weights.without(experiments), ..fitted },
+            order_choice: self.order_choice.clone(),
+            base: self.base.clone(),
+            stand_in: self.stand_in.clone(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::fixtures::joined;
+    use super::super::super::problem::Scales;
+    use super::*;
+    use crate::answers::{IdentifyOptions, PlantRequest};
+    use crate::effects::find;
+    use crate::identify::{IdentifyRequest, Intervals};
+    use crate::machines::simulator::{self, Machine, Settings};
+    use crate::measurement::{Complex, Experiment, Harmonic, Measurement};
+    use crate::observer::Silent;
+    use crate::plant::{Actuator, Friction, Plant};
+
+    const STD: f64 = 1e-3;
+    const JOINT: [f64; 4] = [0.182259, 59.97234, 0.1, 0.004244359];
+
+    /// Where the impacts of the axis with play never come to repeat.
+    const RESTLESS: [(f64, f64); 2] = [(1.7315, 3.359038), (0.8657, 3.412783)];
+
+    fn axis() -> Plant {
+        Plant {
+            constant: 1.660596,
+            viscous_rate_rad_s: 3.042747,
+            actuator: Actuator::SecondOrder {
+                natural_frequency_rad_s: 6.245474,
+                damping_ratio: 0.5944140,
+            },
+            friction: Friction::coulomb(0.2888457, 0.3872526),
+        }
+    }
+
+    /// Of twenty places where the axis with play has a response, and of those where it has none
+    /// as if it had no play.
+    fn measurement() -> Measurement {
+        let [load_inertia_fraction, stiffness, damping, gap] = JOINT;
+        let play = [simulator::Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
+        let experiment = |effects: &[simulator::Effect], (magnitude, omega_rad_s)| {
+            let machine = Machine { plant: axis(), effects };
+            let input = vec![Complex::ZERO, Complex::new(magnitude, 0.0)];
+            let velocity =
+                simulator::respond(&machine, 0.0, omega_rad_s, &input, 5, &Settings::default());
+            let harmonic = |(order, value)| Harmonic { order, value, std: Some(STD) };
+            Some(Experiment {
+                magnitude,
+                omega_rad_s,
+                input,
+                input_mean_measured: false,
+                response: velocity.ok()?.into_iter().enumerate().map(harmonic).collect(),
+                run: None,
+                repeats: Vec::new(),
+                from_record: false,
+            })
+        };
+        let frequencies = (0..24).map(|i| 4.5 * 1.1_f64.powi(i));
+        let places = frequencies.flat_map(|omega| [(0.8657, omega), (1.7315, omega)]);
+        let quiet = places.filter_map(|place| experiment(&play, place)).take(20);
+        let restless = RESTLESS.into_iter().filter_map(|place| experiment(&[], place));
+        joined(quiet.chain(restless).collect())
+    }
+
+    // The data has no noise: where the axis has a response, hardly anything is left of the χ² of
+    // 210 that the stated deviation would make.
+    #[test]
+    fn an_answer_is_fitted_to_the_experiments_that_its_model_answers_and_lists_the_others() {
+        let measurement = measurement();
+        let mut options = IdentifyOptions::default();
+        options.network.enabled = false;
+        options.colony.enabled = false;
+        let plant = Some(PlantRequest { actuator_order: 2 });
+        let request = IdentifyRequest { plant, options, ..IdentifyRequest::default() };
+        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
+        let play = find("backlash").unwrap();
+        let mut model = workbench.extend(workbench.base(), play);
+        let base = model.coordinates.point(&workbench.problem.in_scale(&axis()));
+        model.point[..base.len()].copy_from_slice(&base);
+        let Scales { omega, input, velocity } = workbench.problem.scales;
+        for ((i, parameter), value) in model.parameters_of(0).zip(play.parameters()).zip(JOINT) {
+            model.set(i, value / parameter.dimension.factor(input, velocity, 1.0 / omega));
+        }
+        model.cost = workbench.misfit(&model).cost(&model.point);
+        assert!(model.cost.is_finite());
+
+        let fit = workbench.judge(&model, Intervals::Curvature).unwrap();
+        let answer = &fit.identification.fit;
+        let places = answer.unanswered.iter();
+        let places: Vec<_> =
+            places.map(|lost| (lost.magnitude.unwrap(), lost.omega_rad_s.unwrap())).collect();
+        assert_eq!(places, RESTLESS);
+        // Eleven real numbers in each of twenty experiments; six base parameters and four of play.
+        assert_eq!(answer.dof, 20 * 11 - 10);
+        assert_eq!(fit.residuals.len(), 20 * 11);
+        assert_eq!(fit.components.len(), 20 * 11);
+        assert!(answer.chi2.unwrap() < 21.0, "{:?}", answer.chi2);
+
+        // In the search an experiment without a response is worth what the base model leaves.
+        let stood_in = workbench.from_rest(model.clone());
+        let of_base =
+            workbench.misfit(workbench.base()).residuals(&workbench.base().point).unwrap();
+        let of_base = of_base.rows(20 * 11, 2 * 11).norm_squared();
+        let least = answer.chi2.unwrap() + of_base;
+        assert!(stood_in.cost > 0.99 * least, "{} {least}", stood_in.cost);
+    }
+}

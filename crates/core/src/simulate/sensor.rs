@@ -8,7 +8,7 @@ use crate::effects::Axis;
 use crate::measurement::Complex;
 use crate::plant::Scalar;
 
-use super::pair::Pair;
+use super::signal::complex_dual::Pair;
 
 /// Turns velocity harmonics, and rows of their derivatives by lane, into those
 /// reported.

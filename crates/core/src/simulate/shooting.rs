@@ -6,7 +6,7 @@ use crate::effects::{Axis, Wide};
 use crate::measurement::Complex;
 use crate::plant::{Dual, Scalar};
 
-use super::pair::Pair;
+use super::signal::complex_dual::Pair;
 
 /// Derivatives of harmonics by `parameters` lanes, when the unknowns of the
 /// return map ride in the lanes behind them.

@@ -9,10 +9,10 @@
 
 use crate::plant::Scalar;
 
-use super::super::wave::Quintic;
 use super::mechanics::{Mechanics, Mode};
 use super::runge_kutta::Vector;
 use super::series::Series;
+use crate::simulate::signal::piecewise_quintic::Quintic;
 
 /// Largest rate times length of a step.
 pub(super) const REACH: f64 = 1.2;

@@ -1,13 +1,13 @@
 //! Equations of motion between switches, and what switches them.
 
 mod dynamics;
-mod start;
+mod initial_state;
 
 use crate::effects::{Axis, Jet, Law, SecondMass};
 use crate::plant::Scalar;
 
-use super::super::orbit::Motion;
 use super::runge_kutta::Vector;
+use crate::simulate::base::switching_times::Motion;
 
 /// Index of v in every state.
 pub(super) const VELOCITY: usize = 0;

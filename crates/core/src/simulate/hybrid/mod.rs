@@ -12,14 +12,14 @@
 
 mod affine;
 mod crossing;
-mod follow;
+mod initial_value;
+mod integrate_period;
 mod mechanics;
-mod pace;
-mod pass;
 mod return_map;
 mod runge_kutta;
 mod series;
 mod step;
+mod step_control;
 
 use std::ops::Range;
 
@@ -27,12 +27,12 @@ use crate::effects::{Axis, Wide};
 use crate::measurement::Complex;
 use crate::plant::{Dual, Scalar as _};
 
-use super::drive;
-use super::excitation::Excitation;
-use super::pair::Pair;
+use super::piecewise_linear::drive;
+use super::response::{Counts, NoResponse};
 use super::shooting;
-use super::{Counts, NoResponse};
-pub(super) use follow::follow;
+use super::signal::complex_dual::Pair;
+use super::signal::excitation::Excitation;
+pub(super) use initial_value::follow;
 use mechanics::Mechanics;
 use return_map::{Followed, Periodic};
 

@@ -1,26 +1,26 @@
 //! The periodic motion that is reached from rest, by Newton's method on the return map.
 
-mod closing;
-mod leash;
-mod ripple;
+mod continuation;
+mod periodic_orbit;
+mod trust_region;
 
 use crate::effects::Axis;
 use crate::plant::Scalar;
 
-use super::super::drive;
-use super::super::excitation::{Excitation, Grid};
-use super::super::fourier::Fourier;
-use super::super::orbit::Motion;
-use super::super::pair::Pair;
 use super::super::shooting;
-use super::super::spectrum;
-use super::super::wave::Wave;
-use super::super::{Counts, NoResponse};
+use super::integrate_period::{Pass, Precision};
 use super::mechanics::{self, Mechanics};
-use super::pass::{Pass, Precision};
 use super::runge_kutta::Vector;
 use super::{LOOSE, TIGHT};
-use leash::Leash;
+use crate::simulate::base::spectrum;
+use crate::simulate::base::switching_times::Motion;
+use crate::simulate::piecewise_linear::drive;
+use crate::simulate::response::{Counts, NoResponse};
+use crate::simulate::signal::complex_dual::Pair;
+use crate::simulate::signal::excitation::{Excitation, Grid};
+use crate::simulate::signal::fourier::Fourier;
+use crate::simulate::signal::piecewise_quintic::Wave;
+use trust_region::Leash;
 
 /// Swings on bristles that are followed while the periodic motion is looked for, and in the
 /// end.

@@ -131,7 +131,8 @@ mod tests {
         let f = |t: f64, x: &Vector<f64, 1>| [t - x[0]];
         let slope = f(0.0, &start);
         let step = Stages::new(&start, &slope, h, |stage, x| f(NODES[stage] * h, x));
-        let middle = super::super::super::wave::polynomial(&step.powers(0, |x| x), 0.5);
+        let middle =
+            crate::simulate::signal::piecewise_quintic::polynomial(&step.powers(0, |x| x), 0.5);
         ((step.end[0] - exact(h)).abs(), (middle - exact(0.5 * h)).abs())
     }
 

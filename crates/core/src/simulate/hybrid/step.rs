@@ -2,10 +2,10 @@
 
 use crate::plant::Scalar;
 
-use super::super::fourier::Fourier;
-use super::super::wave::{Quintic, polynomial, through};
 use super::runge_kutta::{Stages, Vector};
 use super::series::{MOST_POWERS, Series};
+use crate::simulate::signal::fourier::Fourier;
+use crate::simulate::signal::piecewise_quintic::{Quintic, polynomial, through};
 
 /// A step of a motion.
 pub(super) enum Step<S, const M: usize> {

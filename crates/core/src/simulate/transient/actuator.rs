@@ -5,12 +5,12 @@
 
 use crate::plant::Actuator;
 
-use super::super::drive::{Mode, modes};
-use super::super::pair::Pair;
-use super::super::relaxation::Relaxation;
-use super::super::wave::{Cell, Wave, through};
 use super::InitialState;
 use super::command::Line;
+use crate::simulate::piecewise_linear::drive::{Mode, modes};
+use crate::simulate::signal::complex_dual::Pair;
+use crate::simulate::signal::exponential_integrator::Relaxation;
+use crate::simulate::signal::piecewise_quintic::{Cell, Wave, through};
 
 /// Radians, or time constants, of the actuator in one cell: its quintic misses by 7e-5 of
 /// what a kink sets off.

@@ -16,7 +16,8 @@ use crate::effects::{self, ActiveEffect, Axis};
 use crate::measurement::Intersample;
 use crate::plant::{Actuator, Plant};
 
-use super::{NoResponse, check, hybrid};
+use super::hybrid;
+use super::response::{NoResponse, check};
 
 /// An input at equal steps of time, from 0.
 #[derive(Debug, Clone, Copy)]

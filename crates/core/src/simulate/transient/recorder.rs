@@ -3,9 +3,9 @@
 //! With one lag of time constant T the sensor reports y' = (v − y)/T, so that its
 //! acceleration is (v − y)/T and its position θ − T·(y − y₀).
 
-use super::super::relaxation::Relaxation;
-use super::super::wave::{polynomial, restricted, slope, through};
 use super::{InitialState, SampledInput, Trajectory};
+use crate::simulate::signal::exponential_integrator::Relaxation;
+use crate::simulate::signal::piecewise_quintic::{polynomial, restricted, slope, through};
 
 /// Share of a step by which a sample's time may lie beyond the end of a piece.
 const ROUNDING: f64 = 1e-9;

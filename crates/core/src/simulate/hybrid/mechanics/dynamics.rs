@@ -2,9 +2,9 @@
 
 use crate::plant::Scalar;
 
-use super::super::super::orbit::Motion;
 use super::super::runge_kutta::Vector;
 use super::{Bent, Contact, Mechanics, Mode, VELOCITY};
+use crate::simulate::base::switching_times::Motion;
 
 impl<S: Scalar> Mechanics<S> {
     /// By how much what is not friction exceeds what it can balance: forward, backward.

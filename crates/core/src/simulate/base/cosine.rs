@@ -1,0 +1,232 @@
+//! Motion under a pure cosine torque.
+//!
+//! In phase φ = ωt + arg T, with torque and friction divided by |T| and
+//! z = x·ω/|T|, the motion is z' = −α·z + cos φ − f, α = a/ω. A period has at
+//! most one slide in each direction. With symmetric friction and no rest the
+//! start of the forward slide is closed form: w(φ) = −(c/α)·tanh(απ/2) with
+//! w = sin(φ + atan α)/√(1 + α²). From there two unknown instants are found by
+//! Newton's method. Where that motion is not possible the axis rests, a rest
+//! forgets what came before, and the slides follow one after the other.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::measurement::Complex;
+use crate::plant::Plant;
+
+use super::switching_times::{Motion, Orbit, Phase};
+use crate::simulate::response::NoResponse;
+
+/// Levels and pole, without dimension.
+struct Normalised {
+    alpha: f64,
+    c_plus: f64,
+    c_minus: f64,
+    s_plus: f64,
+    s_minus: f64,
+}
+
+/// Half-cycles after which a motion from rest counts as not periodic.
+const MOST_HALF_CYCLES: usize = 4000;
+
+/// The motion reached from rest under the torque Re T·exp(jωt).
+pub(crate) fn orbit(plant: &Plant, torque: Complex, omega: f64) -> Result<Orbit, NoResponse> {
+    let amplitude = torque.norm();
+    let period_s = TAU / omega;
+    let friction = plant.friction;
+    if amplitude <= friction.fs_plus.min(friction.fs_minus) {
+        return Ok(Orbit::constant(period_s, Motion::Stuck));
+    }
+    let normalised = Normalised {
+        alpha: plant.viscous_rate_rad_s / omega,
+        c_plus: friction.fc_plus / amplitude,
+        c_minus: friction.fc_minus / amplitude,
+        s_plus: friction.fs_plus / amplitude,
+        s_minus: friction.fs_minus / amplitude,
+    };
+    // With Fs = Fc two motions from different states approach each other, so
+    // the periodic one is unique however it is found. Otherwise only the one
+    // reached from rest counts.
+    let unique = friction.fs_plus == friction.fc_plus && friction.fs_minus == friction.fc_minus;
+    let phases = match normalised.first_guess().filter(|_| unique) {
+        Some(guess) => normalised.slide_through(guess),
+        None => None,
+    };
+    let mut phases = match phases {
+        Some(phases) => phases,
+        None => normalised.reached_from_rest()?,
+    };
+    let lead = torque.arg();
+    for phase in &mut phases {
+        phase.start_s = (phase.start_s - lead) / omega;
+    }
+    Ok(Orbit { period_s, phases })
+}
+
+impl Normalised {
+    /// w(φ): steady response of 1/(d/dφ + α) to cos φ.
+    fn steady(&self, sin: f64, cos: f64) -> f64 {
+        (self.alpha * cos + sin) / (self.alpha * self.alpha + 1.0)
+    }
+
+    /// Start of the forward slide if friction were symmetric at its mean level.
+    fn first_guess(&self) -> Option<f64> {
+        let level = 0.5 * (self.c_plus + self.c_minus);
+        let sine = -level / self.alpha
+            * (0.5 * self.alpha * PI).tanh()
+            * (1.0 + self.alpha * self.alpha).sqrt();
+        (sine > -1.0).then(|| sine.asin() - self.alpha.atan())
+    }
+
+    /// Newton's method on the starts of both slides; `None` where sliding
+    /// through without rest is not possible.
+    fn slide_through(&self, forward_guess: f64) -> Option<Vec<Phase>> {
+        let (mut forward, mut backward) = (forward_guess, forward_guess + PI);
+        for _ in 0..12 {
+            let (sin_f, cos_f) = forward.sin_cos();
+            let (sin_b, cos_b) = backward.sin_cos();
+            let (w_f, w_b) = (self.steady(sin_f, cos_f), self.steady(sin_b, cos_b));
+            let lost_f = -(-self.alpha * (backward - forward)).exp_m1();
+            let lost_b = -(-self.alpha * (forward + TAU - backward)).exp_m1();
+            let end_f = w_b - w_f * (1.0 - lost_f) - self.c_plus * lost_f / self.alpha;
+            let end_b = w_f - w_b * (1.0 - lost_b) + self.c_minus * lost_b / self.alpha;
+            // Jacobian of (end_f, end_b) by (forward, backward).
+            let j11 = -(1.0 - lost_f) * (cos_f - self.c_plus);
+            let j12 = cos_b - self.c_plus;
+            let j21 = cos_f + self.c_minus;
+            let j22 = -(1.0 - lost_b) * (cos_b + self.c_minus);
+            let determinant = j11 * j22 - j12 * j21;
+            let step_f = (end_f * j22 - end_b * j12) / determinant;
+            let step_b = (end_b * j11 - end_f * j21) / determinant;
+            let longest = step_f.abs().max(step_b.abs());
+            if longest.is_nan() {
+                return None;
+            }
+            let damping = if longest > 0.5 { 0.5 / longest } else { 1.0 };
+            forward -= damping * step_f;
+            backward -= damping * step_b;
+            // Newton's error after the step is of the order of the step squared.
+            if longest < 1e-8 {
+                return self.possible(forward, backward).then(|| {
+                    vec![
+                        Phase { start_s: forward, motion: Motion::Forward },
+                        Phase { start_s: backward, motion: Motion::Backward },
+                    ]
+                });
+            }
+        }
+        None
+    }
+
+    /// Whether both reversals exceed the static level, in the right order.
+    fn possible(&self, forward: f64, backward: f64) -> bool {
+        forward.cos() > self.s_plus
+            && backward.cos() < -self.s_minus
+            && backward > forward
+            && backward < forward + TAU
+    }
+
+    /// Follows the motion from rest until a period repeats.
+    fn reached_from_rest(&self) -> Result<Vec<Phase>, NoResponse> {
+        let (start, motion) = self.breakaway(-PI);
+        let mut phases = vec![Phase { start_s: start, motion }];
+        while phases.len() < MOST_HALF_CYCLES {
+            let Phase { start_s, motion } = phases[phases.len() - 1];
+            let end = self.end_of_slide(start_s, motion);
+            let cos = end.cos();
+            let (next_start, next_motion) = match motion {
+                Motion::Forward if cos < -self.s_minus => (end, Motion::Backward),
+                Motion::Backward if cos > self.s_plus => (end, Motion::Forward),
+                _ => {
+                    phases.push(Phase { start_s: end, motion: Motion::Stuck });
+                    self.breakaway(end)
+                }
+            };
+            let rested = phases[phases.len() - 1].motion == Motion::Stuck;
+            if let Some(period) = self.repeats(&phases, next_start, next_motion, rested) {
+                return Ok(period);
+            }
+            phases.push(Phase { start_s: next_start, motion: next_motion });
+        }
+        Err(NoResponse::NotPeriodic { periods: MOST_HALF_CYCLES / 2 })
+    }
+
+    /// The last period of `phases`, if the slide that starts now repeats one
+    /// that started a period ago.
+    fn repeats(
+        &self,
+        phases: &[Phase],
+        start: f64,
+        motion: Motion,
+        rested: bool,
+    ) -> Option<Vec<Phase>> {
+        let earlier = phases.iter().rposition(|phase| phase.motion == motion)?;
+        let change = start - phases[earlier].start_s - TAU;
+        let last_period = &phases[earlier..];
+        if rested || last_period.iter().any(|phase| phase.motion == Motion::Stuck) {
+            // Both started from rest at the same level: equal up to rounding.
+            return (change.abs() < 1e-9 && rested).then(|| last_period.to_vec());
+        }
+        if change.abs() < 1e-4
+            && let Some(polished) = self.slide_through(start)
+            && (polished[0].start_s - start).rem_euclid(TAU) < 1e-2
+        {
+            return Some(polished);
+        }
+        (change.abs() < 1e-12).then(|| last_period.to_vec())
+    }
+
+    /// First instant from `from` on at which the torque exceeds a static level
+    /// that holds the axis, and the direction it then moves in.
+    fn breakaway(&self, from: f64) -> (f64, Motion) {
+        let next = |phase: f64| {
+            let after = (phase - from).rem_euclid(TAU);
+            // An instant that rounding put just before `from` is not a period away.
+            from + if after > TAU - 1e-9 { after - TAU } else { after }
+        };
+        let forward = (self.s_plus < 1.0).then(|| next(-self.s_plus.acos()));
+        let backward = (self.s_minus < 1.0).then(|| next(PI - self.s_minus.acos()));
+        match (forward, backward) {
+            (Some(f), Some(b)) if f <= b => (f, Motion::Forward),
+            (Some(f), None) => (f, Motion::Forward),
+            (_, Some(b)) => (b, Motion::Backward),
+            (None, None) => unreachable!("the amplitude exceeds one of the static levels"),
+        }
+    }
+
+    /// End of a slide that starts at `start` with v = 0.
+    ///
+    /// z rises while the torque exceeds the friction and falls from then until
+    /// it exceeds it again: the end lies within that fall, where z is monotone.
+    fn end_of_slide(&self, start: f64, motion: Motion) -> f64 {
+        // A backward slide is a forward one half a period away.
+        let (shift, level) = match motion {
+            Motion::Backward => (PI, self.c_minus),
+            _ => (0.0, self.c_plus),
+        };
+        let start = start - shift;
+        let turn = level.min(1.0).acos();
+        let mut low = start + (turn - start).rem_euclid(TAU);
+        let mut high = low + TAU - 2.0 * turn;
+        let (sin, cos) = start.sin_cos();
+        let at_start = self.steady(sin, cos);
+        let mut end = (start + PI).clamp(low + 0.1 * (high - low), high - 0.1 * (high - low));
+        for _ in 0..80 {
+            let (sin, cos) = end.sin_cos();
+            let lost = -(-self.alpha * (end - start)).exp_m1();
+            let z = self.steady(sin, cos) - at_start * (1.0 - lost) - level * lost / self.alpha;
+            if z > 0.0 {
+                low = end;
+            } else {
+                high = end;
+            }
+            let newton = end - z / (cos - level - self.alpha * z);
+            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
+            let step = (next - end).abs();
+            end = next;
+            if step < 1e-15 * end.abs().max(1.0) || high - low < 1e-15 * end.abs().max(1.0) {
+                break;
+            }
+        }
+        end + shift
+    }
+}

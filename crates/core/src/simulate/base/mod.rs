@@ -1,0 +1,91 @@
+//! The base model's motion: one mass with Coulomb friction behind a linear actuator.
+//!
+//! Between two switches of the friction the equation is linear, so that a periodic motion is
+//! nothing but its switching times. `cosine` finds them for a pure cosine, in closed form but for
+//! one scalar equation; `periodic` finds them for any periodic input by following the motion until
+//! it repeats. Harmonics (`spectrum`) and derivatives (`sensitivity`) follow from the times alone.
+
+pub(super) mod cosine;
+pub(super) mod periodic;
+pub(super) mod sensitivity;
+pub(super) mod spectrum;
+pub(super) mod switching_times;
+pub(super) mod torque_sensitivity;
+
+use crate::effects::Axis;
+use crate::measurement::Complex;
+use crate::plant::Plant;
+
+use super::response::NoResponse;
+use super::signal::excitation::Excitation;
+use super::signal::samples::Samples;
+use switching_times::{Motion, Orbit};
+
+/// A plant, the torque on its mechanics, and the motion it leads to.
+pub(super) struct Settled<'a> {
+    pub(super) plant: Plant,
+    pub(super) excitation: &'a Excitation,
+    /// Torque lines Tₗ = A(jlω)·Uₗ.
+    pub(super) lines: Vec<Complex>,
+    pub(super) orbit: Orbit,
+    /// The torque on the grid, where the input is general.
+    torque: Option<Samples>,
+}
+
+impl Settled<'_> {
+    /// Whether the axis never moves.
+    pub(super) fn rests(&self) -> bool {
+        !self.orbit.switches() && self.orbit.phases[0].motion == Motion::Stuck
+    }
+
+    /// ∫ τ exp(−jkωt) dt over the phases of rest, k = 0 … `highest`.
+    pub(super) fn held(&self, highest: usize) -> Vec<Complex> {
+        match &self.torque {
+            Some(torque) => self.held_samples(torque, highest),
+            None => spectrum::held_lines(&self.orbit, &self.lines, highest),
+        }
+    }
+
+    /// The same for a signal of other lines, such as a change of the torque.
+    pub(super) fn held_of(&self, lines: &[Complex], highest: usize) -> Vec<Complex> {
+        match self.excitation.grid() {
+            Some(grid) if self.orbit.sticks() => {
+                let omega = self.excitation.omega_rad_s();
+                let (signal, _) = Samples::of(grid, omega, lines, &[]);
+                self.held_samples(&signal, highest)
+            }
+            Some(_) => vec![Complex::new(0.0, 0.0); highest + 1],
+            None => spectrum::held_lines(&self.orbit, lines, highest),
+        }
+    }
+
+    fn held_samples(&self, signal: &Samples, highest: usize) -> Vec<Complex> {
+        let stuck = (0..self.orbit.phases.len())
+            .map(|i| self.orbit.span(i))
+            .filter(|(_, _, motion)| *motion == Motion::Stuck)
+            .map(|(start, end, _)| (start, end));
+        match self.excitation.grid() {
+            Some(grid) if self.orbit.sticks() => {
+                signal.integrals(grid, self.excitation.omega_rad_s(), stuck, highest)
+            }
+            _ => vec![Complex::new(0.0, 0.0); highest + 1],
+        }
+    }
+}
+
+/// The base model's motion, with the friction levels of the axis.
+pub(super) fn settle<'a>(
+    axis: &Axis,
+    excitation: &'a Excitation,
+) -> Result<Settled<'a>, NoResponse> {
+    let plant = Plant { friction: axis.levels(), ..axis.plant };
+    let lines = excitation.torque_lines(&plant.actuator);
+    let (orbit, torque) = match excitation.grid() {
+        None => (cosine::orbit(&plant, lines[1], excitation.omega_rad_s())?, None),
+        Some(grid) => {
+            let (orbit, torque) = periodic::orbit(&plant, &lines, excitation, grid)?;
+            (orbit, Some(torque))
+        }
+    };
+    Ok(Settled { plant, excitation, lines, orbit, torque })
+}

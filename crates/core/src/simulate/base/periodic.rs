@@ -1,0 +1,218 @@
+//! Motion under any periodic torque.
+//!
+//! Torque τ and the steady response w of 1/(s + a) to it come in cells
+//! ([`Course`]): of a general input by FFT on a uniform grid (`samples`), of a bent
+//! cosine in closed form. While the axis slides, x = w − σ/a + C·exp(−a·t), so one
+//! pass over the cells finds those in which the motion switches, and a bracketed
+//! Newton's method on x finds the instant. The pass is linear in cells and in
+//! switches. Periods follow one another from rest; the state at their start
+//! converges by Newton's method on the return map, whose slope the pass gives
+//! along the way.
+
+mod event_location;
+mod sampled_torque;
+
+use crate::measurement::Complex;
+use crate::plant::{Friction, Plant};
+
+use super::spectrum::sliding_friction;
+use super::switching_times::{Motion, Orbit, Phase};
+use crate::simulate::response::NoResponse;
+use crate::simulate::signal::excitation::{Excitation, Grid};
+use crate::simulate::signal::samples::Samples;
+use sampled_torque::Waves;
+
+/// Periods after which a motion from rest counts as not periodic.
+const MOST_PERIODS: usize = 400;
+
+/// Share of the largest x that is lost in rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// Switches of one cell beyond which time has stopped passing.
+const MOST_SWITCHES_PER_CELL: usize = 64;
+
+/// Torque τ and the steady response w of 1/(s + a) to it, divided into cells.
+///
+/// Within a cell both are smooth, and so short are the cells that a signal which
+/// meets a level twice within one shows that in its slopes at both ends.
+pub(crate) trait Course {
+    /// Cells of the period.
+    fn cells(&self) -> usize;
+
+    /// Where cell n begins, or n − 1 ends, seconds.
+    fn time(&self, n: usize) -> f64;
+
+    /// exp(−ah) over the length h of a cell.
+    fn kept(&self, cell: usize) -> f64;
+
+    /// τ and w where cell n begins, or n − 1 ends.
+    fn node(&self, n: usize) -> (f64, f64);
+
+    /// τ' at the end of a cell.
+    fn rate_at_end(&self, cell: usize) -> f64;
+
+    /// τ and τ' within a cell.
+    fn torque(&self, cell: usize, time_s: f64) -> (f64, f64);
+
+    /// τ and w within a cell.
+    fn both(&self, cell: usize, time_s: f64) -> (f64, f64);
+}
+
+/// The motion reached from rest under a general input, and the torque it was
+/// found with; `lines` are the torque lines.
+pub(crate) fn orbit(
+    plant: &Plant,
+    lines: &[Complex],
+    excitation: &Excitation,
+    grid: &Grid,
+) -> Result<(Orbit, Samples), NoResponse> {
+    let waves = Waves::new(plant, lines, excitation, grid);
+    let orbit = follow(plant, &waves, excitation.period_s())?;
+    Ok((orbit, waves.torque))
+}
+
+/// The motion reached from rest.
+pub(crate) fn follow(
+    plant: &Plant,
+    course: &impl Course,
+    period_s: f64,
+) -> Result<Orbit, NoResponse> {
+    let scale = (0..course.cells()).fold(0.0, |most: f64, n| most.max(course.node(n).1.abs()));
+    let friction = plant.friction;
+    let motion = Followed { a: plant.viscous_rate_rad_s, friction, course, scale };
+    let unique = friction.fs_plus == friction.fc_plus && friction.fs_minus == friction.fc_minus;
+    let mut start = State { x: 0.0, motion: Motion::Stuck };
+    for period in 0..MOST_PERIODS {
+        let pass = motion.pass(start).ok_or(NoResponse::NotPeriodic { periods: period })?;
+        let change = pass.end.x - start.x;
+        // `start` of the first pass is a guess (rest), never part of the motion.
+        if period > 0 && pass.end.motion == start.motion && change.abs() <= ROUNDING * scale {
+            return Ok(pass.into_orbit(period_s));
+        }
+        // Newton's step may only jump where every start leads to the same motion.
+        let jump = unique || change.abs() < 1e-3 * scale;
+        let next = start.x + change / (1.0 - pass.slope);
+        let same_side = match pass.end.motion {
+            Motion::Forward => next > 0.0,
+            Motion::Backward => next < 0.0,
+            Motion::Stuck => false,
+        };
+        start = pass.end;
+        if period > 0 && jump && same_side && pass.slope != 0.0 {
+            start.x = next;
+        }
+    }
+    Err(NoResponse::NotPeriodic { periods: MOST_PERIODS })
+}
+
+/// State of the axis: x = v/K, and what it does.
+#[derive(Clone, Copy)]
+struct State {
+    x: f64,
+    motion: Motion,
+}
+
+/// What one pass over a period found.
+struct Pass {
+    phases: Vec<Phase>,
+    end: State,
+    /// Derivative of the final x by the initial one.
+    slope: f64,
+}
+
+impl Pass {
+    fn into_orbit(self, period_s: f64) -> Orbit {
+        if self.phases.is_empty() {
+            Orbit::constant(period_s, self.end.motion)
+        } else {
+            Orbit { period_s, phases: self.phases }
+        }
+    }
+}
+
+/// A motion under the torque of a course.
+struct Followed<'a, C> {
+    a: f64,
+    friction: Friction,
+    course: &'a C,
+    /// Largest |w|.
+    scale: f64,
+}
+
+/// A point of the motion from which x is continued.
+#[derive(Clone, Copy)]
+struct Anchor {
+    time_s: f64,
+    x: f64,
+    steady: f64,
+}
+
+impl<C: Course> Followed<'_, C> {
+    /// Follows the motion over one period; `None` where it switches without end.
+    fn pass(&self, start: State) -> Option<Pass> {
+        let course = self.course;
+        let mut phases = Vec::new();
+        let mut slope = 1.0;
+        let mut state = start;
+        let mut anchor = Anchor { time_s: 0.0, x: start.x, steady: course.node(0).1 };
+        // Instant and torque of the last switch.
+        let mut last: Option<(f64, f64)> = None;
+        for cell in 0..course.cells() {
+            let cell_end = course.time(cell + 1);
+            let steady_end = course.node(cell + 1).1;
+            let most_phases = phases.len() + MOST_SWITCHES_PER_CELL;
+            loop {
+                let friction = sliding_friction(&self.friction, state.motion);
+                let switch = match friction {
+                    None => self.breakaway(cell, anchor.time_s),
+                    Some(friction) => {
+                        let whole_cell = anchor.time_s <= course.time(cell);
+                        let kept = if whole_cell {
+                            course.kept(cell)
+                        } else {
+                            (-self.a * (cell_end - anchor.time_s)).exp()
+                        };
+                        let offset = friction / self.a;
+                        let x_end =
+                            steady_end - offset + (anchor.x - anchor.steady + offset) * kept;
+                        let stop = self.stop(cell, anchor, friction, state.motion, x_end);
+                        if stop.is_none() {
+                            anchor = Anchor { time_s: cell_end, x: x_end, steady: steady_end };
+                        }
+                        stop
+                    }
+                };
+                let Some((time_s, motion)) = switch else { break };
+                if phases.len() == most_phases {
+                    return None;
+                }
+                let (torque, steady) = course.both(cell, time_s);
+                // Derivative of this instant by the one before, or by the initial x.
+                slope *= match (friction, last) {
+                    (None, _) => 0.0,
+                    (Some(friction), None) => -(-self.a * time_s).exp() / (torque - friction),
+                    (Some(friction), Some((before_s, before))) => {
+                        (-self.a * (time_s - before_s)).exp() * (before - friction)
+                            / (torque - friction)
+                    }
+                };
+                phases.push(Phase { start_s: time_s, motion });
+                last = Some((time_s, torque));
+                state.motion = motion;
+                anchor = Anchor { time_s, x: 0.0, steady };
+            }
+            if state.motion == Motion::Stuck {
+                anchor = Anchor { time_s: cell_end, x: 0.0, steady: steady_end };
+            }
+        }
+        let end_s = course.time(course.cells());
+        slope *= match (last, sliding_friction(&self.friction, state.motion)) {
+            (_, None) => 0.0,
+            (None, Some(_)) => (-self.a * end_s).exp(),
+            (Some((last_s, torque)), Some(friction)) => {
+                -(-self.a * (end_s - last_s)).exp() * (torque - friction)
+            }
+        };
+        Some(Pass { phases, end: State { x: anchor.x, motion: state.motion }, slope })
+    }
+}

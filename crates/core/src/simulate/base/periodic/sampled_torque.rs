@@ -1,0 +1,72 @@
+//! The course of a general input: samples on a uniform grid.
+
+use crate::measurement::Complex;
+use crate::plant::Plant;
+
+use super::Course;
+use crate::simulate::signal::excitation::{Excitation, Grid};
+use crate::simulate::signal::samples::{Samples, quintic_at};
+
+/// Torque and steady response on the grid.
+pub(crate) struct Waves {
+    a: f64,
+    pub torque: Samples,
+    /// w: steady response of 1/(s + a) to the torque.
+    steady: Vec<f64>,
+    /// exp(−ah) over a cell.
+    kept: f64,
+}
+
+impl Waves {
+    pub fn new(plant: &Plant, lines: &[Complex], excitation: &Excitation, grid: &Grid) -> Self {
+        let omega = excitation.omega_rad_s();
+        let a = plant.viscous_rate_rad_s;
+        let through: Vec<Complex> = lines
+            .iter()
+            .enumerate()
+            .map(|(l, torque)| torque / Complex::new(a, l as f64 * omega))
+            .collect();
+        let (torque, steady) = Samples::of(grid, omega, lines, &through);
+        let kept = (-a * torque.step_s).exp();
+        Self { a, torque, steady, kept }
+    }
+}
+
+impl Course for Waves {
+    fn cells(&self) -> usize {
+        self.torque.cells()
+    }
+
+    fn time(&self, n: usize) -> f64 {
+        n as f64 * self.torque.step_s
+    }
+
+    fn kept(&self, _cell: usize) -> f64 {
+        self.kept
+    }
+
+    fn node(&self, n: usize) -> (f64, f64) {
+        (self.torque.value[n], self.steady[n])
+    }
+
+    fn rate_at_end(&self, cell: usize) -> f64 {
+        self.torque.first[cell + 1]
+    }
+
+    fn torque(&self, cell: usize, time_s: f64) -> (f64, f64) {
+        (self.torque.at(cell, time_s), self.torque.slope_at(cell, time_s))
+    }
+
+    /// w by the quintic through values and two derivatives, which w' = −a·w + τ
+    /// gives exactly.
+    fn both(&self, cell: usize, time_s: f64) -> (f64, f64) {
+        let h = self.torque.step_s;
+        let end = |n: usize| {
+            let first = self.torque.value[n] - self.a * self.steady[n];
+            let second = self.torque.first[n] - self.a * first;
+            [self.steady[n], h * first, h * h * second]
+        };
+        let steady = quintic_at(end(cell), end(cell + 1), time_s / h - cell as f64);
+        (self.torque.at(cell, time_s), steady)
+    }
+}

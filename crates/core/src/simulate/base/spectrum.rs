@@ -1,0 +1,110 @@
+//! Harmonics of a motion from its switching instants.
+//!
+//! x' = −a·x + τ − f holds at every instant, at rest too (there f = τ). So
+//! Vₖ = K·(Tₖ − Fₖ)/(jkω + a), and Fₖ, the harmonic of the friction, is an
+//! integral over phases in which f is either constant or equal to τ.
+
+use crate::measurement::Complex;
+use crate::plant::{Friction, Scalar};
+
+use super::Settled;
+use super::switching_times::{Motion, Orbit};
+
+/// V₀ … V_H of a settled motion.
+pub(crate) fn velocity(settled: &Settled<'_>, highest: usize) -> Vec<Complex> {
+    let Settled { plant, lines, orbit, .. } = settled;
+    let zero = Complex::new(0.0, 0.0);
+    if settled.rests() {
+        return vec![zero; highest + 1];
+    }
+    let omega = std::f64::consts::TAU / orbit.period_s;
+    let spans = PhaseIntegrals::new(orbit, highest);
+    let held = settled.held(highest);
+    (0..=highest)
+        .map(|k| {
+            let friction = plant.friction.fc_plus * spans.forward[k]
+                - plant.friction.fc_minus * spans.backward[k]
+                + held[k];
+            let torque = lines.get(k).copied().unwrap_or(zero);
+            let torque = if k == 0 { Complex::new(torque.re, 0.0) } else { torque };
+            (torque - friction * weight(k, orbit.period_s)) * plant.constant
+                / Complex::new(plant.viscous_rate_rad_s, k as f64 * omega)
+        })
+        .collect()
+}
+
+/// Factor from ∫ g exp(−jkωt) dt to the harmonic Gₖ of g.
+pub(crate) fn weight(k: usize, period_s: f64) -> f64 {
+    if k == 0 { 1.0 / period_s } else { 2.0 / period_s }
+}
+
+/// Friction while sliding; what it is at rest the torque decides.
+pub(crate) fn sliding_friction<S: Scalar>(friction: &Friction<S>, motion: Motion) -> Option<S> {
+    match motion {
+        Motion::Forward => Some(friction.fc_plus),
+        Motion::Backward => Some(-friction.fc_minus),
+        Motion::Stuck => None,
+    }
+}
+
+/// ∫ exp(−jkωt) dt over all phases of each motion, k = 0, 1 …
+pub(crate) struct PhaseIntegrals {
+    /// Over the forward phases, seconds.
+    pub forward: Vec<Complex>,
+    /// Over the backward phases, seconds.
+    pub backward: Vec<Complex>,
+    /// Over the phases of rest, seconds.
+    pub stuck: Vec<Complex>,
+}
+
+impl PhaseIntegrals {
+    /// For harmonics 0 … `highest`.
+    pub fn new(orbit: &Orbit, highest: usize) -> Self {
+        let omega = std::f64::consts::TAU / orbit.period_s;
+        let zero = Complex::new(0.0, 0.0);
+        let mut these = Self {
+            forward: vec![zero; highest + 1],
+            backward: vec![zero; highest + 1],
+            stuck: vec![zero; highest + 1],
+        };
+        for i in 0..orbit.phases.len() {
+            let (start, end, motion) = orbit.span(i);
+            let sums = match motion {
+                Motion::Forward => &mut these.forward,
+                Motion::Backward => &mut these.backward,
+                Motion::Stuck => &mut these.stuck,
+            };
+            sums[0] += end - start;
+            if !orbit.switches() {
+                continue; // over a whole period every other harmonic vanishes
+            }
+            let (start_turn, end_turn) =
+                (Complex::from_polar(1.0, -omega * start), Complex::from_polar(1.0, -omega * end));
+            let (mut at_start, mut at_end) = (start_turn, end_turn);
+            for (k, sum) in sums.iter_mut().enumerate().skip(1) {
+                let difference = at_start - at_end;
+                let scale = 1.0 / (k as f64 * omega);
+                *sum += Complex::new(difference.im * scale, -difference.re * scale);
+                at_start *= start_turn;
+                at_end *= end_turn;
+            }
+        }
+        these
+    }
+}
+
+/// ∫ Re(Σ Tₗ·exp(jlωt))·exp(−jkωt) dt over the phases of rest, k = 0 … `highest`.
+pub(crate) fn held_lines(orbit: &Orbit, lines: &[Complex], highest: usize) -> Vec<Complex> {
+    let mut held = vec![Complex::new(0.0, 0.0); highest + 1];
+    if !orbit.sticks() {
+        return held;
+    }
+    let stuck = PhaseIntegrals::new(orbit, highest + lines.len()).stuck;
+    for (l, line) in lines.iter().enumerate().filter(|(_, line)| line.norm_sqr() > 0.0) {
+        for (k, sum) in held.iter_mut().enumerate() {
+            let below = if k >= l { stuck[k - l] } else { stuck[l - k].conj() };
+            *sum += 0.5 * (line * below + line.conj() * stuck[k + l]);
+        }
+    }
+    held
+}

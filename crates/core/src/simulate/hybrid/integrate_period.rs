@@ -1,0 +1,230 @@
+//! One period of motion, step by step, through its switches.
+
+mod event_handling;
+
+use crate::plant::Scalar;
+
+use super::mechanics::{Mechanics, Mode, VELOCITY};
+use super::runge_kutta::{NODES, Stages, Vector};
+use super::step::{Ends, Step};
+use super::step_control::Pace;
+use crate::simulate::base::switching_times::Motion;
+use crate::simulate::signal::fourier::Fourier;
+use crate::simulate::signal::piecewise_quintic::{
+    Cell, Wave, polynomial, restricted, slope as wave_slope,
+};
+use crate::simulate::transient::Recorder;
+use event_handling::Event;
+
+/// Switches of one cell beyond which time has stopped passing.
+const MOST_SWITCHES_PER_CELL: usize = 1024;
+
+/// What it takes to find a switch, in exact steps.
+const SWITCH_EFFORT: usize = 12;
+
+/// Errors of a step that a bristle may lack to being bent as far as it goes: a step's
+/// own error keeps it from less.
+const YIELDING: f64 = 4.0;
+
+/// How precisely a pass follows the motion.
+pub(crate) struct Precision<const M: usize> {
+    /// Largest error of a step, as a share of the states' sizes.
+    pub tolerance: f64,
+    /// Sizes of the states.
+    pub sizes: [f64; M],
+    /// How often an axis swings to and fro on its bristles before its oscillation is
+    /// left out: after n swings about 3/n of it is left, and what it adds to the motion
+    /// averages out.
+    pub most_swings: usize,
+}
+
+/// Share of a cell too short for a step of its own.
+const SLIVER: f64 = 1e-9;
+
+/// A motion under way.
+pub(crate) struct Pass<'a, 'g, S, const M: usize> {
+    pub mechanics: &'a Mechanics<S>,
+    pub wave: &'a Wave<S>,
+    pub precision: &'a Precision<M>,
+    /// Where v is added up, if at all.
+    pub sums: Option<&'a mut Fourier<'g, S>>,
+    /// Who sees every step of v, if anybody; the torque may then jump between cells.
+    pub trace: Option<&'a mut Recorder>,
+    /// Largest |state| seen.
+    pub largest: [f64; M],
+    /// Times the motion has turned on its bristles.
+    pub swings: usize,
+    /// Effort that may still be spent, in that of an exact step.
+    pub effort: &'a mut usize,
+}
+
+impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
+    /// Follows the motion from `start` over one period; `None` where it
+    /// switches without end or takes more effort than there is.
+    pub fn run(&mut self, start: &Vector<S, M>) -> Option<Vector<S, M>> {
+        let mut state = *start;
+        let wave = self.wave;
+        let mut mode = self.mechanics.mode_at(wave.cells[0].fixed(0.0), &state);
+        let mut slope: Option<Vector<S, M>> = None;
+        let mut pace = Pace::new(self.mechanics, wave.cells[0].length_s);
+        for cell in &wave.cells {
+            let mut from = 0.0;
+            let mut switches = 0;
+            if self.trace.is_some() {
+                slope = None;
+            }
+            while from < 1.0 {
+                *self.effort = self.effort.checked_sub(pace.effort())?;
+                if switches > MOST_SWITCHES_PER_CELL {
+                    return None;
+                }
+                if mode.motion == Motion::Stuck {
+                    let now = self.mechanics.motion_held(mode.contact, cell.fixed(from), &state);
+                    if now != Motion::Stuck {
+                        (mode.motion, slope) = (now, None);
+                        self.set_off(mode, cell, from, &mut state);
+                        switches += 1;
+                    }
+                }
+                if self.mechanics.yields(mode, &state, YIELDING * self.precision.tolerance) {
+                    mode.yields = true;
+                    self.mechanics.bend(mode, &mut state);
+                    (slope, self.swings) = (None, 0);
+                }
+                let begin = slope
+                    .get_or_insert_with(|| self.mechanics.slope(mode, cell.fixed(from), &state));
+                let mut width = pace.width(cell, from);
+                let step = self.step(&mut pace, mode, cell, (from, &mut width), &state, begin);
+                let error = self.error(&step, &state);
+                if error.is_nan() {
+                    return None;
+                }
+                if !pace.accepts(error, width * cell.length_s, cell.length_s) {
+                    continue;
+                }
+                match self.switch(mode, cell, from, width, &step) {
+                    None => {
+                        self.add(cell, from, width, &step);
+                        state = *step.end();
+                        slope = Some(*step.end_slope());
+                        let ends = from + width >= 1.0 - SLIVER;
+                        from = if ends { 1.0 } else { from + width };
+                    }
+                    Some(switch) => {
+                        *self.effort = self.effort.saturating_sub(SWITCH_EFFORT);
+                        let span = (from, width);
+                        let Some(there) =
+                            self.up_to(&mut pace, mode, cell, span, &state, begin, &step, &switch)
+                        else {
+                            continue;
+                        };
+                        let late_s;
+                        (state, from, late_s) = there;
+                        switches += 1;
+                        mode = self.switched(mode, switch.event, cell.fixed(from), &mut state);
+                        if matches!(switch.event, Event::Starts(_)) {
+                            self.set_off(mode, cell, from, &mut state);
+                        }
+                        self.fix(mode, cell.fixed(from), &mut state, late_s);
+                        slope = None;
+                    }
+                }
+                self.note(&state);
+            }
+        }
+        Some(state)
+    }
+
+    /// What bristles do as they begin to give way.
+    fn set_off(&mut self, mode: Mode, cell: &Cell<S>, at: f64, state: &mut Vector<S, M>) {
+        self.swings = 0;
+        let rate = cell.slope(S::constant(at)) * (1.0 / cell.length_s);
+        self.mechanics.set_off(mode, cell.fixed(at), rate, state);
+    }
+
+    fn note(&mut self, state: &Vector<S, M>) {
+        for (largest, value) in self.largest.iter_mut().zip(state) {
+            *largest = largest.max(value.value().abs());
+        }
+    }
+
+    /// A step over part of a cell, or less.
+    #[inline]
+    fn step(
+        &self,
+        pace: &mut Pace<S, M>,
+        mode: Mode,
+        cell: &Cell<S>,
+        (from, width): (f64, &mut f64),
+        state: &Vector<S, M>,
+        slope: &Vector<S, M>,
+    ) -> Step<S, M> {
+        let length_s = *width * cell.length_s;
+        let torque = || match *width {
+            1.0 => cell.powers,
+            width => restricted(&cell.powers, from, from + width),
+        };
+        match pace {
+            Pace::Controlled { .. } => {
+                Step::Stages(Stages::new(state, slope, length_s, |stage, state| {
+                    let torque = cell.fixed(from + *width * NODES[stage]);
+                    self.mechanics.slope(mode, torque, state)
+                }))
+            }
+            Pace::Series { modes, jets } => {
+                let allowed = self.precision.sizes.map(|size| size * self.precision.tolerance);
+                let affine = modes.of(mode, self.mechanics);
+                let bends = mode.motion != Motion::Stuck && !jets.is_empty();
+                let against =
+                    bends.then_some(|terms: &[_]| self.mechanics.bent_term(mode, jets, terms));
+                let series = affine.reach(state, &torque(), length_s, &allowed, against);
+                *width *= series.share;
+                Step::Series(series)
+            }
+            Pace::Exact { modes, again, .. } => {
+                let (affine, powers) = (modes.of(mode, self.mechanics), torque());
+                let end = affine.step(state, &powers, length_s, *again);
+                let end_slope = affine.slope(&end, polynomial(&powers, 1.0));
+                let (states, slopes) = ([*state, end], [*slope, end_slope]);
+                let mut ends = Ends { length_s, states, slopes, curvatures: None };
+                if self.is_seen() || !ends.stays_beyond(VELOCITY, 0.0) {
+                    let rate = 1.0 / length_s;
+                    let last = wave_slope(&powers, S::constant(1.0));
+                    ends.curvatures = Some([
+                        affine.curvature(slope, powers[1] * rate),
+                        affine.curvature(&end_slope, last * rate),
+                    ]);
+                }
+                Step::Ends(ends)
+            }
+        }
+    }
+
+    /// A step's error in errors allowed, where it is not so small by itself.
+    fn error(&self, step: &Step<S, M>, state: &Vector<S, M>) -> f64 {
+        let Step::Stages(stages) = step else { return step.end()[VELOCITY].value() * 0.0 };
+        let mut sizes = self.precision.sizes;
+        let v = state[VELOCITY].value();
+        sizes[VELOCITY] = self.mechanics.velocity_size(v, sizes[VELOCITY]);
+        stages.error(&sizes) / self.precision.tolerance
+    }
+
+    /// Whether v between the ends of a step matters.
+    fn is_seen(&self) -> bool {
+        self.sums.is_some() || self.trace.is_some()
+    }
+
+    fn add(&mut self, cell: &Cell<S>, from: f64, width: f64, step: &Step<S, M>) {
+        if let Some(trace) = self.trace.as_deref_mut() {
+            let (from_s, length_s) = (cell.from_s + from * cell.length_s, width * cell.length_s);
+            trace.add(from_s, length_s, step.numbers(VELOCITY).all(), 1.0);
+        }
+        let Some(sums) = self.sums.as_deref_mut() else { return };
+        match (cell.whole, step) {
+            (Some(n), Step::Ends(ends)) if from == 0.0 && width == 1.0 => {
+                sums.add_whole(n, ends.powers(VELOCITY, |v| v));
+            }
+            _ => step.add(VELOCITY, sums, cell.from_s + from * cell.length_s, 1.0),
+        }
+    }
+}

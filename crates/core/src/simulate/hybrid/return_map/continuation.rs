@@ -1,0 +1,93 @@
+//! The periodic motion of a balanced axis where Newton's method alone does not find it.
+//!
+//! With a constant torque that is itself unknown there is no motion to be followed towards
+//! the periodic one. Without what ripples over θ the axis has one periodic motion; from there
+//! on the ripple grows to its full size, and Newton's method, damped, takes the motion along.
+
+use crate::effects::Axis;
+use crate::plant::{Dual, Scalar as _};
+
+use super::{NEAR, Periodic};
+use crate::simulate::hybrid::NoResponse;
+use crate::simulate::shooting;
+use crate::simulate::signal::piecewise_quintic::Wave;
+
+/// Newton's steps at one share of the ripple.
+const CORRECTIONS: usize = 12;
+
+/// Smallest share of a step that is tried.
+const SMALLEST_SHARE: f64 = 1.0 / 32.0;
+
+/// Longest step, as a share of the unknowns' sizes: farther ones leave the branch that is
+/// followed.
+const LONGEST: f64 = 0.5;
+
+/// Smallest growth of the ripple.
+const SMALLEST_GROWTH: f64 = 1.0 / 256.0;
+
+impl<const M: usize> Periodic<M> {
+    /// Follows the periodic motion as the ripple grows, from where it stands without.
+    pub(crate) fn grow_ripple(&mut self, axis: &Axis, wave: &Wave<f64>) -> Result<(), NoResponse> {
+        let lifted = wave.map(Dual::<M>::constant);
+        let (mut share, mut growth, mut periods) = (0.0, 1.0, 0);
+        loop {
+            let before = self.state;
+            let eased = axis.with_ripple(share).map(Dual::<M>::constant);
+            if self.correct_damped(&eased, &lifted, &mut periods) {
+                if share >= 1.0 {
+                    return Ok(());
+                }
+            } else {
+                self.state = before;
+                share -= growth;
+                growth *= 0.5;
+                if share < 0.0 || growth < SMALLEST_GROWTH {
+                    return Err(NoResponse::NotPeriodic { periods });
+                }
+            }
+            growth = growth.min(1.0 - share);
+            share += growth;
+        }
+    }
+
+    /// Newton's method with steps so short that what is left shrinks; whether it closes the
+    /// motion.
+    fn correct_damped(
+        &mut self,
+        axis: &Axis<Dual<M>>,
+        wave: &Wave<Dual<M>>,
+        periods: &mut usize,
+    ) -> bool {
+        let mut follow = |this: &mut Self| {
+            *periods += 1;
+            this.follow(axis, wave, None, 0).map(|followed| followed.residuals)
+        };
+        let Some(mut residuals) = follow(self) else { return false };
+        for _ in 0..CORRECTIONS {
+            let step = shooting::newton_step(&residuals, 0);
+            let longest = self.longest(step.as_slice());
+            if !longest.is_finite() {
+                return false;
+            }
+            if longest < NEAR {
+                self.advance(step.as_slice(), 1.0);
+                return true;
+            }
+            let (start, left) = (self.state, self.left(&residuals));
+            let mut scale = (LONGEST / longest).min(1.0);
+            residuals = loop {
+                self.advance(step.as_slice(), scale);
+                let Some(next) = follow(self) else { return false };
+                if self.left(&next) < (1.0 - 0.1 * scale) * left {
+                    break next;
+                }
+                self.state = start;
+                scale *= 0.5;
+                if scale < SMALLEST_SHARE {
+                    return false;
+                }
+            };
+        }
+        false
+    }
+}

@@ -1,0 +1,135 @@
+//! How long the next step is.
+
+use crate::effects::Jet;
+use crate::plant::Scalar;
+
+use super::affine::{Affine, REACH};
+use super::mechanics::{Mechanics, Mode};
+use crate::simulate::signal::piecewise_quintic::Cell;
+
+/// Share of the length that would just be allowed: more is refused too often.
+const SAFETY: f64 = 0.8;
+
+/// How steps are taken.
+pub(crate) enum Pace<S, const M: usize> {
+    /// Exactly, no longer than this; the step's length comes `again` where it is an even
+    /// part of a cell.
+    Exact { longest_s: f64, modes: Modes<S, M>, again: bool },
+    /// By power series, as far as the error allows.
+    Series { modes: Modes<S, M>, jets: Vec<Jet> },
+    /// By Runge–Kutta stages, as long as the error allows.
+    Controlled { length_s: f64 },
+}
+
+/// The equations of every mode seen.
+pub(crate) struct Modes<S, const M: usize>(Vec<Affine<S, M>>);
+
+impl<S: Scalar, const M: usize> Modes<S, M> {
+    /// Those of a mode.
+    #[inline]
+    pub fn of(&mut self, mode: Mode, mechanics: &Mechanics<S>) -> &mut Affine<S, M> {
+        let at = self.0.iter().position(|affine| affine.mode == mode).unwrap_or_else(|| {
+            self.0.push(Affine::new(mechanics, mode));
+            self.0.len() - 1
+        });
+        &mut self.0[at]
+    }
+}
+
+impl<S: Scalar, const M: usize> Pace<S, M> {
+    /// What suits the equations of motion.
+    pub fn new(mechanics: &Mechanics<S>, cell_s: f64) -> Self {
+        let modes = Modes(Vec::new());
+        if !mechanics.has_series() {
+            return Pace::Controlled { length_s: cell_s };
+        }
+        if mechanics.is_affine() && mechanics.half_gap().is_none() {
+            let longest_s = REACH / mechanics.fastest_rate();
+            return Pace::Exact { longest_s, modes, again: false };
+        }
+        Pace::Series { modes, jets: mechanics.jets() }
+    }
+
+    /// What a step takes, in exact steps.
+    pub fn effort(&self) -> usize {
+        match self {
+            Pace::Exact { .. } => 1,
+            Pace::Series { .. } | Pace::Controlled { .. } => 4,
+        }
+    }
+
+    /// The share of a cell to try from position `from`.
+    #[inline]
+    pub fn width(&mut self, cell: &Cell<S>, from: f64) -> f64 {
+        let left = 1.0 - from;
+        match self {
+            Pace::Exact { longest_s, again, .. } => {
+                // The cell's own even parts, so that their steps come again.
+                let parts = (cell.length_s / *longest_s).ceil().max(1.0);
+                let done = from * parts;
+                // Where no more than rounding is left of the cell, no part begins.
+                let begins = (done - done.round()).abs() < 1e-6 && done.round() < parts;
+                *again = cell.whole.is_some() && begins;
+                if *again {
+                    return 1.0 / parts;
+                }
+                (((done + 1e-6).floor() + 1.0) / parts).min(1.0) - from
+            }
+            Pace::Series { .. } => left,
+            Pace::Controlled { length_s } => {
+                let share = *length_s / cell.length_s;
+                // No sliver at the end of a cell.
+                if share * 1.1 >= left { left } else { share }
+            }
+        }
+    }
+
+    /// Whether a step's error is allowed, and how long the next may be.
+    #[inline]
+    pub fn accepts(&mut self, error: f64, tried_s: f64, cell_s: f64) -> bool {
+        if self.refuses(error, tried_s) {
+            return false;
+        }
+        let Pace::Controlled { length_s } = self else { return true };
+        // The end of a cell may have cut it short: it says nothing then.
+        let next_s = length_s.max(tried_s) * growth(error).clamp(0.3, 4.0);
+        *length_s = next_s.min(cell_s.max(tried_s));
+        true
+    }
+
+    /// Whether a step's error is too large, and then how long the next may be.
+    #[inline]
+    pub fn refuses(&mut self, error: f64, tried_s: f64) -> bool {
+        match self {
+            Pace::Controlled { length_s } if error > 1.0 => {
+                *length_s = tried_s * growth(error).max(0.2);
+                true
+            }
+            _ => false,
+        }
+    }
+}
+
+/// How much longer a step can be for an error that is just allowed.
+fn growth(error: f64) -> f64 {
+    SAFETY * f64::from((error.max(1e-10) as f32).powf(-0.2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_ends_where_its_cell_does_even_after_a_switch_just_before() {
+        let cell = Cell { from_s: 0.0, length_s: 1.0, powers: [0.0; 6], whole: Some(0) };
+        for (longest_s, parts) in [(2.0, 1.0), (0.4, 3.0)] {
+            let modes = Modes(Vec::new());
+            let mut pace = Pace::<f64, 1>::Exact { longest_s, modes, again: false };
+            for from in [0.0, 0.3, 1.0 / 3.0, 2.0 / 3.0, 1.0 - 1e-8, 1.0 - 1e-14] {
+                let width = pace.width(&cell, from);
+                assert!(width > 0.0 && width <= 1.0 / parts + 1e-15, "{from}: {width}");
+                assert!(from + width <= 1.0 + 1e-6 / parts, "{from}: {width}");
+            }
+        }
+    }
+}

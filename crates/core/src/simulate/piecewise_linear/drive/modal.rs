@@ -1,0 +1,187 @@
+//! The actuator's answer to a wave of quintics, mode by mode.
+
+use crate::plant::{Actuator, Scalar};
+
+use crate::simulate::signal::complex_dual::Pair;
+use crate::simulate::signal::exponential_integrator::Relaxation;
+use crate::simulate::signal::piecewise_quintic::{Cell, Wave, through};
+
+/// Radians of an oscillation in one cell: its quintic misses by 7e-5 of what
+/// rings after a kink, itself a hundredth of the torque at most.
+pub(crate) const RADIANS_PER_CELL: f64 = 1.2;
+
+/// Growth of the cells behind a kink, while what it excited dies out.
+const LAYER_GROWTH: f64 = 1.5;
+
+/// Time constants after which nothing of it is left.
+const LAYER_END: f64 = 14.0;
+
+/// A first-order mode η' = λη + u of the actuator, and what it adds to τ.
+#[derive(Clone, Copy)]
+pub(crate) struct Mode<S> {
+    pub rate: Pair<S>,
+    pub residue: Pair<S>,
+    /// 2 where its conjugate adds the same.
+    pub count: f64,
+}
+
+pub(crate) fn modes<S: Scalar>(actuator: &Actuator<S>) -> Vec<Mode<S>> {
+    match *actuator {
+        Actuator::Direct => vec![],
+        Actuator::FirstOrder { corner_rad_s: p } => {
+            vec![Mode { rate: Pair::real(-p), residue: Pair::real(p), count: 1.0 }]
+        }
+        Actuator::SecondOrder { natural_frequency_rad_s: wn, damping_ratio: zeta } => {
+            // A = ωₙ²/((s − λ₁)(s − λ₂)); where both are the same, next to it.
+            let mut inside = zeta * zeta - 1.0;
+            if inside.value().abs() < 1e-8 {
+                inside = inside + 2e-8;
+            }
+            let real = -(zeta * wn);
+            let zero = S::constant(0.0);
+            if inside.value() < 0.0 {
+                let turning = wn * (-inside).sqrt();
+                let residue = Pair::new(zero, -(wn * wn / (turning * 2.0)));
+                vec![Mode { rate: Pair::new(real, turning), residue, count: 2.0 }]
+            } else {
+                let apart = wn * inside.sqrt();
+                let residue = wn * wn / (apart * 2.0);
+                vec![
+                    Mode {
+                        rate: Pair::real(real + apart),
+                        residue: Pair::real(residue),
+                        count: 1.0,
+                    },
+                    Mode {
+                        rate: Pair::real(real - apart),
+                        residue: Pair::real(-residue),
+                        count: 1.0,
+                    },
+                ]
+            }
+        }
+    }
+}
+
+/// The wave behind the actuator, in its periodic state.
+pub(crate) fn delivered<S: Scalar>(actuator: &Actuator<S>, wave: Wave<S>) -> Wave<S> {
+    let modes = modes(actuator);
+    if modes.is_empty() {
+        return wave;
+    }
+    let wave = layered(wave, &modes);
+    let zero = S::constant(0.0);
+    // τ, τ' and τ'' at both ends of every cell.
+    let mut ends = vec![([zero; 3], [zero; 3]); wave.cells.len()];
+    for mode in &modes {
+        let steps = Steps::new(mode, &wave);
+        let travelled = wave
+            .cells
+            .iter()
+            .zip(steps.over(&wave))
+            .fold(Pair::real(zero), |state, (cell, step)| {
+                step.step(state, &cell.powers, cell.length_s)
+            });
+        let kept = mode.rate.scaled(S::constant(wave.period_s)).exp();
+        let left = Pair::new(-kept.re + 1.0, -kept.im);
+        let mut state = travelled * left.inverse();
+        let node = |state: Pair<S>, u: S, slope: S, into: &mut [S; 3]| {
+            let first = state * mode.rate + Pair::real(u);
+            let second = first * mode.rate + Pair::real(slope);
+            for (sum, part) in into.iter_mut().zip([state, first, second]) {
+                *sum += (part * mode.residue).re * mode.count;
+            }
+        };
+        for ((cell, step), (left, right)) in wave.cells.iter().zip(steps.over(&wave)).zip(&mut ends)
+        {
+            let per_second = 1.0 / cell.length_s;
+            node(state, cell.powers[0], cell.powers[1] * per_second, left);
+            state = step.step(state, &cell.powers, cell.length_s);
+            let one = S::constant(1.0);
+            node(state, cell.at(one), cell.slope(one) * per_second, right);
+        }
+    }
+    let cells = wave.cells.iter().zip(ends).map(|(cell, (left, right))| {
+        let h = cell.length_s;
+        let scaled = |[value, first, second]: [S; 3]| [value, first * h, second * (h * h)];
+        Cell { powers: through(scaled(left), scaled(right)), ..*cell }
+    });
+    Wave { cells: cells.collect(), period_s: wave.period_s }
+}
+
+/// The step of a mode over each cell: whole cells share theirs.
+struct Steps<S> {
+    whole: Option<Relaxation<Pair<S>>>,
+    others: Vec<Relaxation<Pair<S>>>,
+}
+
+impl<S: Scalar> Steps<S> {
+    fn new(mode: &Mode<S>, wave: &Wave<S>) -> Self {
+        let new = |cell: &Cell<S>| {
+            let rate = Pair::new(-mode.rate.re, -mode.rate.im);
+            Relaxation::complex(rate.scaled(S::constant(cell.length_s)))
+        };
+        Self {
+            whole: wave.cells.iter().find(|cell| cell.whole.is_some()).map(new),
+            others: wave.cells.iter().filter(|cell| cell.whole.is_none()).map(new).collect(),
+        }
+    }
+
+    /// The steps in the order of the cells.
+    fn over<'a>(&'a self, wave: &'a Wave<S>) -> impl Iterator<Item = &'a Relaxation<Pair<S>>> {
+        let mut others = self.others.iter();
+        wave.cells.iter().filter_map(move |cell| match cell.whole {
+            Some(_) => self.whole.as_ref(),
+            None => others.next(),
+        })
+    }
+}
+
+/// The wave with cells behind a kink so short that a quintic follows what the
+/// kink excites in real modes.
+fn layered<S: Scalar>(wave: Wave<S>, modes: &[Mode<S>]) -> Wave<S> {
+    let rates: Vec<f64> = modes
+        .iter()
+        .filter(|mode| mode.rate.im.value() == 0.0)
+        .map(|mode| -mode.rate.re.value())
+        .collect();
+    let longest = wave.cells.iter().map(|cell| cell.length_s).fold(0.0, f64::max);
+    if rates.iter().all(|rate| rate * longest <= RADIANS_PER_CELL) {
+        return wave;
+    }
+    let allowed = |since: f64| {
+        let allow = |rate: &f64| match rate * since {
+            past if past > LAYER_END => f64::INFINITY,
+            past => RADIANS_PER_CELL.max(LAYER_GROWTH * past) / rate,
+        };
+        rates.iter().map(allow).fold(f64::INFINITY, f64::min)
+    };
+    let count = wave.cells.len();
+    let steepest = wave.cells.iter().map(|c| c.number_slope(0.0).abs() / c.length_s);
+    let steepest = steepest.fold(0.0, f64::max);
+    let kink = |i: usize| {
+        let (before, here) = (&wave.cells[(i + count - 1) % count], &wave.cells[i]);
+        let jump =
+            before.number_slope(1.0) / before.length_s - here.number_slope(0.0) / here.length_s;
+        jump.abs() > 1e-6 * steepest
+    };
+    // Begin at the last kink before the period, as seen from its start.
+    let last = (0..count).rev().find(|i| kink(*i));
+    let mut since = last.map_or(f64::INFINITY, |i| wave.period_s - wave.cells[i].from_s);
+    let mut cells = Vec::with_capacity(2 * count);
+    for (i, cell) in wave.cells.iter().enumerate() {
+        if kink(i) {
+            since = 0.0;
+        }
+        let mut from = 0.0;
+        while from < 1.0 {
+            let share = allowed(since) / cell.length_s;
+            // No sliver at the end of the cell.
+            let to = if from + 1.2 * share >= 1.0 { 1.0 } else { from + share };
+            cells.push(if from == 0.0 && to == 1.0 { *cell } else { cell.part(from, to) });
+            since += (to - from) * cell.length_s;
+            from = to;
+        }
+    }
+    Wave { cells, period_s: wave.period_s }
+}

@@ -1,0 +1,218 @@
+//! A rate limiter in its own periodic steady state.
+//!
+//! w' = ±rate until w meets u again, w = u while |u'| ≤ rate. A w that never
+//! follows u is a triangle, the sides of which change where it meets u.
+
+use crate::plant::Scalar;
+
+use crate::simulate::signal::piecewise_quintic::{Cell, Wave, bisect};
+
+/// Periods after which a limiter that never follows counts as settled.
+const MOST_PERIODS: usize = 400;
+
+/// Share of a cell in which a ramp that has just left the input does not return.
+const AWAY: f64 = 1e-4;
+
+/// What the limiter does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum State<S> {
+    /// w = u.
+    Following,
+    /// w goes up (+1) or down (−1) from a value at an instant.
+    Ramp { sign: f64, from_s: S, value: S },
+}
+
+/// The wave behind a limiter of |w'| to `rate`, input units per second.
+pub(crate) fn limited<S: Scalar>(wave: &Wave<S>, rate: S) -> Wave<S> {
+    let fastest = wave.cells.iter().map(steepest).fold(0.0, f64::max);
+    if fastest <= rate.value() {
+        return wave.clone();
+    }
+    // One period to forget the start wherever w follows u at all; a triangle
+    // forgets it little by little.
+    let start = wave.cells[0].at(S::constant(0.0));
+    let mut state = State::Following;
+    if wave.cells[0].number_slope(0.0).abs() / wave.cells[0].length_s > rate.value() {
+        let sign = wave.cells[0].number_slope(0.0).signum();
+        state = State::Ramp { sign, from_s: S::constant(0.0), value: start };
+    }
+    let (mut cells, _, mut end) = pass(wave, rate, state);
+    for _ in 0..MOST_PERIODS {
+        let next = a_period_earlier(end, wave.period_s);
+        let settled = distance(next, state, rate.value()) <= 1e-13 * fastest * wave.period_s;
+        state = next;
+        let followed;
+        (cells, followed, end) = pass(wave, rate, state);
+        if !followed && let Some(triangle) = triangle(wave, rate) {
+            (cells, _, _) = pass(wave, rate, triangle);
+            break;
+        }
+        if settled && (followed || S::LANES == 0) {
+            break;
+        }
+    }
+    Wave { cells, period_s: wave.period_s }
+}
+
+/// The triangle of amplitude rate·T/4 and zero mean that turns where it meets
+/// an input whose halves mirror each other.
+fn triangle<S: Scalar>(wave: &Wave<S>, rate: S) -> Option<State<S>> {
+    let amplitude = rate * (0.25 * wave.period_s);
+    let numbers = |time_s: f64| {
+        let cell = wave.cells.iter().find(|cell| time_s <= cell.end_s()).or(wave.cells.last());
+        cell.map_or(0.0, |cell| cell.number((time_s - cell.from_s) / cell.length_s))
+    };
+    let scale = wave.range().1;
+    let mirrored = (0..8).all(|i| {
+        let time_s = wave.period_s * f64::from(i) / 16.0;
+        (numbers(time_s) + numbers(time_s + 0.5 * wave.period_s)).abs() <= 1e-9 * scale
+    });
+    if !mirrored {
+        return None;
+    }
+    // It turns downwards where u falls through the amplitude.
+    let (cell, u) = wave.cells.iter().find_map(|cell| {
+        (cell.number(0.0) >= amplitude.value())
+            .then(|| cell.crossing(0.0, amplitude.value(), -1.0))?
+            .map(|u| (cell, u))
+    })?;
+    let at = S::constant(u);
+    let moved = (amplitude - cell.at(at)) / cell.slope(at);
+    let from_s = (at + moved) * cell.length_s + cell.from_s;
+    let ramp = State::Ramp { sign: -1.0, from_s, value: amplitude };
+    // The same ramp, or the one before it, at the start of the period.
+    let half = 0.5 * wave.period_s;
+    Some(if from_s.value() >= half {
+        State::Ramp { sign: 1.0, from_s: from_s - half, value: -amplitude }
+    } else {
+        match ramp {
+            State::Ramp { from_s, value, .. } => {
+                State::Ramp { sign: 1.0, from_s: from_s - half, value: -value }
+            }
+            State::Following => State::Following,
+        }
+    })
+}
+
+fn steepest<S: Scalar>(cell: &Cell<S>) -> f64 {
+    let slopes = [0.0, 0.5, 1.0].map(|u| cell.number_slope(u).abs());
+    slopes.into_iter().fold(0.0, f64::max) / cell.length_s
+}
+
+fn a_period_earlier<S: Scalar>(state: State<S>, period_s: f64) -> State<S> {
+    match state {
+        State::Following => State::Following,
+        State::Ramp { sign, from_s, value } => {
+            State::Ramp { sign, from_s: from_s - period_s, value }
+        }
+    }
+}
+
+fn distance<S: Scalar>(a: State<S>, b: State<S>, rate: f64) -> f64 {
+    match (a, b) {
+        (State::Following, State::Following) => 0.0,
+        (
+            State::Ramp { sign, from_s, value },
+            State::Ramp { sign: other, from_s: earlier, value: before },
+        ) if sign == other => {
+            let at_zero = |from_s: S, value: S| value.value() - sign * rate * from_s.value();
+            (at_zero(from_s, value) - at_zero(earlier, before)).abs()
+        }
+        _ => f64::INFINITY,
+    }
+}
+
+/// Follows the limiter over one period: its cells, whether it ever followed the
+/// input, and its state at the end.
+fn pass<S: Scalar>(wave: &Wave<S>, rate: S, mut state: State<S>) -> (Vec<Cell<S>>, bool, State<S>) {
+    let mut cells = Vec::with_capacity(wave.cells.len() + 8);
+    let mut followed = false;
+    for cell in &wave.cells {
+        let mut from = 0.0;
+        // Within one cell w may follow, leave and meet u; more changes than this
+        // would be rounding.
+        for _ in 0..8 {
+            let (to, next) = match state {
+                State::Following => leaves(cell, from, rate),
+                State::Ramp { sign, from_s, value } => meets(cell, from, rate, sign, from_s, value),
+            };
+            if to - from > 1e-12 {
+                let part = cell.part(from, to);
+                cells.push(match state {
+                    State::Following => part,
+                    State::Ramp { sign, from_s, value } => ramp(&part, rate * sign, from_s, value),
+                });
+                followed |= state == State::Following;
+            }
+            state = next.unwrap_or(state);
+            from = to;
+            if next.is_none() {
+                break;
+            }
+        }
+    }
+    (cells, followed, state)
+}
+
+fn ramp<S: Scalar>(part: &Cell<S>, slope: S, from_s: S, value: S) -> Cell<S> {
+    let zero = S::constant(0.0);
+    let start = value + slope * (-from_s + part.from_s);
+    Cell { powers: [start, slope * part.length_s, zero, zero, zero, zero], ..*part }
+}
+
+/// Where |u'| exceeds the rate from `from` on, and the ramp that follows.
+fn leaves<S: Scalar>(cell: &Cell<S>, from: f64, rate: S) -> (f64, Option<State<S>>) {
+    let limit = rate.value() * cell.length_s;
+    let slow = |u: f64| cell.number_slope(u).abs() <= limit;
+    let at = if !slow(from) {
+        from
+    } else if let Some(fast) =
+        [0.5, 1.0].map(|share| from + share * (1.0 - from)).into_iter().find(|u| !slow(*u))
+    {
+        bisect(from, fast, slow)
+    } else {
+        return (1.0, None);
+    };
+    let sign = cell.number_slope(at).signum();
+    let u = S::constant(at);
+    // The slope is the rate there: the instant's own derivative cancels.
+    let from_s = S::constant(cell.from_s + at * cell.length_s);
+    (at, Some(State::Ramp { sign, from_s, value: cell.at(u) }))
+}
+
+/// Where the ramp meets u from `from` on, and what follows.
+fn meets<S: Scalar>(
+    cell: &Cell<S>,
+    from: f64,
+    rate: S,
+    sign: f64,
+    from_s: S,
+    value: S,
+) -> (f64, Option<State<S>>) {
+    let slope = rate * sign * cell.length_s;
+    let start = value + rate * sign * (-from_s + cell.from_s);
+    // w − u in the direction of the ramp: negative until they meet.
+    let mut ahead = *cell;
+    ahead.powers = ahead.powers.map(|power| -power * sign);
+    ahead.powers[0] += start * sign;
+    ahead.powers[1] += slope * sign;
+    // It begins at zero where it has just left u: look for its return a little later,
+    // where what it has fallen behind exceeds rounding.
+    let just_left = ahead.number(from) > -1e-13 * start.value().abs().max(slope.value().abs());
+    let begin = if just_left { from + AWAY } else { from };
+    if begin >= 1.0 {
+        return (1.0, None);
+    }
+    let at = if ahead.number(begin) > 0.0 { Some(from) } else { ahead.crossing(begin, 0.0, 1.0) };
+    let Some(at) = at else { return (1.0, None) };
+    let u = S::constant(at);
+    let u = u - ahead.at(u) / ahead.slope(u);
+    let time_s = u * cell.length_s + cell.from_s;
+    let rising = cell.number_slope(at) / cell.length_s;
+    let next = if rising.abs() <= rate.value() {
+        State::Following
+    } else {
+        State::Ramp { sign: rising.signum(), from_s: time_s, value: cell.at(u) }
+    };
+    (at, Some(next))
+}

@@ -1,0 +1,187 @@
+//! Σ xₙ exp(−jkωtₙ) over points that lie anywhere, for many k.
+//!
+//! With s from −1 to 1 over a cell of the grid around t_c, h long,
+//!
+//! ```text
+//!   exp(−jkω(t_c + sh/2)) = exp(−jkωt_c) Σ_d (2d + 1)(−j)^d j_d(kωh/2) P_d(s)
+//! ```
+//!
+//! (Abramowitz and Stegun 1964, 10.1.47), so that the points' Legendre moments in every cell
+//! are all that is kept of them, and one FFT over the cells for each d makes the sums.
+
+use crate::measurement::Complex;
+use crate::plant::Scalar;
+
+use crate::simulate::signal::complex_dual::Pair;
+use crate::simulate::signal::excitation::Grid;
+
+/// Share of a point that what is left out of the series comes to, at most.
+const LEFT_OUT: f64 = 1e-10;
+
+/// Highest degree there can be; it serves up to j_d(4).
+const MOST: usize = 20;
+
+/// Points of one signal.
+pub(crate) struct Points<S> {
+    /// Σ (2d + 1) x P_d(s), d = 0 … of each cell.
+    moments: Vec<[S; MOST]>,
+    degrees: usize,
+}
+
+impl<S: Scalar> Points<S> {
+    /// For sums up to k = `highest`; `None` where cells are too long for that.
+    pub fn new(grid: &Grid, highest: usize) -> Option<Self> {
+        let most = half_turn(grid, highest);
+        let degrees = (1..=MOST).find(|d| first_term(*d, most) * (2 * d + 1) as f64 <= LEFT_OUT)?;
+        Some(Self { moments: vec![[S::constant(0.0); MOST]; grid.samples()], degrees })
+    }
+
+    /// Adds x at the share `at` of the period.
+    #[inline]
+    pub fn add(&mut self, at: f64, x: S) {
+        let cells = self.moments.len();
+        let place = at * cells as f64;
+        let cell = (place as usize).min(cells - 1);
+        let s = 2.0 * (place - cell as f64) - 1.0;
+        let (mut before, mut here) = (0.0, 1.0);
+        for (d, moment) in self.moments[cell][..self.degrees].iter_mut().enumerate() {
+            let d = d as f64;
+            *moment += x * ((2.0 * d + 1.0) * here);
+            // Legendre's recurrence (Abramowitz and Stegun, 8.5.3).
+            (before, here) = (here, ((2.0 * d + 1.0) * s * here - d * before) / (d + 1.0));
+        }
+    }
+
+    /// Adds the sums for k = 0 … to these.
+    pub fn add_to(&self, grid: &Grid, sums: &mut [Pair<S>]) {
+        let orders = sums.len();
+        let weights: Vec<Vec<f64>> = (0..orders)
+            .map(|k| (0..self.degrees).map(|d| bessel(d, half_turn(grid, k))).collect())
+            .collect();
+        let values = self.transformed(grid, &weights, |x| x.value());
+        let lanes: Vec<Vec<Complex>> = (0..S::LANES)
+            .map(|lane| match self.varies(lane) {
+                true => self.transformed(grid, &weights, |x| x.lane(lane)),
+                false => vec![Complex::ZERO; orders],
+            })
+            .collect();
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum = *sum
+                + Pair {
+                    re: S::with_lanes(values[k].re, |lane| lanes[lane][k].re),
+                    im: S::with_lanes(values[k].im, |lane| lanes[lane][k].im),
+                };
+        }
+    }
+
+    fn varies(&self, lane: usize) -> bool {
+        self.moments.iter().any(|cell| cell[..self.degrees].iter().any(|x| x.lane(lane) != 0.0))
+    }
+
+    /// The sums of one part of the points.
+    fn transformed(
+        &self,
+        grid: &Grid,
+        weights: &[Vec<f64>],
+        part: impl Fn(&S) -> f64,
+    ) -> Vec<Complex> {
+        let samples = grid.samples();
+        let mut sums = vec![Complex::ZERO; weights.len()];
+        // Two real sequences ride on one complex transform.
+        for first in (0..self.degrees).step_by(2) {
+            let second = |cell: &[S; MOST]| {
+                if first + 1 < self.degrees { part(&cell[first + 1]) } else { 0.0 }
+            };
+            let mut signal: Vec<Complex> = self
+                .moments
+                .iter()
+                .map(|cell| Complex::new(part(&cell[first]), second(cell)))
+                .collect();
+            grid.forward(&mut signal);
+            // (−j)^d with d even, and with the next.
+            let sign = if first % 4 == 0 { 1.0 } else { -1.0 };
+            let turned = Complex::new(0.0, -sign);
+            for (k, (sum, weights)) in sums.iter_mut().zip(weights).enumerate() {
+                let here = signal[k % samples];
+                let there = signal[(samples - k % samples) % samples].conj();
+                let (even, difference) = (0.5 * (here + there), here - there);
+                let odd = 0.5 * Complex::new(difference.im, -difference.re);
+                *sum += even * (sign * weights[first]);
+                if let Some(weight) = weights.get(first + 1) {
+                    *sum += odd * turned * *weight;
+                }
+            }
+        }
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum *= Complex::from_polar(1.0, -half_turn(grid, k));
+        }
+        sums
+    }
+}
+
+/// kωh/2, radians.
+fn half_turn(grid: &Grid, k: usize) -> f64 {
+    std::f64::consts::PI * k as f64 / grid.samples() as f64
+}
+
+/// x^d/(2d + 1)!!, which j_d(x) does not exceed (Abramowitz and Stegun, 10.1.2 and 10.1.14).
+fn first_term(d: usize, x: f64) -> f64 {
+    (1..=d).fold(1.0, |product, i| product * x / (2 * i + 1) as f64)
+}
+
+/// j_d(x) by its power series (Abramowitz and Stegun, 10.1.2), for x up to some units.
+fn bessel(d: usize, x: f64) -> f64 {
+    let (mut term, mut sum) = (1.0, 1.0);
+    for m in 1.. {
+        term *= -0.5 * x * x / (m * (2 * (d + m) + 1)) as f64;
+        sum += term;
+        if term.abs() < 1e-17 * sum.abs() {
+            break;
+        }
+    }
+    first_term(d, x) * sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_series_of_bessel_is_the_closed_form() {
+        for x in [0.3, 1.5, 3.9_f64] {
+            let (sin, cos) = x.sin_cos();
+            let closed = [
+                sin / x,
+                sin / (x * x) - cos / x,
+                (3.0 / x.powi(3) - 1.0 / x) * sin - 3.0 * cos / (x * x),
+            ];
+            for (d, closed) in closed.into_iter().enumerate() {
+                // The closed form loses digits at small x.
+                assert!((bessel(d, x) - closed).abs() < 1e-13, "j_{d}({x})");
+            }
+        }
+    }
+
+    #[test]
+    fn sums_are_those_of_the_points_one_by_one() {
+        let (grid, highest) = (Grid::at_least(200), 100);
+        let points: Vec<(f64, f64)> =
+            (0..500).map(|n| ((f64::from(n) * 0.618_034).fract(), f64::from(n).cos())).collect();
+        let mut all = Points::new(grid, highest).unwrap();
+        points.iter().for_each(|(at, x)| all.add(*at, *x));
+        let mut sums = vec![Pair::real(0.0); highest + 1];
+        all.add_to(grid, &mut sums);
+        for (k, sum) in sums.iter().enumerate() {
+            let turn = |at: f64| Complex::from_polar(1.0, -std::f64::consts::TAU * k as f64 * at);
+            let expected: Complex = points.iter().map(|(at, x)| turn(*at) * *x).sum();
+            // 500 points, each to what the series leaves out.
+            assert!((sum.value() - expected).norm() < 500.0 * LEFT_OUT, "{k}: {sum:?} {expected}");
+        }
+    }
+
+    #[test]
+    fn cells_that_are_too_long_are_refused() {
+        assert!(Points::<f64>::new(Grid::at_least(24), 12).is_some());
+        assert!(Points::<f64>::new(Grid::at_least(24), 200).is_none());
+    }
+}

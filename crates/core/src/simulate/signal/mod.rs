@@ -1,0 +1,8 @@
+//! Signals over time and their Fourier integrals: what every way to simulate is made of.
+
+pub(super) mod complex_dual;
+pub(super) mod excitation;
+pub(super) mod exponential_integrator;
+pub(super) mod fourier;
+pub(super) mod piecewise_quintic;
+pub(super) mod samples;

@@ -4,7 +4,7 @@
 pub type Millis = i64;
 
 /// One file of an upload, as it came.
-#[derive(Debug, Clone, PartialEq, Eq, sqlx::FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileRow {
     /// Name used in messages.
     pub name: String,
@@ -15,7 +15,7 @@ pub struct FileRow {
 }
 
 /// What is listed and shown of a measurement.
-#[derive(Debug, Clone, PartialEq, sqlx::FromRow)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MeasurementRow {
     /// UUID version 7.
     pub id: String,
@@ -52,8 +52,7 @@ pub struct MeasurementRow {
 }
 
 /// Where a job stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, sqlx::Type)]
-#[sqlx(type_name = "TEXT", rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
     /// Waits for a worker.
     Queued,
@@ -68,12 +67,16 @@ pub enum Status {
 }
 
 impl Status {
+    /// Every status.
+    pub const ALL: [Self; 5] =
+        [Self::Queued, Self::Running, Self::Succeeded, Self::Failed, Self::Cancelled];
+
     /// Whether nothing will change any more.
     pub fn is_final(self) -> bool {
         matches!(self, Status::Succeeded | Status::Failed | Status::Cancelled)
     }
 
-    /// Its name, for people and on the wire.
+    /// Its name, for people, on the wire and in the database.
     pub fn name(self) -> &'static str {
         match self {
             Status::Queued => "queued",
@@ -99,7 +102,7 @@ pub struct NewJobRow {
 }
 
 /// A job without its result, which may be large and is read on its own.
-#[derive(Debug, Clone, PartialEq, sqlx::FromRow)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct JobRow {
     /// UUID version 7.
     pub id: String,
@@ -128,7 +131,7 @@ pub struct JobRow {
 }
 
 /// The right to work on a job until it expires; every write names it.
-#[derive(Debug, Clone, PartialEq, Eq, sqlx::FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Lease {
     /// The job.
     pub job_id: String,
@@ -167,7 +170,7 @@ impl Outcome {
 }
 
 /// One row of convergence history.
-#[derive(Debug, Clone, PartialEq, sqlx::FromRow)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ConvergencePoint {
     /// Position within the history of the job over all its attempts, from 0.
     pub seq: i64,
@@ -272,7 +275,7 @@ pub struct ResultFilter {
 }
 
 /// A result with what it is of.
-#[derive(Debug, Clone, PartialEq, sqlx::FromRow)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StoredResult {
     /// The job.
     pub job_id: String,
@@ -291,7 +294,7 @@ pub struct StoredResult {
 }
 
 /// An axis that measurements name.
-#[derive(Debug, Clone, PartialEq, Eq, sqlx::FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AxisRow {
     /// The machine.
     pub machine: String,
@@ -308,7 +311,7 @@ pub struct AxisRow {
 }
 
 /// What waits and what runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, sqlx::FromRow)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct QueueState {
     /// Jobs that wait for a worker.
     pub queued: i64,
@@ -319,7 +322,7 @@ pub struct QueueState {
 }
 
 /// A job that ended because its lease expired.
-#[derive(Debug, Clone, PartialEq, Eq, sqlx::FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct EndedRow {
     /// Kind of job.
     pub kind: String,

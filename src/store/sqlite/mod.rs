@@ -1,9 +1,11 @@
 //! The engine on one SQLite file.
 
+mod decode;
 mod history;
 mod idempotency;
 mod jobs;
 mod measurements;
+mod migrations;
 mod queue;
 mod results;
 mod retention;
@@ -86,7 +88,7 @@ impl Sqlite {
         // whether it answers would be a second round trip for every job looked up.
         let pool = |size| SqlitePoolOptions::new().max_connections(size).test_before_acquire(false);
         let writer = pool(1).connect_with(options.clone()).await?;
-        sqlx::migrate!("./migrations").run(&writer).await?;
+        migrations::all().run(&writer).await?;
         let readers = pool(READERS).connect_with(options).await?;
         Ok(Self { readers, writer, stale: Arc::default() })
     }

@@ -7,7 +7,7 @@ use crate::effects::{self, Dimension};
 use crate::measurement::{Measurement, ResponseKind};
 use crate::plant::{Actuator, Plant};
 
-use super::naming;
+use super::parameter_names;
 use super::parameters::{CONSTANT, Coordinate};
 use super::pipeline::Fitted;
 use super::problem::{Problem, Scales};
@@ -129,7 +129,7 @@ impl Estimates<'_> {
                     }
                 }
                 Coordinate::OfEffect { effect, parameter } => {
-                    let name = naming::name(&self.fitted.coordinates, i);
+                    let name = parameter_names::name(&self.fitted.coordinates, i);
                     insert(&name, self.of_effect(*effect, *parameter, i, units));
                 }
             }
@@ -257,7 +257,8 @@ impl Estimates<'_> {
                 *value *= sign(which[r]) * sign(which[c]);
             }
         }
-        let names = which.iter().map(|i| naming::name(&self.fitted.coordinates, *i)).collect();
+        let names =
+            which.iter().map(|i| parameter_names::name(&self.fitted.coordinates, *i)).collect();
         Correlations { names, matrix }
     }
 }

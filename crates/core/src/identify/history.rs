@@ -4,8 +4,8 @@ use crate::answers::{ConvergenceRow, Progress, Stage};
 use crate::observer::Observer;
 use crate::plant::Plant;
 
-use super::IdentifyError;
-use super::naming;
+use super::parameter_names;
+use super::request::IdentifyError;
 
 /// Stages by name, and the shares of a run at which they begin and end. Searches that nothing
 /// goes before begin with the run.
@@ -107,7 +107,7 @@ impl<'h> Begun<'h> {
             budget: self.budget,
             seconds: self.history.observer.elapsed_s() - self.begun_s,
             cost,
-            parameters: naming::values(plant),
+            parameters: parameter_names::values(plant),
             stop_reason: stop_reason.to_owned(),
         }
     }

@@ -6,10 +6,11 @@ use crate::answers::{Comparison, Identification};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
+use super::fit_session::Workbench;
 use super::noise_law::NoiseLaw;
 use super::problem::Problem;
-use super::workbench::Workbench;
-use super::{IdentifyError, IdentifyRequest, Intervals};
+use super::request::{IdentifyError, IdentifyRequest};
+use super::summary::Intervals;
 
 /// One real number that was compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -18,8 +18,8 @@ use crate::measurement::{Complex, Experiment, Measurement};
 use crate::plant::Plant;
 use crate::simulate;
 
-use super::moderation::{Cell, moderate};
 use super::problem::{Prepared, Problem};
+use super::variance_shrinkage::{Cell, moderate};
 
 /// Scatter, as a share of the values, that the rounding of a mean makes of repeats that are copies.
 const COPY: f64 = 1e-13;

@@ -4,9 +4,9 @@ use nalgebra::DVector;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
-use super::moderation::{Cell, expected, moderate};
 use super::noise::Weights;
 use super::problem::Problem;
+use super::variance_shrinkage::{Cell, expected, moderate};
 
 /// How noise divided by its standard deviation is distributed.
 ///

@@ -9,18 +9,18 @@ use crate::answers::{IdentifyOptions, Method, Stage};
 use crate::measurement::Measurement;
 use crate::plant::{Actuator, Plant};
 
-use super::IdentifyError;
 use super::closed_form;
 use super::history::History;
 use super::methods::{self, Steps};
 use super::noise::{self, Weights};
 use super::objective::Misfit;
 use super::optimiser::{self, Optimiser, Search};
-use super::over_cube::OverCube;
 use super::parameters::Coordinates;
 use super::problem::Problem;
 use super::proposal;
 use super::refine::{self, Refined};
+use super::request::IdentifyError;
+use super::unit_cube_objective::OverCube;
 
 /// Rounds in which weights that depend on the model are computed anew.
 const MOST_ROUNDS: usize = 6;

@@ -9,8 +9,8 @@ use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};
 use crate::plant::{Actuator, Friction, Plant};
 use crate::simulate::Excitation;
 
-use super::IdentifyError;
 use super::parameters::Prior;
+use super::request::IdentifyError;
 
 /// Share of the largest line of an input above which a line counts as excited.
 const EXCITED_SHARE: f64 = 0.02;

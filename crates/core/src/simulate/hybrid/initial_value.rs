@@ -18,7 +18,7 @@ const EFFORT_PER_CELL: usize = 400;
 const RIPPLE: f64 = 1.0;
 
 /// Follows the motion and lets `recorder` see every step of it.
-pub(crate) fn follow(
+pub(in super::super) fn follow(
     axis: &Axis,
     wave: &Wave<f64>,
     initial: &InitialState,

@@ -27,7 +27,7 @@ const SWITCH_EFFORT: usize = 12;
 const YIELDING: f64 = 4.0;
 
 /// How precisely a pass follows the motion.
-pub(crate) struct Precision<const M: usize> {
+pub(super) struct Precision<const M: usize> {
     /// Largest error of a step, as a share of the states' sizes.
     pub tolerance: f64,
     /// Sizes of the states.
@@ -42,7 +42,7 @@ pub(crate) struct Precision<const M: usize> {
 const SLIVER: f64 = 1e-9;
 
 /// A motion under way.
-pub(crate) struct Pass<'a, 'g, S, const M: usize> {
+pub(super) struct Pass<'a, 'g, S, const M: usize> {
     pub mechanics: &'a Mechanics<S>,
     pub wave: &'a Wave<S>,
     pub precision: &'a Precision<M>,

@@ -11,7 +11,7 @@ use crate::simulate::signal::piecewise_quintic::Cell;
 const SAFETY: f64 = 0.8;
 
 /// How steps are taken.
-pub(crate) enum Pace<S, const M: usize> {
+pub(super) enum Pace<S, const M: usize> {
     /// Exactly, no longer than this; the step's length comes `again` where it is an even
     /// part of a cell.
     Exact { longest_s: f64, modes: Modes<S, M>, again: bool },
@@ -22,7 +22,7 @@ pub(crate) enum Pace<S, const M: usize> {
 }
 
 /// The equations of every mode seen.
-pub(crate) struct Modes<S, const M: usize>(Vec<Affine<S, M>>);
+pub(super) struct Modes<S, const M: usize>(Vec<Affine<S, M>>);
 
 impl<S: Scalar, const M: usize> Modes<S, M> {
     /// Those of a mode.

@@ -21,14 +21,14 @@ const LOOKS: [f64; 3] = [0.35, 0.7, 1.0];
 const LOOKS_IN_SERIES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 
 /// A switch within a step.
-pub(crate) struct Switch {
+pub(super) struct Switch {
     /// Where in the step, 0 to 1.
     pub at: f64,
     pub event: Event,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Event {
+pub(super) enum Event {
     /// v reaches zero.
     Stops,
     /// Breakaway, forward or backward.
@@ -41,7 +41,7 @@ pub(crate) enum Event {
 
 impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     /// The first switch within a step.
-    pub(crate) fn switch(
+    pub(super) fn switch(
         &self,
         mode: Mode,
         cell: &Cell<S>,
@@ -160,7 +160,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     /// more than derivatives; `None` where the way there takes shorter steps. One that goes on
     /// beyond a stop may not have met what friction does just before.
     #[expect(clippy::too_many_arguments, reason = "what a step is made of")]
-    pub(crate) fn up_to(
+    pub(super) fn up_to(
         &mut self,
         pace: &mut Pace<S, M>,
         mode: Mode,
@@ -228,7 +228,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     /// Takes the state behind a switch from the instant it happens to that of its value,
     /// so that the instants of a pass do not vary: v is continuous, and what its sums gain
     /// before the switch they lose behind it.
-    pub(crate) fn fix(&self, mode: Mode, torque: S, state: &mut Vector<S, M>, late_s: S) {
+    pub(super) fn fix(&self, mode: Mode, torque: S, state: &mut Vector<S, M>, late_s: S) {
         if S::LANES == 0 {
             return;
         }
@@ -239,7 +239,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     }
 
     /// The mode behind a switch.
-    pub(crate) fn switched(
+    pub(super) fn switched(
         &mut self,
         mode: Mode,
         event: Event,

@@ -27,7 +27,7 @@ const SMALLEST_GROWTH: f64 = 1.0 / 256.0;
 
 impl<const M: usize> Periodic<M> {
     /// Follows the periodic motion as the ripple grows, from where it stands without.
-    pub(crate) fn grow_ripple(&mut self, axis: &Axis, wave: &Wave<f64>) -> Result<(), NoResponse> {
+    pub(super) fn grow_ripple(&mut self, axis: &Axis, wave: &Wave<f64>) -> Result<(), NoResponse> {
         let lifted = wave.map(Dual::<M>::constant);
         let (mut share, mut growth, mut periods) = (0.0, 1.0, 0);
         loop {

@@ -55,7 +55,7 @@ impl<const M: usize> Periodic<M> {
     /// Where it does not get nearer, the motion itself is followed for some periods, and
     /// more each time; where it comes to a motion that no axis stays in, the motion from rest
     /// is; that of a balanced axis, as its ripple grows.
-    pub(crate) fn close(
+    pub(super) fn close(
         &mut self,
         axis: &Axis,
         wave: &Wave<f64>,

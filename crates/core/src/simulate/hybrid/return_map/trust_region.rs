@@ -2,7 +2,7 @@
 
 /// Steps as a share of the states' sizes: the longer, the better the steps before did what
 /// they promised.
-pub(crate) struct Leash {
+pub(super) struct Leash {
     shortest: f64,
     length: f64,
     last: f64,

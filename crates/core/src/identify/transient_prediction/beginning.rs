@@ -16,7 +16,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::measurement::{ResponseKind, Transient};
-use crate::simulate::{self, InitialState, NoResponse, Quantity, Unknown};
+use crate::simulate;
+use crate::simulate::{InitialState, NoResponse, Quantity, Unknown};
 
 use super::Model;
 
@@ -311,8 +312,8 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::fixtures::{ACTUATORS, axis};
     use super::*;
+    use crate::identify::fixtures::{ACTUATORS, axis};
 
     // A velocity of 0.1 over 200 samples, with a step of 0.01 s.
     #[test]

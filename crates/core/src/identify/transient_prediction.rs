@@ -10,11 +10,12 @@ use crate::answers::{Identification, Unanswered};
 use crate::effects::ActiveEffect;
 use crate::measurement::{Beginning, Measurement, ResponseKind, Transient};
 use crate::plant::Plant;
-use crate::simulate::{self, InitialState, NoResponse, SampledInput};
+use crate::simulate;
+use crate::simulate::{InitialState, NoResponse, SampledInput};
 
-use super::IdentifyError;
-use super::compare::{reported_effects, reported_plant};
+use super::prediction::{reported_effects, reported_plant};
 use super::problem::Scales;
+use super::request::IdentifyError;
 pub use beginning::Begun;
 
 /// Share of a motion that tells how it begins, at least and at most.

@@ -16,14 +16,18 @@ use crate::measurement::{Complex, Measurement};
 use crate::observer::Observer;
 use crate::simulate::Counts;
 
-use super::compare;
-use super::model_fit::{self, ModelFit};
+use super::model_fit;
+use super::model_fit::ModelFit;
 use super::noise_law::NoiseLaw;
 use super::objective::Misfit;
 use super::pipeline::Fitted;
+use super::prediction;
 use super::problem::Problem;
-use super::refine::{self, Patience};
-use super::{IdentifyError, IdentifyRequest, Intervals, Solved, answer, no_response, solve};
+use super::refine;
+use super::refine::Patience;
+use super::request::{IdentifyError, IdentifyRequest, no_response};
+use super::solve::{Solved, answer, solve};
+use super::summary::Intervals;
 pub use model::Model;
 
 /// Share of the largest component below which a difference between model and data
@@ -236,8 +240,15 @@ impl<'a> Workbench<'a> {
         let effects = coordinates.effects_at(&model.point);
         let dof = identification.fit.dof;
         let all = |_| true;
-        let comparison =
-            compare::beside(self.measurement, &self.problem, &plant, &effects, weights, dof, all);
+        let comparison = prediction::beside(
+            self.measurement,
+            &self.problem,
+            &plant,
+            &effects,
+            weights,
+            dof,
+            all,
+        );
         identification.fit.unanswered.clone_from(&comparison.unanswered);
         let sigma = match weights.known() {
             true => 1.0,
@@ -263,7 +274,7 @@ impl<'a> Workbench<'a> {
                 budget: None,
                 seconds: 0.0,
                 cost: model.cost,
-                parameters: super::naming::values(
+                parameters: super::parameter_names::values(
                     &self.problem.in_units(&model.coordinates.plant(&model.point)),
                 ),
                 stop_reason: "converged".into(),

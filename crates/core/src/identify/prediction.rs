@@ -5,14 +5,16 @@ use rayon::prelude::*;
 use crate::answers::{
     ComparedExperiment, ComparedHarmonic, Comparison, Identification, NoiseSource, Unanswered,
 };
-use crate::effects::{self, ActiveEffect, Parameter};
+use crate::effects;
+use crate::effects::{ActiveEffect, Parameter};
 use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};
 use crate::plant::{Actuator, Friction, Plant};
 use crate::simulate;
 
-use super::IdentifyError;
-use super::noise::{self, Weights};
+use super::noise;
+use super::noise::Weights;
 use super::problem::{Prepared, Problem, Scales};
+use super::request::IdentifyError;
 
 /// Compares a measurement with the model of a stored answer.
 ///
@@ -200,10 +202,11 @@ pub(super) fn reported_effects(
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixtures::{ACTUATORS, axis, stepped_sine};
-    use super::super::{IdentifyRequest, fit_base};
     use super::*;
     use crate::answers::{IdentifyOptions, PlantRequest};
+    use crate::identify::fixtures::{ACTUATORS, axis, stepped_sine};
+    use crate::identify::model_fit::fit_base;
+    use crate::identify::request::IdentifyRequest;
     use crate::observer::Silent;
 
     fn request(order: u8) -> IdentifyRequest {

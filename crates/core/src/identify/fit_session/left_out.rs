@@ -60,10 +60,10 @@ impl Workbench<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::fixtures::{axis, joined, stepped_sine};
     use super::*;
     use crate::answers::{IdentifyOptions, PlantRequest};
-    use crate::identify::IdentifyRequest;
+    use crate::identify::fixtures::{axis, joined, stepped_sine};
+    use crate::identify::request::IdentifyRequest;
     use crate::observer::Silent;
     use crate::plant::Actuator;
 

@@ -9,10 +9,10 @@
 
 use crate::simulate::Counts;
 
-use super::super::objective::Misfit;
-use super::super::pipeline::Fitted;
-use super::super::refine;
 use super::{Effort, Model, Workbench};
+use crate::identify::objective::Misfit;
+use crate::identify::pipeline::Fitted;
+use crate::identify::refine;
 
 impl Workbench<'_> {
     /// A fitted model as it counts among others: as it is where it has a response from rest in
@@ -75,13 +75,15 @@ impl Workbench<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::fixtures::joined;
-    use super::super::super::problem::Scales;
     use super::*;
     use crate::answers::{IdentifyOptions, PlantRequest};
     use crate::effects::find;
-    use crate::identify::{IdentifyRequest, Intervals};
-    use crate::machines::simulator::{self, Machine, Settings};
+    use crate::identify::fixtures::joined;
+    use crate::identify::problem::Scales;
+    use crate::identify::request::IdentifyRequest;
+    use crate::identify::summary::Intervals;
+    use crate::machines::simulator;
+    use crate::machines::simulator::{Machine, Settings};
     use crate::measurement::{Complex, Experiment, Harmonic, Measurement};
     use crate::observer::Silent;
     use crate::plant::{Actuator, Friction, Plant};

@@ -4,7 +4,7 @@ use std::ops::Range as Span;
 
 use crate::effects::Effect;
 
-use super::super::parameters::Coordinates;
+use crate::identify::parameters::Coordinates;
 
 /// The base model with some effects, at some values of all parameters.
 #[derive(Debug, Clone)]

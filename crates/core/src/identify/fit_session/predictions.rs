@@ -2,12 +2,14 @@
 
 use nalgebra::DVector;
 
-use crate::effects::{self, ActiveEffect, Axis, Effect};
-use crate::simulate::{self, Torque};
+use crate::effects;
+use crate::effects::{ActiveEffect, Axis, Effect};
+use crate::simulate;
+use crate::simulate::Torque;
 
-use super::super::problem::{Prepared, Scales, per_velocity};
-use super::super::refine;
 use super::{Linear, Model, Workbench};
+use crate::identify::problem::{Prepared, Scales, per_velocity};
+use crate::identify::refine;
 
 /// Angle over the travel beyond which a torque is sampled no more finely.
 const MOST_RADIANS: f64 = 2000.0;

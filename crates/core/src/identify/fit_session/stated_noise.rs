@@ -3,10 +3,11 @@
 
 use crate::answers::{IdentifyOptions, Weighting};
 
-use super::super::noise;
-use super::super::objective::Misfit;
-use super::super::refine::{self, Patience};
 use super::{Model, Workbench};
+use crate::identify::noise;
+use crate::identify::objective::Misfit;
+use crate::identify::refine;
+use crate::identify::refine::Patience;
 
 /// χ² per degree of freedom beyond which other weights would not bring a model down to the noise:
 /// what is left is more than four times as large.

@@ -84,10 +84,11 @@ fn spelled(unit: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixtures::{ACTUATORS, axis, stepped_sine};
-    use super::super::{IdentifyRequest, fit_base};
     use super::*;
     use crate::answers::PlantRequest;
+    use crate::identify::fixtures::{ACTUATORS, axis, stepped_sine};
+    use crate::identify::model_fit::fit_base;
+    use crate::identify::request::IdentifyRequest;
     use crate::measurement::{Metadata, Quantity, ResponseKind};
     use crate::observer::Silent;
 

@@ -3,7 +3,8 @@
 use super::bee_colony::Objective;
 use super::objective::Misfit;
 use super::optimiser::{Descent, Smooth};
-use super::refine::{self, Patience};
+use super::refine;
+use super::refine::Patience;
 
 /// The misfit as a search sees it: over the unit cube, with K solved for.
 pub(super) struct OverCube<'a> {

@@ -5,12 +5,13 @@ use crate::measurement::Measurement;
 use crate::observer::Observer;
 use crate::plant::Plant;
 
-use super::super::history::History;
-use super::super::parameters::Coordinates;
-use super::super::pipeline::Run;
-use super::super::problem::{Problem, Scales};
-use super::super::{IdentifyError, IdentifyRequest, compare};
 use super::{Model, Workbench};
+use crate::identify::history::History;
+use crate::identify::parameters::Coordinates;
+use crate::identify::pipeline::Run;
+use crate::identify::prediction;
+use crate::identify::problem::{Problem, Scales};
+use crate::identify::request::{IdentifyError, IdentifyRequest};
 
 impl<'a> Workbench<'a> {
     /// A workbench on `measurement` whose base model is refined from where `other`'s is.
@@ -73,7 +74,7 @@ impl<'a> Workbench<'a> {
         let effects = model.coordinates.effects_at(&model.point);
         let dof = self.problem.data() as i64 - model.parameters() as i64;
         let weights = &self.fitted.weights;
-        compare::beside(self.measurement, &self.problem, &plant, &effects, weights, dof, wanted)
+        prediction::beside(self.measurement, &self.problem, &plant, &effects, weights, dof, wanted)
     }
 
     fn plant_in_units(&self, model: &Model) -> Plant {

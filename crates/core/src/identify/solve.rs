@@ -1,0 +1,90 @@
+//! From a request to the chosen fit, and from there to the answer.
+
+use crate::answers::{Identification, InvalidOptions, OrderChoice, PlantRequest, Provenance};
+use crate::measurement::Measurement;
+use crate::observer::Observer;
+
+use super::history::History;
+use super::objective::Misfit;
+use super::pipeline::{Fitted, Run};
+use super::problem::Problem;
+use super::request::{IdentifyError, IdentifyRequest, no_response};
+use super::summary::Intervals;
+use super::{limitations, order, summary};
+
+/// The chosen fit.
+pub(super) struct Solved {
+    pub(super) chosen: Fitted,
+    pub(super) order_choice: Option<OrderChoice>,
+}
+
+/// Fits every order of the actuator that is asked for, and chooses among them.
+///
+/// # Errors
+/// See [`IdentifyError`].
+pub(super) fn solve(
+    measurement: &Measurement,
+    problem: &Problem,
+    request: &IdentifyRequest,
+    observer: &dyn Observer,
+) -> Result<Solved, IdentifyError> {
+    let IdentifyRequest { plant, method, options } = request;
+    options.validate()?;
+    let orders: Vec<u8> = match plant {
+        Some(PlantRequest { actuator_order: order @ 0..=2 }) => vec![*order],
+        Some(PlantRequest { actuator_order }) => {
+            let reason = format!("{actuator_order} is not 0, 1 or 2");
+            return Err(InvalidOptions { option: "plant.actuator_order", reason }.into());
+        }
+        None => vec![0, 1, 2],
+    };
+    let mut fits: Vec<Fitted> = Vec::new();
+    for (before, order) in orders.iter().enumerate() {
+        let history = History { observer, order: *order, orders: (before, orders.len()) };
+        let lower = fits.last();
+        let run = Run { method: *method, measurement, problem, options, lower, history };
+        fits.push(run.fit()?);
+    }
+    let order_choice = (fits.len() > 1).then(|| order::choose(problem, &fits, observer));
+    let wanted = order_choice.as_ref().map_or(orders[0], |choice| choice.actuator_order);
+    let stages = fits.iter().flat_map(|fit| fit.stages.clone()).collect();
+    let chosen = fits.into_iter().find(|fit| fit.order == wanted);
+    let chosen = chosen.expect("a fitted order is chosen");
+    Ok(Solved { chosen: Fitted { stages, ..chosen }, order_choice })
+}
+
+/// What is said of a fit.
+pub(super) fn answer(
+    measurement: &Measurement,
+    misfit: &Misfit<'_>,
+    request: &IdentifyRequest,
+    fitted: &Fitted,
+    order_choice: Option<OrderChoice>,
+    intervals: Intervals,
+) -> Result<Identification, IdentifyError> {
+    let IdentifyRequest { plant, method, options } = request;
+    let Misfit { problem, weights, .. } = misfit;
+    let summary =
+        summary::summarise(measurement, misfit, fitted, intervals).ok_or_else(no_response)?;
+    let limitations = limitations::of(measurement, problem, *method, options, fitted, &summary);
+    let stop_reason = fitted.stages.last().map_or("nothing to do", |stage| &stage.stop_reason);
+    Ok(Identification {
+        method: *method,
+        seed: options.seed,
+        noise: weights.source,
+        parameters: summary.parameters,
+        transfer_function: summary.transfer_function,
+        fit: summary.fit,
+        correlations: summary.correlations,
+        stop_reason: stop_reason.to_owned(),
+        stages: fitted.stages.clone(),
+        order_choice,
+        limitations,
+        provenance: Provenance {
+            software_version: env!("CARGO_PKG_VERSION").to_owned(),
+            data_sha256: measurement.sha256().to_owned(),
+            options: *options,
+            actuator_order: plant.map(|plant| plant.actuator_order),
+        },
+    })
+}

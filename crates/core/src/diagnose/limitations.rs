@@ -4,7 +4,7 @@ use crate::answers::{Identification, Unanswered};
 use crate::effects::ALL;
 use crate::identify::Workbench;
 
-use super::models::Models;
+use super::selection::models::Models;
 
 /// Effects that could not be tried for lack of data, in a sentence.
 pub(super) fn undecided(workbench: &Workbench<'_>) -> Option<String> {

@@ -6,7 +6,12 @@
 //! library gain (`family`), each model refitted; among the models of which that
 //! holds the evidence decides (`evidence`, `models`).
 
-mod valleys;
+pub(super) mod fitter;
+mod frequency_scan;
+mod grid;
+pub(super) mod linearization;
+mod multistart;
+pub(super) mod score_tests;
 
 use std::collections::BTreeSet;
 
@@ -16,13 +21,13 @@ use crate::effects::{ALL, Effect, check_slots};
 use crate::identify::{Effort, Model, Workbench};
 use crate::observer::Observer as _;
 
-use super::anchor::Anchor;
-use super::evidence::Yardstick;
-use super::family::Family;
-use super::fitter::Fitter;
-use super::models::{Key, Models, Visited, key};
-use super::probes::{Changes, Probed};
 use super::progress::Part;
+use super::selection::evidence::Yardstick;
+use super::selection::familywise_threshold::Family;
+use super::selection::models::{Key, Models, Visited, key};
+use fitter::Fitter;
+use linearization::Anchor;
+use score_tests::{Changes, Probed};
 
 /// How widely models are tried.
 struct Breadth {

@@ -3,6 +3,9 @@
 //! Nothing is fitted: both models are rebuilt from their reported parameters, simulated on
 //! the other measurement's own inputs, and compared with its response as measured.
 
+pub(super) mod motions;
+mod remarks;
+
 use crate::answers::{
     Answer, Cause, ComparedExperiment, Comparison, Diagnosis, Gain, Identification, ValidatedCause,
     ValidatedModel, ValidatedModels, ValidatedMotion, Validation, ValidationProvenance, Verdict,
@@ -12,10 +15,11 @@ use crate::identify::{self, IdentifyError, IdentifyRequest, UnitAgreement};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
-use super::gain::{gain, summary};
-use super::predicted::{Predicted, groups, predicted};
-use super::remarks::{self, Tried};
-use super::{DiagnoseError, diagnose, motions};
+use super::diagnose;
+use super::error::DiagnoseError;
+use super::holdout::gain::{gain, summary};
+use super::holdout::heldout_predictions::{Predicted, groups, predicted};
+use remarks::Tried;
 
 /// Why an answer cannot be tried on a measurement.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,0 +1,281 @@
+//! Parts of a measurement that are held out in turn.
+//!
+//! A model is judged by what it predicts of data that nothing has seen. Repeats and periods
+//! of one excitation are the same response once more, so none of those: whole frequencies
+//! at every magnitude, or of records blocks of lines, or magnitudes.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use crate::measurement::{Experiment, Measurement};
+
+use super::heldout_predictions::{FEWEST_LINES, Row, block};
+
+/// Parts, at most.
+const PARTS: usize = 4;
+
+/// Fewest frequencies and magnitudes of which some can be held out.
+const FEWEST: [usize; 2] = [5, 3];
+
+/// Fewest groups that show how a gain scatters.
+const FEWEST_GROUPS: usize = 3;
+
+/// One part held out.
+#[derive(Debug)]
+pub(crate) struct Fold {
+    /// What is fitted.
+    pub fitted: Measurement,
+    /// What is held out, and its group: a frequency, a block of lines, a magnitude.
+    pub rows: BTreeMap<Row, usize>,
+}
+
+/// Every part held out once.
+#[derive(Debug)]
+pub(crate) struct Folds {
+    /// The parts.
+    pub parts: Vec<Fold>,
+    /// The same in words.
+    pub what: String,
+}
+
+/// A way to divide a measurement; `None` where it cannot be gone.
+type Way = fn(&[Experiment]) -> Option<Division>;
+
+/// All of them; the first that can be gone is taken.
+const WAYS: [Way; 3] = [frequencies, lines, magnitudes];
+
+/// Rows that can be held out, and in words. What bounds the range is not among them: beyond
+/// what was fitted an effect with a threshold cannot be foreseen.
+struct Division {
+    places: BTreeMap<Row, Place>,
+    what: String,
+}
+
+/// Where a row stands.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    /// What is held out with it: of neighbouring levels each in another part.
+    level: usize,
+    /// Its group.
+    group: usize,
+}
+
+impl Folds {
+    /// Divides a measurement by its design alone; `None` where it is too small for that.
+    pub fn of(measurement: &Measurement) -> Option<Self> {
+        let experiments = measurement.experiments();
+        let Division { places, what } = WAYS.iter().find_map(|way| way(experiments))?;
+        let levels: BTreeSet<usize> = places.values().map(|place| place.level).collect();
+        let groups: BTreeSet<usize> = places.values().map(|place| place.group).collect();
+        if groups.len() < FEWEST_GROUPS {
+            return None;
+        }
+        let parts = PARTS.min(levels.len());
+        let part = |part: usize| {
+            let held = places.iter().filter(|(_, place)| place.level % parts == part);
+            let rows: BTreeMap<Row, usize> = held.map(|(row, p)| (*row, p.group)).collect();
+            let left = |(index, experiment): (usize, &Experiment)| {
+                let experiment = without(experiment, |order| rows.contains_key(&(index, order)));
+                (!experiment.response.is_empty()).then_some(experiment)
+            };
+            let left = experiments.iter().enumerate().filter_map(left).collect();
+            Some(Fold { fitted: measurement.part(left).ok()?, rows })
+        };
+        let what = match parts {
+            1 => format!("{what}, predicted from the others"),
+            _ => format!("{what}, in {parts} parts, each predicted from all else"),
+        };
+        Some(Self { parts: (0..parts).map(part).collect::<Option<_>>()?, what })
+    }
+
+    /// The part in which a harmonic of an experiment is held out, if in any.
+    pub fn part_of(&self, experiment: usize, order: usize) -> Option<usize> {
+        self.parts.iter().position(|fold| fold.rows.contains_key(&(experiment, order)))
+    }
+}
+
+/// Frequencies, at every magnitude.
+fn frequencies(experiments: &[Experiment]) -> Option<Division> {
+    let (levels, of) = levels(experiments, |experiment| experiment.omega_rad_s);
+    let inner = inner(levels.len(), FEWEST[0])?;
+    let (lowest, highest) = (levels[inner.start] / TAU, levels[inner.end - 1] / TAU);
+    Some(Division {
+        what: format!(
+            "{} frequencies from {lowest:.3} to {highest:.3} Hz, at every magnitude",
+            inner.len()
+        ),
+        places: by_experiment(experiments, &of, inner, |_, level| level),
+    })
+}
+
+/// Magnitudes; at each, every experiment is a group.
+fn magnitudes(experiments: &[Experiment]) -> Option<Division> {
+    let (levels, of) = levels(experiments, |experiment| experiment.magnitude);
+    let inner = inner(levels.len(), FEWEST[1])?;
+    Some(Division {
+        what: format!("{} of {} magnitudes", inner.len(), levels.len()),
+        places: by_experiment(experiments, &of, inner, |experiment, _| experiment),
+    })
+}
+
+/// Blocks of neighbouring lines of inputs that have many.
+fn lines(experiments: &[Experiment]) -> Option<Division> {
+    let mut blocks = BTreeMap::new();
+    for (index, experiment) in experiments.iter().enumerate() {
+        let orders = || experiment.response.iter().map(|h| h.order).filter(|order| *order > 0);
+        let first = orders().next().filter(|_| orders().count() >= FEWEST_LINES)?;
+        let block = |order: usize| block(order as f64 / first as f64);
+        blocks.extend(orders().map(|order| ((index, order), block(order))));
+    }
+    if experiments.iter().all(|experiment| experiment.pure_cosine().is_some()) {
+        return None;
+    }
+    // Low in the band a block may be narrower than a line.
+    let met: BTreeSet<usize> = blocks.values().copied().collect();
+    let inner = inner(met.len(), FEWEST[0])?;
+    let place = |(row, block): (Row, usize)| {
+        let level = met.range(..block).count();
+        inner.contains(&level).then_some((row, Place { level, group: level }))
+    };
+    let places: BTreeMap<Row, Place> = blocks.into_iter().filter_map(place).collect();
+    let what = format!("{} lines in {} blocks over the band", places.len(), inner.len());
+    Some(Division { places, what })
+}
+
+/// All of so many levels but the ends; `None` where they are fewer than that.
+fn inner(levels: usize, fewest: usize) -> Option<Range<usize>> {
+    (levels >= fewest).then(|| 1..levels - 1)
+}
+
+/// Distinct values of something, ascending, and which of them each experiment has.
+fn levels(
+    experiments: &[Experiment],
+    value: impl Fn(&Experiment) -> f64,
+) -> (Vec<f64>, Vec<usize>) {
+    let mut levels: Vec<f64> = experiments.iter().map(&value).collect();
+    levels.sort_by(f64::total_cmp);
+    // Files round.
+    levels.dedup_by(|b, a| (*b - *a).abs() <= 1e-6 * a.abs());
+    let of = experiments.iter().map(|experiment| {
+        let value = value(experiment);
+        levels.partition_point(|level| *level <= value).saturating_sub(1)
+    });
+    let of = of.collect();
+    (levels, of)
+}
+
+fn by_experiment(
+    experiments: &[Experiment],
+    of: &[usize],
+    inner: Range<usize>,
+    group: impl Fn(usize, usize) -> usize,
+) -> BTreeMap<Row, Place> {
+    let mut places = BTreeMap::new();
+    for (index, (experiment, level)) in experiments.iter().zip(of).enumerate() {
+        if inner.contains(level) {
+            let place = Place { level: *level, group: group(index, *level) };
+            places.extend(experiment.response.iter().map(|h| ((index, h.order), place)));
+        }
+    }
+    places
+}
+
+/// An experiment without some harmonics of its response.
+fn without(experiment: &Experiment, held: impl Fn(usize) -> bool) -> Experiment {
+    let kept: Vec<bool> = experiment.response.iter().map(|h| !held(h.order)).collect();
+    let mut this = experiment.clone();
+    let mut keep = kept.iter();
+    this.response.retain(|_| *keep.next().unwrap_or(&true));
+    for repeat in &mut this.repeats {
+        let mut keep = kept.iter();
+        repeat.response.retain(|_| *keep.next().unwrap_or(&true));
+    }
+    this
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{exact, noisy};
+    use crate::machines::draw::NoiseStatement;
+    use crate::measurement::{Complex, Harmonic, Metadata};
+
+    fn measured(experiments: Vec<Experiment>) -> Measurement {
+        Measurement::new(Metadata::default(), experiments, Vec::new(), String::new()).unwrap()
+    }
+
+    fn rows(measurement: &Measurement) -> Vec<Row> {
+        let experiments = measurement.experiments().iter().enumerate();
+        experiments.flat_map(|(i, e)| e.response.iter().map(move |h| (i, h.order))).collect()
+    }
+
+    /// One period with so many lines of input and output.
+    fn record(lines: usize) -> Measurement {
+        let mut experiment = exact().remove(0);
+        experiment.input = vec![Complex::new(0.1, 0.0); lines + 1];
+        let harmonic = |order| Harmonic { order, value: Complex::new(1.0, 0.0), std: None };
+        experiment.response = (0..=lines).map(harmonic).collect();
+        experiment.repeats = Vec::new();
+        measured(vec![experiment])
+    }
+
+    #[test]
+    fn every_inner_frequency_is_held_out_once_with_all_its_magnitudes_and_repeats() {
+        let measurement = noisy(&exact(), NoiseStatement::Repeats(2), 1);
+        let folds = Folds::of(&measurement).unwrap();
+        let mut held: Vec<Row> = Vec::new();
+        for fold in &folds.parts {
+            held.extend(fold.rows.keys());
+            assert_eq!(rows(&fold.fitted).len() + fold.rows.len(), rows(&measurement).len());
+            assert_eq!(fold.fitted.acquisition(), measurement.acquisition());
+            let held = |index: usize| fold.rows.contains_key(&(index, 1));
+            for (index, experiment) in measurement.experiments().iter().enumerate() {
+                let omega = experiment.omega_rad_s;
+                let fitted = fold.fitted.experiments().iter().any(|e| e.omega_rad_s == omega);
+                assert_ne!(held(index), fitted, "{omega}");
+            }
+        }
+        held.sort_unstable();
+        held.dedup();
+        // 6 of 8 frequencies, 4 of them for each magnitude, are not the lowest or the highest.
+        assert_eq!(4 * held.len(), 3 * rows(&measurement).len());
+        assert!(folds.what.starts_with("6 frequencies from"), "{}", folds.what);
+    }
+
+    #[test]
+    fn of_a_record_blocks_of_lines_are_held_out_and_its_mean_is_not() {
+        let measurement = record(200);
+        let folds = Folds::of(&measurement).unwrap();
+        let mut held: Vec<usize> =
+            folds.parts.iter().flat_map(|fold| fold.rows.keys().map(|row| row.1)).collect();
+        held.sort_unstable();
+        let (first, last) = (held[0], held[held.len() - 1]);
+        assert_eq!(held, (first..=last).collect::<Vec<_>>());
+        assert!(first == 2 && last > 180, "all but the ends: {first} to {last}");
+        for fold in &folds.parts {
+            assert!(fold.fitted.experiments()[0].harmonic(0).is_some());
+            // Neighbours are of the same block, or of one that is held out elsewhere.
+            let of = |order: usize| fold.rows.get(&(0, order));
+            assert!(
+                (20..200).all(|k| of(k).is_none() || of(k + 1).is_none_or(|g| g == of(k).unwrap()))
+            );
+        }
+    }
+
+    #[test]
+    fn where_frequencies_are_few_a_magnitude_is_held_out_instead() {
+        let few = |frequencies: usize| {
+            let mut experiments = exact();
+            let (slow, _) = levels(&experiments, |experiment| experiment.omega_rad_s);
+            experiments.retain(|e| e.omega_rad_s <= slow[frequencies - 1]);
+            Folds::of(&measured(experiments))
+        };
+        let folds = few(3).unwrap();
+        assert_eq!(folds.what, "1 of 3 magnitudes, predicted from the others");
+        let groups: BTreeSet<usize> = folds.parts[0].rows.values().copied().collect();
+        assert_eq!(groups.len(), 3);
+        // Two experiments show nothing.
+        assert!(few(2).is_none());
+    }
+}

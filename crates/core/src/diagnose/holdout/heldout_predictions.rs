@@ -1,0 +1,126 @@
+//! What models predict of data that they have not seen, in groups.
+
+use std::collections::BTreeMap;
+
+use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
+
+/// Lines of a response from which on it is divided into blocks.
+pub(crate) const FEWEST_LINES: usize = 20;
+
+/// Ratio of the end of a block of lines to its beginning.
+const BLOCK: f64 = 1.12;
+
+/// Share of the largest line of an input above which a line counts as excited.
+const EXCITED_SHARE: f64 = 0.02;
+
+/// Experiment and harmonic.
+pub(crate) type Row = (usize, usize);
+
+/// What is measured, and what a model makes of it.
+pub(crate) type Predicted = BTreeMap<Row, ComparedHarmonic>;
+
+/// Everything that a model has a response for.
+pub(crate) fn predicted(comparison: &Comparison) -> Predicted {
+    let rows = comparison
+        .experiments
+        .iter()
+        .flat_map(|e| e.harmonics.iter().map(|h| ((e.experiment, h.order), *h)));
+    rows.collect()
+}
+
+/// Groups of rows in ascending order of frequency: experiments of the same fundamental, and of
+/// an input with many lines blocks of neighbours. Where all have one frequency, groups are of
+/// the same magnitude.
+pub(crate) fn groups(experiments: &[&ComparedExperiment]) -> BTreeMap<Row, usize> {
+    let line = |e: &ComparedExperiment, order: usize| order.max(1) as f64 * e.omega_rad_s;
+    let of_lines = experiments.iter().filter(|e| has_many_lines(e));
+    let lowest = of_lines.flat_map(|e| e.harmonics.first().map(|h| line(e, h.order)));
+    let lowest = lowest.fold(f64::INFINITY, f64::min);
+    let level = |e: &ComparedExperiment, order: usize| match has_many_lines(e) {
+        true => lowest * BLOCK.powi(block(line(e, order) / lowest) as i32),
+        false => e.omega_rad_s,
+    };
+    let by = |level: &dyn Fn(&ComparedExperiment, usize) -> f64| {
+        let rows = experiments.iter().flat_map(|e| {
+            e.harmonics.iter().map(move |h| ((e.experiment, h.order), level(e, h.order)))
+        });
+        let rows: Vec<(Row, f64)> = rows.collect();
+        let mut levels: Vec<f64> = rows.iter().map(|(_, level)| *level).collect();
+        levels.sort_by(f64::total_cmp);
+        // Files round.
+        levels.dedup_by(|b, a| *b - *a <= 1e-6 * a.abs());
+        let group = |level: f64| levels.partition_point(|first| *first <= level) - 1;
+        let groups = rows.iter().map(|(row, level)| (*row, group(*level)));
+        (levels.len(), groups.collect::<BTreeMap<Row, usize>>())
+    };
+    let (frequencies, groups) = by(&level);
+    if frequencies > 1 { groups } else { by(&|e, _| e.magnitude).1 }
+}
+
+/// The block of a line, from its frequency over that of the lowest.
+pub(crate) fn block(ratio: f64) -> usize {
+    // The margin keeps a line on the edge of a block in it whatever the rounding.
+    (ratio.ln() / BLOCK.ln() + 1e-9).floor() as usize
+}
+
+fn has_many_lines(experiment: &ComparedExperiment) -> bool {
+    let size = |h: &ComparedHarmonic| h.input[0].hypot(h.input[1]);
+    let lines = || experiment.harmonics.iter().filter(|h| h.order > 0);
+    let largest = lines().map(size).fold(0.0, f64::max);
+    let excited = lines().filter(|h| size(h) > EXCITED_SHARE * largest).count();
+    excited > 1 && lines().count() >= FEWEST_LINES
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn experiment(index: usize, magnitude: f64, omega: f64, lines: usize) -> ComparedExperiment {
+        let harmonic = |order: usize| ComparedHarmonic {
+            order,
+            input: [if lines > 1 || order == 1 { 1.0 } else { 0.0 }, 0.0],
+            measured: [1.0, 0.0],
+            simulated: [1.0, 0.0],
+            std: 1.0,
+        };
+        ComparedExperiment {
+            experiment: index,
+            magnitude,
+            omega_rad_s: omega,
+            run: None,
+            harmonics: (0..=lines.max(3)).map(harmonic).collect(),
+        }
+    }
+
+    fn grouped(experiments: &[ComparedExperiment]) -> BTreeMap<Row, usize> {
+        groups(&experiments.iter().collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn experiments_of_one_frequency_are_a_group_at_any_magnitude() {
+        let groups = grouped(&[
+            experiment(0, 1.0, 5.0, 1),
+            experiment(1, 2.0, 1.0, 1),
+            experiment(2, 2.0, 5.0 + 1e-9, 1),
+        ]);
+        let of = |e: usize| [0, 1, 3].map(|order| groups[&(e, order)]);
+        assert_eq!([of(0), of(1), of(2)], [[1; 3], [0; 3], [1; 3]]);
+    }
+
+    #[test]
+    fn at_one_frequency_a_magnitude_is_a_group() {
+        let groups = grouped(&[experiment(0, 2.0, 5.0, 1), experiment(1, 1.0, 5.0, 1)]);
+        assert_eq!((groups[&(0, 1)], groups[&(1, 1)]), (1, 0));
+    }
+
+    #[test]
+    fn lines_are_in_blocks_of_the_same_ratio_and_none_is_empty() {
+        let groups = grouped(&[experiment(0, 1.0, 2.0, 100)]);
+        let of = |order: usize| groups[&(0, order)];
+        assert_eq!([of(0), of(1), of(2)], [0, 0, 1]);
+        assert!((1..100).all(|k| of(k + 1) - of(k) <= 1), "{groups:?}");
+        // ln(100)/ln(1.12) is 40.6: the last block ends beyond the last line.
+        let last: Vec<usize> = (1..=100).filter(|k| of(*k) == of(100)).collect();
+        assert!((100.0 / last[0] as f64) < BLOCK, "{last:?}");
+    }
+}

@@ -1,0 +1,187 @@
+//! Everything a diagnosis says of where a base model departs from its data.
+
+use crate::answers::{Discrepancy, NoiseSource, Pattern, ResidualTest};
+use crate::identify::ModelFit;
+
+use super::groups;
+use super::groups::Sizes;
+use super::layout::Cell;
+use super::patterns;
+use super::regions::Regions;
+use super::residual::Residuals;
+use super::sentence;
+use super::statistics;
+use super::whiteness::{Judgement, Nulls};
+
+/// Share of the largest response below which what is left is rounding in the
+/// upload and the solver, where the noise is unknown.
+const ROUNDING: f64 = 1e-6;
+
+/// The same for a model with effects, whose simulation rounds more.
+const EXTENDED_ROUNDING: f64 = 2e-5;
+
+/// Where a fitted base model departs from its data.
+pub(crate) fn of(fit: &ModelFit, seed: u64) -> Discrepancy {
+    let residuals = Residuals::of(fit);
+    let regions = Regions::new(&residuals.layout, &residuals.freedom);
+    let statistics = statistics::all(&residuals, &regions);
+    let nulls = Nulls::draw(&residuals, &statistics, seed);
+    let judgement = nulls.judge(&statistics, &residuals.values);
+    let rounding = is_rounding(&residuals, ROUNDING);
+    let contradiction = contradiction(fit, &residuals);
+    let noise_like = contradiction.is_none() && (rounding || judgement.noise_like);
+    let patterns = match noise_like {
+        true => Vec::new(),
+        false => patterns::find(&residuals, &regions, judgement.region_limit),
+    };
+    let sentence = if let Some(sentence) = contradiction.filter(|_| patterns.is_empty()) {
+        sentence
+    } else if rounding {
+        "the simulation agrees with the measurement to the last digits: what is left is rounding"
+            .into()
+    } else if judgement.tests.iter().all(|test| test.p_value.is_none()) {
+        "there is too little data to say whether the simulation is wrong".into()
+    } else if noise_like {
+        adequate(&residuals, &judgement)
+    } else {
+        wrong(&patterns, &judgement)
+    };
+    Discrepancy {
+        sentence,
+        noise_like,
+        tests: judgement.tests,
+        patterns,
+        by_magnitude: groups::by_magnitude(&residuals),
+        by_frequency: groups::by_frequency(&residuals),
+        by_harmonic: groups::by_harmonic(&residuals),
+        by_run: groups::by_run(&residuals),
+    }
+}
+
+/// Whether what an extended model leaves is noise.
+pub(crate) fn is_noise(fit: &ModelFit, seed: u64) -> bool {
+    let residuals = Residuals::of(fit);
+    if contradiction(fit, &residuals).is_some() {
+        return false;
+    }
+    if is_rounding(&residuals, EXTENDED_ROUNDING) {
+        return true;
+    }
+    let regions = Regions::new(&residuals.layout, &residuals.freedom);
+    let statistics = statistics::all(&residuals, &regions);
+    Nulls::draw(&residuals, &statistics, seed).judge(&statistics, &residuals.values).noise_like
+}
+
+/// Why what a model leaves cannot be noise, whatever its structure; `None` where it can.
+fn contradiction(fit: &ModelFit, residuals: &Residuals) -> Option<String> {
+    let cells: Vec<&Cell> = residuals.layout.cells.iter().collect();
+    let sizes = Sizes::of(residuals, &cells)?;
+    if sizes.rms_left > sizes.rms_simulated {
+        return Some(
+            "the simulation is wrong: it leaves more of the response than it simulates, so that \
+             the response is not that of an axis to this input, or is lost in noise"
+                .into(),
+        );
+    }
+    let ratio = fit.contradicts_noise?;
+    Some(format!(
+        "the simulation is wrong: it leaves {} times the stated noise, in no pattern",
+        sentence::short(ratio.sqrt())
+    ))
+}
+
+/// Whether what is left is rounding: only where nothing else tells the noise.
+fn is_rounding(residuals: &Residuals, share: f64) -> bool {
+    let cells: Vec<&Cell> = residuals.layout.cells.iter().collect();
+    let sizes = Sizes::of(residuals, &cells);
+    !residuals.scale_known && sizes.is_none_or(|sizes| sizes.rms_left <= share * sizes.rms_measured)
+}
+
+fn wrong(patterns: &[Pattern], judgement: &Judgement) -> String {
+    let failed: Vec<&ResidualTest> = judgement.tests.iter().filter(|test| !test.passed).collect();
+    match patterns.first() {
+        Some(pattern) => format!(
+            "the simulation is wrong: {}; {:.0} % of what it misses lies there",
+            pattern.sentence,
+            100.0 * pattern.share
+        ),
+        None => {
+            let means: Vec<&str> = failed.iter().map(|test| test.explanation.as_str()).collect();
+            format!("the simulation is wrong: {}", means.join("; "))
+        }
+    }
+}
+
+/// That nothing is wrong, and what would have been seen: the departure of the
+/// fundamental (of the response, where the input has many lines), at the
+/// magnitude where it would show least, that would have reached the limit of
+/// the test of regions.
+fn adequate(residuals: &Residuals, judgement: &Judgement) -> String {
+    let layout = &residuals.layout;
+    let least = (0..layout.magnitudes.len())
+        .filter_map(|class| {
+            let cells: Vec<&Cell> = layout
+                .cells
+                .iter()
+                .filter(|cell| cell.magnitude == class)
+                .filter(|cell| layout.many_lines || cell.harmonic == 1)
+                .collect();
+            let sizes = Sizes::of(residuals, &cells)?;
+            let rows = || cells.iter().flat_map(|cell| cell.each_row());
+            let dof: f64 = rows().map(|row| residuals.freedom[row]).sum();
+            let excess = seen(dof, judgement.region_limit);
+            let variance =
+                cells.iter().map(|cell| cell.std.powi(2)).sum::<f64>() / cells.len() as f64;
+            let departure = (excess * variance / cells.len() as f64).sqrt();
+            let span = layout.magnitudes[class];
+            (sizes.rms_simulated > 0.0).then(|| (departure / sizes.rms_simulated, span))
+        })
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let mut sentence = "the simulation explains the measurement to within its noise".to_owned();
+    if let Some((share, span)) = least.filter(|(share, _)| share.is_finite()) {
+        let what = if layout.many_lines { "response" } else { "fundamental" };
+        sentence += &format!(
+            "; a departure of {} % of the {what} (rms) at magnitude {} would have been noticed, \
+             and a smaller one elsewhere",
+            sentence::short(100.0 * share),
+            sentence::span(span)
+        );
+    }
+    sentence
+}
+
+/// Excess of residuals with so many degrees of freedom that reaches a score.
+fn seen(dof: f64, limit: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1e9);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if Regions::score_of(dof.max(1.0), middle) < limit { low = middle } else { high = middle }
+    }
+    high
+}
+
+/// What this diagnosis cannot tell.
+pub(crate) fn limitations(fit: &ModelFit, discrepancy: &Discrepancy) -> Vec<String> {
+    let mut sentences = Vec::new();
+    if fit.identification.noise == NoiseSource::Estimated {
+        sentences.push(
+            "the size of the noise is unknown: only structure in what the simulation leaves can \
+             show that it is wrong; give std, repeats or the option noise_std"
+                .into(),
+        );
+    }
+    if discrepancy.noise_like && fit.identification.fit.adequate == Some(false) {
+        sentences.push(format!(
+            "χ² alone is at the edge (p = {}), but with all tests together such a value is due \
+             to chance often enough",
+            sentence::short(fit.identification.fit.p_value.unwrap_or(0.0))
+        ));
+    }
+    if fit.comparison.experiments.iter().any(|experiment| experiment.run.is_none()) {
+        sentences.push(
+            "the order of acquisition is not given: a drift cannot be seen; add the column `run`"
+                .into(),
+        );
+    }
+    sentences
+}

@@ -1,0 +1,182 @@
+//! Where each residual lies: magnitude, frequency, harmonic, order of acquisition.
+
+use crate::answers::Comparison;
+use crate::identify::{Component, ModelFit};
+use crate::measurement::Complex;
+
+/// Magnitudes told apart, at most; more are joined to classes.
+const MOST_MAGNITUDES: usize = 8;
+
+/// Bands of frequency told apart, at most.
+const MOST_BANDS: usize = 24;
+
+/// Harmonics told apart: beyond, they are one class.
+pub(crate) const LAST_HARMONIC: usize = 11;
+
+/// Share of the largest line of an input above which a line counts as excited.
+const EXCITED_SHARE: f64 = 0.02;
+
+/// A range of one axis, ends included.
+pub(crate) type Span = [f64; 2];
+
+/// One complex (of harmonic 0: real) residual.
+#[derive(Debug, Clone)]
+pub(crate) struct Cell {
+    /// Rows of its real and imaginary part.
+    pub rows: (usize, Option<usize>),
+    /// Class of magnitude.
+    pub magnitude: usize,
+    /// Band of frequency.
+    pub band: usize,
+    /// Harmonic, at most [`LAST_HARMONIC`]; 0 throughout where the input has many lines.
+    pub harmonic: usize,
+    /// Frequency of the fundamental (of the line, where the input has many), Hz.
+    pub frequency_hz: f64,
+    /// Half the peak-to-peak value of the input.
+    pub input_magnitude: f64,
+    /// Index of the experiment.
+    pub experiment: usize,
+    /// Harmonic as measured.
+    pub order: usize,
+    /// Position in the order of acquisition.
+    pub run: Option<f64>,
+    /// Measured value, response units.
+    pub measured: Complex,
+    /// Simulated value.
+    pub simulated: Complex,
+    /// Standard deviation of re and of im.
+    pub std: f64,
+}
+
+impl Cell {
+    /// Rows of its parts.
+    pub fn each_row(&self) -> impl Iterator<Item = usize> + use<> {
+        [Some(self.rows.0), self.rows.1].into_iter().flatten()
+    }
+}
+
+/// The cells of a measurement and the classes they fall into.
+#[derive(Debug, Clone)]
+pub(crate) struct Layout {
+    /// Every residual but the constraints.
+    pub cells: Vec<Cell>,
+    /// Smallest and largest magnitude of each class, ascending.
+    pub magnitudes: Vec<Span>,
+    /// Lowest and highest frequency of each band, Hz, ascending.
+    pub bands: Vec<Span>,
+    /// Harmonics that occur; empty where the input has many lines.
+    pub harmonics: Vec<usize>,
+    /// Whether inputs have many lines, so that a response has frequencies, not harmonics.
+    pub many_lines: bool,
+    /// Units of input and response.
+    pub units: (String, String),
+}
+
+impl Layout {
+    /// Of a fitted base model.
+    pub fn of(fit: &ModelFit) -> Self {
+        Self::new(&fit.comparison, &fit.components)
+    }
+
+    /// Of a comparison whose parts are these rows of the residuals.
+    pub fn new(comparison: &Comparison, components: &[Component]) -> Self {
+        let many_lines = has_many_lines(comparison);
+        let mut rows = (0..components.len()).filter(|row| !components[*row].constraint);
+        let mut cells = Vec::new();
+        for experiment in &comparison.experiments {
+            for harmonic in &experiment.harmonics {
+                let Some(re) = rows.next() else { break };
+                let im = if harmonic.order > 0 { rows.next() } else { None };
+                let lines = if many_lines { harmonic.order as f64 } else { 1.0 };
+                cells.push(Cell {
+                    rows: (re, im),
+                    magnitude: 0,
+                    band: 0,
+                    harmonic: if many_lines { 0 } else { harmonic.order.min(LAST_HARMONIC) },
+                    frequency_hz: lines * experiment.omega_rad_s / std::f64::consts::TAU,
+                    input_magnitude: experiment.magnitude,
+                    experiment: experiment.experiment,
+                    order: harmonic.order,
+                    run: experiment.run,
+                    measured: Complex::new(harmonic.measured[0], harmonic.measured[1]),
+                    simulated: Complex::new(harmonic.simulated[0], harmonic.simulated[1]),
+                    std: harmonic.std,
+                });
+            }
+        }
+        let magnitudes = classes(cells.iter().map(|c| c.input_magnitude), MOST_MAGNITUDES);
+        let bands = classes(cells.iter().map(|c| c.frequency_hz), MOST_BANDS);
+        let class = |spans: &[Span], value: f64| {
+            spans.iter().rposition(|[low, _]| *low <= value).unwrap_or(0)
+        };
+        for cell in &mut cells {
+            cell.magnitude = class(&magnitudes, cell.input_magnitude);
+            cell.band = class(&bands, cell.frequency_hz);
+        }
+        let mut harmonics: Vec<usize> = match many_lines {
+            true => Vec::new(),
+            false => cells.iter().map(|cell| cell.harmonic).collect(),
+        };
+        harmonics.sort_unstable();
+        harmonics.dedup();
+        let units = (comparison.input_unit.clone(), comparison.response_unit.clone());
+        Self { cells, magnitudes, bands, harmonics, many_lines, units }
+    }
+}
+
+fn has_many_lines(comparison: &Comparison) -> bool {
+    comparison.experiments.iter().any(|experiment| {
+        let size = |input: [f64; 2]| input[0].hypot(input[1]);
+        let lines = || experiment.harmonics.iter().filter(|h| h.order > 0);
+        let largest = lines().map(|h| size(h.input)).fold(0.0, f64::max);
+        lines().filter(|h| size(h.input) > EXCITED_SHARE * largest).count() > 1
+    })
+}
+
+/// At most `most` classes of values, about equally full; equal values together.
+pub(crate) fn classes(values: impl Iterator<Item = f64>, most: usize) -> Vec<Span> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    // What differs by rounding alone is one value.
+    let apart = |a: f64, b: f64| b - a > 1e-6 * b.abs();
+    let mut spans: Vec<(Span, usize)> = Vec::new();
+    for value in sorted {
+        match spans.last_mut() {
+            Some((span, count)) if !apart(span[0], value) => {
+                span[1] = value;
+                *count += 1;
+            }
+            _ => spans.push(([value, value], 1)),
+        }
+    }
+    if spans.len() <= most {
+        return spans.into_iter().map(|(span, _)| span).collect();
+    }
+    let all: usize = spans.iter().map(|(_, count)| count).sum();
+    let mut joined: Vec<Span> = Vec::new();
+    let (mut before, mut class) = (0, usize::MAX);
+    for ([low, high], count) in spans {
+        let here = before * most / all;
+        if here == class {
+            joined.last_mut().expect("it has begun")[1] = high;
+        } else {
+            joined.push([low, high]);
+            class = here;
+        }
+        before += count;
+    }
+    joined
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_values_are_classes_of_their_own_and_many_are_joined_evenly() {
+        let few = classes([2.0, 1.0, 2.0, 1.0 + 1e-9].into_iter(), 8);
+        assert_eq!(few, [[1.0, 1.0 + 1e-9], [2.0, 2.0]]);
+        let many = classes((0..100).map(f64::from), 4);
+        assert_eq!(many, [[0.0, 24.0], [25.0, 49.0], [50.0, 74.0], [75.0, 99.0]]);
+    }
+}

@@ -1,0 +1,110 @@
+//! Projections on what a fit can take up, and on what it should not need to.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Directions this much weaker than the strongest are rounding.
+const RANK_TOLERANCE: f64 = 1e-8;
+
+/// An orthonormal basis, one column a direction.
+#[derive(Debug, Clone)]
+pub(crate) struct Subspace {
+    basis: DMatrix<f64>,
+}
+
+impl Subspace {
+    /// The span of the columns.
+    pub fn of(columns: &DMatrix<f64>) -> Self {
+        let rows = columns.nrows();
+        let mut kept = Vec::new();
+        // Columns of like size: a tolerance is relative to the strongest.
+        let sized: Vec<DVector<f64>> = columns
+            .column_iter()
+            .filter(|column| column.norm() > 0.0 && column.norm().is_finite())
+            .map(|column| column / column.norm())
+            .collect();
+        if !sized.is_empty() {
+            let svd = DMatrix::from_columns(&sized).svd(true, false);
+            let strongest = svd.singular_values.max();
+            let u = svd.u.expect("requested");
+            for (i, singular) in svd.singular_values.iter().enumerate() {
+                if *singular > RANK_TOLERANCE * strongest {
+                    kept.push(u.column(i).into_owned());
+                }
+            }
+        }
+        let basis =
+            if kept.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(&kept) };
+        Self { basis }
+    }
+
+    /// The part of the span of the columns that is orthogonal to `other`.
+    pub fn beyond(columns: &DMatrix<f64>, other: &Subspace) -> Self {
+        let mut left = columns.clone();
+        for mut column in left.column_iter_mut() {
+            let before = column.norm();
+            let kept = other.complement(&column.clone_owned());
+            // What is left of a column inside the other space is rounding.
+            let rounding = kept.norm() <= RANK_TOLERANCE * before;
+            column.copy_from(&if rounding { DVector::zeros(kept.len()) } else { kept });
+        }
+        Self::of(&left)
+    }
+
+    /// Dimension.
+    pub fn dimension(&self) -> usize {
+        self.basis.ncols()
+    }
+
+    /// The part of a vector inside.
+    pub fn project(&self, vector: &DVector<f64>) -> DVector<f64> {
+        &self.basis * self.basis.tr_mul(vector)
+    }
+
+    /// The part of a vector outside.
+    pub fn complement(&self, vector: &DVector<f64>) -> DVector<f64> {
+        vector - self.project(vector)
+    }
+
+    /// The parts of columns outside.
+    pub fn complements(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        columns - &self.basis * self.basis.tr_mul(columns)
+    }
+
+    /// Squared length of the part inside.
+    pub fn energy(&self, vector: &DVector<f64>) -> f64 {
+        self.basis.tr_mul(vector).norm_squared()
+    }
+
+    /// Squared length of the part of each unit vector inside: the leverages.
+    pub fn leverages(&self) -> Vec<f64> {
+        self.basis.row_iter().map(|row| row.norm_squared()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_repeated_column_adds_no_dimension() {
+        let columns = DMatrix::from_row_slice(3, 3, &[1.0, 2.0, 0.0, 0.0, 0.0, 1e6, 1.0, 2.0, 0.0]);
+        let space = Subspace::of(&columns);
+        assert_eq!(space.dimension(), 2);
+        let leverages = space.leverages();
+        // Unit vectors 1 and 3 lie half inside, 2 wholly.
+        for (found, wanted) in leverages.iter().zip([0.5, 1.0, 0.5]) {
+            assert!((found - wanted).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn what_is_beyond_is_orthogonal_and_may_be_nothing() {
+        let first = Subspace::of(&DMatrix::from_row_slice(3, 1, &[1.0, 1.0, 0.0]));
+        let columns = DMatrix::from_row_slice(3, 2, &[2.0, 1.0, 2.0, 0.0, 0.0, 0.0]);
+        let beyond = Subspace::beyond(&columns, &first);
+        assert_eq!(beyond.dimension(), 1);
+        let probe = DVector::from_vec(vec![1.0, -1.0, 5.0]);
+        assert!((beyond.energy(&probe) - 2.0).abs() < 1e-12);
+        assert!((first.complement(&probe) - &probe).norm() < 1e-12);
+    }
+}

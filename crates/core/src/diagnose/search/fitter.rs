@@ -1,0 +1,237 @@
+//! Fits of effects beside a model, from where their probes point.
+
+use rayon::prelude::*;
+
+use crate::effects::{are_alike, are_kin};
+use crate::identify::{Effort, Model, Workbench};
+use crate::observer::Observer as _;
+
+use super::score_tests::{Probe, Probed};
+use crate::diagnose::progress::{Part, Stage};
+use crate::diagnose::selection::evidence::Yardstick;
+
+/// Share of the leader's gain that a rival must have come to in its first steps.
+const RIVAL: f64 = 0.5;
+
+/// The same of an effect that may be one of several, where none explains the data.
+const HOPEFUL: f64 = 0.02;
+
+/// Share of what is beyond noise that the best effect leaves at most for it to be tried from
+/// aside.
+const HELPFUL: f64 = 0.5;
+
+/// The same share that another valley leaves at most for the search to go on from there.
+const LOWER: f64 = 0.9;
+
+/// How far aside, in standard deviations of where a search looks first.
+const ASIDE: f64 = 0.35;
+
+/// Starts from aside that are followed to their end.
+const FROM_ASIDE: usize = 3;
+
+/// Models that have a response, the best first.
+fn best_first(mut models: Vec<Model>) -> Vec<Model> {
+    models.retain(|model| model.cost.is_finite());
+    models.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    models
+}
+
+/// Who fits.
+pub(crate) struct Fitter<'a> {
+    /// Where.
+    pub workbench: &'a Workbench<'a>,
+    /// Who may cancel.
+    pub part: Part<'a>,
+    /// What a good fit is.
+    pub yardstick: Yardstick,
+    /// Starts that are tried of an effect that promises something.
+    pub starts: usize,
+    /// Of them, those that are followed to their end.
+    pub followed: usize,
+    /// Whether an effect is followed to its end though little was gained so far, where
+    /// none explains the data.
+    pub patient: bool,
+}
+
+impl Fitter<'_> {
+    /// Fits every effect beside those of `from`, from its probes. What promises
+    /// something is followed from several starts; once one explains the data, only what
+    /// may be mistaken for it or is as good so far is followed to the end.
+    pub fn fit(
+        &self,
+        from: &Model,
+        probed: &[Probed],
+        promising: impl Fn(&Probed) -> bool + Sync,
+        stage: &Stage<'_>,
+    ) -> Vec<Model> {
+        let try_out = |probed| {
+            let tried = self.tried(probed, promising(probed));
+            stage.step();
+            (probed, tried)
+        };
+        let mut tried: Vec<(&Probed, Vec<Model>)> = probed.par_iter().map(try_out).collect();
+        tried.retain(|(_, models)| !models.is_empty());
+        tried.sort_by(|a, b| a.1[0].cost.total_cmp(&b.1[0].cost));
+        let Some(first) = tried.iter().position(|(probed, _)| promising(probed)) else {
+            return tried.into_iter().filter_map(|(_, models)| models.into_iter().next()).collect();
+        };
+        let (probed, models) = tried.remove(first);
+        let leader = self.settled(models, self.followed).unwrap_or_else(|| from.clone());
+        let unexplained = !self.yardstick.explains(leader.cost);
+        let most = from.cost - leader.cost;
+        let follow = |(rival, models): (&Probed, Vec<Model>)| {
+            let gain = from.cost - models[0].cost;
+            if are_alike(probed.effect, rival.effect) || gain > RIVAL * most {
+                self.settled(models, self.followed)
+            } else if self.patient && unexplained && promising(rival) && gain > HOPEFUL * most {
+                self.settled(models, 1)
+            } else {
+                models.into_iter().next()
+            }
+        };
+        let mut fits: Vec<Model> = tried.into_par_iter().filter_map(follow).collect();
+        fits.push(leader);
+        let hopes = if self.patient && unexplained { HOPEFUL } else { RIVAL };
+        let counts = |kin: &&Model| from.cost - kin.cost > hopes * most;
+        let kin: Vec<&Model> = fits.iter().filter(counts).collect();
+        let again = |fit| self.refit_from_kin(fit, &kin);
+        let again: Vec<Model> = fits.par_iter().filter_map(again).collect();
+        fits.extend(again);
+        let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
+        fits.extend(best.and_then(|best| {
+            self.out_of_valleys(&best, HELPFUL * self.yardstick.beyond(from.cost))
+        }));
+        fits
+    }
+
+    /// The best that a fit comes to from aside, and from aside of that, where it leaves less than
+    /// `most` beyond noise and does not explain the data: perhaps it is of the right effect, in
+    /// the wrong valley.
+    fn out_of_valleys(&self, fit: &Model, most: f64) -> Option<Model> {
+        let beyond = |model: &Model| self.yardstick.beyond(model.cost);
+        if beyond(fit) >= most || self.yardstick.explains(fit.cost) {
+            return None;
+        }
+        let next = self.refit_from_aside(fit).filter(|next| next.cost < fit.cost)?;
+        let is_lower = beyond(&next) < LOWER * beyond(fit);
+        let further = is_lower.then(|| self.out_of_valleys(&next, most)).flatten();
+        Some(further.unwrap_or(next))
+    }
+
+    /// A fit again, from where one or two parameters of its last effect stand aside. Impacts and
+    /// limits divide the misfit into valleys, and a fit ends in the nearest.
+    fn refit_from_aside(&self, fit: &Model) -> Option<Model> {
+        let own = fit.parameters_of(fit.effects().len().checked_sub(1)?);
+        let sides = own.flat_map(|i| [(i, -ASIDE), (i, ASIDE)]);
+        let sides: Vec<(usize, f64)> =
+            sides.map(|(i, side)| (i, side * fit.prior_std(i))).collect();
+        let alone = sides.iter().map(|side| vec![*side]);
+        let both = sides.iter().enumerate().flat_map(|(n, one)| {
+            let others = sides[n + 1..].iter().filter(|other| other.0 != one.0);
+            others.map(|other| vec![*one, *other])
+        });
+        let shifted = |steps: Vec<(usize, f64)>| {
+            let mut aside = fit.clone();
+            aside.shift(steps.into_iter(), f64::INFINITY);
+            aside
+        };
+        let aside: Vec<Model> = alone.chain(both).map(shifted).collect();
+        let tried = aside.par_iter().map(|model| self.refine(model, Effort::Glance)).collect();
+        self.settled(best_first(tried), FROM_ASIDE)
+    }
+
+    /// A fit again, from where the best of its kin ended, if that fits better: what contains
+    /// another can do no worse, and what is contained may do as well.
+    fn refit_from_kin(&self, fit: &Model, kin: &[&Model]) -> Option<Model> {
+        let own = *fit.effects().last()?;
+        let is_kin = |other: &&&Model| other.effects().last().is_some_and(|o| are_kin(own, *o));
+        let better = kin.iter().filter(is_kin).filter(|other| other.cost < fit.cost);
+        let best = better.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        self.settled(self.workbench.exchange(best, own).into(), self.followed)
+    }
+
+    /// The first steps from an effect's probes, the best first.
+    fn tried(&self, probed: &Probed, promising: bool) -> Vec<Model> {
+        let (starts, effort) = match promising {
+            true => (self.starts, Effort::Glance),
+            false => (1, Effort::Brief),
+        };
+        let starts: Vec<&Probe> = probed.probes.iter().take(starts).collect();
+        let tried = starts.par_iter().map(|probe| self.refine(&probe.start, effort)).collect();
+        best_first(tried)
+    }
+
+    /// The best of what the first of these come to.
+    fn settled(&self, mut tried: Vec<Model>, followed: usize) -> Option<Model> {
+        tried.truncate(followed);
+        let settled = tried.par_iter().map(|model| self.refine(model, Effort::Settle)).collect();
+        best_first(settled).into_iter().next()
+    }
+
+    /// A model, fitted; as it is once cancelled.
+    pub fn refine(&self, model: &Model, effort: Effort) -> Model {
+        match self.part.cancelled() {
+            true => model.clone(),
+            false => self.workbench.refine(model, effort),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{exact, noisy, request};
+    use crate::effects::find;
+    use crate::machines::draw::NoiseStatement;
+    use crate::observer::Silent;
+
+    // What contains it must come to its cost at least; a settled cost is good to 1e-5.
+    #[test]
+    fn play_that_fits_worse_than_the_joint_without_it_starts_again_from_there() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
+        let base = workbench.base();
+        let part = Part { whole: &Silent, span: [0.0, 1.0] };
+        let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
+        let (workbench, starts, followed, patient) = (&workbench, 1, 2, true);
+        let fitter = Fitter { workbench, part, yardstick, starts, followed, patient };
+        let with = |id: &str| workbench.extend(base, find(id).unwrap());
+        let mut joint = with("flexible_mode");
+        let places = workbench.places(joint.effects()[0]);
+        let own = joint.parameters_of(0).zip(&places[places.len() / 2]);
+        own.for_each(|(i, value)| joint.set(i, *value));
+        let joint = fitter.refine(&joint, Effort::Settle);
+        let costing = |cost: f64, id: &str| {
+            let mut model = with(id);
+            model.cost = cost;
+            model
+        };
+        let lost = costing(2.0 * joint.cost, "backlash");
+        let found = fitter.refit_from_kin(&lost, &[&joint]).unwrap();
+        assert_eq!(found.effects()[0].id(), "backlash");
+        assert!(found.cost < joint.cost * (1.0 + 1e-5), "{} {}", found.cost, joint.cost);
+        assert!(fitter.refit_from_kin(&joint, &[&lost]).is_none());
+        assert!(fitter.refit_from_kin(&costing(f64::MAX, "spring"), &[&joint]).is_none());
+    }
+
+    #[test]
+    fn what_leaves_most_or_explains_the_data_is_not_tried_from_aside() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let workbench = &Workbench::new(&measurement, &request, &Silent).unwrap();
+        let part = Part { whole: &Silent, span: [0.0, 1.0] };
+        let (starts, followed, patient) = (1, 1, true);
+        let fitter = |dof: f64| {
+            let yardstick = Yardstick { known: true, rounding: 0.0, dof };
+            Fitter { workbench, part, yardstick, starts, followed, patient }
+        };
+        let lag = workbench.extend(workbench.base(), find("sensor_lag").unwrap());
+        let lag = fitter(1.0).refine(&lag, Effort::Brief);
+        assert!(fitter(1.0).out_of_valleys(&lag, 0.5 * lag.cost).is_none());
+        assert!(fitter(lag.cost).out_of_valleys(&lag, 2.0 * lag.cost).is_none());
+        let mut astray = lag.clone();
+        astray.set(lag.parameters_of(0).start, 5.0 * lag.value(lag.parameters_of(0).start));
+        astray.cost = 10.0 * lag.cost;
+        let found = fitter(1.0).out_of_valleys(&astray, f64::INFINITY).unwrap();
+        assert!(found.cost < 1.01 * lag.cost, "{} {}", found.cost, lag.cost);
+    }
+}

@@ -1,0 +1,81 @@
+//! Fine scans of effects whose misfit has many valleys.
+//!
+//! A torque that ripples over position fits only where its pitch is right to a
+//! radian over the travel. So a grid as fine as that is tried with first-order
+//! responses: the sine and the cosine of each pitch, whose sizes follow from
+//! least squares.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::effects::{Effect, Range};
+use crate::identify::Workbench;
+
+use super::linearization::Anchor;
+use super::score_tests::Tried;
+use crate::diagnose::residuals::subspace::Subspace;
+
+/// Places from which a fit may start.
+const PLACES: usize = 6;
+
+/// Steps of the angle over the longest travel, radians.
+const STEP: f64 = 1.0;
+
+/// Longest step of the pitch, as a factor.
+const LONGEST: f64 = 1.15;
+
+/// What the sine and the cosine of a pitch change, each of size 1.
+pub(crate) struct Pitch {
+    pitch: f64,
+    changes: DMatrix<f64>,
+}
+
+/// The changes of every pitch, beside the anchor's model.
+pub(crate) fn pitches(
+    workbench: &Workbench<'_>,
+    anchor: &Anchor,
+    effect: &'static dyn Effect,
+    ranges: &[Range],
+) -> Vec<Pitch> {
+    let [low, high] = ranges[1].likely;
+    let travel = 0.5 / low;
+    let next = |pitch: &f64| Some((pitch * LONGEST).min(pitch + STEP / travel));
+    let grid: Vec<f64> =
+        std::iter::successors(Some(low), next).take_while(|pitch| *pitch < high).collect();
+    grid.par_iter()
+        .filter_map(|pitch| {
+            let settings = [0.0, std::f64::consts::FRAC_PI_2].map(|angle| vec![1.0, *pitch, angle]);
+            let changes = workbench.torque_changes(&anchor.model, effect, &settings, *pitch)?;
+            Some(Pitch { pitch: *pitch, changes: DMatrix::from_columns(&changes) })
+        })
+        .collect()
+}
+
+/// Where the effect promises most at an anchor at which this is left, and the span of
+/// every pitch.
+pub(crate) fn peaks(
+    anchor: &Anchor,
+    left: &DVector<f64>,
+    ranges: &[Range],
+    pitches: &[Pitch],
+) -> (Vec<Tried>, Vec<Subspace>) {
+    let spans: Vec<Subspace> = pitches
+        .iter()
+        .map(|pitch| Subspace::of(&anchor.fitted.complements(&pitch.changes)))
+        .collect();
+    let gains: Vec<f64> = spans.iter().map(|span| span.energy(left)).collect();
+    let gain = |i: usize| gains.get(i).copied().unwrap_or(0.0);
+    let peak = |i: &usize| gain(*i) >= gain(i + 1) && (*i == 0 || gain(*i) >= gain(i - 1));
+    let mut peaks: Vec<usize> = (0..pitches.len()).filter(peak).collect();
+    peaks.sort_by(|a, b| gain(*b).total_cmp(&gain(*a)));
+    let tried = |i: usize| {
+        let Pitch { pitch, changes } = &pitches[i];
+        let shown = anchor.fitted.complements(changes);
+        let sizes = shown.tr_mul(&shown).cholesky()?.solve(&shown.tr_mul(left));
+        let size = sizes.norm().min(ranges[0].likely[1]);
+        let values = vec![size, *pitch, sizes[1].atan2(sizes[0])];
+        let change: DVector<f64> = changes * sizes;
+        Some(Tried { values, change, gain: gain(i) })
+    };
+    (peaks.into_iter().take(PLACES).filter_map(tried).collect(), spans)
+}

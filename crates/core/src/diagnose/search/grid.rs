@@ -1,0 +1,62 @@
+//! Where an effect is tried that names no places of its own.
+
+use crate::effects::{Coordinate, Effect, Range};
+
+/// Places of an effect's parameters, at most.
+const MOST_PLACES: usize = 24;
+
+/// Shares of the way from where an effect vanishes to the end of its likely range, of
+/// an effect with one parameter, with two, and with more, whose others say its shape.
+const SIZES: [&[f64]; 3] = [&[0.05, 0.2, 0.5, 0.8], &[0.15, 0.6], &[0.15]];
+
+/// Values to try: every combination of a few of each parameter.
+pub(crate) fn of(effect: &dyn Effect, ranges: &[Range]) -> Vec<Vec<f64>> {
+    let sizes = SIZES[ranges.len().min(SIZES.len()) - 1];
+    let mut step = if ranges.len() == 1 { 4.0_f64 } else { 1.4 };
+    loop {
+        let axes: Vec<Vec<f64>> = effect
+            .parameters()
+            .iter()
+            .zip(ranges)
+            .map(|(parameter, range)| axis(parameter.coordinate, range, step, sizes))
+            .collect();
+        let count: usize = axes.iter().map(Vec::len).product();
+        if count <= MOST_PLACES || step > 100.0 {
+            return axes.iter().fold(vec![Vec::new()], |points, axis| {
+                let longer = |point: &Vec<f64>| {
+                    let point = point.clone();
+                    axis.iter().map(move |value| [&point[..], &[*value]].concat())
+                };
+                points.iter().flat_map(longer).collect()
+            });
+        }
+        step *= 1.1;
+    }
+}
+
+/// A few values of one parameter; logarithms in steps of about this factor.
+fn axis(coordinate: Coordinate, range: &Range, step: f64, sizes: &[f64]) -> Vec<f64> {
+    let [low, high] = range.likely;
+    let ends = || [low, high].into_iter();
+    match (coordinate, range.absent) {
+        (Coordinate::Logarithmic, Some(absent)) if absent > 0.0 && absent.is_finite() => ends()
+            .filter(|end| (end / absent).ln().abs() > 0.1 * (high / low).ln())
+            .flat_map(|end| sizes.iter().map(move |size| absent * (end / absent).powf(*size)))
+            .collect(),
+        (_, Some(absent)) if absent.is_finite() => ends()
+            .filter(|end| (end - absent).abs() > 0.1 * (high - low))
+            .flat_map(|end| sizes.iter().map(move |size| absent + size * (end - absent)))
+            .collect(),
+        (Coordinate::Logarithmic, _) => {
+            let ratio = (high / low).ln();
+            let count = ((ratio / step.ln()).round() as usize).max(1);
+            let at = |i: usize| low * (ratio * (i as f64 + 0.5) / count as f64).exp();
+            (0..count).map(at).collect()
+        }
+        (Coordinate::Linear | Coordinate::Angle, _) => {
+            let count = if step < 10.0 { 4 } else { 2 };
+            let at = |i: usize| low + (high - low) * (i as f64 + 0.5) / f64::from(count);
+            (0..count as usize).map(at).collect()
+        }
+    }
+}

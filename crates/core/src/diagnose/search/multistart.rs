@@ -1,0 +1,74 @@
+//! The deepest of several valleys.
+
+use crate::effects;
+use crate::effects::{ALL, Effect};
+
+use super::Search;
+use super::fitter::Fitter;
+use super::linearization::Anchor;
+use super::score_tests::Probed;
+use crate::diagnose::progress::Part;
+use crate::diagnose::selection::models::Key;
+
+/// How many times more than chance an effect gains whose valleys differ by more than noise.
+const MUCH: f64 = 10.0;
+
+impl Search<'_> {
+    /// Fits those effects of a model that gain little and whose misfit has many valleys again,
+    /// with what is alike, from the starts that were passed over: what explains the data may yet
+    /// lie beside the deepest valley. Of an effect that gains much the others do not explain it.
+    pub fn deepen(&mut self, chosen: &Key, part: Part<'_>) {
+        let (most, tried) = (self.breadth.deeper, self.breadth.starts);
+        let is_hidden = |effect: &&&'static dyn Effect| {
+            let id = effect.id();
+            chosen.contains(&id)
+                && !self.workbench.places(**effect).is_empty()
+                && !self.models.exceeds(chosen, id, MUCH)
+        };
+        let hidden: Vec<&dyn Effect> =
+            ALL.iter().filter(|_| most > 0).filter(is_hidden).copied().collect();
+        for effect in hidden {
+            let rest: Key = chosen.iter().copied().filter(|id| *id != effect.id()).collect();
+            let anchor = self.models.get(&rest).and_then(|rest| Anchor::new(self.workbench, rest));
+            let Some(anchor) = anchor else { continue };
+            let mut probed = self.probe(&anchor, part);
+            probed.retain(|Probed { effect: other, .. }| {
+                other.id() == effect.id() || effects::are_alike(effect, *other)
+            });
+            for Probed { probes, .. } in &mut probed {
+                probes.drain(..tried[rest.len()].min(probes.len()));
+            }
+            let stage = part.stage("valleys", probed.len());
+            let fitter = Fitter { starts: most, ..self.fitter(part, rest.len()) };
+            let fits = fitter.fit(&anchor.model, &probed, |_| true, &stage);
+            self.keep(fits);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::diagnose::search::linearization::Anchor;
+    use crate::diagnose::search::tests::{PART, nothing_fitted};
+    use crate::diagnose::selection::models::key;
+    use crate::diagnose::tests::{exact, noisy, request};
+    use crate::effects::find;
+    use crate::identify::Workbench;
+    use crate::machines::draw::NoiseStatement;
+    use crate::observer::Silent;
+
+    #[test]
+    fn a_joint_in_the_wrong_valley_is_fitted_again_from_the_starts_that_were_passed_over() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let workbench = &Workbench::new(&measurement, &request, &Silent).unwrap();
+        let mut search = nothing_fitted(workbench);
+        let mut astray = workbench.extend(workbench.base(), find("flexible_mode").unwrap());
+        astray.cost = 2.0 * workbench.base().cost;
+        let key = key(&astray);
+        search.keep(vec![astray]);
+        search.changes = search.changes(&Anchor::new(workbench, workbench.base()).unwrap(), PART);
+        search.deepen(&key, PART);
+        let found = search.models.get(&key).unwrap();
+        assert!(found.cost < workbench.base().cost, "{}", found.cost);
+    }
+}

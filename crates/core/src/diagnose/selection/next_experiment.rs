@@ -1,0 +1,92 @@
+//! The experiment that would separate causes still in doubt.
+//!
+//! Of two models that were both fitted to all data, the point at which their
+//! predictions differ most against the noise is the one that tells them apart
+//! soonest (Hunter and Reiner 1965, doi:10.1080/00401706.1965.10490265).
+
+use rayon::prelude::*;
+
+use crate::answers::NextExperiment;
+use crate::identify::{Model, Workbench};
+
+/// Frequencies that are looked at.
+const FREQUENCIES: usize = 24;
+
+/// The highest of them, in units of the highest measured: lags, delays and resonances of the
+/// load part where nobody has looked yet.
+const BEYOND: f64 = 4.0;
+
+/// Magnitudes over the range measured, as shares of it on a logarithmic scale:
+/// somewhat beyond, too, as far as a rig will allow.
+const MAGNITUDES: [f64; 6] = [-0.15, 0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// Where `named` and `rival` (with the ids of what they differ in) differ most.
+pub(crate) fn between(
+    workbench: &Workbench<'_>,
+    named: (&Model, &str),
+    rival: (&Model, &str),
+) -> Option<NextExperiment> {
+    let experiments = workbench.measurement().experiments();
+    let span = |value: &dyn Fn(usize) -> f64| {
+        let values = || (0..experiments.len()).map(value).filter(|value| *value > 0.0);
+        (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max))
+    };
+    let (weak, strong) = span(&|e| experiments[e].magnitude);
+    let (slow, fast) = span(&|e| experiments[e].omega_rad_s);
+    let between = |low: f64, high: f64, share: f64| low * (high / low).powf(share);
+    let points: Vec<(f64, f64)> = MAGNITUDES
+        .into_iter()
+        .flat_map(|share| {
+            let frequency = move |i: usize| i as f64 / (FREQUENCIES - 1) as f64;
+            (0..FREQUENCIES).map(move |i| (share, frequency(i)))
+        })
+        .map(|(m, omega)| (between(weak, strong, m), between(slow, BEYOND * fast, omega)))
+        .collect();
+    let separated: Vec<Option<f64>> = points
+        .par_iter()
+        .map(|(m, omega)| workbench.separation([named.0, rival.0], *m, *omega))
+        .collect();
+    let (chi2, (magnitude, omega_rad_s)) = separated
+        .into_iter()
+        .zip(points)
+        .filter_map(|(chi2, point)| Some((chi2.filter(|chi2| chi2.is_finite())?, point)))
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let reason = format!(
+        "{} and {} explain the data almost equally well; at magnitude {magnitude:.3} and \
+         {:.4} Hz their predictions differ most: by {:.1} standard deviations in all harmonics \
+         together",
+        named.1,
+        rival.1,
+        omega_rad_s / std::f64::consts::TAU,
+        chi2.sqrt(),
+    );
+    Some(NextExperiment { magnitude, omega_rad_s, reason })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{exact, noisy, request};
+    use crate::effects;
+    use crate::machines::draw::NoiseStatement;
+    use crate::observer::Silent;
+
+    // To first order in ωT a delay and a lag are one; what parts them grows with the square,
+    // faster than the response falls.
+    #[test]
+    fn a_delay_and_a_lag_are_told_apart_beyond_the_highest_frequency() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());
+        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
+        let models = ["transport_delay", "sensor_lag"].map(|id| {
+            let mut model = workbench.extend(workbench.base(), effects::find(id).unwrap());
+            model.set(model.parameters_of(0).start, 1e-3);
+            model
+        });
+        let [delay, lag] = [(&models[0], "transport_delay"), (&models[1], "sensor_lag")];
+        let next = between(&workbench, delay, lag).unwrap();
+        let measured = measurement.experiments().iter().map(|e| e.omega_rad_s);
+        let highest = measured.fold(0.0, f64::max);
+        assert!(next.omega_rad_s > highest && next.omega_rad_s < 4.01 * highest, "{next:?}");
+        assert!(next.reason.starts_with("transport_delay and sensor_lag"), "{next:?}");
+    }
+}

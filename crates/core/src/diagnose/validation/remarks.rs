@@ -1,0 +1,245 @@
+//! What a validation comes to, in sentences.
+
+use std::f64::consts::TAU;
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use crate::answers::{
+    Answer, BeginningValue, Cause, ComparedExperiment, Comparison, Gain, ValidatedModel,
+    ValidatedModels, ValidatedMotion, Verdict,
+};
+use crate::identify::UnitAgreement;
+use crate::measurement::{Measurement, ResponseKind};
+
+use super::hurts;
+
+/// Probability of a χ² below which a model is said to leave more than noise: parameters were
+/// fitted to other data and err a little, which is no fault of the model.
+const MORE_THAN_NOISE: f64 = 1e-3;
+
+/// What both models have come to.
+pub(crate) struct Tried<'a> {
+    pub causes: &'a [Cause],
+    pub models: &'a ValidatedModels,
+    pub gain: Option<&'a Gain>,
+    /// Verdict before and after.
+    pub verdicts: Option<(Verdict, Verdict)>,
+    pub noise_known: bool,
+}
+
+impl Tried<'_> {
+    /// What they come to, the gain first.
+    pub fn remarks(&self) -> Vec<String> {
+        let ValidatedModels { base, extended } = self.models;
+        let mut said = vec![self.gained()];
+        let (richest, name) = match extended {
+            Some(extended) => (extended, "the extended model"),
+            None => (base, "the base model"),
+        };
+        if leaves_more_than_noise(richest) {
+            let each = richest.chi2_per_dof.unwrap_or_default();
+            said.push(format!(
+                "{name} leaves more than the noise of this measurement: χ² is {each:.3} a datum"
+            ));
+        }
+        if !self.noise_known {
+            said.push(
+                "this measurement does not say how noisy it is (no deviations, no repeats): \
+                 whether a model leaves more than noise cannot be told"
+                    .into(),
+            );
+        }
+        let lost = |model: &ValidatedModel| model.unanswered.len();
+        let lost = [Some(base), extended.as_ref()].map(|model| model.map_or(0, lost));
+        let who = match lost {
+            [0, 0] => None,
+            [some, 0] => Some((some, "the base model")),
+            [0, some] => Some((some, "the extended model")),
+            [one, other] => Some((one.max(other), "a model")),
+        };
+        if let Some((count, who)) = who {
+            let plural = if count == 1 { "experiment" } else { "experiments" };
+            said.push(format!(
+                "{who} has no response to {count} {plural}, which count for no model"
+            ));
+        }
+        said
+    }
+
+    /// What the causes gain.
+    fn gained(&self) -> String {
+        let Self { causes, models, gain, verdicts, .. } = self;
+        let per_cent = |nrmse: Option<f64>| {
+            nrmse.map_or("all".to_owned(), |nrmse| format!("{:.3} %", 100.0 * nrmse))
+        };
+        let before = per_cent(models.base.nrmse);
+        let Some(extended) = &models.extended else {
+            return format!(
+                "the base model leaves {before} of the response; no cause is named, so there is \
+                 no gain to measure"
+            );
+        };
+        let names: Vec<&str> = causes.iter().map(|cause| cause.effect.as_str()).collect();
+        let (names, s) = (names.join(" and "), if causes.len() > 1 { "" } else { "s" });
+        let left =
+            format!("{before} of the response is left without, {} with", per_cent(extended.nrmse));
+        let Some(gain) = gain else {
+            return format!(
+                "whether {names} help{s} here cannot be told: {left}, but there is too little to \
+                 give the ratio an interval (one frequency and one magnitude, or a model that \
+                 leaves nothing)"
+            );
+        };
+        let [low, high] = gain.interval95;
+        let ratio = format!("ratio {:.3}, 95 % from {low:.3} to {high:.3}", gain.ratio);
+        if !hurts(gain) {
+            return match low > 1.0 {
+                true => format!("{names} help{s} here, too: {left} ({ratio})"),
+                false => format!("whether {names} help{s} here cannot be told: {left} ({ratio})"),
+            };
+        }
+        let text = format!("{names} help{s} on the fitted data and hurt{s} here: {left} ({ratio})");
+        match verdicts {
+            Some((before, after)) if before != after => {
+                let name = |verdict: &Verdict| format!("{verdict:?}").to_uppercase();
+                format!("{text}; so the verdict is {} instead of {}", name(after), name(before))
+            }
+            _ => text,
+        }
+    }
+}
+
+fn leaves_more_than_noise(model: &ValidatedModel) -> bool {
+    model.chi2_per_dof.is_some_and(|each| {
+        // Two real numbers a component but the means; these few more make it no stricter.
+        let data = 2.0 * model.components as f64;
+        let law = ChiSquared::new(data).map(|law| law.sf(each * data));
+        law.is_ok_and(|p| p < MORE_THAN_NOISE)
+    })
+}
+
+/// What the data themselves ask to be minded.
+pub(crate) fn of_data(
+    answer: &Answer,
+    measurement: &Measurement,
+    agreement: &UnitAgreement,
+) -> Vec<String> {
+    let mut said = Vec::new();
+    let fitted = &answer.base().provenance.data_sha256;
+    if !fitted.is_empty() && fitted == measurement.sha256() {
+        said.push(
+            "these are the data that the answer was fitted to: what is gained on them proves \
+             nothing"
+                .into(),
+        );
+    }
+    if let UnitAgreement::Unsaid { quantity } = agreement {
+        said.push(format!(
+            "one of the two measurements does not say the unit of its {quantity}; it is taken to \
+             be the other\'s"
+        ));
+    }
+    if answer.causes().iter().any(|cause| cause.effect == "friction_drift") {
+        let runs = measurement.experiments().iter().map(|e| e.run);
+        let mut runs = runs.chain(measurement.transients().iter().map(|t| t.run));
+        let known = runs.all(|run| run.is_some());
+        said.push(match known {
+            true => "friction_drift is taken from the first to the last run of this measurement, \
+                     as it was of the one that was fitted: it need not have gone on alike"
+                .into(),
+            false => "this measurement does not say in which order it was acquired: friction is \
+                      taken as in the first run of the one that was fitted"
+                .into(),
+        });
+    }
+    said
+}
+
+/// What makes an estimated beginning unlikely.
+fn implausible(number: usize, model: &str, values: &[BeginningValue]) -> Option<String> {
+    let unlikely = |begun: &BeginningValue| {
+        let why = begun.implausible.as_ref()?;
+        Some(format!("{} {:.4} ({why})", begun.quantity, begun.value))
+    };
+    let all: Vec<String> = values.iter().filter_map(unlikely).collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "motion {number}: what the {model} model is estimated to begin with is implausible: {}; \
+             it makes up for something that the model lacks; say how the motion begins",
+            all.join("; ")
+        )
+    })
+}
+
+/// How motions that do not repeat were compared, with an extended model or without.
+pub(crate) fn of_motions(
+    motions: &[ValidatedMotion],
+    kind: ResponseKind,
+    extended: bool,
+) -> Vec<String> {
+    let mut said = Vec::new();
+    for motion in motions {
+        let number = motion.experiment + 1;
+        let begins = |model: &str, values: &[BeginningValue]| match values {
+            [] => format!("{model}: at rest"),
+            values => {
+                let each = values.iter().map(|v| format!("{} {:.4}", v.quantity, v.value));
+                format!("{model}: {}", each.collect::<Vec<_>>().join(", "))
+            }
+        };
+        if motion.beginning_given {
+            said.push(format!("motion {number} begins with the velocity that it gives"));
+        } else if motion.unscored_s > 0.0 {
+            let mut models = begins("base model", &motion.base);
+            if extended {
+                models = format!("{models}; {}", begins("extended model", &motion.extended));
+            }
+            said.push(format!(
+                "motion {number}: its first {:.4} s tell how it begins, and are not compared \
+                 ({models})",
+                motion.unscored_s,
+            ));
+            said.extend(implausible(number, "base", &motion.base));
+            said.extend(implausible(number, "extended", &motion.extended));
+        } else {
+            said.push(format!("motion {number} is taken to begin at rest"));
+        }
+    }
+    let response = match kind {
+        ResponseKind::Velocity => return said,
+        ResponseKind::Position => "position",
+        ResponseKind::Acceleration => "acceleration",
+    };
+    said.push(format!(
+        "of the {response} what differs from its mean is compared, measured as simulated"
+    ));
+    said
+}
+
+/// What was held out.
+pub(crate) fn heldout(comparison: &Comparison, experiments: &[&ComparedExperiment]) -> String {
+    let highest = |e: &&ComparedExperiment| {
+        let excited = e.harmonics.iter().filter(|h| h.input != [0.0, 0.0]).map(|h| h.order);
+        excited.max().unwrap_or(1).max(1) as f64 * e.omega_rad_s / TAU
+    };
+    let magnitudes = range(experiments.iter().map(|e| e.magnitude));
+    let fundamentals = experiments.iter().map(|e| e.omega_rad_s / TAU);
+    let frequencies = range(fundamentals.chain(experiments.iter().map(highest)));
+    let plural = if experiments.len() == 1 { "experiment" } else { "experiments" };
+    let unit = match comparison.input_unit.as_str() {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    format!(
+        "a second measurement: {} {plural}, magnitude {magnitudes}{unit}, {frequencies} Hz",
+        experiments.len()
+    )
+}
+
+/// The smallest and the largest of some positive values.
+fn range(values: impl Iterator<Item = f64> + Clone) -> String {
+    let low = values.clone().fold(f64::INFINITY, f64::min);
+    let high = values.fold(0.0, f64::max);
+    // Files round.
+    if high - low <= 1e-6 * high { format!("{low:.4}") } else { format!("{low:.4} to {high:.4}") }
+}

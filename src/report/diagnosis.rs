@@ -20,7 +20,7 @@ pub fn diagnosis(answer: &Diagnosis) -> String {
     sections.extend(causes::sections(answer));
     if !answer.limitations.is_empty() {
         let lines = answer.limitations.iter().map(|text| format!("- {text}"));
-        sections.push(section("Mind", lines.collect()));
+        sections.push(section("Limitations", lines.collect()));
     }
     sections.extend(validation::of_second(answer));
     if !discrepancy.patterns.is_empty() {

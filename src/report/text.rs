@@ -17,7 +17,7 @@ pub fn identification(answer: &Identification) -> String {
     let mut sections = vec![section(verdict(answer), fit(answer))];
     if !answer.limitations.is_empty() {
         let lines = answer.limitations.iter().map(|text| format!("- {text}"));
-        sections.push(section("Mind", lines.collect()));
+        sections.push(section("Limitations", lines.collect()));
     }
     sections.push(section("Parameters", parameters(&answer.parameters)));
     sections.push(section("Transfer function", transfer_function(answer)));

@@ -16,7 +16,7 @@ pub fn validation(answer: &Validation) -> String {
     sections.push(section(&title, figures(answer)));
     let minded: Vec<String> = remarks.map(|text| format!("- {text}")).collect();
     if !minded.is_empty() {
-        sections.push(section("Mind", minded));
+        sections.push(section("Limitations", minded));
     }
     let provenance = &answer.provenance;
     sections.push(format!(

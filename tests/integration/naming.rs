@@ -6,7 +6,7 @@ use servoscope_bench::naming::{
 use servoscope_core::answers::{PlantRequest, Verdict};
 use servoscope_core::diagnose::diagnose;
 use servoscope_core::effects::find;
-use servoscope_core::identify::{Effort, IdentifyRequest, Workbench};
+use servoscope_core::identify::{FitAccuracy, FitSession, IdentifyRequest};
 use servoscope_core::observer::Silent;
 
 use crate::reference;
@@ -104,17 +104,17 @@ fn static_friction_is_found_from_levels_at_which_it_does_nothing() {
     let made = make(&case, 1, Sizing::Amount, &Silent).unwrap();
     let plant = Some(PlantRequest { actuator_order: case.order });
     let request = IdentifyRequest { plant, ..IdentifyRequest::default() };
-    let workbench = Workbench::new(&made.measurement, &request, &Silent).unwrap();
+    let session = FitSession::new(&made.measurement, &request, &Silent).unwrap();
     let static_friction = find("static_friction").unwrap();
-    let mut model = workbench.extend(workbench.base(), static_friction);
+    let mut model = session.extend(session.base(), static_friction);
     let [plus, minus] = [0, 1].map(|i| model.parameters_of(0).start + i);
-    let levels = workbench.ranges(static_friction);
+    let levels = session.ranges(static_friction);
     for dead in [vec![plus], vec![minus], vec![plus, minus]] {
         [plus, minus].iter().zip(&levels).for_each(|(p, level)| model.set(*p, level.likely[1]));
         dead.iter().for_each(|parameter| model.set(*parameter, 0.0));
-        let found = workbench.refine(&model, Effort::Settle);
+        let found = session.refine(&model, FitAccuracy::Settle);
         // χ² of noise alone is the data less some parameters.
-        assert!(found.cost < 1.2 * workbench.data() as f64, "{} {dead:?}", found.cost);
+        assert!(found.cost < 1.2 * session.data() as f64, "{} {dead:?}", found.cost);
     }
 }
 

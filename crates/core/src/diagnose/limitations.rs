@@ -2,16 +2,16 @@
 
 use crate::answers::{Identification, Unanswered};
 use crate::effects::ALL;
-use crate::identify::Workbench;
+use crate::identify::FitSession;
 
 use super::selection::models::Models;
 
 /// Effects that could not be tried for lack of data, in a sentence.
-pub(super) fn undecided(workbench: &Workbench<'_>) -> Option<String> {
-    let base = workbench.base();
+pub(super) fn undecided(session: &FitSession<'_>) -> Option<String> {
+    let base = session.base();
     let lacking: Vec<&str> = ALL
         .iter()
-        .filter(|effect| !workbench.can_decide(base, **effect))
+        .filter(|effect| !session.can_decide(base, **effect))
         .map(|effect| effect.id())
         .collect();
     let what = match lacking.len() {
@@ -22,7 +22,7 @@ pub(super) fn undecided(workbench: &Workbench<'_>) -> Option<String> {
     Some(format!(
         "{} numbers were measured, and the base model alone has {} parameters: too few data to \
          decide on {what}; measure more frequencies, magnitudes or harmonics",
-        workbench.data(),
+        session.data(),
         base.parameters()
     ))
 }

@@ -18,15 +18,15 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 use crate::effects::{ALL, Effect, check_slots};
-use crate::identify::{Effort, Model, Workbench};
+use crate::identify::{FitAccuracy, FitSession, Model};
 use crate::observer::Observer as _;
 
 use super::progress::Part;
-use super::selection::evidence::Yardstick;
-use super::selection::familywise_threshold::Family;
-use super::selection::models::{Key, Models, Visited, key};
+use super::selection::evidence::NoiseScale;
+use super::selection::familywise_threshold::FamilywiseThreshold;
+use super::selection::models::{Key, Models, ScoredModel, key};
 use fitter::Fitter;
-use linearization::Anchor;
+use linearization::Linearization;
 use score_tests::{Changes, Probed};
 
 /// How widely models are tried.
@@ -62,9 +62,9 @@ const CANDIDATES: [f64; 2] = [0.4, 1.0];
 /// will be done is not known.
 const COMBINATIONS: f64 = 0.2;
 
-/// A search for what a workbench's base model lacks.
+/// A search for what a session's base model lacks.
 pub(super) struct Search<'a> {
-    workbench: &'a Workbench<'a>,
+    session: &'a FitSession<'a>,
     seed: u64,
     breadth: Breadth,
     /// Everything that was fitted.
@@ -77,35 +77,37 @@ pub(super) struct Search<'a> {
 
 /// Whether an effect may gain more than chance; `scale` is the noise's variance in
 /// units of the weights.
-fn promises(probed: &Probed, family: &Family, scale: f64) -> bool {
+fn promises(probed: &Probed, family: &FamilywiseThreshold, scale: f64) -> bool {
     probed.promise() / scale > PROMISING * family.limit(probed.effect.id())
 }
 
 impl<'a> Search<'a> {
     /// With every effect fitted alone.
     pub fn new(
-        workbench: &'a Workbench<'a>,
+        session: &'a FitSession<'a>,
         part: Part<'_>,
         seed: u64,
-        yardstick: Yardstick,
+        noise_scale: NoiseScale,
     ) -> Self {
-        let models = Models::new(workbench.base().clone(), yardstick);
+        let models = Models::new(session.base().clone(), noise_scale);
         let (changes, grown) = (Vec::new(), BTreeSet::new());
-        let breadth = if workbench.has_cosines_alone() { WIDE } else { NARROW };
-        let mut this = Self { workbench, seed, breadth, models, changes, grown };
+        let breadth = if session.has_cosines_alone() { WIDE } else { NARROW };
+        let mut this = Self { session, seed, breadth, models, changes, grown };
         this.singles(part);
         this
     }
 
     fn singles(&mut self, part: Part<'_>) {
-        let Some(anchor) = Anchor::new(self.workbench, self.workbench.base()) else { return };
-        self.changes = self.changes(&anchor, part);
-        let probed = self.probe(&anchor, part);
-        let family = self.family(&anchor, &probed);
-        let scale = self.models.yardstick.variance(anchor.model.cost);
+        let Some(linearization) = Linearization::new(self.session, self.session.base()) else {
+            return;
+        };
+        self.changes = self.changes(&linearization, part);
+        let probed = self.probe(&linearization, part);
+        let family = self.family(&linearization, &probed);
+        let scale = self.models.noise_scale.variance(linearization.model.cost);
         let stage = part.part(CANDIDATES).stage("candidates", probed.len());
         let promising = |probed: &Probed| promises(probed, &family, scale);
-        let fits = self.fitter(part, 0).fit(&anchor.model, &probed, promising, &stage);
+        let fits = self.fitter(part, 0).fit(&linearization.model, &probed, promising, &stage);
         self.models.family = Some(family);
         self.keep(fits);
     }
@@ -162,18 +164,20 @@ impl<'a> Search<'a> {
         if part.0.cancelled() || !self.grown.insert(from.clone()) {
             return false;
         }
-        let anchor = self.models.get(from).and_then(|model| Anchor::new(self.workbench, model));
-        let Some(anchor) = anchor else { return false };
+        let linearization =
+            self.models.get(from).and_then(|model| Linearization::new(self.session, model));
+        let Some(linearization) = linearization else { return false };
         let part = part.take(COMBINATIONS);
-        let mut probed = self.probe(&anchor, part);
-        let family = self.family(&anchor, &probed);
-        let scale = self.models.yardstick.variance(anchor.model.cost);
+        let mut probed = self.probe(&linearization, part);
+        let family = self.family(&linearization, &probed);
+        let scale = self.models.noise_scale.variance(linearization.model.cost);
         let promising = |probed: &Probed| promises(probed, &family, scale);
         probed.retain(|probed| !enough || promising(probed));
         probed.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
         probed.truncate(self.breadth.further[from.len() - 1]);
         let stage = part.stage("combinations", probed.len());
-        let fits = self.fitter(part, from.len()).fit(&anchor.model, &probed, promising, &stage);
+        let fits =
+            self.fitter(part, from.len()).fit(&linearization.model, &probed, promising, &stage);
         let any = !fits.is_empty();
         self.keep(fits);
         any
@@ -185,12 +189,12 @@ impl<'a> Search<'a> {
         let Some(model) = self.models.get(from) else { return };
         let fitter = self.fitter(part, from.len() - 1);
         let without = |index| {
-            let rest = self.workbench.reduce(model, index);
+            let rest = self.session.reduce(model, index);
             let Some(known) = self.models.get(&key(&rest)) else {
-                return Some(fitter.refine(&rest, Effort::Settle));
+                return Some(fitter.refine(&rest, FitAccuracy::Settle));
             };
-            let rest = fitter.refine(&rest, Effort::Glance);
-            (rest.cost < known.cost).then(|| fitter.refine(&rest, Effort::Settle))
+            let rest = fitter.refine(&rest, FitAccuracy::Glance);
+            (rest.cost < known.cost).then(|| fitter.refine(&rest, FitAccuracy::Settle))
         };
         let fits = (0..model.effects().len()).into_par_iter().filter_map(without).collect();
         self.keep(fits);
@@ -201,29 +205,29 @@ impl<'a> Search<'a> {
     where
         'a: 'p,
     {
-        let (workbench, yardstick) = (self.workbench, self.models.yardstick);
+        let (session, noise_scale) = (self.session, self.models.noise_scale);
         let Breadth { starts, followed, .. } = self.breadth;
         let (starts, patient) = (starts[beside], beside < 2);
-        Fitter { workbench, part, yardstick, starts, followed, patient }
+        Fitter { session, part, noise_scale, starts, followed, patient }
     }
 
     fn keep(&mut self, fits: Vec<Model>) {
-        let (workbench, yardstick) = (self.workbench, self.models.yardstick);
-        let weighed = |model| Visited::new(workbench, model, &yardstick);
-        let fits: Vec<Visited> = fits.into_par_iter().map(weighed).collect();
-        fits.into_iter().for_each(|visited| self.models.keep(visited));
+        let (session, noise_scale) = (self.session, self.models.noise_scale);
+        let weighed = |model| ScoredModel::new(session, model, &noise_scale);
+        let fits: Vec<ScoredModel> = fits.into_par_iter().map(weighed).collect();
+        fits.into_iter().for_each(|scored| self.models.keep(scored));
     }
 
     /// What every effect of the library changes that can be tested.
-    fn changes(&self, anchor: &Anchor, part: Part<'_>) -> Vec<Changes> {
-        let (workbench, base) = (self.workbench, &anchor.model);
+    fn changes(&self, linearization: &Linearization, part: Part<'_>) -> Vec<Changes> {
+        let (session, base) = (self.session, &linearization.model);
         let testable = |effect: &&&'static dyn Effect| {
-            (workbench.runs_known() || !effect.needs_run()) && workbench.can_decide(base, **effect)
+            (session.runs_known() || !effect.needs_run()) && session.can_decide(base, **effect)
         };
         let effects: Vec<&&dyn Effect> = ALL.iter().filter(testable).collect();
         let stage = part.part(PROBING).stage("probing", effects.len());
         let changes = |effect: &&'static dyn Effect| {
-            let changes = Changes::of(self.workbench, anchor, *effect);
+            let changes = Changes::of(self.session, linearization, *effect);
             stage.step();
             changes
         };
@@ -231,11 +235,12 @@ impl<'a> Search<'a> {
     }
 
     /// Probes of every effect that the model lacks and can have.
-    fn probe(&self, anchor: &Anchor, part: Part<'_>) -> Vec<Probed> {
-        let (own, workbench) = (anchor.model.effects(), self.workbench);
+    fn probe(&self, linearization: &Linearization, part: Part<'_>) -> Vec<Probed> {
+        let (own, session) = (linearization.model.effects(), self.session);
         let lacks = |changes: &&Changes| {
             let together: Vec<&dyn Effect> = own.iter().copied().chain([changes.effect]).collect();
-            check_slots(&together).is_ok() && workbench.can_decide(&anchor.model, changes.effect)
+            check_slots(&together).is_ok()
+                && session.can_decide(&linearization.model, changes.effect)
         };
         let lacking: Vec<&Changes> = self.changes.iter().filter(lacks).collect();
         let settles = own.iter().any(|effect| effect.settles());
@@ -244,15 +249,16 @@ impl<'a> Search<'a> {
             .filter(|_| !part.cancelled())
             .map(|changes| match settles && changes.effect.settles() {
                 // Half of what it changes beside the base model is there already.
-                true => Changes::of(workbench, anchor, changes.effect).probe(workbench, anchor),
-                false => changes.probe(workbench, anchor),
+                true => Changes::of(session, linearization, changes.effect)
+                    .probe(session, linearization),
+                false => changes.probe(session, linearization),
             })
             .collect()
     }
 
-    fn family(&self, anchor: &Anchor, probed: &[Probed]) -> Family {
-        let known = self.models.yardstick.known;
-        Family::new(anchor, &self.workbench.noise(), known, probed, self.seed)
+    fn family(&self, linearization: &Linearization, probed: &[Probed]) -> FamilywiseThreshold {
+        let known = self.models.noise_scale.known;
+        FamilywiseThreshold::new(linearization, &self.session.noise(), known, probed, self.seed)
     }
 }
 
@@ -278,24 +284,24 @@ mod tests {
 
     pub(super) const PART: Part<'_> = Part { whole: &Silent, span: [0.0, 1.0] };
 
-    pub(super) fn nothing_fitted<'a>(workbench: &'a Workbench<'a>) -> Search<'a> {
-        let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
-        let models = Models::new(workbench.base().clone(), yardstick);
+    pub(super) fn nothing_fitted<'a>(session: &'a FitSession<'a>) -> Search<'a> {
+        let noise_scale = NoiseScale { known: true, rounding: 0.0, dof: 100.0 };
+        let models = Models::new(session.base().clone(), noise_scale);
         let (changes, grown) = (Vec::new(), BTreeSet::new());
-        Search { workbench, seed: 1, breadth: WIDE, models, changes, grown }
+        Search { session, seed: 1, breadth: WIDE, models, changes, grown }
     }
 
     // Settled costs are good to 1e-5.
     #[test]
     fn what_a_pair_is_without_one_effect_replaces_a_fit_of_the_other_alone_that_was_worse() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
-        let workbench = &Workbench::new(&measurement, &request, &Silent).unwrap();
-        let mut search = nothing_fitted(workbench);
-        let mut astray = workbench.extend(workbench.base(), find("sensor_lag").unwrap());
-        let fitted = workbench.refine(&astray, Effort::Settle);
+        let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
+        let mut search = nothing_fitted(session);
+        let mut astray = session.extend(session.base(), find("sensor_lag").unwrap());
+        let fitted = session.refine(&astray, FitAccuracy::Settle);
         astray.cost = 2.0 * fitted.cost;
-        let pair = workbench.extend(&fitted, find("quadratic_drag").unwrap());
-        let pair = workbench.refine(&pair, Effort::Brief);
+        let pair = session.extend(&fitted, find("quadratic_drag").unwrap());
+        let pair = session.refine(&pair, FitAccuracy::Brief);
         let keys = [&fitted, &pair].map(key);
         search.keep(vec![astray, pair]);
         search.shrink(&keys[1], PART);

@@ -10,11 +10,11 @@ use super::residuals::regions::Regions;
 use super::residuals::residual::Residuals;
 use super::residuals::statistics;
 use super::residuals::whiteness::{Judgement, Nulls};
-use super::selection::evidence::Yardstick;
-use super::selection::models::{Models, Visited};
+use super::selection::evidence::NoiseScale;
+use super::selection::models::{Models, ScoredModel};
 use super::*;
 use crate::answers::{Discrepancy, IdentifyOptions, PlantRequest};
-use crate::identify::{IdentifyError, Model, Workbench};
+use crate::identify::{FitSession, IdentifyError, Model};
 use crate::machines::draw::{Draw, NoiseStatement, draw, measure, noise_std, observe};
 use crate::machines::simulator;
 use crate::measurement::{Complex, Experiment, Metadata};
@@ -66,15 +66,15 @@ fn residuals(measurement: &Measurement) -> Residuals {
 /// is known; every effect's parameters are in the middle of their ranges.
 pub(super) fn fitted_to(costs: &[(&[&str], f64)]) -> Models {
     let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());
-    let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
-    let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
-    let mut models = Models::new(workbench.base().clone(), yardstick);
+    let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+    let noise_scale = NoiseScale { known: true, rounding: 0.0, dof: 100.0 };
+    let mut models = Models::new(session.base().clone(), noise_scale);
     for (ids, cost) in costs {
         let effects = ids.iter().map(|id| crate::effects::find(id).unwrap());
-        let extend = |model: Model, effect| workbench.extend(&model, effect);
-        let mut model = effects.fold(workbench.base().clone(), extend);
+        let extend = |model: Model, effect| session.extend(&model, effect);
+        let mut model = effects.fold(session.base().clone(), extend);
         model.cost = *cost;
-        models.keep(Visited::new(&workbench, model, &yardstick));
+        models.keep(ScoredModel::new(&session, model, &noise_scale));
     }
     models
 }

@@ -11,7 +11,7 @@ use crate::answers::{
     ValidatedModel, ValidatedModels, ValidatedMotion, Validation, ValidationProvenance, Verdict,
     Weighting,
 };
-use crate::identify::{self, IdentifyError, IdentifyRequest, UnitAgreement};
+use crate::identify::{self, IdentifyError, IdentifyRequest, UnitCompatibility};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
@@ -75,7 +75,7 @@ pub fn validate(
     measurement: &Measurement,
     observer: &dyn Observer,
 ) -> Result<Validation, ValidateError> {
-    let agreement = UnitAgreement::with_answer(answer.base(), measurement);
+    let agreement = UnitCompatibility::with_answer(answer.base(), measurement);
     let agreement = without_contradiction(agreement)?;
     if !measurement.transients().is_empty() {
         let outcome = motions::tried(answer, measurement, observer)?;
@@ -102,7 +102,7 @@ pub(super) struct Outcome {
 fn compared(
     answer: &Answer,
     measurement: &Measurement,
-    agreement: &UnitAgreement,
+    agreement: &UnitCompatibility,
     base: &Comparison,
     extended: Option<&Comparison>,
 ) -> Result<Validation, ValidateError> {
@@ -149,7 +149,7 @@ fn compared(
 fn concluded(
     answer: &Answer,
     measurement: &Measurement,
-    agreement: &UnitAgreement,
+    agreement: &UnitCompatibility,
     outcome: Outcome,
 ) -> Validation {
     let Outcome { models, gain, noise_known, .. } = outcome;
@@ -199,7 +199,7 @@ pub fn diagnose_validated(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<Diagnosis, DiagnoseError> {
-    without_contradiction(UnitAgreement::between(measurement, second))?;
+    without_contradiction(UnitCompatibility::between(measurement, second))?;
     if !second.sha256().is_empty() && second.sha256() == measurement.sha256() {
         return Err(ValidateError::SameData.into());
     }
@@ -238,9 +238,9 @@ fn validated(
     Ok(answer)
 }
 
-fn without_contradiction(agreement: UnitAgreement) -> Result<UnitAgreement, ValidateError> {
+fn without_contradiction(agreement: UnitCompatibility) -> Result<UnitCompatibility, ValidateError> {
     match agreement {
-        UnitAgreement::Different { quantity, fitted, here } => {
+        UnitCompatibility::Different { quantity, fitted, here } => {
             Err(ValidateError::Units { quantity, fitted, here })
         }
         agreement => Ok(agreement),

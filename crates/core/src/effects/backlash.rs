@@ -82,7 +82,7 @@ impl Effect for Backlash {
         &PARAMETERS
     }
 
-    fn places(&self, scope: &Scope) -> Vec<Vec<f64>> {
+    fn start_points(&self, scope: &Scope) -> Vec<Vec<f64>> {
         contacts(scope)
     }
 

@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 
 use super::jet;
 use super::{
-    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials,
-    Range, Slot, Wide,
+    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
+    Slot, TaylorSeries, Wide,
 };
 
 /// T, N and φ.
@@ -74,7 +74,7 @@ impl Form for Ripple {
         true
     }
 
-    fn extend(&self, [t, n, phase]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut Jet) {
+    fn extend(&self, [t, n, phase]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut TaylorSeries) {
         let [sin, cos, rates] = &mut jet.kept;
         rates[m] = m as f64 * n * jet.argument[m];
         (sin[m], cos[m]) = match m {

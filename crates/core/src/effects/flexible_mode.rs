@@ -122,7 +122,7 @@ impl Effect for FlexibleMode {
         resize_load(values, factor);
     }
 
-    fn places(&self, scope: &Scope) -> Vec<Vec<f64>> {
+    fn start_points(&self, scope: &Scope) -> Vec<Vec<f64>> {
         resonances(scope)
     }
 

@@ -5,8 +5,8 @@
 use super::jet;
 use super::spring::STIFFNESS;
 use super::{
-    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials,
-    Range, Slot, Wide,
+    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
+    Slot, TaylorSeries, Wide,
 };
 
 /// k and k₃.
@@ -49,7 +49,7 @@ impl Form for Hardening {
         true
     }
 
-    fn extend(&self, [k, k3, _]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut Jet) {
+    fn extend(&self, [k, k3, _]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut TaylorSeries) {
         let position = jet.argument[m];
         let [square, ..] = &mut jet.kept;
         square[m] = jet::product(&jet.argument, &jet.argument, m);

@@ -23,7 +23,7 @@ pub type Terms = [f64; MOST_TERMS];
 /// Its terms are found one after the other, each from those before it (Moore 1979,
 /// Methods and Applications of Interval Analysis, doi:10.1137/1.9781611970906).
 #[derive(Debug, Clone, Copy)]
-pub struct Jet {
+pub struct TaylorSeries {
     /// x: θ of a law that depends on it, v of any other.
     pub argument: Terms,
     /// The sign of v, which at a breakaway nothing else tells.
@@ -40,7 +40,7 @@ pub struct Jet {
     pub kept: [Terms; 3],
 }
 
-impl Jet {
+impl TaylorSeries {
     /// Before the first term.
     pub fn new(parameters_vary: bool) -> Self {
         let none = [0.0; MOST_TERMS];

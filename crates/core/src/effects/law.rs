@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use crate::plant::Scalar;
 
-use super::Jet;
+use super::TaylorSeries;
 
 /// Most parameters of one law.
 pub const LAW_PARAMETERS: usize = 3;
@@ -48,7 +48,7 @@ pub trait Form: Debug + Sync {
 
     /// Term `m` of every series of a jet, from its argument up to there and the terms
     /// before.
-    fn extend(&self, _parameters: &[f64; LAW_PARAMETERS], _m: usize, _jet: &mut Jet) {}
+    fn extend(&self, _parameters: &[f64; LAW_PARAMETERS], _m: usize, _jet: &mut TaylorSeries) {}
 
     /// Whether it ripples over θ, in proportion to its first parameter and as often as
     /// its second says.
@@ -107,15 +107,15 @@ impl<S: Scalar> Law<S> {
     }
 
     /// What follows the law along a motion.
-    pub fn jet(&self) -> Jet {
+    pub fn jet(&self) -> TaylorSeries {
         let varies = |p: &S| (0..S::LANES).any(|lane| p.lane(lane) != 0.0);
-        Jet::new(self.parameters.iter().any(varies))
+        TaylorSeries::new(self.parameters.iter().any(varies))
     }
 
     /// The last term of the law along a motion whose argument (θ where the form uses
     /// it, v otherwise) has these terms, of which the jet knows all but the last.
     #[inline]
-    pub fn term(&self, jet: &mut Jet, argument: impl Fn(usize) -> S, m: usize) -> S {
+    pub fn term(&self, jet: &mut TaylorSeries, argument: impl Fn(usize) -> S, m: usize) -> S {
         jet.argument[m] = argument(m).value();
         self.form.extend(&self.values, m, jet);
         let mut sum = S::constant(0.0);

@@ -35,7 +35,7 @@ use std::fmt::Debug;
 use crate::plant::{Friction, Plant, Scalar};
 
 pub use axis::{Axis, InputMap, SecondMass, Stage, WIDE_LANES, Wide};
-pub use jet::{Jet, MOST_TERMS};
+pub use jet::{MOST_TERMS, TaylorSeries};
 pub use law::{Form, LAW_PARAMETERS, Law, Partials};
 pub use parameter::{Coordinate, Dimension, Parameter, Range, Scope};
 pub use slot::{SameSlot, Slot, check_slots};
@@ -118,13 +118,13 @@ pub trait Effect: Debug + Sync {
 
     /// Values of its parameters that a search tries first; empty where a coarse grid over
     /// their likely ranges will do.
-    fn places(&self, _scope: &Scope) -> Vec<Vec<f64>> {
+    fn start_points(&self, _scope: &Scope) -> Vec<Vec<f64>> {
         Vec::new()
     }
 
     /// Where some of its parameters do nothing, moves them to where all of them act: no
     /// derivative tells a fit that they may matter.
-    fn rouse(&self, _values: &mut [f64], _friction: &Friction) {}
+    fn escape_dead_zone(&self, _values: &mut [f64], _friction: &Friction) {}
 
     /// Enters the axis, by its parameters, in an experiment that stands at
     /// `run_share` (0 first, 1 last) of the acquisition.
@@ -137,13 +137,13 @@ pub fn find(id: &str) -> Option<&'static dyn Effect> {
 }
 
 /// Whether one of two effects may look like the other.
-pub fn are_alike(one: &dyn Effect, other: &dyn Effect) -> bool {
+pub fn are_confusable(one: &dyn Effect, other: &dyn Effect) -> bool {
     one.imitators().contains(&other.id()) || other.imitators().contains(&one.id())
 }
 
 /// Whether one of two effects has all parameters of the other, so that it is that one with
 /// something more.
-pub fn are_kin(one: &dyn Effect, other: &dyn Effect) -> bool {
+pub fn are_nested(one: &dyn Effect, other: &dyn Effect) -> bool {
     let has = |more: &dyn Effect, own: &Parameter| more.parameters().iter().any(|p| p.is_same(own));
     let within =
         |less: &dyn Effect, more: &dyn Effect| less.parameters().iter().all(|own| has(more, own));

@@ -4,8 +4,8 @@
 
 use super::jet;
 use super::{
-    Axis, Coordinate, Dimension, Effect, Form, Jet, LAW_PARAMETERS, Law, Parameter, Partials,
-    Range, Slot, Wide,
+    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
+    Slot, TaylorSeries, Wide,
 };
 
 /// c.
@@ -46,7 +46,7 @@ impl Form for Drag {
         true
     }
 
-    fn extend(&self, [c, ..]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut Jet) {
+    fn extend(&self, [c, ..]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut TaylorSeries) {
         let direction = jet.direction;
         let square = direction * jet::product(&jet.argument, &jet.argument, m);
         jet.value[m] = c * square;

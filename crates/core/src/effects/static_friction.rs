@@ -62,7 +62,7 @@ impl Effect for StaticFriction {
     }
 
     // What one level alone explains, both may explain better.
-    fn rouse(&self, values: &mut [f64], friction: &Friction) {
+    fn escape_dead_zone(&self, values: &mut [f64], friction: &Friction) {
         let coulomb = [friction.fc_plus, friction.fc_minus];
         if values.iter().zip(coulomb).all(|(level, coulomb)| *level >= coulomb) {
             return;

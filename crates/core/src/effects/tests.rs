@@ -87,7 +87,7 @@ fn where_a_parameter_is_likely_lies_within_what_is_possible() {
 #[test]
 fn what_is_tried_first_is_possible() {
     for effect in ALL {
-        for place in effect.places(&scope()) {
+        for place in effect.start_points(&scope()) {
             assert_eq!(place.len(), effect.parameters().len(), "{}", effect.id());
             for (parameter, value) in effect.parameters().iter().zip(place) {
                 let [low, high] = (parameter.range)(&scope()).bounds;
@@ -103,7 +103,7 @@ fn what_is_tried_first_is_possible() {
 #[test]
 fn a_joint_is_tried_at_every_frequency_of_the_band_the_sharper_the_more_often() {
     let scope = scope();
-    let places = find("flexible_mode").unwrap().places(&scope);
+    let places = find("flexible_mode").unwrap().start_points(&scope);
     let frequency = |place: &[f64]| (place[1] * scope.plant.constant / place[0]).sqrt();
     let ratio = |place: &[f64]| 0.5 * place[2] * frequency(place) / place[1];
     for (damping_ratio, next) in [(0.02, 1.12), (0.07, 1.2), (0.25, 1.4), (0.8, 2.0)] {
@@ -120,7 +120,7 @@ fn a_joint_is_tried_at_every_frequency_of_the_band_the_sharper_the_more_often() 
 #[test]
 fn play_is_tried_from_contacts_that_swing_in_the_band_to_impacts_of_light_and_heavy_loads() {
     let scope = scope();
-    let places = find("backlash").unwrap().places(&scope);
+    let places = find("backlash").unwrap().start_points(&scope);
     for (heavy, gap) in [(false, 1e-3), (true, 1e-3), (false, 1e-2), (true, 1e-2)] {
         let is_so = |place: &&Vec<f64>| {
             (place[0] > 0.2) == heavy && (place[3] / scope.largest_travel > gap) == (gap > 5e-3)
@@ -139,7 +139,7 @@ fn play_is_tried_from_contacts_that_swing_in_the_band_to_impacts_of_light_and_he
 
 #[test]
 fn an_effect_that_has_all_of_another_is_its_kin() {
-    let kin = |one: &str, other: &str| are_kin(find(one).unwrap(), find(other).unwrap());
+    let kin = |one: &str, other: &str| are_nested(find(one).unwrap(), find(other).unwrap());
     assert!(kin("backlash", "flexible_mode") && kin("flexible_mode", "backlash"));
     assert!(kin("hardening_spring", "spring"));
     // A stiffness between motor and load is none to the frame.

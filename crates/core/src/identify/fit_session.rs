@@ -36,7 +36,7 @@ const ROUNDING: f64 = 1e-5;
 
 /// How long a refinement goes on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Effort {
+pub enum FitAccuracy {
     /// A few steps: which of several starts is worth more.
     Glance,
     /// Some more: what an effect gains about, of which little is to be expected.
@@ -59,7 +59,7 @@ pub struct Linear {
 }
 
 /// A measurement with its base model fitted.
-pub struct Workbench<'a> {
+pub struct FitSession<'a> {
     measurement: &'a Measurement,
     request: &'a IdentifyRequest,
     observer: &'a dyn Observer,
@@ -70,7 +70,7 @@ pub struct Workbench<'a> {
     stand_in: Vec<Vec<Complex>>,
 }
 
-impl<'a> Workbench<'a> {
+impl<'a> FitSession<'a> {
     /// Fits the base model.
     ///
     /// # Errors
@@ -175,7 +175,7 @@ impl<'a> Workbench<'a> {
     }
 
     /// Fits all parameters of a model, from where they are.
-    pub fn refine(&self, model: &Model, effort: Effort) -> Model {
+    pub fn refine(&self, model: &Model, effort: FitAccuracy) -> Model {
         let patience = self.patience(effort);
         let refined = self.descend(model, patience);
         match refined.roused() {
@@ -189,14 +189,14 @@ impl<'a> Workbench<'a> {
         }
     }
 
-    fn patience(&self, effort: Effort) -> Patience {
+    fn patience(&self, effort: FitAccuracy) -> Patience {
         let negligible = if self.noise_known() { self.data() as f64 } else { self.rounding() };
         let patience = Patience { negligible, ..refine::THOROUGH };
         match effort {
-            Effort::Glance => Patience { steps: 4, cost_tolerance: 1e-3, ..patience },
-            Effort::Brief => Patience { steps: 5, cost_tolerance: 1e-3, ..patience },
-            Effort::Settle => Patience { steps: 60, cost_tolerance: 1e-5, ..patience },
-            Effort::Thorough => refine::THOROUGH,
+            FitAccuracy::Glance => Patience { steps: 4, cost_tolerance: 1e-3, ..patience },
+            FitAccuracy::Brief => Patience { steps: 5, cost_tolerance: 1e-3, ..patience },
+            FitAccuracy::Settle => Patience { steps: 60, cost_tolerance: 1e-5, ..patience },
+            FitAccuracy::Thorough => refine::THOROUGH,
         }
     }
 

@@ -40,14 +40,14 @@ use crate::answers::Identification;
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
-pub use fit_session::{Effort, Linear, Model, Workbench};
+pub use fit_session::{FitAccuracy, FitSession, Linear, Model};
 pub use model_fit::{Component, ModelFit, fit_base};
 pub use noise_law::NoiseLaw;
 pub use prediction::compare;
 pub use request::{IdentifyError, IdentifyRequest};
 pub use summary::Intervals;
 pub use transient_prediction::{Begun, Followed, follow, unscored_s};
-pub use unit_compatibility::UnitAgreement;
+pub use unit_compatibility::UnitCompatibility;
 
 use objective::Misfit;
 use problem::Problem;

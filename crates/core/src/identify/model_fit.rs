@@ -6,7 +6,7 @@ use crate::answers::{Comparison, Identification};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
-use super::fit_session::Workbench;
+use super::fit_session::FitSession;
 use super::noise_law::NoiseLaw;
 use super::problem::Problem;
 use super::request::{IdentifyError, IdentifyRequest};
@@ -55,8 +55,8 @@ pub fn fit_base(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<ModelFit, IdentifyError> {
-    let workbench = Workbench::new(measurement, request, observer)?;
-    workbench.judge(workbench.base(), Intervals::Profile)
+    let session = FitSession::new(measurement, request, observer)?;
+    session.judge(session.base(), Intervals::Profile)
 }
 
 /// What each row of the residuals of a problem is.

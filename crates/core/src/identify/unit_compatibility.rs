@@ -7,7 +7,7 @@ use super::estimates::{Units, bracketed};
 
 /// How the units of two measurements go together.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum UnitAgreement {
+pub enum UnitCompatibility {
     /// They are the same.
     Same,
     /// One of them does not say a unit, so that nothing contradicts.
@@ -26,7 +26,7 @@ pub enum UnitAgreement {
     },
 }
 
-impl UnitAgreement {
+impl UnitCompatibility {
     /// Of the measurement that an answer was fitted to with another one. Of a position or an
     /// acceleration the unit of its velocity counts, in which parameters are given.
     pub fn with_answer(answer: &Identification, here: &Measurement) -> Self {
@@ -114,7 +114,11 @@ mod tests {
             (ResponseKind::Acceleration, "rad/s²"),
         ] {
             let here = measured("N·m", kind, unit);
-            assert_eq!(UnitAgreement::between(&fitted, &here), UnitAgreement::Same, "{unit}");
+            assert_eq!(
+                UnitCompatibility::between(&fitted, &here),
+                UnitCompatibility::Same,
+                "{unit}"
+            );
         }
     }
 
@@ -122,9 +126,9 @@ mod tests {
     fn units_that_contradict_are_named_and_what_is_not_said_contradicts_nothing() {
         let fitted = measured("A", ResponseKind::Velocity, "m/s");
         let found = |input: &str, kind, unit: &str| {
-            UnitAgreement::between(&fitted, &measured(input, kind, unit))
+            UnitCompatibility::between(&fitted, &measured(input, kind, unit))
         };
-        let different = |quantity, fitted: &str, here: &str| UnitAgreement::Different {
+        let different = |quantity, fitted: &str, here: &str| UnitCompatibility::Different {
             quantity,
             fitted: fitted.into(),
             here: here.into(),
@@ -133,11 +137,11 @@ mod tests {
         assert_eq!(found("V", velocity, "m/s"), different("input", "A", "V"));
         let position = ResponseKind::Position;
         assert_eq!(found("A", position, "mm"), different("velocity", "m/s", "mm/s"));
-        assert_eq!(found("", velocity, "m/s"), UnitAgreement::Unsaid { quantity: "input" });
-        assert_eq!(found("A", position, ""), UnitAgreement::Unsaid { quantity: "velocity" });
+        assert_eq!(found("", velocity, "m/s"), UnitCompatibility::Unsaid { quantity: "input" });
+        assert_eq!(found("A", position, ""), UnitCompatibility::Unsaid { quantity: "velocity" });
         let nothing = measured("", velocity, "");
         let neither = measured("", position, "");
-        assert_eq!(UnitAgreement::between(&nothing, &neither), UnitAgreement::Same);
+        assert_eq!(UnitCompatibility::between(&nothing, &neither), UnitCompatibility::Same);
     }
 
     #[test]
@@ -151,11 +155,11 @@ mod tests {
             request.options.network.enabled = false;
             request.options.colony.enabled = false;
             let answer = fit_base(&measurement, &request, &Silent).unwrap().identification;
-            let same = UnitAgreement::with_answer(&answer, &measurement);
-            assert_eq!(same, UnitAgreement::Same, "{:?}", fitted_in(&answer));
+            let same = UnitCompatibility::with_answer(&answer, &measurement);
+            assert_eq!(same, UnitCompatibility::Same, "{:?}", fitted_in(&answer));
             let other = measured("kg", ResponseKind::Velocity, unit);
-            let agreement = UnitAgreement::with_answer(&answer, &other);
-            assert_ne!(agreement, UnitAgreement::Same, "{input}");
+            let agreement = UnitCompatibility::with_answer(&answer, &other);
+            assert_ne!(agreement, UnitCompatibility::Same, "{input}");
         }
     }
 }

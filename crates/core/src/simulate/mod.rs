@@ -3,7 +3,7 @@
 //! The base model: with K taken out (v = K·x) the mechanics are
 //! x' = −a·x + τ − f. Between two switches of the friction this is linear, so x
 //! is known in closed form and a periodic motion is nothing but its switching
-//! instants ([`Orbit`]): `cosine` finds them for a pure cosine, `periodic` for
+//! instants ([`SwitchingTimes`]): `cosine` finds them for a pure cosine, `periodic` for
 //! any periodic input. The harmonics follow from the instants alone (`spectrum`),
 //! and so do their derivatives (`sensitivity`). Sticking is a constraint of the
 //! motion, never a smoothed sign. The actuator is linear and upstream of the
@@ -37,7 +37,7 @@ mod shooting;
 mod signal;
 mod transient;
 
-pub use base::switching_times::{Motion, Orbit, Phase};
+pub use base::switching_times::{Motion, Phase, SwitchingTimes};
 pub use base::torque_sensitivity::{Torque, respond_to_torques};
 pub use response::{Counts, NoResponse, Response};
 pub use signal::excitation::Excitation;
@@ -168,7 +168,7 @@ pub fn respond_to_deviations(
 ///
 /// # Errors
 /// See [`NoResponse`].
-pub fn orbit(plant: &Plant, excitation: &Excitation) -> Result<Orbit, NoResponse> {
+pub fn orbit(plant: &Plant, excitation: &Excitation) -> Result<SwitchingTimes, NoResponse> {
     let axis = Axis::base(*plant);
     check(&axis)?;
     settle(&axis, excitation).map(|settled| settled.orbit)

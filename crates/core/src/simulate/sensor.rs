@@ -8,7 +8,7 @@ use crate::effects::Axis;
 use crate::measurement::Complex;
 use crate::plant::Scalar;
 
-use super::signal::complex_dual::Pair;
+use super::signal::complex_dual::ComplexDual;
 
 /// Turns velocity harmonics, and rows of their derivatives by lane, into those
 /// reported.
@@ -25,9 +25,9 @@ pub(super) fn report<S: Scalar>(
     for (k, value) in velocity.iter_mut().enumerate() {
         let s = k as f64 * omega;
         let (sin, cos) = (axis.delay * -s).sin_cos();
-        let mut factor = Pair::new(cos, sin);
+        let mut factor = ComplexDual::new(cos, sin);
         for lag in &axis.sensor_lags {
-            factor = factor * Pair::new(S::constant(1.0), *lag * s).inverse();
+            factor = factor * ComplexDual::new(S::constant(1.0), *lag * s).inverse();
         }
         for (lane, row) in rows.iter_mut().enumerate() {
             row[k] = row[k] * factor.value() + *value * factor.lane(lane);

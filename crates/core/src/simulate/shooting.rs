@@ -6,7 +6,7 @@ use crate::effects::{Axis, Wide};
 use crate::measurement::Complex;
 use crate::plant::{Dual, Scalar};
 
-use super::signal::complex_dual::Pair;
+use super::signal::complex_dual::ComplexDual;
 
 /// Derivatives of harmonics by `parameters` lanes, when the unknowns of the
 /// return map ride in the lanes behind them.
@@ -15,7 +15,7 @@ use super::signal::complex_dual::Pair;
 /// state before it; where the unknowns do not move them (an axis held by
 /// friction), they stay.
 pub(super) fn differentiate<S: Scalar>(
-    harmonics: &[Pair<S>],
+    harmonics: &[ComplexDual<S>],
     residuals: &[S],
     parameters: usize,
 ) -> Vec<Vec<Complex>> {
@@ -25,7 +25,7 @@ pub(super) fn differentiate<S: Scalar>(
     let moves = solve(&by_unknown, &by_parameter);
     (0..parameters)
         .map(|p| {
-            let along = |harmonic: &Pair<S>| {
+            let along = |harmonic: &ComplexDual<S>| {
                 let moved = (0..unknowns).map(|u| harmonic.lane(parameters + u) * moves[(u, p)]);
                 harmonic.lane(p) + moved.sum::<Complex>()
             };
@@ -45,11 +45,15 @@ pub(super) fn newton_step<S: Scalar>(residuals: &[S], parameters: usize) -> DVec
 
 /// Takes harmonics along a small step of the unknowns, which ride in the lanes
 /// behind `parameters`.
-pub(super) fn correct<S: Scalar>(harmonics: &mut [Pair<S>], step: &[f64], parameters: usize) {
+pub(super) fn correct<S: Scalar>(
+    harmonics: &mut [ComplexDual<S>],
+    step: &[f64],
+    parameters: usize,
+) {
     for harmonic in harmonics {
         let moved: Complex =
             step.iter().enumerate().map(|(u, by)| harmonic.lane(parameters + u) * by).sum();
-        *harmonic = Pair { re: harmonic.re + moved.re, im: harmonic.im + moved.im };
+        *harmonic = ComplexDual { re: harmonic.re + moved.re, im: harmonic.im + moved.im };
     }
 }
 

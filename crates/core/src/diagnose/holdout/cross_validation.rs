@@ -10,21 +10,21 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::answers::Gain;
-use crate::identify::{Effort, IdentifyError, IdentifyRequest, Model, Workbench};
+use crate::identify::{FitAccuracy, FitSession, IdentifyError, IdentifyRequest, Model};
 
-use super::cv_splits::{Fold, Folds};
+use super::cv_splits::{CvSplit, CvSplits};
 use super::gain;
 use super::heldout_predictions::{Predicted, Row, predicted};
 use crate::diagnose::progress::{Part, Quiet};
-use crate::diagnose::selection::evidence::Yardstick;
-use crate::diagnose::selection::models::{Key, Models, Visited};
+use crate::diagnose::selection::evidence::NoiseScale;
+use crate::diagnose::selection::models::{Key, Models, ScoredModel};
 
 /// Difference in −2 ln of the evidence to the best model beyond which a model is not fitted
 /// again: no part of the data makes up for it.
 const REACH: f64 = 30.0;
 
 /// What was predicted of data not seen.
-pub(crate) struct Unseen {
+pub(crate) struct CrossValidation {
     /// By the base model.
     base: Predicted,
     /// By the models that were chosen without it.
@@ -53,39 +53,39 @@ pub(crate) struct Dropped {
     pub gain: Gain,
 }
 
-impl Unseen {
-    /// Fits `models`, which were fitted to all of a workbench's data and of which that with the
+impl CrossValidation {
+    /// Fits `models`, which were fitted to all of a session's data and of which that with the
     /// effects `chosen` was chosen, to each part of it.
     ///
     /// # Errors
     /// When cancelled, or where the base model cannot be fitted to a part.
     pub fn of(
-        workbench: &Workbench<'_>,
+        session: &FitSession<'_>,
         request: &IdentifyRequest,
         (models, chosen): (&Models, &Key),
-        folds: &Folds,
+        splits: &CvSplits,
         part: Part<'_>,
     ) -> Result<Self, IdentifyError> {
-        let stage = part.stage("held out", folds.parts.len());
+        let stage = part.stage("held out", splits.parts.len());
         let mut this = Self {
             base: Predicted::new(),
             chosen: Predicted::new(),
             by_effects: BTreeMap::new(),
             errors: BTreeMap::new(),
             choices: Vec::new(),
-            groups: folds.parts.iter().flat_map(|fold| fold.rows.clone()).collect(),
-            noise_known: workbench.noise_known(),
-            what: folds.what.clone(),
+            groups: splits.parts.iter().flat_map(|fold| fold.rows.clone()).collect(),
+            noise_known: session.noise_known(),
+            what: splits.what.clone(),
         };
-        for fold in &folds.parts {
-            this.add(workbench, request, (models, chosen), fold, part)?;
+        for fold in &splits.parts {
+            this.add(session, request, (models, chosen), fold, part)?;
             stage.step();
         }
         let singles: Vec<(&Key, &Model)> = models.all().filter(|(key, _)| key.len() == 1).collect();
         let error = |(key, model): (&Key, &Model)| {
             let error = match this.by_effects.get(key) {
                 Some(predicted) => gain::error(predicted),
-                None => workbench.error_left_out(model, |e, order| folds.part_of(e, order)),
+                None => session.error_left_out(model, |e, order| splits.part_of(e, order)),
             };
             Some((key[0], error?))
         };
@@ -95,35 +95,35 @@ impl Unseen {
 
     fn add(
         &mut self,
-        workbench: &Workbench<'_>,
+        session: &FitSession<'_>,
         request: &IdentifyRequest,
         (models, chosen): (&Models, &Key),
-        fold: &Fold,
+        fold: &CvSplit,
         part: Part<'_>,
     ) -> Result<(), IdentifyError> {
         let quietly = Quiet(&part);
-        let own = Workbench::continued(&fold.fitted, request, &quietly, workbench)?;
-        let lacking = workbench.data() - own.data();
-        let yardstick = Yardstick {
+        let own = FitSession::continued(&fold.fitted, request, &quietly, session)?;
+        let lacking = session.data() - own.data();
+        let noise_scale = NoiseScale {
             rounding: own.rounding(),
-            dof: (models.yardstick.dof - lacking as f64).max(1.0),
-            ..models.yardstick
+            dof: (models.noise_scale.dof - lacking as f64).max(1.0),
+            ..models.noise_scale
         };
-        let mut fitted = Models::new(own.base().clone(), yardstick);
+        let mut fitted = Models::new(own.base().clone(), noise_scale);
         fitted.family = models.family.clone();
         let near = models.within(REACH);
         let refit = |(_, model): (&Key, &Model)| {
-            let model = own.refine(&own.adopt(workbench, model), Effort::Settle);
-            Visited::new(&own, model, &yardstick)
+            let model = own.refine(&own.adopt(session, model), FitAccuracy::Settle);
+            ScoredModel::new(&own, model, &noise_scale)
         };
         let all: Vec<(&Key, &Model)> =
             models.all().filter(|(key, _)| !key.is_empty() && near.contains(*key)).collect();
-        let fits: Vec<Visited> = all.into_par_iter().map(refit).collect();
-        fits.into_iter().for_each(|visited| fitted.keep(visited));
+        let fits: Vec<ScoredModel> = all.into_par_iter().map(refit).collect();
+        fits.into_iter().for_each(|scored| fitted.keep(scored));
         let choice = fitted.best_supported();
         let foreseen = |model: &Model| -> Predicted {
             let is_held = |index| fold.rows.range((index, 0)..(index + 1, 0)).next().is_some();
-            let mut all = predicted(&workbench.compare(&workbench.adopt(&own, model), is_held));
+            let mut all = predicted(&session.compare(&session.adopt(&own, model), is_held));
             all.retain(|row, _| fold.rows.contains_key(row));
             all
         };
@@ -219,7 +219,7 @@ impl Unseen {
 mod tests {
     use super::*;
     use crate::answers::ComparedHarmonic;
-    use crate::diagnose::selection::familywise_threshold::Family;
+    use crate::diagnose::selection::familywise_threshold::FamilywiseThreshold;
     use crate::diagnose::tests::fitted_to;
 
     /// Twelve groups of one row, off by about this.
@@ -234,8 +234,8 @@ mod tests {
         (0..12).map(|group| ((group, 1), harmonic(group))).collect()
     }
 
-    fn unseen(by_effects: &[(&[&'static str], f64)]) -> Unseen {
-        Unseen {
+    fn cross_validation(by_effects: &[(&[&'static str], f64)]) -> CrossValidation {
+        CrossValidation {
             base: off(0.5),
             chosen: Predicted::new(),
             by_effects: by_effects.iter().map(|(key, by)| (key.to_vec(), off(*by))).collect(),
@@ -249,7 +249,7 @@ mod tests {
 
     #[test]
     fn what_adds_nothing_to_the_others_goes_and_what_does_stays() {
-        let unseen = unseen(&[
+        let cross_validation = cross_validation(&[
             (&["cogging"], 0.3),
             (&["spring"], 0.2),
             (&["stribeck"], 0.4),
@@ -259,7 +259,7 @@ mod tests {
             (&["cogging", "spring", "stribeck"], 0.11),
         ]);
         let mut effects = vec!["cogging", "spring", "stribeck"];
-        let dropped = unseen.prune(&fitted_to(&[]), &mut effects);
+        let dropped = cross_validation.prune(&fitted_to(&[]), &mut effects);
         assert_eq!(effects, ["cogging", "spring"]);
         assert_eq!(dropped.len(), 1);
         assert_eq!((dropped[0].id, &dropped[0].beside), ("stribeck", &effects));
@@ -270,7 +270,7 @@ mod tests {
     // With a spring the play gains more than the elastic joint does; alone it gains less.
     #[test]
     fn what_is_left_alone_stands_back_behind_what_is_better_alone() {
-        let unseen = unseen(&[
+        let cross_validation = cross_validation(&[
             (&["backlash"], 0.2),
             (&["flexible_mode"], 0.2),
             (&["spring"], 0.4),
@@ -281,9 +281,10 @@ mod tests {
             (&["flexible_mode"], 190.0),
             (&["backlash", "spring"], 150.0),
         ]);
-        models.family = Some(Family::that_asks_for_little(&["backlash", "flexible_mode"]));
+        models.family =
+            Some(FamilywiseThreshold::that_asks_for_little(&["backlash", "flexible_mode"]));
         let mut effects = vec!["backlash", "spring"];
-        let dropped = unseen.prune(&models, &mut effects);
+        let dropped = cross_validation.prune(&models, &mut effects);
         assert_eq!((dropped[0].id, effects), ("spring", vec!["flexible_mode"]));
         assert_eq!(dropped[0].beside, ["backlash"]);
     }
@@ -292,9 +293,9 @@ mod tests {
     fn the_last_effect_and_what_was_not_fitted_without_stay() {
         let models = fitted_to(&[]);
         let mut effects = vec!["spring"];
-        assert!(unseen(&[(&["spring"], 0.9)]).prune(&models, &mut effects).is_empty());
+        assert!(cross_validation(&[(&["spring"], 0.9)]).prune(&models, &mut effects).is_empty());
         let mut effects = vec!["cogging", "spring"];
-        let unfitted = unseen(&[(&["cogging", "spring"], 0.9)]);
+        let unfitted = cross_validation(&[(&["cogging", "spring"], 0.9)]);
         assert!(unfitted.prune(&models, &mut effects).is_empty());
         assert_eq!(effects.len(), 2);
     }

@@ -23,7 +23,7 @@ const FEWEST_GROUPS: usize = 3;
 
 /// One part held out.
 #[derive(Debug)]
-pub(crate) struct Fold {
+pub(crate) struct CvSplit {
     /// What is fitted.
     pub fitted: Measurement,
     /// What is held out, and its group: a frequency, a block of lines, a magnitude.
@@ -32,9 +32,9 @@ pub(crate) struct Fold {
 
 /// Every part held out once.
 #[derive(Debug)]
-pub(crate) struct Folds {
+pub(crate) struct CvSplits {
     /// The parts.
-    pub parts: Vec<Fold>,
+    pub parts: Vec<CvSplit>,
     /// The same in words.
     pub what: String,
 }
@@ -61,7 +61,7 @@ struct Place {
     group: usize,
 }
 
-impl Folds {
+impl CvSplits {
     /// Divides a measurement by its design alone; `None` where it is too small for that.
     pub fn of(measurement: &Measurement) -> Option<Self> {
         let experiments = measurement.experiments();
@@ -80,7 +80,7 @@ impl Folds {
                 (!experiment.response.is_empty()).then_some(experiment)
             };
             let left = experiments.iter().enumerate().filter_map(left).collect();
-            Some(Fold { fitted: measurement.part(left).ok()?, rows })
+            Some(CvSplit { fitted: measurement.part(left).ok()?, rows })
         };
         let what = match parts {
             1 => format!("{what}, predicted from the others"),
@@ -223,9 +223,9 @@ mod tests {
     #[test]
     fn every_inner_frequency_is_held_out_once_with_all_its_magnitudes_and_repeats() {
         let measurement = noisy(&exact(), NoiseStatement::Repeats(2), 1);
-        let folds = Folds::of(&measurement).unwrap();
+        let splits = CvSplits::of(&measurement).unwrap();
         let mut held: Vec<Row> = Vec::new();
-        for fold in &folds.parts {
+        for fold in &splits.parts {
             held.extend(fold.rows.keys());
             assert_eq!(rows(&fold.fitted).len() + fold.rows.len(), rows(&measurement).len());
             assert_eq!(fold.fitted.acquisition(), measurement.acquisition());
@@ -240,20 +240,20 @@ mod tests {
         held.dedup();
         // 6 of 8 frequencies, 4 of them for each magnitude, are not the lowest or the highest.
         assert_eq!(4 * held.len(), 3 * rows(&measurement).len());
-        assert!(folds.what.starts_with("6 frequencies from"), "{}", folds.what);
+        assert!(splits.what.starts_with("6 frequencies from"), "{}", splits.what);
     }
 
     #[test]
     fn of_a_record_blocks_of_lines_are_held_out_and_its_mean_is_not() {
         let measurement = record(200);
-        let folds = Folds::of(&measurement).unwrap();
+        let splits = CvSplits::of(&measurement).unwrap();
         let mut held: Vec<usize> =
-            folds.parts.iter().flat_map(|fold| fold.rows.keys().map(|row| row.1)).collect();
+            splits.parts.iter().flat_map(|fold| fold.rows.keys().map(|row| row.1)).collect();
         held.sort_unstable();
         let (first, last) = (held[0], held[held.len() - 1]);
         assert_eq!(held, (first..=last).collect::<Vec<_>>());
         assert!(first == 2 && last > 180, "all but the ends: {first} to {last}");
-        for fold in &folds.parts {
+        for fold in &splits.parts {
             assert!(fold.fitted.experiments()[0].harmonic(0).is_some());
             // Neighbours are of the same block, or of one that is held out elsewhere.
             let of = |order: usize| fold.rows.get(&(0, order));
@@ -269,11 +269,11 @@ mod tests {
             let mut experiments = exact();
             let (slow, _) = levels(&experiments, |experiment| experiment.omega_rad_s);
             experiments.retain(|e| e.omega_rad_s <= slow[frequencies - 1]);
-            Folds::of(&measured(experiments))
+            CvSplits::of(&measured(experiments))
         };
-        let folds = few(3).unwrap();
-        assert_eq!(folds.what, "1 of 3 magnitudes, predicted from the others");
-        let groups: BTreeSet<usize> = folds.parts[0].rows.values().copied().collect();
+        let splits = few(3).unwrap();
+        assert_eq!(splits.what, "1 of 3 magnitudes, predicted from the others");
+        let groups: BTreeSet<usize> = splits.parts[0].rows.values().copied().collect();
         assert_eq!(groups.len(), 3);
         // Two experiments show nothing.
         assert!(few(2).is_none());

@@ -10,7 +10,7 @@ use super::heldout_predictions::{Predicted, Row};
 
 /// Squares of what a model leaves of some data.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Left {
+pub(crate) struct ResidualSums {
     /// Σ|Y − Ŷ|².
     error: f64,
     /// Σ|Y|².
@@ -21,7 +21,7 @@ pub(crate) struct Left {
     data: f64,
 }
 
-impl Left {
+impl ResidualSums {
     fn add(&mut self, harmonic: &ComparedHarmonic) {
         let [re, im] = harmonic.measured;
         let error = (re - harmonic.simulated[0]).powi(2) + (im - harmonic.simulated[1]).powi(2);
@@ -64,11 +64,15 @@ impl Left {
 
 /// How well a model predicts; nothing is said of what it has no response for.
 pub(crate) fn summary(predicted: &Predicted, noise_known: bool) -> ValidatedModel {
-    summary_of(&Left::of(predicted.values()), predicted.len(), noise_known)
+    summary_of(&ResidualSums::of(predicted.values()), predicted.len(), noise_known)
 }
 
 /// The same of what is left of so many components.
-pub(crate) fn summary_of(left: &Left, components: usize, noise_known: bool) -> ValidatedModel {
+pub(crate) fn summary_of(
+    left: &ResidualSums,
+    components: usize,
+    noise_known: bool,
+) -> ValidatedModel {
     ValidatedModel {
         nrmse: Some(left.nrmse()).filter(|error| error.is_finite()),
         rms: (left.error / components as f64).sqrt(),
@@ -116,24 +120,25 @@ pub(crate) fn gain(
     if lost > 0 {
         heldout.push_str(&format!("; {lost} harmonics left out that are not simulated"));
     }
-    let mut by_group: BTreeMap<usize, [Left; 2]> = BTreeMap::new();
+    let mut by_group: BTreeMap<usize, [ResidualSums; 2]> = BTreeMap::new();
     for row in &both {
         let group = by_group.entry(groups[row]).or_default();
         group[0].add(&before[row]);
         group[1].add(&after[row]);
     }
-    let by_group: Vec<[Left; 2]> = by_group.into_values().collect();
+    let by_group: Vec<[ResidualSums; 2]> = by_group.into_values().collect();
     gain_of_groups(&by_group, Sample::Smooth, noise_known, heldout)
 }
 
 /// The same from what both models leave of each group.
 pub(crate) fn gain_of_groups(
-    groups: &[[Left; 2]],
+    groups: &[[ResidualSums; 2]],
     sample: Sample,
     noise_known: bool,
     heldout: String,
 ) -> Option<Gain> {
-    let total = [0, 1].map(|model: usize| Left::sum(groups.iter().map(|group| &group[model])));
+    let total =
+        [0, 1].map(|model: usize| ResidualSums::sum(groups.iter().map(|group| &group[model])));
     let ratio = total[0].nrmse() / total[1].nrmse();
     if !(ratio > 0.0 && ratio.is_finite()) || groups.len() < 2 {
         return None;
@@ -160,23 +165,23 @@ pub(crate) fn gain_of_groups(
 
 /// NRMSE of predictions.
 pub(crate) fn error(predicted: &Predicted) -> Option<f64> {
-    Some(Left::of(predicted.values()).nrmse()).filter(|error| error.is_finite())
+    Some(ResidualSums::of(predicted.values()).nrmse()).filter(|error| error.is_finite())
 }
 
 /// Standard deviation of the logarithm of the ratio, of two groups or more.
-fn smooth_std(groups: &[[Left; 2]]) -> f64 {
+fn smooth_std(groups: &[[ResidualSums; 2]]) -> f64 {
     let count = groups.len() as f64;
     let mean = |model: usize| groups.iter().map(|group| group[model].error).sum::<f64>() / count;
     let (before, after) = (mean(0), mean(1));
-    let share = |group: &[Left; 2]| group[0].error / before - group[1].error / after;
+    let share = |group: &[ResidualSums; 2]| group[0].error / before - group[1].error / after;
     let steps = groups.windows(2).map(|pair| (share(&pair[1]) - share(&pair[0])).powi(2));
     0.5 * (steps.sum::<f64>() / (2.0 * count * (count - 1.0))).sqrt()
 }
 
 /// The same; not finite where one group has everything that a model leaves.
-fn jackknife_std(groups: &[[Left; 2]], total: &[Left; 2]) -> f64 {
+fn jackknife_std(groups: &[[ResidualSums; 2]], total: &[ResidualSums; 2]) -> f64 {
     let count = groups.len() as f64;
-    let without = |group: &[Left; 2]| {
+    let without = |group: &[ResidualSums; 2]| {
         let [before, after] = [0, 1].map(|model| total[model].error - group[model].error);
         0.5 * (before / after).ln()
     };
@@ -279,9 +284,9 @@ mod tests {
     // times 2/3, its root is 0.156668.
     #[test]
     fn independent_groups_are_left_out_one_by_one() {
-        let left = |error: f64| Left { error, size: 1.0, chi2: 0.0, data: 1.0 };
+        let left = |error: f64| ResidualSums { error, size: 1.0, chi2: 0.0, data: 1.0 };
         let groups = [4.0, 1.0, 4.0].map(|error| [left(error), left(1.0)]);
-        let gain = |groups: &[[Left; 2]]| {
+        let gain = |groups: &[[ResidualSums; 2]]| {
             gain_of_groups(groups, Sample::Independent, false, String::new())
         };
         let [low, high] = gain(&groups).unwrap().interval95;

@@ -5,14 +5,14 @@ const TAIL: f64 = 0.05;
 
 /// Distribution of one statistic under the null hypothesis.
 #[derive(Clone)]
-pub(crate) struct Null {
+pub(crate) struct NullDistribution {
     /// Drawn values, ascending.
     sorted: Vec<f64>,
     /// Where the tail begins, and the mean by which it is exceeded beyond.
     tail: (f64, f64),
 }
 
-impl Null {
+impl NullDistribution {
     /// From drawn values, at least one.
     pub fn new(mut drawn: Vec<f64>) -> Self {
         drawn.sort_by(f64::total_cmp);
@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn a_limit_is_where_the_p_value_is_reached() {
-        let null = Null::new((0..600).map(f64::from).collect());
+        let null = NullDistribution::new((0..600).map(f64::from).collect());
         for p_value in [0.04, 1e-2, 1e-5] {
             assert!((null.p_value(null.limit(p_value)) / p_value - 1.0).abs() < 1e-9);
         }
@@ -65,7 +65,7 @@ mod tests {
     fn the_tail_of_a_chi_squared_law_is_extrapolated() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let law = ChiSquared::new(2.0).unwrap();
-        let null = Null::new((0..600).map(|_| law.sample(&mut rng)).collect());
+        let null = NullDistribution::new((0..600).map(|_| law.sample(&mut rng)).collect());
         let exact = statrs::distribution::ChiSquared::new(2.0).unwrap().inverse_cdf(1.0 - 1e-4);
         assert!((null.limit(1e-4) - exact).abs() < 0.2 * exact, "{}", null.limit(1e-4));
     }

@@ -29,14 +29,14 @@ const DRIFT_LEAD: f64 = 0.5;
 const LOWER_QUARTILE: f64 = 0.101_531;
 
 /// What is still to be explained, in units of the noise.
-struct Left {
+struct ResidualSums {
     values: DVector<f64>,
     freedom: Vec<f64>,
     /// Excess at the beginning.
     whole: f64,
 }
 
-impl Left {
+impl ResidualSums {
     fn of(residuals: &Residuals) -> Self {
         let mut values = residuals.values.clone();
         let freedom = residuals.freedom.clone();
@@ -69,7 +69,7 @@ fn quiet(values: &DVector<f64>) -> f64 {
 /// taken and removed, until none is worth a sentence or reaches `limit`, what
 /// noise alone may reach; the first is taken in any case.
 pub(crate) fn find(residuals: &Residuals, regions: &Regions, limit: f64) -> Vec<Pattern> {
-    let mut left = Left::of(residuals);
+    let mut left = ResidualSums::of(residuals);
     let mut patterns: Vec<Pattern> = drift(residuals, &mut left).into_iter().collect();
     while patterns.len() < MOST {
         let squares = |row: usize| left.values[row] * left.values[row];
@@ -168,7 +168,7 @@ fn signed_mean(cells: &[&Cell]) -> Option<f64> {
 /// The pattern that the parameters drift in the course of the acquisition, where
 /// that explains most of the excess, and better than parameters that vary with
 /// magnitude or frequency: the order of acquisition often follows those.
-fn drift(residuals: &Residuals, left: &mut Left) -> Option<Pattern> {
+fn drift(residuals: &Residuals, left: &mut ResidualSums) -> Option<Pattern> {
     let layout = &residuals.layout;
     let runs = || layout.cells.iter().filter_map(|cell| cell.run);
     if runs().count() < layout.cells.len() {
@@ -206,7 +206,7 @@ fn drift(residuals: &Residuals, left: &mut Left) -> Option<Pattern> {
 }
 
 /// The least excess left by parameters that vary with magnitude or frequency.
-fn rivals(residuals: &Residuals, left: &Left) -> f64 {
+fn rivals(residuals: &Residuals, left: &ResidualSums) -> f64 {
     let magnitude = log_magnitude(residuals);
     let frequency = |cell: &Cell| cell.frequency_hz.max(f64::MIN_POSITIVE).ln();
     let levels: [&dyn Fn(&Cell) -> f64; 2] = [&magnitude, &frequency];
@@ -217,7 +217,7 @@ fn rivals(residuals: &Residuals, left: &Left) -> f64 {
     levels.into_iter().map(left_by).fold(left.whole, f64::min)
 }
 
-fn take(left: &mut Left, space: &Subspace) {
+fn take(left: &mut ResidualSums, space: &Subspace) {
     left.values = space.complement(&left.values);
     for (freedom, leverage) in left.freedom.iter_mut().zip(space.leverages()) {
         *freedom = (*freedom - leverage).max(0.0);

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use crate::answers::ResidualTest;
 
-use super::null_distribution::Null;
+use super::null_distribution::NullDistribution;
 use super::residual::Residuals;
 use super::statistics::Statistic;
 
@@ -37,7 +37,7 @@ pub(crate) struct Judgement {
 /// Distributions of all statistics under the null hypothesis.
 pub(crate) struct Nulls {
     /// In the order of the statistics that there are.
-    by_test: Vec<Null>,
+    by_test: Vec<NullDistribution>,
     /// p-value below which a test fails.
     limit: f64,
 }
@@ -55,8 +55,10 @@ impl Nulls {
             .collect();
         let tests = drawn.first().map_or(0, Vec::len);
         let column = |test: usize| drawn.iter().map(|values| values[test]).collect();
-        let mut nulls =
-            Self { by_test: (0..tests).map(|test| Null::new(column(test))).collect(), limit: 0.0 };
+        let mut nulls = Self {
+            by_test: (0..tests).map(|test| NullDistribution::new(column(test))).collect(),
+            limit: 0.0,
+        };
         let smallest = |values: &Vec<f64>| nulls.p_values(values).fold(1.0, f64::min);
         let mut minima: Vec<f64> = drawn.iter().map(smallest).collect();
         minima.sort_by(f64::total_cmp);

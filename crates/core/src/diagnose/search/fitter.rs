@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use crate::effects::{are_alike, are_kin};
-use crate::identify::{Effort, Model, Workbench};
+use crate::effects::{are_confusable, are_nested};
+use crate::identify::{FitAccuracy, FitSession, Model};
 use crate::observer::Observer as _;
 
 use super::score_tests::{Probe, Probed};
 use crate::diagnose::progress::{Part, Stage};
-use crate::diagnose::selection::evidence::Yardstick;
+use crate::diagnose::selection::evidence::NoiseScale;
 
 /// Share of the leader's gain that a rival must have come to in its first steps.
 const RIVAL: f64 = 0.5;
@@ -39,11 +39,11 @@ fn best_first(mut models: Vec<Model>) -> Vec<Model> {
 /// Who fits.
 pub(crate) struct Fitter<'a> {
     /// Where.
-    pub workbench: &'a Workbench<'a>,
+    pub session: &'a FitSession<'a>,
     /// Who may cancel.
     pub part: Part<'a>,
     /// What a good fit is.
-    pub yardstick: Yardstick,
+    pub noise_scale: NoiseScale,
     /// Starts that are tried of an effect that promises something.
     pub starts: usize,
     /// Of them, those that are followed to their end.
@@ -77,11 +77,11 @@ impl Fitter<'_> {
         };
         let (probed, models) = tried.remove(first);
         let leader = self.settled(models, self.followed).unwrap_or_else(|| from.clone());
-        let unexplained = !self.yardstick.explains(leader.cost);
+        let unexplained = !self.noise_scale.explains(leader.cost);
         let most = from.cost - leader.cost;
         let follow = |(rival, models): (&Probed, Vec<Model>)| {
             let gain = from.cost - models[0].cost;
-            if are_alike(probed.effect, rival.effect) || gain > RIVAL * most {
+            if are_confusable(probed.effect, rival.effect) || gain > RIVAL * most {
                 self.settled(models, self.followed)
             } else if self.patient && unexplained && promising(rival) && gain > HOPEFUL * most {
                 self.settled(models, 1)
@@ -99,7 +99,7 @@ impl Fitter<'_> {
         fits.extend(again);
         let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
         fits.extend(best.and_then(|best| {
-            self.out_of_valleys(&best, HELPFUL * self.yardstick.beyond(from.cost))
+            self.out_of_valleys(&best, HELPFUL * self.noise_scale.beyond(from.cost))
         }));
         fits
     }
@@ -108,8 +108,8 @@ impl Fitter<'_> {
     /// `most` beyond noise and does not explain the data: perhaps it is of the right effect, in
     /// the wrong valley.
     fn out_of_valleys(&self, fit: &Model, most: f64) -> Option<Model> {
-        let beyond = |model: &Model| self.yardstick.beyond(model.cost);
-        if beyond(fit) >= most || self.yardstick.explains(fit.cost) {
+        let beyond = |model: &Model| self.noise_scale.beyond(model.cost);
+        if beyond(fit) >= most || self.noise_scale.explains(fit.cost) {
             return None;
         }
         let next = self.refit_from_aside(fit).filter(|next| next.cost < fit.cost)?;
@@ -136,7 +136,7 @@ impl Fitter<'_> {
             aside
         };
         let aside: Vec<Model> = alone.chain(both).map(shifted).collect();
-        let tried = aside.par_iter().map(|model| self.refine(model, Effort::Glance)).collect();
+        let tried = aside.par_iter().map(|model| self.refine(model, FitAccuracy::Glance)).collect();
         self.settled(best_first(tried), FROM_ASIDE)
     }
 
@@ -144,17 +144,17 @@ impl Fitter<'_> {
     /// another can do no worse, and what is contained may do as well.
     fn refit_from_kin(&self, fit: &Model, kin: &[&Model]) -> Option<Model> {
         let own = *fit.effects().last()?;
-        let is_kin = |other: &&&Model| other.effects().last().is_some_and(|o| are_kin(own, *o));
+        let is_kin = |other: &&&Model| other.effects().last().is_some_and(|o| are_nested(own, *o));
         let better = kin.iter().filter(is_kin).filter(|other| other.cost < fit.cost);
         let best = better.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-        self.settled(self.workbench.exchange(best, own).into(), self.followed)
+        self.settled(self.session.exchange(best, own).into(), self.followed)
     }
 
     /// The first steps from an effect's probes, the best first.
     fn tried(&self, probed: &Probed, promising: bool) -> Vec<Model> {
         let (starts, effort) = match promising {
-            true => (self.starts, Effort::Glance),
-            false => (1, Effort::Brief),
+            true => (self.starts, FitAccuracy::Glance),
+            false => (1, FitAccuracy::Brief),
         };
         let starts: Vec<&Probe> = probed.probes.iter().take(starts).collect();
         let tried = starts.par_iter().map(|probe| self.refine(&probe.start, effort)).collect();
@@ -164,15 +164,16 @@ impl Fitter<'_> {
     /// The best of what the first of these come to.
     fn settled(&self, mut tried: Vec<Model>, followed: usize) -> Option<Model> {
         tried.truncate(followed);
-        let settled = tried.par_iter().map(|model| self.refine(model, Effort::Settle)).collect();
+        let settled =
+            tried.par_iter().map(|model| self.refine(model, FitAccuracy::Settle)).collect();
         best_first(settled).into_iter().next()
     }
 
     /// A model, fitted; as it is once cancelled.
-    pub fn refine(&self, model: &Model, effort: Effort) -> Model {
+    pub fn refine(&self, model: &Model, effort: FitAccuracy) -> Model {
         match self.part.cancelled() {
             true => model.clone(),
-            false => self.workbench.refine(model, effort),
+            false => self.session.refine(model, effort),
         }
     }
 }
@@ -189,18 +190,18 @@ mod tests {
     #[test]
     fn play_that_fits_worse_than_the_joint_without_it_starts_again_from_there() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
-        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
-        let base = workbench.base();
+        let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+        let base = session.base();
         let part = Part { whole: &Silent, span: [0.0, 1.0] };
-        let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
-        let (workbench, starts, followed, patient) = (&workbench, 1, 2, true);
-        let fitter = Fitter { workbench, part, yardstick, starts, followed, patient };
-        let with = |id: &str| workbench.extend(base, find(id).unwrap());
+        let noise_scale = NoiseScale { known: true, rounding: 0.0, dof: 100.0 };
+        let (session, starts, followed, patient) = (&session, 1, 2, true);
+        let fitter = Fitter { session, part, noise_scale, starts, followed, patient };
+        let with = |id: &str| session.extend(base, find(id).unwrap());
         let mut joint = with("flexible_mode");
-        let places = workbench.places(joint.effects()[0]);
+        let places = session.start_points(joint.effects()[0]);
         let own = joint.parameters_of(0).zip(&places[places.len() / 2]);
         own.for_each(|(i, value)| joint.set(i, *value));
-        let joint = fitter.refine(&joint, Effort::Settle);
+        let joint = fitter.refine(&joint, FitAccuracy::Settle);
         let costing = |cost: f64, id: &str| {
             let mut model = with(id);
             model.cost = cost;
@@ -217,15 +218,15 @@ mod tests {
     #[test]
     fn what_leaves_most_or_explains_the_data_is_not_tried_from_aside() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
-        let workbench = &Workbench::new(&measurement, &request, &Silent).unwrap();
+        let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
         let part = Part { whole: &Silent, span: [0.0, 1.0] };
         let (starts, followed, patient) = (1, 1, true);
         let fitter = |dof: f64| {
-            let yardstick = Yardstick { known: true, rounding: 0.0, dof };
-            Fitter { workbench, part, yardstick, starts, followed, patient }
+            let noise_scale = NoiseScale { known: true, rounding: 0.0, dof };
+            Fitter { session, part, noise_scale, starts, followed, patient }
         };
-        let lag = workbench.extend(workbench.base(), find("sensor_lag").unwrap());
-        let lag = fitter(1.0).refine(&lag, Effort::Brief);
+        let lag = session.extend(session.base(), find("sensor_lag").unwrap());
+        let lag = fitter(1.0).refine(&lag, FitAccuracy::Brief);
         assert!(fitter(1.0).out_of_valleys(&lag, 0.5 * lag.cost).is_none());
         assert!(fitter(lag.cost).out_of_valleys(&lag, 2.0 * lag.cost).is_none());
         let mut astray = lag.clone();

@@ -9,9 +9,9 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::effects::{Effect, Range};
-use crate::identify::Workbench;
+use crate::identify::FitSession;
 
-use super::linearization::Anchor;
+use super::linearization::Linearization;
 use super::score_tests::Tried;
 use crate::diagnose::residuals::subspace::Subspace;
 
@@ -30,10 +30,10 @@ pub(crate) struct Pitch {
     changes: DMatrix<f64>,
 }
 
-/// The changes of every pitch, beside the anchor's model.
+/// The changes of every pitch, beside the linearization's model.
 pub(crate) fn pitches(
-    workbench: &Workbench<'_>,
-    anchor: &Anchor,
+    session: &FitSession<'_>,
+    linearization: &Linearization,
     effect: &'static dyn Effect,
     ranges: &[Range],
 ) -> Vec<Pitch> {
@@ -45,23 +45,24 @@ pub(crate) fn pitches(
     grid.par_iter()
         .filter_map(|pitch| {
             let settings = [0.0, std::f64::consts::FRAC_PI_2].map(|angle| vec![1.0, *pitch, angle]);
-            let changes = workbench.torque_changes(&anchor.model, effect, &settings, *pitch)?;
+            let changes =
+                session.torque_changes(&linearization.model, effect, &settings, *pitch)?;
             Some(Pitch { pitch: *pitch, changes: DMatrix::from_columns(&changes) })
         })
         .collect()
 }
 
-/// Where the effect promises most at an anchor at which this is left, and the span of
+/// Where the effect promises most at a linearization at which this is left, and the span of
 /// every pitch.
 pub(crate) fn peaks(
-    anchor: &Anchor,
+    linearization: &Linearization,
     left: &DVector<f64>,
     ranges: &[Range],
     pitches: &[Pitch],
 ) -> (Vec<Tried>, Vec<Subspace>) {
     let spans: Vec<Subspace> = pitches
         .iter()
-        .map(|pitch| Subspace::of(&anchor.fitted.complements(&pitch.changes)))
+        .map(|pitch| Subspace::of(&linearization.fitted.complements(&pitch.changes)))
         .collect();
     let gains: Vec<f64> = spans.iter().map(|span| span.energy(left)).collect();
     let gain = |i: usize| gains.get(i).copied().unwrap_or(0.0);
@@ -70,7 +71,7 @@ pub(crate) fn peaks(
     peaks.sort_by(|a, b| gain(*b).total_cmp(&gain(*a)));
     let tried = |i: usize| {
         let Pitch { pitch, changes } = &pitches[i];
-        let shown = anchor.fitted.complements(changes);
+        let shown = linearization.fitted.complements(changes);
         let sizes = shown.tr_mul(&shown).cholesky()?.solve(&shown.tr_mul(left));
         let size = sizes.norm().min(ranges[0].likely[1]);
         let values = vec![size, *pitch, sizes[1].atan2(sizes[0])];

@@ -2,12 +2,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::identify::{Linear, Model, Workbench};
+use crate::identify::{FitSession, Linear, Model};
 
 use crate::diagnose::residuals::subspace::Subspace;
 
 /// A fitted model, its prediction, and what its parameters can take up.
-pub(crate) struct Anchor {
+pub(crate) struct Linearization {
     /// The model.
     pub model: Model,
     /// Ŷ/σ.
@@ -22,11 +22,11 @@ pub(crate) struct Anchor {
     free: Vec<usize>,
 }
 
-impl Anchor {
+impl Linearization {
     /// Of a fitted model; `None` where it has no response.
-    pub fn new(workbench: &Workbench<'_>, model: &Model) -> Option<Self> {
-        let prediction = workbench.predict(model)?;
-        let Linear { residuals, jacobian, held } = workbench.linearise(model)?;
+    pub fn new(session: &FitSession<'_>, model: &Model) -> Option<Self> {
+        let prediction = session.predict(model)?;
+        let Linear { residuals, jacobian, held } = session.linearise(model)?;
         let free: Vec<usize> = (0..held.len()).filter(|i| !held[*i]).collect();
         let jacobian = jacobian.select_columns(&free);
         let fitted = Subspace::of(&jacobian);

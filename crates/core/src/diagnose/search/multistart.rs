@@ -5,7 +5,7 @@ use crate::effects::{ALL, Effect};
 
 use super::Search;
 use super::fitter::Fitter;
-use super::linearization::Anchor;
+use super::linearization::Linearization;
 use super::score_tests::Probed;
 use crate::diagnose::progress::Part;
 use crate::diagnose::selection::models::Key;
@@ -22,25 +22,26 @@ impl Search<'_> {
         let is_hidden = |effect: &&&'static dyn Effect| {
             let id = effect.id();
             chosen.contains(&id)
-                && !self.workbench.places(**effect).is_empty()
+                && !self.session.start_points(**effect).is_empty()
                 && !self.models.exceeds(chosen, id, MUCH)
         };
         let hidden: Vec<&dyn Effect> =
             ALL.iter().filter(|_| most > 0).filter(is_hidden).copied().collect();
         for effect in hidden {
             let rest: Key = chosen.iter().copied().filter(|id| *id != effect.id()).collect();
-            let anchor = self.models.get(&rest).and_then(|rest| Anchor::new(self.workbench, rest));
-            let Some(anchor) = anchor else { continue };
-            let mut probed = self.probe(&anchor, part);
+            let linearization =
+                self.models.get(&rest).and_then(|rest| Linearization::new(self.session, rest));
+            let Some(linearization) = linearization else { continue };
+            let mut probed = self.probe(&linearization, part);
             probed.retain(|Probed { effect: other, .. }| {
-                other.id() == effect.id() || effects::are_alike(effect, *other)
+                other.id() == effect.id() || effects::are_confusable(effect, *other)
             });
             for Probed { probes, .. } in &mut probed {
                 probes.drain(..tried[rest.len()].min(probes.len()));
             }
             let stage = part.stage("valleys", probed.len());
             let fitter = Fitter { starts: most, ..self.fitter(part, rest.len()) };
-            let fits = fitter.fit(&anchor.model, &probed, |_| true, &stage);
+            let fits = fitter.fit(&linearization.model, &probed, |_| true, &stage);
             self.keep(fits);
         }
     }
@@ -48,27 +49,28 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::diagnose::search::linearization::Anchor;
+    use crate::diagnose::search::linearization::Linearization;
     use crate::diagnose::search::tests::{PART, nothing_fitted};
     use crate::diagnose::selection::models::key;
     use crate::diagnose::tests::{exact, noisy, request};
     use crate::effects::find;
-    use crate::identify::Workbench;
+    use crate::identify::FitSession;
     use crate::machines::draw::NoiseStatement;
     use crate::observer::Silent;
 
     #[test]
     fn a_joint_in_the_wrong_valley_is_fitted_again_from_the_starts_that_were_passed_over() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
-        let workbench = &Workbench::new(&measurement, &request, &Silent).unwrap();
-        let mut search = nothing_fitted(workbench);
-        let mut astray = workbench.extend(workbench.base(), find("flexible_mode").unwrap());
-        astray.cost = 2.0 * workbench.base().cost;
+        let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
+        let mut search = nothing_fitted(session);
+        let mut astray = session.extend(session.base(), find("flexible_mode").unwrap());
+        astray.cost = 2.0 * session.base().cost;
         let key = key(&astray);
         search.keep(vec![astray]);
-        search.changes = search.changes(&Anchor::new(workbench, workbench.base()).unwrap(), PART);
+        search.changes =
+            search.changes(&Linearization::new(session, session.base()).unwrap(), PART);
         search.deepen(&key, PART);
         let found = search.models.get(&key).unwrap();
-        assert!(found.cost < workbench.base().cost, "{}", found.cost);
+        assert!(found.cost < session.base().cost, "{}", found.cost);
     }
 }

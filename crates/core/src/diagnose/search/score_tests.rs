@@ -15,18 +15,18 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::effects::{ALL, Effect, Range};
-use crate::identify::{Model, Workbench};
+use crate::identify::{FitSession, Model};
 
 use super::frequency_scan;
 use super::frequency_scan::Pitch;
 use super::grid;
-use super::linearization::Anchor;
+use super::linearization::Linearization;
 use crate::diagnose::residuals::subspace::Subspace;
 
-/// Longest step of a parameter of the anchor on the way to a start.
+/// Longest step of a parameter of the linearization on the way to a start.
 const LONGEST_SHIFT: f64 = 0.3;
 
-/// Cosine above which two places show the same.
+/// Cosine above which two start points show the same.
 const SAME: f64 = 0.9999;
 
 /// Cosine below which a start shows something else than one before it.
@@ -43,7 +43,7 @@ pub(crate) struct Changes {
     /// The effect.
     pub effect: &'static dyn Effect,
     ranges: Vec<Range>,
-    places: Vec<Place>,
+    start_points: Vec<Place>,
     pitches: Vec<Pitch>,
 }
 
@@ -53,7 +53,7 @@ struct Place {
     change: DVector<f64>,
 }
 
-/// An effect with values of its parameters, tried at an anchor.
+/// An effect with values of its parameters, tried at a linearization.
 pub(crate) struct Probe {
     /// Where a fit may start.
     pub start: Model,
@@ -61,7 +61,7 @@ pub(crate) struct Probe {
     gain: f64,
 }
 
-/// What trying an effect at an anchor showed.
+/// What trying an effect at a linearization showed.
 pub(crate) struct Probed {
     /// The effect.
     pub effect: &'static dyn Effect,
@@ -81,61 +81,66 @@ impl Probed {
 }
 
 impl Changes {
-    /// Those of an effect beside the anchor's model.
-    pub fn of(workbench: &Workbench<'_>, anchor: &Anchor, effect: &'static dyn Effect) -> Self {
-        let ranges = workbench.ranges(effect);
-        let mut this = Self { effect, ranges, places: Vec::new(), pitches: Vec::new() };
+    /// Those of an effect beside the linearization's model.
+    pub fn of(
+        session: &FitSession<'_>,
+        linearization: &Linearization,
+        effect: &'static dyn Effect,
+    ) -> Self {
+        let ranges = session.ranges(effect);
+        let mut this = Self { effect, ranges, start_points: Vec::new(), pitches: Vec::new() };
         if effect.oscillates() {
-            this.pitches = frequency_scan::pitches(workbench, anchor, effect, &this.ranges);
+            this.pitches = frequency_scan::pitches(session, linearization, effect, &this.ranges);
             return this;
         }
-        let Some(aim) = Aim::of(workbench, anchor, effect) else { return this };
-        let before = &anchor.prediction + &aim.balancing;
-        let extended = workbench.extend(&anchor.model, effect);
+        let Some(aim) = Aim::of(session, linearization, effect) else { return this };
+        let before = &linearization.prediction + &aim.balancing;
+        let extended = session.extend(&linearization.model, effect);
         let own = extended.parameters_of(extended.effects().len() - 1);
-        let mut places = workbench.places(effect);
-        if places.is_empty() {
-            places = grid::of(effect, &this.ranges);
+        let mut start_points = session.start_points(effect);
+        if start_points.is_empty() {
+            start_points = grid::of(effect, &this.ranges);
         }
         let place = |values: Vec<f64>| {
             let mut extended = extended.clone();
             own.clone().zip(&values).for_each(|(i, value)| extended.set(i, *value));
-            let change = workbench.predict(&extended)? - &before;
+            let change = session.predict(&extended)? - &before;
             Some(Place { values, change })
         };
-        this.places = places.into_par_iter().filter_map(place).collect();
+        this.start_points = start_points.into_par_iter().filter_map(place).collect();
         this
     }
 
-    /// Tries the effect at an anchor.
-    pub fn probe(&self, workbench: &Workbench<'_>, anchor: &Anchor) -> Probed {
-        let Some(aim) = Aim::of(workbench, anchor, self.effect) else {
+    /// Tries the effect at a linearization.
+    pub fn probe(&self, session: &FitSession<'_>, linearization: &Linearization) -> Probed {
+        let Some(aim) = Aim::of(session, linearization, self.effect) else {
             let (probes, spans) = Default::default();
             return Probed { effect: self.effect, probes, spans, energy: 0.0 };
         };
-        let (places, spans);
+        let (start_points, spans);
         if self.effect.oscillates() {
-            (places, spans) = frequency_scan::peaks(anchor, &aim.left, &self.ranges, &self.pitches);
+            (start_points, spans) =
+                frequency_scan::peaks(linearization, &aim.left, &self.ranges, &self.pitches);
         } else {
-            let scaled = |place| self.scaled(place, anchor, &aim.left);
-            places = self.places.iter().filter_map(scaled).collect();
+            let scaled = |place| self.scaled(place, linearization, &aim.left);
+            start_points = self.start_points.iter().filter_map(scaled).collect();
             let directions: Vec<DVector<f64>> = self
-                .places
+                .start_points
                 .iter()
-                .map(|place| anchor.fitted.complement(&place.change))
+                .map(|place| linearization.fitted.complement(&place.change))
                 .filter(|direction| direction.norm() > 0.0)
                 .map(|direction| direction.normalize())
                 .collect();
             spans = neighbourhoods(&directions, self.effect.parameters().len());
         }
-        let probes: Vec<Probe> = different_first(places, &anchor.fitted)
+        let probes: Vec<Probe> = different_first(start_points, &linearization.fitted)
             .into_iter()
             .map(|Tried { values, change, gain }| {
-                let mut start = workbench.extend(&anchor.model, self.effect);
+                let mut start = session.extend(&linearization.model, self.effect);
                 let own = start.parameters_of(start.effects().len() - 1);
                 own.zip(&values).for_each(|(i, value)| start.set(i, *value));
-                let left = &anchor.residuals - change - &aim.balancing;
-                start.shift(anchor.steps(&left).into_iter(), LONGEST_SHIFT);
+                let left = &linearization.residuals - change - &aim.balancing;
+                start.shift(linearization.steps(&left).into_iter(), LONGEST_SHIFT);
                 Probe { start, gain: gain - aim.price }
             })
             .collect();
@@ -144,8 +149,13 @@ impl Changes {
     }
 
     /// A place, made as large as fits what is left best.
-    fn scaled(&self, place: &Place, anchor: &Anchor, left: &DVector<f64>) -> Option<Tried> {
-        let direction = anchor.fitted.complement(&place.change);
+    fn scaled(
+        &self,
+        place: &Place,
+        linearization: &Linearization,
+        left: &DVector<f64>,
+    ) -> Option<Tried> {
+        let direction = linearization.fitted.complement(&place.change);
         let (size, slope) = (direction.norm_squared(), direction.dot(left));
         if !(size > 0.0 && size.is_finite()) {
             return None;
@@ -158,31 +168,35 @@ impl Changes {
     }
 }
 
-/// What an effect would have to explain at an anchor.
+/// What an effect would have to explain at a linearization.
 struct Aim {
     /// What an effect changes however small it is: with one that settles, the mean of the
     /// velocity becomes zero.
     balancing: DVector<f64>,
-    /// Residuals once that is so, less what the anchor's parameters take up.
+    /// Residuals once that is so, less what the linearization's parameters take up.
     left: DVector<f64>,
     /// By how much they are larger for it, in χ².
     price: f64,
 }
 
 impl Aim {
-    fn of(workbench: &Workbench<'_>, anchor: &Anchor, effect: &dyn Effect) -> Option<Self> {
-        let before = anchor.fitted.complement(&anchor.residuals);
+    fn of(
+        session: &FitSession<'_>,
+        linearization: &Linearization,
+        effect: &dyn Effect,
+    ) -> Option<Self> {
+        let before = linearization.fitted.complement(&linearization.residuals);
         if !effect.settles() {
             let balancing = DVector::zeros(before.len());
             return Some(Self { balancing, left: before, price: 0.0 });
         }
         // A ripple of no size only balances.
         let ripple = ALL.iter().find(|effect| effect.oscillates())?;
-        let mut balanced = workbench.extend(&anchor.model, *ripple);
+        let mut balanced = session.extend(&linearization.model, *ripple);
         let size = balanced.parameters_of(balanced.effects().len() - 1).start;
         balanced.set(size, 0.0);
-        let balancing = workbench.predict(&balanced)? - &anchor.prediction;
-        let left = anchor.fitted.complement(&(&anchor.residuals - &balancing));
+        let balancing = session.predict(&balanced)? - &linearization.prediction;
+        let left = linearization.fitted.complement(&(&linearization.residuals - &balancing));
         let price = left.norm_squared() - before.norm_squared();
         Some(Self { balancing, left, price })
     }
@@ -197,11 +211,11 @@ pub(crate) struct Tried {
 
 /// Places by their gain, those first that show something else, beside what is `fitted`, than any
 /// of a larger gain: a fit from beside another ends where that one does.
-fn different_first(mut places: Vec<Tried>, fitted: &Subspace) -> Vec<Tried> {
-    places.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+fn different_first(mut start_points: Vec<Tried>, fitted: &Subspace) -> Vec<Tried> {
+    start_points.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let mut shown: Vec<DVector<f64>> = Vec::new();
     let (mut different, mut others) = (Vec::new(), Vec::new());
-    for tried in places {
+    for tried in start_points {
         let direction = fitted.complement(&tried.change).normalize();
         if shown.iter().all(|other| other.dot(&direction).abs() < DIFFERENT) {
             shown.push(direction);
@@ -246,8 +260,9 @@ mod tests {
         let fitted = Subspace::of(&DMatrix::from_columns(&[unit(0)]));
         let tried = |(change, gain)| Tried { values: Vec::new(), change, gain };
         // Of the second, most is fitted; the rest shows what the first does.
-        let places = [(unit(1), 3.0), (unit(1) + 5.0 * unit(0), 2.0), (unit(2), 1.0)].map(tried);
-        let found = different_first(places.into(), &fitted);
+        let start_points =
+            [(unit(1), 3.0), (unit(1) + 5.0 * unit(0), 2.0), (unit(2), 1.0)].map(tried);
+        let found = different_first(start_points.into(), &fitted);
         assert_eq!(found.iter().map(|tried| tried.gain).collect::<Vec<_>>(), [3.0, 1.0, 2.0]);
     }
 }

@@ -40,7 +40,7 @@ const SURE: f64 = 0.9;
 pub(crate) fn convincing(models: &Models, chosen: &Key) -> bool {
     let alike = |one: &str, other: &str| {
         let effects = effects::find(one).zip(effects::find(other));
-        effects.is_some_and(|(one, other)| effects::are_alike(one, other))
+        effects.is_some_and(|(one, other)| effects::are_confusable(one, other))
     };
     let sure = |id: &&str| probability(models, |other| other == *id || alike(other, id)) >= SURE;
     match chosen.as_slice() {
@@ -137,8 +137,8 @@ pub(crate) fn rivals<'s>(
 /// Every effect that was tried on the base model and can be compared, the best first; `withdrawn` are effects of the
 /// best model where it predicts data held out no better than the base model.
 pub(crate) fn candidates(models: &Models, chosen: &Key, withdrawn: &Key) -> Vec<Candidate> {
-    let yardstick = &models.yardstick;
-    let before = models.get(&Key::new()).map_or(f64::NAN, |base| yardstick.misfit(base.cost));
+    let noise_scale = &models.noise_scale;
+    let before = models.get(&Key::new()).map_or(f64::NAN, |base| noise_scale.misfit(base.cost));
     let mut candidates: Vec<Candidate> = ALL
         .iter()
         .filter_map(|effect| {
@@ -150,7 +150,7 @@ pub(crate) fn candidates(models: &Models, chosen: &Key, withdrawn: &Key) -> Vec<
             Some(Candidate {
                 effect: id.to_owned(),
                 cost: model.cost,
-                delta_chi2: before - yardstick.misfit(model.cost),
+                delta_chi2: before - noise_scale.misfit(model.cost),
                 criterion: models.criterion(&key),
                 heldout_error: None,
                 rejected,
@@ -186,7 +186,7 @@ fn rejection(models: &Models, chosen: &Key, withdrawn: &Key, id: &'static str) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::selection::familywise_threshold::Family;
+    use crate::diagnose::selection::familywise_threshold::FamilywiseThreshold;
     use crate::diagnose::tests::fitted_to;
 
     fn key(ids: &[&'static str]) -> Key {
@@ -230,7 +230,8 @@ mod tests {
     #[test]
     fn where_the_best_was_withdrawn_every_effect_says_why_it_is_not_named() {
         let mut models = fitted_to(&[(&["spring"], 100.0), (&["transport_delay"], 150.0)]);
-        models.family = Some(Family::that_asks_for_little(&["spring", "transport_delay"]));
+        models.family =
+            Some(FamilywiseThreshold::that_asks_for_little(&["spring", "transport_delay"]));
         let said =
             |withdrawn: &[&'static str], id| rejection(&models, &Key::new(), &key(withdrawn), id);
         assert_eq!(

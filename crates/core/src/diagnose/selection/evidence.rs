@@ -12,7 +12,7 @@
 use nalgebra::DMatrix;
 
 use crate::effects::{Coordinate, Range};
-use crate::identify::{Linear, Model, Workbench};
+use crate::identify::{FitSession, Linear, Model};
 
 use crate::diagnose::residuals::subspace::Subspace;
 
@@ -38,7 +38,7 @@ pub(crate) const ORDER: f64 = RARITY + 4.0;
 
 /// How large a misfit is.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Yardstick {
+pub(crate) struct NoiseScale {
     /// Whether costs are χ²; otherwise their logarithms count.
     pub known: bool,
     /// Sum of squares that rounding leaves.
@@ -47,7 +47,7 @@ pub(crate) struct Yardstick {
     pub dof: f64,
 }
 
-impl Yardstick {
+impl NoiseScale {
     /// −2 ln of the likelihood of a cost, up to a constant.
     pub fn misfit(&self, cost: f64) -> f64 {
         match self.known {
@@ -87,37 +87,37 @@ impl Yardstick {
 }
 
 /// What parameters cost, given what the data says of them.
-pub(crate) fn complexity(workbench: &Workbench<'_>, model: &Model, yardstick: &Yardstick) -> f64 {
+pub(crate) fn complexity(session: &FitSession<'_>, model: &Model, noise_scale: &NoiseScale) -> f64 {
     if model.effects().is_empty() {
         return 0.0;
     }
-    let Some(Linear { jacobian, .. }) = workbench.linearise(model) else { return f64::INFINITY };
+    let Some(Linear { jacobian, .. }) = session.linearise(model) else { return f64::INFINITY };
     let first = model.parameters_of(0).start;
     let base = Subspace::of(&jacobian.columns(0, first).into_owned());
     let own = base.complements(&jacobian.columns(first, model.parameters() - first).into_owned());
-    let deviations = deviations(workbench, model);
+    let deviations = deviations(session, model);
     let scaled = DMatrix::from_fn(own.nrows(), own.ncols(), |row, i| own[(row, i)] * deviations[i]);
-    let information = scaled.tr_mul(&scaled) / yardstick.variance(model.cost);
+    let information = scaled.tr_mul(&scaled) / noise_scale.variance(model.cost);
     let volume: f64 = information
         .symmetric_eigenvalues()
         .iter()
         .map(|eigenvalue| (1.0 + eigenvalue.max(0.0)).ln().max(LEAST))
         .sum();
-    let small = (0..model.effects().len()).map(|i| smallness(workbench, model, i, yardstick));
+    let small = (0..model.effects().len()).map(|i| smallness(session, model, i, noise_scale));
     volume + RARITY * model.effects().len() as f64 + small.sum::<f64>()
 }
 
 /// What it costs that a parameter of this effect is smaller than is likely.
-fn smallness(workbench: &Workbench<'_>, model: &Model, i: usize, yardstick: &Yardstick) -> f64 {
+fn smallness(session: &FitSession<'_>, model: &Model, i: usize, noise_scale: &NoiseScale) -> f64 {
     let effect = model.effects()[i];
     let Some(rare) = effect.rarer_where_small() else { return 0.0 };
     let parameter = model.parameters_of(i).start + rare;
     let growth = |value: f64| {
         let mut larger = model.clone();
         larger.set(parameter, value);
-        Some(yardstick.misfit(workbench.cost(&larger)?) - yardstick.misfit(model.cost))
+        Some(noise_scale.misfit(session.cost(&larger)?) - noise_scale.misfit(model.cost))
     };
-    least_price(&workbench.ranges(effect)[rare], model.value(parameter), growth)
+    least_price(&session.ranges(effect)[rare], model.value(parameter), growth)
 }
 
 /// −2 ln of the prior of a value, as a share of that within the likely range, or what a larger
@@ -136,10 +136,10 @@ fn least_price(range: &Range, value: f64, growth: impl Fn(f64) -> Option<f64>) -
 }
 
 /// Standard deviations of the effects' parameters before the data is seen, in coordinates.
-fn deviations(workbench: &Workbench<'_>, model: &Model) -> Vec<f64> {
+fn deviations(session: &FitSession<'_>, model: &Model) -> Vec<f64> {
     let mut deviations = Vec::new();
     for (i, effect) in model.effects().iter().enumerate() {
-        let ranges = workbench.ranges(*effect);
+        let ranges = session.ranges(*effect);
         let own = model.parameters_of(i);
         let size = model.value(own.start);
         deviations.extend(own.map(|parameter| model.prior_std(parameter)));
@@ -165,12 +165,12 @@ mod tests {
     // Chance that takes up four fifths of ten degrees of freedom leaves a fifth of the cost.
     #[test]
     fn of_unknown_noise_a_misfit_must_fall_by_what_chance_leaves_of_all_that_there_is() {
-        let yardstick = |known: bool| Yardstick { known, rounding: 0.0, dof: 10.0 };
-        let unknown = yardstick(false);
+        let noise_scale = |known: bool| NoiseScale { known, rounding: 0.0, dof: 10.0 };
+        let unknown = noise_scale(false);
         let fall = unknown.misfit(3.0) - unknown.misfit(0.2 * 3.0);
         assert!((unknown.bar(8.0) - fall).abs() < 1e-12);
         assert_eq!(unknown.bar(10.0), f64::INFINITY);
-        assert_eq!(yardstick(true).bar(12.0), 12.0);
+        assert_eq!(noise_scale(true).bar(12.0), 12.0);
     }
 
     #[test]
@@ -191,17 +191,17 @@ mod tests {
     #[test]
     fn that_a_play_is_small_costs_only_where_the_data_says_so() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());
-        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
-        let yardstick = Yardstick { known: true, rounding: 0.0, dof: 100.0 };
+        let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+        let noise_scale = NoiseScale { known: true, rounding: 0.0, dof: 100.0 };
         let play = crate::effects::find("backlash").unwrap();
-        let likely = workbench.ranges(play)[3].likely[0];
+        let likely = session.ranges(play)[3].likely[0];
         let cost_of = |load: f64, gap: f64| {
-            let mut model = workbench.extend(workbench.base(), play);
+            let mut model = session.extend(session.base(), play);
             let own = model.parameters_of(0);
             model.set(own.start, load);
             model.set(own.end - 1, gap * likely);
-            model.cost = workbench.cost(&model).unwrap();
-            complexity(&workbench, &model, &yardstick)
+            model.cost = session.cost(&model).unwrap();
+            complexity(&session, &model, &noise_scale)
         };
         for (load, expected) in [(0.1, 2.0 * 10.0_f64.ln()), (1e-3, 0.0)] {
             let difference = cost_of(load, 0.01) - cost_of(load, 0.1);

@@ -1,6 +1,6 @@
 //! How much any effect of the library lowers χ² where none is missing.
 //!
-//! Noise is drawn as the fit of the anchor leaves it, and of each draw what
+//! Noise is drawn as the fit of the linearization leaves it, and of each draw what
 //! every effect would take up: the part of the noise in the directions in which
 //! the effect would show, wherever in the range of its parameters. The smallest p-value of a draw, over all effects, is
 //! what an effect must fall below (Westfall and Young 1993, ISBN
@@ -14,8 +14,8 @@ use rayon::prelude::*;
 
 use crate::identify::NoiseLaw;
 
-use crate::diagnose::residuals::null_distribution::Null;
-use crate::diagnose::search::linearization::Anchor;
+use crate::diagnose::residuals::null_distribution::NullDistribution;
+use crate::diagnose::search::linearization::Linearization;
 use crate::diagnose::search::score_tests::Probed;
 
 /// Draws of noise.
@@ -26,26 +26,26 @@ const LEVEL: f64 = 0.003;
 
 /// Null distributions of what every effect of a family takes up.
 #[derive(Clone)]
-pub(crate) struct Family {
-    members: Vec<(&'static str, Null)>,
+pub(crate) struct FamilywiseThreshold {
+    members: Vec<(&'static str, NullDistribution)>,
     limit: f64,
 }
 
-impl Family {
-    /// Of these effects with their probes at an anchor.
+impl FamilywiseThreshold {
+    /// Of these effects with their probes at a linearization.
     pub fn new(
-        anchor: &Anchor,
+        linearization: &Linearization,
         law: &NoiseLaw,
         scale_known: bool,
         probed: &[Probed],
         seed: u64,
     ) -> Self {
-        Self::at_level(LEVEL, anchor, law, scale_known, probed, seed)
+        Self::at_level(LEVEL, linearization, law, scale_known, probed, seed)
     }
 
     fn at_level(
         level: f64,
-        anchor: &Anchor,
+        linearization: &Linearization,
         law: &NoiseLaw,
         scale_known: bool,
         probed: &[Probed],
@@ -57,9 +57,9 @@ impl Family {
             .map(|draw| {
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 rng.set_stream((1 << 32) + draw);
-                let mut left = anchor.fitted.complement(&law.draw(&mut rng));
+                let mut left = linearization.fitted.complement(&law.draw(&mut rng));
                 if !scale_known {
-                    left *= (anchor.dof() / left.norm_squared()).sqrt();
+                    left *= (linearization.dof() / left.norm_squared()).sqrt();
                 }
                 let energies = |probed: &&Probed| {
                     probed.spans.iter().map(|span| span.energy(&left)).fold(0.0, f64::max)
@@ -67,12 +67,12 @@ impl Family {
                 seen.iter().map(energies).collect()
             })
             .collect();
-        let members: Vec<(&'static str, Null)> = seen
+        let members: Vec<(&'static str, NullDistribution)> = seen
             .iter()
             .enumerate()
             .map(|(i, probed)| {
                 let values = drawn.iter().map(|values| values[i]).collect();
-                (probed.effect.id(), Null::new(values))
+                (probed.effect.id(), NullDistribution::new(values))
             })
             .collect();
         let smallest = |values: &Vec<f64>| {
@@ -81,14 +81,15 @@ impl Family {
             // As a statistic that is large where something is wrong.
             -p_values.fold(1.0, f64::min).ln()
         };
-        let limit = (-Null::new(drawn.iter().map(smallest).collect()).limit(level)).exp();
+        let limit =
+            (-NullDistribution::new(drawn.iter().map(smallest).collect()).limit(level)).exp();
         Self { members, limit }
     }
 
     /// Of effects that take up next to nothing where none is missing.
     #[cfg(test)]
     pub fn that_asks_for_little(ids: &[&'static str]) -> Self {
-        let null = || Null::new((1..=100).map(|i| 0.01 * f64::from(i)).collect());
+        let null = || NullDistribution::new((1..=100).map(|i| 0.01 * f64::from(i)).collect());
         Self { members: ids.iter().map(|id| (*id, null())).collect(), limit: LEVEL }
     }
 
@@ -104,10 +105,10 @@ impl Family {
 mod tests {
     use super::*;
     use crate::diagnose::search::score_tests::Changes;
-    use crate::diagnose::selection::evidence::Yardstick;
+    use crate::diagnose::selection::evidence::NoiseScale;
     use crate::diagnose::tests::{exact, noisy, request};
     use crate::effects::{ALL, Effect};
-    use crate::identify::{Effort, Workbench};
+    use crate::identify::{FitAccuracy, FitSession};
     use crate::machines::draw::NoiseStatement;
     use crate::observer::Silent;
 
@@ -115,26 +116,33 @@ mod tests {
     /// noise than is allowed once in twenty.
     fn is_exceeded(statement: NoiseStatement, seed: u64) -> bool {
         let (measurement, request) = (noisy(&exact(), statement, seed), request());
-        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
-        let known = workbench.noise_known();
-        let base = workbench.base();
-        let anchor = Anchor::new(&workbench, base).unwrap();
-        let yardstick = Yardstick { known, rounding: workbench.rounding(), dof: anchor.dof() };
-        let testable =
-            |effect: &&&'static dyn Effect| workbench.runs_known() || !effect.needs_run();
+        let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+        let known = session.noise_known();
+        let base = session.base();
+        let linearization = Linearization::new(&session, base).unwrap();
+        let noise_scale =
+            NoiseScale { known, rounding: session.rounding(), dof: linearization.dof() };
+        let testable = |effect: &&&'static dyn Effect| session.runs_known() || !effect.needs_run();
         let probe = |effect: &'static dyn Effect| {
-            Changes::of(&workbench, &anchor, effect).probe(&workbench, &anchor)
+            Changes::of(&session, &linearization, effect).probe(&session, &linearization)
         };
         let probed: Vec<Probed> =
             ALL.iter().filter(testable).map(|effect| probe(*effect)).collect();
         let gain = |probed: &Probed| {
             let starts = probed.probes.iter().take(2).map(|probe| &probe.start);
-            let costs = starts.map(|start| workbench.refine(start, Effort::Settle).cost);
-            let misfit = yardstick.misfit(costs.fold(base.cost, f64::min));
-            (probed.effect.id(), yardstick.misfit(base.cost) - misfit)
+            let costs = starts.map(|start| session.refine(start, FitAccuracy::Settle).cost);
+            let misfit = noise_scale.misfit(costs.fold(base.cost, f64::min));
+            (probed.effect.id(), noise_scale.misfit(base.cost) - misfit)
         };
         let gains: Vec<(&str, f64)> = probed.par_iter().map(gain).collect();
-        let family = Family::at_level(0.05, &anchor, &workbench.noise(), known, &probed, seed);
+        let family = FamilywiseThreshold::at_level(
+            0.05,
+            &linearization,
+            &session.noise(),
+            known,
+            &probed,
+            seed,
+        );
         gains.iter().any(|(id, gain)| *gain > family.limit(id))
     }
 

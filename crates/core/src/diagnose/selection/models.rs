@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::identify::{Model, Workbench};
+use crate::identify::{FitSession, Model};
 
 use super::evidence;
-use super::evidence::Yardstick;
-use super::familywise_threshold::Family;
+use super::evidence::NoiseScale;
+use super::familywise_threshold::FamilywiseThreshold;
 
 /// Ids of a model's effects, in order.
 pub(crate) type Key = Vec<&'static str>;
@@ -19,18 +19,18 @@ pub(crate) fn key(model: &Model) -> Key {
 }
 
 /// A model that was fitted.
-pub(crate) struct Visited {
+pub(crate) struct ScoredModel {
     /// The model.
     pub model: Model,
     /// −2 ln of what speaks for its parameters: see [`evidence`].
     complexity: f64,
 }
 
-impl Visited {
+impl ScoredModel {
     /// A fitted model, weighed by the motions that it reaches from rest.
-    pub fn new(workbench: &Workbench<'_>, model: Model, yardstick: &Yardstick) -> Self {
-        let model = workbench.from_rest(model);
-        let complexity = evidence::complexity(workbench, &model, yardstick);
+    pub fn new(session: &FitSession<'_>, model: Model, noise_scale: &NoiseScale) -> Self {
+        let model = session.from_rest(model);
+        let complexity = evidence::complexity(session, &model, noise_scale);
         Self { model, complexity }
     }
 }
@@ -38,53 +38,53 @@ impl Visited {
 /// Every model that was fitted, the best of those with the same effects.
 pub(crate) struct Models {
     /// How costs are compared.
-    pub yardstick: Yardstick,
+    pub noise_scale: NoiseScale,
     /// What an effect must gain at the base model.
-    pub family: Option<Family>,
-    visited: BTreeMap<Key, Visited>,
+    pub family: Option<FamilywiseThreshold>,
+    scored: BTreeMap<Key, ScoredModel>,
 }
 
 impl Models {
     /// With nothing but the base model.
-    pub fn new(base: Model, yardstick: Yardstick) -> Self {
-        let base = Visited { model: base, complexity: 0.0 };
-        Self { yardstick, family: None, visited: BTreeMap::from([(Key::new(), base)]) }
+    pub fn new(base: Model, noise_scale: NoiseScale) -> Self {
+        let base = ScoredModel { model: base, complexity: 0.0 };
+        Self { noise_scale, family: None, scored: BTreeMap::from([(Key::new(), base)]) }
     }
 
     /// The model with these effects.
     pub fn get(&self, key: &Key) -> Option<&Model> {
-        self.visited.get(key).map(|visited| &visited.model)
+        self.scored.get(key).map(|scored| &scored.model)
     }
 
     /// Models whose criterion exceeds that of the best by less than `reach`, with all that
     /// they contain.
     pub fn within(&self, reach: f64) -> BTreeSet<&Key> {
-        let criteria = self.visited.keys().map(|key| self.criterion(key));
+        let criteria = self.scored.keys().map(|key| self.criterion(key));
         let best = criteria.fold(f64::INFINITY, f64::min);
         let near: Vec<&Key> =
-            self.visited.keys().filter(|key| self.criterion(key) < best + reach).collect();
+            self.scored.keys().filter(|key| self.criterion(key) < best + reach).collect();
         let is_part = |key: &&Key| near.iter().any(|near| key.iter().all(|id| near.contains(id)));
-        self.visited.keys().filter(is_part).collect()
+        self.scored.keys().filter(is_part).collect()
     }
 
     /// Every model by its effects.
     pub fn all(&self) -> impl Iterator<Item = (&Key, &Model)> {
-        self.visited.iter().map(|(key, visited)| (key, &visited.model))
+        self.scored.iter().map(|(key, scored)| (key, &scored.model))
     }
 
     /// Keeps a model, unless one with the same effects fits better.
-    pub fn keep(&mut self, visited: Visited) {
-        let key = key(&visited.model);
-        let best = self.visited.get(&key).map_or(f64::INFINITY, |known| known.model.cost);
-        if visited.model.cost < best {
-            self.visited.insert(key, visited);
+    pub fn keep(&mut self, scored: ScoredModel) {
+        let key = key(&scored.model);
+        let best = self.scored.get(&key).map_or(f64::INFINITY, |known| known.model.cost);
+        if scored.model.cost < best {
+            self.scored.insert(key, scored);
         }
     }
 
-    /// −2 ln of what speaks for a model, by a yardstick.
+    /// −2 ln of what speaks for a model, on a noise scale.
     pub fn criterion(&self, key: &Key) -> f64 {
-        self.visited.get(key).map_or(f64::INFINITY, |visited| {
-            self.yardstick.misfit(visited.model.cost) + visited.complexity
+        self.scored.get(key).map_or(f64::INFINITY, |scored| {
+            self.noise_scale.misfit(scored.model.cost) + scored.complexity
         })
     }
 
@@ -93,7 +93,7 @@ impl Models {
     pub fn loss(&self, key: &Key, id: &str) -> f64 {
         let without: Key = key.iter().copied().filter(|other| *other != id).collect();
         let misfit = |key: &Key| {
-            self.visited.get(key).map(|visited| self.yardstick.misfit(visited.model.cost))
+            self.scored.get(key).map(|scored| self.noise_scale.misfit(scored.model.cost))
         };
         match (misfit(&without), misfit(key)) {
             (Some(without), Some(with)) => without - with,
@@ -104,7 +104,7 @@ impl Models {
     /// Whether an effect of a model gains more than so many times what chance makes any gain.
     pub fn exceeds(&self, key: &Key, id: &str, times: f64) -> bool {
         let limit = self.family.as_ref().map_or(f64::INFINITY, |family| family.limit(id));
-        self.loss(key, id) > times * self.yardstick.bar(limit)
+        self.loss(key, id) > times * self.noise_scale.bar(limit)
     }
 
     /// Whether each effect of a model is more than chance.
@@ -115,14 +115,14 @@ impl Models {
     /// Models with so many effects, the best first.
     pub fn ranked(&self, effects: usize) -> Vec<Key> {
         let mut keys: Vec<Key> =
-            self.visited.keys().filter(|key| key.len() == effects).cloned().collect();
+            self.scored.keys().filter(|key| key.len() == effects).cloned().collect();
         keys.sort_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)));
         keys
     }
 
     /// The best of the models each of whose effects is more than chance.
     pub fn best_supported(&self) -> Key {
-        self.visited
+        self.scored
             .keys()
             .filter(|key| self.supported(key))
             .min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use crate::answers::NextExperiment;
-use crate::identify::{Model, Workbench};
+use crate::identify::{FitSession, Model};
 
 /// Frequencies that are looked at.
 const FREQUENCIES: usize = 24;
@@ -22,11 +22,11 @@ const MAGNITUDES: [f64; 6] = [-0.15, 0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Where `named` and `rival` (with the ids of what they differ in) differ most.
 pub(crate) fn between(
-    workbench: &Workbench<'_>,
+    session: &FitSession<'_>,
     named: (&Model, &str),
     rival: (&Model, &str),
 ) -> Option<NextExperiment> {
-    let experiments = workbench.measurement().experiments();
+    let experiments = session.measurement().experiments();
     let span = |value: &dyn Fn(usize) -> f64| {
         let values = || (0..experiments.len()).map(value).filter(|value| *value > 0.0);
         (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max))
@@ -44,7 +44,7 @@ pub(crate) fn between(
         .collect();
     let separated: Vec<Option<f64>> = points
         .par_iter()
-        .map(|(m, omega)| workbench.separation([named.0, rival.0], *m, *omega))
+        .map(|(m, omega)| session.separation([named.0, rival.0], *m, *omega))
         .collect();
     let (chi2, (magnitude, omega_rad_s)) = separated
         .into_iter()
@@ -76,14 +76,14 @@ mod tests {
     #[test]
     fn a_delay_and_a_lag_are_told_apart_beyond_the_highest_frequency() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());
-        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
+        let session = FitSession::new(&measurement, &request, &Silent).unwrap();
         let models = ["transport_delay", "sensor_lag"].map(|id| {
-            let mut model = workbench.extend(workbench.base(), effects::find(id).unwrap());
+            let mut model = session.extend(session.base(), effects::find(id).unwrap());
             model.set(model.parameters_of(0).start, 1e-3);
             model
         });
         let [delay, lag] = [(&models[0], "transport_delay"), (&models[1], "sensor_lag")];
-        let next = between(&workbench, delay, lag).unwrap();
+        let next = between(&session, delay, lag).unwrap();
         let measured = measurement.experiments().iter().map(|e| e.omega_rad_s);
         let highest = measured.fold(0.0, f64::max);
         assert!(next.omega_rad_s > highest && next.omega_rad_s < 4.01 * highest, "{next:?}");

@@ -7,12 +7,12 @@
 use std::iter;
 
 use crate::answers::{Diagnosis, PlantRequest};
-use crate::identify::{IdentifyRequest, Workbench};
+use crate::identify::{FitSession, IdentifyRequest};
 use crate::measurement::Measurement;
 
 use super::causes::EQUIVALENT;
 use super::evidence::ORDER;
-use super::order_study::Study;
+use super::order_study::OrderStudy;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::progress::{Part, Quiet};
 
@@ -31,7 +31,7 @@ const CONCLUDING: [f64; 2] = [0.8, 1.0];
 pub(crate) fn diagnose(
     measurement: &Measurement,
     request: &IdentifyRequest,
-    first: &Workbench<'_>,
+    first: &FitSession<'_>,
     part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
     let (seed, most) = (request.options.seed, request.options.most_effects);
@@ -46,17 +46,18 @@ pub(crate) fn diagnose(
     let quietly = Quiet(&part);
     let mut others = Vec::with_capacity(lower.len());
     for request in &lower {
-        others.push(Workbench::new(measurement, request, &quietly)?);
+        others.push(FitSession::new(measurement, request, &quietly)?);
     }
-    let workbenches: Vec<&Workbench<'_>> = iter::once(first).chain(&others).collect();
+    let workbenches: Vec<&FitSession<'_>> = iter::once(first).chain(&others).collect();
     let each = 1.0 / workbenches.len() as f64;
     let mut studies = Vec::with_capacity(workbenches.len());
-    for (i, workbench) in workbenches.iter().enumerate() {
+    for (i, session) in workbenches.iter().enumerate() {
         let own = part.part(SINGLES).part([i, i + 1].map(|end| end as f64 * each));
-        studies.push(Study::new(workbench, own, seed)?);
+        studies.push(OrderStudy::new(session, own, seed)?);
     }
-    let standing =
-        |study: &Study<'_>| weight(study) - if study.order() == suited { EQUIVALENT } else { 0.0 };
+    let standing = |study: &OrderStudy<'_>| {
+        weight(study) - if study.order() == suited { EQUIVALENT } else { 0.0 }
+    };
     studies.sort_by(|a, b| standing(a).total_cmp(&standing(b)));
     studies[0].combine(part.part(COMBINING[0]), most, measurement)?;
     if !studies[0].explained() && studies.len() > 1 {
@@ -84,11 +85,11 @@ pub(crate) fn diagnose(
 }
 
 /// −2 ln of what speaks for an order and its causes.
-fn weight(study: &Study<'_>) -> f64 {
+fn weight(study: &OrderStudy<'_>) -> f64 {
     study.criterion() + ORDER * f64::from(study.order())
 }
 
-fn described(study: &Study<'_>) -> String {
+fn described(study: &OrderStudy<'_>) -> String {
     match study.chosen.as_slice() {
         [] => format!("order {} alone", study.order()),
         causes => format!("order {} with {}", study.order(), causes.join(" and ")),

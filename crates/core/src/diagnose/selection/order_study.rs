@@ -1,16 +1,16 @@
 //! Everything that one order of the actuator leads to.
 
 use crate::answers::Discrepancy;
-use crate::identify::{IdentifyError, Intervals, Model, ModelFit, Workbench};
+use crate::identify::{FitSession, IdentifyError, Intervals, Model, ModelFit};
 use crate::measurement::Measurement;
 use crate::observer::Observer as _;
 
 use super::causes;
-use super::evidence::Yardstick;
+use super::evidence::NoiseScale;
 use super::models::Key;
-use super::report_assembly::Conclusion;
+use super::report_assembly::ReportAssembly;
 use crate::diagnose::error::DiagnoseError;
-use crate::diagnose::holdout::cv_splits::Folds;
+use crate::diagnose::holdout::cv_splits::CvSplits;
 use crate::diagnose::progress::Part;
 use crate::diagnose::residuals::discrepancy;
 use crate::diagnose::search::Search;
@@ -23,8 +23,8 @@ const COMBINING: [f64; 2] = [0.0, 0.8];
 const DEEPENING: [f64; 2] = [0.8, 1.0];
 
 /// A base model, what it gets wrong, and the causes that were found.
-pub(crate) struct Study<'a> {
-    workbench: &'a Workbench<'a>,
+pub(crate) struct OrderStudy<'a> {
+    session: &'a FitSession<'a>,
     fit: ModelFit,
     discrepancy: Discrepancy,
     search: Search<'a>,
@@ -35,28 +35,28 @@ pub(crate) struct Study<'a> {
     fits: bool,
 }
 
-impl<'a> Study<'a> {
-    /// Fits every effect alone beside the workbench's base model.
+impl<'a> OrderStudy<'a> {
+    /// Fits every effect alone beside the session's base model.
     ///
     /// # Errors
     /// When cancelled, or where the base model has no response.
     pub fn new(
-        workbench: &'a Workbench<'a>,
+        session: &'a FitSession<'a>,
         part: Part<'_>,
         seed: u64,
     ) -> Result<Self, DiagnoseError> {
-        let fit = workbench.judge(workbench.base(), Intervals::Profile)?;
+        let fit = session.judge(session.base(), Intervals::Profile)?;
         let stage = part.part([0.0, 0.05]).stage("discrepancy", 1);
         let discrepancy = discrepancy::of(&fit, seed);
         stage.step();
-        let yardstick = Yardstick {
-            known: workbench.noise_known(),
-            rounding: workbench.rounding(),
-            dof: workbench.data().saturating_sub(LARGEST_BASE).max(1) as f64,
+        let noise_scale = NoiseScale {
+            known: session.noise_known(),
+            rounding: session.rounding(),
+            dof: session.data().saturating_sub(LARGEST_BASE).max(1) as f64,
         };
-        let search = Search::new(workbench, part.part([0.05, 1.0]), seed, yardstick);
+        let search = Search::new(session, part.part([0.05, 1.0]), seed, noise_scale);
         let (chosen, fits) = (Key::new(), discrepancy.noise_like);
-        let mut this = Self { workbench, fit, discrepancy, search, seed, chosen, fits };
+        let mut this = Self { session, fit, discrepancy, search, seed, chosen, fits };
         this.choose(part)?;
         Ok(this)
     }
@@ -73,14 +73,14 @@ impl<'a> Study<'a> {
         most: usize,
         measurement: &Measurement,
     ) -> Result<(), DiagnoseError> {
-        let Self { workbench, search, seed, .. } = self;
-        let yardstick = search.models.yardstick;
-        let sufficient = |model: &Model| noise_like(workbench, yardstick, model, *seed);
-        let folds = if workbench.has_cosines_alone() { None } else { Folds::of(measurement) };
+        let Self { session, search, seed, .. } = self;
+        let noise_scale = search.models.noise_scale;
+        let sufficient = |model: &Model| noise_like(session, noise_scale, model, *seed);
+        let splits = if session.has_cosines_alone() { None } else { CvSplits::of(measurement) };
         let adds = |without: &Model, with: &Model| {
-            let Some(folds) = &folds else { return true };
+            let Some(splits) = &splits else { return true };
             let errors = [without, with]
-                .map(|model| workbench.error_left_out(model, |e, order| folds.part_of(e, order)));
+                .map(|model| session.error_left_out(model, |e, order| splits.part_of(e, order)));
             matches!(errors, [Some(without), Some(with)] if with < without)
         };
         search.combine(part.part(COMBINING), most, sufficient, adds);
@@ -95,7 +95,7 @@ impl<'a> Study<'a> {
         self.chosen = models.best_supported();
         self.fits = match models.get(&self.chosen) {
             Some(model) if !self.chosen.is_empty() => {
-                noise_like(self.workbench, models.yardstick, model, self.seed)
+                noise_like(self.session, models.noise_scale, model, self.seed)
             }
             _ => self.discrepancy.noise_like,
         };
@@ -107,7 +107,7 @@ impl<'a> Study<'a> {
 
     /// Order of the actuator.
     pub fn order(&self) -> u8 {
-        self.workbench.order()
+        self.session.order()
     }
 
     /// Whether the model that was chosen leaves noise alone, and is no imitation of
@@ -122,22 +122,22 @@ impl<'a> Study<'a> {
     }
 
     /// What it comes to.
-    pub fn conclusion(self) -> Conclusion<'a> {
+    pub fn conclusion(self) -> ReportAssembly<'a> {
         let explained = self.explained();
-        let Self { workbench, fit, discrepancy, search, mut chosen, fits, .. } = self;
+        let Self { session, fit, discrepancy, search, mut chosen, fits, .. } = self;
         let mut models = search.models;
-        if !chosen.is_empty() && !fits && models.yardstick.known {
+        if !chosen.is_empty() && !fits && models.noise_scale.known {
             // What remains widens every uncertainty.
-            models.yardstick.known = false;
+            models.noise_scale.known = false;
             chosen = models.best_supported();
         }
-        Conclusion { workbench, fit, discrepancy, models, chosen, fits, explained }
+        ReportAssembly { session, fit, discrepancy, models, chosen, fits, explained }
     }
 }
 
 /// Whether noise is all that a model leaves.
-fn noise_like(workbench: &Workbench<'_>, yardstick: Yardstick, model: &Model, seed: u64) -> bool {
-    let exact = !yardstick.known && yardstick.explains(model.cost);
-    let fit = || workbench.judge(model, Intervals::Curvature);
+fn noise_like(session: &FitSession<'_>, noise_scale: NoiseScale, model: &Model, seed: u64) -> bool {
+    let exact = !noise_scale.known && noise_scale.explains(model.cost);
+    let fit = || session.judge(model, Intervals::Curvature);
     exact || fit().is_ok_and(|fit| discrepancy::is_noise(&fit, seed))
 }

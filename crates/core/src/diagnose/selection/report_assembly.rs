@@ -1,21 +1,23 @@
 //! From what was found to the answer.
 
 use crate::answers::{Diagnosis, Discrepancy, Gain, Identification, NextExperiment, Verdict};
-use crate::identify::{Effort, IdentifyError, IdentifyRequest, Intervals, ModelFit, Workbench};
+use crate::identify::{
+    FitAccuracy, FitSession, IdentifyError, IdentifyRequest, Intervals, ModelFit,
+};
 use crate::measurement::Measurement;
 
 use super::models::{Key, Models};
 use super::{causes, next_experiment};
 use crate::diagnose::error::DiagnoseError;
-use crate::diagnose::holdout::cross_validation::{Dropped, Unseen};
-use crate::diagnose::holdout::cv_splits::Folds;
+use crate::diagnose::holdout::cross_validation::{CrossValidation, Dropped};
+use crate::diagnose::holdout::cv_splits::CvSplits;
 use crate::diagnose::progress::Part;
 use crate::diagnose::residuals::discrepancy;
 
 /// What one order of the actuator comes to.
-pub(crate) struct Conclusion<'a> {
+pub(crate) struct ReportAssembly<'a> {
     /// Where everything was fitted.
-    pub workbench: &'a Workbench<'a>,
+    pub session: &'a FitSession<'a>,
     /// The base model.
     pub fit: ModelFit,
     /// What it gets wrong.
@@ -30,7 +32,7 @@ pub(crate) struct Conclusion<'a> {
     pub explained: bool,
 }
 
-impl Conclusion<'_> {
+impl ReportAssembly<'_> {
     /// The answer.
     ///
     /// # Errors
@@ -42,10 +44,10 @@ impl Conclusion<'_> {
         part: Part<'_>,
     ) -> Result<Diagnosis, DiagnoseError> {
         let mut limitations = discrepancy::limitations(&self.fit, &self.discrepancy);
-        limitations.extend(crate::diagnose::limitations::undecided(self.workbench));
+        limitations.extend(crate::diagnose::limitations::undecided(self.session));
         limitations.extend(crate::diagnose::limitations::incomparable(&self.models));
-        let unseen = match self.unseen(measurement, request, part) {
-            Ok(unseen) => Some(unseen),
+        let cross_validation = match self.cross_validation(measurement, request, part) {
+            Ok(cross_validation) => Some(cross_validation),
             Err(Silence::Cancelled) => return Err(IdentifyError::Cancelled.into()),
             Err(Silence::Nothing) => None,
             Err(Silence::Because(reason)) => {
@@ -56,12 +58,16 @@ impl Conclusion<'_> {
             }
         };
         // Where noise is all that is left, every cause is more than chance, and stays.
-        let prune = |unseen: &Unseen| unseen.prune(&self.models, &mut self.chosen);
-        let dropped = unseen.as_ref().filter(|_| !self.fits).map(prune).unwrap_or_default();
-        let mut gain = unseen.as_ref().and_then(|unseen| match dropped.is_empty() {
-            true => unseen.gain(&self.chosen),
-            false => unseen.gain_of(&self.chosen),
-        });
+        let prune = |cross_validation: &CrossValidation| {
+            cross_validation.prune(&self.models, &mut self.chosen)
+        };
+        let dropped =
+            cross_validation.as_ref().filter(|_| !self.fits).map(prune).unwrap_or_default();
+        let mut gain =
+            cross_validation.as_ref().and_then(|cross_validation| match dropped.is_empty() {
+                true => cross_validation.gain(&self.chosen),
+                false => cross_validation.gain_of(&self.chosen),
+            });
         limitations.extend(dropped.iter().map(useless));
         let mut withdrawn = Key::new();
         if let Some(disappointing) = gain.take_if(|gain| self.disappoints(gain)) {
@@ -84,16 +90,18 @@ impl Conclusion<'_> {
         for cause in &mut causes {
             cause.gain = match chosen.len() {
                 1 => gain.clone(),
-                _ => unseen.as_ref().and_then(|unseen| {
+                _ => cross_validation.as_ref().and_then(|cross_validation| {
                     let own = chosen.iter().copied().filter(|id| *id == cause.effect);
-                    unseen.gain_of(&own.collect())
+                    cross_validation.gain_of(&own.collect())
                 }),
             };
         }
         let mut candidates = causes::candidates(models, chosen, &withdrawn);
         for candidate in &mut candidates {
-            let error = |unseen: &Unseen| unseen.error_alone(&candidate.effect);
-            candidate.heldout_error = unseen.as_ref().and_then(error);
+            let error = |cross_validation: &CrossValidation| {
+                cross_validation.error_alone(&candidate.effect)
+            };
+            candidate.heldout_error = cross_validation.as_ref().and_then(error);
         }
         Ok(Diagnosis {
             verdict: match (chosen.is_empty(), self.explained) {
@@ -116,19 +124,20 @@ impl Conclusion<'_> {
     }
 
     /// What is predicted of data held out.
-    fn unseen(
+    fn cross_validation(
         &self,
         measurement: &Measurement,
         request: &IdentifyRequest,
         part: Part<'_>,
-    ) -> Result<Unseen, Silence> {
+    ) -> Result<CrossValidation, Silence> {
         if self.chosen.is_empty() {
             return Err(Silence::Nothing);
         }
-        let folds = Folds::of(measurement).ok_or_else(|| Silence::Because(TOO_SMALL.to_owned()))?;
+        let splits =
+            CvSplits::of(measurement).ok_or_else(|| Silence::Because(TOO_SMALL.to_owned()))?;
         let models = (&self.models, &self.chosen);
-        let unseen = Unseen::of(self.workbench, request, models, &folds, part);
-        unseen.map_err(|error| match error {
+        let cross_validation = CrossValidation::of(self.session, request, models, &splits, part);
+        cross_validation.map_err(|error| match error {
             IdentifyError::Cancelled => Silence::Cancelled,
             error => Silence::Because(format!("without a part of it, {error}")),
         })
@@ -144,10 +153,10 @@ impl Conclusion<'_> {
 
     /// The model with the causes, to the last digit; `None` where there are none.
     fn extended(&self) -> Result<Option<Identification>, DiagnoseError> {
-        let Self { workbench, models, chosen, .. } = self;
+        let Self { session, models, chosen, .. } = self;
         let model = models.get(chosen).filter(|_| !chosen.is_empty());
-        let thorough = |model| workbench.refine(model, Effort::Thorough);
-        let judge = |model| workbench.judge(&thorough(model), Intervals::Profile);
+        let thorough = |model| session.refine(model, FitAccuracy::Thorough);
+        let judge = |model| session.judge(&thorough(model), Intervals::Profile);
         Ok(model.map(judge).transpose()?.map(|fit| fit.identification))
     }
 
@@ -156,11 +165,11 @@ impl Conclusion<'_> {
         &self,
         mut causes: impl Iterator<Item = &'c str>,
     ) -> Option<NextExperiment> {
-        let Self { workbench, models, chosen, .. } = self;
+        let Self { session, models, chosen, .. } = self;
         causes.find_map(|cause| {
             let (rival, model) = causes::rivals(models, chosen, cause).into_iter().next()?;
             let named = (models.get(chosen)?, cause);
-            next_experiment::between(workbench, named, (model, rival))
+            next_experiment::between(session, named, (model, rival))
         })
     }
 }

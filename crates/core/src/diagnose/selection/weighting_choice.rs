@@ -6,7 +6,7 @@
 
 use crate::answers::{Diagnosis, Identification, IdentifyOptions, Weighting};
 use crate::identify;
-use crate::identify::{IdentifyRequest, Workbench};
+use crate::identify::{FitSession, IdentifyRequest};
 use crate::measurement::Measurement;
 
 use super::order_selection;
@@ -56,12 +56,12 @@ fn weighed(
     let options = IdentifyOptions { weights: Weighting::Response, ..request.options };
     let all_alike = IdentifyRequest { options, ..*request };
     let fitting = part.part(FITTING);
-    let first = Workbench::new(measurement, request, &fitting)?;
+    let first = FitSession::new(measurement, request, &fitting)?;
     let by_noise = |span| order_selection::diagnose(measurement, request, &first, part.part(span));
     let alike = |span| {
         let part = part.part(span);
         let fitting = part.part(FITTING);
-        let first = Workbench::new(measurement, &all_alike, &fitting)?;
+        let first = FitSession::new(measurement, &all_alike, &fitting)?;
         order_selection::diagnose(measurement, &all_alike, &first, part.part([FITTING[1], 1.0]))
     };
     let chi2_per_dof = first.base().cost / first.data() as f64;

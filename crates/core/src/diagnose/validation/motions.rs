@@ -17,7 +17,7 @@ use crate::observer::Observer;
 
 use super::remarks;
 use super::{Outcome, ValidateError};
-use crate::diagnose::holdout::gain::{Left, Sample, gain_of_groups, summary_of};
+use crate::diagnose::holdout::gain::{ResidualSums, Sample, gain_of_groups, summary_of};
 
 /// Blocks of time in all motions together, at most: Student's t gains little beyond.
 const MOST_BLOCKS: f64 = 24.0;
@@ -66,11 +66,11 @@ pub(crate) fn tried(
             let step_s = measurement.transients()[i].step_s;
             in_blocks(followed, ((block_s / step_s).round() as usize).max(1))
         });
-        Some(blocks.flatten().collect::<Vec<Left>>())
+        Some(blocks.flatten().collect::<Vec<ResidualSums>>())
     });
     let [Some(before), after] = blocks else { unreachable!("the base model is tried") };
     let heldout = heldout(measurement, &kept, &unscored_s, before.len(), block_s);
-    let pairs = |after: &Vec<Left>| -> Vec<[Left; 2]> {
+    let pairs = |after: &Vec<ResidualSums>| -> Vec<[ResidualSums; 2]> {
         before.iter().zip(after).map(|(before, after)| [*before, *after]).collect()
     };
     let gain = after
@@ -78,9 +78,9 @@ pub(crate) fn tried(
         .and_then(|after| gain_of_groups(&pairs(after), Sample::Independent, false, heldout));
     let components = kept.iter().filter_map(|i| base[*i].as_ref().ok()).map(|f| f.measured.len());
     let components: usize = components.sum();
-    let model = |blocks: &[Left], tries: &Tries| ValidatedModel {
+    let model = |blocks: &[ResidualSums], tries: &Tries| ValidatedModel {
         unanswered: tries.iter().filter_map(|tried| tried.as_ref().err().cloned()).collect(),
-        ..summary_of(&Left::sum(blocks), components, false)
+        ..summary_of(&ResidualSums::sum(blocks), components, false)
     };
     let motions = motions(measurement, &unscored_s, &base, extended.as_ref());
     let metadata = measurement.metadata();
@@ -120,10 +120,10 @@ fn block_s(
 
 /// What is left of consecutive blocks; a last one that is shorter than half belongs to the
 /// one before.
-fn in_blocks(followed: &Followed, samples: usize) -> Vec<Left> {
+fn in_blocks(followed: &Followed, samples: usize) -> Vec<ResidualSums> {
     let count = followed.measured.len();
     let blocks = ((count as f64 / samples as f64).round() as usize).max(1);
-    let mut left = vec![Left::default(); blocks];
+    let mut left = vec![ResidualSums::default(); blocks];
     for (n, (measured, simulated)) in followed.measured.iter().zip(&followed.simulated).enumerate()
     {
         left[(n / samples).min(blocks - 1)].add_sample(*measured, *simulated);

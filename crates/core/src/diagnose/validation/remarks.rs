@@ -8,7 +8,7 @@ use crate::answers::{
     Answer, BeginningValue, Cause, ComparedExperiment, Comparison, Gain, ValidatedModel,
     ValidatedModels, ValidatedMotion, Verdict,
 };
-use crate::identify::UnitAgreement;
+use crate::identify::UnitCompatibility;
 use crate::measurement::{Measurement, ResponseKind};
 
 use super::hurts;
@@ -122,7 +122,7 @@ fn leaves_more_than_noise(model: &ValidatedModel) -> bool {
 pub(crate) fn of_data(
     answer: &Answer,
     measurement: &Measurement,
-    agreement: &UnitAgreement,
+    agreement: &UnitCompatibility,
 ) -> Vec<String> {
     let mut said = Vec::new();
     let fitted = &answer.base().provenance.data_sha256;
@@ -133,7 +133,7 @@ pub(crate) fn of_data(
                 .into(),
         );
     }
-    if let UnitAgreement::Unsaid { quantity } = agreement {
+    if let UnitCompatibility::Unsaid { quantity } = agreement {
         said.push(format!(
             "one of the two measurements does not say the unit of its {quantity}; it is taken to \
              be the other\'s"

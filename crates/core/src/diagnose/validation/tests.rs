@@ -110,7 +110,7 @@ fn what_one_model_has_no_response_for_counts_for_neither() {
         omega_rad_s: Some(2.0),
         reason,
     });
-    let same = UnitAgreement::Same;
+    let same = UnitCompatibility::Same;
     let measurement = measurement(None);
     let found = compared(&answer, &measurement, &same, &base, Some(&extended)).unwrap();
     let [of_base, of_extended] = [&found.models.base, found.models.extended.as_ref().unwrap()];

@@ -9,12 +9,12 @@
 
 use crate::simulate::Counts;
 
-use super::{Effort, Model, Workbench};
+use super::{FitAccuracy, FitSession, Model};
 use crate::identify::objective::Misfit;
 use crate::identify::pipeline::Fitted;
 use crate::identify::refine;
 
-impl Workbench<'_> {
+impl FitSession<'_> {
     /// A fitted model as it counts among others: as it is where it has a response from rest in
     /// every experiment, and else fitted again, by the motions that are reached from rest. Its
     /// cost is infinite where too many experiments have none.
@@ -23,7 +23,7 @@ impl Workbench<'_> {
             return model;
         }
         let misfit = Misfit { counts: Counts::FromRest, ..self.misfit(&model) };
-        self.descend_by(&misfit, &model, self.patience(Effort::Settle))
+        self.descend_by(&misfit, &model, self.patience(FitAccuracy::Settle))
     }
 
     /// Experiments in which a model has no response from rest.
@@ -35,7 +35,7 @@ impl Workbench<'_> {
         misfit.unanswered(&model.point)
     }
 
-    /// A model fitted to the experiments in which it has a response from rest, on a workbench of
+    /// A model fitted to the experiments in which it has a response from rest, on a session of
     /// them alone; `None` where these are all.
     pub(super) fn where_answered(&self, model: &Model) -> Option<(Self, Model)> {
         let mut left_out = self.unanswered(model);
@@ -57,7 +57,7 @@ impl Workbench<'_> {
         }
     }
 
-    /// The same workbench with nothing measured in these experiments.
+    /// The same session with nothing measured in these experiments.
     fn without(&self, experiments: &[usize]) -> Self {
         let fitted = self.fitted.clone();
         Self {
@@ -145,19 +145,19 @@ mod tests {
         options.colony.enabled = false;
         let plant = Some(PlantRequest { actuator_order: 2 });
         let request = IdentifyRequest { plant, options, ..IdentifyRequest::default() };
-        let workbench = Workbench::new(&measurement, &request, &Silent).unwrap();
+        let session = FitSession::new(&measurement, &request, &Silent).unwrap();
         let play = find("backlash").unwrap();
-        let mut model = workbench.extend(workbench.base(), play);
-        let base = model.coordinates.point(&workbench.problem.in_scale(&axis()));
+        let mut model = session.extend(session.base(), play);
+        let base = model.coordinates.point(&session.problem.in_scale(&axis()));
         model.point[..base.len()].copy_from_slice(&base);
-        let Scales { omega, input, velocity } = workbench.problem.scales;
+        let Scales { omega, input, velocity } = session.problem.scales;
         for ((i, parameter), value) in model.parameters_of(0).zip(play.parameters()).zip(JOINT) {
             model.set(i, value / parameter.dimension.factor(input, velocity, 1.0 / omega));
         }
-        model.cost = workbench.misfit(&model).cost(&model.point);
+        model.cost = session.misfit(&model).cost(&model.point);
         assert!(model.cost.is_finite());
 
-        let fit = workbench.judge(&model, Intervals::Curvature).unwrap();
+        let fit = session.judge(&model, Intervals::Curvature).unwrap();
         let answer = &fit.identification.fit;
         let places = answer.unanswered.iter();
         let places: Vec<_> =
@@ -170,9 +170,8 @@ mod tests {
         assert!(answer.chi2.unwrap() < 21.0, "{:?}", answer.chi2);
 
         // In the search an experiment without a response is worth what the base model leaves.
-        let stood_in = workbench.from_rest(model.clone());
-        let of_base =
-            workbench.misfit(workbench.base()).residuals(&workbench.base().point).unwrap();
+        let stood_in = session.from_rest(model.clone());
+        let of_base = session.misfit(session.base()).residuals(&session.base().point).unwrap();
         let of_base = of_base.rows(20 * 11, 2 * 11).norm_squared();
         let least = answer.chi2.unwrap() + of_base;
         assert!(stood_in.cost > 0.99 * least, "{} {least}", stood_in.cost);

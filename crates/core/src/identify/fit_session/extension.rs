@@ -2,9 +2,9 @@
 
 use crate::effects::{Effect, Parameter, Range, WIDE_LANES};
 
-use super::{Model, Workbench};
+use super::{FitSession, Model};
 
-impl Workbench<'_> {
+impl FitSession<'_> {
     /// Where the parameters of an effect can lie, in the problem's scales.
     pub fn ranges(&self, effect: &dyn Effect) -> Vec<Range> {
         let scope = self.scope();
@@ -21,8 +21,8 @@ impl Workbench<'_> {
     }
 
     /// Values of an effect's parameters to try first, in the problem's scales.
-    pub fn places(&self, effect: &dyn Effect) -> Vec<Vec<f64>> {
-        effect.places(&self.scope())
+    pub fn start_points(&self, effect: &dyn Effect) -> Vec<Vec<f64>> {
+        effect.start_points(&self.scope())
     }
 
     /// A model with another effect in the place of its last: parameters that both effects

@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Linear, Model, Workbench};
+use super::{FitSession, Linear, Model};
 
-impl Workbench<'_> {
+impl FitSession<'_> {
     /// NRMSE of what a fitted model would predict of each part of the data, had the part been
     /// left out of its fit; over all parts together, to first order. `part` says for an
     /// experiment and a harmonic in which part it is left out, if in any. `None` where the
@@ -77,7 +77,7 @@ mod tests {
         options.colony.enabled = false;
         let plant = Some(PlantRequest { actuator_order: 0 });
         let request = IdentifyRequest { plant, options, ..IdentifyRequest::default() };
-        let whole = Workbench::new(&measurement, &request, &Silent).unwrap();
+        let whole = FitSession::new(&measurement, &request, &Silent).unwrap();
         let experiments = measurement.experiments();
         let part_of = |experiment: usize| [3, 5].iter().position(|level| experiment % 8 == *level);
         let (mut error, mut size, mut fitted) = (0.0, 0.0, 0.0);
@@ -85,7 +85,7 @@ mod tests {
             let kept = |e: &usize| part_of(*e) != Some(part);
             let rest = (0..experiments.len()).filter(kept).map(|e| experiments[e].clone());
             let rest = joined(rest.collect());
-            let own = Workbench::continued(&rest, &request, &Silent, &whole).unwrap();
+            let own = FitSession::continued(&rest, &request, &Silent, &whole).unwrap();
             let held = |e: usize| part_of(e) == Some(part);
             let squares = |model: &Model| {
                 let comparison = whole.compare(model, held);
@@ -112,7 +112,7 @@ mod tests {
     fn where_nothing_is_left_out_there_is_no_error() {
         let measurement = stepped_sine(&axis(Actuator::Direct), 1);
         let request = IdentifyRequest::default();
-        let whole = Workbench::new(&measurement, &request, &Silent).unwrap();
+        let whole = FitSession::new(&measurement, &request, &Silent).unwrap();
         assert_eq!(whole.error_left_out(whole.base(), |_, _| None), None);
     }
 }

@@ -65,7 +65,7 @@ impl Model {
             let own = self.parameters_of(i);
             let before: Vec<f64> = own.clone().map(|parameter| self.value(parameter)).collect();
             let mut values = before.clone();
-            effect.rouse(&mut values, &friction);
+            effect.escape_dead_zone(&mut values, &friction);
             let moved =
                 own.zip(before.into_iter().zip(values)).filter(|(_, (old, new))| old != new);
             moved.for_each(|(parameter, (_, value))| roused.set(parameter, value));

@@ -7,14 +7,14 @@ use crate::effects::{ActiveEffect, Axis, Effect};
 use crate::simulate;
 use crate::simulate::Torque;
 
-use super::{Linear, Model, Workbench};
+use super::{FitSession, Linear, Model};
 use crate::identify::problem::{Prepared, Scales, per_velocity};
 use crate::identify::refine;
 
 /// Angle over the travel beyond which a torque is sampled no more finely.
 const MOST_RADIANS: f64 = 2000.0;
 
-impl Workbench<'_> {
+impl FitSession<'_> {
     /// Ŷ/σ of a model, row by row; `None` where it has no response, or once the observer
     /// cancels.
     pub fn predict(&self, model: &Model) -> Option<DVector<f64>> {

@@ -3,7 +3,7 @@
 
 use crate::answers::{IdentifyOptions, Weighting};
 
-use super::{Model, Workbench};
+use super::{FitSession, Model};
 use crate::identify::noise;
 use crate::identify::objective::Misfit;
 use crate::identify::refine;
@@ -16,7 +16,7 @@ const BEYOND_WEIGHTS: f64 = 20.0;
 /// Steps with the weights of the noise, from where equal weights ended.
 const STEPS: usize = 5;
 
-impl Workbench<'_> {
+impl FitSession<'_> {
     /// χ² per degree of freedom of a model by the noise that the measurement states, where the
     /// fit set that noise aside and χ² exceeds what noise makes it by more than four standard
     /// deviations, refitted with the weights of the noise; `None` where the noise was not set

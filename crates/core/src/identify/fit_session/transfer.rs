@@ -5,7 +5,7 @@ use crate::measurement::Measurement;
 use crate::observer::Observer;
 use crate::plant::Plant;
 
-use super::{Model, Workbench};
+use super::{FitSession, Model};
 use crate::identify::history::History;
 use crate::identify::parameters::Coordinates;
 use crate::identify::pipeline::Run;
@@ -13,8 +13,8 @@ use crate::identify::prediction;
 use crate::identify::problem::{Problem, Scales};
 use crate::identify::request::{IdentifyError, IdentifyRequest};
 
-impl<'a> Workbench<'a> {
-    /// A workbench on `measurement` whose base model is refined from where `other`'s is.
+impl<'a> FitSession<'a> {
+    /// A session on `measurement` whose base model is refined from where `other`'s is.
     ///
     /// # Errors
     /// When cancelled, where the measurement cannot be fitted, or where the model has no
@@ -23,7 +23,7 @@ impl<'a> Workbench<'a> {
         measurement: &'a Measurement,
         request: &'a IdentifyRequest,
         observer: &'a dyn Observer,
-        other: &Workbench<'_>,
+        other: &FitSession<'_>,
     ) -> Result<Self, IdentifyError> {
         let problem = Problem::new(measurement)?;
         let history = History { observer, order: other.order(), orders: (0, 1) };
@@ -41,8 +41,8 @@ impl<'a> Workbench<'a> {
         Self::of(measurement, request, observer, problem, fitted, other.order_choice.clone())
     }
 
-    /// A model of another workbench in this one's scales; its cost is not known.
-    pub fn adopt(&self, other: &Workbench<'_>, model: &Model) -> Model {
+    /// A model of another session in this one's scales; its cost is not known.
+    pub fn adopt(&self, other: &FitSession<'_>, model: &Model) -> Model {
         let plant = self.problem.in_scale(&other.plant_in_units(model));
         let Problem { tied_friction, prior, .. } = &self.problem;
         let base = Coordinates::new(plant.actuator.order(), *tied_friction, prior);

@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 use crate::measurement::Complex;
 use crate::plant::Plant;
 
-use super::switching_times::{Motion, Orbit, Phase};
+use super::switching_times::{Motion, Phase, SwitchingTimes};
 use crate::simulate::response::NoResponse;
 
 /// Levels and pole, without dimension.
@@ -29,12 +29,16 @@ struct Normalised {
 const MOST_HALF_CYCLES: usize = 4000;
 
 /// The motion reached from rest under the torque Re T·exp(jωt).
-pub(crate) fn orbit(plant: &Plant, torque: Complex, omega: f64) -> Result<Orbit, NoResponse> {
+pub(crate) fn orbit(
+    plant: &Plant,
+    torque: Complex,
+    omega: f64,
+) -> Result<SwitchingTimes, NoResponse> {
     let amplitude = torque.norm();
     let period_s = TAU / omega;
     let friction = plant.friction;
     if amplitude <= friction.fs_plus.min(friction.fs_minus) {
-        return Ok(Orbit::constant(period_s, Motion::Stuck));
+        return Ok(SwitchingTimes::constant(period_s, Motion::Stuck));
     }
     let normalised = Normalised {
         alpha: plant.viscous_rate_rad_s / omega,
@@ -59,7 +63,7 @@ pub(crate) fn orbit(plant: &Plant, torque: Complex, omega: f64) -> Result<Orbit,
     for phase in &mut phases {
         phase.start_s = (phase.start_s - lead) / omega;
     }
-    Ok(Orbit { period_s, phases })
+    Ok(SwitchingTimes { period_s, phases })
 }
 
 impl Normalised {

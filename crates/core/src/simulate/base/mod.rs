@@ -19,7 +19,7 @@ use crate::plant::Plant;
 use super::response::NoResponse;
 use super::signal::excitation::Excitation;
 use super::signal::samples::Samples;
-use switching_times::{Motion, Orbit};
+use switching_times::{Motion, SwitchingTimes};
 
 /// A plant, the torque on its mechanics, and the motion it leads to.
 pub(super) struct Settled<'a> {
@@ -27,7 +27,7 @@ pub(super) struct Settled<'a> {
     pub(super) excitation: &'a Excitation,
     /// Torque lines Tₗ = A(jlω)·Uₗ.
     pub(super) lines: Vec<Complex>,
-    pub(super) orbit: Orbit,
+    pub(super) orbit: SwitchingTimes,
     /// The torque on the grid, where the input is general.
     torque: Option<Samples>,
 }

@@ -16,11 +16,11 @@ use crate::measurement::Complex;
 use crate::plant::{Friction, Plant};
 
 use super::spectrum::sliding_friction;
-use super::switching_times::{Motion, Orbit, Phase};
+use super::switching_times::{Motion, Phase, SwitchingTimes};
 use crate::simulate::response::NoResponse;
 use crate::simulate::signal::excitation::{Excitation, Grid};
 use crate::simulate::signal::samples::Samples;
-use sampled_torque::Waves;
+use sampled_torque::SampledTorque;
 
 /// Periods after which a motion from rest counts as not periodic.
 const MOST_PERIODS: usize = 400;
@@ -65,8 +65,8 @@ pub(crate) fn orbit(
     lines: &[Complex],
     excitation: &Excitation,
     grid: &Grid,
-) -> Result<(Orbit, Samples), NoResponse> {
-    let waves = Waves::new(plant, lines, excitation, grid);
+) -> Result<(SwitchingTimes, Samples), NoResponse> {
+    let waves = SampledTorque::new(plant, lines, excitation, grid);
     let orbit = follow(plant, &waves, excitation.period_s())?;
     Ok((orbit, waves.torque))
 }
@@ -76,7 +76,7 @@ pub(crate) fn follow(
     plant: &Plant,
     course: &impl Course,
     period_s: f64,
-) -> Result<Orbit, NoResponse> {
+) -> Result<SwitchingTimes, NoResponse> {
     let scale = (0..course.cells()).fold(0.0, |most: f64, n| most.max(course.node(n).1.abs()));
     let friction = plant.friction;
     let motion = Followed { a: plant.viscous_rate_rad_s, friction, course, scale };
@@ -121,11 +121,11 @@ struct Pass {
 }
 
 impl Pass {
-    fn into_orbit(self, period_s: f64) -> Orbit {
+    fn into_orbit(self, period_s: f64) -> SwitchingTimes {
         if self.phases.is_empty() {
-            Orbit::constant(period_s, self.end.motion)
+            SwitchingTimes::constant(period_s, self.end.motion)
         } else {
-            Orbit { period_s, phases: self.phases }
+            SwitchingTimes { period_s, phases: self.phases }
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::plant::{Actuator, Plant, Scalar};
 
 use super::Settled;
 use super::spectrum::{PhaseIntegrals, sliding_friction, weight};
-use super::switching_times::{Motion, Orbit};
+use super::switching_times::{Motion, SwitchingTimes};
 use crate::simulate::signal::excitation::Excitation;
 
 /// A direction in which parameters and torque change together.
@@ -201,7 +201,7 @@ pub(crate) fn along(
 
 /// What is needed of the signals at each switching instant.
 struct Instants<'a> {
-    orbit: &'a Orbit,
+    orbit: &'a SwitchingTimes,
     torque: Vec<f64>,
     torque_rate: Vec<f64>,
     /// w: steady response of 1/(s + a) to the torque.
@@ -212,7 +212,12 @@ struct Instants<'a> {
 }
 
 impl<'a> Instants<'a> {
-    fn new(plant: &Plant, lines: &[Complex], orbit: &'a Orbit, directions: &[Direction]) -> Self {
+    fn new(
+        plant: &Plant,
+        lines: &[Complex],
+        orbit: &'a SwitchingTimes,
+        directions: &[Direction],
+    ) -> Self {
         let omega = std::f64::consts::TAU / orbit.period_s;
         let count = if orbit.switches() { orbit.phases.len() } else { 0 };
         let mut instants = Self {

@@ -8,7 +8,7 @@ use crate::measurement::Complex;
 use crate::plant::{Friction, Scalar};
 
 use super::Settled;
-use super::switching_times::{Motion, Orbit};
+use super::switching_times::{Motion, SwitchingTimes};
 
 /// V₀ … V_H of a settled motion.
 pub(crate) fn velocity(settled: &Settled<'_>, highest: usize) -> Vec<Complex> {
@@ -59,7 +59,7 @@ pub(crate) struct PhaseIntegrals {
 
 impl PhaseIntegrals {
     /// For harmonics 0 … `highest`.
-    pub fn new(orbit: &Orbit, highest: usize) -> Self {
+    pub fn new(orbit: &SwitchingTimes, highest: usize) -> Self {
         let omega = std::f64::consts::TAU / orbit.period_s;
         let zero = Complex::new(0.0, 0.0);
         let mut these = Self {
@@ -94,7 +94,11 @@ impl PhaseIntegrals {
 }
 
 /// ∫ Re(Σ Tₗ·exp(jlωt))·exp(−jkωt) dt over the phases of rest, k = 0 … `highest`.
-pub(crate) fn held_lines(orbit: &Orbit, lines: &[Complex], highest: usize) -> Vec<Complex> {
+pub(crate) fn held_lines(
+    orbit: &SwitchingTimes,
+    lines: &[Complex],
+    highest: usize,
+) -> Vec<Complex> {
     let mut held = vec![Complex::new(0.0, 0.0); highest + 1];
     if !orbit.sticks() {
         return held;

@@ -22,7 +22,7 @@ pub struct Phase {
 
 /// One period of motion: phases in cyclic order.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Orbit {
+pub struct SwitchingTimes {
     /// Period, seconds.
     pub period_s: f64,
     /// Phases in order; the last one lasts until the first one's start, a
@@ -30,7 +30,7 @@ pub struct Orbit {
     pub phases: Vec<Phase>,
 }
 
-impl Orbit {
+impl SwitchingTimes {
     /// A motion that never switches.
     pub(crate) fn constant(period_s: f64, motion: Motion) -> Self {
         Self { period_s, phases: vec![Phase { start_s: 0.0, motion }] }

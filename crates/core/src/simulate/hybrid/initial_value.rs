@@ -2,11 +2,11 @@
 
 use crate::effects::Axis;
 
-use super::integrate_period::{Pass, Precision};
+use super::integrate_period::{PeriodIntegration, Precision};
 use super::mechanics::Mechanics;
 use super::{LOOSE, MOST_STATES, TIGHT};
 use crate::simulate::response::NoResponse;
-use crate::simulate::signal::piecewise_quintic::Wave;
+use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 use crate::simulate::transient::{InitialState, Recorder};
 
 /// Effort for a motion, in exact steps, and what is added for each cell: it bounds a record
@@ -20,7 +20,7 @@ const RIPPLE: f64 = 1.0;
 /// Follows the motion and lets `recorder` see every step of it.
 pub(in super::super) fn follow(
     axis: &Axis,
-    wave: &Wave<f64>,
+    wave: &PiecewiseQuintic<f64>,
     initial: &InitialState,
     recorder: &mut Recorder,
 ) -> Result<(), NoResponse> {
@@ -39,7 +39,7 @@ pub(in super::super) fn follow(
 fn of_states<const M: usize>(
     axis: &Axis,
     mechanics: &Mechanics<f64>,
-    wave: &Wave<f64>,
+    wave: &PiecewiseQuintic<f64>,
     initial: &InitialState,
     recorder: &mut Recorder,
 ) -> Result<(), NoResponse> {
@@ -53,7 +53,7 @@ fn of_states<const M: usize>(
     let mut run = |tolerance: f64, sizes: [f64; M], trace: Option<&mut Recorder>| {
         // Every swing on bristles counts: there is no period over which they average out.
         let precision = Precision { tolerance, sizes, most_swings: usize::MAX };
-        let mut pass = Pass {
+        let mut pass = PeriodIntegration {
             mechanics,
             wave,
             precision: &precision,

@@ -7,11 +7,11 @@ use crate::plant::Scalar;
 use super::mechanics::{Mechanics, Mode, VELOCITY};
 use super::runge_kutta::{NODES, Stages, Vector};
 use super::step::{Ends, Step};
-use super::step_control::Pace;
+use super::step_control::StepControl;
 use crate::simulate::base::switching_times::Motion;
 use crate::simulate::signal::fourier::Fourier;
 use crate::simulate::signal::piecewise_quintic::{
-    Cell, Wave, polynomial, restricted, slope as wave_slope,
+    Cell, PiecewiseQuintic, polynomial, restricted, slope as wave_slope,
 };
 use crate::simulate::transient::Recorder;
 use event_handling::Event;
@@ -42,9 +42,9 @@ pub(super) struct Precision<const M: usize> {
 const SLIVER: f64 = 1e-9;
 
 /// A motion under way.
-pub(super) struct Pass<'a, 'g, S, const M: usize> {
+pub(super) struct PeriodIntegration<'a, 'g, S, const M: usize> {
     pub mechanics: &'a Mechanics<S>,
-    pub wave: &'a Wave<S>,
+    pub wave: &'a PiecewiseQuintic<S>,
     pub precision: &'a Precision<M>,
     /// Where v is added up, if at all.
     pub sums: Option<&'a mut Fourier<'g, S>>,
@@ -58,7 +58,7 @@ pub(super) struct Pass<'a, 'g, S, const M: usize> {
     pub effort: &'a mut usize,
 }
 
-impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
+impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
     /// Follows the motion from `start` over one period; `None` where it
     /// switches without end or takes more effort than there is.
     pub fn run(&mut self, start: &Vector<S, M>) -> Option<Vector<S, M>> {
@@ -66,7 +66,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
         let wave = self.wave;
         let mut mode = self.mechanics.mode_at(wave.cells[0].fixed(0.0), &state);
         let mut slope: Option<Vector<S, M>> = None;
-        let mut pace = Pace::new(self.mechanics, wave.cells[0].length_s);
+        let mut pace = StepControl::new(self.mechanics, wave.cells[0].length_s);
         for cell in &wave.cells {
             let mut from = 0.0;
             let mut switches = 0;
@@ -152,7 +152,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     #[inline]
     fn step(
         &self,
-        pace: &mut Pace<S, M>,
+        pace: &mut StepControl<S, M>,
         mode: Mode,
         cell: &Cell<S>,
         (from, width): (f64, &mut f64),
@@ -165,13 +165,13 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
             width => restricted(&cell.powers, from, from + width),
         };
         match pace {
-            Pace::Controlled { .. } => {
+            StepControl::Controlled { .. } => {
                 Step::Stages(Stages::new(state, slope, length_s, |stage, state| {
                     let torque = cell.fixed(from + *width * NODES[stage]);
                     self.mechanics.slope(mode, torque, state)
                 }))
             }
-            Pace::Series { modes, jets } => {
+            StepControl::Series { modes, jets } => {
                 let allowed = self.precision.sizes.map(|size| size * self.precision.tolerance);
                 let affine = modes.of(mode, self.mechanics);
                 let bends = mode.motion != Motion::Stuck && !jets.is_empty();
@@ -181,7 +181,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                 *width *= series.share;
                 Step::Series(series)
             }
-            Pace::Exact { modes, again, .. } => {
+            StepControl::Exact { modes, again, .. } => {
                 let (affine, powers) = (modes.of(mode, self.mechanics), torque());
                 let end = affine.step(state, &powers, length_s, *again);
                 let end_slope = affine.slope(&end, polynomial(&powers, 1.0));

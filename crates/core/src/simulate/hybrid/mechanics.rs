@@ -3,7 +3,7 @@
 mod dynamics;
 mod initial_state;
 
-use crate::effects::{Axis, Jet, Law, SecondMass};
+use crate::effects::{Axis, Law, SecondMass, TaylorSeries};
 use crate::plant::Scalar;
 
 use super::runge_kutta::Vector;
@@ -147,7 +147,7 @@ impl<S: Scalar> Mechanics<S> {
     }
 
     /// What follows the torques that are not linear along a motion.
-    pub fn jets(&self) -> Vec<Jet> {
+    pub fn jets(&self) -> Vec<TaylorSeries> {
         self.bent.iter().map(|bent| bent.law.jet()).collect()
     }
 
@@ -156,7 +156,7 @@ impl<S: Scalar> Mechanics<S> {
     pub fn bent_term<const M: usize>(
         &self,
         mode: Mode,
-        jets: &mut [Jet],
+        jets: &mut [TaylorSeries],
         terms: &[Vector<S, M>],
     ) -> S {
         let direction = if mode.motion == Motion::Backward { -1.0 } else { 1.0 };

@@ -30,7 +30,7 @@ use crate::plant::{Dual, Scalar as _};
 use super::piecewise_linear::drive;
 use super::response::{Counts, NoResponse};
 use super::shooting;
-use super::signal::complex_dual::Pair;
+use super::signal::complex_dual::ComplexDual;
 use super::signal::excitation::Excitation;
 pub(super) use initial_value::follow;
 use mechanics::Mechanics;
@@ -107,7 +107,7 @@ fn velocity<const M: usize>(
     let (wave, grid) = drive::torque(axis, excitation, cells(highest));
     let lifted = (wave.map(Dual::<M>::constant), grid);
     let followed = periodic.velocity(&axis.map(Dual::<M>::constant), lifted, highest, 0)?;
-    Ok(followed.velocity.into_iter().map(Pair::value).collect())
+    Ok(followed.velocity.into_iter().map(ComplexDual::value).collect())
 }
 
 /// As many derivatives as fit in N lanes along with the M unknowns.
@@ -126,5 +126,5 @@ fn chunk<const M: usize, const N: usize>(
     let torque = drive::torque_of_few(&narrow, excitation, cells(highest));
     let Followed { velocity, residuals } = periodic.velocity(&narrow, torque, highest, count)?;
     let rows = shooting::differentiate(&velocity, &residuals, count);
-    Ok((velocity.into_iter().map(Pair::value).collect(), rows))
+    Ok((velocity.into_iter().map(ComplexDual::value).collect(), rows))
 }

@@ -8,7 +8,7 @@ use crate::effects::Axis;
 use crate::plant::Scalar;
 
 use super::super::shooting;
-use super::integrate_period::{Pass, Precision};
+use super::integrate_period::{PeriodIntegration, Precision};
 use super::mechanics::{self, Mechanics};
 use super::runge_kutta::Vector;
 use super::{LOOSE, TIGHT};
@@ -16,11 +16,11 @@ use crate::simulate::base::spectrum;
 use crate::simulate::base::switching_times::Motion;
 use crate::simulate::piecewise_linear::drive;
 use crate::simulate::response::{Counts, NoResponse};
-use crate::simulate::signal::complex_dual::Pair;
+use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::excitation::{Excitation, Grid};
 use crate::simulate::signal::fourier::Fourier;
-use crate::simulate::signal::piecewise_quintic::Wave;
-use trust_region::Leash;
+use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
+use trust_region::TrustRegion;
 
 /// Swings on bristles that are followed while the periodic motion is looked for, and in the
 /// end.
@@ -72,7 +72,7 @@ const PASS_ERROR: f64 = 10.0;
 pub(super) struct Periodic<const M: usize> {
     /// States; where the mean of θ matters the last is the constant torque.
     state: Vector<f64, M>,
-    leash: f64,
+    region: f64,
     precision: Precision<M>,
     /// Sizes of the unknowns: those of the states, and of the torque.
     sizes: [f64; M],
@@ -82,7 +82,7 @@ pub(super) struct Periodic<const M: usize> {
 
 /// Harmonics of v, and what must vanish over a period.
 pub(super) struct Followed<S, const M: usize> {
-    pub velocity: Vec<Pair<S>>,
+    pub velocity: Vec<ComplexDual<S>>,
     pub residuals: Vector<S, M>,
 }
 
@@ -107,7 +107,7 @@ impl<const M: usize> Periodic<M> {
         let sizes = mechanics.sizes(range.0.abs().max(range.1.abs()), wave.period_s);
         let mut periodic = Self {
             state: [0.0; M],
-            leash: LEASH[usize::from(mechanics.contracts() || axis.balanced)],
+            region: LEASH[usize::from(mechanics.contracts() || axis.balanced)],
             precision: Precision { tolerance: LOOSE, sizes, most_swings: LOOSE_SWINGS },
             sizes,
             effort: effort(wave.cells.len()),
@@ -137,9 +137,9 @@ impl<const M: usize> Periodic<M> {
     fn plain(
         &mut self,
         mechanics: &Mechanics<f64>,
-        wave: &Wave<f64>,
+        wave: &PiecewiseQuintic<f64>,
     ) -> Option<(Vector<f64, M>, [f64; M])> {
-        let mut pass = Pass {
+        let mut pass = PeriodIntegration {
             mechanics,
             wave,
             precision: &self.precision,
@@ -191,7 +191,7 @@ impl<const M: usize> Periodic<M> {
     fn follow<S: Scalar>(
         &mut self,
         axis: &Axis<S>,
-        wave: &Wave<S>,
+        wave: &PiecewiseQuintic<S>,
         mut sums: Option<Fourier<'_, S>>,
         parameters: usize,
     ) -> Option<Followed<S, M>> {
@@ -208,7 +208,7 @@ impl<const M: usize> Periodic<M> {
         if mechanics.mode_at(torque, &start).motion == Motion::Stuck {
             start[mechanics::VELOCITY] = S::constant(0.0);
         }
-        let mut pass = Pass {
+        let mut pass = PeriodIntegration {
             mechanics: &mechanics,
             wave,
             precision: &self.precision,
@@ -224,9 +224,9 @@ impl<const M: usize> Periodic<M> {
             _ => end[i] - unknown(self.state[i], i),
         };
         let residuals = std::array::from_fn(residual);
-        let weighted = |(k, sum): (usize, Pair<S>)| {
+        let weighted = |(k, sum): (usize, ComplexDual<S>)| {
             let scaled = sum.scaled(S::constant(spectrum::weight(k, wave.period_s)));
-            if k == 0 { Pair::real(scaled.re) } else { scaled }
+            if k == 0 { ComplexDual::real(scaled.re) } else { scaled }
         };
         let sums = sums.map(|sums| sums.finish().into_iter().enumerate().map(weighted).collect());
         Some(Followed { velocity: sums.unwrap_or_default(), residuals })
@@ -237,13 +237,13 @@ impl<const M: usize> Periodic<M> {
     pub fn velocity<S: Scalar>(
         &mut self,
         axis: &Axis<S>,
-        (wave, grid): (Wave<S>, &Grid),
+        (wave, grid): (PiecewiseQuintic<S>, &Grid),
         highest: usize,
         parameters: usize,
     ) -> Result<Followed<S, M>, NoResponse> {
         let omega = std::f64::consts::TAU / wave.period_s;
         (self.precision.tolerance, self.precision.most_swings) = (TIGHT, TIGHT_SWINGS);
-        let mut leash = Leash::new(self.leash);
+        let mut region = TrustRegion::new(self.region);
         let position = Mechanics::new(axis).position;
         let turns = axis.ripple_rate() * position.map_or(0.0, |i| self.sizes[i]);
         for _ in 0..MOST_ITERATIONS {
@@ -253,7 +253,7 @@ impl<const M: usize> Periodic<M> {
             };
             let step = shooting::newton_step(&followed.residuals, parameters);
             let longest = self.longest(step.as_slice());
-            let rests = longest < self.leash && self.within_error(&followed.residuals);
+            let rests = longest < self.region && self.within_error(&followed.residuals);
             let turn = longest * turns;
             if (longest < CLOSED && turn < CLOSED_TURN) || (rests && !axis.balanced) {
                 shooting::correct(&mut followed.velocity, step.as_slice(), parameters);
@@ -262,7 +262,7 @@ impl<const M: usize> Periodic<M> {
             if !longest.is_finite() {
                 break;
             }
-            self.advance(step.as_slice(), leash.share(longest));
+            self.advance(step.as_slice(), region.share(longest));
         }
         Err(NoResponse::NotPeriodic { periods: MOST_ITERATIONS })
     }

@@ -1,6 +1,6 @@
 //! How long the next step is.
 
-use crate::effects::Jet;
+use crate::effects::TaylorSeries;
 use crate::plant::Scalar;
 
 use super::affine::{Affine, REACH};
@@ -11,12 +11,12 @@ use crate::simulate::signal::piecewise_quintic::Cell;
 const SAFETY: f64 = 0.8;
 
 /// How steps are taken.
-pub(super) enum Pace<S, const M: usize> {
+pub(super) enum StepControl<S, const M: usize> {
     /// Exactly, no longer than this; the step's length comes `again` where it is an even
     /// part of a cell.
     Exact { longest_s: f64, modes: Modes<S, M>, again: bool },
     /// By power series, as far as the error allows.
-    Series { modes: Modes<S, M>, jets: Vec<Jet> },
+    Series { modes: Modes<S, M>, jets: Vec<TaylorSeries> },
     /// By Runge–Kutta stages, as long as the error allows.
     Controlled { length_s: f64 },
 }
@@ -36,25 +36,25 @@ impl<S: Scalar, const M: usize> Modes<S, M> {
     }
 }
 
-impl<S: Scalar, const M: usize> Pace<S, M> {
+impl<S: Scalar, const M: usize> StepControl<S, M> {
     /// What suits the equations of motion.
     pub fn new(mechanics: &Mechanics<S>, cell_s: f64) -> Self {
         let modes = Modes(Vec::new());
         if !mechanics.has_series() {
-            return Pace::Controlled { length_s: cell_s };
+            return StepControl::Controlled { length_s: cell_s };
         }
         if mechanics.is_affine() && mechanics.half_gap().is_none() {
             let longest_s = REACH / mechanics.fastest_rate();
-            return Pace::Exact { longest_s, modes, again: false };
+            return StepControl::Exact { longest_s, modes, again: false };
         }
-        Pace::Series { modes, jets: mechanics.jets() }
+        StepControl::Series { modes, jets: mechanics.jets() }
     }
 
     /// What a step takes, in exact steps.
     pub fn effort(&self) -> usize {
         match self {
-            Pace::Exact { .. } => 1,
-            Pace::Series { .. } | Pace::Controlled { .. } => 4,
+            StepControl::Exact { .. } => 1,
+            StepControl::Series { .. } | StepControl::Controlled { .. } => 4,
         }
     }
 
@@ -63,7 +63,7 @@ impl<S: Scalar, const M: usize> Pace<S, M> {
     pub fn width(&mut self, cell: &Cell<S>, from: f64) -> f64 {
         let left = 1.0 - from;
         match self {
-            Pace::Exact { longest_s, again, .. } => {
+            StepControl::Exact { longest_s, again, .. } => {
                 // The cell's own even parts, so that their steps come again.
                 let parts = (cell.length_s / *longest_s).ceil().max(1.0);
                 let done = from * parts;
@@ -75,8 +75,8 @@ impl<S: Scalar, const M: usize> Pace<S, M> {
                 }
                 (((done + 1e-6).floor() + 1.0) / parts).min(1.0) - from
             }
-            Pace::Series { .. } => left,
-            Pace::Controlled { length_s } => {
+            StepControl::Series { .. } => left,
+            StepControl::Controlled { length_s } => {
                 let share = *length_s / cell.length_s;
                 // No sliver at the end of a cell.
                 if share * 1.1 >= left { left } else { share }
@@ -90,7 +90,7 @@ impl<S: Scalar, const M: usize> Pace<S, M> {
         if self.refuses(error, tried_s) {
             return false;
         }
-        let Pace::Controlled { length_s } = self else { return true };
+        let StepControl::Controlled { length_s } = self else { return true };
         // The end of a cell may have cut it short: it says nothing then.
         let next_s = length_s.max(tried_s) * growth(error).clamp(0.3, 4.0);
         *length_s = next_s.min(cell_s.max(tried_s));
@@ -101,7 +101,7 @@ impl<S: Scalar, const M: usize> Pace<S, M> {
     #[inline]
     pub fn refuses(&mut self, error: f64, tried_s: f64) -> bool {
         match self {
-            Pace::Controlled { length_s } if error > 1.0 => {
+            StepControl::Controlled { length_s } if error > 1.0 => {
                 *length_s = tried_s * growth(error).max(0.2);
                 true
             }
@@ -124,7 +124,7 @@ mod tests {
         let cell = Cell { from_s: 0.0, length_s: 1.0, powers: [0.0; 6], whole: Some(0) };
         for (longest_s, parts) in [(2.0, 1.0), (0.4, 3.0)] {
             let modes = Modes(Vec::new());
-            let mut pace = Pace::<f64, 1>::Exact { longest_s, modes, again: false };
+            let mut pace = StepControl::<f64, 1>::Exact { longest_s, modes, again: false };
             for from in [0.0, 0.3, 1.0 / 3.0, 2.0 / 3.0, 1.0 - 1e-8, 1.0 - 1e-14] {
                 let width = pace.width(&cell, from);
                 assert!(width > 0.0 && width <= 1.0 / parts + 1e-15, "{from}: {width}");

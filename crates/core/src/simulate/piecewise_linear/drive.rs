@@ -15,9 +15,9 @@ use crate::plant::{Actuator, Dual, Scalar};
 
 use super::rate_limit;
 use crate::simulate::base::sensitivity::actuator_derivatives;
-use crate::simulate::signal::complex_dual::Pair;
+use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::excitation::{Excitation, Grid};
-use crate::simulate::signal::piecewise_quintic::{Cell, Wave};
+use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic};
 pub(crate) use modal::{Mode, modes};
 use modal::{RADIANS_PER_CELL, delivered};
 
@@ -31,7 +31,7 @@ pub(crate) fn torque<'e, S: Scalar>(
     axis: &Axis<S>,
     excitation: &'e Excitation,
     fewest: usize,
-) -> (Wave<S>, &'e Grid) {
+) -> (PiecewiseQuintic<S>, &'e Grid) {
     let omega = excitation.omega_rad_s();
     let actuator = &axis.plant.actuator;
     if axis.has_linear_input() {
@@ -74,7 +74,7 @@ pub(crate) fn torque_of_few<'e, const N: usize>(
     axis: &Axis<Dual<N>>,
     excitation: &'e Excitation,
     fewest: usize,
-) -> (Wave<Dual<N>>, &'e Grid) {
+) -> (PiecewiseQuintic<Dual<N>>, &'e Grid) {
     let mut ahead: Vec<Dual<N>> = axis.rate_limit.into_iter().collect();
     let _ = axis.plant.actuator.map(|value| ahead.push(value));
     for map in &axis.input_maps {
@@ -98,11 +98,15 @@ pub(crate) fn torque_of_few<'e, const N: usize>(
 const FEW: usize = 4;
 
 /// A(s)·u where nothing bends u.
-fn linear<S: Scalar>(actuator: &Actuator<S>, excitation: &Excitation, grid: &Grid) -> Wave<S> {
+fn linear<S: Scalar>(
+    actuator: &Actuator<S>,
+    excitation: &Excitation,
+    grid: &Grid,
+) -> PiecewiseQuintic<S> {
     let omega = excitation.omega_rad_s();
     if excitation.is_pure_cosine() {
         let line = response(actuator, omega) * excitation.input()[1];
-        return Wave::cosine(grid, omega, line);
+        return PiecewiseQuintic::cosine(grid, omega, line);
     }
     let numbers = actuator.map(Scalar::value);
     let lines = excitation.torque_lines(&numbers);
@@ -119,27 +123,27 @@ fn linear<S: Scalar>(actuator: &Actuator<S>, excitation: &Excitation, grid: &Gri
         .zip(actuator_derivatives(&numbers, excitation))
         .filter(|(by, _)| varies(by))
         .collect();
-    Wave::of_lines(grid, omega, &lines, &derivatives)
+    PiecewiseQuintic::of_lines(grid, omega, &lines, &derivatives)
 }
 
 /// A(jω).
-pub(crate) fn response<S: Scalar>(actuator: &Actuator<S>, omega: f64) -> Pair<S> {
+pub(crate) fn response<S: Scalar>(actuator: &Actuator<S>, omega: f64) -> ComplexDual<S> {
     let one = S::constant(1.0);
     match *actuator {
-        Actuator::Direct => Pair::real(one),
+        Actuator::Direct => ComplexDual::real(one),
         Actuator::FirstOrder { corner_rad_s: p } => {
-            Pair::new(p, S::constant(omega)).inverse().scaled(p)
+            ComplexDual::new(p, S::constant(omega)).inverse().scaled(p)
         }
         Actuator::SecondOrder { natural_frequency_rad_s: wn, damping_ratio: zeta } => {
             let square = wn * wn;
-            let denominator = Pair::new(square - omega * omega, zeta * wn * (2.0 * omega));
+            let denominator = ComplexDual::new(square - omega * omega, zeta * wn * (2.0 * omega));
             denominator.inverse().scaled(square)
         }
     }
 }
 
 /// The wave behind a static map.
-fn mapped<S: Scalar>(wave: &Wave<S>, map: &InputMap<S>) -> Wave<S> {
+fn mapped<S: Scalar>(wave: &PiecewiseQuintic<S>, map: &InputMap<S>) -> PiecewiseQuintic<S> {
     let mut cells = Vec::with_capacity(wave.cells.len() + 8);
     let breaks: Vec<f64> = map.breaks.iter().map(|at| at.value()).collect();
     let pieces: Vec<(S, S)> = (0..map.slopes.len()).map(|i| map.piece(i)).collect();
@@ -160,7 +164,7 @@ fn mapped<S: Scalar>(wave: &Wave<S>, map: &InputMap<S>) -> Wave<S> {
             cells.push(part);
         }
     }
-    Wave { cells, period_s: wave.period_s }
+    PiecewiseQuintic { cells, period_s: wave.period_s }
 }
 
 /// Where a cell passes a level, in either direction.

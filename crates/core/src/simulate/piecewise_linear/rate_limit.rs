@@ -5,7 +5,7 @@
 
 use crate::plant::Scalar;
 
-use crate::simulate::signal::piecewise_quintic::{Cell, Wave, bisect};
+use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic, bisect};
 
 /// Periods after which a limiter that never follows counts as settled.
 const MOST_PERIODS: usize = 400;
@@ -23,7 +23,7 @@ enum State<S> {
 }
 
 /// The wave behind a limiter of |w'| to `rate`, input units per second.
-pub(crate) fn limited<S: Scalar>(wave: &Wave<S>, rate: S) -> Wave<S> {
+pub(crate) fn limited<S: Scalar>(wave: &PiecewiseQuintic<S>, rate: S) -> PiecewiseQuintic<S> {
     let fastest = wave.cells.iter().map(steepest).fold(0.0, f64::max);
     if fastest <= rate.value() {
         return wave.clone();
@@ -51,12 +51,12 @@ pub(crate) fn limited<S: Scalar>(wave: &Wave<S>, rate: S) -> Wave<S> {
             break;
         }
     }
-    Wave { cells, period_s: wave.period_s }
+    PiecewiseQuintic { cells, period_s: wave.period_s }
 }
 
 /// The triangle of amplitude rate·T/4 and zero mean that turns where it meets
 /// an input whose halves mirror each other.
-fn triangle<S: Scalar>(wave: &Wave<S>, rate: S) -> Option<State<S>> {
+fn triangle<S: Scalar>(wave: &PiecewiseQuintic<S>, rate: S) -> Option<State<S>> {
     let amplitude = rate * (0.25 * wave.period_s);
     let numbers = |time_s: f64| {
         let cell = wave.cells.iter().find(|cell| time_s <= cell.end_s()).or(wave.cells.last());
@@ -124,7 +124,11 @@ fn distance<S: Scalar>(a: State<S>, b: State<S>, rate: f64) -> f64 {
 
 /// Follows the limiter over one period: its cells, whether it ever followed the
 /// input, and its state at the end.
-fn pass<S: Scalar>(wave: &Wave<S>, rate: S, mut state: State<S>) -> (Vec<Cell<S>>, bool, State<S>) {
+fn pass<S: Scalar>(
+    wave: &PiecewiseQuintic<S>,
+    rate: S,
+    mut state: State<S>,
+) -> (Vec<Cell<S>>, bool, State<S>) {
     let mut cells = Vec::with_capacity(wave.cells.len() + 8);
     let mut followed = false;
     for cell in &wave.cells {

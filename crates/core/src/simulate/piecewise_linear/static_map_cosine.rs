@@ -19,7 +19,7 @@ use crate::measurement::Complex;
 use crate::plant::{Actuator, Scalar};
 
 use super::drive::{Mode, modes, response};
-use crate::simulate::signal::complex_dual::Pair;
+use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::excitation::Excitation;
 
 mod integrals;
@@ -45,11 +45,11 @@ pub(crate) struct BentCosine<S> {
     viscous_rate: S,
     modes: Vec<Mode<S>>,
     /// 1/(λ + a) of each mode; a number only where it is used.
-    through: [Pair<S>; MODES],
+    through: [ComplexDual<S>; MODES],
     /// T = A(jω)·m.
-    torque: Pair<S>,
+    torque: ComplexDual<S>,
     /// T/(jω + a).
-    steady: Pair<S>,
+    steady: ComplexDual<S>,
 }
 
 /// One piece.
@@ -63,7 +63,7 @@ pub(crate) struct Piece<S> {
     /// s.
     slope: S,
     /// C of each mode.
-    excited: [Pair<S>; MODES],
+    excited: [ComplexDual<S>; MODES],
     /// What of w dies out with exp(−at).
     free: S,
 }
@@ -75,7 +75,7 @@ pub(crate) struct Since<S> {
     /// exp(jωt), t counted from the origin.
     turn: Complex,
     /// exp(λt) of each mode.
-    decay: [Pair<S>; MODES],
+    decay: [ComplexDual<S>; MODES],
     /// exp(−at).
     pub kept: S,
 }
@@ -84,7 +84,7 @@ impl<S: Scalar> Since<S> {
     /// At the start of a piece.
     pub fn start(turn: Complex) -> Self {
         let one = S::constant(1.0);
-        Self { time_s: 0.0, turn, decay: [Pair::real(one); MODES], kept: one }
+        Self { time_s: 0.0, turn, decay: [ComplexDual::real(one); MODES], kept: one }
     }
 
     /// After a further step.
@@ -118,12 +118,12 @@ impl<S: Scalar> BentCosine<S> {
         let viscous_rate = axis.plant.viscous_rate_rad_s;
         let modes = modes(&actuator);
         let torque = response(&actuator, omega).scaled(S::constant(magnitude));
-        let zero = Pair::real(S::constant(0.0));
+        let zero = ComplexDual::real(S::constant(0.0));
         let mut through = [zero; MODES];
         for (through, mode) in through.iter_mut().zip(&modes) {
-            *through = (mode.rate + Pair::real(viscous_rate)).inverse();
+            *through = (mode.rate + ComplexDual::real(viscous_rate)).inverse();
         }
-        let steady = torque * Pair::new(viscous_rate, S::constant(omega)).inverse();
+        let steady = torque * ComplexDual::new(viscous_rate, S::constant(omega)).inverse();
         let mut this = Self {
             omega,
             pieces: pieces(&axis.input_maps, magnitude, omega),
@@ -151,7 +151,11 @@ impl<S: Scalar> BentCosine<S> {
         since.kept = (self.viscous_rate * -time_s).exp();
         for (decay, mode) in since.decay.iter_mut().zip(&self.modes) {
             let exponent = mode.rate.scaled(S::constant(time_s));
-            *decay = if mode.count == 1.0 { Pair::real(exponent.re.exp()) } else { exponent.exp() };
+            *decay = if mode.count == 1.0 {
+                ComplexDual::real(exponent.re.exp())
+            } else {
+                exponent.exp()
+            };
         }
         since
     }
@@ -194,13 +198,13 @@ impl<S: Scalar> BentCosine<S> {
     }
 
     /// (exp(λt) − exp(−at))/(λ + a): 1/(s + a) of what is left of a mode.
-    fn lagged(&self, mode: usize, since: &Since<S>) -> Pair<S> {
-        let sum = self.modes[mode].rate + Pair::real(self.viscous_rate);
+    fn lagged(&self, mode: usize, since: &Since<S>) -> ComplexDual<S> {
+        let sum = self.modes[mode].rate + ComplexDual::real(self.viscous_rate);
         if sum.value().norm() * since.time_s > ALIKE {
-            return (since.decay[mode] - Pair::real(since.kept)) * self.through[mode];
+            return (since.decay[mode] - ComplexDual::real(since.kept)) * self.through[mode];
         }
         let z = sum.scaled(S::constant(since.time_s));
-        let one = Pair::real(S::constant(1.0));
+        let one = ComplexDual::real(S::constant(1.0));
         let factor = (2..7).rev().fold(one, |sum, i| {
             let share = S::constant(1.0 / f64::from(i));
             one + (sum * z).scaled(share)
@@ -223,14 +227,15 @@ impl<S: Scalar> BentCosine<S> {
             let residue = residue.scaled(S::constant(twins));
             let by_offset = residue * rate.inverse();
             // The mode's answer to cos ωt is (ω·sin ωt − λ·cos ωt)/(ω² + λ²).
-            let size = (rate * rate + Pair::real(S::constant(self.omega * self.omega))).inverse();
+            let size =
+                (rate * rate + ComplexDual::real(S::constant(self.omega * self.omega))).inverse();
             let by_slope = (residue * size).scaled(S::constant(self.magnitude));
             let links = kinks.iter().zip(&self.pieces).zip(&lapses);
             let links: Vec<_> = links
                 .map(|(((next, turn), before), lapse)| {
                     let here = &self.pieces[*next];
                     let wave = rate.scaled(S::constant(turn.re))
-                        + Pair::real(S::constant(-self.omega * turn.im));
+                        + ComplexDual::real(S::constant(-self.omega * turn.im));
                     let jump = by_offset.scaled(here.offset - before.offset)
                         + (by_slope * wave).scaled(here.slope - before.slope);
                     (lapse.decay[m], jump)
@@ -247,7 +252,7 @@ impl<S: Scalar> BentCosine<S> {
                     .map(|m| (before.excited[m] * self.lagged(m, lapse)).re)
                     .fold(S::constant(0.0), |sum, part| sum + part);
                 let driven = self.driven(before, *turn) - self.driven(&self.pieces[*next], *turn);
-                (Pair::real(lapse.kept), Pair::real(driven + lagged))
+                (ComplexDual::real(lapse.kept), ComplexDual::real(driven + lagged))
             })
             .collect();
         for (piece, state) in self.pieces.iter_mut().zip(closed(&links)) {
@@ -264,8 +269,8 @@ impl<S> Piece<S> {
 }
 
 /// Periodic states of the chain sᵢ₊₁ = fᵢ·sᵢ + gᵢ, given all (fᵢ, gᵢ).
-pub(crate) fn closed<S: Scalar>(links: &[(Pair<S>, Pair<S>)]) -> Vec<Pair<S>> {
-    let (zero, one) = (Pair::real(S::constant(0.0)), Pair::real(S::constant(1.0)));
+pub(crate) fn closed<S: Scalar>(links: &[(ComplexDual<S>, ComplexDual<S>)]) -> Vec<ComplexDual<S>> {
+    let (zero, one) = (ComplexDual::real(S::constant(0.0)), ComplexDual::real(S::constant(1.0)));
     let (kept, gained) =
         links.iter().fold((one, zero), |(kept, state), (f, g)| (kept * *f, state * *f + *g));
     let first = gained * (one - kept).inverse();
@@ -303,7 +308,7 @@ fn pieces<S: Scalar>(maps: &[InputMap<S>], magnitude: f64, omega: f64) -> Vec<Pi
         }
         stretches = mapped;
     }
-    let zeros = [Pair::real(zero); MODES];
+    let zeros = [ComplexDual::real(zero); MODES];
     let angle = |u: f64| (u / magnitude).clamp(-1.0, 1.0).acos();
     let falling =
         stretches.iter().rev().map(|(low, high, o, s)| (angle(*high), angle(*low), *o, *s));

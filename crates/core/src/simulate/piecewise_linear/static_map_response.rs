@@ -15,10 +15,10 @@ use super::static_map_cosine::{BentCosine, Since, closed};
 use crate::simulate::base::periodic;
 use crate::simulate::base::periodic::Course;
 use crate::simulate::base::spectrum::{PhaseIntegrals, sliding_friction, weight};
-use crate::simulate::base::switching_times::{Motion, Orbit};
+use crate::simulate::base::switching_times::{Motion, SwitchingTimes};
 use crate::simulate::response::NoResponse;
 use crate::simulate::shooting;
-use crate::simulate::signal::complex_dual::Pair;
+use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::excitation::Excitation;
 use crate::simulate::signal::samples::within_period;
 
@@ -49,7 +49,7 @@ pub(crate) fn respond(
     let bent = BentCosine::new(axis, excitation);
     let orbit = orbit(axis, &bent)?;
     let mut velocity: Vec<Complex> =
-        velocity(axis, &bent, &orbit, highest).into_iter().map(Pair::value).collect();
+        velocity(axis, &bent, &orbit, highest).into_iter().map(ComplexDual::value).collect();
     lead(excitation, &mut velocity);
     Ok(velocity)
 }
@@ -74,7 +74,7 @@ pub(crate) fn differentiate(
 fn along<S: Scalar>(
     axis: &Axis<S>,
     excitation: &Excitation,
-    orbit: &Orbit,
+    orbit: &SwitchingTimes,
     highest: usize,
     rows: usize,
 ) -> (Vec<Complex>, Vec<Vec<Complex>>) {
@@ -97,7 +97,7 @@ fn lead(excitation: &Excitation, harmonics: &mut [Complex]) {
     }
 }
 
-fn orbit(axis: &Axis, bent: &BentCosine<f64>) -> Result<Orbit, NoResponse> {
+fn orbit(axis: &Axis, bent: &BentCosine<f64>) -> Result<SwitchingTimes, NoResponse> {
     let plant = Plant { friction: axis.levels(), ..axis.plant };
     periodic::follow(&plant, &Cells::new(bent), bent.period_s())
 }
@@ -191,10 +191,10 @@ impl Course for Cells<'_> {
 fn velocity<S: Scalar>(
     axis: &Axis<S>,
     bent: &BentCosine<S>,
-    orbit: &Orbit,
+    orbit: &SwitchingTimes,
     highest: usize,
-) -> Vec<Pair<S>> {
-    let zero = Pair::real(S::constant(0.0));
+) -> Vec<ComplexDual<S>> {
+    let zero = ComplexDual::real(S::constant(0.0));
     if !orbit.switches() && orbit.sticks() {
         return vec![zero; highest + 1];
     }
@@ -202,9 +202,10 @@ fn velocity<S: Scalar>(
     let spans = PhaseIntegrals::new(orbit, highest);
     let sliding = spans.forward.iter().zip(&spans.backward);
     // ∫ f exp(−jkωt) dt.
-    let mut friction: Vec<Pair<S>> = sliding
+    let mut friction: Vec<ComplexDual<S>> = sliding
         .map(|(forward, backward)| {
-            Pair::real(levels.fc_plus) * *forward - Pair::real(levels.fc_minus) * *backward
+            ComplexDual::real(levels.fc_plus) * *forward
+                - ComplexDual::real(levels.fc_minus) * *backward
         })
         .collect();
     for (start, end, motion) in (0..orbit.phases.len()).map(|i| orbit.span(i)) {
@@ -218,8 +219,9 @@ fn velocity<S: Scalar>(
         add_moves(axis, bent, orbit, &mut friction);
     }
     let torque = bent.lines(highest);
-    let velocity = |(k, (torque, friction)): (usize, (Pair<S>, Pair<S>))| {
-        let s_plus_a = Pair::new(axis.plant.viscous_rate_rad_s, S::constant(k as f64 * bent.omega));
+    let velocity = |(k, (torque, friction)): (usize, (ComplexDual<S>, ComplexDual<S>))| {
+        let s_plus_a =
+            ComplexDual::new(axis.plant.viscous_rate_rad_s, S::constant(k as f64 * bent.omega));
         let share = S::constant(weight(k, orbit.period_s));
         let force = (torque - friction.scaled(share)).scaled(axis.plant.constant);
         force * s_plus_a.inverse()
@@ -231,8 +233,8 @@ fn velocity<S: Scalar>(
 fn add_moves<S: Scalar>(
     axis: &Axis<S>,
     bent: &BentCosine<S>,
-    orbit: &Orbit,
-    friction: &mut [Pair<S>],
+    orbit: &SwitchingTimes,
+    friction: &mut [ComplexDual<S>],
 ) {
     let (levels, a) = (axis.levels(), axis.plant.viscous_rate_rad_s);
     let phases = &orbit.phases;
@@ -251,13 +253,13 @@ fn add_moves<S: Scalar>(
                     -levels.fs_minus
                 };
                 let change = (level - last.torque) * (1.0 / last.rate.value());
-                return (Pair::real(zero), Pair::real(change));
+                return (ComplexDual::real(zero), ComplexDual::real(change));
             };
             let kept = (a * (start - end)).exp();
             let x = last.steady - first.steady * kept - level * (one - kept) / a;
             let per_rate = 1.0 / (last.torque.value() - level.value());
             let by_previous = kept.value() * (first.torque.value() - level.value()) * per_rate;
-            (Pair::real(S::constant(by_previous)), Pair::real(-x * per_rate))
+            (ComplexDual::real(S::constant(by_previous)), ComplexDual::real(-x * per_rate))
         })
         .collect();
     let moves = closed(&links);
@@ -272,7 +274,7 @@ fn add_moves<S: Scalar>(
         let turn = Complex::from_polar(1.0, -bent.omega * phases[i].start_s);
         let mut at = Complex::new(1.0, 0.0);
         for sum in friction.iter_mut() {
-            *sum = *sum + Pair::new(jump * at.re, jump * at.im);
+            *sum = *sum + ComplexDual::new(jump * at.re, jump * at.im);
             at *= turn;
         }
     }

@@ -14,11 +14,11 @@ use crate::effects::Axis;
 use crate::plant::Scalar;
 
 use crate::simulate::base::switching_times::Motion;
-use crate::simulate::signal::complex_dual::Pair;
+use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::excitation::Grid;
-use crate::simulate::signal::exponential_integrator::Relaxation;
+use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;
 use crate::simulate::signal::fourier::Fourier;
-use crate::simulate::signal::piecewise_quintic::{Cell, Quintic, Wave, restricted};
+use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic, Quintic, restricted};
 use slide_end::Sliding;
 
 /// Share of the largest x that is lost in rounding.
@@ -43,7 +43,7 @@ pub(crate) struct OneMass<S> {
     range: (f64, f64),
     /// A size that x may reach.
     scale: f64,
-    relaxation: [Relaxation<S>; 2],
+    relaxation: [ExponentialIntegrator<S>; 2],
     whole_s: f64,
 }
 
@@ -60,17 +60,17 @@ impl<'g, S: Scalar> Slides<'g, S> {
     }
 
     /// Harmonics V₀ … V_H.
-    pub fn velocity(self, mass: &OneMass<S>, constant: S, period_s: f64) -> Vec<Pair<S>> {
+    pub fn velocity(self, mass: &OneMass<S>, constant: S, period_s: f64) -> Vec<ComplexDual<S>> {
         let omega = std::f64::consts::TAU / period_s;
-        let mut harmonics: Vec<Pair<S>> = Vec::new();
+        let mut harmonics: Vec<ComplexDual<S>> = Vec::new();
         for (direction, sums) in self.by_direction.into_iter().enumerate() {
             let a = mass.viscous_rate[direction];
             for (k, sum) in sums.finish().into_iter().enumerate() {
-                let through = Pair::new(a, S::constant(k as f64 * omega)).inverse();
+                let through = ComplexDual::new(a, S::constant(k as f64 * omega)).inverse();
                 let mut part = (sum * through)
                     .scaled(constant * crate::simulate::base::spectrum::weight(k, period_s));
                 if k == 0 {
-                    part = Pair::real(part.re);
+                    part = ComplexDual::real(part.re);
                 }
                 match harmonics.get_mut(k) {
                     Some(harmonic) => *harmonic = *harmonic + part,
@@ -83,7 +83,7 @@ impl<'g, S: Scalar> Slides<'g, S> {
 }
 
 impl<S: Scalar> OneMass<S> {
-    pub fn new(axis: &Axis<S>, wave: &Wave<S>) -> Self {
+    pub fn new(axis: &Axis<S>, wave: &PiecewiseQuintic<S>) -> Self {
         let levels = axis.levels();
         let viscous_rate = axis.viscous_rates();
         let (least, most) = wave.range();
@@ -97,7 +97,7 @@ impl<S: Scalar> OneMass<S> {
             breakaway: [levels.fs_plus, -levels.fs_minus],
             range: (least, most),
             scale: most.abs().max(least.abs()) * reach,
-            relaxation: viscous_rate.map(|a| Relaxation::new(a * whole_s)),
+            relaxation: viscous_rate.map(|a| ExponentialIntegrator::new(a * whole_s)),
             whole_s,
         }
     }
@@ -111,7 +111,7 @@ impl<S: Scalar> OneMass<S> {
             breakaway: self.breakaway.map(f),
             range: self.range,
             scale: self.scale,
-            relaxation: viscous_rate.map(|a| Relaxation::new(a * self.whole_s)),
+            relaxation: viscous_rate.map(|a| ExponentialIntegrator::new(a * self.whole_s)),
             whole_s: self.whole_s,
         }
     }
@@ -136,7 +136,7 @@ impl<S: Scalar> OneMass<S> {
     /// `None` where it switches without end.
     pub fn pass(
         &self,
-        wave: &Wave<S>,
+        wave: &PiecewiseQuintic<S>,
         start: State<S>,
         mut slides: Option<&mut Slides<'_, S>>,
     ) -> Option<State<S>> {
@@ -215,13 +215,14 @@ impl<S: Scalar> OneMass<S> {
         if is_whole {
             let powers = self.driving(&cell.powers, direction);
             let own = (cell.length_s != self.whole_s)
-                .then(|| Relaxation::new(self.viscous_rate[direction] * cell.length_s));
+                .then(|| ExponentialIntegrator::new(self.viscous_rate[direction] * cell.length_s));
             let relaxation = own.as_ref().unwrap_or(&self.relaxation[direction]);
             return relaxation.step(x, &powers, S::constant(cell.length_s));
         }
         let powers = self.driving(&restricted(&cell.powers, from, to), direction);
         let length_s = (to - from) * cell.length_s;
-        Relaxation::new(self.viscous_rate[direction] * length_s).step(x, &powers, length_s)
+        ExponentialIntegrator::new(self.viscous_rate[direction] * length_s)
+            .step(x, &powers, length_s)
     }
 
     /// A slide from position `from` of a cell on: until when, and what follows.

@@ -12,7 +12,7 @@ use crate::simulate::base::switching_times::Motion;
 use crate::simulate::response::NoResponse;
 use crate::simulate::shooting;
 use crate::simulate::signal::excitation::Excitation;
-use crate::simulate::signal::piecewise_quintic::Wave;
+use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 
 /// Newton's steps after which a motion counts as not periodic.
 const MOST_ITERATIONS: usize = 400;
@@ -106,7 +106,7 @@ fn chunk<const N: usize>(
 }
 
 /// State at the beginning of the period of the motion reached from rest.
-fn periodic(mass: &OneMass<f64>, wave: &Wave<f64>) -> Result<State<f64>, NoResponse> {
+fn periodic(mass: &OneMass<f64>, wave: &PiecewiseQuintic<f64>) -> Result<State<f64>, NoResponse> {
     let failed = |periods: usize| NoResponse::NotPeriodic { periods };
     let rest = State { x: 0.0, motion: Motion::Stuck };
     let mut start = mass.pass(wave, rest, None).ok_or(failed(1))?;
@@ -129,8 +129,8 @@ fn periodic(mass: &OneMass<f64>, wave: &Wave<f64>) -> Result<State<f64>, NoRespo
         }
         let mut step = change / (1.0 - slope);
         if !mass.contracts() {
-            let leash = change.abs().max(LEASH * size);
-            step = step.clamp(-leash, leash);
+            let region = change.abs().max(LEASH * size);
+            step = step.clamp(-region, region);
         }
         let next = start.x + step;
         let same_side = match end.motion {

@@ -7,12 +7,12 @@ use crate::plant::Scalar;
 
 /// re + j·im.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Pair<S> {
+pub(crate) struct ComplexDual<S> {
     pub re: S,
     pub im: S,
 }
 
-impl<S: Scalar> Pair<S> {
+impl<S: Scalar> ComplexDual<S> {
     pub fn new(re: S, im: S) -> Self {
         Self { re, im }
     }
@@ -59,21 +59,21 @@ impl<S: Scalar> Pair<S> {
     }
 }
 
-impl<S: Scalar> Add for Pair<S> {
+impl<S: Scalar> Add for ComplexDual<S> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self { re: self.re + other.re, im: self.im + other.im }
     }
 }
 
-impl<S: Scalar> Sub for Pair<S> {
+impl<S: Scalar> Sub for ComplexDual<S> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         Self { re: self.re - other.re, im: self.im - other.im }
     }
 }
 
-impl<S: Scalar> Mul for Pair<S> {
+impl<S: Scalar> Mul for ComplexDual<S> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         Self {
@@ -83,7 +83,7 @@ impl<S: Scalar> Mul for Pair<S> {
     }
 }
 
-impl<S: Scalar> Mul<Complex> for Pair<S> {
+impl<S: Scalar> Mul<Complex> for ComplexDual<S> {
     type Output = Self;
     fn mul(self, other: Complex) -> Self {
         Self {

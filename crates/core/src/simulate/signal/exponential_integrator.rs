@@ -11,7 +11,7 @@ use std::ops::{Add, Div, Mul, Sub};
 use crate::measurement::Complex;
 use crate::plant::Scalar;
 
-use super::complex_dual::Pair;
+use super::complex_dual::ComplexDual;
 use super::piecewise_quintic::Quintic;
 
 /// Beyond this |z| the recursion goes upwards.
@@ -20,12 +20,12 @@ const LARGE: f64 = 7.0;
 /// What is left of the state after a step, and what each power of the input
 /// adds to it for each second of the step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Relaxation<T> {
+pub(crate) struct ExponentialIntegrator<T> {
     kept: T,
     gains: [T; 6],
 }
 
-impl<S: Scalar> Relaxation<S> {
+impl<S: Scalar> ExponentialIntegrator<S> {
     /// Over a step of z = λh time constants.
     #[inline]
     pub fn new(z: S) -> Self {
@@ -50,9 +50,9 @@ impl<S: Scalar> Relaxation<S> {
     }
 }
 
-impl<S: Scalar> Relaxation<Pair<S>> {
+impl<S: Scalar> ExponentialIntegrator<ComplexDual<S>> {
     /// The same for a complex λ.
-    pub fn complex(z: Pair<S>) -> Self {
+    pub fn complex(z: ComplexDual<S>) -> Self {
         let number = z.value();
         let one = Complex::new(1.0, 0.0);
         let phi = if number.norm() > LARGE {
@@ -61,12 +61,17 @@ impl<S: Scalar> Relaxation<Pair<S>> {
             downwards(number, series(number, number.norm(), one), one)
         };
         let gains = std::array::from_fn(|i| z.chain(phi[i], phi[i + 1] - phi[i]));
-        let kept = Pair::new(-z.re, -z.im).exp();
+        let kept = ComplexDual::new(-z.re, -z.im).exp();
         Self { kept, gains }
     }
 
     /// The state after a step of `length_s` under a real input.
-    pub fn step(&self, state: Pair<S>, powers: &Quintic<S>, length_s: f64) -> Pair<S> {
+    pub fn step(
+        &self,
+        state: ComplexDual<S>,
+        powers: &Quintic<S>,
+        length_s: f64,
+    ) -> ComplexDual<S> {
         let mut gained = self.gains[0].scaled(powers[0]);
         for (gain, power) in self.gains.iter().zip(powers).skip(1) {
             gained = gained + gain.scaled(*power);
@@ -135,12 +140,12 @@ mod tests {
     #[test]
     fn gains_are_their_integrals_for_small_and_large_steps() {
         for z in [0.0, 1e-6, 0.3, 2.0, 6.9, 7.1, 40.0] {
-            let relaxation = Relaxation::new(z);
+            let relaxation = ExponentialIntegrator::new(z);
             for i in 0..6 {
                 let wanted = quadrature(i as i32, z);
                 assert!((relaxation.gains[i] - wanted).abs() < 2e-8, "{z} {i}");
             }
-            let complex = Relaxation::complex(Pair::real(z));
+            let complex = ExponentialIntegrator::complex(ComplexDual::real(z));
             assert!((complex.gains[3].re - relaxation.gains[3]).abs() < 1e-14);
         }
     }
@@ -148,9 +153,10 @@ mod tests {
     #[test]
     fn derivatives_follow_the_length_of_the_step() {
         for z in [0.2, 5.0, 9.0] {
-            let relaxation = Relaxation::new(Dual::<1>::variable(z, 0));
+            let relaxation = ExponentialIntegrator::new(Dual::<1>::variable(z, 0));
             let step = 1e-5;
-            let (up, down) = (Relaxation::new(z + step), Relaxation::new(z - step));
+            let (up, down) =
+                (ExponentialIntegrator::new(z + step), ExponentialIntegrator::new(z - step));
             for i in 0..6 {
                 let numeric = (up.gains[i] - down.gains[i]) / (2.0 * step);
                 // Central differences: step² and rounding over the step.

@@ -10,7 +10,7 @@ mod points;
 use crate::measurement::Complex;
 use crate::plant::Scalar;
 
-use super::complex_dual::Pair;
+use super::complex_dual::ComplexDual;
 use super::excitation::Grid;
 use super::piecewise_quintic::{Quintic, polynomial, value};
 use super::samples::GAUSS_5;
@@ -43,13 +43,13 @@ pub(crate) struct Fourier<'g, S> {
     whole: Vec<Quintic<S>>,
     /// Nodes of the other pieces; `None` where they are summed at once.
     points: Option<Points<S>>,
-    sums: Vec<Pair<S>>,
+    sums: Vec<ComplexDual<S>>,
 }
 
 impl<'g, S: Scalar> Fourier<'g, S> {
     /// For harmonics 0 … `highest`.
     pub fn new(grid: &'g Grid, omega: f64, highest: usize) -> Self {
-        let zero = Pair::real(S::constant(0.0));
+        let zero = ComplexDual::real(S::constant(0.0));
         let points = if highest < MANY { None } else { Points::new(grid, highest) };
         Self { grid, omega, whole: Vec::new(), points, sums: vec![zero; highest + 1] }
     }
@@ -71,8 +71,8 @@ impl<'g, S: Scalar> Fourier<'g, S> {
             let u = 0.5 + 0.5 * node;
             let x = value(powers, S::constant(u)) * length_s * (0.5 * weight);
             let (sin, cos) = ((from_s + length_s * u) * -self.omega).sin_cos();
-            let turn = Pair::new(cos, sin);
-            let mut at = Pair::real(x);
+            let turn = ComplexDual::new(cos, sin);
+            let mut at = ComplexDual::real(x);
             for sum in &mut self.sums {
                 *sum = *sum + at;
                 at = at * turn;
@@ -114,7 +114,7 @@ impl<'g, S: Scalar> Fourier<'g, S> {
     }
 
     /// The integrals, k = 0 … `highest`.
-    pub fn finish(mut self) -> Vec<Pair<S>> {
+    pub fn finish(mut self) -> Vec<ComplexDual<S>> {
         if let Some(points) = &self.points {
             points.add_to(self.grid, &mut self.sums);
         }
@@ -133,7 +133,7 @@ impl<'g, S: Scalar> Fourier<'g, S> {
             };
             let here = values[k];
             *sum = *sum
-                + Pair {
+                + ComplexDual {
                     re: S::with_lanes(here.re, |lane| lane_of(lane).re),
                     im: S::with_lanes(here.im, |lane| lane_of(lane).im),
                 };

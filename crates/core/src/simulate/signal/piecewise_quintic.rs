@@ -10,7 +10,7 @@ use std::ops::{Mul, Sub};
 use crate::measurement::Complex;
 use crate::plant::Scalar;
 
-use super::complex_dual::Pair;
+use super::complex_dual::ComplexDual;
 use super::excitation::Grid;
 use super::samples::Samples;
 
@@ -209,14 +209,14 @@ pub(crate) fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -
 
 /// A periodic signal.
 #[derive(Debug, Clone)]
-pub(crate) struct Wave<S> {
+pub(crate) struct PiecewiseQuintic<S> {
     /// Its pieces in order, from 0 to the period.
     pub cells: Vec<Cell<S>>,
     /// Period, seconds.
     pub period_s: f64,
 }
 
-impl<S: Scalar> Wave<S> {
+impl<S: Scalar> PiecewiseQuintic<S> {
     /// From values and two derivatives by time at every sample of the grid; the
     /// first sample is repeated at the end.
     fn of_nodes(grid: &Grid, period_s: f64, node: impl Fn(usize) -> [S; 3]) -> Self {
@@ -239,7 +239,7 @@ impl<S: Scalar> Wave<S> {
     }
 
     /// Re X·exp(jωt).
-    pub fn cosine(grid: &Grid, omega: f64, line: Pair<S>) -> Self {
+    pub fn cosine(grid: &Grid, omega: f64, line: ComplexDual<S>) -> Self {
         Self::of_nodes(grid, std::f64::consts::TAU / omega, |n| {
             let at = line * grid.turn(n);
             [at.re, at.im * -omega, at.re * (-omega * omega)]
@@ -274,14 +274,14 @@ impl<S: Scalar> Wave<S> {
     }
 
     /// The same signal in other scalars: what `f` makes of every number.
-    pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T) -> Wave<T> {
+    pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T) -> PiecewiseQuintic<T> {
         let cells = self.cells.iter().map(|cell| Cell {
             from_s: cell.from_s,
             length_s: cell.length_s,
             powers: cell.powers.map(&f),
             whole: cell.whole,
         });
-        Wave { cells: cells.collect(), period_s: self.period_s }
+        PiecewiseQuintic { cells: cells.collect(), period_s: self.period_s }
     }
 
     /// Smallest and largest value.

@@ -8,9 +8,9 @@ use crate::plant::Actuator;
 use super::InitialState;
 use super::command::Line;
 use crate::simulate::piecewise_linear::drive::{Mode, modes};
-use crate::simulate::signal::complex_dual::Pair;
-use crate::simulate::signal::exponential_integrator::Relaxation;
-use crate::simulate::signal::piecewise_quintic::{Cell, Wave, through};
+use crate::simulate::signal::complex_dual::ComplexDual;
+use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;
+use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic, through};
 
 /// Radians, or time constants, of the actuator in one cell: its quintic misses by 7e-5 of
 /// what a kink sets off.
@@ -28,7 +28,7 @@ pub(super) fn torque(
     lines: &[Line],
     told: f64,
     initial: &InitialState,
-) -> Wave<f64> {
+) -> PiecewiseQuintic<f64> {
     let period_s = lines.last().map_or(0.0, |line| line.from_s + line.length_s);
     let modes = modes(actuator);
     if modes.is_empty() {
@@ -38,7 +38,7 @@ pub(super) fn torque(
             powers: straight(line.start, line.slope * line.length_s),
             whole: Some(n),
         });
-        return Wave { cells: cells.collect(), period_s };
+        return PiecewiseQuintic { cells: cells.collect(), period_s };
     }
     let mut states = start(&modes, told, initial);
     let mut cells = Vec::with_capacity(lines.len());
@@ -66,7 +66,7 @@ pub(super) fn torque(
             });
         }
     }
-    Wave { cells, period_s }
+    PiecewiseQuintic { cells, period_s }
 }
 
 fn straight(start: f64, change: f64) -> [f64; 6] {
@@ -74,32 +74,32 @@ fn straight(start: f64, change: f64) -> [f64; 6] {
 }
 
 /// States of the modes: at rest under what the actuator was told, where nothing else is given.
-fn start(modes: &[Mode<f64>], told: f64, initial: &InitialState) -> Vec<Pair<f64>> {
+fn start(modes: &[Mode<f64>], told: f64, initial: &InitialState) -> Vec<ComplexDual<f64>> {
     let torque = initial.torque.unwrap_or(told);
     let rate = initial.torque_rate.unwrap_or(0.0);
     match modes {
         [Mode { rate: l, residue, count: 2.0 }] => {
             // τ = 2 Re z and τ' = 2 Re λz, where z is the residue's share of the state.
             let re = 0.5 * torque;
-            let z = Pair::new(re, (l.re * re - 0.5 * rate) / l.im);
+            let z = ComplexDual::new(re, (l.re * re - 0.5 * rate) / l.im);
             vec![z * residue.inverse()]
         }
         [one, other] => {
             let (a, b) = (one.rate.re, other.rate.re);
             let z = (rate - b * torque) / (a - b);
-            let state = |z: f64, mode: &Mode<f64>| Pair::real(z / mode.residue.re);
+            let state = |z: f64, mode: &Mode<f64>| ComplexDual::real(z / mode.residue.re);
             vec![state(z, one), state(torque - z, other)]
         }
-        _ => modes.iter().map(|mode| Pair::real(torque / mode.residue.re)).collect(),
+        _ => modes.iter().map(|mode| ComplexDual::real(torque / mode.residue.re)).collect(),
     }
 }
 
 /// τ, τ' and τ'' where the actuator is told u, which changes at this rate.
-fn node(modes: &[Mode<f64>], states: &[Pair<f64>], u: f64, slope: f64) -> [f64; 3] {
+fn node(modes: &[Mode<f64>], states: &[ComplexDual<f64>], u: f64, slope: f64) -> [f64; 3] {
     let mut sums = [0.0; 3];
     for (mode, state) in modes.iter().zip(states) {
-        let first = *state * mode.rate + Pair::real(u);
-        let second = first * mode.rate + Pair::real(slope);
+        let first = *state * mode.rate + ComplexDual::real(u);
+        let second = first * mode.rate + ComplexDual::real(slope);
         for (sum, part) in sums.iter_mut().zip([*state, first, second]) {
             *sum += (part * mode.residue).re * mode.count;
         }
@@ -118,7 +118,7 @@ struct Division {
 struct Part {
     from: f64,
     length_s: f64,
-    steps: Vec<Relaxation<Pair<f64>>>,
+    steps: Vec<ExponentialIntegrator<ComplexDual<f64>>>,
 }
 
 impl Division {
@@ -146,8 +146,8 @@ impl Division {
         let part = |pair: &[f64]| {
             let length_s = if even { length_s / count } else { pair[1] - pair[0] };
             let step = |mode: &Mode<f64>| {
-                let turns = Pair::new(-mode.rate.re, -mode.rate.im).scaled(length_s);
-                Relaxation::complex(turns)
+                let turns = ComplexDual::new(-mode.rate.re, -mode.rate.im).scaled(length_s);
+                ExponentialIntegrator::complex(turns)
             };
             Part { from: pair[0], length_s, steps: modes.iter().map(step).collect() }
         };

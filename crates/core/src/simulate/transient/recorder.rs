@@ -4,7 +4,7 @@
 //! acceleration is (v − y)/T and its position θ − T·(y − y₀).
 
 use super::{InitialState, SampledInput, Trajectory};
-use crate::simulate::signal::exponential_integrator::Relaxation;
+use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;
 use crate::simulate::signal::piecewise_quintic::{polynomial, restricted, slope, through};
 
 /// Share of a step by which a sample's time may lie beyond the end of a piece.
@@ -109,7 +109,7 @@ fn advance(lags: &mut [Lag], length_s: f64, powers: &[f64], reach: f64) {
             let Lag { time_constant_s: t, value: start, .. } = *lag;
             let share = length_s / t;
             let driven = signal.map(|power| power / t);
-            lag.value = Relaxation::new(share).step(start, &driven, length_s);
+            lag.value = ExponentialIntegrator::new(share).step(start, &driven, length_s);
             let node = |y: f64, v: f64, rate: f64| {
                 let first = share * (v - y);
                 [y, first, share * (rate - first)]

@@ -8,7 +8,7 @@ use crate::simulate::signal::excitation::{Excitation, Grid};
 use crate::simulate::signal::samples::{Samples, quintic_at};
 
 /// Torque and steady response on the grid.
-pub(crate) struct Waves {
+pub(crate) struct SampledTorque {
     a: f64,
     pub torque: Samples,
     /// w: steady response of 1/(s + a) to the torque.
@@ -17,7 +17,7 @@ pub(crate) struct Waves {
     kept: f64,
 }
 
-impl Waves {
+impl SampledTorque {
     pub fn new(plant: &Plant, lines: &[Complex], excitation: &Excitation, grid: &Grid) -> Self {
         let omega = excitation.omega_rad_s();
         let a = plant.viscous_rate_rad_s;
@@ -32,7 +32,7 @@ impl Waves {
     }
 }
 
-impl Course for Waves {
+impl Course for SampledTorque {
     fn cells(&self) -> usize {
         self.torque.cells()
     }

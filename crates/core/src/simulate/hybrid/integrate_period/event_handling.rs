@@ -2,13 +2,13 @@
 
 use crate::plant::Scalar;
 
-use super::Pass;
+use super::PeriodIntegration;
 use crate::simulate::base::switching_times::Motion;
 use crate::simulate::hybrid::crossing::{departure, root};
 use crate::simulate::hybrid::mechanics::{Contact, Mode, VELOCITY};
 use crate::simulate::hybrid::runge_kutta::Vector;
 use crate::simulate::hybrid::step::{Powers, Step};
-use crate::simulate::hybrid::step_control::Pace;
+use crate::simulate::hybrid::step_control::StepControl;
 use crate::simulate::signal::piecewise_quintic::Cell;
 
 /// Share of a state's size below which it is as good as zero.
@@ -39,7 +39,7 @@ pub(super) enum Event {
     Leaves(bool),
 }
 
-impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
+impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
     /// The first switch within a step.
     pub(super) fn switch(
         &self,
@@ -162,7 +162,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
     #[expect(clippy::too_many_arguments, reason = "what a step is made of")]
     pub(super) fn up_to(
         &mut self,
-        pace: &mut Pace<S, M>,
+        pace: &mut StepControl<S, M>,
         mode: Mode,
         cell: &Cell<S>,
         (from, width): (f64, f64),
@@ -179,7 +179,7 @@ impl<S: Scalar, const M: usize> Pass<'_, '_, S, M> {
                 (step, switch.at, end, end_slope)
             }
             _ => {
-                if let Pace::Exact { again, .. } = pace {
+                if let StepControl::Exact { again, .. } = pace {
                     *again = false;
                 }
                 cut = self.step(pace, mode, cell, (from, &mut part), state, slope);

@@ -10,7 +10,7 @@ use crate::plant::{Dual, Scalar as _};
 use super::{NEAR, Periodic};
 use crate::simulate::hybrid::NoResponse;
 use crate::simulate::shooting;
-use crate::simulate::signal::piecewise_quintic::Wave;
+use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 
 /// Newton's steps at one share of the ripple.
 const CORRECTIONS: usize = 12;
@@ -27,7 +27,11 @@ const SMALLEST_GROWTH: f64 = 1.0 / 256.0;
 
 impl<const M: usize> Periodic<M> {
     /// Follows the periodic motion as the ripple grows, from where it stands without.
-    pub(super) fn grow_ripple(&mut self, axis: &Axis, wave: &Wave<f64>) -> Result<(), NoResponse> {
+    pub(super) fn continue_to_periodic(
+        &mut self,
+        axis: &Axis,
+        wave: &PiecewiseQuintic<f64>,
+    ) -> Result<(), NoResponse> {
         let lifted = wave.map(Dual::<M>::constant);
         let (mut share, mut growth, mut periods) = (0.0, 1.0, 0);
         loop {
@@ -55,7 +59,7 @@ impl<const M: usize> Periodic<M> {
     fn correct_damped(
         &mut self,
         axis: &Axis<Dual<M>>,
-        wave: &Wave<Dual<M>>,
+        wave: &PiecewiseQuintic<Dual<M>>,
         periods: &mut usize,
     ) -> bool {
         let mut follow = |this: &mut Self| {

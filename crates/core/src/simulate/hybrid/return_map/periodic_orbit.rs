@@ -5,13 +5,13 @@ use nalgebra::{Complex, DMatrix, Schur};
 use crate::effects::Axis;
 use crate::plant::{Dual, Scalar as _};
 
-use super::trust_region::Leash;
+use super::trust_region::TrustRegion;
 use super::{MOST_ITERATIONS, NEAR, Periodic, effort, largest_share};
 use crate::simulate::hybrid::mechanics::Mechanics;
 use crate::simulate::hybrid::runge_kutta::Vector;
 use crate::simulate::response::{Counts, NoResponse};
 use crate::simulate::shooting;
-use crate::simulate::signal::piecewise_quintic::Wave;
+use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 
 /// Newton's steps in a row that may fail to get nearer.
 const PATIENT: usize = 3;
@@ -58,7 +58,7 @@ impl<const M: usize> Periodic<M> {
     pub(super) fn close(
         &mut self,
         axis: &Axis,
-        wave: &Wave<f64>,
+        wave: &PiecewiseQuintic<f64>,
         counts: Counts,
     ) -> Result<(), NoResponse> {
         let mut unstable = None;
@@ -76,7 +76,7 @@ impl<const M: usize> Periodic<M> {
     fn settle(
         &mut self,
         axis: &Axis,
-        wave: &Wave<f64>,
+        wave: &PiecewiseQuintic<f64>,
         unstable: &mut Option<Vector<f64, M>>,
     ) -> Result<(), NoResponse> {
         let mechanics = Mechanics::new(axis);
@@ -100,7 +100,7 @@ impl<const M: usize> Periodic<M> {
             }
             if axis.balanced {
                 self.state = rested;
-                return self.grow_ripple(axis, wave);
+                return self.continue_to_periodic(axis, wave);
             }
             // Newton's method has brought what settles slowly nearer, unless it has been led
             // astray.
@@ -123,7 +123,11 @@ impl<const M: usize> Periodic<M> {
 
     /// Follows the motion until a period hardly changes it, and says for how many; `None` where
     /// it cannot be followed.
-    fn approach(&mut self, mechanics: &Mechanics<f64>, wave: &Wave<f64>) -> Option<usize> {
+    fn approach(
+        &mut self,
+        mechanics: &Mechanics<f64>,
+        wave: &PiecewiseQuintic<f64>,
+    ) -> Option<usize> {
         for period in 1..=APPROACH {
             let before = self.state;
             self.state = self.plain(mechanics, wave)?.0;
@@ -139,11 +143,11 @@ impl<const M: usize> Periodic<M> {
     fn newton(
         &mut self,
         axis: &Axis,
-        wave: &Wave<f64>,
+        wave: &PiecewiseQuintic<f64>,
         beside: Option<&Vector<f64, M>>,
     ) -> Option<Closing> {
         let (lifted_axis, lifted) = (axis.map(Dual::<M>::constant), wave.map(Dual::<M>::constant));
-        let mut leash = Leash::new(self.leash);
+        let mut region = TrustRegion::new(self.region);
         let most = if beside.is_some() { MOST_STEPS } else { MOST_ITERATIONS };
         for _ in 0..most {
             let followed = self.follow(&lifted_axis, &lifted, None, 0)?;
@@ -159,11 +163,11 @@ impl<const M: usize> Periodic<M> {
                 if !(axis.balanced || stays || is_stable(&followed.residuals)) {
                     return Some(Closing::Unstable);
                 }
-                self.advance(step.as_slice(), (self.leash / longest).min(1.0));
+                self.advance(step.as_slice(), (self.region / longest).min(1.0));
                 return Some(Closing::Stable);
             }
-            let share = leash.share(longest);
-            if leash.stalled >= PATIENT {
+            let share = region.share(longest);
+            if region.stalled >= PATIENT {
                 break;
             }
             self.advance(step.as_slice(), share);

@@ -2,7 +2,7 @@
 
 /// Steps as a share of the states' sizes: the longer, the better the steps before did what
 /// they promised.
-pub(super) struct Leash {
+pub(super) struct TrustRegion {
     shortest: f64,
     length: f64,
     last: f64,
@@ -18,7 +18,7 @@ const NEARER: f64 = 0.75;
 /// Share of itself that a whole step may leave: it leaves little, and this is modest.
 const MODEST: f64 = 0.1;
 
-impl Leash {
+impl TrustRegion {
     pub fn new(shortest: f64) -> Self {
         let (last, expected) = (f64::INFINITY, f64::INFINITY);
         Self { shortest, length: shortest, last, expected, stalled: 0 }
@@ -46,22 +46,22 @@ mod tests {
 
     #[test]
     fn steps_grow_while_they_keep_their_promise_and_shrink_when_they_stop_getting_nearer() {
-        let mut leash = Leash::new(0.2);
-        assert_eq!(leash.share(8.0), 0.05);
-        assert_eq!(leash.share(7.6), 0.8 / 7.6);
-        assert_eq!(leash.share(6.8), 1.6 / 6.8);
+        let mut region = TrustRegion::new(0.2);
+        assert_eq!(region.share(8.0), 0.05);
+        assert_eq!(region.share(7.6), 0.8 / 7.6);
+        assert_eq!(region.share(6.8), 1.6 / 6.8);
         // Nearer, but not by as much as promised.
-        assert_eq!(leash.share(5.0), 3.2 / 5.0);
-        assert_eq!(leash.share(3.0), 1.0);
-        assert_eq!((leash.share(3.0), leash.stalled), (0.2 / 3.0, 1));
+        assert_eq!(region.share(5.0), 3.2 / 5.0);
+        assert_eq!(region.share(3.0), 1.0);
+        assert_eq!((region.share(3.0), region.stalled), (0.2 / 3.0, 1));
     }
 
     #[test]
     fn steps_that_shrink_by_thirds_stay_whole() {
-        let mut leash = Leash::new(1.0);
+        let mut region = TrustRegion::new(1.0);
         for power in 0..10 {
-            assert_eq!(leash.share(3_f64.powi(-power)), 1.0);
+            assert_eq!(region.share(3_f64.powi(-power)), 1.0);
         }
-        assert_eq!(leash.stalled, 0);
+        assert_eq!(region.stalled, 0);
     }
 }

@@ -2,9 +2,9 @@
 
 use crate::plant::{Actuator, Scalar};
 
-use crate::simulate::signal::complex_dual::Pair;
-use crate::simulate::signal::exponential_integrator::Relaxation;
-use crate::simulate::signal::piecewise_quintic::{Cell, Wave, through};
+use crate::simulate::signal::complex_dual::ComplexDual;
+use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;
+use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic, through};
 
 /// Radians of an oscillation in one cell: its quintic misses by 7e-5 of what
 /// rings after a kink, itself a hundredth of the torque at most.
@@ -19,8 +19,8 @@ const LAYER_END: f64 = 14.0;
 /// A first-order mode η' = λη + u of the actuator, and what it adds to τ.
 #[derive(Clone, Copy)]
 pub(crate) struct Mode<S> {
-    pub rate: Pair<S>,
-    pub residue: Pair<S>,
+    pub rate: ComplexDual<S>,
+    pub residue: ComplexDual<S>,
     /// 2 where its conjugate adds the same.
     pub count: f64,
 }
@@ -29,7 +29,7 @@ pub(crate) fn modes<S: Scalar>(actuator: &Actuator<S>) -> Vec<Mode<S>> {
     match *actuator {
         Actuator::Direct => vec![],
         Actuator::FirstOrder { corner_rad_s: p } => {
-            vec![Mode { rate: Pair::real(-p), residue: Pair::real(p), count: 1.0 }]
+            vec![Mode { rate: ComplexDual::real(-p), residue: ComplexDual::real(p), count: 1.0 }]
         }
         Actuator::SecondOrder { natural_frequency_rad_s: wn, damping_ratio: zeta } => {
             // A = ωₙ²/((s − λ₁)(s − λ₂)); where both are the same, next to it.
@@ -41,20 +41,20 @@ pub(crate) fn modes<S: Scalar>(actuator: &Actuator<S>) -> Vec<Mode<S>> {
             let zero = S::constant(0.0);
             if inside.value() < 0.0 {
                 let turning = wn * (-inside).sqrt();
-                let residue = Pair::new(zero, -(wn * wn / (turning * 2.0)));
-                vec![Mode { rate: Pair::new(real, turning), residue, count: 2.0 }]
+                let residue = ComplexDual::new(zero, -(wn * wn / (turning * 2.0)));
+                vec![Mode { rate: ComplexDual::new(real, turning), residue, count: 2.0 }]
             } else {
                 let apart = wn * inside.sqrt();
                 let residue = wn * wn / (apart * 2.0);
                 vec![
                     Mode {
-                        rate: Pair::real(real + apart),
-                        residue: Pair::real(residue),
+                        rate: ComplexDual::real(real + apart),
+                        residue: ComplexDual::real(residue),
                         count: 1.0,
                     },
                     Mode {
-                        rate: Pair::real(real - apart),
-                        residue: Pair::real(-residue),
+                        rate: ComplexDual::real(real - apart),
+                        residue: ComplexDual::real(-residue),
                         count: 1.0,
                     },
                 ]
@@ -64,7 +64,10 @@ pub(crate) fn modes<S: Scalar>(actuator: &Actuator<S>) -> Vec<Mode<S>> {
 }
 
 /// The wave behind the actuator, in its periodic state.
-pub(crate) fn delivered<S: Scalar>(actuator: &Actuator<S>, wave: Wave<S>) -> Wave<S> {
+pub(crate) fn delivered<S: Scalar>(
+    actuator: &Actuator<S>,
+    wave: PiecewiseQuintic<S>,
+) -> PiecewiseQuintic<S> {
     let modes = modes(actuator);
     if modes.is_empty() {
         return wave;
@@ -79,15 +82,15 @@ pub(crate) fn delivered<S: Scalar>(actuator: &Actuator<S>, wave: Wave<S>) -> Wav
             .cells
             .iter()
             .zip(steps.over(&wave))
-            .fold(Pair::real(zero), |state, (cell, step)| {
+            .fold(ComplexDual::real(zero), |state, (cell, step)| {
                 step.step(state, &cell.powers, cell.length_s)
             });
         let kept = mode.rate.scaled(S::constant(wave.period_s)).exp();
-        let left = Pair::new(-kept.re + 1.0, -kept.im);
+        let left = ComplexDual::new(-kept.re + 1.0, -kept.im);
         let mut state = travelled * left.inverse();
-        let node = |state: Pair<S>, u: S, slope: S, into: &mut [S; 3]| {
-            let first = state * mode.rate + Pair::real(u);
-            let second = first * mode.rate + Pair::real(slope);
+        let node = |state: ComplexDual<S>, u: S, slope: S, into: &mut [S; 3]| {
+            let first = state * mode.rate + ComplexDual::real(u);
+            let second = first * mode.rate + ComplexDual::real(slope);
             for (sum, part) in into.iter_mut().zip([state, first, second]) {
                 *sum += (part * mode.residue).re * mode.count;
             }
@@ -106,20 +109,20 @@ pub(crate) fn delivered<S: Scalar>(actuator: &Actuator<S>, wave: Wave<S>) -> Wav
         let scaled = |[value, first, second]: [S; 3]| [value, first * h, second * (h * h)];
         Cell { powers: through(scaled(left), scaled(right)), ..*cell }
     });
-    Wave { cells: cells.collect(), period_s: wave.period_s }
+    PiecewiseQuintic { cells: cells.collect(), period_s: wave.period_s }
 }
 
 /// The step of a mode over each cell: whole cells share theirs.
 struct Steps<S> {
-    whole: Option<Relaxation<Pair<S>>>,
-    others: Vec<Relaxation<Pair<S>>>,
+    whole: Option<ExponentialIntegrator<ComplexDual<S>>>,
+    others: Vec<ExponentialIntegrator<ComplexDual<S>>>,
 }
 
 impl<S: Scalar> Steps<S> {
-    fn new(mode: &Mode<S>, wave: &Wave<S>) -> Self {
+    fn new(mode: &Mode<S>, wave: &PiecewiseQuintic<S>) -> Self {
         let new = |cell: &Cell<S>| {
-            let rate = Pair::new(-mode.rate.re, -mode.rate.im);
-            Relaxation::complex(rate.scaled(S::constant(cell.length_s)))
+            let rate = ComplexDual::new(-mode.rate.re, -mode.rate.im);
+            ExponentialIntegrator::complex(rate.scaled(S::constant(cell.length_s)))
         };
         Self {
             whole: wave.cells.iter().find(|cell| cell.whole.is_some()).map(new),
@@ -128,7 +131,10 @@ impl<S: Scalar> Steps<S> {
     }
 
     /// The steps in the order of the cells.
-    fn over<'a>(&'a self, wave: &'a Wave<S>) -> impl Iterator<Item = &'a Relaxation<Pair<S>>> {
+    fn over<'a>(
+        &'a self,
+        wave: &'a PiecewiseQuintic<S>,
+    ) -> impl Iterator<Item = &'a ExponentialIntegrator<ComplexDual<S>>> {
         let mut others = self.others.iter();
         wave.cells.iter().filter_map(move |cell| match cell.whole {
             Some(_) => self.whole.as_ref(),
@@ -139,7 +145,7 @@ impl<S: Scalar> Steps<S> {
 
 /// The wave with cells behind a kink so short that a quintic follows what the
 /// kink excites in real modes.
-fn layered<S: Scalar>(wave: Wave<S>, modes: &[Mode<S>]) -> Wave<S> {
+fn layered<S: Scalar>(wave: PiecewiseQuintic<S>, modes: &[Mode<S>]) -> PiecewiseQuintic<S> {
     let rates: Vec<f64> = modes
         .iter()
         .filter(|mode| mode.rate.im.value() == 0.0)
@@ -183,5 +189,5 @@ fn layered<S: Scalar>(wave: Wave<S>, modes: &[Mode<S>]) -> Wave<S> {
             from = to;
         }
     }
-    Wave { cells, period_s: wave.period_s }
+    PiecewiseQuintic { cells, period_s: wave.period_s }
 }

@@ -6,11 +6,11 @@ use crate::plant::Scalar;
 use super::BentCosine;
 use crate::simulate::base::spectrum::weight;
 use crate::simulate::piecewise_linear::drive::response;
-use crate::simulate::signal::complex_dual::Pair;
+use crate::simulate::signal::complex_dual::ComplexDual;
 
 impl<S: Scalar> BentCosine<S> {
     /// Harmonics T₀ … T_H of the torque.
-    pub fn lines(&self, highest: usize) -> Vec<Pair<S>> {
+    pub fn lines(&self, highest: usize) -> Vec<ComplexDual<S>> {
         let mut input = vec![S::constant(0.0); highest + 1];
         // u is even: half a period gives half of every real integral.
         let half = 0.5 * self.period_s();
@@ -30,7 +30,7 @@ impl<S: Scalar> BentCosine<S> {
     }
 
     /// Adds ∫ τ exp(−jkωt) dt between two instants of the period to `sums`.
-    pub fn add_integrals(&self, (from_s, to_s): (f64, f64), sums: &mut [Pair<S>]) {
+    pub fn add_integrals(&self, (from_s, to_s): (f64, f64), sums: &mut [ComplexDual<S>]) {
         for piece in &self.pieces {
             let (start, end) = (from_s.max(piece.from_s), to_s.min(piece.end_s()));
             if end <= start {
@@ -41,7 +41,9 @@ impl<S: Scalar> BentCosine<S> {
                 let [below, here, above] = turns.around(k);
                 let turned =
                     (self.torque * below + self.torque.conj() * above).scaled(piece.slope * 0.5);
-                *sum = *sum + turned + Pair::new(piece.offset * here.re, piece.offset * here.im);
+                *sum = *sum
+                    + turned
+                    + ComplexDual::new(piece.offset * here.re, piece.offset * here.im);
             }
             for (m, mode) in self.modes.iter().enumerate() {
                 let left = |time_s: f64| {
@@ -52,10 +54,12 @@ impl<S: Scalar> BentCosine<S> {
                 let one = Complex::new(1.0, 0.0);
                 let (mut at_start, mut at_end) = (one, one);
                 for (k, sum) in sums.iter_mut().enumerate() {
-                    let through = |rate: Pair<S>, first: Pair<S>, last: Pair<S>| {
-                        let by = Pair::new(rate.re, rate.im - k as f64 * self.omega).inverse();
-                        (last * at_end - first * at_start) * by
-                    };
+                    let through =
+                        |rate: ComplexDual<S>, first: ComplexDual<S>, last: ComplexDual<S>| {
+                            let by = ComplexDual::new(rate.re, rate.im - k as f64 * self.omega)
+                                .inverse();
+                            (last * at_end - first * at_start) * by
+                        };
                     *sum = *sum
                         + if mode.count == 1.0 {
                             through(mode.rate, first, last)

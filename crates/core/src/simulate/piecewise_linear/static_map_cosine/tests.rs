@@ -66,7 +66,7 @@ fn torque_and_steady_response_have_the_harmonics_of_the_filtered_input() {
         let bent = bent(actuator, 3.0);
         let apart = apart(actuator);
         assert_eq!(bent.pieces.len(), 8);
-        let mut whole = vec![Pair::real(0.0); 6];
+        let mut whole = vec![ComplexDual::real(0.0); 6];
         bent.add_integrals((0.0, bent.period_s()), &mut whole);
         for (k, line) in bent.lines(5).into_iter().enumerate() {
             let line = line.value();

@@ -2,7 +2,7 @@
 
 use crate::plant::Scalar;
 
-use crate::simulate::signal::exponential_integrator::Relaxation;
+use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;
 use crate::simulate::signal::piecewise_quintic::{
     Cell, bisect, restricted, root, slope, through, value,
 };
@@ -42,7 +42,7 @@ impl Sliding {
             let mut driving = restricted(&powers, from, u);
             driving[0] -= self.friction;
             let length_s = (u - from) * h;
-            Relaxation::new(self.rate * length_s).step(start, &driving, length_s)
+            ExponentialIntegrator::new(self.rate * length_s).step(start, &driving, length_s)
         };
         if crosses && !fresh {
             let first_guess = self.meets_zero(cell, (from, start), (1.0, end));

@@ -12,7 +12,7 @@
 use crate::measurement::Complex;
 use crate::plant::Scalar;
 
-use crate::simulate::signal::complex_dual::Pair;
+use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::excitation::Grid;
 
 /// Share of a point that what is left out of the series comes to, at most.
@@ -53,7 +53,7 @@ impl<S: Scalar> Points<S> {
     }
 
     /// Adds the sums for k = 0 … to these.
-    pub fn add_to(&self, grid: &Grid, sums: &mut [Pair<S>]) {
+    pub fn add_to(&self, grid: &Grid, sums: &mut [ComplexDual<S>]) {
         let orders = sums.len();
         let weights: Vec<Vec<f64>> = (0..orders)
             .map(|k| (0..self.degrees).map(|d| bessel(d, half_turn(grid, k))).collect())
@@ -67,7 +67,7 @@ impl<S: Scalar> Points<S> {
             .collect();
         for (k, sum) in sums.iter_mut().enumerate() {
             *sum = *sum
-                + Pair {
+                + ComplexDual {
                     re: S::with_lanes(values[k].re, |lane| lanes[lane][k].re),
                     im: S::with_lanes(values[k].im, |lane| lanes[lane][k].im),
                 };
@@ -169,7 +169,7 @@ mod tests {
             (0..500).map(|n| ((f64::from(n) * 0.618_034).fract(), f64::from(n).cos())).collect();
         let mut all = Points::new(grid, highest).unwrap();
         points.iter().for_each(|(at, x)| all.add(*at, *x));
-        let mut sums = vec![Pair::real(0.0); highest + 1];
+        let mut sums = vec![ComplexDual::real(0.0); highest + 1];
         all.add_to(grid, &mut sums);
         for (k, sum) in sums.iter().enumerate() {
             let turn = |at: f64| Complex::from_polar(1.0, -std::f64::consts::TAU * k as f64 * at);

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
-use servoscope_bench::machines::hidden::IDS;
+use servoscope_bench::machines::effect_draws::IDS;
 use servoscope_bench::naming::{
     Case, Kind, Outcome, Plan, Settings, Sizing, Summary, Unmade, case_text, known_effect,
     misses_text, run_all, run_case, summary_text,

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use servoscope_bench::machines::draw::{Draw, draw};
-use servoscope_bench::machines::hidden::{IDS, draw_effect};
+use servoscope_bench::machines::effect_draws::{IDS, draw_effect};
 use servoscope_bench::machines::simulator::{Effect, Settings};
 use servoscope_core::effects::{self, ActiveEffect, Wide};
 use servoscope_core::measurement::Complex;

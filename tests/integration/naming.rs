@@ -1,7 +1,7 @@
 //! A small fixed part of the benchmark of naming.
 
 use servoscope_bench::naming::{
-    Case, DETECTABLE, Estimated, Outcome, Settings, Sizing, base_excess, make, run_case,
+    Case, DETECTABLE, Estimated, Outcome, Settings, Sizing, base_excess, build_case, run_case,
 };
 use servoscope_core::answers::{PlantRequest, Verdict};
 use servoscope_core::diagnose::diagnose;
@@ -59,10 +59,10 @@ fn nearly_held(parameter: &Estimated) -> bool {
 fn a_hidden_effect_shows_as_much_as_was_drawn_and_the_same_key_hides_the_same() {
     for key in ["single-40-gain_asymmetry-o1-4", "single-50-friction_drift-o0-0"] {
         let case = case(key);
-        let made = make(&case, 1, Sizing::Amount, &Silent).unwrap();
+        let made = build_case(&case, 1, Sizing::Amount, &Silent).unwrap();
         assert!(made.excess >= DETECTABLE && made.excess <= 36_000.0 * 1.15, "{}", made.excess);
-        assert_eq!(make(&case, 1, Sizing::Amount, &Silent).unwrap(), made);
-        assert_ne!(make(&case, 2, Sizing::Amount, &Silent).unwrap().hidden, made.hidden);
+        assert_eq!(build_case(&case, 1, Sizing::Amount, &Silent).unwrap(), made);
+        assert_ne!(build_case(&case, 2, Sizing::Amount, &Silent).unwrap().hidden, made.hidden);
         let repeats = made.measurement.experiments()[0].repeats.len();
         assert_eq!(repeats, if case.has_repeats() { 6 } else { 0 });
     }
@@ -72,7 +72,7 @@ fn a_hidden_effect_shows_as_much_as_was_drawn_and_the_same_key_hides_the_same() 
 #[test]
 fn the_base_models_chi2_is_its_excess_and_that_of_the_noise() {
     for key in ["single-60-static_friction-o0-0", "single-50-quadratic_drag-o2-2"] {
-        let made = make(&case(key), 1, Sizing::Amount, &Silent).unwrap();
+        let made = build_case(&case(key), 1, Sizing::Amount, &Silent).unwrap();
         let noisy = base_excess(&made.measurement, case(key).order).unwrap();
         let data: usize =
             made.measurement.experiments().iter().map(|e| 2 * e.response.len() - 1).sum();
@@ -101,7 +101,7 @@ fn a_small_draw_is_named_and_what_is_clean_is_not() {
 #[test]
 fn static_friction_is_found_from_levels_at_which_it_does_nothing() {
     let case = case("single-60-static_friction-o0-0");
-    let made = make(&case, 1, Sizing::Amount, &Silent).unwrap();
+    let made = build_case(&case, 1, Sizing::Amount, &Silent).unwrap();
     let plant = Some(PlantRequest { actuator_order: case.order });
     let request = IdentifyRequest { plant, ..IdentifyRequest::default() };
     let session = FitSession::new(&made.measurement, &request, &Silent).unwrap();

@@ -9,7 +9,7 @@ use std::time::Instant;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use servoscope_bench::machines::draw::{Draw, draw};
-use servoscope_bench::machines::hidden::{IDS, draw_effect};
+use servoscope_bench::machines::effect_draws::{IDS, draw_effect};
 use servoscope_core::effects::{ActiveEffect, Wide, find};
 use servoscope_core::plant::{Friction, Plant};
 use servoscope_core::simulate::{Counts, Excitation, respond, respond_with_sensitivities};

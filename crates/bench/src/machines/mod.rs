@@ -6,6 +6,6 @@
 //! `servoscope-core`; [`draw`] makes machines, designs and noisy measurements with it.
 
 pub mod draw;
-pub mod hidden;
+pub mod effect_draws;
 pub mod responses;
 pub mod simulator;

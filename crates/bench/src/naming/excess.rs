@@ -5,7 +5,7 @@ use servoscope_core::identify::{IdentifyError, IdentifyRequest, identify};
 use servoscope_core::measurement::Measurement;
 use servoscope_core::observer::Silent;
 
-use super::size::Scales;
+use super::effect_scaling::Scales;
 use super::sizing::Sizing;
 use crate::machines::draw::{Draw, DrawError};
 use crate::machines::responses::Responses;

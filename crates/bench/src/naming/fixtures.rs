@@ -4,9 +4,9 @@ use indexmap::IndexMap;
 use servoscope_core::answers::sample;
 use servoscope_core::answers::{Cause, Diagnosis, Verdict};
 
+use super::build_case::{Hidden, Made};
 use super::case::Case;
 use super::judge::{Outcome, Seconds};
-use super::make::{Hidden, Made};
 use crate::machines::draw::{draw, measure};
 
 pub(super) fn cause(effect: &str, confidence: f64, equivalents: &[&str]) -> Cause {

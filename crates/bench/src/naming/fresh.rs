@@ -8,7 +8,7 @@ use servoscope_core::identify::compare;
 use servoscope_core::measurement::Measurement;
 
 use super::MakeError;
-use super::make::Made;
+use super::build_case::Made;
 use crate::machines::draw::{Draw, DrawError, NoiseStatement, log_uniform};
 use crate::machines::responses::Responses;
 use crate::machines::simulator::Settings;

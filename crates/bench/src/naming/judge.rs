@@ -6,9 +6,9 @@ use indexmap::IndexMap;
 use serde::Serialize;
 use servoscope_core::answers::{Diagnosis, ParameterEstimate, Verdict};
 
+use super::build_case::{Hidden, Made};
 use super::case::{Case, Kind};
 use super::fresh::Fresh;
-use super::make::{Hidden, Made};
 use super::rivals::Nearest;
 use super::separation::Separation;
 

@@ -11,28 +11,28 @@
 //! - `judge`: one answer against the truth. `rate`, `summary`, `text`: all of them.
 //! - `run`: many draws at once.
 
+mod build_case;
 mod case;
+mod effect_scaling;
 mod excess;
 #[cfg(test)]
 mod fixtures;
 mod fresh;
 mod judge;
-mod make;
 mod outsiders;
 mod rate;
 mod rivals;
 mod run;
 mod separation;
-mod size;
 mod sizing;
 mod summary;
 mod text;
 
+pub use build_case::{Hidden, Made, MakeError, build_case};
 pub use case::{Case, Kind, Plan, known_effect};
 pub use excess::{DETECTABLE, base_excess};
 pub use fresh::Fresh;
 pub use judge::{Answer, Estimated, Named, Outcome, Seconds};
-pub use make::{Hidden, Made, MakeError, make};
 pub use outsiders::{OUTSIDERS, draw_outsider};
 pub use rate::Rate;
 pub use rivals::{Nearest, Rivals};

@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::size::Scales;
+use super::effect_scaling::Scales;
 use crate::machines::draw::{Draw, log_uniform};
 use crate::machines::simulator::Outsider;
 

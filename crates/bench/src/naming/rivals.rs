@@ -67,7 +67,7 @@ impl Rivals {
 pub(super) mod tests {
     use super::super::sizing::Sizing;
     use super::*;
-    use crate::naming::{Case, make};
+    use crate::naming::{Case, build_case};
 
     pub(in super::super) fn rivals(base: f64, costs: &[(&str, f64)]) -> Rivals {
         let candidate = |(effect, cost): &(&str, f64)| Candidate {
@@ -96,7 +96,7 @@ pub(super) mod tests {
     #[test]
     fn what_comes_nearest_to_a_lag_is_a_delay() {
         let case: Case = "single-50-sensor_lag-o0-0".parse().unwrap();
-        let made = make(&case, 1, Sizing::Amount, &Silent).unwrap();
+        let made = build_case(&case, 1, Sizing::Amount, &Silent).unwrap();
         let nearest = made.nearest_rival().unwrap().unwrap();
         assert_eq!(nearest.effect, "transport_delay");
         // It contains the base model.

@@ -11,10 +11,10 @@ use servoscope_core::diagnose::diagnose;
 use servoscope_core::identify::IdentifyRequest;
 use servoscope_core::observer::Observer;
 
+use super::build_case::{MakeError, build_case};
 use super::case::{Case, Kind};
 use super::fresh::fresh;
 use super::judge::{Outcome, Seconds};
-use super::make::{MakeError, make};
 use super::separation::separate;
 use super::sizing::Sizing;
 
@@ -61,7 +61,7 @@ pub struct Unmade {
 /// Where the draw cannot be made.
 pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Result<Run, Unmade> {
     let began = Instant::now();
-    let made = make(case, settings.seed, settings.sizing, observer)
+    let made = build_case(case, settings.seed, settings.sizing, observer)
         .map_err(|error| Unmade { key: case.to_string(), reason: error.to_string() })?;
     let data = began.elapsed().as_secs_f64();
     let given = PlantRequest { actuator_order: case.order };

@@ -8,7 +8,7 @@ use servoscope_core::identify::IdentifyRequest;
 use servoscope_core::measurement::Measurement;
 use servoscope_core::observer::Observer;
 
-use super::make::{Made, statement};
+use super::build_case::{Made, statement};
 use super::{Case, MakeError};
 use crate::machines::draw::{Draw, DrawError, log_uniform};
 use crate::machines::responses::Responses;
@@ -124,13 +124,13 @@ mod tests {
 
     use super::super::sizing::Sizing;
     use super::*;
-    use crate::naming::make;
+    use crate::naming::build_case;
 
     #[test]
     fn one_more_experiment_stands_at_the_end_and_is_as_noisy_as_the_others() {
         for key in ["single-50-friction_drift-o0-0", "single-50-gain_asymmetry-o0-4"] {
             let case: Case = key.parse().unwrap();
-            let made = make(&case, 1, Sizing::Amount, &Silent).unwrap();
+            let made = build_case(&case, 1, Sizing::Amount, &Silent).unwrap();
             let rng = &mut case.rng(2);
             let (magnitude, omega) = random_point(&made.machine, rng);
             let extended = with_experiment(&case, &made, (magnitude, omega), rng).unwrap().unwrap();
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn a_hidden_effect_leads_by_what_the_best_other_is_behind() {
         let case: Case = "single-50-gain_asymmetry-o0-4".parse().unwrap();
-        let made = make(&case, 1, Sizing::Amount, &Silent).unwrap();
+        let made = build_case(&case, 1, Sizing::Amount, &Silent).unwrap();
         let candidate = |(effect, criterion): &(&str, f64)| Candidate {
             effect: (*effect).to_owned(),
             cost: 0.0,

@@ -1,6 +1,6 @@
 //! What is varied of a drawn effect until its excess is the wanted one.
 
-use super::size::Scales;
+use super::effect_scaling::Scales;
 use crate::machines::simulator::Effect;
 
 /// What makes an effect larger or smaller.
@@ -61,7 +61,7 @@ mod tests {
 
     use super::*;
     use crate::machines::draw::draw;
-    use crate::machines::hidden::{IDS, draw_effect};
+    use crate::machines::effect_draws::{IDS, draw_effect};
 
     #[test]
     fn by_character_too_a_factor_of_one_changes_nothing_and_there_is_a_most() {

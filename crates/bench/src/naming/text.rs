@@ -8,7 +8,7 @@ use super::rate::Rate;
 use super::rivals::Nearest;
 use super::run::Unmade;
 use super::summary::{Confusion, NONE, Summary, Wanted};
-use crate::machines::hidden::IDS;
+use crate::machines::effect_draws::IDS;
 
 /// The tables of a run.
 pub fn summary_text(summary: &Summary) -> String {

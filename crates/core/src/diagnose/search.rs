@@ -1,10 +1,9 @@
-//! Which effects the base model lacks.
+//! Which effects the base model lacks: forward selection with backward elimination.
 //!
-//! Every effect is fitted together with the base model, from several starts;
-//! then pairs and triples grow from the best. An effect stays only while its
-//! model is worse without it by more than chance makes any effect of the
-//! library gain (`family`), each model refitted; among the models of which that
-//! holds the evidence decides (`evidence`, `models`).
+//! Every effect is fitted together with the base model, from several starting points; then pairs and
+//! triples grow from the best. An effect stays only while the model without it, refitted, is worse by
+//! more than chance makes any effect of the library gain (`familywise_threshold`). Among the models
+//! of which that holds, the evidence decides (`evidence`, `models`).
 
 pub(super) mod fitter;
 mod frequency_scan;

@@ -1,4 +1,4 @@
-//! Calibration of the tests, and departures that were put there found and said.
+//! Calibration of the tests on noise, and departures that were added to a response and must be found.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! A measurement with its base model, on which extended models are tried.
+//! A fit session: a measurement with its fitted base model, to which extended models are fitted.
 
 mod answered;
 mod extension;

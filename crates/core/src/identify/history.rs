@@ -1,4 +1,4 @@
-//! What a run tells its observer, and what it keeps of each stage.
+//! Progress and convergence history of a run.
 
 use crate::answers::{ConvergenceRow, Progress, Stage};
 use crate::observer::Observer;

@@ -1,4 +1,4 @@
-//! What this data cannot tell, in sentences.
+//! What a measurement cannot determine, in sentences.
 
 use crate::answers::{IdentifyOptions, Method, NoiseSource, Weighting};
 use crate::measurement::Measurement;

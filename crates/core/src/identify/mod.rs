@@ -1,4 +1,12 @@
-//! From a measurement to the parameters of the base model.
+//! From a measurement to the parameters of the base model, with intervals.
+//!
+//! A method's stages (`methods`, `pipeline`) are a closed form (`closed_form`), a neural network
+//! (`network`, `proposal`), a population search (`bee_colony` and others), and refinement by
+//! Levenberg–Marquardt (`refine`). The misfit (`objective`) is weighted by the noise (`noise`). From
+//! the best point follow parameters, intervals and correlations (`summary`), and the order of the
+//! actuator is chosen where it is not given (`order`).
+//!
+//! `fit_session` holds a fitted measurement for whoever tries further models on it.
 
 pub mod bee_colony;
 mod closed_form;

@@ -1,4 +1,4 @@
-//! A fitted model with everything needed to judge it.
+//! A fitted model with its residuals, Jacobian and noise: everything needed to judge it.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,14 +1,12 @@
-//! How certain each datum is.
+//! The standard deviation of each datum.
 //!
-//! Deviations come from the upload, from the scatter of repeats or periods, or
-//! are unknown. A scatter of few repeats is itself uncertain: weights made of
-//! it cell by cell inflate every test. So variances are pooled where a test
-//! lets them be equal, and otherwise moderated: shrunk towards what their
-//! neighbours say, by as much as their spread allows (Smyth 2004,
-//! doi:10.2202/1544-6115.1027).
+//! Deviations come from the upload, from the scatter of repeats or periods, or are unknown. A variance
+//! from few repeats is itself uncertain, and weights made of it value by value inflate every test. So
+//! variances are pooled where a test lets them be equal, and otherwise shrunk towards those of their
+//! neighbours, by as much as their spread allows (Smyth 2004, doi:10.2202/1544-6115.1027).
 //!
-//! Where the input scatters too, what counts is the deviation of the response
-//! from what the model makes of the input's deviation, switching included:
+//! Where the input scatters too, what counts is the deviation of the response from the model's response
+//! to the input's deviation, switching included:
 //! σ² = σ_Y² + |∂Y/∂U|²·σ_U² − 2 Re(conj(∂Y/∂U)·σ_UY), summed over all lines.
 
 use rayon::prelude::*;

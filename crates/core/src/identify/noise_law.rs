@@ -1,4 +1,5 @@
-//! The law of standardised noise, for drawing it.
+//! The distribution of standardised noise: normal; where deviations come from few repeats, their
+//! scatter is drawn as well.
 
 use nalgebra::DVector;
 use rand_chacha::ChaCha8Rng;

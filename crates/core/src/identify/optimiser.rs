@@ -1,9 +1,8 @@
-//! What every search is asked, and what it may spend.
+//! The interface of a search, and its budget of evaluations.
 //!
-//! An [`Optimiser`] looks for the least cost in the unit cube \[0, 1\]ⁿ. It spends nothing by
-//! itself: a [`Search`] evaluates for it, counts what that costs against one budget, keeps the
-//! best point, and reports to whoever watches. Searches can therefore be compared by what they
-//! reach with equally many evaluations.
+//! An [`Optimiser`] looks for the least cost in the unit cube \[0, 1\]ⁿ. A [`Search`] evaluates for it,
+//! counts evaluations against one budget, keeps the best point, and reports to the observer. Searches can
+//! therefore be compared by what they reach with equally many evaluations.
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;

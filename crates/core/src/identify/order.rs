@@ -1,4 +1,4 @@
-//! Which actuator order the data asks for.
+//! Chooses the order of the actuator by Schwarz's information criterion (BIC).
 
 use crate::answers::{OrderCandidate, OrderChoice};
 

@@ -1,4 +1,4 @@
-//! Parameters by the names a user knows.
+//! Parameters under the names that a user sees.
 
 use indexmap::IndexMap;
 

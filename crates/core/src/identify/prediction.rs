@@ -1,4 +1,4 @@
-//! A measurement beside what an identified model makes of it.
+//! The response of an identified model beside the measured one, harmonic by harmonic.
 
 use rayon::prelude::*;
 

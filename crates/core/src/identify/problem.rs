@@ -1,8 +1,8 @@
-//! A measurement made ready for fitting, in scales of its own.
+//! A measurement prepared for fitting, in normalised units.
 //!
-//! Time, input and response are divided by ω_ref, u_ref and v_ref, all taken
-//! from the data: the same machine in other units is the same problem, and its
-//! parameters differ by exactly the change of units.
+//! Time, input and response are divided by ω_ref, u_ref and v_ref, all taken from the data: the same
+//! machine in other units is the same problem, and its parameters differ by exactly the change of
+//! units.
 
 use crate::effects::Scope;
 use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};

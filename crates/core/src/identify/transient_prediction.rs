@@ -1,8 +1,7 @@
-//! Motions that do not repeat, beside what an identified model makes of them.
+//! The motion of an identified model beside a measured one that does not repeat.
 //!
-//! Where the upload does not say how a motion begins, the quantities that it depends on from
-//! its beginning are estimated from a first stretch (`beginning`), which is not compared: what
-//! is compared has not been fitted in any way.
+//! Where the upload does not say how the motion begins, the initial state is estimated from a first
+//! stretch (`beginning`). That stretch is not compared, so that nothing compared was fitted.
 
 mod beginning;
 

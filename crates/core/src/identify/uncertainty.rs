@@ -1,4 +1,5 @@
-//! Standard deviations, correlations, and what the data does not determine.
+//! Standard deviations and correlations from the Jacobian, and which parameters the data does not
+//! determine.
 
 use std::f64::consts::TAU;
 

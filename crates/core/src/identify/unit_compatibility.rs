@@ -1,4 +1,4 @@
-//! Whether numbers of one measurement mean the same in another.
+//! Whether the units of two measurements agree, so that the parameters of one describe the other.
 
 use crate::answers::Identification;
 use crate::measurement::Measurement;

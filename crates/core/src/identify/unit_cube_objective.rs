@@ -1,4 +1,4 @@
-//! A misfit over the unit cube of a search.
+//! The misfit as a function on the unit cube, for searches.
 
 use super::bee_colony::Objective;
 use super::objective::Misfit;

@@ -1,4 +1,4 @@
-//! Pooled and moderated variances.
+//! Pooled variances, and variances shrunk towards a trend (empirical Bayes).
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::digamma;

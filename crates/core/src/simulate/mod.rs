@@ -1,32 +1,28 @@
 //! The exact periodic response of a servo axis to a periodic input.
 //!
-//! The base model: with K taken out (v = K·x) the mechanics are
-//! x' = −a·x + τ − f. Between two switches of the friction this is linear, so x
-//! is known in closed form and a periodic motion is nothing but its switching
-//! instants ([`SwitchingTimes`]): `cosine` finds them for a pure cosine, `periodic` for
-//! any periodic input. The harmonics follow from the instants alone (`spectrum`),
-//! and so do their derivatives (`sensitivity`). Sticking is a constraint of the
-//! motion, never a smoothed sign. The actuator is linear and upstream of the
-//! friction: its steady state is closed form and every order costs the same.
+//! With the gain K taken out (v = K·x), the mechanics of the base model are x' = −a·x + τ − f.
+//! Between two switches of the friction f that is linear, and x is known in closed form. Sticking is
+//! a constraint of the motion (v = 0 until the torque exceeds the static level), never a smoothed
+//! sign function. The actuator is linear and acts ahead of the friction, so that its steady state is
+//! a factor on every line of the input.
 //!
-//! With effects ([`crate::effects`]) one of four ways is taken:
+//! Which way is taken depends on the effects ([`crate::effects`]) of the axis:
 //!
-//! - Levels that change, delays and sensor lags leave the base model's motion:
-//!   other numbers go in, and every harmonic takes a factor (`sensor`).
-//! - A cosine bent by static maps stays closed form behind the actuator
-//!   (`bent_cosine`), and so does the motion between its instants (`bent`).
-//! - Any other input that is bent (`drive`, `rate_limit`) becomes a wave of quintics
-//!   (`wave`); damping may depend on the direction. Slides are still exact for each
-//!   quintic (`relaxation`, `switching`), and `slides` closes them to a period.
-//! - Everything else goes to `hybrid`: exact steps where the equations are affine,
-//!   Runge–Kutta steps under error control otherwise, cut at every switch.
+//! - `base`: none, or effects that only change its numbers (friction levels, a delay, sensor lags).
+//!   The motion is a list of switching times, found by Newton's method; harmonics and derivatives
+//!   follow from the times alone.
+//! - `piecewise_linear`: static maps and a rate limiter ahead of the actuator, and damping that
+//!   depends on the direction. The torque is a piecewise quintic, under which the motion is exact.
+//! - `hybrid`: everything else. The equations are integrated step by step, exactly where they are
+//!   affine and by a Runge–Kutta pair otherwise, and every switch is located as an event.
 //!
-//! An input that need not repeat is followed once, from a given state (`transient`), by the
-//! last of these ways.
+//! `transient` integrates the response to an input that need not repeat, from a given state, by
+//! `hybrid`. `sensor` adds what the sensor and a delay do to the harmonics. `signal` holds what all
+//! of them are made of.
 //!
-//! The last two are written for any [`Scalar`]: in dual numbers the same code
-//! gives the derivatives by every number of the axis, and by the state at the
-//! beginning of the period, which Newton's method needs to close it (`shooting`).
+//! The last two ways are written for any [`Scalar`]: in dual numbers, the same code gives the
+//! derivatives by every parameter, and by the state at the beginning of the period, which Newton's
+//! method needs to make the motion periodic (`shooting`).
 
 mod base;
 mod hybrid;
@@ -48,7 +44,7 @@ use crate::measurement::Complex;
 use crate::plant::{Plant, Scalar};
 use base::sensitivity::{self, Direction};
 use base::{settle, spectrum};
-use piecewise_linear::{static_map_response, stick_slip_periodic};
+use piecewise_linear::stick_slip_periodic;
 use response::check;
 
 /// Simulates the periodic response reached from rest.
@@ -85,8 +81,6 @@ pub fn respond_if(
     let mut velocity = if axis.is_base() {
         let settled = settle(&axis, excitation)?;
         spectrum::velocity(&settled, highest)
-    } else if static_map_response::applies(&axis, excitation) {
-        static_map_response::respond(&axis, excitation, highest)?
     } else if axis.is_piecewise_linear() {
         stick_slip_periodic::respond(&axis, excitation, highest)?
     } else {
@@ -124,8 +118,6 @@ pub fn respond_with_sensitivities(
         let by_number = sensitivity::along(&settled, &velocity, &directions);
         let rows = sensitivity::by_lane(&axis, &velocity, &by_number, rows);
         (velocity, rows)
-    } else if static_map_response::applies(&axis, excitation) {
-        static_map_response::differentiate(&axis, &values, excitation, highest, rows)?
     } else if axis.is_piecewise_linear() {
         stick_slip_periodic::differentiate(&axis, &values, excitation, highest, rows)?
     } else {

@@ -1,4 +1,5 @@
-//! Closing a motion to a periodic one, and differentiating what is closed.
+//! Single shooting: Newton's method for the state at the beginning of the period, and the derivatives
+//! of the periodic motion by the implicit function theorem.
 
 use nalgebra::{DMatrix, DVector};
 

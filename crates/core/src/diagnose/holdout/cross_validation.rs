@@ -1,9 +1,9 @@
-//! What models predict of data that neither their fit nor their choice has seen.
+//! Cross-validation: what models predict of data that neither their fit nor their choice has seen.
 //!
-//! Each part of a measurement is held out in turn. The base model and every model that may be
-//! chosen are fitted to the rest, from where all data led them, the causes are chosen there
-//! anew, and what they predict of the part is kept. Of models that are out of the question it
-//! is worked out to first order what they would predict.
+//! Each part of the measurement is held out in turn. The base model and every model that may be chosen
+//! are fitted to the rest, starting from their fit to all data; the causes are chosen there anew, and
+//! what they predict of the part is kept. For models that are certainly not chosen, the prediction is
+//! worked out to first order instead of fitting them again.
 
 use std::collections::BTreeMap;
 

@@ -1,8 +1,8 @@
-//! Parts of a measurement that are held out in turn.
+//! Splits of a measurement for cross-validation.
 //!
-//! A model is judged by what it predicts of data that nothing has seen. Repeats and periods
-//! of one excitation are the same response once more, so none of those: whole frequencies
-//! at every magnitude, or of records blocks of lines, or magnitudes.
+//! Repeats and periods of one excitation are the same response once more, so that holding those out
+//! would prove nothing. Held out are whole frequencies at every magnitude; of records, blocks of
+//! lines, or magnitudes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;

@@ -1,4 +1,5 @@
-//! By how much one model predicts data better than another.
+//! The gain of one model over another: the ratio of their errors on held-out data, with its
+//! interval.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! What models predict of data that they have not seen, in groups.
+//! Errors of models on held-out data, grouped so that the groups are nearly independent.
 
 use std::collections::BTreeMap;
 

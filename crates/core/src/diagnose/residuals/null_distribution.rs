@@ -1,4 +1,4 @@
-//! The distribution of a statistic where nothing is wrong.
+//! The null distribution of a statistic: what it comes to where the residuals are noise.
 
 /// Share of the draws from which the tail is extrapolated.
 const TAIL: f64 = 0.05;

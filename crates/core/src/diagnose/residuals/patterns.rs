@@ -1,4 +1,4 @@
-//! The largest departures, one after the other.
+//! The largest departures, found one after the other: each is taken out before the next is sought.
 
 use nalgebra::DVector;
 

@@ -1,4 +1,4 @@
-//! What a fit leaves, and what it could have taken up.
+//! Standardised residuals of a fit, and the subspace that its parameters can take up.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,4 +1,4 @@
-//! Projections on what a fit can take up, and on what it should not need to.
+//! Orthogonal projections on and off the column space of a Jacobian.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,11 +1,10 @@
-//! Whether residuals are noise: every statistic against draws of noise.
+//! Whether residuals are noise: every statistic is compared with its null distribution.
 //!
-//! Noise is drawn, projected as the fit projects it, and every statistic taken
-//! of it; what the data's statistics are compared with is thus right in finite
-//! samples, at any design, with scales given, estimated or unknown. A family of
-//! tests is right by chance too often: the smallest of their p-values is
-//! compared with the smallest of each draw (Westfall and Young 1993, ISBN
-//! 978-0-471-55761-6), which knows how the statistics depend on each other.
+//! Noise is drawn, projected as the fit projects it, and every statistic taken of it. The comparison
+//! is therefore right in finite samples, for any design, with deviations given, estimated or unknown.
+//! One of several tests is significant by chance too often, so that the smallest of their p-values is
+//! compared with the smallest of each draw (Westfall and Young 1993, ISBN 978-0-471-55761-6), which
+//! accounts for the dependence among the tests.
 
 use nalgebra::DVector;
 use rand::SeedableRng;

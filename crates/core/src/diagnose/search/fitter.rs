@@ -1,4 +1,5 @@
-//! Fits of effects beside a model, from where their probes point.
+//! Nonlinear fits of effects beside a model, from the starting points that the score tests rank
+//! highest.
 
 use rayon::prelude::*;
 

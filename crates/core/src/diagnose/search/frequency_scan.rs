@@ -1,9 +1,8 @@
-//! Fine scans of effects whose misfit has many valleys.
+//! Fine frequency scans for effects whose misfit has many minima.
 //!
-//! A torque that ripples over position fits only where its pitch is right to a
-//! radian over the travel. So a grid as fine as that is tried with first-order
-//! responses: the sine and the cosine of each pitch, whose sizes follow from
-//! least squares.
+//! A torque that is sinusoidal in the position fits only where its spatial frequency is right to a
+//! radian over the travel. So a grid as fine as that is tried with first-order responses: those to the
+//! sine and the cosine at each spatial frequency, whose sizes follow from linear least squares.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;

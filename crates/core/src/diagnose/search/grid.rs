@@ -1,4 +1,4 @@
-//! Where an effect is tried that names no places of its own.
+//! Starting points of an effect that names none of its own: a coarse grid over the likely ranges.
 
 use crate::effects::{Coordinate, Effect, Range};
 

@@ -1,4 +1,4 @@
-//! A fitted model from which further effects are tried.
+//! A fitted model, linearized: its residuals, and the subspace of what its parameters can take up.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,4 +1,5 @@
-//! The deepest of several valleys.
+//! Multistart: effects of the chosen model that gain little, and those easily confused with them, are
+//! fitted again from further starting points, and the deepest minimum is kept.
 
 use crate::effects;
 use crate::effects::{ALL, Effect};
@@ -10,13 +11,14 @@ use super::score_tests::Probed;
 use crate::diagnose::progress::Part;
 use crate::diagnose::selection::models::Key;
 
-/// How many times more than chance an effect gains whose valleys differ by more than noise.
+/// An effect that gains this many times the chance threshold is not fitted again.
 const MUCH: f64 = 10.0;
 
 impl Search<'_> {
-    /// Fits those effects of a model that gain little and whose misfit has many valleys again,
-    /// with what is alike, from the starts that were passed over: what explains the data may yet
-    /// lie beside the deepest valley. Of an effect that gains much the others do not explain it.
+    /// Fits again, from the starting points that were passed over, those effects of a model that
+    /// gain little and whose misfit has several minima, and the effects that may be confused with
+    /// them: the search may have missed the deepest minimum. An effect that gains much has no
+    /// rival that an overlooked minimum could hide, and is left alone.
     pub fn deepen(&mut self, chosen: &Key, part: Part<'_>) {
         let (most, tried) = (self.breadth.deeper, self.breadth.starts);
         let is_hidden = |effect: &&&'static dyn Effect| {

@@ -1,15 +1,14 @@
-//! What one more effect would do, at many values of its parameters.
+//! Score tests: what one more effect would explain, at many values of its parameters.
 //!
-//! Under the null hypothesis most parameters of an effect are not identified,
-//! and with large effects the misfit has several valleys. So the response with
-//! the effect is computed on a grid over where its parameters are likely; the
-//! part of the change that the fitted parameters cannot take up is the direction
-//! in which the effect would show, and its product with the residuals says how
-//! much it would explain (the score of Rao 1948, doi:10.1017/S0305004100023987,
-//! at finite size).
+//! Under the null hypothesis most parameters of an effect are not identified, and with large effects
+//! the misfit has several minima. So the response with the effect is computed on a grid over where its
+//! parameters are likely. The part of the change that the fitted parameters cannot take up is the
+//! direction in which the effect would show; its product with the residuals says how much it would
+//! explain (the score of Rao 1948, doi:10.1017/S0305004100023987, with a finite change in place of a
+//! derivative).
 //!
-//! Beside other effects that are as small, it changes the response by as much:
-//! what was computed once serves for every model it may be added to.
+//! An effect changes the response nearly alike beside other small effects: what was computed once
+//! serves for every model that it may be added to.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;

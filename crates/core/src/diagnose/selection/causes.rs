@@ -1,4 +1,4 @@
-//! From the models that were fitted to the causes that are named.
+//! From the fitted models to the causes, each with its confidence, its equivalents and its rivals.
 
 use indexmap::IndexMap;
 

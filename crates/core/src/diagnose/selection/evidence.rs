@@ -1,13 +1,11 @@
-//! What speaks for a model.
+//! The marginal likelihood (evidence) of a model, by Laplace's approximation.
 //!
-//! −2 ln of the probability of the data under a model whose parameters are
-//! uncertain within their likely ranges (Laplace's approximation: Kass and
-//! Raftery 1995, doi:10.1080/01621459.1995.10476572): the misfit, plus
-//! ln det(I + S·Λ·S) with S the prior deviations of the effects' parameters and
-//! Λ what the data says of them once the base parameters are fitted too, less 2 ln of
-//! the prior where it is less than within the likely ranges. A parameter that the data
-//! does not determine costs little; that it is small costs nothing where a larger value
-//! fits as well.
+//! −2 ln of the probability of the data under a model whose parameters are uncertain within their
+//! likely ranges (Kass and Raftery 1995, doi:10.1080/01621459.1995.10476572): the misfit, plus
+//! ln det(I + S·Λ·S) with S the prior deviations of the effects' parameters and Λ what the data says
+//! of them once the base parameters are fitted too, less 2 ln of the prior where a value lies below
+//! its likely range. A parameter that the data does not determine costs little; that its value is
+//! small costs nothing where a larger one fits as well.
 
 use nalgebra::DMatrix;
 

@@ -1,12 +1,10 @@
-//! How much any effect of the library lowers χ² where none is missing.
+//! How much any effect of the library lowers χ² by chance: a threshold with a family-wise error rate.
 //!
-//! Noise is drawn as the fit of the linearization leaves it, and of each draw what
-//! every effect would take up: the part of the noise in the directions in which
-//! the effect would show, wherever in the range of its parameters. The smallest p-value of a draw, over all effects, is
-//! what an effect must fall below (Westfall and Young 1993, ISBN
-//! 978-0-471-55761-6): right whatever parameters the null hypothesis leaves
-//! unidentified (Davies 1987, doi:10.1093/biomet/74.1.33), with deviations given,
-//! estimated or unknown.
+//! Noise is drawn as the fit of the base model leaves it. For each draw, every effect takes up the part
+//! of it that lies in the directions in which the effect would show, at the best values of its
+//! parameters. An effect must fall below the smallest p-value of a draw, over all effects (Westfall and
+//! Young 1993, ISBN 978-0-471-55761-6). That is right whatever parameters the null hypothesis leaves
+//! unidentified (Davies 1987, doi:10.1093/biomet/74.1.33), with deviations given, estimated or unknown.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -1,4 +1,4 @@
-//! The models that were fitted, and what decides between them.
+//! All fitted models with their information criterion, and the best among them.
 
 use std::collections::{BTreeMap, BTreeSet};
 

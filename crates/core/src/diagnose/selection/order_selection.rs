@@ -1,8 +1,8 @@
 //! Which order of the actuator goes with which causes.
 //!
-//! What an axis lacks may have been taken for a higher order of its actuator when the base
-//! model was fitted alone: a delay or a lag is much like one. So where the order is left to
-//! the data, every lower one is studied as well.
+//! Fitted alone, the base model may take up a missing effect as a higher order of its actuator: a delay
+//! or a lag acts much like one. Where the order is left to the data, every lower order is therefore
+//! studied as well.
 
 use std::iter;
 

@@ -1,4 +1,4 @@
-//! Everything that one order of the actuator leads to.
+//! The whole study at one order of the actuator: residuals, search, choice.
 
 use crate::answers::Discrepancy;
 use crate::identify::{FitSession, IdentifyError, Intervals, Model, ModelFit};

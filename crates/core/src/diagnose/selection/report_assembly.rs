@@ -1,4 +1,4 @@
-//! From what was found to the answer.
+//! Puts together the answer: verdict, causes, gain on held-out data, limitations.
 
 use crate::answers::{Diagnosis, Discrepancy, Gain, Identification, NextExperiment, Verdict};
 use crate::identify::{

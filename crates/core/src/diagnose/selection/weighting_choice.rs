@@ -1,8 +1,8 @@
-//! What to weigh errors with where no model comes down to the noise.
+//! Which weights the errors get where no model comes down to the noise.
 //!
-//! Weighed by its noise, the harmonic that repeats best decides. Where what a model leaves is
-//! many times the noise, how well a harmonic repeats says nothing about how well a model could
-//! follow it: the fit then trades most of the response for the part that is measured best.
+//! Weighted by its noise, the harmonic that repeats best decides. Where a model leaves many times the
+//! noise, how well a harmonic repeats says nothing about how well the model can follow it: the fit then
+//! gives up most of the response for the part that is measured best. Then all errors get equal weights.
 
 use crate::answers::{Diagnosis, Identification, IdentifyOptions, Weighting};
 use crate::identify;

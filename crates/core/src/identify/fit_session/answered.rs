@@ -1,11 +1,10 @@
 //! Models that have no response in some experiments.
 //!
-//! A search passes through places where the motion from rest does not settle to the period of
-//! the input: an unstable motion of that period stands in there, or what the base model says
-//! (`objective`). Nothing of that counts in the end. Among models, one is worth what the motions
-//! reached from rest leave, and as much as the base model where there is none, so that an effect
-//! gains nothing by having no response. An answer is fitted to what has a response, and judged
-//! by it.
+//! A search passes through parameters at which the motion from rest does not settle to the period of the
+//! input. There an unstable motion of that period, or the base model's response, is used in its place, so
+//! that the search does not stop. When models are compared, only motions reached from rest count, and the
+//! base model's response where there is none: an effect gains nothing by having no response. The final
+//! model is fitted to the experiments in which it has a response, and judged by them.
 
 use crate::simulate::Counts;
 

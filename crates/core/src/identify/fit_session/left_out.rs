@@ -1,4 +1,5 @@
-//! What a model would predict of data left out of its fit, without fitting it again.
+//! What a model would predict of data left out of its fit, to first order and without fitting it
+//! again.
 
 use nalgebra::{DMatrix, DVector};
 

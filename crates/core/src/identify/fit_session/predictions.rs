@@ -1,4 +1,4 @@
-//! What models say of the measurement, and of what was not measured.
+//! Residuals and derivatives of a model at the measurement's points, and its predictions elsewhere.
 
 use nalgebra::DVector;
 

@@ -1,4 +1,4 @@
-//! What was fitted to one measurement, taken to another of the same machine.
+//! Takes models fitted to one measurement over to another of the same machine, as starting points.
 
 use crate::answers::Comparison;
 use crate::measurement::Measurement;

@@ -1,17 +1,16 @@
-//! How a motion begins, where the upload does not say.
+//! The initial state of a motion, where the upload does not give it: a maximum a posteriori estimate.
 //!
-//! The quantities that a motion depends on from its beginning are those of least squares over a
-//! first stretch. What they are before the stretch is seen is a normal law about rest, as wide as
-//! that of any beginning which the axis can be brought to; the stretch speaks against it as much
-//! as the model's own errors let it: with σ² the mean square of what the model leaves, s the
-//! width, and τ the samples after which the axis has forgotten,
+//! Its quantities are fitted by least squares to a first stretch. The prior is a normal distribution
+//! about rest, as wide as any initial state to which the axis can be brought; how much the stretch
+//! weighs against it depends on the model's own errors. With σ² the mean square of what the model
+//! leaves, s the width, and τ the samples after which the axis has forgotten its initial state,
 //!
 //! ```text
 //!   Σ r² + σ²·τ·Σ (x/s)²
 //! ```
 //!
-//! is least (maximum a posteriori, with one independent error in τ samples). An axis begins at
-//! rest where that explains the stretch as well.
+//! is least (one independent error in τ samples). Where rest explains the stretch as well, the axis
+//! begins at rest.
 
 use nalgebra::{DMatrix, DVector};
 

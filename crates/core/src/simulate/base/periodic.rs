@@ -1,13 +1,10 @@
-//! Motion under any periodic torque.
+//! The base model's motion under any periodic torque.
 //!
-//! Torque τ and the steady response w of 1/(s + a) to it come in cells
-//! ([`Course`]): of a general input by FFT on a uniform grid (`samples`), of a bent
-//! cosine in closed form. While the axis slides, x = w − σ/a + C·exp(−a·t), so one
-//! pass over the cells finds those in which the motion switches, and a bracketed
-//! Newton's method on x finds the instant. The pass is linear in cells and in
-//! switches. Periods follow one another from rest; the state at their start
-//! converges by Newton's method on the return map, whose slope the pass gives
-//! along the way.
+//! The torque τ, and the steady response w of 1/(s + a) to it, are sampled on a uniform grid. While
+//! the axis slides, x = w − σ/a + C·exp(−a·t). One pass over the period looks in every cell of the
+//! grid for a change of sign of x, or of the torque's excess over the static level, and a bracketed
+//! Newton's method finds its time. Periods are integrated from rest until the state repeats; Newton's
+//! method on the return map (Poincaré map), whose slope the pass gives, speeds that up.
 
 mod event_location;
 mod sampled_torque;
@@ -31,33 +28,6 @@ const ROUNDING: f64 = 1e-13;
 /// Switches of one cell beyond which time has stopped passing.
 const MOST_SWITCHES_PER_CELL: usize = 64;
 
-/// Torque τ and the steady response w of 1/(s + a) to it, divided into cells.
-///
-/// Within a cell both are smooth, and so short are the cells that a signal which
-/// meets a level twice within one shows that in its slopes at both ends.
-pub(crate) trait Course {
-    /// Cells of the period.
-    fn cells(&self) -> usize;
-
-    /// Where cell n begins, or n − 1 ends, seconds.
-    fn time(&self, n: usize) -> f64;
-
-    /// exp(−ah) over the length h of a cell.
-    fn kept(&self, cell: usize) -> f64;
-
-    /// τ and w where cell n begins, or n − 1 ends.
-    fn node(&self, n: usize) -> (f64, f64);
-
-    /// τ' at the end of a cell.
-    fn rate_at_end(&self, cell: usize) -> f64;
-
-    /// τ and τ' within a cell.
-    fn torque(&self, cell: usize, time_s: f64) -> (f64, f64);
-
-    /// τ and w within a cell.
-    fn both(&self, cell: usize, time_s: f64) -> (f64, f64);
-}
-
 /// The motion reached from rest under a general input, and the torque it was
 /// found with; `lines` are the torque lines.
 pub(crate) fn orbit(
@@ -72,9 +42,9 @@ pub(crate) fn orbit(
 }
 
 /// The motion reached from rest.
-pub(crate) fn follow(
+fn follow(
     plant: &Plant,
-    course: &impl Course,
+    course: &SampledTorque,
     period_s: f64,
 ) -> Result<SwitchingTimes, NoResponse> {
     let scale = (0..course.cells()).fold(0.0, |most: f64, n| most.max(course.node(n).1.abs()));
@@ -130,11 +100,11 @@ impl Pass {
     }
 }
 
-/// A motion under the torque of a course.
-struct Followed<'a, C> {
+/// A motion under a sampled torque.
+struct Followed<'a> {
     a: f64,
     friction: Friction,
-    course: &'a C,
+    course: &'a SampledTorque,
     /// Largest |w|.
     scale: f64,
 }
@@ -147,7 +117,7 @@ struct Anchor {
     steady: f64,
 }
 
-impl<C: Course> Followed<'_, C> {
+impl Followed<'_> {
     /// Follows the motion over one period; `None` where it switches without end.
     fn pass(&self, start: State) -> Option<Pass> {
         let course = self.course;
@@ -168,7 +138,7 @@ impl<C: Course> Followed<'_, C> {
                     Some(friction) => {
                         let whole_cell = anchor.time_s <= course.time(cell);
                         let kept = if whole_cell {
-                            course.kept(cell)
+                            course.kept
                         } else {
                             (-self.a * (cell_end - anchor.time_s)).exp()
                         };

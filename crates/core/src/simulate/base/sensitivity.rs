@@ -1,11 +1,10 @@
-//! Derivatives of the harmonics, from the derivatives of the switching instants.
+//! Derivatives of the harmonics by implicit differentiation of the switching times.
 //!
 //! A slide from t_s to t_e with friction σ ends where
-//! g = w(t_e) − w(t_s)·E − σ·(1 − E)/a = 0, E = exp(−a(t_e − t_s)), w being the
-//! steady response of 1/(s + a) to τ; a phase of rest ends where τ meets the
-//! static level. Differentiating these equations gives every instant's
-//! derivative as a linear function of the one before; going once around the
-//! period closes the chain. The cost is linear in the number of instants.
+//! g = w(t_e) − w(t_s)·E − σ·(1 − E)/a = 0, E = exp(−a(t_e − t_s)), w being the steady response of
+//! 1/(s + a) to τ; a phase of rest ends where τ meets the static level. Differentiating these
+//! equations gives every time's derivative as a linear function of the one before; around the period,
+//! that is one linear equation for the first. The cost is linear in the number of switches.
 
 use crate::effects::{Axis, Wide};
 use crate::measurement::Complex;

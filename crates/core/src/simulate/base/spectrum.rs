@@ -1,8 +1,8 @@
-//! Harmonics of a motion from its switching instants.
+//! Harmonics of a motion from its switching times.
 //!
-//! x' = −a·x + τ − f holds at every instant, at rest too (there f = τ). So
-//! Vₖ = K·(Tₖ − Fₖ)/(jkω + a), and Fₖ, the harmonic of the friction, is an
-//! integral over phases in which f is either constant or equal to τ.
+//! x' = −a·x + τ − f holds at all times, at rest too (there f = τ). So Vₖ = K·(Tₖ − Fₖ)/(jkω + a),
+//! and Fₖ, the harmonic of the friction, is an integral over phases in which f is either constant or
+//! equal to τ.
 
 use crate::measurement::Complex;
 use crate::plant::{Friction, Scalar};

@@ -1,4 +1,4 @@
-//! A periodic motion as the list of its phases.
+//! A periodic motion as the times at which it changes between forward, backward and rest.
 
 /// What the axis does during a phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! What a small torque does, to first order.
+//! The change of the response under a small additional torque, to first order.
 
 use std::f64::consts::TAU;
 

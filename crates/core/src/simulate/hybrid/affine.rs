@@ -1,11 +1,10 @@
 //! Exact steps of mechanics that are affine between switches.
 //!
-//! x' = A·x + b·τ + d with τ a quintic over the step. The solution's power series
-//! is c₀ = x, cₘ₊₁ = (A·cₘ + b·τₘ + d·[m = 0])·h/(m + 1). Steps of a length that
-//! comes again and again are kept as what the series makes of each entry:
-//! x goes to Φx + Σ τᵢΓᵢ + δ. A, b and d are read off the equations of motion
-//! themselves. No error control is needed, and no step follows the oscillations
-//! of a stiff joint more finely than the search for switches does.
+//! x' = A·x + b·τ + d with τ a quintic over the step. The solution's power series is c₀ = x,
+//! cₘ₊₁ = (A·cₘ + b·τₘ + d·[m = 0])·h/(m + 1). For a step length that occurs often, the sums are
+//! kept as matrices: x goes to Φx + Σ τᵢΓᵢ + δ (Φ is the matrix exponential of A·h). A, b and d are
+//! read off the equations of motion by evaluating them at unit vectors. The steps have no truncation
+//! error, so that a stiff joint does not shorten them; only the search for switches does.
 
 use crate::plant::Scalar;
 

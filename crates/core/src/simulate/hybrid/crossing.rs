@@ -1,4 +1,4 @@
-//! Where a signal turns positive.
+//! Zero crossings of a signal within a step: a bracket by halving, then regula falsi.
 
 /// A position at which a signal that begins at zero has gone negative, before
 /// it is positive at `end`; 0 where it has not.

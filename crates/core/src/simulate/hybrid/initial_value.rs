@@ -1,4 +1,5 @@
-//! One motion from a given state to the end of a wave that need not repeat.
+//! An initial value problem: one motion from a given state to the end of an input that need not
+//! repeat.
 
 use crate::effects::Axis;
 

@@ -1,4 +1,5 @@
-//! One period of motion, step by step, through its switches.
+//! Integrates one period, or one transient, step by step and through every switch, and sums its
+//! Fourier integrals on the way.
 
 mod event_handling;
 

@@ -1,4 +1,4 @@
-//! Equations of motion between switches, and what switches them.
+//! Equations of motion in each mode, and the conditions under which the mode changes.
 
 mod dynamics;
 mod initial_state;

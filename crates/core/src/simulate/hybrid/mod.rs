@@ -1,14 +1,16 @@
-//! Motion of an axis that is not linear between switches, or has more than one
-//! mass, or a position that matters.
+//! Axes that are not linear between switches, have more than one mass, or depend on the position:
+//! numerical integration with event location, and Newton's method for the periodic motion.
 //!
-//! Affine equations are stepped exactly (`affine`), those whose power series is known by
-//! that series (`series`), the rest by an explicit Runge–Kutta pair with error control
-//! (`runge_kutta`), all cut where the motion switches (`pass`). The state at the
-//! beginning of the period is found by Newton's method on the return map; the
-//! derivatives it needs ride along in dual numbers. Where several periodic
-//! motions may exist the one reached from rest counts: it is followed until a period hardly
-//! changes it, and Newton's step is then kept so short that it follows the motion's own slow
-//! approach.
+//! - `mechanics`: the equations of motion in each mode (sliding, sticking, contact or gap).
+//! - `affine`, `series`, `runge_kutta`: one step, exactly by the matrix exponential where the
+//!   equations are affine, by the Taylor series where that is known, and by Dormand and Prince's pair
+//!   otherwise. `step_control` chooses among them and sets the length.
+//! - `integrate_period`: one period, cut at every switch.
+//! - `return_map`: the state at the beginning of the period, by Newton's method on the return map
+//!   (single shooting), with derivatives in dual numbers.
+//! - `initial_value`: a motion that need not repeat.
+//!
+//! Where several periodic motions exist, the one reached from rest counts.
 
 mod affine;
 mod crossing;

@@ -1,4 +1,4 @@
-//! The periodic motion that is reached from rest, by Newton's method on the return map.
+//! The periodic motion reached from rest: a fixed point of the return map, by Newton's method.
 
 mod continuation;
 mod periodic_orbit;

@@ -1,11 +1,10 @@
-//! Steps by power series.
+//! Steps by the Taylor series of the solution.
 //!
-//! x' = A·x + b·(τ − g(x)) + d with τ a quintic and g a law whose own series is known
-//! term by term. The terms of the solution's series say by themselves how long the step
-//! may be, so none is tried in vain, and a switch is met on the series itself. Between
-//! contacts of a joint with play the motion is as slow
-//! as the torque: steps are then long, where even ones would be bound by the contact's
-//! stiffness.
+//! x' = A·x + b·(τ − g(x)) + d with τ a quintic and g a law whose own Taylor series follows term by
+//! term from that of its argument (automatic differentiation). The size of the last terms says how
+//! long the step may be, so that no step is refused, and a switch is located on the series itself.
+//! Between contacts of a joint with play the motion is as slow as the torque: there such steps are
+//! long, where those of a fixed length would be bound by the contact's stiffness.
 
 use crate::effects::MOST_TERMS;
 use crate::plant::Scalar;

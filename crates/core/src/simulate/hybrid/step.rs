@@ -1,4 +1,4 @@
-//! A step taken, whichever way: both ends and what lies between.
+//! A completed step of any method: its length, its ends, and the polynomial between them.
 
 use crate::plant::Scalar;
 

@@ -1,4 +1,5 @@
-//! How long the next step is.
+//! Step control: which method takes the next step, how long it is, and whether its error is
+//! accepted.
 
 use crate::effects::TaylorSeries;
 use crate::plant::Scalar;

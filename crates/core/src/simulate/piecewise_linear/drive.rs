@@ -1,11 +1,9 @@
-//! From the input to the torque behind the actuator, when the input is bent on
-//! the way.
+//! From the input to the torque behind the actuator, through static maps and a rate limiter.
 //!
-//! The input is a wave of quintics. Static maps cut its cells where their slope
-//! changes and act on each part exactly; the rate limiter replaces parts by
-//! ramps; the actuator's modes (`modal`) answer each part exactly, from their
-//! own periodic state. Every signal on the way is continuous, so a cut that moves
-//! with a parameter changes nothing to first order.
+//! The input is a piecewise quintic. Static maps are piecewise linear: they split the pieces where
+//! their slope changes, and act on each part exactly. The rate limiter replaces parts by ramps. The
+//! actuator's modes (`modal`) answer each part exactly, from their own periodic state. All signals are
+//! continuous, so that a split which moves with a parameter has no derivative of its own.
 
 mod modal;
 

@@ -6,7 +6,5 @@
 
 pub(super) mod drive;
 mod rate_limit;
-pub(super) mod static_map_cosine;
-pub(super) mod static_map_response;
 pub(super) mod stick_slip_motion;
 pub(super) mod stick_slip_periodic;

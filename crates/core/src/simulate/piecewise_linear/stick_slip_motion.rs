@@ -1,12 +1,10 @@
-//! Motion of one mass under any torque wave, with friction and damping that
+//! The exact motion of one mass under a piecewise quintic torque, with friction and damping that
 //! depend on the direction alone.
 //!
-//! While the axis slides, x = v/K answers the torque as a first-order lag, exactly
-//! for each quintic (`relaxation`). A pass over the period finds the instants at
-//! which it stops and starts; the state at the beginning of the period is found
-//! by Newton's method on the return map (`shooting`). The harmonics follow from
-//! x' = −a·x + τ − f, integrated over the slides of each direction, at both ends
-//! of which x is zero: Xₖ = ∫(τ − f)·exp(−jkωt) dt/(jkω + a).
+//! While the axis slides, x = v/K is the response of a first-order lag, exact for each quintic
+//! (`exponential_integrator`). One pass over the period finds the times at which it stops and starts.
+//! The harmonics follow from x' = −a·x + τ − f, integrated over the slides of each direction, at both
+//! ends of which x is zero: Xₖ = ∫(τ − f)·exp(−jkωt) dt/(jkω + a).
 
 mod slide_end;
 

@@ -1,4 +1,4 @@
-//! Responses of one mass that slides and rests under a bent torque.
+//! The periodic stick-slip motion of one mass: a fixed point of the return map, by Newton's method.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Complex numbers of any scalar.
+//! Complex numbers over any scalar, dual numbers among them.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -47,10 +47,6 @@ impl<S: Scalar> ComplexDual<S> {
 
     pub fn scaled(self, factor: S) -> Self {
         Self { re: self.re * factor, im: self.im * factor }
-    }
-
-    pub fn conj(self) -> Self {
-        Self { re: self.re, im: -self.im }
     }
 
     pub fn inverse(self) -> Self {

@@ -1,10 +1,10 @@
-//! The exact answer of a first-order lag to a quintic.
+//! The exact response of a first-order lag to a quintic, by the φ-functions of exponential integrators
+//! (Hochbruck and Ostermann 2010, doi:10.1017/S0962492910000048).
 //!
-//! y' = −λy + q over a step of length h takes y to exp(−z)·y + h·Σ cᵢφᵢ(z), with
-//! z = λh and φᵢ(z) = ∫₀¹ uⁱ exp(−z(1 − u)) du. Of these, φ₆ has a series that
-//! converges for every z without loss while |z| ≤ 7, and φᵢ₋₁ = (1 − zφᵢ)/i takes
-//! it down stably; for larger z the same recursion is stable upwards. Their
-//! derivatives are φᵢ' = φᵢ₊₁ − φᵢ.
+//! y' = −λy + q over a step of length h takes y to exp(−z)·y + h·Σ cᵢφᵢ(z), with z = λh and
+//! φᵢ(z) = ∫₀¹ uⁱ exp(−z(1 − u)) du. Of these, φ₆ has a series that converges for every z without
+//! loss while |z| ≤ 7, and φᵢ₋₁ = (1 − zφᵢ)/i takes it down stably; for larger z the same recursion
+//! is stable upwards. Their derivatives are φᵢ' = φᵢ₊₁ − φᵢ.
 
 use std::ops::{Add, Div, Mul, Sub};
 

@@ -1,7 +1,7 @@
-//! From what the actuator is told to the torque behind it, as a wave of quintics.
+//! The actuator's transient response, as a piecewise quintic.
 //!
-//! Every piece kinks where it begins and sets off what the actuator does by itself. Cells
-//! are so short that a quintic follows that, and as long as the piece once it is over.
+//! The input is straight piece by piece, and every kink excites the actuator's own modes. Pieces of
+//! the response are short where a mode still decays and as long as the input's piece after that.
 
 use crate::plant::Actuator;
 

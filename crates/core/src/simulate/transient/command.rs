@@ -1,4 +1,4 @@
-//! What the actuator is told: straight pieces, whatever delays, bends or slows them.
+//! The input of the actuator, straight piece by piece: delayed, mapped and rate-limited.
 
 use crate::effects::{Axis, InputMap};
 

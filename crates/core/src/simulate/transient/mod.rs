@@ -1,10 +1,9 @@
 //! Motion under a sampled input that need not be periodic, from a given state.
 //!
-//! Between two samples the input goes straight or holds; what delays, bends or slows it
-//! keeps it straight piece by piece (`command`). Behind the actuator it becomes a wave of
-//! quintics that starts from the actuator's own state (`actuator`). The mechanics follow it
-//! once, from first to last (`hybrid`), and every step that they take is read at the
-//! samples' times, through the sensor's lag (`recorder`).
+//! Between two samples the input is linear or held. Delay, static maps and rate limiter keep it
+//! straight piece by piece (`command`). Behind the actuator it is a piecewise quintic that starts from
+//! the actuator's own state (`actuator`). The mechanics are integrated once, from the first sample to
+//! the last (`hybrid`), and read at the samples' times, through the sensor's lag (`recorder`).
 
 mod actuator;
 mod command;

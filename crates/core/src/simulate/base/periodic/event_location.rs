@@ -1,6 +1,6 @@
-//! The instants at which a motion switches.
+//! Event location: the times within a cell at which the axis stops or breaks away.
 
-use super::{Anchor, Course, Followed, ROUNDING};
+use super::{Anchor, Followed, ROUNDING};
 use crate::simulate::base::switching_times::Motion;
 use crate::simulate::signal::piecewise_quintic::{bisect, root};
 
@@ -8,7 +8,7 @@ use crate::simulate::signal::piecewise_quintic::{bisect, root};
 /// after the step is of the order of the step squared.
 const LAST_STEP: f64 = 1e-8;
 
-impl<C: Course> Followed<'_, C> {
+impl Followed<'_> {
     /// The instant within the cell at which the torque exceeds a static level.
     pub(crate) fn breakaway(&self, cell: usize, from_s: f64) -> Option<(f64, Motion)> {
         let course = self.course;

@@ -1,20 +1,20 @@
-//! The course of a general input: samples on a uniform grid.
+//! The torque of a general input and the linear response to it, sampled on a uniform grid.
 
 use crate::measurement::Complex;
 use crate::plant::Plant;
 
-use super::Course;
 use crate::simulate::signal::excitation::{Excitation, Grid};
 use crate::simulate::signal::samples::{Samples, quintic_at};
 
 /// Torque and steady response on the grid.
 pub(crate) struct SampledTorque {
     a: f64,
+    /// τ and its derivatives.
     pub torque: Samples,
     /// w: steady response of 1/(s + a) to the torque.
     steady: Vec<f64>,
-    /// exp(−ah) over a cell.
-    kept: f64,
+    /// exp(−ah) over the length h of a cell.
+    pub kept: f64,
 }
 
 impl SampledTorque {
@@ -30,36 +30,35 @@ impl SampledTorque {
         let kept = (-a * torque.step_s).exp();
         Self { a, torque, steady, kept }
     }
-}
 
-impl Course for SampledTorque {
-    fn cells(&self) -> usize {
+    /// Cells of the period.
+    pub fn cells(&self) -> usize {
         self.torque.cells()
     }
 
-    fn time(&self, n: usize) -> f64 {
+    /// Where cell n begins, or n − 1 ends, seconds.
+    pub fn time(&self, n: usize) -> f64 {
         n as f64 * self.torque.step_s
     }
 
-    fn kept(&self, _cell: usize) -> f64 {
-        self.kept
-    }
-
-    fn node(&self, n: usize) -> (f64, f64) {
+    /// τ and w where cell n begins, or n − 1 ends.
+    pub fn node(&self, n: usize) -> (f64, f64) {
         (self.torque.value[n], self.steady[n])
     }
 
-    fn rate_at_end(&self, cell: usize) -> f64 {
+    /// τ' at the end of a cell.
+    pub fn rate_at_end(&self, cell: usize) -> f64 {
         self.torque.first[cell + 1]
     }
 
-    fn torque(&self, cell: usize, time_s: f64) -> (f64, f64) {
+    /// τ and τ' within a cell.
+    pub fn torque(&self, cell: usize, time_s: f64) -> (f64, f64) {
         (self.torque.at(cell, time_s), self.torque.slope_at(cell, time_s))
     }
 
-    /// w by the quintic through values and two derivatives, which w' = −a·w + τ
-    /// gives exactly.
-    fn both(&self, cell: usize, time_s: f64) -> (f64, f64) {
+    /// τ and w within a cell; w by the quintic through values and two derivatives, which
+    /// w' = −a·w + τ gives exactly.
+    pub fn both(&self, cell: usize, time_s: f64) -> (f64, f64) {
         let h = self.torque.step_s;
         let end = |n: usize| {
             let first = self.torque.value[n] - self.a * self.steady[n];

@@ -1,4 +1,4 @@
-//! Switches of a motion: where they are within a step, and what they lead to.
+//! Events: which switch comes first within a step, when, and the mode and state after it.
 
 use crate::plant::Scalar;
 

@@ -1,4 +1,4 @@
-//! The equations of motion in one mode.
+//! The right-hand side of the equations of motion in one mode.
 
 use crate::plant::Scalar;
 

@@ -1,4 +1,4 @@
-//! The state that a motion begins in.
+//! The state vector at the beginning of a transient, from the quantities that a user gives.
 
 use crate::plant::Scalar;
 

@@ -1,8 +1,8 @@
-//! The periodic motion of a balanced axis where Newton's method alone does not find it.
+//! Continuation to the periodic motion of an axis whose position is held by a constant torque.
 //!
-//! With a constant torque that is itself unknown there is no motion to be followed towards
-//! the periodic one. Without what ripples over θ the axis has one periodic motion; from there
-//! on the ripple grows to its full size, and Newton's method, damped, takes the motion along.
+//! That torque is unknown, so that integrating from rest leads nowhere. Without the torque that
+//! depends on the position θ the axis has one periodic motion. From there, that torque grows in steps
+//! to its full size, and at each the damped Newton's method corrects the motion.
 
 use crate::effects::Axis;
 use crate::plant::{Dual, Scalar as _};

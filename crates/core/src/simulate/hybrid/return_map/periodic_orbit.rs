@@ -1,4 +1,5 @@
-//! From rest to the periodic motion that it leads to.
+//! From rest to the periodic motion: periods are integrated until they hardly change, then Newton's
+//! method finds the fixed point.
 
 use nalgebra::{Complex, DMatrix, Schur};
 

@@ -1,4 +1,5 @@
-//! How far Newton's method may step.
+//! A trust region: how long a step of Newton's method may be, from how well earlier ones were
+//! predicted.
 
 /// Steps as a share of the states' sizes: the longer, the better the steps before did what
 /// they promised.

@@ -1,4 +1,5 @@
-//! The actuator's answer to a wave of quintics, mode by mode.
+//! The actuator's response to a piecewise quintic, by its modes: each is a first-order lag, real or
+//! complex.
 
 use crate::plant::{Actuator, Scalar};
 

@@ -1,4 +1,4 @@
-//! Where a slide of one mass ends.
+//! The time at which a slide ends: the first zero of the velocity within a piece.
 
 use crate::plant::Scalar;
 

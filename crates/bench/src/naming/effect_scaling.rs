@@ -204,7 +204,7 @@ mod tests {
     use super::super::outsiders::{OUTSIDERS, draw_outsider};
     use super::*;
     use crate::machines::draw::draw;
-    use crate::machines::hidden::{IDS, draw_effect};
+    use crate::machines::effect_draws::{IDS, draw_effect};
 
     fn everything(machine: &Draw, seed: u64) -> Vec<Effect> {
         let rng = &mut ChaCha8Rng::seed_from_u64(seed);

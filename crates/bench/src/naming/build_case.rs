@@ -16,7 +16,7 @@ use super::outsiders::{OUTSIDERS, draw_outsider};
 use super::rivals::{Nearest, Rivals};
 use super::sizing::Sizing;
 use crate::machines::draw::{Draw, DrawError, NoiseStatement, draw, log_uniform};
-use crate::machines::hidden::{IDS, draw_effect};
+use crate::machines::effect_draws::{IDS, draw_effect};
 use crate::machines::responses::Responses;
 use crate::machines::simulator::{Effect, Settings};
 
@@ -111,7 +111,7 @@ pub enum MakeError {
 ///
 /// # Errors
 /// See [`MakeError`].
-pub fn make(
+pub fn build_case(
     case: &Case,
     base_seed: u64,
     sizing: Sizing,

@@ -2,6 +2,7 @@
 
 mod benchmark_simulator;
 mod caps;
+mod circles;
 mod cli;
 mod coverage;
 mod discrepancy;

@@ -28,8 +28,8 @@ use crate::identify::{self, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
-pub use error::DiagnoseError;
-pub use validation::{ValidateError, diagnose_validated, validate};
+pub use error::{DiagnoseError, ValidateError};
+pub use validation::{diagnose_validated, validate};
 
 use progress::Part;
 use residuals::discrepancy;

@@ -2,7 +2,10 @@
 //!
 //! u − clip(u, ±half_width), before A(s).
 
-use super::{Axis, Coordinate, Dimension, Effect, InputMap, Parameter, Range, Slot, Stage, Wide};
+use super::axis::{Axis, InputMap, Stage, Wide};
+use super::effect::Effect;
+use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::slot::Slot;
 use crate::plant::Scalar as _;
 
 /// The half width.

@@ -5,8 +5,11 @@
 //! T_s = k·(φ beyond the gap) + c·(v − v_load) in contact (not clipped: it may
 //! pull just before contact ends), 0 inside the gap. y is the motor's velocity.
 
+use super::axis::{Axis, SecondMass, Wide};
+use super::effect::Effect;
 use super::flexible_mode::{DAMPING, LOAD_INERTIA_FRACTION, STIFFNESS, resize_load};
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, SecondMass, Slot, Wide};
+use super::parameter::{Coordinate, Dimension, Parameter, Range, Scope};
+use super::slot::Slot;
 
 /// ρ, k, c and the gap.
 #[derive(Debug)]

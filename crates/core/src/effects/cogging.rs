@@ -5,11 +5,13 @@
 
 use std::f64::consts::PI;
 
-use super::jet;
-use super::{
-    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Slot, TaylorSeries, Wide,
-};
+use super::axis::{Axis, Wide};
+use super::effect::Effect;
+use super::law::{Form, LAW_PARAMETERS, Law, Partials};
+use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::slot::Slot;
+use super::taylor_series;
+use super::taylor_series::TaylorSeries;
 
 /// T, N and φ.
 #[derive(Debug)]
@@ -79,12 +81,12 @@ impl Form for Ripple {
         rates[m] = m as f64 * n * jet.argument[m];
         (sin[m], cos[m]) = match m {
             0 => (n * jet.argument[0] + phase).sin_cos(),
-            _ => jet::sin_cos(rates, sin, cos, m),
+            _ => taylor_series::sin_cos(rates, sin, cos, m),
         };
         jet.value[m] = t * sin[m];
         jet.by_argument[m] = t * n * cos[m];
         if jet.parameters_vary {
-            let by_cycles = t * jet::product(cos, &jet.argument, m);
+            let by_cycles = t * taylor_series::product(cos, &jet.argument, m);
             let all = [sin[m], by_cycles, t * cos[m]];
             jet.by_parameter.iter_mut().zip(all).for_each(|(terms, term)| terms[m] = term);
         }

@@ -4,7 +4,10 @@
 //! (1 − ρ)J·v' = −(a/K)·v + τ − f − T_s, ρJ·v_load' = T_s,
 //! T_s = k·φ + c·(v − v_load). y is the motor's velocity.
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, SecondMass, Slot, Wide};
+use super::axis::{Axis, SecondMass, Wide};
+use super::effect::Effect;
+use super::parameter::{Coordinate, Dimension, Parameter, Range, Scope};
+use super::slot::Slot;
 use crate::plant::Scalar as _;
 
 /// ρ, k and c.

@@ -3,7 +3,10 @@
 //! All friction levels, Fc and Fs, × (1 + δ·(run − run_min)/(run_max − run_min)).
 //! Not testable without `run`.
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Slot, Wide};
+use super::axis::{Axis, Wide};
+use super::effect::Effect;
+use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::slot::Slot;
 
 /// δ.
 #[derive(Debug)]

@@ -2,12 +2,14 @@
 //!
 //! g += k·θ + k₃·θ³, θ absolute, zero at the spring's rest.
 
-use super::jet;
+use super::axis::{Axis, Wide};
+use super::effect::Effect;
+use super::law::{Form, LAW_PARAMETERS, Law, Partials};
+use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::slot::Slot;
 use super::spring::STIFFNESS;
-use super::{
-    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Slot, TaylorSeries, Wide,
-};
+use super::taylor_series;
+use super::taylor_series::TaylorSeries;
 
 /// k and k₃.
 #[derive(Debug)]
@@ -52,8 +54,8 @@ impl Form for Hardening {
     fn extend(&self, [k, k3, _]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut TaylorSeries) {
         let position = jet.argument[m];
         let [square, ..] = &mut jet.kept;
-        square[m] = jet::product(&jet.argument, &jet.argument, m);
-        let cube = jet::product(square, &jet.argument, m);
+        square[m] = taylor_series::product(&jet.argument, &jet.argument, m);
+        let cube = taylor_series::product(square, &jet.argument, m);
         let linear = if m == 0 { *k } else { 0.0 };
         jet.value[m] = k * position + k3 * cube;
         jet.by_argument[m] = linear + 3.0 * k3 * square[m];

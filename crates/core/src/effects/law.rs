@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use crate::plant::Scalar;
 
-use super::TaylorSeries;
+use super::taylor_series::TaylorSeries;
 
 /// Most parameters of one law.
 pub const LAW_PARAMETERS: usize = 3;

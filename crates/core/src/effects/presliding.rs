@@ -4,7 +4,10 @@
 //! is no rest: below breakaway the axis moves on its bristles. Together with a
 //! friction curve, Fc is what the curve makes of it.
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Slot, Wide};
+use super::axis::{Axis, Wide};
+use super::effect::Effect;
+use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::slot::Slot;
 
 /// σ.
 #[derive(Debug)]

@@ -2,11 +2,13 @@
 //!
 //! g += c·v·|v|.
 
-use super::jet;
-use super::{
-    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Slot, TaylorSeries, Wide,
-};
+use super::axis::{Axis, Wide};
+use super::effect::Effect;
+use super::law::{Form, LAW_PARAMETERS, Law, Partials};
+use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::slot::Slot;
+use super::taylor_series;
+use super::taylor_series::TaylorSeries;
 
 /// c.
 #[derive(Debug)]
@@ -48,7 +50,7 @@ impl Form for Drag {
 
     fn extend(&self, [c, ..]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut TaylorSeries) {
         let direction = jet.direction;
-        let square = direction * jet::product(&jet.argument, &jet.argument, m);
+        let square = direction * taylor_series::product(&jet.argument, &jet.argument, m);
         jet.value[m] = c * square;
         jet.by_argument[m] = 2.0 * c * direction * jet.argument[m];
         jet.by_parameter[0][m] = square;

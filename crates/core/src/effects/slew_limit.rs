@@ -4,7 +4,10 @@
 //! |u'| ≤ rate, in its own periodic steady state (never meeting u, it is a
 //! triangle of amplitude rate·T/4 and zero mean, whatever m).
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Slot, Wide};
+use super::axis::{Axis, Wide};
+use super::effect::Effect;
+use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::slot::Slot;
 
 /// The rate.
 #[derive(Debug)]

@@ -1,8 +1,8 @@
 //! The place in the chain that an effect fills.
 
-use super::Effect;
+use super::effect::Effect;
 
-/// A place in the chain of an axis (see [`super::Axis`]).
+/// A place in the chain of an axis (see [`super::axis::Axis`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slot {
     /// A dead zone of the input.

@@ -2,10 +2,11 @@
 //!
 //! g += k·θ, θ absolute, zero at the spring's rest.
 
-use super::{
-    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Slot, Wide,
-};
+use super::axis::{Axis, Wide};
+use super::effect::Effect;
+use super::law::{Form, LAW_PARAMETERS, Law, Partials};
+use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::slot::Slot;
 
 /// k.
 #[derive(Debug)]

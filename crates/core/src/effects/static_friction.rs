@@ -5,7 +5,10 @@
 
 use crate::plant::{Friction, Scalar as _};
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Scope, Slot, Wide};
+use super::axis::{Axis, Wide};
+use super::effect::Effect;
+use super::parameter::{Coordinate, Dimension, Parameter, Range, Scope};
+use super::slot::Slot;
 
 /// Excess of a level over the Coulomb level at which it acts, and changes next to nothing.
 const LEAST_EXCESS: f64 = 1e-6;

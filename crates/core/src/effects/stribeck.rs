@@ -2,10 +2,11 @@
 //!
 //! f(v) = sgn(v)·Fc·[1 + (r − 1)·exp(−(v/vs)²)], breakaway r·Fc.
 
-use super::{
-    Axis, Coordinate, Dimension, Effect, Form, LAW_PARAMETERS, Law, Parameter, Partials, Range,
-    Slot, Wide,
-};
+use super::axis::{Axis, Wide};
+use super::effect::Effect;
+use super::law::{Form, LAW_PARAMETERS, Law, Partials};
+use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::slot::Slot;
 
 /// r and vs.
 #[derive(Debug)]

@@ -2,7 +2,10 @@
 //!
 //! u(t − T). A periodic response comes later by T as a whole: Yₖ·exp(−jkωT).
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Slot, Wide};
+use super::axis::{Axis, Wide};
+use super::effect::Effect;
+use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::slot::Slot;
 
 /// T.
 #[derive(Debug)]

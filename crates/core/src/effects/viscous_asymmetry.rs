@@ -2,7 +2,10 @@
 //!
 //! a becomes a(1 + α) for v > 0 and a(1 − α) for v < 0.
 
-use super::{Axis, Coordinate, Dimension, Effect, Parameter, Range, Slot, Wide};
+use super::axis::{Axis, Wide};
+use super::effect::Effect;
+use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::slot::Slot;
 
 /// α.
 #[derive(Debug)]

@@ -11,7 +11,8 @@ use crate::plant::{Actuator, Plant};
 
 use super::closed_form;
 use super::history::History;
-use super::methods::{self, Steps};
+use super::methods;
+use super::methods::steps::Steps;
 use super::noise::{self, Weights};
 use super::objective::Misfit;
 use super::optimiser::{self, Optimiser, Search};

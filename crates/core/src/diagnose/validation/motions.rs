@@ -15,8 +15,9 @@ use crate::identify::{Begun, Followed, IdentifyError};
 use crate::measurement::{Measurement, ResponseKind};
 use crate::observer::Observer;
 
+use super::Outcome;
 use super::remarks;
-use super::{Outcome, ValidateError};
+use crate::diagnose::error::ValidateError;
 use crate::diagnose::holdout::gain::{ResidualSums, Sample, gain_of_groups, summary_of};
 
 /// Blocks of time in all motions together, at most: Student's t gains little beyond.

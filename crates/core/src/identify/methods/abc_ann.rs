@@ -9,7 +9,7 @@ use crate::answers::{ColonyOptions, IdentifyOptions};
 
 use super::super::bee_colony;
 use super::super::optimiser::{Optimiser, Search, Stop};
-use super::Steps;
+use super::steps::Steps;
 
 pub(super) const STEPS: Steps =
     Steps { closed_form: true, network: true, search: Some(&BeeColony), refinement: true };

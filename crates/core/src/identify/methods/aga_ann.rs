@@ -13,8 +13,8 @@
 //! best does not take over. A child has no fitness yet when it is mutated: it takes that of the
 //! parent it was made from.
 
-use super::Steps;
 use super::genetic::{Fitness, Genetic, Rates};
+use super::steps::Steps;
 
 pub(super) const STEPS: Steps = Steps {
     closed_form: true,

@@ -17,7 +17,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::super::optimiser::{Optimiser, Search, Stop};
-use super::Steps;
+use super::steps::Steps;
 
 pub(super) const STEPS: Steps =
     Steps { closed_form: false, network: false, search: Some(&CmaEs), refinement: true };

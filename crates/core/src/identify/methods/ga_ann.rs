@@ -1,8 +1,8 @@
 //! `ga-ann`, the paper's hybrid technique: as `abc-ann` with a genetic algorithm of fixed rates
 //! in place of the colony.
 
-use super::Steps;
 use super::genetic::{Fitness, Genetic, Rates};
+use super::steps::Steps;
 
 pub(super) const STEPS: Steps = Steps {
     closed_form: true,

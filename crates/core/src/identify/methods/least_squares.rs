@@ -6,7 +6,7 @@ use std::convert::Infallible;
 use rand_chacha::ChaCha8Rng;
 
 use super::super::optimiser::{Optimiser, Search, Stop};
-use super::Steps;
+use super::steps::Steps;
 
 pub(super) const STEPS: Steps =
     Steps { closed_form: false, network: false, search: Some(&MultiStart), refinement: true };

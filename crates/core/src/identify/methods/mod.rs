@@ -11,25 +11,14 @@ mod ga_ann;
 mod genetic;
 mod least_squares;
 mod pso_ann;
+pub(super) mod steps;
 #[cfg(test)]
 mod tests;
 mod two_magnitude;
 
 use crate::answers::Method;
 
-use super::optimiser::Optimiser;
-
-/// Stages of a method.
-pub(super) struct Steps {
-    /// A start from the data alone.
-    pub closed_form: bool,
-    /// A network that proposes from measured features.
-    pub network: bool,
-    /// The search; `None`: the closed form is the answer.
-    pub search: Option<&'static dyn Optimiser>,
-    /// Levenberg–Marquardt from the best that was found.
-    pub refinement: bool,
-}
+use steps::Steps;
 
 /// Every method and its stages.
 const METHODS: &[(Method, &Steps)] = &[

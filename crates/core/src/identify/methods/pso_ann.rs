@@ -16,7 +16,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::super::optimiser::{Optimiser, Search, Stop};
-use super::Steps;
+use super::steps::Steps;
 
 pub(super) const STEPS: Steps =
     Steps { closed_form: true, network: true, search: Some(&ParticleSwarm), refinement: true };

@@ -5,7 +5,7 @@
 //! (`docs/reproduction.md` has them for the systems of the paper): it is the yardstick the
 //! searches are held against.
 
-use super::Steps;
+use super::steps::Steps;
 
 pub(super) const STEPS: Steps =
     Steps { closed_form: true, network: false, search: None, refinement: false };

@@ -1,6 +1,20 @@
-//! What is wrong, before the name of the file is known.
+//! Where an upload is wrong, and what is wrong.
 
-use super::ParseError;
+/// Where an upload is wrong, and what is wrong.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{file}{}{}: {reason}", line.map(|n| format!(", line {n}")).unwrap_or_default(),
+    column.as_ref().map(|c| format!(", column {c}")).unwrap_or_default())]
+pub struct ParseError {
+    /// Name of the file.
+    pub file: String,
+    /// Line, from 1, where one can be named.
+    pub line: Option<u64>,
+    /// Name of the column (or JSON path, or key of the metadata), where one
+    /// can be named.
+    pub column: Option<String>,
+    /// What is wrong, and what would be right.
+    pub reason: String,
+}
 
 /// A [`ParseError`] without its file.
 #[derive(Debug, Clone, PartialEq, Eq)]

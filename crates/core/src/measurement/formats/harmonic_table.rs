@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::Part;
 use super::columns::Column;
 use super::fault::Fault;
 use super::harmonic_row::{Entry, Key};
 use super::header::Header;
 use super::layout::Layout;
 use super::limits::MAX_INPUT_LINES;
+use super::part::Part;
 use super::repeats;
 use super::table::{Row, Table};
 

@@ -2,8 +2,9 @@
 
 use sha2::{Digest, Sha256};
 
+use super::fault::ParseError;
 use super::header::Header;
-use super::{ParseError, Part, Source};
+use super::part::{Part, Source};
 use crate::measurement::{Measurement, Metadata, scatter};
 
 /// Joins what the files hold.

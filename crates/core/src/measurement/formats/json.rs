@@ -6,9 +6,10 @@ use super::columns::{self, Column};
 use super::fault::Fault;
 use super::header::Header;
 use super::json_table::{element, note_unknown, number, object, of_columns, of_rows};
-use super::table::Table;
+use super::part::Part;
+use super::table::{Table, join_path};
 use super::time_record::Read;
-use super::{Part, harmonic_table, time_record};
+use super::{harmonic_table, time_record};
 
 /// Keys that hold the data; one of them is needed.
 const DATA: [&str; 3] = ["rows", "columns", "experiments"];
@@ -79,11 +80,6 @@ pub(super) fn read(text: &str) -> Result<Part, Fault> {
         return Err(Fault::new("the array is empty").in_column(key));
     }
     Ok(Part { header, experiments, transients, notes, runs_from_clock: false })
-}
-
-/// Path of a key of the object at a path.
-pub(super) fn join_path(path: &str, key: &str) -> String {
-    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
 
 /// What a value is, for messages.

@@ -4,9 +4,9 @@ use serde_json::{Map, Value};
 
 use super::columns::Column;
 use super::fault::Fault;
-use super::json::{join_path, kind};
+use super::json::kind;
 use super::limits::MAX_ROWS;
-use super::table::{Place, Table};
+use super::table::{Place, Table, join_path};
 
 /// A table of an array of objects. What is in `lifted` stands beside the
 /// array and holds for all its rows.

@@ -59,45 +59,23 @@ mod json;
 mod json_table;
 mod layout;
 mod limits;
+mod part;
 mod repeats;
 mod table;
 mod time_record;
 mod write;
 
+pub use fault::ParseError;
 pub use limits::{MAX_HARMONIC, MAX_INDEX, MAX_INPUT_LINES, MAX_ROWS, MAX_SETTLE_PERIODS};
+pub use part::Source;
 pub use write::write_harmonic_csv;
 
 use columns::Column;
 use csv_text::CsvText;
 use fault::Fault;
-use header::Header;
+use part::Part;
 
-use super::{Complex, Experiment, Measurement, Transient};
-
-/// One uploaded file.
-#[derive(Debug, Clone, Copy)]
-pub struct Source<'a> {
-    /// Name to use in messages.
-    pub name: &'a str,
-    /// Content.
-    pub bytes: &'a [u8],
-}
-
-/// Where an upload is wrong, and what is wrong.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{file}{}{}: {reason}", line.map(|n| format!(", line {n}")).unwrap_or_default(),
-    column.as_ref().map(|c| format!(", column {c}")).unwrap_or_default())]
-pub struct ParseError {
-    /// Name of the file.
-    pub file: String,
-    /// Line, from 1, where one can be named.
-    pub line: Option<u64>,
-    /// Name of the column (or JSON path, or key of the metadata), where one
-    /// can be named.
-    pub column: Option<String>,
-    /// What is wrong, and what would be right.
-    pub reason: String,
-}
+use super::Measurement;
 
 /// Reads one or several files that together form one measurement.
 ///
@@ -112,22 +90,6 @@ pub fn read(sources: &[Source<'_>]) -> Result<Measurement, ParseError> {
         .map(|source| part(source.bytes).map_err(|fault| fault.in_file(source.name)))
         .collect::<Result<Vec<_>, _>>()?;
     join::join(sources, parts)
-}
-
-/// What one file holds.
-struct Part {
-    header: Header,
-    experiments: Vec<Remarked<Experiment>>,
-    transients: Vec<Remarked<Transient>>,
-    notes: Vec<String>,
-    /// Whether the order of acquisition was seen from the clock of this file.
-    runs_from_clock: bool,
-}
-
-/// An experiment or a motion, and the remarks of its reader.
-struct Remarked<T> {
-    content: T,
-    remarks: Vec<String>,
 }
 
 fn part(bytes: &[u8]) -> Result<Part, Fault> {

@@ -4,10 +4,10 @@ use super::columns::Column;
 use super::fault::Fault;
 use super::harmonic_row::Entry;
 use super::harmonic_table::Group;
+use super::part::Remarked;
 use super::table::Table;
-use super::{Complex, Remarked};
 use crate::measurement::waveform::half_peak_to_peak;
-use crate::measurement::{Experiment, Harmonic, Repeat};
+use crate::measurement::{Complex, Experiment, Harmonic, Repeat};
 
 /// Joins the rows of one experiment.
 pub(super) fn experiment(

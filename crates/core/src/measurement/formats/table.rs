@@ -26,12 +26,10 @@ impl Place {
                 fault.at_line(Some(*line)).in_column(column.name())
             }
             (Place::Line(line), None) => fault.at_line(Some(*line)),
-            (Place::Object(path), Some(column)) => {
-                fault.in_column(super::json::join_path(path, column.name()))
-            }
+            (Place::Object(path), Some(column)) => fault.in_column(join_path(path, column.name())),
             (Place::Object(path), None) => fault.in_column(path),
             (Place::Element(path, index), Some(column)) => {
-                let array = super::json::join_path(path, column.name());
+                let array = join_path(path, column.name());
                 fault.in_column(format!("{array}[{index}]"))
             }
             (Place::Element(path, index), None) => fault.in_column(format!("{path}[{index}]")),
@@ -167,4 +165,9 @@ impl Row<'_> {
     fn place(&self) -> &Place {
         &self.table.places[self.index]
     }
+}
+
+/// Path of a key of the object at a path.
+pub(super) fn join_path(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }

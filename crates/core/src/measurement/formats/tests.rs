@@ -1,6 +1,7 @@
 //! Every form an upload may have, and what is said of every form it must not.
 
 use super::*;
+use crate::measurement::Complex;
 use crate::measurement::ResponseKind;
 
 mod accepted;

@@ -3,8 +3,8 @@
 use super::columns::{self, Column};
 use super::fault::Fault;
 use super::header::Header;
+use super::part::{Part, Remarked};
 use super::table::Table;
-use super::{Part, Remarked};
 use crate::measurement::record::{Record, RecordError};
 use crate::measurement::transient::FEWEST;
 use crate::measurement::{Experiment, Transient};

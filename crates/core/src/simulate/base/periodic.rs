@@ -15,7 +15,8 @@ use crate::plant::{Friction, Plant};
 use super::spectrum::sliding_friction;
 use super::switching_times::{Motion, Phase, SwitchingTimes};
 use crate::simulate::response::NoResponse;
-use crate::simulate::signal::excitation::{Excitation, Grid};
+use crate::simulate::signal::excitation::Excitation;
+use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::samples::Samples;
 use sampled_torque::SampledTorque;
 

@@ -3,12 +3,12 @@
 
 use crate::effects::Axis;
 
-use super::integrate_period::{PeriodIntegration, Precision};
-use super::mechanics::Mechanics;
-use super::{LOOSE, MOST_STATES, TIGHT};
+use super::integrate_period::{LOOSE, PeriodIntegration, Precision, TIGHT};
+use super::mechanics::{MOST_STATES, Mechanics};
 use crate::simulate::response::NoResponse;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
-use crate::simulate::transient::{InitialState, Recorder};
+use crate::simulate::transient::motion::InitialState;
+use crate::simulate::transient::recorder::Recorder;
 
 /// Effort for a motion, in exact steps, and what is added for each cell: it bounds a record
 /// of 25 000 samples to seconds.

@@ -14,7 +14,7 @@ use crate::simulate::signal::fourier::Fourier;
 use crate::simulate::signal::piecewise_quintic::{
     Cell, PiecewiseQuintic, polynomial, restricted, slope as wave_slope,
 };
-use crate::simulate::transient::Recorder;
+use crate::simulate::transient::recorder::Recorder;
 use event_handling::Event;
 
 /// Switches of one cell beyond which time has stopped passing.
@@ -26,6 +26,12 @@ const SWITCH_EFFORT: usize = 12;
 /// Errors of a step that a bristle may lack to being bent as far as it goes: a step's
 /// own error keeps it from less.
 const YIELDING: f64 = 4.0;
+
+/// Largest error of a step while the periodic motion is looked for, as a share of the states' sizes.
+pub(super) const LOOSE: f64 = 2e-4;
+
+/// The same for the motion that is reported.
+pub(super) const TIGHT: f64 = 1e-6;
 
 /// How precisely a pass follows the motion.
 pub(super) struct Precision<const M: usize> {

@@ -9,6 +9,9 @@ use crate::plant::Scalar;
 use super::runge_kutta::Vector;
 use crate::simulate::base::switching_times::Motion;
 
+/// Most states of a motion: velocity, position, its integral, bristle, load and twist.
+pub(super) const MOST_STATES: usize = 6;
+
 /// Index of v in every state.
 pub(super) const VELOCITY: usize = 0;
 

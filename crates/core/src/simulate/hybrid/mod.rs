@@ -35,17 +35,8 @@ use super::shooting;
 use super::signal::complex_dual::ComplexDual;
 use super::signal::excitation::Excitation;
 pub(super) use initial_value::follow;
-use mechanics::Mechanics;
+use mechanics::{MOST_STATES, Mechanics};
 use return_map::{Followed, Periodic};
-
-/// Largest error of a step while the periodic motion is looked for.
-const LOOSE: f64 = 2e-4;
-
-/// The same for the motion that is reported.
-const TIGHT: f64 = 1e-6;
-
-/// Most states of a motion: velocity, position, its integral, bristle, load and twist.
-const MOST_STATES: usize = 6;
 
 /// Cells of a period of a cosine in the end, at least: its quintics miss by 8e-8.
 const TIGHT_CELLS: usize = 16;

@@ -8,17 +8,17 @@ use crate::effects::Axis;
 use crate::plant::Scalar;
 
 use super::super::shooting;
-use super::integrate_period::{PeriodIntegration, Precision};
+use super::integrate_period::{LOOSE, PeriodIntegration, Precision, TIGHT};
 use super::mechanics::{self, Mechanics};
 use super::runge_kutta::Vector;
-use super::{LOOSE, TIGHT};
 use crate::simulate::base::spectrum;
 use crate::simulate::base::switching_times::Motion;
 use crate::simulate::piecewise_linear::drive;
 use crate::simulate::response::{Counts, NoResponse};
 use crate::simulate::signal::complex_dual::ComplexDual;
-use crate::simulate::signal::excitation::{Excitation, Grid};
+use crate::simulate::signal::excitation::Excitation;
 use crate::simulate::signal::fourier::Fourier;
+use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 use trust_region::TrustRegion;
 

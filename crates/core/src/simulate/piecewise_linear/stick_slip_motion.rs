@@ -13,9 +13,9 @@ use crate::plant::Scalar;
 
 use crate::simulate::base::switching_times::Motion;
 use crate::simulate::signal::complex_dual::ComplexDual;
-use crate::simulate::signal::excitation::Grid;
 use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;
 use crate::simulate::signal::fourier::Fourier;
+use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic, Quintic, restricted};
 use slide_end::Sliding;
 

@@ -11,7 +11,7 @@ use crate::measurement::Complex;
 use crate::plant::Scalar;
 
 use super::complex_dual::ComplexDual;
-use super::excitation::Grid;
+use super::grid::Grid;
 use super::piecewise_quintic::{Quintic, polynomial, value};
 use super::samples::GAUSS_5;
 use points::Points;
@@ -170,29 +170,4 @@ impl<'g, S: Scalar> Fourier<'g, S> {
             })
             .collect()
     }
-}
-
-/// ∫₀¹ uⁱ exp(−jθu) du, i = 0 … 5.
-pub(crate) fn moments(theta: f64) -> [Complex; 6] {
-    let j_theta = Complex::new(0.0, theta);
-    if theta < 0.8 {
-        // Power series: the first term left out is below 0.8¹⁸/18! = 3e-18.
-        let mut sums = [Complex::new(0.0, 0.0); 6];
-        let mut power = Complex::new(1.0, 0.0);
-        for m in 0..18 {
-            for (i, sum) in sums.iter_mut().enumerate() {
-                *sum += power / (i + m + 1) as f64;
-            }
-            power *= -j_theta / (m + 1) as f64;
-        }
-        return sums;
-    }
-    let turn = Complex::from_polar(1.0, -theta);
-    let mut moment = (1.0 - turn) / j_theta;
-    std::array::from_fn(|i| {
-        if i > 0 {
-            moment = (i as f64 * moment - turn) / j_theta;
-        }
-        moment
-    })
 }

@@ -11,7 +11,7 @@ use crate::measurement::Complex;
 use crate::plant::Scalar;
 
 use super::complex_dual::ComplexDual;
-use super::excitation::Grid;
+use super::grid::Grid;
 use super::samples::Samples;
 
 /// Powers of u of a quintic.

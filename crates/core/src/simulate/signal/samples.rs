@@ -7,7 +7,7 @@
 
 use crate::measurement::Complex;
 
-use super::excitation::Grid;
+use super::grid::Grid;
 
 /// Terms of the power series of exp(−jθu) over one cell: θ stays below 1, so
 /// the first one left out is below 1e-13.

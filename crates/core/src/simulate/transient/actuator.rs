@@ -5,8 +5,8 @@
 
 use crate::plant::Actuator;
 
-use super::InitialState;
 use super::command::Line;
+use super::motion::InitialState;
 use crate::simulate::piecewise_linear::drive::{Mode, modes};
 use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;

@@ -2,7 +2,8 @@
 
 use crate::effects::{Axis, InputMap};
 
-use super::{Intersample, SampledInput};
+use super::motion::SampledInput;
+use crate::measurement::Intersample;
 
 /// Share of a step below which a piece is rounding.
 const SLIVER: f64 = 1e-9;

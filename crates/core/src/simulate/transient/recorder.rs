@@ -3,7 +3,7 @@
 //! With one lag of time constant T the sensor reports y' = (v − y)/T, so that its
 //! acceleration is (v − y)/T and its position θ − T·(y − y₀).
 
-use super::{InitialState, SampledInput, Trajectory};
+use super::motion::{InitialState, SampledInput, Trajectory};
 use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;
 use crate::simulate::signal::piecewise_quintic::{polynomial, restricted, slope, through};
 

@@ -1,6 +1,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::*;
+use crate::measurement::Intersample;
 use crate::plant::Friction;
 
 fn plant(actuator: Actuator, fc_plus: f64, fc_minus: f64) -> Plant {

@@ -3,6 +3,7 @@
 use std::f64::consts::{SQRT_2, TAU};
 
 use super::*;
+use crate::measurement::Complex;
 
 #[test]
 fn a_plain_table_gives_one_experiment_a_magnitude_and_frequency() {

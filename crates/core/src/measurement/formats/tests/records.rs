@@ -1,6 +1,7 @@
 //! Time records.
 
 use super::*;
+use crate::measurement::Complex;
 
 #[test]
 fn a_record_gives_harmonics_of_its_last_periods() {

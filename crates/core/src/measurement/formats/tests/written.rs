@@ -1,6 +1,7 @@
 //! What is written reads back.
 
 use super::*;
+use crate::measurement::Complex;
 
 fn round_trip(measurement: &Measurement) -> Measurement {
     let mut text = Vec::new();

@@ -3,7 +3,8 @@
 use crate::measurement::Complex;
 use crate::plant::Plant;
 
-use crate::simulate::signal::excitation::{Excitation, Grid};
+use crate::simulate::signal::excitation::Excitation;
+use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::samples::{Samples, quintic_at};
 
 /// Torque and steady response on the grid.

@@ -4,7 +4,7 @@ use crate::plant::Scalar;
 
 use super::{Contact, Mechanics, VELOCITY};
 use crate::simulate::hybrid::runge_kutta::Vector;
-use crate::simulate::transient::InitialState;
+use crate::simulate::transient::motion::InitialState;
 
 impl<S: Scalar> Mechanics<S> {
     /// The state that a motion begins in under a torque: what is not given is as at a constant

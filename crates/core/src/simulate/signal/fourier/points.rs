@@ -13,7 +13,7 @@ use crate::measurement::Complex;
 use crate::plant::Scalar;
 
 use crate::simulate::signal::complex_dual::ComplexDual;
-use crate::simulate::signal::excitation::Grid;
+use crate::simulate::signal::grid::Grid;
 
 /// Share of a point that what is left out of the series comes to, at most.
 const LEFT_OUT: f64 = 1e-10;

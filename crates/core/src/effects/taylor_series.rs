@@ -1,6 +1,6 @@
 //! Nonlinear functions of a motion that is a power series in time.
 
-use super::LAW_PARAMETERS;
+use super::law::LAW_PARAMETERS;
 
 /// Most terms of a series.
 pub const MOST_TERMS: usize = 13;

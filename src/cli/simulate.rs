@@ -7,8 +7,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
 
-use servoscope_bench::machines::simulator::Effect;
-use servoscope_core::effects::{check_slots, find};
+use servoscope_core::effects::{ActiveEffect, check_slots};
 use servoscope_core::measurement::ResponseKind;
 use servoscope_core::measurement::formats::{MAX_ROWS, write_harmonic_csv};
 
@@ -35,7 +34,7 @@ pub(super) struct Args {
     /// an unknown one is refused with what there is.
     #[arg(long = "effect", value_name = "ID:NAME=VALUE,…", value_parser = effect)]
     #[arg(help_heading = "Axis")]
-    effects: Vec<Effect>,
+    effects: Vec<ActiveEffect>,
     #[command(flatten)]
     design: Design,
     #[command(flatten)]
@@ -172,7 +171,7 @@ fn bench(args: &Args) -> Result<Bench, Failure> {
         let reason = format!("the table would have {rows} rows; at most {MAX_ROWS} can be read");
         return Err(Failure::Input(reason));
     }
-    let together: Vec<_> = args.effects.iter().filter_map(|effect| find(effect.id())).collect();
+    let together: Vec<_> = args.effects.iter().map(ActiveEffect::effect).collect();
     check_slots(&together).map_err(|error| Failure::Input(format!("--effect: {error}")))?;
     Ok(Bench {
         plant,
@@ -218,7 +217,7 @@ fn positive(flag: &str, values: &[f64]) -> Result<Vec<f64>, Failure> {
     }
 }
 
-fn effect(text: &str) -> Result<Effect, String> {
+fn effect(text: &str) -> Result<ActiveEffect, String> {
     let (id, list) = text.split_once(':').unwrap_or((text, ""));
     let mut parameters = BTreeMap::new();
     for assignment in list.split(',').filter(|assignment| !assignment.trim().is_empty()) {
@@ -233,7 +232,7 @@ fn effect(text: &str) -> Result<Effect, String> {
             return Err(format!("`{name}` is given twice"));
         }
     }
-    Effect::from_parameters(id.trim(), &parameters).map_err(|error| error.to_string())
+    ActiveEffect::from_names(id.trim(), &parameters).map_err(|error| error.to_string())
 }
 
 fn frequency_range(text: &str) -> Result<Range, String> {
@@ -302,11 +301,9 @@ mod tests {
         let bench = asked(
             "--effect stribeck:fs_over_fc=1.6,stribeck_velocity=0.1 --effect slew_limit:rate=60",
         );
-        let expected = [
-            Effect::Stribeck { fs_over_fc: 1.6, stribeck_velocity: 0.1 },
-            Effect::SlewLimit { rate: 60.0 },
-        ];
-        assert_eq!(bench.unwrap().effects, expected);
+        let effects = bench.unwrap().effects;
+        let found: Vec<_> = effects.iter().map(|e| (e.effect().id(), e.values())).collect();
+        assert_eq!(found, [("stribeck", &[1.6, 0.1][..]), ("slew_limit", &[60.0][..])]);
         for (line, wanted) in [
             ("--effect friction", "there are static_friction, stribeck"),
             ("--effect spring", "`spring` needs `stiffness`"),

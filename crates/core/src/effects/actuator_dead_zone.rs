@@ -4,7 +4,7 @@
 
 use super::axis::{Axis, InputMap, Stage, Wide};
 use super::effect::Effect;
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 use crate::plant::Scalar as _;
 
@@ -15,6 +15,7 @@ pub struct ActuatorDeadZone;
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "half_width",
     dimension: Dimension::INPUT,
+    domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
     range: |scope| Range {
         bounds: [0.0, 0.99 * scope.largest_level],

@@ -4,7 +4,7 @@
 
 use super::axis::{Axis, InputMap, Stage, Wide};
 use super::effect::Effect;
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 use crate::plant::Scalar as _;
 
@@ -15,6 +15,7 @@ pub struct ActuatorSaturation;
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "limit",
     dimension: Dimension::INPUT,
+    domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
     // Above the largest input there is nothing to clip.
     range: |scope| {

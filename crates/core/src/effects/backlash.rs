@@ -8,7 +8,7 @@
 use super::axis::{Axis, SecondMass, Wide};
 use super::effect::Effect;
 use super::flexible_mode::{DAMPING, LOAD_INERTIA_FRACTION, STIFFNESS, resize_load};
-use super::parameter::{Coordinate, Dimension, Parameter, Range, Scope};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range, Scope};
 use super::slot::Slot;
 
 /// ρ, k, c and the gap.
@@ -20,6 +20,7 @@ const PARAMETERS: [Parameter; 4] = [LOAD_INERTIA_FRACTION, STIFFNESS, DAMPING, G
 const GAP: Parameter = Parameter {
     name: "gap",
     dimension: Dimension::POSITION,
+    domain: Domain::NotNegative,
     coordinate: Coordinate::Logarithmic,
     range: |scope| Range {
         bounds: [1e-6, 2.0].map(|share| share * scope.largest_travel),

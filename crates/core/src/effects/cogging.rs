@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use super::axis::{Axis, Wide};
 use super::effect::Effect;
 use super::law::{Form, LAW_PARAMETERS, Law, Partials};
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 use super::taylor_series;
 use super::taylor_series::TaylorSeries;
@@ -21,6 +21,7 @@ const PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "amplitude",
         dimension: Dimension::INPUT,
+        domain: Domain::NotNegative,
         coordinate: Coordinate::Linear,
         range: |scope| Range {
             bounds: [0.0, 2.0 * scope.largest_level],
@@ -31,6 +32,7 @@ const PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "cycles_per_unit",
         dimension: Dimension::NONE.per(Dimension::POSITION),
+        domain: Domain::Positive,
         coordinate: Coordinate::Logarithmic,
         // Radians per position unit: from one tooth over the whole travel (less of it is
         // a spring) to so many that their torque averages out.
@@ -43,6 +45,7 @@ const PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "phase",
         dimension: Dimension::NONE,
+        domain: Domain::Any,
         coordinate: Coordinate::Angle,
         // A whole turn and a little more, so that no solution lies on a bound.
         range: |_| Range { bounds: [-7.0, 7.0], likely: [-PI, PI], absent: None },

@@ -6,7 +6,7 @@
 
 use super::axis::{Axis, SecondMass, Wide};
 use super::effect::Effect;
-use super::parameter::{Coordinate, Dimension, Parameter, Range, Scope};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range, Scope};
 use super::slot::Slot;
 use crate::plant::Scalar as _;
 
@@ -20,6 +20,7 @@ const PARAMETERS: [Parameter; 3] = [LOAD_INERTIA_FRACTION, STIFFNESS, DAMPING];
 pub(super) const LOAD_INERTIA_FRACTION: Parameter = Parameter {
     name: "load_inertia_fraction",
     dimension: Dimension::NONE,
+    domain: Domain::Share,
     coordinate: Coordinate::Logarithmic,
     range: |_| Range { bounds: [1e-4, 0.99], likely: [3e-3, 0.7], absent: Some(0.0) },
 };
@@ -28,6 +29,7 @@ pub(super) const LOAD_INERTIA_FRACTION: Parameter = Parameter {
 pub(super) const STIFFNESS: Parameter = Parameter {
     name: "stiffness",
     dimension: Dimension::INPUT.per(Dimension::POSITION),
+    domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
     // An antiresonance √(k/(ρJ)) from below the lowest frequency to far above
     // the highest, where the joint is rigid; of a small load with a small k.
@@ -45,6 +47,7 @@ pub(super) const STIFFNESS: Parameter = Parameter {
 pub(super) const DAMPING: Parameter = Parameter {
     name: "damping",
     dimension: Dimension::INPUT.per(Dimension::VELOCITY),
+    domain: Domain::NotNegative,
     coordinate: Coordinate::Logarithmic,
     // From next to nothing to more than critical in the middle of the band.
     range: |scope| {

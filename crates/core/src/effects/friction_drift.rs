@@ -5,7 +5,7 @@
 
 use super::axis::{Axis, Wide};
 use super::effect::Effect;
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 
 /// δ.
@@ -15,6 +15,7 @@ pub struct FrictionDrift;
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "delta",
     dimension: Dimension::NONE,
+    domain: Domain::AboveMinusOne,
     coordinate: Coordinate::Linear,
     range: |_| Range { bounds: [-0.99, 4.0], likely: [-0.5, 0.5], absent: Some(0.0) },
 }];

@@ -4,7 +4,7 @@
 
 use super::axis::{Axis, InputMap, Stage, Wide};
 use super::effect::Effect;
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 use crate::plant::Scalar as _;
 
@@ -15,6 +15,7 @@ pub struct GainAsymmetry;
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "gamma",
     dimension: Dimension::NONE,
+    domain: Domain::BelowOneInSize,
     coordinate: Coordinate::Linear,
     range: |_| Range { bounds: [-0.95, 0.95], likely: [-0.3, 0.3], absent: Some(0.0) },
 }];

@@ -5,7 +5,7 @@
 use super::axis::{Axis, Wide};
 use super::effect::Effect;
 use super::law::{Form, LAW_PARAMETERS, Law, Partials};
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 use super::spring::STIFFNESS;
 use super::taylor_series;
@@ -20,6 +20,7 @@ const PARAMETERS: [Parameter; 2] = [STIFFNESS, CUBIC_STIFFNESS];
 const CUBIC_STIFFNESS: Parameter = Parameter {
     name: "cubic_stiffness",
     dimension: Dimension { input: 1, velocity: -3, time: -3 },
+    domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
     // As much torque at the largest travel as there is.
     range: |scope| {

@@ -6,8 +6,10 @@
 //! such a file, a `mod` line and a line in [`ALL`]. Definitions are those of the
 //! contract, section 3.
 
+mod active;
 mod axis;
 mod effect;
+mod given;
 mod law;
 mod parameter;
 mod slot;
@@ -33,10 +35,12 @@ mod viscous_asymmetry;
 
 use crate::plant::{Plant, Scalar};
 
+pub use active::{ActiveEffect, WrongParameters};
 pub use axis::{Axis, InputMap, SecondMass, Stage, WIDE_LANES, Wide};
 pub use effect::Effect;
+pub use given::NoSuchEffect;
 pub use law::{Form, LAW_PARAMETERS, Law, Partials};
-pub use parameter::{Coordinate, Dimension, Parameter, Range, Scope};
+pub use parameter::{Coordinate, Dimension, Domain, Parameter, Range, Scope};
 pub use slot::{SameSlot, Slot, check_slots};
 pub use taylor_series::{MOST_TERMS, TaylorSeries};
 
@@ -80,49 +84,6 @@ pub fn are_nested(one: &dyn Effect, other: &dyn Effect) -> bool {
     one.id() != other.id() && (within(one, other) || within(other, one))
 }
 
-/// An effect with values for its parameters.
-#[derive(Debug, Clone)]
-pub struct ActiveEffect {
-    effect: &'static dyn Effect,
-    values: Vec<f64>,
-}
-
-/// The values given are not those of the effect's parameters.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{id}` takes {wanted} parameters, not {given}")]
-pub struct WrongParameters {
-    /// The effect.
-    pub id: &'static str,
-    /// How many it has.
-    pub wanted: usize,
-    /// How many were given.
-    pub given: usize,
-}
-
-impl ActiveEffect {
-    /// An effect with values in the order of its parameters.
-    ///
-    /// # Errors
-    /// When there are more or fewer values than parameters.
-    pub fn new(effect: &'static dyn Effect, values: Vec<f64>) -> Result<Self, WrongParameters> {
-        let (wanted, given) = (effect.parameters().len(), values.len());
-        if wanted != given {
-            return Err(WrongParameters { id: effect.id(), wanted, given });
-        }
-        Ok(Self { effect, values })
-    }
-
-    /// The effect.
-    pub fn effect(&self) -> &'static dyn Effect {
-        self.effect
-    }
-
-    /// Its values, in the order of its parameters.
-    pub fn values(&self) -> &[f64] {
-        &self.values
-    }
-}
-
 /// The plant with every effect in place. The effects' parameters are variables
 /// of their own, in order, from lane `first_lane` on.
 ///
@@ -138,9 +99,9 @@ pub fn enter(
     let mut lane = first_lane;
     for active in effects {
         let parameters: Vec<Wide> =
-            active.values.iter().zip(lane..).map(|(v, lane)| Wide::variable(*v, lane)).collect();
+            active.values().iter().zip(lane..).map(|(v, lane)| Wide::variable(*v, lane)).collect();
         lane += parameters.len();
-        active.effect.enter(&parameters, run_share, &mut axis);
+        active.effect().enter(&parameters, run_share, &mut axis);
     }
     axis
 }
@@ -152,8 +113,8 @@ pub fn enter_values(plant: Plant, effects: &[ActiveEffect], run_share: f64) -> A
     }
     let mut axis = Axis::base(plant.map(Wide::constant));
     for active in effects {
-        let parameters: Vec<Wide> = active.values.iter().copied().map(Wide::constant).collect();
-        active.effect.enter(&parameters, run_share, &mut axis);
+        let parameters: Vec<Wide> = active.values().iter().copied().map(Wide::constant).collect();
+        active.effect().enter(&parameters, run_share, &mut axis);
     }
     axis.map(Scalar::value)
 }

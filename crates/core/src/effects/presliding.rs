@@ -6,7 +6,7 @@
 
 use super::axis::{Axis, Wide};
 use super::effect::Effect;
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 
 /// σ.
@@ -16,6 +16,7 @@ pub struct Presliding;
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "sigma",
     dimension: Dimension::INPUT.per(Dimension::POSITION),
+    domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
     // From a bristle as long as the longest travel to one that is short beside
     // the shortest, which nothing tells from set-valued friction.

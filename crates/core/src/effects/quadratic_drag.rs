@@ -5,7 +5,7 @@
 use super::axis::{Axis, Wide};
 use super::effect::Effect;
 use super::law::{Form, LAW_PARAMETERS, Law, Partials};
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 use super::taylor_series;
 use super::taylor_series::TaylorSeries;
@@ -17,6 +17,7 @@ pub struct QuadraticDrag;
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "c",
     dimension: Dimension::INPUT.per(Dimension::VELOCITY).per(Dimension::VELOCITY),
+    domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
     // As much torque at the largest velocity as there is.
     range: |scope| {

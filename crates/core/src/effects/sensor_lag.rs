@@ -4,7 +4,7 @@
 
 use super::axis::{Axis, Wide};
 use super::effect::Effect;
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 
 /// T.
@@ -14,6 +14,7 @@ pub struct SensorLag;
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "time_constant",
     dimension: Dimension::TIME,
+    domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
     range: |scope| Range {
         bounds: [0.0, 30.0 / scope.omega_low],

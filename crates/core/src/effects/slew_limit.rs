@@ -6,7 +6,7 @@
 
 use super::axis::{Axis, Wide};
 use super::effect::Effect;
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 
 /// The rate.
@@ -16,6 +16,7 @@ pub struct SlewLimit;
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "rate",
     dimension: Dimension::INPUT.per(Dimension::TIME),
+    domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
     range: |scope| {
         let fastest = scope.largest_level * scope.omega_high;

@@ -5,7 +5,7 @@
 use super::axis::{Axis, Wide};
 use super::effect::Effect;
 use super::law::{Form, LAW_PARAMETERS, Law, Partials};
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 
 /// k.
@@ -18,6 +18,7 @@ const PARAMETERS: [Parameter; 1] = [STIFFNESS];
 pub(super) const STIFFNESS: Parameter = Parameter {
     name: "stiffness",
     dimension: Dimension::INPUT.per(Dimension::POSITION),
+    domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
     // A resonance √(K·k) up to a few times the highest frequency.
     range: |scope| {

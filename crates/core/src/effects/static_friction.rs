@@ -7,7 +7,7 @@ use crate::plant::{Friction, Scalar as _};
 
 use super::axis::{Axis, Wide};
 use super::effect::Effect;
-use super::parameter::{Coordinate, Dimension, Parameter, Range, Scope};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range, Scope};
 use super::slot::Slot;
 
 /// Excess of a level over the Coulomb level at which it acts, and changes next to nothing.
@@ -21,12 +21,14 @@ const PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "fs_plus",
         dimension: Dimension::INPUT,
+        domain: Domain::NotNegative,
         coordinate: Coordinate::Linear,
         range: |scope| range(scope, scope.plant.friction.fc_plus),
     },
     Parameter {
         name: "fs_minus",
         dimension: Dimension::INPUT,
+        domain: Domain::NotNegative,
         coordinate: Coordinate::Linear,
         range: |scope| range(scope, scope.plant.friction.fc_minus),
     },

@@ -5,7 +5,7 @@
 use super::axis::{Axis, Wide};
 use super::effect::Effect;
 use super::law::{Form, LAW_PARAMETERS, Law, Partials};
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 
 /// r and vs.
@@ -16,12 +16,14 @@ const PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "fs_over_fc",
         dimension: Dimension::NONE,
+        domain: Domain::AtLeastOne,
         coordinate: Coordinate::Linear,
         range: |_| Range { bounds: [0.2, 20.0], likely: [1.05, 2.5], absent: Some(1.0) },
     },
     Parameter {
         name: "stribeck_velocity",
         dimension: Dimension::VELOCITY,
+        domain: Domain::Positive,
         coordinate: Coordinate::Logarithmic,
         // Slower than a ten-thousandth of the fastest motion it is static friction,
         // much faster than it a change of the Coulomb level.

@@ -4,7 +4,7 @@
 
 use super::axis::{Axis, Wide};
 use super::effect::Effect;
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 
 /// T.
@@ -14,6 +14,7 @@ pub struct TransportDelay;
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "delay",
     dimension: Dimension::TIME,
+    domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
     // Beyond half a period of the highest frequency it is ambiguous there.
     range: |scope| {

@@ -4,7 +4,7 @@
 
 use super::axis::{Axis, Wide};
 use super::effect::Effect;
-use super::parameter::{Coordinate, Dimension, Parameter, Range};
+use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::slot::Slot;
 
 /// α.
@@ -14,6 +14,7 @@ pub struct ViscousAsymmetry;
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "alpha",
     dimension: Dimension::NONE,
+    domain: Domain::BelowOneInSize,
     coordinate: Coordinate::Linear,
     range: |_| Range { bounds: [-0.95, 0.95], likely: [-0.4, 0.4], absent: Some(0.0) },
 }];

@@ -17,14 +17,14 @@ use crate::simulate::signal::piecewise_quintic::{
 use crate::simulate::transient::recorder::Recorder;
 use event_handling::Event;
 
-/// Switches of one cell beyond which time has stopped passing.
+/// Most switches in one cell; more mean that the switching times accumulate (Zeno behaviour).
 const MOST_SWITCHES_PER_CELL: usize = 1024;
 
-/// What it takes to find a switch, in exact steps.
+/// Effort of locating a switch, in exact steps.
 const SWITCH_EFFORT: usize = 12;
 
-/// Errors of a step that a bristle may lack to being bent as far as it goes: a step's
-/// own error keeps it from less.
+/// A bristle counts as fully deflected within this many errors of a step, since the integration
+/// itself does not come closer.
 const YIELDING: f64 = 4.0;
 
 /// Largest error of a step while the periodic motion is looked for, as a share of the states' sizes.
@@ -33,41 +33,41 @@ pub(super) const LOOSE: f64 = 2e-4;
 /// The same for the motion that is reported.
 pub(super) const TIGHT: f64 = 1e-6;
 
-/// How precisely a pass follows the motion.
+/// How precisely a period is integrated.
 pub(super) struct Precision<const M: usize> {
     /// Largest error of a step, as a share of the states' sizes.
     pub tolerance: f64,
     /// Sizes of the states.
     pub sizes: [f64; M],
-    /// How often an axis swings to and fro on its bristles before its oscillation is
-    /// left out: after n swings about 3/n of it is left, and what it adds to the motion
-    /// averages out.
+    /// Most oscillations of an axis on its presliding bristles that are integrated; the rest is left
+    /// out. After n of them about 3/n of the amplitude remains, and its effect on the motion averages
+    /// out.
     pub most_swings: usize,
 }
 
-/// Share of a cell too short for a step of its own.
+/// A remainder of a cell shorter than this share of it gets no step of its own.
 const SLIVER: f64 = 1e-9;
 
-/// A motion under way.
+/// The integration of a motion over one period, or over a transient.
 pub(super) struct PeriodIntegration<'a, 'g, S, const M: usize> {
     pub mechanics: &'a Mechanics<S>,
     pub wave: &'a PiecewiseQuintic<S>,
     pub precision: &'a Precision<M>,
-    /// Where v is added up, if at all.
+    /// The Fourier integrals of v, if they are wanted.
     pub sums: Option<&'a mut Fourier<'g, S>>,
-    /// Who sees every step of v, if anybody; the torque may then jump between cells.
+    /// Who is given every step of v, if anybody; the torque may then jump between cells.
     pub trace: Option<&'a mut Recorder>,
     /// Largest |state| seen.
     pub largest: [f64; M],
-    /// Times the motion has turned on its bristles.
+    /// Oscillations on the presliding bristles so far.
     pub swings: usize,
-    /// Effort that may still be spent, in that of an exact step.
+    /// Remaining effort, in exact steps.
     pub effort: &'a mut usize,
 }
 
 impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
-    /// Follows the motion from `start` over one period; `None` where it
-    /// switches without end or takes more effort than there is.
+    /// Integrates the motion from `start` over one period; `None` where it switches without end or
+    /// the effort is used up.
     pub fn run(&mut self, start: &Vector<S, M>) -> Option<Vector<S, M>> {
         let mut state = *start;
         let wave = self.wave;
@@ -142,7 +142,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         Some(state)
     }
 
-    /// What bristles do as they begin to give way.
+    /// Sets the states of the bristles as they begin to yield.
     fn set_off(&mut self, mode: Mode, cell: &Cell<S>, at: f64, state: &mut Vector<S, M>) {
         self.swings = 0;
         let rate = cell.slope(S::constant(at)) * (1.0 / cell.length_s);
@@ -155,7 +155,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         }
     }
 
-    /// A step over part of a cell, or less.
+    /// A step from `from` over at most `width` of a cell; `width` is set to what was taken.
     #[inline]
     fn step(
         &self,
@@ -207,7 +207,8 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         }
     }
 
-    /// A step's error in errors allowed, where it is not so small by itself.
+    /// A step's error as a multiple of the error allowed. Of a step without error control it is 0, and
+    /// NaN where the state is no longer finite.
     fn error(&self, step: &Step<S, M>, state: &Vector<S, M>) -> f64 {
         let Step::Stages(stages) = step else { return step.end()[VELOCITY].value() * 0.0 };
         let mut sizes = self.precision.sizes;
@@ -216,7 +217,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         stages.error(&sizes) / self.precision.tolerance
     }
 
-    /// Whether v between the ends of a step matters.
+    /// Whether the course of v within a step is needed, not only its ends.
     fn is_seen(&self) -> bool {
         self.sums.is_some() || self.trace.is_some()
     }

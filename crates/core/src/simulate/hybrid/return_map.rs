@@ -22,53 +22,55 @@ use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 use trust_region::TrustRegion;
 
-/// Swings on bristles that are followed while the periodic motion is looked for, and in the
-/// end.
+/// Oscillations on presliding bristles that are integrated while the periodic motion is looked for,
+/// and for the motion that is reported; see [`Precision::most_swings`].
 const LOOSE_SWINGS: usize = 16;
 const TIGHT_SWINGS: usize = 32;
 
-/// Cells of a period of a cosine while the motion is looked for: its quintics miss by 5e-6.
+/// Cells of a period of a cosine while the motion is looked for; interpolated by quintics, its error
+/// is 5e-6.
 const LOOSE_CELLS: usize = 8;
 
-/// Newton's steps after which the motion counts as not periodic.
+/// Most Newton steps; after them the motion counts as not periodic.
 const MOST_ITERATIONS: usize = 60;
 
-/// Effort for one point, in exact steps, beyond which it counts as not periodic, and what is
-/// added for each cell of its input: of the first `FEW_CELLS`, and of those of a record beyond
-/// them, a pass over which takes longer than all that a cosine may. Most motions that settle
-/// take a fiftieth of it (of a record a fifth), and hardly any of those that take more settle
-/// after all; it bounds a cosine to a few milliseconds.
+/// Most effort for one point, in exact steps; beyond it the point counts as not periodic. The first
+/// number is the same for every input. To it comes an effort for each cell of the input, larger for
+/// the first `FEW_CELLS` than for the rest: one pass over a long record takes more than all passes
+/// over a cosine. Most motions that settle take a fiftieth of this (of a record a fifth), and those
+/// that take more hardly ever settle. A cosine takes a few milliseconds at most.
 const EFFORT: usize = 40_000;
 const FEW_CELLS: usize = 256;
 const EFFORT_PER_CELL: [usize; 2] = [500, 50];
 
-/// Share of a state's size that a step may move it, where motions may not be
-/// unique, and where they are.
-const LEASH: [f64; 2] = [0.2, 4.0];
+/// First length of the trust region, as a share of the states' sizes: where several periodic motions
+/// may exist, and where there is only one.
+const FIRST_REGION: [f64; 2] = [0.2, 4.0];
 
 fn effort(cells: usize) -> usize {
     let few = cells.min(FEW_CELLS);
     EFFORT + EFFORT_PER_CELL[0] * few + EFFORT_PER_CELL[1] * (cells - few)
 }
 
-/// Step, as a share of a state's size, behind which a more precise pass is worth
-/// its while.
+/// Length of a Newton step, as a share of the states' sizes, below which the loose search ends and
+/// the precise one begins.
 const NEAR: f64 = 1e-2;
 
-/// Step behind which the rest is linear: its square is below what a pass errs.
+/// Length of a Newton step below which the search ends: what remains is its square, which is less
+/// than the error of the integration.
 const CLOSED: f64 = 5e-4;
 
-/// The same of a step's turn of a ripple, radians.
+/// The same for the angle of a torque that is periodic in the position, radians.
 const CLOSED_TURN: f64 = 1.4e-3;
 
-/// Share of its size below which Newton's method leaves no velocity: rounding would set an
-/// axis in motion that friction holds.
+/// A velocity below this share of its size is set to zero after a Newton step: rounding would
+/// otherwise move an axis that friction holds.
 const STILL: f64 = 1e-9;
 
-/// Error of a period in errors of a step.
+/// Error of a period as a multiple of the error of a step.
 const PASS_ERROR: f64 = 10.0;
 
-/// A periodic motion of M states: what to start a period with.
+/// The unknowns of a periodic motion of M states: the states at the beginning of a period.
 pub(super) struct Periodic<const M: usize> {
     /// States; where the mean of θ matters the last is the constant torque.
     state: Vector<f64, M>,
@@ -76,7 +78,7 @@ pub(super) struct Periodic<const M: usize> {
     precision: Precision<M>,
     /// Sizes of the unknowns: those of the states, and of the torque.
     sizes: [f64; M],
-    /// Effort that is left, in exact steps.
+    /// Remaining effort, in exact steps.
     effort: usize,
 }
 
@@ -87,8 +89,8 @@ pub(super) struct Followed<S, const M: usize> {
 }
 
 impl<const M: usize> Periodic<M> {
-    /// Finds the periodic motion reached from rest, or one that `counts` in its place;
-    /// `None`: it is rest itself.
+    /// Finds the periodic motion reached from rest, or one that `counts` instead; `None` where the
+    /// axis stays at rest.
     pub fn find(
         axis: &Axis,
         excitation: &Excitation,
@@ -107,7 +109,7 @@ impl<const M: usize> Periodic<M> {
         let sizes = mechanics.sizes(range.0.abs().max(range.1.abs()), wave.period_s);
         let mut periodic = Self {
             state: [0.0; M],
-            region: LEASH[usize::from(mechanics.contracts() || axis.balanced)],
+            region: FIRST_REGION[usize::from(mechanics.contracts() || axis.balanced)],
             precision: Precision { tolerance: LOOSE, sizes, most_swings: LOOSE_SWINGS },
             sizes,
             effort: effort(wave.cells.len()),
@@ -129,11 +131,12 @@ impl<const M: usize> Periodic<M> {
         if let Some(i) = mechanics.position_integral {
             periodic.sizes[i] = range.0.abs().max(range.1.abs());
         }
-        periodic.close(axis, &wave, counts)?;
+        periodic.find_periodic(axis, &wave, counts)?;
         Ok(Some(periodic))
     }
 
-    /// One period from where it stands, and the largest states seen.
+    /// Integrates one period from the present state; returns the state after it and the largest
+    /// states on the way.
     fn plain(
         &mut self,
         mechanics: &Mechanics<f64>,
@@ -186,8 +189,8 @@ impl<const M: usize> Periodic<M> {
         }
     }
 
-    /// Follows the motion over a period with the unknowns riding behind
-    /// `parameters` lanes, adding up v if asked.
+    /// Integrates one period in dual numbers: derivatives by `parameters` lanes of the axis, then by
+    /// the unknowns. Sums the Fourier integrals of v if asked.
     fn follow<S: Scalar>(
         &mut self,
         axis: &Axis<S>,
@@ -232,8 +235,8 @@ impl<const M: usize> Periodic<M> {
         Some(Followed { velocity: sums.unwrap_or_default(), residuals })
     }
 
-    /// Harmonics of v at full precision, with derivatives by `parameters` lanes of
-    /// the axis; the unknowns ride in the lanes behind them.
+    /// Harmonics of v at full precision, with derivatives by `parameters` lanes of the axis and, in
+    /// the lanes after those, by the unknowns.
     pub fn velocity<S: Scalar>(
         &mut self,
         axis: &Axis<S>,
@@ -268,8 +271,7 @@ impl<const M: usize> Periodic<M> {
     }
 }
 
-/// The largest of some values, each as a share of its size; what is no number is larger
-/// than any.
+/// The largest of some values, each as a share of its size; a NaN counts as infinite.
 fn largest_share(values: impl Iterator<Item = f64>, sizes: &[f64]) -> f64 {
     let shares = values.zip(sizes).map(|(value, size)| (value / size).abs());
     shares

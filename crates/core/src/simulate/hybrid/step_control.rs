@@ -8,13 +8,14 @@ use super::affine::{Affine, REACH};
 use super::mechanics::{Mechanics, Mode};
 use crate::simulate::signal::piecewise_quintic::Cell;
 
-/// Share of the length that would just be allowed: more is refused too often.
+/// Safety factor on the length for which the error would just be allowed; with a larger one too many
+/// steps are refused.
 const SAFETY: f64 = 0.8;
 
 /// How steps are taken.
 pub(super) enum StepControl<S, const M: usize> {
-    /// Exactly, no longer than this; the step's length comes `again` where it is an even
-    /// part of a cell.
+    /// Exactly, no longer than this. The matrices of a step are kept for use `again` where its length
+    /// is an even part of a cell.
     Exact { longest_s: f64, modes: Modes<S, M>, again: bool },
     /// By power series, as far as the error allows.
     Series { modes: Modes<S, M>, jets: Vec<TaylorSeries> },
@@ -22,7 +23,7 @@ pub(super) enum StepControl<S, const M: usize> {
     Controlled { length_s: f64 },
 }
 
-/// The equations of every mode seen.
+/// The affine equations of every mode that has occurred.
 pub(super) struct Modes<S, const M: usize>(Vec<Affine<S, M>>);
 
 impl<S: Scalar, const M: usize> Modes<S, M> {
@@ -38,7 +39,7 @@ impl<S: Scalar, const M: usize> Modes<S, M> {
 }
 
 impl<S: Scalar, const M: usize> StepControl<S, M> {
-    /// What suits the equations of motion.
+    /// The method that suits the equations of motion.
     pub fn new(mechanics: &Mechanics<S>, cell_s: f64) -> Self {
         let modes = Modes(Vec::new());
         if !mechanics.has_series() {
@@ -51,7 +52,7 @@ impl<S: Scalar, const M: usize> StepControl<S, M> {
         StepControl::Series { modes, jets: mechanics.jets() }
     }
 
-    /// What a step takes, in exact steps.
+    /// Effort of a step, in exact steps.
     pub fn effort(&self) -> usize {
         match self {
             StepControl::Exact { .. } => 1,
@@ -65,10 +66,10 @@ impl<S: Scalar, const M: usize> StepControl<S, M> {
         let left = 1.0 - from;
         match self {
             StepControl::Exact { longest_s, again, .. } => {
-                // The cell's own even parts, so that their steps come again.
+                // Even parts of the cell, so that the same matrices serve again.
                 let parts = (cell.length_s / *longest_s).ceil().max(1.0);
                 let done = from * parts;
-                // Where no more than rounding is left of the cell, no part begins.
+                // Only rounding is left of the cell.
                 let begins = (done - done.round()).abs() < 1e-6 && done.round() < parts;
                 *again = cell.whole.is_some() && begins;
                 if *again {
@@ -92,7 +93,7 @@ impl<S: Scalar, const M: usize> StepControl<S, M> {
             return false;
         }
         let StepControl::Controlled { length_s } = self else { return true };
-        // The end of a cell may have cut it short: it says nothing then.
+        // A step cut short by the end of its cell says nothing about the next one.
         let next_s = length_s.max(tried_s) * growth(error).clamp(0.3, 4.0);
         *length_s = next_s.min(cell_s.max(tried_s));
         true

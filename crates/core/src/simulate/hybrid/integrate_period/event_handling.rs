@@ -11,7 +11,7 @@ use crate::simulate::hybrid::step::{Powers, Step};
 use crate::simulate::hybrid::step_control::StepControl;
 use crate::simulate::signal::piecewise_quintic::Cell;
 
-/// Share of a state's size below which it is as good as zero.
+/// Share of its size below which a state counts as zero.
 const ROUNDING: f64 = 1e-13;
 
 /// Positions within a step at which switches are looked for.
@@ -33,9 +33,9 @@ pub(super) enum Event {
     Stops,
     /// Breakaway, forward or backward.
     Starts(usize),
-    /// φ passes the upper (true) or lower end of the gap.
+    /// The twist φ reaches the upper (true) or lower end of the gap.
     Touches(bool),
-    /// It leaves that end.
+    /// The contact at that end opens.
     Leaves(bool),
 }
 
@@ -69,13 +69,13 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                 }
             };
             let least = self.least(event);
-            // What has just switched stands at zero and moves away from it.
+            // The signal that has just switched is zero here and moves away from zero.
             let fresh = signal(0.0).abs() <= least;
             let threshold = if fresh { least } else { 0.0 };
             let end = first.as_ref().map_or(1.0, |switch| switch.at);
             let mut low = 0.0;
             for look in looks.iter().map(|look| look * end) {
-                // Its first instants are as small as what the polynomial errs by.
+                // At first the signal is as small as the polynomial's error.
                 if fresh && look < end {
                     continue;
                 }
@@ -116,8 +116,8 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         first
     }
 
-    /// The state that alone decides on an event, the direction in which it passes
-    /// its level, and the level; `None` where several decide.
+    /// For an event that depends on one state alone: the state, the direction in which it crosses its
+    /// level, and the level; `None` where the event depends on several.
     fn state_of(&self, event: Event, mode: Mode) -> Option<(usize, f64, f64)> {
         let half = self.mechanics.half_gap().unwrap_or(0.0);
         let twist = self.mechanics.twist;
@@ -132,7 +132,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         }
     }
 
-    /// Size below which an event's signal is rounding.
+    /// Size below which an event's signal is only rounding.
     fn least(&self, event: Event) -> f64 {
         let sizes = &self.precision.sizes;
         ROUNDING
@@ -143,7 +143,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
             }
     }
 
-    /// What turns positive at an event.
+    /// The signal that turns positive at an event.
     fn signal(&self, event: Event, mode: Mode, torque: S, state: &Vector<S, M>) -> S {
         match event {
             Event::Stops if mode.motion == Motion::Forward => -state[VELOCITY],
@@ -156,9 +156,10 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         }
     }
 
-    /// State and position at a switch, and how much later than there it happens: no
-    /// more than derivatives; `None` where the way there takes shorter steps. One that goes on
-    /// beyond a stop may not have met what friction does just before.
+    /// Takes the step again up to a switch. Returns the state there, the position in the cell, and
+    /// the correction of the switching time: its value is at most a step's error, and its dual
+    /// part the derivative of the switching time. `None` where the step to the switch needs to be
+    /// shorter: a step beyond a stop may have passed over the steep end of the friction curve.
     #[expect(clippy::too_many_arguments, reason = "what a step is made of")]
     pub(super) fn up_to(
         &mut self,
@@ -205,8 +206,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
             }
         };
         let late_s = if rate_s != 0.0 { -there * (1.0 / rate_s) } else { S::constant(0.0) };
-        // One step of Newton's method; further than a step's own error it would be no
-        // correction.
+        // One step of Newton's method, no longer than a step's error.
         let most_s = 1e-2 * width * cell.length_s;
         let late_s = if late_s.value().abs() > most_s { late_s - late_s.value() } else { late_s };
         for (value, slope) in end.iter_mut().zip(&end_slope) {
@@ -225,9 +225,9 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         Some((end, from + part + later, late_s - late_s.value()))
     }
 
-    /// Takes the state behind a switch from the instant it happens to that of its value,
-    /// so that the instants of a pass do not vary: v is continuous, and what its sums gain
-    /// before the switch they lose behind it.
+    /// Moves the state after a switch to the time without its dual part, so that all times of a pass
+    /// are plain numbers. v is continuous at a switch: what the Fourier integrals gain before it they
+    /// lose after it.
     pub(super) fn fix(&self, mode: Mode, torque: S, state: &mut Vector<S, M>, late_s: S) {
         if S::LANES == 0 {
             return;
@@ -238,7 +238,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         }
     }
 
-    /// The mode behind a switch.
+    /// The mode after a switch.
     pub(super) fn switched(
         &mut self,
         mode: Mode,
@@ -275,7 +275,8 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         }
     }
 
-    /// A jump of the joint's torque may free an axis at rest.
+    /// The mode after a contact has closed or opened: the jump of the joint's torque may set an axis in
+    /// motion that was at rest.
     fn held_again(&self, mode: Mode, torque: S, state: &Vector<S, M>) -> Mode {
         match mode.motion {
             Motion::Stuck => {

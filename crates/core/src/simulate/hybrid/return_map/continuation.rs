@@ -12,21 +12,22 @@ use crate::simulate::hybrid::NoResponse;
 use crate::simulate::shooting;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 
-/// Newton's steps at one share of the ripple.
+/// Most Newton steps at one size of the periodic torque.
 const CORRECTIONS: usize = 12;
 
-/// Smallest share of a step that is tried.
+/// Smallest share of a Newton step that is tried.
 const SMALLEST_SHARE: f64 = 1.0 / 32.0;
 
-/// Longest step, as a share of the unknowns' sizes: farther ones leave the branch that is
-/// followed.
+/// Longest Newton step, as a share of the unknowns' sizes: longer ones may lead to another branch of
+/// periodic motions.
 const LONGEST: f64 = 0.5;
 
-/// Smallest growth of the ripple.
+/// Smallest step in the size of the periodic torque; below it the continuation fails.
 const SMALLEST_GROWTH: f64 = 1.0 / 256.0;
 
 impl<const M: usize> Periodic<M> {
-    /// Follows the periodic motion as the ripple grows, from where it stands without.
+    /// Follows the branch of periodic motions while the torque that is periodic in the position grows
+    /// from zero to its full size.
     pub(super) fn continue_to_periodic(
         &mut self,
         axis: &Axis,
@@ -54,8 +55,8 @@ impl<const M: usize> Periodic<M> {
         }
     }
 
-    /// Newton's method with steps so short that what is left shrinks; whether it closes the
-    /// motion.
+    /// Damped Newton's method: each step is halved until the residual shrinks. Returns whether it
+    /// converges.
     fn correct_damped(
         &mut self,
         axis: &Axis<Dual<M>>,

@@ -14,56 +14,64 @@ use crate::simulate::response::{Counts, NoResponse};
 use crate::simulate::shooting;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 
-/// Newton's steps in a row that may fail to get nearer.
+/// Newton steps in a row that may fail to reduce the residual.
 const PATIENT: usize = 3;
 
-/// Newton's steps from one place of a motion that has an unstable one beside it: what they do
-/// not close by then they wander about.
+/// Most Newton steps from one starting point once an unstable periodic motion is known nearby. By
+/// experience more do not converge there.
 const MOST_STEPS: usize = 20;
 
-/// Periods followed from rest after the first before Newton's method is tried again.
+/// Periods integrated before Newton's method is tried again for the first time; doubled each time.
 const FIRST_PERIODS: usize = 4;
 
-/// Change of the states over a period, as a share of their sizes, from which on Newton's method
-/// may lead from one of several motions to another, and periods followed until it is less.
+/// Change of the states over one period, as a share of their sizes, above which Newton's method may
+/// jump to another of several periodic motions.
 const FAR: f64 = 0.05;
+
+/// Most periods integrated until the change is below [`FAR`].
 const APPROACH: usize = 8;
 
-/// Periods followed from rest after which the motion counts as not periodic.
+/// Periods integrated from rest after which the motion counts as not periodic.
 const MOST_PERIODS: usize = 500;
 
-/// Size of a multiplier from which on a motion is unstable: what rounding and a loose step make
-/// of those that are exactly 1, such as of a twist within the play of an axis that friction
-/// holds, is less.
+/// Size of a Floquet multiplier above which a motion is unstable. Some multipliers are exactly 1
+/// (a joint at rest anywhere within its play); rounding and the error of a step change those by
+/// less than 0.02.
 const UNSTABLE: f64 = 1.02;
 
-/// Sweeps after which the multipliers of so few states are found, if ever.
+/// Most sweeps of the QR algorithm for the Floquet multipliers; it needs a few for each state.
 const MOST_SWEEPS: usize = 200;
 
-/// Share of the effort for one point that is kept for an unstable motion once no other is found.
+/// An unstable motion that is used in the end gets at least 1/RESERVE of the effort of one point.
 const RESERVE: usize = 4;
 
-/// Where Newton's method has come to.
-enum Closing {
+/// How Newton's method ended.
+enum Convergence {
     Stable,
     Unstable,
-    Wanders,
+    None,
 }
 
 impl<const M: usize> Periodic<M> {
-    /// Newton's method at loose precision until it hardly moves, from the end of the first
-    /// period, or where motions may not be unique from that of one that hardly changes them.
-    /// Where it does not get nearer, the motion itself is followed for some periods, and
-    /// more each time; where it comes to a motion that no axis stays in, the motion from rest
-    /// is; that of a balanced axis, as its ripple grows.
-    pub(super) fn close(
+    /// Finds the periodic motion reached from rest, at loose precision.
+    ///
+    /// Newton's method starts from the end of the first period; where several periodic motions
+    /// may exist, from the end of a period that hardly changes the state. Where it does not
+    /// converge, more periods are integrated before it is tried again, twice as many each time.
+    /// Where it converges to an unstable motion, that one is passed over and integration goes on
+    /// from rest; it is used in the end if `counts` allows it and no stable one is found. For a
+    /// balanced axis continuation takes the place of integration.
+    ///
+    /// # Errors
+    /// [`NoResponse::NotPeriodic`] where none is found.
+    pub(super) fn find_periodic(
         &mut self,
         axis: &Axis,
         wave: &PiecewiseQuintic<f64>,
         counts: Counts,
     ) -> Result<(), NoResponse> {
         let mut unstable = None;
-        self.settle(axis, wave, &mut unstable).or_else(|error| match (counts, unstable) {
+        self.find_stable(axis, wave, &mut unstable).or_else(|error| match (counts, unstable) {
             (Counts::EvenUnstable, Some(state)) => {
                 self.state = state;
                 self.effort = self.effort.max(effort(wave.cells.len()) / RESERVE);
@@ -73,8 +81,8 @@ impl<const M: usize> Periodic<M> {
         })
     }
 
-    /// The same, with the first unstable motion that was met on the way.
-    fn settle(
+    /// The same for stable motions only; stores the first unstable one that it meets.
+    fn find_stable(
         &mut self,
         axis: &Axis,
         wave: &PiecewiseQuintic<f64>,
@@ -92,19 +100,19 @@ impl<const M: usize> Periodic<M> {
             let failed = NoResponse::NotPeriodic { periods };
             let beside = unstable.map(|_| rested);
             match self.newton(axis, wave, beside.as_ref()).ok_or(failed)? {
-                Closing::Stable => return Ok(()),
-                Closing::Unstable if unstable.is_none() => {
+                Convergence::Stable => return Ok(()),
+                Convergence::Unstable if unstable.is_none() => {
                     *unstable = Some(self.state);
                     patience = FIRST_PERIODS;
                 }
-                Closing::Unstable | Closing::Wanders => {}
+                Convergence::Unstable | Convergence::None => {}
             }
             if axis.balanced {
                 self.state = rested;
                 return self.continue_to_periodic(axis, wave);
             }
-            // Newton's method has brought what settles slowly nearer, unless it has been led
-            // astray.
+            // What Newton's method has reached is nearer to the periodic motion than where it
+            // began, unless an unstable motion has led it away.
             if unstable.is_some() {
                 self.state = rested;
             }
@@ -122,8 +130,8 @@ impl<const M: usize> Periodic<M> {
         }
     }
 
-    /// Follows the motion until a period hardly changes it, and says for how many; `None` where
-    /// it cannot be followed.
+    /// Integrates periods until one hardly changes the state, and returns their number; `None`
+    /// where the motion cannot be integrated.
     fn approach(
         &mut self,
         mechanics: &Mechanics<f64>,
@@ -139,14 +147,14 @@ impl<const M: usize> Periodic<M> {
         Some(APPROACH)
     }
 
-    /// Newton's method from where the motion is. `beside` is the motion from rest where an
-    /// unstable one is known; `None` where the motion cannot be followed.
+    /// Newton's method from the present state. `beside` is the state reached from rest, where an
+    /// unstable motion is known. Returns `None` where the motion cannot be integrated.
     fn newton(
         &mut self,
         axis: &Axis,
         wave: &PiecewiseQuintic<f64>,
         beside: Option<&Vector<f64, M>>,
-    ) -> Option<Closing> {
+    ) -> Option<Convergence> {
         let (lifted_axis, lifted) = (axis.map(Dual::<M>::constant), wave.map(Dual::<M>::constant));
         let mut region = TrustRegion::new(self.region);
         let most = if beside.is_some() { MOST_STEPS } else { MOST_ITERATIONS };
@@ -158,14 +166,14 @@ impl<const M: usize> Periodic<M> {
                 return None;
             }
             if longest < NEAR || self.within_error(&followed.residuals) {
-                // What the motion from rest stays at it does not leave, whatever the slope says
-                // where a kink is near.
+                // Where the motion from rest is at this point already, it is stable, whatever the
+                // derivative says: next to a kink that is one-sided.
                 let stays = beside.is_some_and(|rested| self.distance_from(rested) < NEAR);
                 if !(axis.balanced || stays || is_stable(&followed.residuals)) {
-                    return Some(Closing::Unstable);
+                    return Some(Convergence::Unstable);
                 }
                 self.advance(step.as_slice(), (self.region / longest).min(1.0));
-                return Some(Closing::Stable);
+                return Some(Convergence::Stable);
             }
             let share = region.share(longest);
             if region.stalled >= PATIENT {
@@ -173,7 +181,7 @@ impl<const M: usize> Periodic<M> {
             }
             self.advance(step.as_slice(), share);
         }
-        Some(Closing::Wanders)
+        Some(Convergence::None)
     }
 
     /// The largest difference from other states, as a share of the states' sizes.
@@ -182,9 +190,10 @@ impl<const M: usize> Periodic<M> {
     }
 }
 
-/// Whether a periodic motion draws those near it towards itself, by its Floquet multipliers:
-/// the residuals are the states after a period less those before. Where no multipliers are
-/// found it is taken to.
+/// Whether a periodic motion is stable: no Floquet multiplier (eigenvalue of the derivative of the
+/// state after a period by the state before) exceeds [`UNSTABLE`]. `residuals` are the states
+/// after a period less those before. A motion whose eigenvalues the QR algorithm does not find
+/// counts as stable.
 fn is_stable<const M: usize>(residuals: &Vector<Dual<M>, M>) -> bool {
     let monodromy = DMatrix::from_fn(M, M, |row, column| {
         residuals[row].lane(column) + f64::from(u8::from(row == column))

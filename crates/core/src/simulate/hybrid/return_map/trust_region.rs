@@ -1,22 +1,22 @@
 //! A trust region: how long a step of Newton's method may be, from how well earlier ones were
 //! predicted.
 
-/// Steps as a share of the states' sizes: the longer, the better the steps before did what
-/// they promised.
+/// The longest step allowed, as a share of the states' sizes. It doubles after a step that reduced
+/// the next one as predicted, and falls back to the shortest when steps stop shrinking.
 pub(super) struct TrustRegion {
     shortest: f64,
     length: f64,
     last: f64,
     expected: f64,
-    /// Steps in a row that did not get nearer.
+    /// Steps in a row that did not reduce the next step.
     pub stalled: usize,
 }
 
-/// A step that leaves this share of the one before gets nearer, be it not as near as
-/// promised: where an axis all but sticks Newton's method converges by thirds.
+/// A step at most this share of the one before counts as progress, even if less than predicted:
+/// close to sticking, Newton's method converges only linearly, by a factor of a third.
 const NEARER: f64 = 0.75;
 
-/// Share of itself that a whole step may leave: it leaves little, and this is modest.
+/// A full step is predicted to leave this share of itself; in theory it leaves its square.
 const MODEST: f64 = 0.1;
 
 impl TrustRegion {
@@ -28,7 +28,7 @@ impl TrustRegion {
     /// The share to take of a step of this size.
     pub fn share(&mut self, longest: f64) -> f64 {
         if longest <= 1.1 * self.expected {
-            // What the last step promised was kept: the next may go further.
+            // As predicted, or better: the next step may be longer.
             (self.length, self.stalled) = (2.0 * self.length, 0);
         } else if longest <= NEARER * self.last {
             self.stalled = 0;
@@ -51,7 +51,7 @@ mod tests {
         assert_eq!(region.share(8.0), 0.05);
         assert_eq!(region.share(7.6), 0.8 / 7.6);
         assert_eq!(region.share(6.8), 1.6 / 6.8);
-        // Nearer, but not by as much as promised.
+        // Progress, but less than predicted.
         assert_eq!(region.share(5.0), 3.2 / 5.0);
         assert_eq!(region.share(3.0), 1.0);
         assert_eq!((region.share(3.0), region.stalled), (0.2 / 3.0, 1));

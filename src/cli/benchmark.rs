@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
-use servoscope_bench::machines::effect_draws::IDS;
+use servoscope_bench::naming::effect_draws::ids;
 use servoscope_bench::naming::{
     Case, Kind, Outcome, Plan, Settings, Sizing, Summary, Unmade, case_text, known_effect,
     misses_text, run_all, run_case, summary_text,
@@ -89,8 +89,7 @@ struct File<'a> {
 
 impl Args {
     fn plan(&self) -> Plan {
-        let or_all =
-            |given: &[&'static str]| if given.is_empty() { IDS.to_vec() } else { given.to_vec() };
+        let or_all = |given: &[&'static str]| if given.is_empty() { ids() } else { given.to_vec() };
         Plan {
             kinds: if self.kinds.is_empty() { Kind::ALL.to_vec() } else { self.kinds.clone() },
             levels_db: self.levels.clone(),

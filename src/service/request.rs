@@ -68,7 +68,12 @@ impl JobRequest {
 
     /// The same for the numeric core.
     pub fn identify(&self) -> IdentifyRequest {
-        IdentifyRequest { plant: self.plant, method: self.method, options: self.options }
+        IdentifyRequest {
+            plant: self.plant,
+            method: self.method,
+            options: self.options,
+            ..IdentifyRequest::default()
+        }
     }
 }
 

@@ -9,7 +9,9 @@ use crate::reference;
 fn deviation(name: &str) -> f64 {
     let last_run = reference::points(name).iter().map(|point| point.run).max().expect("points");
     let effects: Vec<Effect> = reference::effect(name)
-        .map(|(id, parameters)| Effect::from_parameters(&id, &parameters).unwrap())
+        .map(|(id, parameters)| {
+            Effect::new(&id, parameters.iter().map(|(name, value)| (name.as_str(), *value)))
+        })
         .into_iter()
         .collect();
     reference::largest_deviation(name, |plant, point| {

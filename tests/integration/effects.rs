@@ -6,8 +6,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use servoscope_bench::machines::draw::{Draw, draw};
-use servoscope_bench::machines::effect_draws::{IDS, draw_effect};
 use servoscope_bench::machines::simulator::{Effect, Settings};
+use servoscope_bench::naming::effect_draws::{draw_effect, ids};
 use servoscope_core::effects::{self, ActiveEffect, Wide};
 use servoscope_core::measurement::Complex;
 use servoscope_core::plant::{Actuator, Friction, Plant};
@@ -123,7 +123,7 @@ fn points(points: u64) -> impl ParallelIterator<Item = (u8, u64)> {
 #[test]
 #[ignore = "slow: thousands of points stepped through time"]
 fn every_effect_acts_alike_in_both_simulators_on_cosines() {
-    let apart = IDS.map(|id| {
+    let apart = ids().into_iter().map(|id| {
         let found = agreement(points(POINTS).map(|(order, seed)| cosine(order, &[id], seed)));
         println!("{id}: {found:?}");
         (id, found)
@@ -137,7 +137,7 @@ fn every_effect_acts_alike_in_both_simulators_on_cosines() {
 #[test]
 #[ignore = "slow: thousands of points stepped through time"]
 fn every_effect_acts_alike_in_both_simulators_on_general_inputs() {
-    let apart = IDS.map(|id| {
+    let apart = ids().into_iter().map(|id| {
         let found = agreement(points(6).map(|(order, seed)| general(order, &[id], seed)));
         println!("{id}: {found:?}");
         (id, found)
@@ -150,7 +150,7 @@ fn every_effect_acts_alike_in_both_simulators_on_general_inputs() {
 
 #[test]
 fn every_effect_acts_alike_in_both_simulators_on_a_few_points() {
-    for id in IDS {
+    for id in ids() {
         let found = agreement((0..2_u64).into_par_iter().map(|seed| cosine(1, &[id], seed)));
         assert!(found.compared == 2 && found.worst < allowed(id), "{id}: {found:?}");
     }
@@ -209,7 +209,13 @@ fn no_point_of_an_axis_with_a_restoring_or_a_balancing_torque_goes_unanswered() 
 fn friction_that_falls_just_before_a_stop_acts_alike_in_both_simulators() {
     let sharp = |case: Case, fastest: f64| {
         let stribeck_velocity = 1e-3 * fastest;
-        Case { effects: vec![Effect::Stribeck { fs_over_fc: 1.3, stribeck_velocity }], ..case }
+        Case {
+            effects: vec![Effect::new(
+                "stribeck",
+                [("fs_over_fc", 1.3), ("stribeck_velocity", stribeck_velocity)],
+            )],
+            ..case
+        }
     };
     let cases = (0..6_u64).into_par_iter().map(|seed| {
         let (case, fastest) = cosine((seed % 3) as u8, &[], seed);
@@ -253,7 +259,15 @@ fn with_play(
     magnitude: f64,
     omega_rad_s: f64,
 ) -> Case {
-    let effects = vec![Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
+    let effects = vec![Effect::new(
+        "backlash",
+        [
+            ("load_inertia_fraction", load_inertia_fraction),
+            ("stiffness", stiffness),
+            ("damping", damping),
+            ("gap", gap),
+        ],
+    )];
     let input = vec![Complex::new(0.0, 0.0), Complex::new(magnitude, 0.0)];
     Case { plant, effects, run_share: 0.0, omega_rad_s, input }
 }
@@ -345,8 +359,9 @@ fn an_axis_that_creeps_to_where_it_sticks_against_a_spring_answers_with_nothing(
         let case = Case { plant, effects: vec![effect], run_share: 0.0, omega_rad_s: 20.0, input };
         case.respond(7).unwrap().iter().map(|v| v.norm()).fold(0.0, f64::max)
     };
-    let spring = Effect::Spring { stiffness: 1.0 };
-    let hardening = Effect::HardeningSpring { stiffness: 0.5, cubic_stiffness: 50.0 };
+    let spring = Effect::new("spring", [("stiffness", 1.0)]);
+    let hardening =
+        Effect::new("hardening_spring", [("stiffness", 0.5), ("cubic_stiffness", 50.0)]);
     for effect in [spring, hardening] {
         assert_eq!(largest(effect, 0.4499), 0.0);
         let above = [0.4501, 0.46, 0.5].map(|magnitude| largest(effect, magnitude));
@@ -358,9 +373,9 @@ fn an_axis_that_creeps_to_where_it_sticks_against_a_spring_answers_with_nothing(
 /// Three effects that can be in one machine.
 fn some_ids(seed: u64) -> Vec<&'static str> {
     let rng = &mut ChaCha8Rng::seed_from_u64(seed);
-    let mut ids: Vec<&str> = Vec::new();
+    let (known, mut ids) = (ids(), Vec::<&str>::new());
     while ids.len() < 3 {
-        let id = IDS[rng.random_range(0..IDS.len())];
+        let id = known[rng.random_range(0..known.len())];
         let two_joints = ["backlash", "flexible_mode"].contains(&id)
             && ids.iter().any(|other| ["backlash", "flexible_mode"].contains(other));
         if !ids.contains(&id) && !two_joints {
@@ -384,7 +399,8 @@ fn an_axis_held_by_what_is_hidden_in_it_answers_with_nothing() {
     let (mut case, _) = cosine(0, &[], 1);
     assert_eq!(case.plant.actuator, Actuator::Direct);
     let level = case.plant.friction.fc_plus.max(case.plant.friction.fc_minus);
-    case.effects = vec![Effect::StaticFriction { fs_plus: 9.0 * level, fs_minus: 9.0 * level }];
+    case.effects =
+        vec![Effect::new("static_friction", [("fs_plus", 9.0 * level), ("fs_minus", 9.0 * level)])];
     case.input[1] = Complex::new(8.0 * level, 0.0);
     let both = case.simulate(&Settings::default());
     for response in [both.exact.unwrap(), both.stepped.unwrap()] {
@@ -463,7 +479,7 @@ fn derivative_error(case: &Case) -> f64 {
 // of that.
 #[test]
 fn derivatives_by_every_number_are_those_of_the_responses() {
-    for id in IDS {
+    for id in ids() {
         let errors = |i: u64| {
             let order = (i % 3) as u8;
             let drawn = if i < 8 { cosine } else { general };

@@ -16,7 +16,7 @@ fn record(header: &str) -> String {
         actuator: Actuator::Direct,
         friction: Friction::coulomb(0.5, 0.4),
     };
-    let effects = [Effect::StaticFriction { fs_plus: 0.8, fs_minus: 0.7 }];
+    let effects = [Effect::new("static_friction", [("fs_plus", 0.8), ("fs_minus", 0.7)])];
     let at = |t: f64| (0.4 + (0.8 * t).sin().powi(2)) * (t * (3.0 + t)).sin();
     let values: Vec<f64> = (0..=2500).map(|n| at(f64::from(n) * 4e-3)).collect();
     let samples = Samples { step_s: 4e-3, values: &values, hold: false };

@@ -89,9 +89,14 @@ pub fn log_uniform(low: f64, high: f64, rng: &mut impl Rng) -> f64 {
 fn machine(order: u8, raised: bool, seed: u64, rng: &mut impl Rng) -> Case {
     let plant = draw(order, seed).plant;
     let Friction { fc_plus, fc_minus, .. } = plant.friction;
-    let raised = raised.then(|| Effect::StaticFriction {
-        fs_plus: fc_plus * rng.random_range(1.0..=1.8),
-        fs_minus: fc_minus * rng.random_range(1.0..=1.8),
+    let raised = raised.then(|| {
+        Effect::new(
+            "static_friction",
+            [
+                ("fs_plus", fc_plus * rng.random_range(1.0..=1.8)),
+                ("fs_minus", fc_minus * rng.random_range(1.0..=1.8)),
+            ],
+        )
     });
     let effects = raised.into_iter().collect();
     Case { plant, effects, run_share: 0.0, omega_rad_s: 0.0, input: Vec::new() }

@@ -41,23 +41,29 @@ fn plants() -> [Plant; 3] {
 /// One of each effect, in sizes that show.
 fn every_effect() -> Vec<Effect> {
     vec![
-        Effect::StaticFriction { fs_plus: 0.8, fs_minus: 0.6 },
-        Effect::Stribeck { fs_over_fc: 1.6, stribeck_velocity: 0.1 },
-        Effect::ViscousAsymmetry { alpha: 0.3 },
-        Effect::QuadraticDrag { c: 0.5 },
-        Effect::Presliding { sigma: 200.0 },
-        Effect::FrictionDrift { delta: 0.4 },
-        Effect::Backlash { load_inertia_fraction: 0.4, stiffness: 40.0, damping: 0.3, gap: 0.02 },
-        Effect::FlexibleMode { load_inertia_fraction: 0.4, stiffness: 40.0, damping: 0.05 },
-        Effect::Spring { stiffness: 0.8 },
-        Effect::HardeningSpring { stiffness: 0.3, cubic_stiffness: 0.6 },
-        Effect::Cogging { amplitude: 0.2, cycles_per_unit: 30.0, phase: 0.7 },
-        Effect::TransportDelay { delay: 0.0123 },
-        Effect::SensorLag { time_constant: 0.02 },
-        Effect::ActuatorSaturation { limit: 1.0 },
-        Effect::ActuatorDeadZone { half_width: 0.15 },
-        Effect::GainAsymmetry { gamma: 0.2 },
-        Effect::SlewLimit { rate: 4.0 },
+        Effect::new("static_friction", [("fs_plus", 0.8), ("fs_minus", 0.6)]),
+        Effect::new("stribeck", [("fs_over_fc", 1.6), ("stribeck_velocity", 0.1)]),
+        Effect::new("viscous_asymmetry", [("alpha", 0.3)]),
+        Effect::new("quadratic_drag", [("c", 0.5)]),
+        Effect::new("presliding", [("sigma", 200.0)]),
+        Effect::new("friction_drift", [("delta", 0.4)]),
+        Effect::new(
+            "backlash",
+            [("load_inertia_fraction", 0.4), ("stiffness", 40.0), ("damping", 0.3), ("gap", 0.02)],
+        ),
+        Effect::new(
+            "flexible_mode",
+            [("load_inertia_fraction", 0.4), ("stiffness", 40.0), ("damping", 0.05)],
+        ),
+        Effect::new("spring", [("stiffness", 0.8)]),
+        Effect::new("hardening_spring", [("stiffness", 0.3), ("cubic_stiffness", 0.6)]),
+        Effect::new("cogging", [("amplitude", 0.2), ("cycles_per_unit", 30.0), ("phase", 0.7)]),
+        Effect::new("transport_delay", [("delay", 0.0123)]),
+        Effect::new("sensor_lag", [("time_constant", 0.02)]),
+        Effect::new("actuator_saturation", [("limit", 1.0)]),
+        Effect::new("actuator_dead_zone", [("half_width", 0.15)]),
+        Effect::new("gain_asymmetry", [("gamma", 0.2)]),
+        Effect::new("slew_limit", [("rate", 4.0)]),
     ]
 }
 

@@ -54,7 +54,10 @@ fn table(effect: Effect, levels: &[f64], frequencies: usize, shift: f64, seed: u
 /// That it sticks harder than it slides.
 fn sticking() -> Effect {
     let friction = draw(0, 11).plant.friction;
-    Effect::StaticFriction { fs_plus: 1.5 * friction.fc_plus, fs_minus: 1.5 * friction.fc_minus }
+    Effect::new(
+        "static_friction",
+        [("fs_plus", 1.5 * friction.fc_plus), ("fs_minus", 1.5 * friction.fc_minus)],
+    )
 }
 
 /// A motion of the same machine that does not repeat, of 160 time constants, from rest: so many
@@ -163,7 +166,7 @@ fn promises_more(found: &Validation, ratio: f64) -> bool {
 // it in 3 of 10 000 cases.
 #[test]
 fn the_gain_on_a_motion_holds_that_on_many_others() {
-    let effect = Effect::ViscousAsymmetry { alpha: 0.05 };
+    let effect = Effect::new("viscous_asymmetry", [("alpha", 0.05)]);
     let diagnosis = diagnosed(&table(effect, &[2.5, 5.0, 10.0], 13, 0.5, 1));
     assert_eq!(diagnosis.causes[0].effect, "viscous_asymmetry");
     let (many, found) = on_motions(&diagnosis, effect);

@@ -9,7 +9,7 @@ use std::time::Instant;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use servoscope_bench::machines::draw::{Draw, draw};
-use servoscope_bench::machines::effect_draws::{IDS, draw_effect};
+use servoscope_bench::naming::effect_draws::{draw_effect, ids};
 use servoscope_core::effects::{ActiveEffect, Wide, find};
 use servoscope_core::plant::{Friction, Plant};
 use servoscope_core::simulate::{Counts, Excitation, respond, respond_with_sensitivities};
@@ -89,7 +89,7 @@ fn main() {
     };
     println!("microseconds a point: median over {} machines", 3 * MACHINES);
     println!("{:20} {:>9} {:>14}  unanswered", "effect", "response", "with gradient");
-    for id in IDS.iter().filter(|id| asked(id)) {
+    for id in ids().into_iter().filter(|id| asked(id)) {
         let cases: Vec<Case> = (0..3 * MACHINES).map(|i| case(id, (i % 3) as u8, i / 3)).collect();
         let mut unanswered = 0;
         let response = cases.iter().map(|case| {

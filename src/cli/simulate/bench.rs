@@ -398,8 +398,10 @@ mod tests {
         let bench = Bench { response: ResponseKind::Position, effects, ..bench() };
         let (measurement, left_out) = bench.measure().unwrap();
         assert!(left_out.is_empty());
-        let machine =
-            Machine { plant: bench.plant, effects: &[Effect::GainAsymmetry { gamma: 0.1 }] };
+        let machine = Machine {
+            plant: bench.plant,
+            effects: &[Effect::new("gain_asymmetry", [("gamma", 0.1)])],
+        };
         for experiment in measurement.experiments() {
             let (omega, settings) = (experiment.omega_rad_s, Settings::default());
             let velocity =

@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 use servoscope_core::answers::Cause;
+use servoscope_core::effects::{find, find_parameter};
 
 use crate::report::figures::superscript;
 
@@ -49,26 +50,17 @@ pub(super) fn sentence(text: &str) -> String {
 
 /// An id as words: `static_friction` is static friction.
 pub(super) fn effect(id: &str) -> String {
-    match id {
-        "stribeck" => "Stribeck friction".to_owned(),
-        id => id.replace('_', " "),
+    match find(id) {
+        Some(effect) => effect.descriptor().title.to_owned(),
+        None => id.replace('_', " "),
     }
 }
 
 /// The same as something that an axis has: a spring, but backlash.
 pub(super) fn a(id: &str) -> String {
-    let counted = [
-        "flexible_mode",
-        "spring",
-        "hardening_spring",
-        "transport_delay",
-        "sensor_lag",
-        "slew_limit",
-    ];
-    match id {
-        "actuator_dead_zone" => format!("an {}", effect(id)),
-        id if counted.contains(&id) => format!("a {}", effect(id)),
-        id => effect(id),
+    match find(id) {
+        Some(effect) => effect.descriptor().with_article.to_owned(),
+        None => effect(id),
     }
 }
 
@@ -99,42 +91,33 @@ pub(super) fn joined(mut names: Vec<String>, last: &str) -> String {
     }
 }
 
-/// Name, symbol and index of a parameter, where there is more to say than its id.
-fn known(id: &str) -> Option<[&'static str; 3]> {
+/// Name, symbol and subscript of a parameter.
+fn known(id: &str) -> Option<(&'static str, [&'static str; 2])> {
+    if let Some((_, parameter)) = find_parameter(id) {
+        return Some((parameter.title, parameter.symbol));
+    }
     Some(match id {
-        "pole" => ["pole", "−a", ""],
-        "constant" => ["constant", "K", ""],
-        "dc_gain" => ["DC gain", "K/a", ""],
-        "fc_plus" => ["dry friction forwards", "F", "c+"],
-        "fc_minus" => ["dry friction backwards", "F", "c−"],
-        "actuator_pole" => ["actuator pole", "−p", ""],
-        "natural_frequency" => ["actuator natural frequency", "ω", "n"],
-        "damping_ratio" => ["actuator damping ratio", "ζ", ""],
-        "static_friction.fs_plus" => ["static friction forwards", "F", "s+"],
-        "static_friction.fs_minus" => ["static friction backwards", "F", "s−"],
-        "stribeck.fs_over_fc" => ["static over dry friction", "r", ""],
-        "stribeck.stribeck_velocity" => ["Stribeck velocity", "v", "s"],
-        "viscous_asymmetry.alpha" => ["asymmetry of viscous friction", "α", ""],
-        "quadratic_drag.c" => ["drag coefficient", "c", ""],
-        "presliding.sigma" => ["bristle stiffness", "σ", ""],
-        "friction_drift.delta" => ["drift of friction over the runs", "δ", ""],
-        "gain_asymmetry.gamma" => ["asymmetry of the gain", "γ", ""],
+        "pole" => ("pole", ["−a", ""]),
+        "constant" => ("constant", ["K", ""]),
+        "dc_gain" => ("DC gain", ["K/a", ""]),
+        "fc_plus" => ("dry friction forwards", ["F", "c+"]),
+        "fc_minus" => ("dry friction backwards", ["F", "c−"]),
+        "actuator_pole" => ("actuator pole", ["−p", ""]),
+        "natural_frequency" => ("actuator natural frequency", ["ω", "n"]),
+        "damping_ratio" => ("actuator damping ratio", ["ζ", ""]),
         _ => return None,
     })
 }
 
 /// What the parameter of this id is called.
 pub fn parameter_name(id: &str) -> String {
-    match known(id) {
-        Some([name, ..]) => name.to_owned(),
-        None => id.split('.').map(effect).collect::<Vec<_>>().join(": "),
-    }
+    known(id).map_or_else(|| id.to_owned(), |(name, _)| name.to_owned())
 }
 
 /// What a parameter is called, with its symbol, beside its id.
 pub(super) fn parameter(id: &str) -> Markup {
-    let Some([name, symbol, index]) = known(id) else {
-        return html! { (parameter_name(id)) " " code { (id) } };
+    let Some((name, [symbol, index])) = known(id) else {
+        return html! { code { (id) } };
     };
     html! {
         (name) " " i.symbol { (symbol) @if !index.is_empty() { sub { (index) } } }
@@ -191,10 +174,17 @@ mod tests {
     }
 
     #[test]
-    fn a_parameter_that_nobody_named_is_shown_by_its_id() {
+    fn a_parameter_is_called_by_its_name_and_symbol() {
         let shown = parameter("slew_limit.rate").into_string();
-        assert_eq!(shown, "slew limit: rate <code>slew_limit.rate</code>");
+        assert_eq!(
+            shown,
+            "limit of the rate of the command <i class=\"symbol\">r</i> <code>slew_limit.rate</code>"
+        );
         assert_eq!(parameter("pole").into_string(), "pole <i class=\"symbol\">−a</i>");
         assert!(parameter("fc_plus").into_string().contains("<sub>c+</sub>"));
+        assert_eq!(
+            parameter("of_a_later_version").into_string(),
+            "<code>of_a_later_version</code>"
+        );
     }
 }

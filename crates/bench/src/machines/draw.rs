@@ -305,7 +305,7 @@ mod tests {
     #[test]
     fn friction_drifts_from_the_first_experiment_to_the_last() {
         let mut drifting = cheap(None, NoiseStatement::Silent);
-        drifting.effects = vec![Effect::FrictionDrift { delta: 0.3 }];
+        drifting.effects = vec![Effect::new("friction_drift", [("delta", 0.3)])];
         let last = drifting.design.len() - 1;
         let drifted = measure(&drifting, 1).unwrap();
         let plain = |factor: f64| {
@@ -332,7 +332,15 @@ mod tests {
         };
         // A load on a hardly damped joint rattles in its gap without end; below breakaway it rests.
         let (load_inertia_fraction, stiffness, damping, gap) = (0.5, 200.0, 0.1, 0.01);
-        draw.effects = vec![Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
+        draw.effects = vec![Effect::new(
+            "backlash",
+            [
+                ("load_inertia_fraction", load_inertia_fraction),
+                ("stiffness", stiffness),
+                ("damping", damping),
+                ("gap", gap),
+            ],
+        )];
         draw.design = vec![(0.2, 20.0), (1.0, 20.0), (0.2, 30.0)];
         let measurement = measure(&draw, 1).unwrap();
         let runs: Vec<_> = measurement.experiments().iter().map(|e| e.run).collect();

@@ -6,6 +6,5 @@
 //! `servoscope-core`; [`draw`] makes machines, designs and noisy measurements with it.
 
 pub mod draw;
-pub mod effect_draws;
 pub mod responses;
 pub mod simulator;

@@ -11,12 +11,12 @@ use servoscope_core::observer::Observer;
 use servoscope_core::plant::{Actuator, Plant};
 
 use super::case::{Case, Kind};
+use super::effect_draws::{draw_effect, ids};
 use super::excess::{DETECTABLE, exact, excess_in, of_excess};
-use super::outsiders::{OUTSIDERS, draw_outsider};
+use super::outsiders;
 use super::rivals::{Nearest, Rivals};
 use super::sizing::Sizing;
 use crate::machines::draw::{Draw, DrawError, NoiseStatement, draw, log_uniform};
-use crate::machines::effect_draws::{IDS, draw_effect};
 use crate::machines::responses::Responses;
 use crate::machines::simulator::{Effect, Settings};
 
@@ -193,7 +193,7 @@ fn effects(
             Some(vec![sized(draw_effect(id, machine, rng), targets[0])?])
         }
         Kind::Pair => {
-            let ids: Vec<&str> = IDS.sample(rng, 2).copied().collect();
+            let ids: Vec<&str> = ids().sample(rng, 2).copied().collect();
             if contain_each_other(ids[0], ids[1]) {
                 return None;
             }
@@ -202,8 +202,9 @@ fn effects(
         }
         Kind::Outsider => {
             // In turn, and the next one where the library imitates it.
-            let id = OUTSIDERS[(case.index as usize + attempt - 1) % OUTSIDERS.len()];
-            Some(vec![sized(Effect::Outside(draw_outsider(id, machine, rng)), targets[0])?])
+            let ids = outsiders::ids();
+            let id = ids[(case.index as usize + attempt - 1) % ids.len()];
+            Some(vec![sized(outsiders::draw_outsider(id, machine, rng), targets[0])?])
         }
     }
 }

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::machines::effect_draws::IDS;
+use super::effect_draws::ids;
 
 /// What is hidden in a draw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -123,8 +123,8 @@ impl FromStr for Case {
 /// # Errors
 /// A sentence that lists the known ones.
 pub fn known_effect(text: &str) -> Result<&'static str, String> {
-    let known = IDS.into_iter().find(|id| *id == text);
-    known.ok_or_else(|| format!("`{text}` is no effect; there are {}", IDS.join(", ")))
+    let known = ids().into_iter().find(|id| *id == text);
+    known.ok_or_else(|| format!("`{text}` is no effect; there are {}", ids().join(", ")))
 }
 
 /// How many draws of what.
@@ -154,7 +154,7 @@ impl Default for Plan {
             kinds: Kind::ALL.to_vec(),
             levels_db: vec![60, 50, 40],
             orders: vec![0, 1, 2],
-            effects: IDS.to_vec(),
+            effects: ids(),
             singles: 10,
             clean: 300,
             pairs: 60,

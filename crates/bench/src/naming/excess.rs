@@ -5,7 +5,7 @@ use servoscope_core::identify::{IdentifyError, IdentifyRequest, identify};
 use servoscope_core::measurement::Measurement;
 use servoscope_core::observer::Silent;
 
-use super::effect_scaling::Scales;
+use super::effect_draws::scales;
 use super::sizing::Sizing;
 use crate::machines::draw::{Draw, DrawError};
 use crate::machines::responses::Responses;
@@ -85,7 +85,7 @@ pub(super) fn of_excess(
     level_db: u32,
     sizing: Sizing,
 ) -> Option<Effect> {
-    let scales = Scales::of(machine);
+    let scales = scales(machine);
     // An effect at its smallest size is asked for again and again.
     let mut last: Option<(Effect, Option<f64>)> = None;
     let factor = size_factor(target, |factor| {

@@ -2,7 +2,7 @@
 //! public interface, and scores what it names.
 //!
 //! - `case`: what a draw is, and the key from which it is drawn again.
-//! - `size`, `sizing`, `excess`: how much of an effect there is, what is varied of it, and how
+//! - `effect_draws`, `sizing`, `excess`: effects drawn at random, how much of an effect there is, what is varied of it, and how
 //!   much it shows: sizes are searched until the base model's excess χ² is the one wanted.
 //! - `outsiders`: what the library does not have. `rivals`: how well a single effect of it
 //!   imitates what is hidden, be it an outsider or another effect.
@@ -13,13 +13,13 @@
 
 mod build_case;
 mod case;
-mod effect_scaling;
+pub mod effect_draws;
 mod excess;
 #[cfg(test)]
 mod fixtures;
 mod fresh;
 mod judge;
-mod outsiders;
+pub mod outsiders;
 mod rate;
 mod rivals;
 mod run;
@@ -33,7 +33,6 @@ pub use case::{Case, Kind, Plan, known_effect};
 pub use excess::{DETECTABLE, base_excess};
 pub use fresh::Fresh;
 pub use judge::{Answer, Estimated, Named, Outcome, Seconds};
-pub use outsiders::{OUTSIDERS, draw_outsider};
 pub use rate::Rate;
 pub use rivals::{Nearest, Rivals};
 pub use run::{Run, Settings, Unmade, run_all, run_case};

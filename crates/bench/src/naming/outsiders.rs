@@ -1,62 +1,110 @@
-//! Outsiders drawn at random, in proportion to the machine they hide in.
+//! Outsiders: physics that no diagnosis has a name for, drawn in proportion to the machine that
+//! they hide in.
+//!
+//! m is the lowest magnitude, F the mean Coulomb level and V = m·K/a.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use servoscope_core::effects::{Draws, MachineScales, Scaling, up_to};
 
-use super::effect_scaling::Scales;
-use crate::machines::draw::{Draw, log_uniform};
-use crate::machines::simulator::Outsider;
+use super::effect_draws::{Random, scales};
+use crate::machines::draw::Draw;
+use crate::machines::simulator::Effect;
 
-/// Every id that [`draw_outsider`] knows.
-pub const OUTSIDERS: [&str; 8] = [
-    "cubic_drag",
-    "field_weakening",
-    "load_dependent_friction",
-    "kinked_viscosity",
-    "gain_drift",
-    "viscous_drift",
-    "sensor_compression",
-    "input_quantisation",
+/// How an outsider is drawn.
+struct Outsider {
+    id: &'static str,
+    /// Parameters of a size that a lab would meet, by the sign of what may have either.
+    draw: fn(&MachineScales, sign: f64, &mut dyn Draws) -> Vec<f64>,
+    /// How much of it there is.
+    scaled: Scaling,
+}
+
+const ALL: [Outsider; 8] = [
+    // c·V³ = m × 0.01 … 0.2, at most 3 m.
+    Outsider {
+        id: "cubic_drag",
+        draw: |scales, _, draws| {
+            vec![scales.lowest / scales.velocity().powi(3) * draws.log_uniform(0.01, 0.2)]
+        },
+        scaled: |scales, values, factor| {
+            Some(vec![up_to(values[0], factor, 3.0 * scales.lowest / scales.velocity().powi(3))?])
+        },
+    },
+    // κ·V² = 0.003 … 0.05, at most 0.25.
+    Outsider {
+        id: "field_weakening",
+        draw: |scales, _, draws| vec![draws.log_uniform(0.003, 0.05) / scales.velocity().powi(2)],
+        scaled: |scales, values, factor| {
+            Some(vec![up_to(values[0], factor, 0.25 / scales.velocity().powi(2))?])
+        },
+    },
+    // μ·F = 0.03 … 0.3, at most 0.7.
+    Outsider {
+        id: "load_dependent_friction",
+        draw: |scales, _, draws| vec![draws.log_uniform(0.03, 0.3) / scales.level()],
+        scaled: |scales, values, factor| {
+            Some(vec![up_to(values[0], factor, 0.7 / scales.level())?])
+        },
+    },
+    // β 0.1 … 1, at most 10; knee = V × 0.5 … 2.5.
+    Outsider {
+        id: "kinked_viscosity",
+        draw: |scales, _, draws| {
+            vec![draws.log_uniform(0.1, 1.0), scales.velocity() * draws.log_uniform(0.5, 2.5)]
+        },
+        scaled: |_, values, factor| Some(vec![up_to(values[0], factor, 10.0)?, values[1]]),
+    },
+    // δ ± 0.02 … 0.2, at most 0.9.
+    Outsider {
+        id: "gain_drift",
+        draw: |_, sign, draws| vec![sign * draws.log_uniform(0.02, 0.2)],
+        scaled: |_, values, factor| Some(vec![up_to(values[0], factor, 0.9)?]),
+    },
+    // δ ± 0.05 … 0.4, at most 0.9.
+    Outsider {
+        id: "viscous_drift",
+        draw: |_, sign, draws| vec![sign * draws.log_uniform(0.05, 0.4)],
+        scaled: |_, values, factor| Some(vec![up_to(values[0], factor, 0.9)?]),
+    },
+    // e·V = 0.03 … 0.3, at most 1.
+    Outsider {
+        id: "sensor_compression",
+        draw: |scales, _, draws| vec![draws.log_uniform(0.03, 0.3) / scales.velocity()],
+        scaled: |scales, values, factor| {
+            Some(vec![up_to(values[0], factor, 1.0 / scales.velocity())?])
+        },
+    },
+    // step = m × 0.05 … 0.4, m at most and m/100 at least.
+    Outsider {
+        id: "input_quantisation",
+        draw: |scales, _, draws| vec![scales.lowest * draws.log_uniform(0.05, 0.4)],
+        scaled: |scales, values, factor| {
+            let step = up_to(values[0], factor, scales.lowest)?;
+            Some(vec![step.max(0.01 * scales.lowest)])
+        },
+    },
 ];
 
-/// Draws an outsider of a size that a lab would meet. With m the lowest magnitude, F the
-/// mean Coulomb level and V = m·K/a:
-///
-/// | outsider | ranges (× log-uniform, ± uniform) |
-/// | --- | --- |
-/// | `cubic_drag` | c·V³ = m × 0.01 … 0.2 |
-/// | `field_weakening` | κ·V² = 0.003 … 0.05 |
-/// | `load_dependent_friction` | μ·F = 0.03 … 0.3 |
-/// | `kinked_viscosity` | β 0.1 … 1, knee = V × 0.5 … 2.5 |
-/// | `gain_drift` | δ ± 0.02 … 0.2 |
-/// | `viscous_drift` | δ ± 0.05 … 0.4 |
-/// | `sensor_compression` | e·V = 0.03 … 0.3 |
-/// | `input_quantisation` | step = m × 0.05 … 0.4 |
+/// Ids of the outsiders.
+pub fn ids() -> Vec<&'static str> {
+    ALL.iter().map(|outsider| outsider.id).collect()
+}
+
+/// How an outsider is made larger; `None` where none has this id.
+pub(super) fn scaling(id: &str) -> Option<Scaling> {
+    ALL.iter().find(|outsider| outsider.id == id).map(|outsider| outsider.scaled)
+}
+
+/// Draws an outsider of a size that a lab would meet.
 ///
 /// # Panics
-/// If no outsider has this id.
-pub fn draw_outsider(id: &str, draw: &Draw, rng: &mut ChaCha8Rng) -> Outsider {
-    let scales = Scales::of(draw);
-    let (lowest, velocity) = (scales.lowest, scales.velocity());
+/// If none has this id.
+pub fn draw_outsider(id: &str, draw: &Draw, rng: &mut ChaCha8Rng) -> Effect {
+    let outsider = ALL.iter().find(|outsider| outsider.id == id);
+    let outsider = outsider.unwrap_or_else(|| panic!("no outsider is called `{id}`"));
     let sign = if rng.random() { 1.0 } else { -1.0 };
-    let mut times = |low: f64, high: f64| log_uniform(low, high, rng);
-    match id {
-        "cubic_drag" => Outsider::CubicDrag { c: lowest / velocity.powi(3) * times(0.01, 0.2) },
-        "field_weakening" => {
-            Outsider::FieldWeakening { kappa: times(0.003, 0.05) / velocity.powi(2) }
-        }
-        "load_dependent_friction" => {
-            Outsider::LoadDependentFriction { mu: times(0.03, 0.3) / scales.level }
-        }
-        "kinked_viscosity" => {
-            Outsider::KinkedViscosity { beta: times(0.1, 1.0), knee: velocity * times(0.5, 2.5) }
-        }
-        "gain_drift" => Outsider::GainDrift { delta: sign * times(0.02, 0.2) },
-        "viscous_drift" => Outsider::ViscousDrift { delta: sign * times(0.05, 0.4) },
-        "sensor_compression" => Outsider::SensorCompression { e: times(0.03, 0.3) / velocity },
-        "input_quantisation" => Outsider::InputQuantisation { step: lowest * times(0.05, 0.4) },
-        _ => panic!("no outsider is called `{id}`"),
-    }
+    Effect::of(id, &(outsider.draw)(&scales(draw), sign, &mut Random(rng)))
 }
 
 #[cfg(test)]
@@ -64,6 +112,7 @@ mod tests {
     use rand::SeedableRng;
     use servoscope_core::measurement::Complex;
 
+    use super::super::sizing::Sizing;
     use super::*;
     use crate::machines::draw::draw;
     use crate::machines::simulator::{Effect, Machine, Settings, respond};
@@ -87,16 +136,15 @@ mod tests {
 
     #[test]
     fn every_outsider_departs_from_the_base_model_and_vanishes_with_its_size() {
-        for (seed, id) in OUTSIDERS.into_iter().enumerate() {
+        for (seed, id) in ids().into_iter().enumerate() {
             let machine = draw(0, seed as u64);
             let rng = &mut ChaCha8Rng::seed_from_u64(seed as u64);
-            let outsider = draw_outsider(id, &machine, rng);
-            assert_eq!(outsider.id(), id);
-            let effect = Effect::Outside(outsider);
+            let effect = draw_outsider(id, &machine, rng);
+            assert_eq!(effect.id(), id);
             effect.check().unwrap();
             let whole = departure(&both(&machine, effect));
             assert!(whole > 1e-4, "{id}: {whole:e}");
-            let trace = Scales::of(&machine).times(&effect, 1e-4).unwrap();
+            let trace = Sizing::Amount.times(&scales(&machine), &effect, 1e-4).unwrap();
             let trace = departure(&both(&machine, trace));
             // In proportion to the size or faster; steps of a converter have a smallest one,
             // of m/100, whose harmonics above 7 carry most of its error.
@@ -111,13 +159,13 @@ mod tests {
         (machine.plant.friction.fc_plus, machine.plant.friction.fc_minus) = (0.0, 0.0);
         (machine.plant.friction.fs_plus, machine.plant.friction.fs_minus) = (0.0, 0.0);
         // Half way through a drift of 0.2 the gain, and with it the response, is 1.1.
-        let [with, without] = both(&machine, Effect::Outside(Outsider::GainDrift { delta: 0.2 }));
+        let [with, without] = both(&machine, Effect::of("gain_drift", &[0.2]));
         assert!((with[1] - 1.1 * without[1]).norm() < 1e-8 * without[1].norm());
         // (1 + s·v)^(-1/2) of a cosine of amplitude V: the third harmonic is -e²V³/8 to first
         // order in (eV)², here 1e-4.
         let amplitude = without[1].norm();
         let e = 0.01 / amplitude;
-        let [with, without] = both(&machine, Effect::Outside(Outsider::SensorCompression { e }));
+        let [with, without] = both(&machine, Effect::of("sensor_compression", &[e]));
         let third = -e * e * without[1] * without[1] * without[1] / 8.0;
         assert!((with[3] - third).norm() < 1e-3 * third.norm(), "{} {third}", with[3]);
     }

@@ -1,6 +1,8 @@
 //! What is varied of a drawn effect until its excess is the wanted one.
 
-use super::effect_scaling::Scales;
+use servoscope_core::effects::{MachineScales, find};
+
+use super::outsiders;
 use crate::machines::simulator::Effect;
 
 /// What makes an effect larger or smaller.
@@ -21,37 +23,23 @@ pub enum Sizing {
 }
 
 impl Sizing {
-    /// The effect `factor` times as large; `None` where no machine would have that.
-    pub(super) fn times(self, scales: &Scales, effect: &Effect, factor: f64) -> Option<Effect> {
-        match self {
-            Self::Amount => scales.times(effect, factor),
-            Self::Character => by_character(scales, effect, factor),
-        }
+    /// The effect or outsider `factor` times as large; `None` where no machine would have that.
+    pub(super) fn times(
+        self,
+        scales: &MachineScales,
+        effect: &Effect,
+        factor: f64,
+    ) -> Option<Effect> {
+        let id = effect.id();
+        let scaling = match find(id).map(|effect| &effect.descriptor().draw) {
+            Some(plan) => match self {
+                Self::Amount => plan.scaled,
+                Self::Character => plan.by_character.unwrap_or(plan.scaled),
+            },
+            None => outsiders::scaling(id)?,
+        };
+        Some(Effect::of(id, &scaling(scales, effect.values(), factor)?))
     }
-}
-
-fn by_character(scales: &Scales, effect: &Effect, factor: f64) -> Option<Effect> {
-    let softer = |fraction: f64, stiffness: f64, damping: f64| {
-        let resonance =
-            (scales.constant * stiffness / (factor * fraction * (1.0 - fraction))).sqrt();
-        (resonance >= 0.5 * scales.a).then(|| (stiffness / factor, damping / factor.sqrt()))
-    };
-    Some(match *effect {
-        Effect::Stribeck { fs_over_fc, stribeck_velocity } => {
-            let stribeck_velocity = factor * stribeck_velocity;
-            (stribeck_velocity <= scales.velocity())
-                .then_some(Effect::Stribeck { fs_over_fc, stribeck_velocity })?
-        }
-        Effect::Backlash { load_inertia_fraction, stiffness, damping, gap } => {
-            let (stiffness, damping) = softer(load_inertia_fraction, stiffness, damping)?;
-            Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }
-        }
-        Effect::FlexibleMode { load_inertia_fraction, stiffness, damping } => {
-            let (stiffness, damping) = softer(load_inertia_fraction, stiffness, damping)?;
-            Effect::FlexibleMode { load_inertia_fraction, stiffness, damping }
-        }
-        _ => scales.times(effect, factor)?,
-    })
 }
 
 #[cfg(test)]
@@ -59,16 +47,17 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
+    use super::super::effect_draws::{draw_effect, ids, scales};
+    use super::super::outsiders::draw_outsider;
     use super::*;
     use crate::machines::draw::draw;
-    use crate::machines::effect_draws::{IDS, draw_effect};
 
     #[test]
     fn by_character_too_a_factor_of_one_changes_nothing_and_there_is_a_most() {
         for seed in 0..20 {
             let machine = draw((seed % 3) as u8, seed);
-            let scales = Scales::of(&machine);
-            for id in IDS {
+            let scales = scales(&machine);
+            for id in ids() {
                 let effect = draw_effect(id, &machine, &mut ChaCha8Rng::seed_from_u64(seed));
                 let times = |factor: f64| Sizing::Character.times(&scales, &effect, factor);
                 let same = times(1.0).unwrap();
@@ -86,16 +75,52 @@ mod tests {
     fn a_softer_joint_keeps_its_load_its_damping_ratio_and_its_gap() {
         let machine = draw(0, 3);
         let effect = draw_effect("backlash", &machine, &mut ChaCha8Rng::seed_from_u64(3));
-        let softer = Sizing::Character.times(&Scales::of(&machine), &effect, 2.0).unwrap();
-        let of = |effect: &Effect| match *effect {
-            Effect::Backlash { load_inertia_fraction, stiffness, damping, gap } => {
-                (load_inertia_fraction, stiffness, damping / stiffness.sqrt(), gap)
-            }
-            _ => panic!("another effect"),
+        let softer = Sizing::Character.times(&scales(&machine), &effect, 2.0).unwrap();
+        let of = |effect: &Effect| {
+            let [load, stiffness, damping, gap] = effect.values() else { panic!("another effect") };
+            (*load, *stiffness, damping / stiffness.sqrt(), *gap)
         };
         let (found, expected) = (of(&softer), of(&effect));
         assert_eq!((found.0, found.3), (expected.0, expected.3));
         assert_eq!(found.1, 0.5 * expected.1);
         assert!((found.2 / expected.2 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_factor_of_one_changes_nothing_and_no_machine_has_ten_thousand_times_as_much() {
+        for seed in 0..20 {
+            let machine = draw((seed % 3) as u8, seed);
+            let scales = scales(&machine);
+            let rng = &mut ChaCha8Rng::seed_from_u64(seed);
+            let mut all: Vec<Effect> =
+                ids().into_iter().map(|id| draw_effect(id, &machine, rng)).collect();
+            let outside = outsiders::ids().into_iter();
+            all.extend(outside.map(|id| draw_outsider(id, &machine, rng)));
+            for effect in all {
+                let times = |factor: f64| Sizing::Amount.times(&scales, &effect, factor);
+                let same = times(1.0).unwrap();
+                for (found, expected) in same.values().iter().zip(effect.values()) {
+                    // Rounding of a few operations.
+                    assert!((found - expected).abs() <= 1e-12 * expected.abs(), "{effect:?}");
+                }
+                times(0.1).unwrap().check().unwrap();
+                assert_eq!(times(1e4), None, "{effect:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_joint_with_less_load_keeps_its_resonance_and_damping_ratio() {
+        let machine = draw(0, 3);
+        let effect = draw_effect("flexible_mode", &machine, &mut ChaCha8Rng::seed_from_u64(3));
+        let modal = |effect: &Effect| {
+            let [load, stiffness, damping] = effect.values() else { panic!("another effect") };
+            let inertia = load * (1.0 - load) / machine.plant.constant;
+            [stiffness / inertia, damping / inertia]
+        };
+        let smaller = Sizing::Amount.times(&scales(&machine), &effect, 0.2).unwrap();
+        for (found, expected) in modal(&smaller).into_iter().zip(modal(&effect)) {
+            assert!((found / expected - 1.0).abs() < 1e-12);
+        }
     }
 }

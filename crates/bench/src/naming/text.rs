@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 
 use super::case::Kind;
+use super::effect_draws::ids;
 use super::judge::Outcome;
 use super::rate::Rate;
 use super::rivals::Nearest;
 use super::run::Unmade;
 use super::summary::{Confusion, NONE, Summary, Wanted};
-use crate::machines::effect_draws::IDS;
 
 /// The tables of a run.
 pub fn summary_text(summary: &Summary) -> String {
@@ -64,9 +64,9 @@ fn confused(text: &mut String, confusion: &Confusion) {
     }
     let level = confusion.level_db;
     push(text, &format!("\nHidden (rows) and first named (columns) at {level} dB"));
-    let numbers: String = (1..=IDS.len()).map(|number| format!("{number:>4}")).collect();
+    let numbers: String = (1..=ids().len()).map(|number| format!("{number:>4}")).collect();
     push(text, &format!("  {:<27}{numbers}  none  other", "hidden"));
-    let mut rows: Vec<&str> = IDS.to_vec();
+    let mut rows: Vec<&str> = ids();
     for (hidden, _) in confusion.counts.keys() {
         if !rows.contains(&hidden.as_str()) {
             rows.push(hidden);
@@ -83,9 +83,10 @@ fn confused(text: &mut String, confusion: &Confusion) {
             continue;
         }
         let shown = |count: u32| if count == 0 { "·".to_owned() } else { count.to_string() };
-        let cells: String = IDS.iter().map(|id| format!("{:>4}", shown(of_row(id)))).collect();
-        let known: u32 = IDS.iter().map(|id| of_row(id)).sum::<u32>() + of_row(NONE);
-        let number = if place < IDS.len() { format!("{:>2}", place + 1) } else { "  ".to_owned() };
+        let cells: String = ids().iter().map(|id| format!("{:>4}", shown(of_row(id)))).collect();
+        let known: u32 = ids().iter().map(|id| of_row(id)).sum::<u32>() + of_row(NONE);
+        let number =
+            if place < ids().len() { format!("{:>2}", place + 1) } else { "  ".to_owned() };
         let (none, other) = (shown(of_row(NONE)), shown(all - known));
         push(text, &format!("  {number} {hidden:<24}{cells}  {none:>4}  {other:>5}"));
     }

@@ -1,7 +1,6 @@
 //! What a diagnosis cannot say, in sentences.
 
 use crate::answers::{Identification, Unanswered};
-use crate::effects::ALL;
 use crate::identify::FitSession;
 
 use super::selection::models::Models;
@@ -9,14 +8,15 @@ use super::selection::models::Models;
 /// Effects that could not be tried for lack of data, in a sentence.
 pub(super) fn undecided(session: &FitSession<'_>) -> Option<String> {
     let base = session.base();
-    let lacking: Vec<&str> = ALL
+    let library = session.library();
+    let lacking: Vec<&str> = library
         .iter()
         .filter(|effect| !session.can_decide(base, **effect))
         .map(|effect| effect.id())
         .collect();
     let what = match lacking.len() {
         0 => return None,
-        all if all == ALL.len() => "no effect of the library".to_owned(),
+        all if all == library.len() => "no effect of the library".to_owned(),
         _ => lacking.join(", "),
     };
     Some(format!(

@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
-use crate::effects::{ALL, Effect, check_slots};
+use crate::effects::{Effect, check_slots};
 use crate::identify::{FitAccuracy, FitSession, Model};
 use crate::observer::Observer as _;
 
@@ -221,9 +221,10 @@ impl<'a> Search<'a> {
     fn changes(&self, linearization: &Linearization, part: Part<'_>) -> Vec<Changes> {
         let (session, base) = (self.session, &linearization.model);
         let testable = |effect: &&&'static dyn Effect| {
-            (session.runs_known() || !effect.needs_run()) && session.can_decide(base, **effect)
+            (session.runs_known() || !effect.search().needs_run)
+                && session.can_decide(base, **effect)
         };
-        let effects: Vec<&&dyn Effect> = ALL.iter().filter(testable).collect();
+        let effects: Vec<&&dyn Effect> = session.library().iter().filter(testable).collect();
         let stage = part.part(PROBING).stage("probing", effects.len());
         let changes = |effect: &&'static dyn Effect| {
             let changes = Changes::of(self.session, linearization, *effect);
@@ -242,11 +243,11 @@ impl<'a> Search<'a> {
                 && session.can_decide(&linearization.model, changes.effect)
         };
         let lacking: Vec<&Changes> = self.changes.iter().filter(lacks).collect();
-        let settles = own.iter().any(|effect| effect.settles());
+        let settles = own.iter().any(|effect| effect.search().forces_zero_mean);
         lacking
             .into_par_iter()
             .filter(|_| !part.cancelled())
-            .map(|changes| match settles && changes.effect.settles() {
+            .map(|changes| match settles && changes.effect.search().forces_zero_mean {
                 // Half of what it changes beside the base model is there already.
                 true => Changes::of(session, linearization, changes.effect)
                     .probe(session, linearization),

@@ -3,8 +3,11 @@
 //! u − clip(u, ±half_width), before A(s).
 
 use super::axis::{Axis, InputMap, Stage, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, up_to};
 use super::effect::Effect;
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
+use super::search_plan::SearchPlan;
 use super::slot::Slot;
 use crate::plant::Scalar as _;
 
@@ -14,6 +17,8 @@ pub struct ActuatorDeadZone;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "half_width",
+    title: "half width of the dead zone",
+    symbol: ["w", ""],
     dimension: Dimension::INPUT,
     domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
@@ -24,30 +29,28 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     },
 }];
 
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "actuator_dead_zone",
+    title: "actuator dead zone",
+    with_article: "an actuator dead zone",
+    equation: "u − clip(u, ±w), before A(s)",
+    meaning: "small commands have no effect: the amplifier or valve has a dead zone around zero",
+    signature: "a loss of fundamental and odd harmonics that matter most at the lowest magnitude, at \
+         every frequency",
+    imitators: &["static_friction", "stribeck"],
+    slot: Slot::DeadZone,
+    parameters: &PARAMETERS,
+    search: SearchPlan::DEFAULT,
+    draw: DrawPlan {
+        draw: |scales, draws| vec![scales.level() * draws.log_uniform(0.1, 0.5)],
+        scaled: |scales, values, factor| Some(vec![up_to(values[0], factor, 0.9 * scales.lowest)?]),
+        by_character: None,
+    },
+};
+
 impl Effect for ActuatorDeadZone {
-    fn id(&self) -> &'static str {
-        "actuator_dead_zone"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "small commands have no effect: the amplifier or valve has a dead zone around zero"
-    }
-
-    fn signature(&self) -> &'static str {
-        "a loss of fundamental and odd harmonics that matter most at the lowest magnitude, at \
-         every frequency"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["static_friction", "stribeck"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::DeadZone
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -3,8 +3,11 @@
 //! u clipped to ±limit, before A(s).
 
 use super::axis::{Axis, InputMap, Stage, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, lowered};
 use super::effect::Effect;
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
+use super::search_plan::SearchPlan;
 use super::slot::Slot;
 use crate::plant::Scalar as _;
 
@@ -14,6 +17,8 @@ pub struct ActuatorSaturation;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "limit",
+    title: "limit of the command",
+    symbol: ["u", "max"],
     dimension: Dimension::INPUT,
     domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
@@ -25,30 +30,30 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     },
 }];
 
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "actuator_saturation",
+    title: "actuator saturation",
+    with_article: "actuator saturation",
+    equation: "u clipped to ±u_max, before A(s)",
+    meaning: "the amplifier clips: what is commanded beyond a limit is cut off",
+    signature: "nothing below a threshold of the magnitude, above it at every frequency a smaller \
+         fundamental and odd harmonics",
+    imitators: &["quadratic_drag", "slew_limit"],
+    slot: Slot::Saturation,
+    parameters: &PARAMETERS,
+    search: SearchPlan::DEFAULT,
+    draw: DrawPlan {
+        draw: |scales, draws| vec![scales.lowest * draws.log_uniform(1.3, 3.6)],
+        scaled: |scales, values, factor| {
+            Some(vec![lowered(values[0], factor, scales.highest, 0.5 * scales.lowest)?])
+        },
+        by_character: None,
+    },
+};
+
 impl Effect for ActuatorSaturation {
-    fn id(&self) -> &'static str {
-        "actuator_saturation"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "the amplifier clips: what is commanded beyond a limit is cut off"
-    }
-
-    fn signature(&self) -> &'static str {
-        "nothing below a threshold of the magnitude, above it at every frequency a smaller \
-         fundamental and odd harmonics"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["quadratic_drag", "slew_limit"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::Saturation
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -6,9 +6,14 @@
 //! pull just before contact ends), 0 inside the gap. y is the motor's velocity.
 
 use super::axis::{Axis, SecondMass, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::DrawPlan;
 use super::effect::Effect;
-use super::flexible_mode::{DAMPING, LOAD_INERTIA_FRACTION, STIFFNESS, resize_load};
+use super::flexible_mode::{
+    DAMPING, LOAD_INERTIA_FRACTION, STIFFNESS, draw_joint, heavier_load, resize_load, softer_joint,
+};
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range, Scope};
+use super::search_plan::{SearchPlan, Starts};
 use super::slot::Slot;
 
 /// ρ, k, c and the gap.
@@ -19,6 +24,8 @@ const PARAMETERS: [Parameter; 4] = [LOAD_INERTIA_FRACTION, STIFFNESS, DAMPING, G
 
 const GAP: Parameter = Parameter {
     name: "gap",
+    title: "gap of the joint",
+    symbol: ["ε", ""],
     dimension: Dimension::POSITION,
     domain: Domain::NotNegative,
     coordinate: Coordinate::Logarithmic,
@@ -58,45 +65,39 @@ fn contacts(scope: &Scope) -> Vec<Vec<f64>> {
         .collect()
 }
 
-impl Effect for Backlash {
-    fn id(&self) -> &'static str {
-        "backlash"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "there is play between motor and load: at every reversal the motor crosses a gap \
-         alone"
-    }
-
-    fn signature(&self) -> &'static str {
-        "impacts after every reversal: harmonics of high order, even ones and a mean where \
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "backlash",
+    title: "backlash",
+    with_article: "backlash",
+    equation: "(1 − ρ)J·v' = −(a/K)·v + τ − f − T_s, ρJ·v_load' = T_s, φ' = v − v_load, J = 1/K; T_s = k·(φ beyond ±ε/2) + c·(v − v_load) there, 0 within",
+    meaning: "there is play between motor and load: at every reversal the motor crosses a gap \
+         alone",
+    signature: "impacts after every reversal: harmonics of high order, even ones and a mean where \
          friction is asymmetric; above the contact's resonance a lighter axis, the more so the \
-         smaller the magnitude"
-    }
+         smaller the magnitude",
+    imitators: &["flexible_mode"],
+    slot: Slot::SecondMass,
+    parameters: &PARAMETERS,
+    search: SearchPlan {
+        starts: Starts::Points(contacts),
+        resize: resize_load,
+        // No machine builder makes a play that small on purpose, and wear makes it larger.
+        rare_when_small: Some(3),
+        ..SearchPlan::DEFAULT
+    },
+    draw: DrawPlan {
+        draw: |scales, draws| {
+            let [load, stiffness, damping] = draw_joint(scales, draws, [0.05, 0.5]);
+            vec![load, stiffness, damping, scales.travel() * draws.log_uniform(0.001, 0.3)]
+        },
+        scaled: heavier_load,
+        by_character: Some(softer_joint),
+    },
+};
 
-    fn imitators(&self) -> &'static [&'static str] {
-        &["flexible_mode"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::SecondMass
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
-    }
-
-    fn start_points(&self, scope: &Scope) -> Vec<Vec<f64>> {
-        contacts(scope)
-    }
-
-    // None is made that small on purpose, and what wear leaves has no reason to be.
-    fn rarer_where_small(&self) -> Option<usize> {
-        Some(3)
-    }
-
-    fn resize(&self, values: &mut [f64], _ranges: &[Range], factor: f64) {
-        resize_load(values, factor);
+impl Effect for Backlash {
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -3,12 +3,15 @@
 //! g += T·sin(N·θ + φ), together with the constant torque that makes mean v
 //! zero; θ has zero mean.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use super::axis::{Axis, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, up_to};
 use super::effect::Effect;
 use super::law::{Form, LAW_PARAMETERS, Law, Partials};
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
+use super::search_plan::{SearchPlan, Starts};
 use super::slot::Slot;
 use super::taylor_series;
 use super::taylor_series::TaylorSeries;
@@ -20,6 +23,8 @@ pub struct Cogging;
 const PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "amplitude",
+        title: "amplitude of the cogging torque",
+        symbol: ["T", ""],
         dimension: Dimension::INPUT,
         domain: Domain::NotNegative,
         coordinate: Coordinate::Linear,
@@ -31,6 +36,8 @@ const PARAMETERS: [Parameter; 3] = [
     },
     Parameter {
         name: "cycles_per_unit",
+        title: "spatial frequency of the cogging torque",
+        symbol: ["N", ""],
         dimension: Dimension::NONE.per(Dimension::POSITION),
         domain: Domain::Positive,
         coordinate: Coordinate::Logarithmic,
@@ -44,6 +51,8 @@ const PARAMETERS: [Parameter; 3] = [
     },
     Parameter {
         name: "phase",
+        title: "phase of the cogging torque",
+        symbol: ["φ", ""],
         dimension: Dimension::NONE,
         domain: Domain::Any,
         coordinate: Coordinate::Angle,
@@ -100,39 +109,39 @@ impl Form for Ripple {
     }
 }
 
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "cogging",
+    title: "cogging",
+    with_article: "cogging",
+    equation: "g += T·sin(N·θ + φ), with the constant torque that makes the mean of v zero",
+    meaning: "a torque ripples with the position: cogging of the motor, teeth of a gear, an \
+         eccentric",
+    signature: "harmonics, even ones too, that come and go as the travel covers one tooth more; \
+         strongest at low frequencies, where the travel is long",
+    imitators: &["spring", "hardening_spring", "stribeck"],
+    slot: Slot::Torque,
+    parameters: &PARAMETERS,
+    search: SearchPlan {
+        starts: Starts::FrequencyScan,
+        forces_zero_mean: true,
+        ..SearchPlan::DEFAULT
+    },
+    draw: DrawPlan {
+        draw: |scales, draws| {
+            let amplitude = scales.level() * draws.log_uniform(0.1, 0.6);
+            let cycles_per_unit = draws.log_uniform(1.0, 10.0) / scales.travel();
+            vec![amplitude, cycles_per_unit, TAU * draws.log_uniform(0.01, 1.0)]
+        },
+        scaled: |scales, values, factor| {
+            Some(vec![up_to(values[0], factor, 2.0 * scales.level())?, values[1], values[2]])
+        },
+        by_character: None,
+    },
+};
+
 impl Effect for Cogging {
-    fn id(&self) -> &'static str {
-        "cogging"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "a torque ripples with the position: cogging of the motor, teeth of a gear, an \
-         eccentric"
-    }
-
-    fn signature(&self) -> &'static str {
-        "harmonics, even ones too, that come and go as the travel covers one tooth more; \
-         strongest at low frequencies, where the travel is long"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["spring", "hardening_spring", "stribeck"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::Torque
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
-    }
-
-    fn oscillates(&self) -> bool {
-        true
-    }
-
-    fn settles(&self) -> bool {
-        true
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

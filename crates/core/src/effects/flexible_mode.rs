@@ -5,8 +5,11 @@
 //! T_s = k·φ + c·(v − v_load). y is the motor's velocity.
 
 use super::axis::{Axis, SecondMass, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, Draws, MachineScales, up_to};
 use super::effect::Effect;
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range, Scope};
+use super::search_plan::{SearchPlan, Starts};
 use super::slot::Slot;
 use crate::plant::Scalar as _;
 
@@ -19,6 +22,8 @@ const PARAMETERS: [Parameter; 3] = [LOAD_INERTIA_FRACTION, STIFFNESS, DAMPING];
 /// ρ.
 pub(super) const LOAD_INERTIA_FRACTION: Parameter = Parameter {
     name: "load_inertia_fraction",
+    title: "share of the inertia in the load",
+    symbol: ["ρ", ""],
     dimension: Dimension::NONE,
     domain: Domain::Share,
     coordinate: Coordinate::Logarithmic,
@@ -28,6 +33,8 @@ pub(super) const LOAD_INERTIA_FRACTION: Parameter = Parameter {
 /// k.
 pub(super) const STIFFNESS: Parameter = Parameter {
     name: "stiffness",
+    title: "stiffness of the joint",
+    symbol: ["k", ""],
     dimension: Dimension::INPUT.per(Dimension::POSITION),
     domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
@@ -46,6 +53,8 @@ pub(super) const STIFFNESS: Parameter = Parameter {
 /// c.
 pub(super) const DAMPING: Parameter = Parameter {
     name: "damping",
+    title: "damping of the joint",
+    symbol: ["c", ""],
     dimension: Dimension::INPUT.per(Dimension::VELOCITY),
     domain: Domain::NotNegative,
     coordinate: Coordinate::Logarithmic,
@@ -94,42 +103,76 @@ fn resonances(scope: &Scope) -> Vec<Vec<f64>> {
 
 /// Makes a load (ρ, k, c, …) so many times as heavy, its motion beside the motor's
 /// as it was.
-pub(super) fn resize_load(values: &mut [f64], factor: f64) {
+pub(super) fn resize_load(values: &mut [f64], _ranges: &[Range], factor: f64) {
     values.iter_mut().take(3).for_each(|value| *value *= factor);
 }
 
+/// Draws ρ from 0.2 to 0.6, k and c by the resonance (2 a to 10 a) of motor against load and its
+/// damping ratio, which lies in `ratios`.
+pub(super) fn draw_joint(
+    scales: &MachineScales,
+    draws: &mut dyn Draws,
+    [low, high]: [f64; 2],
+) -> [f64; 3] {
+    let load = draws.log_uniform(0.2, 0.6);
+    let resonance = scales.viscous_rate * draws.log_uniform(2.0, 10.0);
+    let inertia = load * (1.0 - load) / scales.constant;
+    let stiffness = resonance * resonance * inertia;
+    let per_ratio = 2.0 * resonance * inertia;
+    [load, stiffness, per_ratio * draws.log_uniform(low, high)]
+}
+
+/// A load `factor` times as heavy, up to ρ = 0.85, at the same resonance and damping ratio.
+pub(super) fn heavier_load(_: &MachineScales, values: &[f64], factor: f64) -> Option<Vec<f64>> {
+    let mut values = values.to_vec();
+    let fraction = values[0];
+    values[0] = up_to(fraction, factor, 0.85)?;
+    let inertias = values[0] * (1.0 - values[0]) / (fraction * (1.0 - fraction));
+    values[1] *= inertias;
+    values[2] *= inertias;
+    Some(values)
+}
+
+/// A joint `factor` times as soft at the same damping ratio, down to a resonance at a/2.
+pub(super) fn softer_joint(
+    scales: &MachineScales,
+    values: &[f64],
+    factor: f64,
+) -> Option<Vec<f64>> {
+    let mut values = values.to_vec();
+    let (fraction, stiffness) = (values[0], values[1]);
+    let resonance = (scales.constant * stiffness / (factor * fraction * (1.0 - fraction))).sqrt();
+    values[1] /= factor;
+    values[2] /= factor.sqrt();
+    (resonance >= 0.5 * scales.viscous_rate).then_some(values)
+}
+
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "flexible_mode",
+    title: "flexible mode",
+    with_article: "a flexible mode",
+    equation: "(1 − ρ)J·v' = −(a/K)·v + τ − f − T_s, ρJ·v_load' = T_s, T_s = k·φ + c·(v − v_load), φ' = v − v_load, J = 1/K",
+    meaning: "the load hangs on an elastic joint (shaft, belt or coupling) and swings against \
+         the motor",
+    signature: "an antiresonance and a resonance in the fundamental, the same at every magnitude",
+    imitators: &["backlash", "spring", "sensor_lag"],
+    slot: Slot::SecondMass,
+    parameters: &PARAMETERS,
+    search: SearchPlan {
+        starts: Starts::Points(resonances),
+        resize: resize_load,
+        ..SearchPlan::DEFAULT
+    },
+    draw: DrawPlan {
+        draw: |scales, draws| draw_joint(scales, draws, [0.01, 0.3]).to_vec(),
+        scaled: heavier_load,
+        by_character: Some(softer_joint),
+    },
+};
+
 impl Effect for FlexibleMode {
-    fn id(&self) -> &'static str {
-        "flexible_mode"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "the load hangs on an elastic joint (shaft, belt or coupling) and swings against \
-         the motor"
-    }
-
-    fn signature(&self) -> &'static str {
-        "an antiresonance and a resonance in the fundamental, the same at every magnitude"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["backlash", "spring", "sensor_lag"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::SecondMass
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
-    }
-
-    fn resize(&self, values: &mut [f64], _ranges: &[Range], factor: f64) {
-        resize_load(values, factor);
-    }
-
-    fn start_points(&self, scope: &Scope) -> Vec<Vec<f64>> {
-        resonances(scope)
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -3,8 +3,11 @@
 //! (1 + γ)u for u > 0, (1 − γ)u for u < 0, before A(s).
 
 use super::axis::{Axis, InputMap, Stage, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, up_to};
 use super::effect::Effect;
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
+use super::search_plan::SearchPlan;
 use super::slot::Slot;
 use crate::plant::Scalar as _;
 
@@ -14,35 +17,35 @@ pub struct GainAsymmetry;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "gamma",
+    title: "asymmetry of the gain",
+    symbol: ["γ", ""],
     dimension: Dimension::NONE,
     domain: Domain::BelowOneInSize,
     coordinate: Coordinate::Linear,
     range: |_| Range { bounds: [-0.95, 0.95], likely: [-0.3, 0.3], absent: Some(0.0) },
 }];
 
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "gain_asymmetry",
+    title: "gain asymmetry",
+    with_article: "gain asymmetry",
+    equation: "(1 + γ)·u for u > 0, (1 − γ)·u for u < 0, before A(s)",
+    meaning: "the amplifier is stronger in one direction than in the other",
+    signature: "a mean and even harmonics in proportion to the magnitude, at every frequency",
+    imitators: &["viscous_asymmetry"],
+    slot: Slot::Gain,
+    parameters: &PARAMETERS,
+    search: SearchPlan::DEFAULT,
+    draw: DrawPlan {
+        draw: |_, draws| vec![draws.signed(0.03, 0.2)],
+        scaled: |_, values, factor| Some(vec![up_to(values[0], factor, 0.8)?]),
+        by_character: None,
+    },
+};
+
 impl Effect for GainAsymmetry {
-    fn id(&self) -> &'static str {
-        "gain_asymmetry"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "the amplifier is stronger in one direction than in the other"
-    }
-
-    fn signature(&self) -> &'static str {
-        "a mean and even harmonics in proportion to the magnitude, at every frequency"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["viscous_asymmetry"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::Gain
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -3,9 +3,12 @@
 //! g += k·θ + k₃·θ³, θ absolute, zero at the spring's rest.
 
 use super::axis::{Axis, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, MachineScales, up_to};
 use super::effect::Effect;
 use super::law::{Form, LAW_PARAMETERS, Law, Partials};
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
+use super::search_plan::SearchPlan;
 use super::slot::Slot;
 use super::spring::STIFFNESS;
 use super::taylor_series;
@@ -19,6 +22,8 @@ const PARAMETERS: [Parameter; 2] = [STIFFNESS, CUBIC_STIFFNESS];
 
 const CUBIC_STIFFNESS: Parameter = Parameter {
     name: "cubic_stiffness",
+    title: "cubic stiffness",
+    symbol: ["k", "3"],
     dimension: Dimension { input: 1, velocity: -3, time: -3 },
     domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
@@ -69,35 +74,36 @@ impl Form for Hardening {
     }
 }
 
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "hardening_spring",
+    title: "hardening spring",
+    with_article: "a hardening spring",
+    equation: "g += k·θ + k₃·θ³",
+    meaning: "a restoring torque grows faster than the position, as of a bellows or near an end \
+         stop",
+    signature: "as a spring in the lowest band, and the stiffer the larger the travel: the resonance \
+         rises with the magnitude",
+    imitators: &["spring", "presliding"],
+    slot: Slot::Torque,
+    parameters: &PARAMETERS,
+    search: SearchPlan { forces_zero_mean: true, ..SearchPlan::DEFAULT },
+    draw: DrawPlan {
+        draw: |scales, draws| {
+            let MachineScales { viscous_rate: a, constant, .. } = scales;
+            let stiffness = 0.5 * a * a / constant * draws.log_uniform(0.02, 0.3);
+            let per_cube = scales.lowest / scales.travel().powi(3);
+            vec![stiffness, per_cube * draws.log_uniform(0.0001, 0.3)]
+        },
+        scaled: |scales, values, factor| {
+            Some(vec![up_to(values[0], factor, scales.stiffness())?, factor * values[1]])
+        },
+        by_character: None,
+    },
+};
+
 impl Effect for HardeningSpring {
-    fn id(&self) -> &'static str {
-        "hardening_spring"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "a restoring torque grows faster than the position, as of a bellows or near an end \
-         stop"
-    }
-
-    fn signature(&self) -> &'static str {
-        "as a spring in the lowest band, and the stiffer the larger the travel: the resonance \
-         rises with the magnitude"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["spring", "presliding"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::Torque
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
-    }
-
-    fn settles(&self) -> bool {
-        true
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

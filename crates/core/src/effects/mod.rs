@@ -1,17 +1,20 @@
 //! Effects a base model may lack: one file each.
 //!
-//! A file holds everything about its effect: the equation, the parameters with
-//! their units, bounds and scales, what it looks like in a response, what
-//! imitates it, how it enters the simulation, and derivatives. Adding one is
-//! such a file, a `mod` line and a line in [`ALL`]. Definitions are those of the
-//! contract, section 3.
+//! The file of an effect holds its [`Descriptor`] (equation, parameters with units and ranges, words
+//! for reports, slot, how it is searched for, how a benchmark draws it) and how it enters the
+//! simulation. A new effect is such a file, its `mod` line and a line in [`ALL`]; see
+//! `docs/adding-an-effect.md`. The definitions are those of the contract, section 3.
 
 mod active;
 mod axis;
+mod descriptor;
+mod draw_plan;
 mod effect;
 mod given;
 mod law;
+mod library;
 mod parameter;
+mod search_plan;
 mod slot;
 mod taylor_series;
 
@@ -37,10 +40,14 @@ use crate::plant::{Plant, Scalar};
 
 pub use active::{ActiveEffect, WrongParameters};
 pub use axis::{Axis, InputMap, SecondMass, Stage, WIDE_LANES, Wide};
+pub use descriptor::Descriptor;
+pub use draw_plan::{DrawPlan, Draws, MachineScales, Scaling, lowered, up_to};
 pub use effect::Effect;
 pub use given::NoSuchEffect;
 pub use law::{Form, LAW_PARAMETERS, Law, Partials};
+pub use library::Library;
 pub use parameter::{Coordinate, Dimension, Domain, Parameter, Range, Scope};
+pub use search_plan::{SearchPlan, Starts};
 pub use slot::{SameSlot, Slot, check_slots};
 pub use taylor_series::{MOST_TERMS, TaylorSeries};
 
@@ -70,9 +77,19 @@ pub fn find(id: &str) -> Option<&'static dyn Effect> {
     ALL.iter().copied().find(|effect| effect.id() == id)
 }
 
+/// The effect and parameter that are reported under this name.
+pub fn find_parameter(key: &str) -> Option<(&'static dyn Effect, &'static Parameter)> {
+    let parameters = |effect: &&'static dyn Effect| {
+        let effect = *effect;
+        effect.parameters().iter().map(move |parameter| (effect, parameter))
+    };
+    ALL.iter().flat_map(parameters).find(|(effect, parameter)| effect.key(parameter) == key)
+}
+
 /// Whether one of two effects may look like the other.
 pub fn are_confusable(one: &dyn Effect, other: &dyn Effect) -> bool {
-    one.imitators().contains(&other.id()) || other.imitators().contains(&one.id())
+    one.descriptor().imitators.contains(&other.id())
+        || other.descriptor().imitators.contains(&one.id())
 }
 
 /// Whether one of two effects has all parameters of the other, so that it is that one with

@@ -154,6 +154,10 @@ impl Range {
 pub struct Parameter {
     /// Its name on the wire.
     pub name: &'static str,
+    /// Its name in a sentence or a table.
+    pub title: &'static str,
+    /// Its symbol and subscript in the equation of the effect.
+    pub symbol: [&'static str; 2],
     /// Its unit.
     pub dimension: Dimension,
     /// Values that it may have by its definition.

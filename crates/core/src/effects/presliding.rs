@@ -5,8 +5,11 @@
 //! friction curve, Fc is what the curve makes of it.
 
 use super::axis::{Axis, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::DrawPlan;
 use super::effect::Effect;
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
+use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
 /// σ.
@@ -15,6 +18,8 @@ pub struct Presliding;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "sigma",
+    title: "bristle stiffness",
+    symbol: ["σ", ""],
     dimension: Dimension::INPUT.per(Dimension::POSITION),
     domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
@@ -30,35 +35,40 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     },
 }];
 
+/// Stiffest bristle that is drawn, in F/X: the time to step through its period grows with it.
+const STIFFEST_DRAWN: f64 = 1e3;
+
+/// The bristle's share of a reversal lasts √(2·Fc/(σ·v')): it is in proportion to 1/√σ.
+fn resize(values: &mut [f64], _ranges: &[Range], factor: f64) {
+    values[0] /= factor * factor;
+}
+
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "presliding",
+    title: "presliding",
+    with_article: "presliding",
+    equation: "z' = v − |v|·σ·z/Fc(sgn v), f = σ·z, in place of set-valued friction",
+    meaning: "before it slides the contact yields like a spring: the axis moves below breakaway",
+    signature: "the axis moves where it should rest, with a phase lead; strongest at the lowest \
+         magnitude and at high frequencies, where the travel is short",
+    imitators: &["static_friction", "stribeck", "spring"],
+    slot: Slot::Bristle,
+    parameters: &PARAMETERS,
+    search: SearchPlan { resize, ..SearchPlan::DEFAULT },
+    draw: DrawPlan {
+        draw: |scales, draws| vec![scales.level() / scales.travel() * draws.log_uniform(3.0, 60.0)],
+        scaled: |scales, values, factor| {
+            let softest = scales.level() / scales.travel();
+            let sigma = (values[0] / factor).min(STIFFEST_DRAWN * softest);
+            (sigma >= softest).then(|| vec![sigma])
+        },
+        by_character: None,
+    },
+};
+
 impl Effect for Presliding {
-    fn id(&self) -> &'static str {
-        "presliding"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "before it slides the contact yields like a spring: the axis moves below breakaway"
-    }
-
-    fn signature(&self) -> &'static str {
-        "the axis moves where it should rest, with a phase lead; strongest at the lowest \
-         magnitude and at high frequencies, where the travel is short"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["static_friction", "stribeck", "spring"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::Bristle
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
-    }
-
-    // The bristle's share of a reversal lasts √(2·Fc/(σ·v')).
-    fn resize(&self, values: &mut [f64], _ranges: &[Range], factor: f64) {
-        values[0] /= factor * factor;
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -3,9 +3,12 @@
 //! g += c·v·|v|.
 
 use super::axis::{Axis, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, up_to};
 use super::effect::Effect;
 use super::law::{Form, LAW_PARAMETERS, Law, Partials};
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
+use super::search_plan::SearchPlan;
 use super::slot::Slot;
 use super::taylor_series;
 use super::taylor_series::TaylorSeries;
@@ -16,6 +19,8 @@ pub struct QuadraticDrag;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "c",
+    title: "drag coefficient",
+    symbol: ["c", ""],
     dimension: Dimension::INPUT.per(Dimension::VELOCITY).per(Dimension::VELOCITY),
     domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
@@ -62,30 +67,33 @@ impl Form for Drag {
     }
 }
 
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "quadratic_drag",
+    title: "quadratic drag",
+    with_article: "quadratic drag",
+    equation: "g += c·v·|v|",
+    meaning: "a drag grows with the square of the speed, as of a fan or churned lubricant",
+    signature: "the gain falls as the magnitude grows, most below the pole, with a third harmonic that \
+         grows faster than the magnitude",
+    imitators: &["stribeck", "actuator_saturation"],
+    slot: Slot::Torque,
+    parameters: &PARAMETERS,
+    search: SearchPlan::DEFAULT,
+    draw: DrawPlan {
+        draw: |scales, draws| {
+            let velocity = scales.velocity();
+            vec![scales.lowest / (velocity * velocity) * draws.log_uniform(0.02, 0.3)]
+        },
+        scaled: |scales, values, factor| {
+            Some(vec![up_to(values[0], factor, 3.0 * scales.lowest / scales.velocity().powi(2))?])
+        },
+        by_character: None,
+    },
+};
+
 impl Effect for QuadraticDrag {
-    fn id(&self) -> &'static str {
-        "quadratic_drag"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "a drag grows with the square of the speed, as of a fan or churned lubricant"
-    }
-
-    fn signature(&self) -> &'static str {
-        "the gain falls as the magnitude grows, most below the pole, with a third harmonic that \
-         grows faster than the magnitude"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["stribeck", "actuator_saturation"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::Torque
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -3,8 +3,11 @@
 //! T·y' + y = v: Yₖ = Vₖ/(1 + jkωT).
 
 use super::axis::{Axis, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, up_to};
 use super::effect::Effect;
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
+use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
 /// T.
@@ -13,6 +16,8 @@ pub struct SensorLag;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "time_constant",
+    title: "time constant of the sensor",
+    symbol: ["T", ""],
     dimension: Dimension::TIME,
     domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
@@ -23,30 +28,30 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     },
 }];
 
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "sensor_lag",
+    title: "sensor lag",
+    with_article: "a sensor lag",
+    equation: "T·y' + y = v",
+    meaning: "the sensor, or a filter behind it, follows the motion with a first-order lag",
+    signature: "a phase lag that grows with frequency and harmonic and a loss of gain along with it, the \
+         same at every magnitude",
+    imitators: &["transport_delay"],
+    slot: Slot::SensorLag,
+    parameters: &PARAMETERS,
+    search: SearchPlan::DEFAULT,
+    draw: DrawPlan {
+        draw: |scales, draws| vec![draws.log_uniform(0.005, 0.05) / scales.viscous_rate],
+        scaled: |scales, values, factor| {
+            Some(vec![up_to(values[0], factor, 1.0 / scales.viscous_rate)?])
+        },
+        by_character: None,
+    },
+};
+
 impl Effect for SensorLag {
-    fn id(&self) -> &'static str {
-        "sensor_lag"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "the sensor, or a filter behind it, follows the motion with a first-order lag"
-    }
-
-    fn signature(&self) -> &'static str {
-        "a phase lag that grows with frequency and harmonic and a loss of gain along with it, the \
-         same at every magnitude"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["transport_delay"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::SensorLag
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -5,8 +5,11 @@
 //! triangle of amplitude rate·T/4 and zero mean, whatever m).
 
 use super::axis::{Axis, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, lowered};
 use super::effect::Effect;
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
+use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
 /// The rate.
@@ -15,6 +18,8 @@ pub struct SlewLimit;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "rate",
+    title: "limit of the rate of the command",
+    symbol: ["r", ""],
     dimension: Dimension::INPUT.per(Dimension::TIME),
     domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
@@ -28,30 +33,34 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     },
 }];
 
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "slew_limit",
+    title: "slew limit",
+    with_article: "a slew limit",
+    equation: "w' = ±r until w meets u again, w = u while |u'| ≤ r, before A(s)",
+    meaning: "the amplifier cannot follow fast commands: its output changes at a limited rate",
+    signature: "nothing below a threshold of magnitude times frequency, above it a falling gain, a phase \
+         lag and odd harmonics",
+    imitators: &["actuator_saturation", "sensor_lag"],
+    slot: Slot::RateLimit,
+    parameters: &PARAMETERS,
+    search: SearchPlan::DEFAULT,
+    draw: DrawPlan {
+        draw: |scales, draws| {
+            vec![scales.lowest * scales.viscous_rate * draws.log_uniform(1.0, 10.0)]
+        },
+        scaled: |scales, values, factor| {
+            let steepest = scales.highest * scales.fastest_rad_s;
+            let least = 0.1 * scales.lowest * scales.viscous_rate;
+            Some(vec![lowered(values[0], factor, steepest, least)?])
+        },
+        by_character: None,
+    },
+};
+
 impl Effect for SlewLimit {
-    fn id(&self) -> &'static str {
-        "slew_limit"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "the amplifier cannot follow fast commands: its output changes at a limited rate"
-    }
-
-    fn signature(&self) -> &'static str {
-        "nothing below a threshold of magnitude times frequency, above it a falling gain, a phase \
-         lag and odd harmonics"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["actuator_saturation", "sensor_lag"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::RateLimit
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -3,9 +3,12 @@
 //! g += k·θ, θ absolute, zero at the spring's rest.
 
 use super::axis::{Axis, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, up_to};
 use super::effect::Effect;
 use super::law::{Form, LAW_PARAMETERS, Law, Partials};
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
+use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
 /// k.
@@ -17,6 +20,8 @@ const PARAMETERS: [Parameter; 1] = [STIFFNESS];
 /// k.
 pub(super) const STIFFNESS: Parameter = Parameter {
     name: "stiffness",
+    title: "spring stiffness",
+    symbol: ["k", ""],
     dimension: Dimension::INPUT.per(Dimension::POSITION),
     domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
@@ -58,35 +63,29 @@ impl Form for Linear {
     }
 }
 
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "spring",
+    title: "spring",
+    with_article: "a spring",
+    equation: "g += k·θ",
+    meaning: "a restoring torque is in proportion to the position, as of a cable, a hose or \
+         gravity",
+    signature: "in the lowest band the response is smaller and leads; the mean vanishes at every \
+         magnitude",
+    imitators: &["hardening_spring", "presliding"],
+    slot: Slot::Torque,
+    parameters: &PARAMETERS,
+    search: SearchPlan { forces_zero_mean: true, ..SearchPlan::DEFAULT },
+    draw: DrawPlan {
+        draw: |scales, draws| vec![scales.stiffness() * draws.log_uniform(0.02, 0.3)],
+        scaled: |scales, values, factor| Some(vec![up_to(values[0], factor, scales.stiffness())?]),
+        by_character: None,
+    },
+};
+
 impl Effect for Spring {
-    fn id(&self) -> &'static str {
-        "spring"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "a restoring torque is in proportion to the position, as of a cable, a hose or \
-         gravity"
-    }
-
-    fn signature(&self) -> &'static str {
-        "in the lowest band the response is smaller and leads; the mean vanishes at every \
-         magnitude"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["hardening_spring", "presliding"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::Torque
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
-    }
-
-    fn settles(&self) -> bool {
-        true
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

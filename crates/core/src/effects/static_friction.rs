@@ -6,8 +6,11 @@
 use crate::plant::{Friction, Scalar as _};
 
 use super::axis::{Axis, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, up_to};
 use super::effect::Effect;
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range, Scope};
+use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
 /// Excess of a level over the Coulomb level at which it acts, and changes next to nothing.
@@ -20,6 +23,8 @@ pub struct StaticFriction;
 const PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "fs_plus",
+        title: "static friction forwards",
+        symbol: ["F", "s+"],
         dimension: Dimension::INPUT,
         domain: Domain::NotNegative,
         coordinate: Coordinate::Linear,
@@ -27,6 +32,8 @@ const PARAMETERS: [Parameter; 2] = [
     },
     Parameter {
         name: "fs_minus",
+        title: "static friction backwards",
+        symbol: ["F", "s−"],
         dimension: Dimension::INPUT,
         domain: Domain::NotNegative,
         coordinate: Coordinate::Linear,
@@ -39,45 +46,45 @@ fn range(scope: &Scope, coulomb: f64) -> Range {
     Range { bounds: [0.0, 1.05 * scope.largest_level], likely, absent: Some(coulomb) }
 }
 
+/// Where one level lies below the Coulomb level, both are set above it by the same share: a level
+/// below has no influence, and what one alone explains, both may explain better.
+fn escape_dead_zone(values: &mut [f64], friction: &Friction) {
+    let coulomb = [friction.fc_plus, friction.fc_minus];
+    if values.iter().zip(coulomb).all(|(level, coulomb)| *level >= coulomb) {
+        return;
+    }
+    let excess = values.iter().zip(coulomb).map(|(level, coulomb)| level / coulomb - 1.0);
+    let share = 0.5 * excess.filter(|excess| excess.is_finite()).fold(LEAST_EXCESS, f64::max);
+    values.iter_mut().zip(coulomb).for_each(|(level, coulomb)| *level = (1.0 + share) * coulomb);
+}
+
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "static_friction",
+    title: "static friction",
+    with_article: "static friction",
+    equation: "v = 0: −Fs⁻ ≤ f ≤ Fs⁺, with Fs > Fc",
+    meaning: "breakaway takes more torque than sliding: at every reversal the axis sticks until \
+         the static level is exceeded",
+    signature: "at the lowest magnitudes and frequencies the axis rests longer at every reversal and \
+         starts with a jump of acceleration; nothing changes where it slides through",
+    imitators: &["stribeck", "presliding"],
+    slot: Slot::StaticLevel,
+    parameters: &PARAMETERS,
+    search: SearchPlan { escape_dead_zone: Some(escape_dead_zone), ..SearchPlan::DEFAULT },
+    draw: DrawPlan {
+        draw: |scales, draws| scales.coulomb.map(|fc| fc * draws.log_uniform(1.1, 1.9)).to_vec(),
+        scaled: |scales, values, factor| {
+            let level =
+                |(fs, fc): (&f64, f64)| Some(fc * (1.0 + up_to(fs / fc - 1.0, factor, 2.0)?));
+            values.iter().zip(scales.coulomb).map(level).collect()
+        },
+        by_character: None,
+    },
+};
+
 impl Effect for StaticFriction {
-    fn id(&self) -> &'static str {
-        "static_friction"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "breakaway takes more torque than sliding: at every reversal the axis sticks until \
-         the static level is exceeded"
-    }
-
-    fn signature(&self) -> &'static str {
-        "at the lowest magnitudes and frequencies the axis rests longer at every reversal and \
-         starts with a jump of acceleration; nothing changes where it slides through"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["stribeck", "presliding"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::StaticLevel
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
-    }
-
-    // What one level alone explains, both may explain better.
-    fn escape_dead_zone(&self, values: &mut [f64], friction: &Friction) {
-        let coulomb = [friction.fc_plus, friction.fc_minus];
-        if values.iter().zip(coulomb).all(|(level, coulomb)| *level >= coulomb) {
-            return;
-        }
-        let excess = values.iter().zip(coulomb).map(|(level, coulomb)| level / coulomb - 1.0);
-        let share = 0.5 * excess.filter(|excess| excess.is_finite()).fold(LEAST_EXCESS, f64::max);
-        values
-            .iter_mut()
-            .zip(coulomb)
-            .for_each(|(level, coulomb)| *level = (1.0 + share) * coulomb);
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

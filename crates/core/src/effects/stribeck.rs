@@ -3,9 +3,12 @@
 //! f(v) = sgn(v)·Fc·[1 + (r − 1)·exp(−(v/vs)²)], breakaway r·Fc.
 
 use super::axis::{Axis, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, MachineScales, up_to};
 use super::effect::Effect;
 use super::law::{Form, LAW_PARAMETERS, Law, Partials};
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
+use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
 /// r and vs.
@@ -15,6 +18,8 @@ pub struct Stribeck;
 const PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "fs_over_fc",
+        title: "static over dry friction",
+        symbol: ["r", ""],
         dimension: Dimension::NONE,
         domain: Domain::AtLeastOne,
         coordinate: Coordinate::Linear,
@@ -22,6 +27,8 @@ const PARAMETERS: [Parameter; 2] = [
     },
     Parameter {
         name: "stribeck_velocity",
+        title: "Stribeck velocity",
+        symbol: ["v", "s"],
         dimension: Dimension::VELOCITY,
         domain: Domain::Positive,
         coordinate: Coordinate::Logarithmic,
@@ -65,36 +72,43 @@ impl Form for Curve {
     }
 }
 
+/// The same curve over `factor` times as large velocities, up to V.
+fn faster(scales: &MachineScales, values: &[f64], factor: f64) -> Option<Vec<f64>> {
+    let stribeck_velocity = factor * values[1];
+    (stribeck_velocity <= scales.velocity()).then(|| vec![values[0], stribeck_velocity])
+}
+
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "stribeck",
+    title: "Stribeck friction",
+    with_article: "Stribeck friction",
+    equation: "f = sgn(v)·Fc·[1 + (r − 1)·exp(−(v/vs)²)], breakaway at r·Fc",
+    meaning: "friction falls as the axis gains speed, as in a bearing, guide or seal with mixed \
+         lubrication",
+    signature: "strongest at the lowest magnitude and lowest frequencies, in the odd harmonics; fades as \
+         the magnitude grows",
+    imitators: &["static_friction", "quadratic_drag", "presliding"],
+    slot: Slot::FrictionCurve,
+    parameters: &PARAMETERS,
+    search: SearchPlan {
+        // Most data cannot tell a narrower curve from static friction that is alike both ways.
+        rare_when_small: Some(1),
+        ..SearchPlan::DEFAULT
+    },
+    draw: DrawPlan {
+        draw: |scales, draws| {
+            vec![draws.log_uniform(1.1, 1.8), scales.velocity() * draws.log_uniform(0.03, 0.5)]
+        },
+        scaled: |_, values, factor| {
+            Some(vec![1.0 + up_to(values[0] - 1.0, factor, 2.0)?, values[1]])
+        },
+        by_character: Some(faster),
+    },
+};
+
 impl Effect for Stribeck {
-    fn id(&self) -> &'static str {
-        "stribeck"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "friction falls as the axis gains speed, as in a bearing, guide or seal with mixed \
-         lubrication"
-    }
-
-    fn signature(&self) -> &'static str {
-        "strongest at the lowest magnitude and lowest frequencies, in the odd harmonics; fades as \
-         the magnitude grows"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["static_friction", "quadratic_drag", "presliding"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::FrictionCurve
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
-    }
-
-    // So narrow a curve is static friction that is alike both ways, to most data.
-    fn rarer_where_small(&self) -> Option<usize> {
-        Some(1)
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -48,7 +48,7 @@ fn every_effect_of_the_contract_is_listed_once() {
             "viscous_asymmetry",
         ]
     );
-    let imitators = ALL.iter().flat_map(|effect| effect.imitators());
+    let imitators = ALL.iter().flat_map(|effect| effect.descriptor().imitators);
     for imitator in imitators {
         assert!(find(imitator).is_some(), "{imitator} is no effect");
     }
@@ -58,7 +58,7 @@ fn every_effect_of_the_contract_is_listed_once() {
 fn a_play_or_a_friction_curve_smaller_than_is_likely_is_as_much_rarer() {
     for (id, name) in [("backlash", "gap"), ("stribeck", "stribeck_velocity")] {
         let effect = find(id).unwrap();
-        let parameter = &effect.parameters()[effect.rarer_where_small().unwrap()];
+        let parameter = &effect.parameters()[effect.search().rare_when_small.unwrap()];
         assert_eq!(parameter.name, name);
         let range = (parameter.range)(&scope());
         let share = |times: f64| range.share_of_small(times * range.likely[0]);

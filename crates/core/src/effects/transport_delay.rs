@@ -3,8 +3,11 @@
 //! u(t − T). A periodic response comes later by T as a whole: Yₖ·exp(−jkωT).
 
 use super::axis::{Axis, Wide};
+use super::descriptor::Descriptor;
+use super::draw_plan::{DrawPlan, up_to};
 use super::effect::Effect;
 use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
+use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
 /// T.
@@ -13,6 +16,8 @@ pub struct TransportDelay;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "delay",
+    title: "delay of the command",
+    symbol: ["T", ""],
     dimension: Dimension::TIME,
     domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
@@ -23,31 +28,31 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     },
 }];
 
+const DESCRIPTOR: Descriptor = Descriptor {
+    id: "transport_delay",
+    title: "transport delay",
+    with_article: "a transport delay",
+    equation: "u(t − T)",
+    meaning: "the command arrives late by a fixed time, as behind a field bus or a sampled \
+         controller",
+    signature: "a phase lag in proportion to frequency and harmonic, the same at every magnitude, and no \
+         change of gain",
+    imitators: &["sensor_lag"],
+    slot: Slot::Delay,
+    parameters: &PARAMETERS,
+    search: SearchPlan::DEFAULT,
+    draw: DrawPlan {
+        draw: |scales, draws| vec![draws.log_uniform(0.005, 0.05) / scales.viscous_rate],
+        scaled: |scales, values, factor| {
+            Some(vec![up_to(values[0], factor, 1.0 / scales.viscous_rate)?])
+        },
+        by_character: None,
+    },
+};
+
 impl Effect for TransportDelay {
-    fn id(&self) -> &'static str {
-        "transport_delay"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "the command arrives late by a fixed time, as behind a field bus or a sampled \
-         controller"
-    }
-
-    fn signature(&self) -> &'static str {
-        "a phase lag in proportion to frequency and harmonic, the same at every magnitude, and no \
-         change of gain"
-    }
-
-    fn imitators(&self) -> &'static [&'static str] {
-        &["sensor_lag"]
-    }
-
-    fn slot(&self) -> Slot {
-        Slot::Delay
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
+    fn descriptor(&self) -> &'static Descriptor {
+        &DESCRIPTOR
     }
 
     fn enter(&self, parameters: &[Wide], _run_share: f64, axis: &mut Axis<Wide>) {

@@ -11,7 +11,7 @@ mod transfer;
 use nalgebra::{DMatrix, DVector};
 
 use crate::answers::{NoiseSource, OrderChoice, Stage};
-use crate::effects::Scope;
+use crate::effects::{Effect, Scope};
 use crate::measurement::{Complex, Measurement};
 use crate::observer::Observer;
 use crate::simulate::Counts;
@@ -133,6 +133,11 @@ impl<'a> FitSession<'a> {
     /// Whether the size of the noise is known.
     pub fn noise_known(&self) -> bool {
         self.fitted.weights.source != NoiseSource::Estimated
+    }
+
+    /// The effects that a diagnosis tries.
+    pub fn library(&self) -> &'static [&'static dyn Effect] {
+        self.request.library.effects()
     }
 
     /// Number of real data.

@@ -42,7 +42,7 @@ pub(super) fn name(coordinates: &Coordinates, i: usize) -> String {
         Coordinate::DampingRatio => "damping_ratio",
         Coordinate::OfEffect { effect, parameter } => {
             let effect = coordinates.effects[effect];
-            return format!("{}.{}", effect.id(), effect.parameters()[parameter].name);
+            return effect.key(&effect.parameters()[parameter]);
         }
     };
     base.to_owned()

@@ -6,7 +6,7 @@ use crate::answers::{
     ComparedExperiment, ComparedHarmonic, Comparison, Identification, NoiseSource, Unanswered,
 };
 use crate::effects;
-use crate::effects::{ActiveEffect, Parameter};
+use crate::effects::{ActiveEffect, Effect, Parameter};
 use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};
 use crate::plant::{Actuator, Friction, Plant};
 use crate::simulate;
@@ -178,13 +178,13 @@ pub(super) fn reported_effects(
     answer: &Identification,
     Scales { omega, input, velocity }: Scales,
 ) -> Result<Vec<ActiveEffect>, IdentifyError> {
-    let mut ids: Vec<&str> =
-        answer.parameters.keys().filter_map(|key| key.split('.').next()).collect();
-    ids.dedup();
+    let effects = answer.parameters.keys().filter_map(|key| effects::find_parameter(key));
+    let mut effects: Vec<&dyn Effect> = effects.map(|(effect, _)| effect).collect();
+    effects.dedup_by_key(|effect| effect.id());
     let mut reported = Vec::new();
-    for effect in ids.into_iter().filter_map(effects::find) {
+    for effect in effects {
         let value = |parameter: &Parameter| {
-            let name = format!("{}.{}", effect.id(), parameter.name);
+            let name = effect.key(parameter);
             let value = answer.parameters.get(&name).and_then(|estimate| estimate.value);
             let scale = parameter.dimension.factor(input, velocity, 1.0 / omega);
             value.map(|value| value / scale).ok_or_else(|| IdentifyError::Unusable {

@@ -1,6 +1,7 @@
 //! What is asked of an identification, and why there may be no answer.
 
 use crate::answers::{IdentifyOptions, InvalidOptions, Method, PlantRequest};
+use crate::effects::Library;
 
 /// Why an identification gave no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -28,6 +29,8 @@ pub struct IdentifyRequest {
     pub method: Method,
     /// Its options.
     pub options: IdentifyOptions,
+    /// The effects that a diagnosis tries.
+    pub library: Library,
 }
 
 /// The error of a fitted plant that does not move periodically.

@@ -221,7 +221,7 @@ fn an_effect_of_half_the_size_changes_the_response_by_half() {
             .map(|i| Range { bounds: [0.0, 1.0], likely: [0.0, 1.0], absent: absent(i) })
             .collect();
         let mut halved = values.to_vec();
-        effect.resize(&mut halved, &ranges, 0.5);
+        (effect.search().resize)(&mut halved, &ranges, 0.5);
         // It slides through every reversal.
         let base = respond(&axis, &[], &Excitation::cosine(20.0, 2.0), 7).unwrap();
         let whole = largest_difference(&with_effect(id, values, 20.0, 2.0), &base);

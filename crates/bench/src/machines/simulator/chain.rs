@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 
 use rustfft::FftPlanner;
 
-use super::effect::Effect;
-use super::outsider::Outsider;
+use super::parts::Parts;
 use super::slew::slew_limited;
 use crate::measurement::Complex;
 
@@ -78,21 +77,16 @@ pub(super) struct Command {
 }
 
 impl Command {
-    pub(super) fn periodic(effects: &[Effect], omega_rad_s: f64, lines: &[Complex]) -> Self {
-        let delay_s: f64 = effects
-            .iter()
-            .map(|effect| if let Effect::TransportDelay { delay } = effect { *delay } else { 0.0 })
-            .sum();
+    pub(super) fn periodic(parts: &Parts, omega_rad_s: f64, lines: &[Complex]) -> Self {
+        let delay_s = parts.delay_s;
         let delayed = |(k, line): (usize, &Complex)| {
             line * Complex::from_polar(1.0, -(k as f64) * omega_rad_s * delay_s)
         };
         let lines = lines.iter().enumerate().map(delayed).collect();
         let input = Input { lines, omega_rad_s };
-        let mut stretches = Shape::of(effects).stretches(&input);
-        for effect in effects {
-            if let Effect::SlewLimit { rate } = effect {
-                stretches = slew_limited(&input, &stretches, *rate);
-            }
+        let mut stretches = Shape::of(parts).stretches(&input);
+        if let Some(rate) = parts.slew_rate {
+            stretches = slew_limited(&input, &stretches, rate);
         }
         Self { input, stretches }
     }
@@ -100,22 +94,10 @@ impl Command {
     /// A command that is straight from sample to sample of an input, and cut at every
     /// multiple of `step_s`, so that a step ends there; before the first sample the input is
     /// as there.
-    pub(super) fn sampled_input(
-        effects: &[Effect],
-        step_s: f64,
-        values: &[f64],
-        hold: bool,
-    ) -> Self {
-        let mut delay_s = 0.0;
-        let mut rate = f64::INFINITY;
-        for effect in effects {
-            match *effect {
-                Effect::TransportDelay { delay } => delay_s += delay,
-                Effect::SlewLimit { rate: limit } => rate = limit,
-                _ => {}
-            }
-        }
-        let shape = Shape::of(effects);
+    pub(super) fn sampled_input(parts: &Parts, step_s: f64, values: &[f64], hold: bool) -> Self {
+        let delay_s = parts.delay_s;
+        let rate = parts.slew_rate.unwrap_or(f64::INFINITY);
+        let shape = Shape::of(parts);
         let end_s = step_s * (values.len() - 1) as f64;
         let knots = (0..values.len()).flat_map(|n| {
             let time_s = n as f64 * step_s;
@@ -201,18 +183,13 @@ struct Shape {
 }
 
 impl Shape {
-    fn of(effects: &[Effect]) -> Self {
-        let mut shape = Self { half_width: 0.0, gamma: 0.0, limit: f64::INFINITY, step: None };
-        for effect in effects {
-            match *effect {
-                Effect::ActuatorDeadZone { half_width } => shape.half_width = half_width,
-                Effect::GainAsymmetry { gamma } => shape.gamma = gamma,
-                Effect::ActuatorSaturation { limit } => shape.limit = limit,
-                Effect::Outside(Outsider::InputQuantisation { step }) => shape.step = Some(step),
-                _ => {}
-            }
+    fn of(parts: &Parts) -> Self {
+        Self {
+            half_width: parts.dead_zone,
+            gamma: parts.gain_asymmetry,
+            limit: parts.limit,
+            step: parts.quantum,
         }
-        shape
     }
 
     /// Offset and gain where the input is u.

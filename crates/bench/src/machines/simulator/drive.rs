@@ -188,15 +188,15 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::machines::simulator::effect::Effect;
+    use crate::machines::simulator::parts::Parts;
     use crate::measurement::Complex;
 
     #[test]
     fn the_input_is_sampled_as_the_sum_of_its_lines() {
         let input = [Complex::new(0.2, 0.0), Complex::new(1.0, -0.3), Complex::new(-0.4, 0.7)];
         // A limit that is never reached forbids the transform; both ways must agree.
-        for effects in [vec![], vec![Effect::GainAsymmetry { gamma: 0.0 }]] {
-            let command = Command::periodic(&effects, TAU / 256.0, &input);
+        for parts in [Parts::default(), Parts { limit: 10.0, ..Parts::default() }] {
+            let command = Command::periodic(&parts, TAU / 256.0, &input);
             let drive = Drive::periodic(&Actuator::Direct, &command, 1.0);
             let [segment] = drive.segments() else { panic!("an input without kinks is cut") };
             for time_s in [0.0, 0.5, 17.0, 100.3, 255.999] {
@@ -220,7 +220,7 @@ mod tests {
             Actuator::SecondOrder { natural_frequency_rad_s: 5.0, damping_ratio: 0.05 },
         ] {
             let input = [Complex::new(0.1, 0.0), Complex::new(1.0, 0.5)];
-            let command = Command::periodic(&[], omega, &input);
+            let command = Command::periodic(&Parts::default(), omega, &input);
             let drive = Drive::periodic(&actuator, &command, TAU / omega / 512.0);
             for step in [0, 1, 100, 511] {
                 let phasor = Complex::from_polar(1.0, TAU * step as f64 / 512.0);

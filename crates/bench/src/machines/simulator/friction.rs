@@ -1,6 +1,6 @@
 //! Levels of dry friction, and the bristle that may stand in for them.
 
-use super::effect::Effect;
+use super::parts::Parts;
 use crate::plant::Friction;
 
 /// Dry friction of a machine at one place in the order of acquisition.
@@ -15,22 +15,14 @@ pub(super) struct DryFriction {
 }
 
 impl DryFriction {
-    pub(super) fn of(friction: &Friction, effects: &[Effect], run_share: f64) -> Self {
+    pub(super) fn of(friction: &Friction, parts: &Parts, run_share: f64) -> Self {
         let mut levels = *friction;
-        let (mut stribeck, mut bristle_stiffness, mut factor) = (None, None, 1.0);
-        for effect in effects {
-            match *effect {
-                Effect::StaticFriction { fs_plus, fs_minus } => {
-                    levels = Friction { fs_plus, fs_minus, ..levels };
-                }
-                Effect::Stribeck { fs_over_fc, stribeck_velocity } => {
-                    stribeck = Some((fs_over_fc - 1.0, stribeck_velocity));
-                }
-                Effect::Presliding { sigma } => bristle_stiffness = Some(sigma),
-                Effect::FrictionDrift { delta } => factor = 1.0 + delta * run_share,
-                _ => {}
-            }
+        if let Some([fs_plus, fs_minus]) = parts.static_levels {
+            levels = Friction { fs_plus, fs_minus, ..levels };
         }
+        let Parts { bristle_stiffness, .. } = *parts;
+        let stribeck = parts.stribeck.map(|[excess, velocity]| (excess, velocity));
+        let factor = 1.0 + parts.friction_drift * run_share;
         let peak = 1.0 + stribeck.map_or(0.0, |(excess, _)| excess);
         let levels = Friction {
             fc_plus: factor * levels.fc_plus,

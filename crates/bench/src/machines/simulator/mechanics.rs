@@ -13,14 +13,15 @@
 //! those it has.
 
 mod joint;
+mod outside;
 mod switching;
 
-use super::effect::Effect;
 use super::friction::DryFriction;
-use super::outsider::{OutsideMechanics, Outsider};
+use super::parts::Parts;
 use crate::plant::Plant;
 pub(super) use joint::Contact;
 use joint::Joint;
+use outside::OutsideMechanics;
 
 /// Index of v, response units: the first state of every machine.
 pub(super) const VELOCITY: usize = 0;
@@ -75,41 +76,17 @@ pub(super) struct Mechanics {
 }
 
 impl Mechanics {
-    pub(super) fn of(plant: &Plant, effects: &[Effect], run_share: f64) -> Self {
-        let friction = DryFriction::of(&plant.friction, effects, run_share);
-        let (mut alpha, mut drag) = (0.0, 0.0);
-        let (mut stiffness, mut cubic_stiffness) = (0.0, 0.0);
-        let (mut cogging, mut joint, mut has_position) = (None, None, false);
-        let mut viscous_factor = 1.0;
-        for effect in effects {
-            match *effect {
-                Effect::ViscousAsymmetry { alpha: asymmetry } => alpha = asymmetry,
-                Effect::QuadraticDrag { c } => drag = c,
-                Effect::Spring { stiffness: k } => {
-                    stiffness += k;
-                    has_position = true;
-                }
-                Effect::HardeningSpring { stiffness: k, cubic_stiffness: k3 } => {
-                    stiffness += k;
-                    cubic_stiffness = k3;
-                    has_position = true;
-                }
-                Effect::Cogging { amplitude, cycles_per_unit, phase } => {
-                    cogging = Some(Cogging { amplitude, cycles_per_unit, phase });
-                    has_position = true;
-                }
-                Effect::Backlash { load_inertia_fraction, stiffness, damping, gap } => {
-                    joint = Some((load_inertia_fraction, stiffness, damping, 0.5 * gap));
-                }
-                Effect::FlexibleMode { load_inertia_fraction, stiffness, damping } => {
-                    joint = Some((load_inertia_fraction, stiffness, damping, 0.0));
-                }
-                Effect::Outside(Outsider::ViscousDrift { delta }) => {
-                    viscous_factor = 1.0 + delta * run_share;
-                }
-                _ => {}
-            }
-        }
+    pub(super) fn of(plant: &Plant, parts: &Parts, run_share: f64) -> Self {
+        let friction = DryFriction::of(&plant.friction, parts, run_share);
+        let alpha = parts.viscous_asymmetry;
+        let viscous_factor = 1.0 + parts.viscous_drift * run_share;
+        let [stiffness, cubic_stiffness] = parts.spring.unwrap_or_default();
+        let cogging = parts.cogging.map(|[amplitude, cycles_per_unit, phase]| Cogging {
+            amplitude,
+            cycles_per_unit,
+            phase,
+        });
+        let has_position = parts.spring.is_some() || cogging.is_some();
         let mut states = 1;
         let mut place = |count| {
             states += count;
@@ -117,32 +94,28 @@ impl Mechanics {
         };
         let position = has_position.then(|| place(1));
         let bristle = friction.bristle_stiffness.map(|sigma| (place(1), sigma));
-        let joint = joint.map(|(load_fraction, stiffness, damping, half_gap)| Joint {
+        let joint = parts.joint.map(|[load_fraction, stiffness, damping, gap]| Joint {
             load_fraction,
             stiffness,
             damping,
-            half_gap,
+            half_gap: 0.5 * gap,
             twist: place(2),
         });
         let motor_fraction = 1.0 - joint.map_or(0.0, |joint| joint.load_fraction);
         let a = viscous_factor * plant.viscous_rate_rad_s / motor_fraction;
-        let outsiders = effects.iter().filter_map(|effect| match effect {
-            Effect::Outside(outsider) => Some(*outsider),
-            _ => None,
-        });
-        let outside = OutsideMechanics::of(outsiders, plant.viscous_rate_rad_s / plant.constant);
+        let a_over_k = plant.viscous_rate_rad_s / plant.constant;
         Self {
             viscous_rate_rad_s: [a * (1.0 + alpha), a * (1.0 - alpha)],
             constant: plant.constant / motor_fraction,
             whole_constant: plant.constant,
             friction,
-            drag,
+            drag: parts.quadratic_drag,
             stiffness,
             cubic_stiffness,
             cogging,
             joint,
             constant_torque: 0.0,
-            outside,
+            outside: OutsideMechanics::of(parts, a_over_k),
             position,
             bristle,
             states,

@@ -7,8 +7,8 @@
 //!       └────── drive ──────┘    └─ mechanics, friction ─┘
 //! ```
 //!
-//! - `effect`: the effects and their parameters by name; `outsider`: physics that no
-//!   diagnosis has a name for.
+//! - `effect`: an effect with values for its parameters; `physics`: what each makes of the
+//!   `parts` of a machine.
 //! - `chain`, `slew`: delay, dead zone, gain asymmetry, saturation and slew limit turn the
 //!   input into stretches without a kink.
 //! - `drive`: nothing of the axis acts back on its actuator, so the torque τ(t) is
@@ -36,7 +36,8 @@ mod floating;
 mod fourier;
 mod friction;
 mod mechanics;
-mod outsider;
+mod parts;
+pub mod physics;
 mod shooting;
 mod slew;
 mod stepping;
@@ -49,11 +50,11 @@ use crate::plant::{Actuator, Plant};
 use chain::Command;
 use cogging::{Held, hold};
 use drive::Drive;
-pub use effect::{Effect, EffectError};
+pub use effect::{Effect, Unusable};
 use floating::float;
 use fourier::FourierSeries;
 use mechanics::{Mechanics, VELOCITY};
-pub use outsider::Outsider;
+pub use parts::Parts;
 use shooting::{Cycle, Search, settle};
 use stepping::Axis;
 pub use transient::{Motion, Samples, Start, follow};
@@ -120,7 +121,7 @@ pub enum SimulatorError {
     },
     /// An effect that no machine has.
     #[error(transparent)]
-    Effect(#[from] EffectError),
+    Effect(#[from] Unusable),
     /// The same effect more than once.
     #[error("`{id}` is given more than once")]
     Repeated {
@@ -165,13 +166,14 @@ pub fn respond(
 ) -> Result<Vec<Complex>, SimulatorError> {
     check(machine, run_share, omega_rad_s, input)?;
     let Machine { plant, effects } = machine;
-    let mechanics = Mechanics::of(plant, effects, run_share);
+    let parts = &Parts::of(effects);
+    let mechanics = Mechanics::of(plant, parts, run_share);
     let speed = linear_speed(plant, omega_rad_s, input);
     let fastest_rad_s = mechanics.fastest_rad_s(speed).max(actuator_rate_rad_s(&plant.actuator));
     let steps = steps_per_period(fastest_rad_s, omega_rad_s, input, settings)?;
-    let gain = gain(effects, run_share);
+    let gain = 1.0 + parts.gain_drift * run_share;
     let input: Vec<Complex> = input.iter().map(|line| gain * line).collect();
-    let command = Command::periodic(effects, omega_rad_s, &input);
+    let command = Command::periodic(parts, omega_rad_s, &input);
     let longest_step_s = command.period_s() / steps as f64;
     let drive = Drive::periodic(&plant.actuator, &command, longest_step_s);
     let solve = match mechanics.states() {
@@ -182,13 +184,11 @@ pub fn respond(
         _ => periodic_harmonics::<5>,
     };
     let search = Search { settings, speed };
-    let compression = compression(effects);
+    let Parts { compression, sensor_lag_s, .. } = *parts;
     let mut velocity = solve(&mechanics, &drive, omega_rad_s, harmonics, compression, &search)?;
-    for effect in *effects {
-        if let Effect::SensorLag { time_constant } = effect {
-            for (k, line) in velocity.iter_mut().enumerate() {
-                *line /= Complex::new(1.0, k as f64 * omega_rad_s * time_constant);
-            }
+    if let Some(lag_s) = sensor_lag_s {
+        for (k, line) in velocity.iter_mut().enumerate() {
+            *line /= Complex::new(1.0, k as f64 * omega_rad_s * lag_s);
         }
     }
     Ok(velocity)
@@ -235,24 +235,6 @@ fn periodic_harmonics<const N: usize>(
     let mut axis = Axis::new(mechanics, drive, state);
     axis.run_period(&mut |piece| series.add(piece, VELOCITY, reading));
     Ok(series.harmonics())
-}
-
-/// Factor of the command at this share of the run.
-fn gain(effects: &[Effect], run_share: f64) -> f64 {
-    let drift = |effect: &Effect| match effect {
-        Effect::Outside(Outsider::GainDrift { delta }) => Some(1.0 + delta * run_share),
-        _ => None,
-    };
-    effects.iter().find_map(drift).unwrap_or(1.0)
-}
-
-/// e of a sensor that reads v/√(1 + (e·v)²).
-fn compression(effects: &[Effect]) -> f64 {
-    let sensor = |effect: &Effect| match effect {
-        Effect::Outside(Outsider::SensorCompression { e }) => Some(*e),
-        _ => None,
-    };
-    effects.iter().find_map(sensor).unwrap_or(0.0)
 }
 
 /// A velocity that the axis does not exceed without friction.
@@ -333,18 +315,14 @@ fn check(
     level("Fc-", friction.fc_minus, 0.0, "at least 0")?;
     level("Fs+", friction.fs_plus, friction.fc_plus, "at least Fc+")?;
     level("Fs-", friction.fs_minus, friction.fc_minus, "at least Fc-")?;
-    for effect in machine.effects {
-        match *effect {
-            Effect::StaticFriction { fs_plus, fs_minus } => {
-                level("Fs+", fs_plus, friction.fc_plus, "at least Fc+")?;
-                level("Fs-", fs_minus, friction.fc_minus, "at least Fc-")?;
-            }
-            Effect::Presliding { .. } => {
-                positive("Fc+ of a bristle", friction.fc_plus)?;
-                positive("Fc- of a bristle", friction.fc_minus)?;
-            }
-            _ => {}
-        }
+    let parts = Parts::of(machine.effects);
+    if let Some([fs_plus, fs_minus]) = parts.static_levels {
+        level("Fs+", fs_plus, friction.fc_plus, "at least Fc+")?;
+        level("Fs-", fs_minus, friction.fc_minus, "at least Fc-")?;
+    }
+    if parts.bristle_stiffness.is_some() {
+        positive("Fc+ of a bristle", friction.fc_plus)?;
+        positive("Fc- of a bristle", friction.fc_minus)?;
     }
     if !(0.0..=1.0).contains(&run_share) {
         let (quantity, requirement) = ("the share of the run", "from 0 to 1");

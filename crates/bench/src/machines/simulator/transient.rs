@@ -2,10 +2,10 @@
 
 use super::chain::Command;
 use super::drive::Drive;
-use super::effect::Effect;
 use super::mechanics::{Mechanics, VELOCITY};
+use super::parts::Parts;
 use super::stepping::{Axis, Piece};
-use super::{Machine, Settings, SimulatorError, actuator_rate_rad_s, check, compression, gain};
+use super::{Machine, Settings, SimulatorError, actuator_rate_rad_s, check};
 use crate::measurement::Complex;
 
 /// An input at equal steps of time; before the first sample it was as there.
@@ -54,14 +54,14 @@ pub fn follow(
     start: &Start,
     settings: &Settings,
 ) -> Result<Motion, SimulatorError> {
-    let Machine { plant, effects } = machine;
+    let plant = &machine.plant;
     let lines: Vec<Complex> = samples.values.iter().map(|u| Complex::new(*u, 0.0)).collect();
     check(machine, run_share, 1.0 / samples.step_s, &lines)?;
-    let factor = gain(effects, run_share);
+    let parts = &Parts::of(machine.effects);
+    let factor = 1.0 + parts.gain_drift * run_share;
     let values: Vec<f64> = samples.values.iter().map(|u| factor * u).collect();
-    let command = Command::sampled_input(effects, samples.step_s, &values, samples.hold);
-    let mechanics =
-        Mechanics::of(plant, effects, run_share).with_cogging(start.constant_torque, 1.0);
+    let command = Command::sampled_input(parts, samples.step_s, &values, samples.hold);
+    let mechanics = Mechanics::of(plant, parts, run_share).with_cogging(start.constant_torque, 1.0);
     let largest = values.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
     let speed = largest * plant.constant / plant.viscous_rate_rad_s;
     let fastest = mechanics.fastest_rad_s(speed).max(actuator_rate_rad_s(&plant.actuator));
@@ -76,13 +76,13 @@ pub fn follow(
         4 => motion::<4>,
         _ => motion::<5>,
     };
-    Ok(follow(&mechanics, &drive, effects, samples, start))
+    Ok(follow(&mechanics, &drive, parts, samples, start))
 }
 
 fn motion<const N: usize>(
     mechanics: &Mechanics,
     drive: &Drive,
-    effects: &[Effect],
+    parts: &Parts,
     samples: &Samples,
     start: &Start,
 ) -> Motion {
@@ -94,11 +94,7 @@ fn motion<const N: usize>(
     if let Some(twist) = mechanics.twist() {
         state[twist + 1] = start.velocity;
     }
-    let lag = effects.iter().find_map(|effect| match effect {
-        Effect::SensorLag { time_constant } => Some(*time_constant),
-        _ => None,
-    });
-    let compression = compression(effects);
+    let Parts { sensor_lag_s: lag, compression, .. } = *parts;
     let mut sensor = Sensor { lag, reading: start.velocity, position: start.position };
     let mut motion = Motion::default();
     let mut add = |velocity: f64, position: f64, acceleration: f64| {

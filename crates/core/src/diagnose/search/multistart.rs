@@ -2,7 +2,7 @@
 //! fitted again from further starting points, and the deepest minimum is kept.
 
 use crate::effects;
-use crate::effects::{ALL, Effect};
+use crate::effects::Effect;
 
 use super::Search;
 use super::fitter::Fitter;
@@ -28,7 +28,7 @@ impl Search<'_> {
                 && !self.models.exceeds(chosen, id, MUCH)
         };
         let hidden: Vec<&dyn Effect> =
-            ALL.iter().filter(|_| most > 0).filter(is_hidden).copied().collect();
+            self.session.library().iter().filter(|_| most > 0).filter(is_hidden).copied().collect();
         for effect in hidden {
             let rest: Key = chosen.iter().copied().filter(|id| *id != effect.id()).collect();
             let linearization =

@@ -88,7 +88,7 @@ impl Changes {
     ) -> Self {
         let ranges = session.ranges(effect);
         let mut this = Self { effect, ranges, start_points: Vec::new(), pitches: Vec::new() };
-        if effect.oscillates() {
+        if effect.is_scanned() {
             this.pitches = frequency_scan::pitches(session, linearization, effect, &this.ranges);
             return this;
         }
@@ -117,7 +117,7 @@ impl Changes {
             return Probed { effect: self.effect, probes, spans, energy: 0.0 };
         };
         let (start_points, spans);
-        if self.effect.oscillates() {
+        if self.effect.is_scanned() {
             (start_points, spans) =
                 frequency_scan::peaks(linearization, &aim.left, &self.ranges, &self.pitches);
         } else {
@@ -161,7 +161,7 @@ impl Changes {
         }
         let scale = (slope / size).clamp(0.0, LARGEST_SCALE);
         let mut values = place.values.clone();
-        self.effect.resize(&mut values, &self.ranges, scale.max(LEAST_SCALE));
+        (self.effect.search().resize)(&mut values, &self.ranges, scale.max(LEAST_SCALE));
         let gain = scale * (2.0 * slope - scale * size);
         Some(Tried { values, change: &place.change * scale, gain })
     }
@@ -185,12 +185,12 @@ impl Aim {
         effect: &dyn Effect,
     ) -> Option<Self> {
         let before = linearization.fitted.complement(&linearization.residuals);
-        if !effect.settles() {
+        if !effect.search().forces_zero_mean {
             let balancing = DVector::zeros(before.len());
             return Some(Self { balancing, left: before, price: 0.0 });
         }
         // A ripple of no size only balances.
-        let ripple = ALL.iter().find(|effect| effect.oscillates())?;
+        let ripple = ALL.iter().find(|effect| effect.is_scanned())?;
         let mut balanced = session.extend(&linearization.model, *ripple);
         let size = balanced.parameters_of(balanced.effects().len() - 1).start;
         balanced.set(size, 0.0);

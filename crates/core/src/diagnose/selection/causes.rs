@@ -3,8 +3,7 @@
 use indexmap::IndexMap;
 
 use crate::answers::{Candidate, Cause, Identification};
-use crate::effects;
-use crate::effects::ALL;
+use crate::effects::are_confusable;
 use crate::identify::Model;
 
 use super::models::{Key, Models};
@@ -39,8 +38,8 @@ const SURE: f64 = 0.9;
 /// third; three follow anything.
 pub(crate) fn convincing(models: &Models, chosen: &Key) -> bool {
     let alike = |one: &str, other: &str| {
-        let effects = effects::find(one).zip(effects::find(other));
-        effects.is_some_and(|(one, other)| effects::are_confusable(one, other))
+        let effects = models.effect(one).zip(models.effect(other));
+        effects.is_some_and(|(one, other)| are_confusable(one, other))
     };
     let sure = |id: &&str| probability(models, |other| other == *id || alike(other, id)) >= SURE;
     match chosen.as_slice() {
@@ -71,14 +70,14 @@ pub(crate) fn named(
     let most = most_confidence(models, chosen, fits);
     let mut causes: Vec<(f64, Cause)> = chosen
         .iter()
-        .filter_map(|id| effects::find(id))
+        .filter_map(|id| models.effect(id))
         .map(|effect| {
             let id = effect.id();
             let parameters: IndexMap<_, _> = effect
                 .parameters()
                 .iter()
                 .filter_map(|parameter| {
-                    let estimate = extended.parameters.get(&format!("{id}.{}", parameter.name))?;
+                    let estimate = extended.parameters.get(&effect.key(parameter))?;
                     Some((parameter.name.to_owned(), estimate.clone()))
                 })
                 .collect();
@@ -87,7 +86,10 @@ pub(crate) fn named(
                 effect: id.to_owned(),
                 parameters,
                 confidence: confidence.min(most),
-                explanation: format!("{}. How it shows: {}", effect.meaning(), effect.signature()),
+                explanation: {
+                    let said = effect.descriptor();
+                    format!("{}. How it shows: {}", said.meaning, said.signature)
+                },
                 gain: None,
                 equivalents: rivals(models, chosen, id).into_iter().map(|r| r.0.into()).collect(),
             };
@@ -139,19 +141,18 @@ pub(crate) fn rivals<'s>(
 pub(crate) fn candidates(models: &Models, chosen: &Key, withdrawn: &Key) -> Vec<Candidate> {
     let noise_scale = &models.noise_scale;
     let before = models.get(&Key::new()).map_or(f64::NAN, |base| noise_scale.misfit(base.cost));
-    let mut candidates: Vec<Candidate> = ALL
-        .iter()
-        .filter_map(|effect| {
-            let id = effect.id();
-            let key = vec![id];
-            let model = models.get(&key).filter(|_| models.criterion(&key).is_finite())?;
+    let mut candidates: Vec<Candidate> = models
+        .all()
+        .filter(|(key, _)| models.criterion(key).is_finite())
+        .filter_map(|(key, model)| {
+            let &[id] = key.as_slice() else { return None };
             let rejected =
                 (!chosen.contains(&id)).then(|| rejection(models, chosen, withdrawn, id));
             Some(Candidate {
                 effect: id.to_owned(),
                 cost: model.cost,
                 delta_chi2: before - noise_scale.misfit(model.cost),
-                criterion: models.criterion(&key),
+                criterion: models.criterion(key),
                 heldout_error: None,
                 rejected,
             })

@@ -108,7 +108,7 @@ pub(crate) fn complexity(session: &FitSession<'_>, model: &Model, noise_scale: &
 /// What it costs that a parameter of this effect is smaller than is likely.
 fn smallness(session: &FitSession<'_>, model: &Model, i: usize, noise_scale: &NoiseScale) -> f64 {
     let effect = model.effects()[i];
-    let Some(rare) = effect.rarer_where_small() else { return 0.0 };
+    let Some(rare) = effect.search().rare_when_small else { return 0.0 };
     let parameter = model.parameters_of(i).start + rare;
     let growth = |value: f64| {
         let mut larger = model.clone();

@@ -120,7 +120,8 @@ mod tests {
         let linearization = Linearization::new(&session, base).unwrap();
         let noise_scale =
             NoiseScale { known, rounding: session.rounding(), dof: linearization.dof() };
-        let testable = |effect: &&&'static dyn Effect| session.runs_known() || !effect.needs_run();
+        let testable =
+            |effect: &&&'static dyn Effect| session.runs_known() || !effect.search().needs_run;
         let probe = |effect: &'static dyn Effect| {
             Changes::of(&session, &linearization, effect).probe(&session, &linearization)
         };

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::effects::Effect;
 use crate::identify::{FitSession, Model};
 
 use super::evidence;
@@ -65,6 +66,12 @@ impl Models {
             self.scored.keys().filter(|key| self.criterion(key) < best + reach).collect();
         let is_part = |key: &&Key| near.iter().any(|near| key.iter().all(|id| near.contains(id)));
         self.scored.keys().filter(is_part).collect()
+    }
+
+    /// The effect with this id, where a fitted model has it.
+    pub fn effect(&self, id: &str) -> Option<&'static dyn Effect> {
+        let mut effects = self.scored.values().flat_map(|scored| scored.model.effects());
+        effects.find(|effect| effect.id() == id).copied()
     }
 
     /// Every model by its effects.

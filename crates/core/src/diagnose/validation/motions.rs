@@ -211,7 +211,7 @@ mod tests {
             actuator: Actuator::Direct,
             friction: Friction::coulomb(0.5, 0.4),
         };
-        let effects = [Effect::StaticFriction { fs_plus: 0.8, fs_minus: 0.6 }];
+        let effects = [Effect::new("static_friction", [("fs_plus", 0.8), ("fs_minus", 0.6)])];
         let at = |t: f64| (0.4 + (0.8 * t).sin().powi(2)) * (t * (3.0 + t)).sin();
         let input: Vec<f64> = (0..=3000).map(|n| at(f64::from(n) * STEP_S)).collect();
         let machine = Machine { plant, effects: &effects };

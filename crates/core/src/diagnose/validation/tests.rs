@@ -22,7 +22,7 @@ fn measurement(std: Option<f64>) -> Measurement {
     let design = design.flat_map(|m| [1.0, 2.0, 4.0, 8.0, 16.0, 32.0].map(|omega| (m, omega)));
     let draw = Draw {
         plant,
-        effects: vec![Effect::StaticFriction { fs_plus: 0.8, fs_minus: 0.6 }],
+        effects: vec![Effect::new("static_friction", [("fs_plus", 0.8), ("fs_minus", 0.6)])],
         design: design.collect(),
         harmonics: 5,
         noise_db: None,

@@ -109,7 +109,15 @@ mod tests {
     /// as if it had no play.
     fn measurement() -> Measurement {
         let [load_inertia_fraction, stiffness, damping, gap] = JOINT;
-        let play = [simulator::Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
+        let play = [simulator::Effect::new(
+            "backlash",
+            [
+                ("load_inertia_fraction", load_inertia_fraction),
+                ("stiffness", stiffness),
+                ("damping", damping),
+                ("gap", gap),
+            ],
+        )];
         let experiment = |effects: &[simulator::Effect], (magnitude, omega_rad_s)| {
             let machine = Machine { plant: axis(), effects };
             let input = vec![Complex::ZERO, Complex::new(magnitude, 0.0)];

@@ -62,10 +62,11 @@ impl Model {
         let friction = self.coordinates.plant(&self.point).friction;
         let mut roused = self.clone();
         for (i, effect) in self.effects().iter().enumerate() {
+            let Some(escape) = effect.search().escape_dead_zone else { continue };
             let own = self.parameters_of(i);
             let before: Vec<f64> = own.clone().map(|parameter| self.value(parameter)).collect();
             let mut values = before.clone();
-            effect.escape_dead_zone(&mut values, &friction);
+            escape(&mut values, &friction);
             let moved =
                 own.zip(before.into_iter().zip(values)).filter(|(_, (old, new))| old != new);
             moved.for_each(|(parameter, (_, value))| roused.set(parameter, value));

@@ -1,5 +1,6 @@
 //! Effects against what is known of them in closed form.
 
+use crate::machines::simulator::parts::Parts;
 use crate::machines::simulator::*;
 use crate::plant::Friction;
 
@@ -49,18 +50,25 @@ fn without_friction_linear_effects_are_their_transfer_functions() {
 
         let delay = 0.013;
         let expected = linear(|s| mechanics(s) * (-s * delay).exp(), omega, &input);
-        compare("delay", &found(Effect::TransportDelay { delay }), &expected);
+        compare("delay", &found(Effect::new("transport_delay", [("delay", delay)])), &expected);
 
         let time_constant = 0.03;
         let expected = linear(|s| mechanics(s) / (1.0 + s * time_constant), omega, &input);
-        compare("lag", &found(Effect::SensorLag { time_constant }), &expected);
+        compare(
+            "lag",
+            &found(Effect::new("sensor_lag", [("time_constant", time_constant)])),
+            &expected,
+        );
 
         let stiffness = 0.8;
         let spring = |s: Complex| constant * s / (s * s + a * s + constant * stiffness);
         let expected = linear(spring, omega, &input);
-        compare("spring", &found(Effect::Spring { stiffness }), &expected);
+        compare("spring", &found(Effect::new("spring", [("stiffness", stiffness)])), &expected);
         let cubic_stiffness = 0.0;
-        let hardening = Effect::HardeningSpring { stiffness, cubic_stiffness };
+        let hardening = Effect::new(
+            "hardening_spring",
+            [("stiffness", stiffness), ("cubic_stiffness", cubic_stiffness)],
+        );
         compare("hardening spring", &found(hardening), &expected);
 
         // Without a mean and a friction nothing else is constant: the same spring.
@@ -73,7 +81,10 @@ fn without_friction_linear_effects_are_their_transfer_functions() {
             load / (motor * load + rho / constant * s * joint)
         };
         let expected = linear(flexible, omega, &input);
-        let effect = Effect::FlexibleMode { load_inertia_fraction: rho, stiffness: k, damping: c };
+        let effect = Effect::new(
+            "flexible_mode",
+            [("load_inertia_fraction", rho), ("stiffness", k), ("damping", c)],
+        );
         compare("flexible mode", &found(effect), &expected);
     }
 }
@@ -83,7 +94,7 @@ fn without_friction_linear_effects_are_their_transfer_functions() {
 #[test]
 fn without_friction_a_saturated_input_drives_the_mechanics_by_its_harmonics() {
     let (magnitude, limit, omega) = (2.0, 1.2, 7.0);
-    let effects = [Effect::ActuatorSaturation { limit }];
+    let effects = [Effect::new("actuator_saturation", [("limit", limit)])];
     let found = with(&effects, plant(0.0, 0.0), omega, &cosine(magnitude));
     let angle = (limit / magnitude).asin();
     let first = magnitude / std::f64::consts::PI * (2.0 * angle + (2.0 * angle).sin());
@@ -106,9 +117,9 @@ fn without_friction_a_saturated_input_drives_the_mechanics_by_its_harmonics() {
 fn a_dead_zone_an_asymmetric_gain_and_a_limit_act_in_this_order() {
     let (half_width, gamma, limit, omega, magnitude) = (0.2, 0.3, 0.8, 5.0, 1.0);
     let effects = [
-        Effect::ActuatorSaturation { limit },
-        Effect::GainAsymmetry { gamma },
-        Effect::ActuatorDeadZone { half_width },
+        Effect::new("actuator_saturation", [("limit", limit)]),
+        Effect::new("gain_asymmetry", [("gamma", gamma)]),
+        Effect::new("actuator_dead_zone", [("half_width", half_width)]),
     ];
     let found = with(&effects, plant(0.0, 0.0), omega, &cosine(magnitude));
     let shaped = |u: f64| {
@@ -135,7 +146,7 @@ fn a_slew_limit_never_met_makes_a_triangle_whatever_the_magnitude() {
     let (rate, omega) = (1.0, 10.0);
     let amplitude = rate * TAU / omega / 4.0;
     for magnitude in [1.0, 30.0] {
-        let effects = [Effect::SlewLimit { rate }];
+        let effects = [Effect::new("slew_limit", [("rate", rate)])];
         let found = with(&effects, plant(0.0, 0.0), omega, &cosine(magnitude));
         for k in [0, 1, 2, 3, 5] {
             let line = if k % 2 == 1 {
@@ -154,10 +165,13 @@ fn a_slew_limit_above_every_slope_and_a_limit_above_every_value_change_nothing()
     let input = [Complex::new(0.1, 0.0), Complex::new(1.0, 0.3), Complex::new(0.2, -0.4)];
     let base = with(&[], plant(0.3, 0.2), 6.0, &input);
     for effect in [
-        Effect::SlewLimit { rate: 100.0 },
-        Effect::ActuatorSaturation { limit: 10.0 },
-        Effect::Backlash { load_inertia_fraction: 1e-9, stiffness: 1e-9, damping: 0.0, gap: 1.0 },
-        Effect::Stribeck { fs_over_fc: 1.0, stribeck_velocity: 0.1 },
+        Effect::new("slew_limit", [("rate", 100.0)]),
+        Effect::new("actuator_saturation", [("limit", 10.0)]),
+        Effect::new(
+            "backlash",
+            [("load_inertia_fraction", 1e-9), ("stiffness", 1e-9), ("damping", 0.0), ("gap", 1.0)],
+        ),
+        Effect::new("stribeck", [("fs_over_fc", 1.0), ("stribeck_velocity", 0.1)]),
     ] {
         let found = with(&[effect], plant(0.3, 0.2), 6.0, &input);
         // The tolerance on transients; a load of a billionth.
@@ -168,9 +182,9 @@ fn a_slew_limit_above_every_slope_and_a_limit_above_every_value_change_nothing()
 #[test]
 fn a_general_input_and_its_cosine_agree_through_the_chain() {
     let effects = [
-        Effect::TransportDelay { delay: 0.01 },
-        Effect::ActuatorDeadZone { half_width: 0.1 },
-        Effect::SlewLimit { rate: 25.0 },
+        Effect::new("transport_delay", [("delay", 0.01)]),
+        Effect::new("actuator_dead_zone", [("half_width", 0.1)]),
+        Effect::new("slew_limit", [("rate", 25.0)]),
     ];
     let omega = 12.0;
     let plain = with(&effects, plant(0.5, 0.4), omega, &cosine(3.0));
@@ -186,8 +200,8 @@ fn a_general_input_and_its_cosine_agree_through_the_chain() {
 #[test]
 fn drift_scales_every_level_by_the_place_in_the_run() {
     let effects = [
-        Effect::FrictionDrift { delta: -0.4 },
-        Effect::StaticFriction { fs_plus: 0.8, fs_minus: 0.6 },
+        Effect::new("friction_drift", [("delta", -0.4)]),
+        Effect::new("static_friction", [("fs_plus", 0.8), ("fs_minus", 0.6)]),
     ];
     let drifted = Machine { plant: plant(0.5, 0.4), effects: &effects };
     let half = respond(&drifted, 0.5, 3.0, &cosine(1.0), 7, &Settings::default()).unwrap();
@@ -200,12 +214,12 @@ fn drift_scales_every_level_by_the_place_in_the_run() {
 #[test]
 fn cogging_holds_the_means_of_velocity_and_position_at_zero() {
     let cogging = [
-        Effect::Cogging { amplitude: 0.2, cycles_per_unit: 9.0, phase: 0.7 },
-        Effect::Stribeck { fs_over_fc: 1.3, stribeck_velocity: 0.1 },
+        Effect::new("cogging", [("amplitude", 0.2), ("cycles_per_unit", 9.0), ("phase", 0.7)]),
+        Effect::new("stribeck", [("fs_over_fc", 1.3), ("stribeck_velocity", 0.1)]),
     ];
     let (plant, omega, settings) = (plant(0.5, 0.4), 4.0, Settings::default());
-    let mechanics = Mechanics::of(&plant, &cogging, 0.0);
-    let command = Command::periodic(&cogging, omega, &cosine(1.5));
+    let mechanics = Mechanics::of(&plant, &Parts::of(&cogging), 0.0);
+    let command = Command::periodic(&Parts::of(&cogging), omega, &cosine(1.5));
     let drive = Drive::periodic(&plant.actuator, &command, command.period_s() / 2048.0);
     let held = hold::<2>(&mechanics, &drive, &settings).unwrap().unwrap();
     let mechanics = mechanics.with_cogging(held.constant_torque, 1.0);
@@ -227,9 +241,13 @@ fn cogging_holds_the_means_of_velocity_and_position_at_zero() {
 #[test]
 fn without_friction_cogging_of_a_small_motion_is_a_spring() {
     let (amplitude, cycles_per_unit, phase, omega) = (0.5, 4.0, 0.6_f64, 5.0);
-    let cogging = [Effect::Cogging { amplitude, cycles_per_unit, phase }];
+    let cogging = [Effect::new(
+        "cogging",
+        [("amplitude", amplitude), ("cycles_per_unit", cycles_per_unit), ("phase", phase)],
+    )];
     let found = with(&cogging, plant(0.0, 0.0), omega, &cosine(1e-5));
-    let spring = [Effect::Spring { stiffness: amplitude * cycles_per_unit * phase.cos() }];
+    let spring =
+        [Effect::new("spring", [("stiffness", amplitude * cycles_per_unit * phase.cos())])];
     let expected = with(&spring, plant(0.0, 0.0), omega, &cosine(1e-5));
     // θ is 1e-6; the next term of the sine is Nθ/2 of the spring's.
     assert!(worst(&found, &expected) < 1e-5 * expected[1].norm());
@@ -237,7 +255,8 @@ fn without_friction_cogging_of_a_small_motion_is_a_spring() {
 
 #[test]
 fn cogging_leaves_an_axis_stuck_whose_torque_spans_less_than_its_static_levels() {
-    let cogging = [Effect::Cogging { amplitude: 0.2, cycles_per_unit: 9.0, phase: 0.0 }];
+    let cogging =
+        [Effect::new("cogging", [("amplitude", 0.2), ("cycles_per_unit", 9.0), ("phase", 0.0)])];
     let found = with(&cogging, plant(0.5, 0.4), 2.0, &cosine(0.4499));
     assert_eq!(found, vec![ZERO; 8]);
     assert!(with(&cogging, plant(0.5, 0.4), 2.0, &cosine(0.46))[1].norm() > 1e-6);
@@ -247,7 +266,12 @@ fn cogging_leaves_an_axis_stuck_whose_torque_spans_less_than_its_static_levels()
 #[test]
 fn a_bristle_moves_below_breakaway_as_a_spring() {
     let (sigma, omega) = (20.0, 5.0);
-    let found = with(&[Effect::Presliding { sigma }], plant(0.5, 0.4), omega, &cosine(1e-4));
+    let found = with(
+        &[Effect::new("presliding", [("sigma", sigma)])],
+        plant(0.5, 0.4),
+        omega,
+        &cosine(1e-4),
+    );
     let spring = Complex::new(10.0 * sigma - omega * omega, 10.0 * omega);
     let expected = 1e-4 * 10.0 * Complex::new(0.0, omega) / spring;
     // It gives way by z·σ/Fc, 2e-4 of its slope.
@@ -257,8 +281,10 @@ fn a_bristle_moves_below_breakaway_as_a_spring() {
 #[test]
 fn a_load_that_floats_in_a_wide_gap_leaves_the_motor_alone() {
     let (rho, omega) = (0.4, 46.0);
-    let backlash =
-        [Effect::Backlash { load_inertia_fraction: rho, stiffness: 60.0, damping: 1.2, gap: 0.01 }];
+    let backlash = [Effect::new(
+        "backlash",
+        [("load_inertia_fraction", rho), ("stiffness", 60.0), ("damping", 1.2), ("gap", 0.01)],
+    )];
     let found = with(&backlash, plant(0.5, 0.4), omega, &cosine(1.0));
     let alone = Plant {
         viscous_rate_rad_s: 10.0 / (1.0 - rho),
@@ -273,31 +299,34 @@ fn half_the_step_leaves_a_sixteenth_of_the_error_with_every_kind_of_effect() {
     let sets: [(&[Effect], f64); 3] = [
         (
             &[
-                Effect::Stribeck { fs_over_fc: 1.5, stribeck_velocity: 0.2 },
-                Effect::QuadraticDrag { c: 0.06 },
-                Effect::ActuatorDeadZone { half_width: 0.15 },
-                Effect::SlewLimit { rate: 8.0 },
+                Effect::new("stribeck", [("fs_over_fc", 1.5), ("stribeck_velocity", 0.2)]),
+                Effect::new("quadratic_drag", [("c", 0.06)]),
+                Effect::new("actuator_dead_zone", [("half_width", 0.15)]),
+                Effect::new("slew_limit", [("rate", 8.0)]),
             ],
             5.0,
         ),
         (
             &[
-                Effect::Backlash {
-                    load_inertia_fraction: 0.4,
-                    stiffness: 20.0,
-                    damping: 0.6,
-                    gap: 0.02,
-                },
-                Effect::ViscousAsymmetry { alpha: 0.1 },
-                Effect::ActuatorSaturation { limit: 2.0 },
+                Effect::new(
+                    "backlash",
+                    [
+                        ("load_inertia_fraction", 0.4),
+                        ("stiffness", 20.0),
+                        ("damping", 0.6),
+                        ("gap", 0.02),
+                    ],
+                ),
+                Effect::new("viscous_asymmetry", [("alpha", 0.1)]),
+                Effect::new("actuator_saturation", [("limit", 2.0)]),
             ],
             6.0,
         ),
         (
             &[
-                Effect::Presliding { sigma: 3.0 },
-                Effect::HardeningSpring { stiffness: 0.4, cubic_stiffness: 0.3 },
-                Effect::GainAsymmetry { gamma: 0.1 },
+                Effect::new("presliding", [("sigma", 3.0)]),
+                Effect::new("hardening_spring", [("stiffness", 0.4), ("cubic_stiffness", 0.3)]),
+                Effect::new("gain_asymmetry", [("gamma", 0.1)]),
             ],
             5.0,
         ),
@@ -329,16 +358,34 @@ fn sets_of_effects_that_make_no_machine_are_refused() {
         let settings = Settings::default();
         respond(&machine, share, 1.0, &cosine(1.0), 1, &settings).unwrap_err().to_string()
     };
-    let spring = Effect::Spring { stiffness: 1.0 };
+    let spring = Effect::new("spring", [("stiffness", 1.0)]);
     assert_eq!(refused(&[spring, spring], 0.0), "`spring` is given more than once");
-    assert!(refused(&[Effect::SlewLimit { rate: 0.0 }], 0.0).starts_with("`rate` of `slew_limit`"));
+    assert!(
+        refused(&[Effect::new("slew_limit", [("rate", 0.0)])], 0.0)
+            .starts_with("`rate` of `slew_limit`")
+    );
     let (load_inertia_fraction, stiffness, damping, gap) = (0.3, 40.0, 0.1, 0.01);
     let joints = [
-        Effect::Backlash { load_inertia_fraction, stiffness, damping, gap },
-        Effect::FlexibleMode { load_inertia_fraction, stiffness, damping },
+        Effect::new(
+            "backlash",
+            [
+                ("load_inertia_fraction", load_inertia_fraction),
+                ("stiffness", stiffness),
+                ("damping", damping),
+                ("gap", gap),
+            ],
+        ),
+        Effect::new(
+            "flexible_mode",
+            [
+                ("load_inertia_fraction", load_inertia_fraction),
+                ("stiffness", stiffness),
+                ("damping", damping),
+            ],
+        ),
     ];
     assert!(refused(&joints, 0.0).contains("the same joint"));
-    let low = Effect::StaticFriction { fs_plus: 0.4, fs_minus: 0.6 };
+    let low = Effect::new("static_friction", [("fs_plus", 0.4), ("fs_minus", 0.6)]);
     assert!(refused(&[low], 0.0).starts_with("Fs+ is 0.4"));
     assert!(refused(&[], 1.5).starts_with("the share of the run is 1.5"));
 }
@@ -346,12 +393,10 @@ fn sets_of_effects_that_make_no_machine_are_refused() {
 // A load on a hardly damped joint rattles in its gap without end.
 #[test]
 fn a_load_that_rattles_has_no_periodic_response() {
-    let rattling = [Effect::Backlash {
-        load_inertia_fraction: 0.5,
-        stiffness: 200.0,
-        damping: 0.1,
-        gap: 0.01,
-    }];
+    let rattling = [Effect::new(
+        "backlash",
+        [("load_inertia_fraction", 0.5), ("stiffness", 200.0), ("damping", 0.1), ("gap", 0.01)],
+    )];
     let machine = Machine { plant: plant(0.5, 0.4), effects: &rattling };
     let result = respond(&machine, 0.0, 20.0, &cosine(1.0), 1, &Settings::default());
     assert!(matches!(result, Err(SimulatorError::NotPeriodic { .. })), "{result:?}");
@@ -361,7 +406,7 @@ fn a_load_that_rattles_has_no_periodic_response() {
 // period, as the square of what is left.
 #[test]
 fn an_axis_that_creeps_against_its_spring_comes_to_rest() {
-    let spring = [Effect::Spring { stiffness: 0.8 }];
+    let spring = [Effect::new("spring", [("stiffness", 0.8)])];
     let found = with(&spring, plant(0.5, 0.4), 30.0, &cosine(0.45));
     assert_eq!(found, vec![ZERO; 8]);
     assert!(with(&spring, plant(0.5, 0.4), 30.0, &cosine(0.46))[1].norm() > 1e-6);

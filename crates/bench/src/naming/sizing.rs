@@ -1,24 +1,25 @@
-//! What is varied of a drawn effect until its excess is the wanted one.
+//! Which parameter of a drawn effect is varied to reach a given excess.
 
 use servoscope_core::effects::{MachineScales, find};
 
 use super::outsiders;
 use crate::machines::simulator::Effect;
 
-/// What makes an effect larger or smaller.
+/// How an effect is made larger or smaller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sizing {
-    /// How much of it there is; its character, as a resonance, stays as it was drawn.
+    /// By its size, as its `DrawPlan` scales it. Its other properties, such as a
+    /// resonance frequency, stay as drawn.
     #[default]
     Amount,
-    /// Its character, where it has one besides its amount:
+    /// By another property, for effects that have one:
     ///
-    /// | effect | varied | as far as |
+    /// | effect | varied | limit |
     /// | --- | --- | --- |
     /// | `stribeck` | vs | V |
-    /// | `backlash`, `flexible_mode` | the joint softer at the same damping ratio: 1/k, 1/c² | a resonance at a/2 |
+    /// | `backlash`, `flexible_mode` | 1/k and 1/c² (same damping ratio) | resonance at a/2 |
     ///
-    /// All others as by [`Sizing::Amount`].
+    /// All others as with [`Sizing::Amount`].
     Character,
 }
 
@@ -53,7 +54,7 @@ mod tests {
     use crate::machines::draw::draw;
 
     #[test]
-    fn by_character_too_a_factor_of_one_changes_nothing_and_there_is_a_most() {
+    fn sizing_by_character_keeps_the_effect_at_factor_one_and_has_an_upper_limit() {
         for seed in 0..20 {
             let machine = draw((seed % 3) as u8, seed);
             let scales = scales(&machine);

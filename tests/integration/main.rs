@@ -9,6 +9,7 @@ mod discrepancy;
 mod dockerfile;
 mod durability;
 mod effects;
+mod eighteenth_effect;
 mod grafana;
 mod identification;
 mod layers;

@@ -247,3 +247,28 @@ fn presliding_approaches_set_valued_friction_as_its_bristles_stiffen() {
         assert!((9.0..110.0).contains(&ratio), "ω {omega} m {magnitude}: {soft:e} {stiff:e}");
     }
 }
+
+// A phase φ of the input shifts the response in time: Yₖ becomes Yₖ·exp(jkφ). The limiter never
+// follows its input here (rate·T/4 is a third of m or less), so that its output is a triangle.
+#[test]
+fn a_triangle_behind_a_slew_limit_is_shifted_with_the_phase_of_the_input() {
+    let axis = plant(Actuator::Direct, Friction::coulomb(0.5, 0.4));
+    let limit = crate::effects::find("slew_limit").unwrap();
+    let active = [ActiveEffect::new(limit, vec![10.0]).unwrap()];
+    let omega = 5.0;
+    let with_phase = |phase: f64| {
+        let input = vec![Complex::ZERO, Complex::from_polar(10.0, phase)];
+        respond(&axis, &active, &Excitation::new(omega, input), 7).unwrap()
+    };
+    let unshifted = with_phase(0.0);
+    assert!(unshifted[1].norm() > 0.1, "the axis moves");
+    for phase in [-2.5, -1.0, 1.0, 2.5, std::f64::consts::PI] {
+        let expected: Vec<Complex> = unshifted
+            .iter()
+            .enumerate()
+            .map(|(k, value)| value * Complex::from_polar(1.0, k as f64 * phase))
+            .collect();
+        let difference = largest_difference(&with_phase(phase), &expected);
+        assert!(difference < 1e-8, "phase {phase}: {difference:e}");
+    }
+}

@@ -79,18 +79,12 @@ fn triangle<S: Scalar>(wave: &PiecewiseQuintic<S>, rate: S) -> Option<State<S>> 
     let at = S::constant(u);
     let moved = (amplitude - cell.at(at)) / cell.slope(at);
     let from_s = (at + moved) * cell.length_s + cell.from_s;
-    let ramp = State::Ramp { sign: -1.0, from_s, value: amplitude };
-    // The rising ramp begins half a period before this falling one.
+    // Of the ramps, the one that began last before time 0.
     let half = 0.5 * wave.period_s;
-    Some(if from_s.value() >= half {
+    Some(if from_s.value() < half {
         State::Ramp { sign: 1.0, from_s: from_s - half, value: -amplitude }
     } else {
-        match ramp {
-            State::Ramp { from_s, value, .. } => {
-                State::Ramp { sign: 1.0, from_s: from_s - half, value: -value }
-            }
-            State::Following => State::Following,
-        }
+        State::Ramp { sign: -1.0, from_s: from_s - wave.period_s, value: amplitude }
     })
 }
 

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use serde_json::Value;
+use servoscope_bench::methods::METHODS;
 use servoscope_core::answers::{Answer, JobKind, PlantRequest, Provenance};
 use servoscope_core::identify::IdentifyRequest;
 use servoscope_core::measurement::Measurement;
@@ -54,6 +55,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         plant,
         method: answer.base().method,
         options,
+        methods: METHODS,
         ..IdentifyRequest::default()
     };
     let watch = computation::Watch::new();

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use servoscope_bench::methods::METHODS;
 use servoscope_core::answers::{IdentifyOptions, JobKind, Method, PlantRequest};
 use servoscope_core::identify::IdentifyRequest;
 
@@ -72,6 +73,7 @@ impl JobRequest {
             plant: self.plant,
             method: self.method,
             options: self.options,
+            methods: METHODS,
             ..IdentifyRequest::default()
         }
     }

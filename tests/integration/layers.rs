@@ -26,7 +26,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     // They know results, never solvers; the report also knows what effects are called.
     ("store", &[]),
     ("report", &["effects"]),
-    ("service", &["store", "report", "diagnose", "identify", "measurement"]),
+    ("service", &["store", "report", "diagnose", "identify", "measurement", "methods"]),
     // They know what is kept and what is done with it, never how it is computed.
     ("worker", &["service", "store"]),
     ("http", &["service", "store", "web"]),
@@ -50,6 +50,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "plant",
             "measurement",
             "machines",
+            "methods",
             "naming",
             "reproduction",
         ],
@@ -59,7 +60,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
     // Judges the others by the public interface.
     ("naming", &["machines", "diagnose", "identify", "effects", "plant", "measurement"]),
     // The experiments of the paper.
-    ("reproduction", &["machines", "identify", "plant", "measurement"]),
+    ("reproduction", &["machines", "methods", "identify", "plant", "measurement"]),
+    // Searches that only comparisons need.
+    ("methods", &["identify"]),
 ];
 
 /// The numeric core: data, seed and observer in, values out.

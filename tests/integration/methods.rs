@@ -1,6 +1,7 @@
 //! Every method of the service, on the first system of the paper.
 
 use rayon::prelude::*;
+use servoscope_bench::methods::METHODS;
 use servoscope_core::answers::{Identification, IdentifyOptions, Method, PlantRequest};
 use servoscope_core::identify::{IdentifyRequest, identify};
 use servoscope_core::measurement::Measurement;
@@ -16,7 +17,8 @@ fn ask(
 ) -> Result<Identification, String> {
     let plant = order.map(|actuator_order| PlantRequest { actuator_order });
     let options = IdentifyOptions { seed: 5, ..IdentifyOptions::default() };
-    let request = IdentifyRequest { plant, method, options, ..IdentifyRequest::default() };
+    let request =
+        IdentifyRequest { plant, method, options, methods: METHODS, ..Default::default() };
     identify(measurement, &request, watcher).map_err(|error| error.to_string())
 }
 

@@ -1,11 +1,13 @@
 //! Benchmarks of `servoscope-core`, through its public interface only.
 //!
 //! - [`machines`]: random axes, and an independent simulator that generates measurements of them;
+//! - [`methods`]: the searches that only comparisons need;
 //! - [`naming`]: how often a diagnosis names a hidden effect, and how often it names one that is
 //!   not there;
 //! - [`reproduction`]: the experiments of the paper.
 
 pub mod machines;
+pub mod methods;
 pub mod naming;
 pub mod reproduction;
 

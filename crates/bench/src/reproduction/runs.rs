@@ -17,6 +17,7 @@ use servoscope_core::plant::Plant;
 use crate::machines::draw::{DrawError, NoiseStatement};
 use crate::machines::responses::Responses;
 use crate::machines::simulator::Settings;
+use crate::methods::METHODS;
 
 use super::figure_of_merit::{EXACT_TOLERANCE, SIGMAS, largest_error};
 use super::system::{System, Values, reported};
@@ -196,7 +197,7 @@ impl Case<'_> {
         let options = IdentifyOptions { seed: self.seed, ..IdentifyOptions::default() };
         identify(
             measurement,
-            &IdentifyRequest { plant, method, options, ..IdentifyRequest::default() },
+            &IdentifyRequest { plant, method, options, methods: METHODS, ..Default::default() },
             watch,
         )
     }

@@ -294,7 +294,7 @@ pub(super) fn evaluate<O: Objective + ?Sized>(objective: &O, points: &[Vec<f64>]
 }
 
 /// A uniform draw from the cube.
-pub(super) fn uniform(dimension: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+pub fn uniform(dimension: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
     (0..dimension).map(|_| rng.random_range(0.0..=1.0)).collect()
 }
 

@@ -26,7 +26,7 @@ pub mod network;
 mod noise;
 mod noise_law;
 mod objective;
-mod optimiser;
+pub mod optimiser;
 mod order;
 mod parameter_names;
 mod parameters;
@@ -50,6 +50,7 @@ use crate::measurement::Measurement;
 use crate::observer::Observer;
 
 pub use fit_session::{FitAccuracy, FitSession, Linear, Model};
+pub use methods::{Methods, Steps};
 pub use model_fit::{Component, ModelFit, fit_base};
 pub use noise_law::NoiseLaw;
 pub use prediction::compare;

@@ -14,7 +14,7 @@ use crate::answers::IdentifyOptions;
 use super::bee_colony::{Objective, evaluate};
 
 /// The end of a descent with derivatives.
-pub(super) struct Descent {
+pub struct Descent {
     /// The point; it may lie outside the cube.
     pub point: Vec<f64>,
     /// Its cost.
@@ -24,7 +24,7 @@ pub(super) struct Descent {
 }
 
 /// An objective with derivatives.
-pub(super) trait Smooth: Objective {
+pub trait Smooth: Objective {
     /// Descends from a point until convergence, or for at most `most` evaluations; `on_step`
     /// receives the evaluations so far and the cost.
     fn descend(&self, from: &[f64], most: usize, on_step: &mut dyn FnMut(usize, f64)) -> Descent;
@@ -32,7 +32,7 @@ pub(super) trait Smooth: Objective {
 
 /// The state of a search after a generation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Generation {
+pub struct Generation {
     /// Generation, cycle or step; 0 after the initial points.
     pub index: usize,
     /// Evaluations so far.
@@ -45,7 +45,7 @@ pub(super) struct Generation {
 
 /// Why a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stop {
+pub enum Stop {
     /// All allowed evaluations are used.
     BudgetSpent,
     /// The colony has completed all cycles.
@@ -72,7 +72,7 @@ impl Stop {
 }
 
 /// A search for the least cost.
-pub(super) trait Optimiser: Sync {
+pub trait Optimiser: Sync {
     /// Name of the stage.
     fn stage(&self) -> &'static str;
 
@@ -94,7 +94,7 @@ pub(super) trait Optimiser: Sync {
 }
 
 /// A search in progress: the objective, the budget, the best point, the observer.
-pub(super) struct Search<'a> {
+pub struct Search<'a> {
     /// The function to minimise.
     pub objective: &'a dyn Smooth,
     /// Initial points, the best guess first; may be empty.

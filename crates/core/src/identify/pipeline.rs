@@ -5,14 +5,13 @@ use std::ops::ControlFlow;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::answers::{IdentifyOptions, Method, Stage};
+use crate::answers::{IdentifyOptions, Stage};
 use crate::measurement::Measurement;
 use crate::plant::{Actuator, Plant};
 
 use super::closed_form;
 use super::history::History;
-use super::methods;
-use super::methods::steps::Steps;
+use super::methods::Steps;
 use super::noise::{self, Weights};
 use super::objective::Misfit;
 use super::optimiser::{self, Optimiser, Search};
@@ -48,8 +47,8 @@ pub(super) struct Fitted {
 
 /// A run of a method for one actuator order.
 pub(super) struct Run<'a> {
-    /// The method.
-    pub method: Method,
+    /// The stages of the method.
+    pub steps: &'a Steps,
     /// The measurement.
     pub measurement: &'a Measurement,
     /// The measurement, prepared for fitting.
@@ -84,7 +83,7 @@ impl Run<'_> {
         let mut weights = self.weights(None);
         let mut found = StageResults::default();
         let misfit = self.misfit(&coordinates, &weights);
-        let Steps { closed_form, network, search, refinement } = methods::steps(self.method);
+        let Steps { closed_form, network, search, refinement } = self.steps;
         if search.is_none() {
             self.closed_form_alone(&misfit, &mut found)?;
         } else if *closed_form && self.options.closed_form_start {

@@ -3,6 +3,8 @@
 use crate::answers::{IdentifyOptions, InvalidOptions, Method, PlantRequest};
 use crate::effects::Library;
 
+use super::methods::Methods;
+
 /// Why an identification failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IdentifyError {
@@ -31,6 +33,8 @@ pub struct IdentifyRequest {
     pub options: IdentifyOptions,
     /// The effects that a diagnosis tries.
     pub library: Library,
+    /// The methods that may be named.
+    pub methods: Methods,
 }
 
 /// The error for a fitted plant that has no periodic response.

@@ -25,8 +25,9 @@ pub(super) fn solve(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<Solved, IdentifyError> {
-    let IdentifyRequest { plant, method, options, .. } = request;
+    let IdentifyRequest { plant, method, options, methods, .. } = request;
     options.validate()?;
+    let steps = methods.steps(*method)?;
     let orders: Vec<u8> = match plant {
         Some(PlantRequest { actuator_order: order @ 0..=2 }) => vec![*order],
         Some(PlantRequest { actuator_order }) => {
@@ -39,7 +40,7 @@ pub(super) fn solve(
     for (before, order) in orders.iter().enumerate() {
         let history = History { observer, order: *order, orders: (before, orders.len()) };
         let lower = fits.last();
-        let run = Run { method: *method, measurement, problem, options, lower, history };
+        let run = Run { steps, measurement, problem, options, lower, history };
         fits.push(run.fit()?);
     }
     let order_choice = (fits.len() > 1).then(|| order::choose(problem, &fits, observer));

@@ -29,7 +29,7 @@ impl<'a> FitSession<'a> {
         let history = History { observer, order: other.order(), orders: (0, 1) };
         let options = &request.options;
         let run = Run {
-            method: request.method,
+            steps: request.methods.steps(request.method)?,
             measurement,
             problem: &problem,
             options,

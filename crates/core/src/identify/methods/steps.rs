@@ -3,7 +3,8 @@
 use crate::identify::optimiser::Optimiser;
 
 /// The stages of a method.
-pub(in super::super) struct Steps {
+#[derive(Clone, Copy)]
+pub struct Steps {
     /// Whether it has a closed-form start, computed from the data alone.
     pub closed_form: bool,
     /// Whether it has a network that proposes parameters from measured features.

@@ -2,7 +2,7 @@
 //! rates in place of the colony.
 
 use super::genetic::{Fitness, Genetic, Rates};
-use super::steps::Steps;
+use servoscope_core::identify::Steps;
 
 pub(super) const STEPS: Steps = Steps {
     closed_form: true,

@@ -1,4 +1,4 @@
-//! Tests that hold for every method.
+//! Tests that hold for every method, those of `servoscope-core` included.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -7,9 +7,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::answers::IdentifyOptions;
-use crate::identify::bee_colony::{Objective, uniform};
-use crate::identify::optimiser::{Descent, Generation, Search, Smooth, Stop};
+use servoscope_core::answers::IdentifyOptions;
+use servoscope_core::identify::bee_colony::{Objective, uniform};
+use servoscope_core::identify::optimiser::{Descent, Generation, Search, Smooth, Stop};
 
 /// The minimum of the valley.
 const LOWEST: [f64; 4] = [0.3, 0.62, 0.45, 0.7];
@@ -60,7 +60,7 @@ struct Searched {
 fn searched(method: Method, budget: usize, seed: u64, most_generations: usize) -> Searched {
     let valley = Valley::default();
     let options = IdentifyOptions { evaluation_budget: Some(budget), ..Default::default() };
-    let optimiser = steps(method).search.expect("a method that searches");
+    let optimiser = METHODS.steps(method).unwrap().search.expect("a method that searches");
     let mut generations = Vec::new();
     let mut watch = |generation: &Generation| {
         generations.push(*generation);
@@ -78,16 +78,16 @@ fn searched(method: Method, budget: usize, seed: u64, most_generations: usize) -
 }
 
 fn searching() -> impl Iterator<Item = Method> {
-    Method::all().filter(|method| steps(*method).search.is_some())
+    Method::all().filter(|method| METHODS.steps(*method).unwrap().search.is_some())
 }
 
 #[test]
 fn every_method_has_its_stages_and_all_but_the_closed_form_a_search_of_its_own_name() {
     let stages: Vec<&str> =
-        searching().map(|method| steps(method).search.unwrap().stage()).collect();
+        searching().map(|method| METHODS.steps(method).unwrap().search.unwrap().stage()).collect();
     assert_eq!(stages.len(), Method::all().count() - 1);
     assert!((1..stages.len()).all(|i| !stages[..i].contains(&stages[i])), "{stages:?}");
-    assert!(steps(Method::TwoMagnitude).search.is_none());
+    assert!(METHODS.steps(Method::TwoMagnitude).unwrap().search.is_none());
 }
 
 #[test]

@@ -16,8 +16,8 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::super::optimiser::{Optimiser, Search, Stop};
-use super::steps::Steps;
+use servoscope_core::identify::Steps;
+use servoscope_core::identify::optimiser::{Optimiser, Search, Stop};
 
 pub(super) const STEPS: Steps =
     Steps { closed_form: false, network: false, search: Some(&CmaEs), refinement: true };

@@ -14,7 +14,7 @@
 //! when it is mutated, so the fitness of its parent is used.
 
 use super::genetic::{Fitness, Genetic, Rates};
-use super::steps::Steps;
+use servoscope_core::identify::Steps;
 
 pub(super) const STEPS: Steps = Steps {
     closed_form: true,

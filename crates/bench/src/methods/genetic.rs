@@ -21,7 +21,7 @@ use std::convert::Infallible;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::super::optimiser::{Optimiser, Search, Stop};
+use servoscope_core::identify::optimiser::{Optimiser, Search, Stop};
 
 /// Number of individuals: 1010 evaluations make fifty generations.
 const POPULATION: usize = 20;

@@ -136,6 +136,15 @@ fn check_identification(
     if answer.fit.dof < 0 {
         fault(format!("{} degrees of freedom", answer.fit.dof));
     }
+    let identifiable = answer.parameters.values().filter(|p| p.identifiable && !p.at_bound).count();
+    let data = real_numbers(measurement);
+    // The DC gain follows from pole and constant.
+    if answer.fit.dof == 0 && answer.noise == NoiseSource::Estimated && identifiable > 0 {
+        fault(format!("{identifiable} parameters determined with no degree of freedom"));
+    }
+    if identifiable > data + 1 {
+        fault(format!("{identifiable} parameters determined from {data} numbers"));
+    }
     match serde_json::to_string(answer) {
         Ok(text) => {
             if let Err(error) = serde_json::from_str::<Identification>(&text) {
@@ -188,15 +197,19 @@ fn check_diagnosis(measurement: &Measurement, answer: &Diagnosis, findings: &mut
             fault(format!("{:?}, and leaves more than it simulates", answer.verdict));
         }
     }
-    let data: usize = measurement
-        .experiments()
-        .iter()
-        .flat_map(|e| &e.response)
-        .map(|h| if h.order == 0 { 1 } else { 2 })
-        .sum();
+    if best.fit.dof == 0 && answer.verdict != Verdict::Adequate {
+        fault(format!("{:?} with no degree of freedom", answer.verdict));
+    }
+    let data = real_numbers(measurement);
     let known = usize::from(best.noise == NoiseSource::Estimated);
     let free = best.parameters.len().saturating_sub(1);
     if !answer.causes.is_empty() && data < free + known {
         fault(format!("{:?} named from {data} data", answer.causes[0].effect));
     }
+}
+
+/// How many real numbers were measured.
+fn real_numbers(measurement: &Measurement) -> usize {
+    let all = measurement.experiments().iter().flat_map(|e| &e.response);
+    all.map(|h| if h.order == 0 { 1 } else { 2 }).sum()
 }

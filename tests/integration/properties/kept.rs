@@ -23,6 +23,10 @@ pub fn cases() -> Vec<Case> {
             statement: Statement::Silent,
             ..ordinary()
         },
+        // Called unexplained with residuals of rounding: no degree of freedom was left.
+        Case { magnitudes: vec![1.0], omegas: vec![3.0], harmonics: vec![1], ..ordinary() },
+        // Parameters were determined to twelve digits from fewer numbers than there are parameters.
+        Case { magnitudes: vec![1.0], omegas: vec![3.0], harmonics: vec![0, 1], ..ordinary() },
         // Panicked: the closed form divided by a friction of exactly 0.
         Case {
             subject: Subject::Linear,

@@ -41,9 +41,9 @@ fn a_few_measurements_of_every_kind_are_identified_soundly() {
 }
 
 #[test]
-#[ignore = "slow: a thousand identifications"]
-fn a_thousand_measurements_of_every_kind_are_identified_soundly() {
-    assert_sound(&drawn(1000, cases(3, 5), 2), Depth::Identify);
+#[ignore = "slow: three thousand identifications"]
+fn three_thousand_measurements_of_every_kind_are_identified_soundly() {
+    assert_sound(&drawn(3000, cases(3, 5), 2), Depth::Identify);
 }
 
 #[test]

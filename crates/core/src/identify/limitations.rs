@@ -1,6 +1,8 @@
 //! Sentences for the user about what a measurement cannot determine.
 
-use crate::answers::{IdentifyOptions, Method, NoiseSource, Weighting};
+use statrs::distribution::{ChiSquared, ContinuousCDF as _};
+
+use crate::answers::{Fit, IdentifyOptions, Method, NoiseSource, Weighting};
 use crate::measurement::Measurement;
 
 use super::pipeline::Fitted;
@@ -71,6 +73,14 @@ pub(super) fn of(
     {
         say("noise_std was not used: the upload carries its own deviations".into());
     }
+    if let Some(factor) = excessive_std(fitted.weights.source, &summary.fit) {
+        say(format!(
+            "the model leaves {factor:.3} of the stated noise: a std that is {:.1} times too large \
+             hides what the model lacks; correct std, or remove it and let the residuals tell the \
+             noise",
+            1.0 / factor
+        ));
+    }
     if summary.fit.uncertainty_scale > 1.0 {
         say(format!(
             "the base model leaves more than noise: every deviation was widened by the factor \
@@ -87,4 +97,52 @@ pub(super) fn of(
         say(format!("this data does not determine {}", names.join(", ")));
     }
     sentences
+}
+
+/// Largest share of the stated standard deviation that a model leaves where std is called too
+/// large: a smaller error hides no more than half of an effect.
+const LARGEST_LEFT_SHARE: f64 = 0.5;
+
+/// Probability of residuals as small as they are by chance below which std is called too large.
+const CHANCE_LEVEL: f64 = 1e-6;
+
+/// The ratio of what a model leaves to the standard deviations that the upload states, where it is
+/// too small to be chance by a χ² test.
+fn excessive_std(source: NoiseSource, fit: &Fit) -> Option<f64> {
+    let chi2 = fit.chi2.filter(|_| source == NoiseSource::Given)?;
+    let by_chance = ChiSquared::new(fit.dof as f64).ok()?.cdf(chi2);
+    let ratio = fit.chi2_per_dof?.sqrt();
+    (by_chance < CHANCE_LEVEL && ratio < LARGEST_LEFT_SHARE).then_some(ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fit(chi2: f64, dof: i64) -> Fit {
+        Fit {
+            chi2: Some(chi2),
+            dof,
+            chi2_per_dof: (dof > 0).then(|| chi2 / dof as f64),
+            nrmse: 0.01,
+            rms_residual: 0.01,
+            p_value: Some(1.0),
+            adequate: Some(true),
+            uncertainty_scale: 1.0,
+            unanswered: Vec::new(),
+        }
+    }
+
+    // A std of 30 times the true one leaves χ² near dof/900.
+    #[test]
+    fn a_stated_deviation_far_above_the_residuals_is_said_to_be_too_large() {
+        let told = |chi2, dof| excessive_std(NoiseSource::Given, &fit(chi2, dof));
+        let ratio = told(158.0 / 900.0, 158).unwrap();
+        assert!((ratio - 1.0 / 30.0).abs() < 1e-12);
+        assert_eq!(told(150.0, 158), None);
+        // Chance: two residuals of which one is small.
+        assert_eq!(told(0.02, 2), None);
+        assert_eq!(told(0.0, 0), None);
+        assert_eq!(excessive_std(NoiseSource::Repeats, &fit(0.2, 158)), None);
+    }
 }

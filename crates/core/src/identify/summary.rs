@@ -56,7 +56,8 @@ pub(super) fn summarise(
     let dof = problem.data().saturating_sub(fitted_count) as i64;
     let fit = goodness(problem, fitted, misfit, dof)?;
     let known = fitted.weights.known();
-    let residual_scale = (fitted.cost / dof.max(1) as f64).sqrt();
+    // Without a degree of freedom the residuals are rounding errors, and say nothing of the noise.
+    let residual_scale = if dof > 0 { (fitted.cost / dof as f64).sqrt() } else { f64::INFINITY };
     let scale = if known { fit.uncertainty_scale } else { residual_scale };
     let uncertainty = Uncertainty::new(&here, &held, scale);
     let released = Uncertainty::new(&here, &vec![false; held.len()], scale);

@@ -30,7 +30,8 @@ pub(super) struct Uncertainty {
 
 impl Uncertainty {
     /// From the linearisation at the refined point. Coordinates that are `held` at a bound are
-    /// treated as known. Standard deviations are multiplied by `scale`.
+    /// treated as known. Standard deviations are multiplied by `scale`; where it is infinite,
+    /// because nothing tells the size of the noise, no direction counts as determined.
     pub fn new(here: &Linearisation, held: &[bool], scale: f64) -> Self {
         let all = held.len();
         let free: Vec<usize> = (0..all).filter(|i| !held[*i]).collect();
@@ -39,11 +40,14 @@ impl Uncertainty {
         let slim = here.jacobian.select_columns(&free);
         let finite = slim.iter().all(|value| value.is_finite());
         if !free.is_empty() && finite {
-            let svd = slim.svd(false, true);
+            // With fewer data than parameters the decomposition leaves out directions that no datum
+            // depends on. Rows of zeros complete them and change nothing else.
+            let rows = slim.nrows().max(free.len());
+            let svd = slim.resize_vertically(rows, 0.0).svd(false, true);
             let directions = svd.v_t.expect("requested");
             let strongest = svd.singular_values.max();
             for (s, singular) in svd.singular_values.iter().enumerate() {
-                if *singular <= RANK_TOLERANCE * strongest {
+                if *singular <= RANK_TOLERANCE * strongest || scale.is_infinite() {
                     let mut direction = vec![0.0; all];
                     for (f, i) in free.iter().enumerate() {
                         direction[*i] = directions[(s, f)];
@@ -155,6 +159,20 @@ mod tests {
         assert_eq!(uncertainty.std(&[1.0, -1.0, 0.0], 1.0), None);
         assert!(uncertainty.std(&[1.0, 1.0, 0.0], 1.0).is_some());
         assert!(uncertainty.std(&[0.0, 0.0, 1.0], 1.0).is_some());
+    }
+
+    #[test]
+    fn fewer_data_than_parameters_determine_none_of_those_that_they_mix() {
+        let uncertainty = Uncertainty::new(&here(1, 2, &[3.0, 4.0]), &[false; 2], 1.0);
+        assert_eq!(uncertainty.std(&[1.0, 0.0], 1e3), None);
+        assert!((uncertainty.std(&[3.0, 4.0], 1e3).unwrap() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn noise_of_unknown_size_leaves_nothing_determined() {
+        let here = here(2, 2, &[20.0, 10.0, 0.0, 10.0]);
+        let uncertainty = Uncertainty::new(&here, &[false; 2], f64::INFINITY);
+        assert_eq!(uncertainty.std(&[1.0, 0.0], f64::INFINITY), None);
     }
 
     // A friction level lies between 0 and 1.05 times the largest input, the amplitude of cogging

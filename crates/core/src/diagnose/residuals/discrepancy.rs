@@ -29,8 +29,9 @@ pub(crate) fn of(fit: &ModelFit, seed: u64) -> Discrepancy {
     let judgement = nulls.judge(&statistics, &residuals.values);
     let rounding = is_rounding(&residuals, ROUNDING_SHARE);
     let contradiction = contradiction(fit, &residuals);
-    let noise_like = contradiction.is_none() && (rounding || judgement.noise_like);
-    let patterns = match noise_like {
+    let passed = rounding || judgement.noise_like;
+    let noise_like = contradiction.is_none() && passed;
+    let patterns = match passed {
         true => Vec::new(),
         false => patterns::find(&residuals, &regions, judgement.region_limit),
     };
@@ -78,8 +79,8 @@ fn contradiction(fit: &ModelFit, residuals: &Residuals) -> Option<String> {
     let sizes = Sizes::of(residuals, &cells)?;
     if sizes.rms_left > sizes.rms_simulated {
         return Some(
-            "the simulation is wrong: it leaves more of the response than it simulates, so that \
-             the response is not that of an axis to this input, or is lost in noise"
+            "the simulation leaves more of the response than it simulates: the response is not \
+             that of an axis to this input, or is lost in noise"
                 .into(),
         );
     }
@@ -140,6 +141,13 @@ fn adequate_sentence(residuals: &Residuals, judgement: &Judgement) -> String {
     let mut sentence = "the simulation explains the measurement to within its noise".to_owned();
     if let Some((share, span)) = least.filter(|(share, _)| share.is_finite()) {
         let what = if layout.many_lines { "response" } else { "fundamental" };
+        if share > 1.0 {
+            return format!(
+                "{sentence}, which is so large that the {what} at magnitude {} might be another \
+                 one altogether",
+                sentence::span(span)
+            );
+        }
         sentence += &format!(
             "; a departure of {} % of the {what} (rms) at magnitude {} would have been noticed, \
              and a smaller one elsewhere",
@@ -163,7 +171,7 @@ fn detectable_excess(dof: f64, limit: f64) -> f64 {
 /// Sentences on what the residuals cannot tell.
 pub(crate) fn limitations(fit: &ModelFit, discrepancy: &Discrepancy) -> Vec<String> {
     let mut sentences = Vec::new();
-    if fit.identification.noise == NoiseSource::Estimated {
+    if fit.identification.noise == NoiseSource::Estimated && fit.contradicts_noise.is_none() {
         sentences.push(
             "the size of the noise is unknown: only structure in what the simulation leaves can \
              show that it is wrong; give std, repeats or the option noise_std"

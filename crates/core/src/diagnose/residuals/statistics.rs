@@ -56,6 +56,8 @@ fn size(residuals: &Residuals) -> Statistic<'_> {
     Statistic {
         name: "size",
         evaluate: match residuals.scale_known {
+            // As many parameters as data leave rounding errors only.
+            _ if residuals.dof() < 0.5 => Err("the model has as many parameters as there are data"),
             true => Ok(Box::new(|r| r.norm_squared())),
             false => Err("the size of the noise is unknown; give std, repeats or noise_std"),
         },

@@ -178,7 +178,7 @@ mod tests {
         let shown = parameter("slew_limit.rate").into_string();
         assert_eq!(
             shown,
-            "limit of the rate of the command <i class=\"symbol\">r</i> <code>slew_limit.rate</code>"
+            "limit of the rate of the command <i class=\"symbol\">R</i> <code>slew_limit.rate</code>"
         );
         assert_eq!(parameter("pole").into_string(), "pole <i class=\"symbol\">−a</i>");
         assert!(parameter("fc_plus").into_string().contains("<sub>c+</sub>"));

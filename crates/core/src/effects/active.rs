@@ -1,4 +1,4 @@
-//! An effect that acts: with values for its parameters.
+//! An effect together with values for its parameters.
 
 use super::effect::Effect;
 
@@ -9,15 +9,15 @@ pub struct ActiveEffect {
     values: Vec<f64>,
 }
 
-/// The values given are not those of the effect's parameters.
+/// The number of values differs from the number of the effect's parameters.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{id}` takes {wanted} parameters, not {given}")]
 pub struct WrongParameters {
-    /// The effect.
+    /// Id of the effect.
     pub id: &'static str,
-    /// How many it has.
+    /// Number of its parameters.
     pub wanted: usize,
-    /// How many were given.
+    /// Number of values given.
     pub given: usize,
 }
 
@@ -25,7 +25,7 @@ impl ActiveEffect {
     /// An effect with values in the order of its parameters.
     ///
     /// # Errors
-    /// When there are more or fewer values than parameters.
+    /// [`WrongParameters`] if there are more or fewer values than parameters.
     pub fn new(effect: &'static dyn Effect, values: Vec<f64>) -> Result<Self, WrongParameters> {
         let (wanted, given) = (effect.parameters().len(), values.len());
         if wanted != given {
@@ -34,7 +34,7 @@ impl ActiveEffect {
         Ok(Self { effect, values })
     }
 
-    /// The same of as many values as there are parameters.
+    /// Like [`Self::new`], unchecked: the caller passes one value for each parameter.
     pub(super) fn of(effect: &'static dyn Effect, values: Vec<f64>) -> Self {
         Self { effect, values }
     }

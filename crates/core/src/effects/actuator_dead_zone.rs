@@ -1,6 +1,6 @@
-//! An amplifier that ignores small commands.
+//! Actuator dead zone: the amplifier ignores small commands.
 //!
-//! u − clip(u, ±half_width), before A(s).
+//! u − clip(u, ±half_width) in place of u, before A(s).
 
 use super::axis::{Axis, InputMap, Stage, Wide};
 use super::descriptor::Descriptor;
@@ -11,14 +11,14 @@ use super::search_plan::SearchPlan;
 use super::slot::Slot;
 use crate::plant::Scalar as _;
 
-/// The half width.
+/// Parameter: the half width.
 #[derive(Debug)]
 pub struct ActuatorDeadZone;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "half_width",
     title: "half width of the dead zone",
-    symbol: ["w", ""],
+    symbol: ["h", ""],
     dimension: Dimension::INPUT,
     domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
@@ -33,7 +33,7 @@ const DESCRIPTOR: Descriptor = Descriptor {
     id: "actuator_dead_zone",
     title: "actuator dead zone",
     with_article: "an actuator dead zone",
-    equation: "u − clip(u, ±w), before A(s)",
+    equation: "u − clip(u, ±h), before A(s)",
     meaning: "small commands have no effect: the amplifier or valve has a dead zone around zero",
     signature: "a loss of fundamental and odd harmonics that matter most at the lowest magnitude, at \
          every frequency",

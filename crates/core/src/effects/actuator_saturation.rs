@@ -1,6 +1,6 @@
-//! An amplifier at its limit.
+//! Actuator saturation: the amplifier clips the command.
 //!
-//! u clipped to ±limit, before A(s).
+//! u is clipped to ±limit, before A(s).
 
 use super::axis::{Axis, InputMap, Stage, Wide};
 use super::descriptor::Descriptor;
@@ -11,7 +11,7 @@ use super::search_plan::SearchPlan;
 use super::slot::Slot;
 use crate::plant::Scalar as _;
 
-/// The limit.
+/// Parameter: the limit.
 #[derive(Debug)]
 pub struct ActuatorSaturation;
 
@@ -22,7 +22,7 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     dimension: Dimension::INPUT,
     domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
-    // Above the largest input there is nothing to clip.
+    // A limit above the largest input clips nothing.
     range: |scope| {
         let (least, most) = (0.01 * scope.largest_level, 1.01 * scope.largest_level);
         let likely = scope.moving_level.min(0.5 * scope.largest_level);

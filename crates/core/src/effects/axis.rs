@@ -1,61 +1,60 @@
-//! A servo axis with every effect in place, as the simulation sees it.
+//! A servo axis with all its effects, in the form that the simulation reads.
 //!
 //! ```text
 //!   u ─ delay ─ input maps ─ rate limit ─ A(s) ─ τ ─ mechanics ─ v ─ sensor lags ─ y
 //!                                                    v' = −a v + K (τ − f − g)
 //! ```
 //!
-//! An effect enters by setting one or more of these fields; what it leaves
-//! alone is the base model's.
+//! Each effect sets one or more fields of [`Axis`]; the others keep the values of the base model.
 
 use crate::plant::{Friction, Plant, Scalar};
 
 use super::law::Law;
 
-/// Numbers while effects enter: derivatives along every parameter at once.
+/// The number type in which effects enter: a dual number with a lane for every parameter.
 pub type Wide = crate::plant::Dual<WIDE_LANES>;
 
-/// Most parameters, the plant's and the effects' together, one axis may have.
+/// Largest number of parameters of one axis: the plant's and the effects' together.
 pub const WIDE_LANES: usize = 16;
 
-/// Position of a map in the signal chain: lower numbers act first.
+/// Position of an input map in the signal chain; maps act in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
-    /// Nearest to the command.
+    /// Acts first.
     DeadZone,
-    /// Behind the dead zone.
+    /// Acts after the dead zone.
     Gain,
-    /// Behind the gain, ahead of the rate limit.
+    /// Acts after the gain, before the rate limit.
     Saturation,
 }
 
-/// A static, continuous, piecewise linear map of the input that keeps 0.
+/// A static, continuous, piecewise linear map of the input that maps 0 to 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputMap<S> {
-    /// Where it stands in the chain.
+    /// Its position in the chain.
     pub stage: Stage,
-    /// Where the slope changes, ascending, input units.
+    /// Inputs at which the slope changes, ascending, input units.
     pub breaks: Vec<S>,
     /// Slope of each piece: one more than there are breaks.
     pub slopes: Vec<S>,
 }
 
 impl<S: Scalar> InputMap<S> {
-    /// Piece `i` as (offset, slope): its output is offset + slope·u.
+    /// (offset, slope) of piece `i`: the output is offset + slope·u.
     pub fn piece(&self, i: usize) -> (S, S) {
-        // The piece that holds 0 has no offset; each break adds what the change
-        // of slope there takes away.
-        let home = self.breaks.iter().filter(|at| at.value() < 0.0).count();
+        // The piece that contains 0 has offset 0. At a break b, continuity changes the offset by
+        // (slope below − slope above)·b.
+        let zero_piece = self.breaks.iter().filter(|at| at.value() < 0.0).count();
         let mut offset = S::constant(0.0);
-        for b in i.min(home)..i.max(home) {
+        for b in i.min(zero_piece)..i.max(zero_piece) {
             let step = (self.slopes[b] - self.slopes[b + 1]) * self.breaks[b];
-            if i > home { offset += step } else { offset -= step }
+            if i > zero_piece { offset += step } else { offset -= step }
         }
         (offset, self.slopes[i])
     }
 }
 
-/// A load behind a joint: motor and load share the inertia 1/K as (1 − ρ):ρ.
+/// A load behind a joint. Motor and load split the inertia 1/K as (1 − ρ):ρ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SecondMass<S> {
     /// ρ: the load's share of the inertia, 0 to 1.
@@ -64,42 +63,41 @@ pub struct SecondMass<S> {
     pub stiffness: S,
     /// c, input units per velocity unit.
     pub damping: S,
-    /// Width of the play, position units; 0: none.
+    /// Width of the gap in the joint, position units; 0 if there is none.
     pub gap: S,
 }
 
-/// An axis with every effect in place.
+/// An axis with all its effects.
 #[derive(Debug, Clone)]
 pub struct Axis<S = f64> {
     /// The base model.
     pub plant: Plant<S>,
     /// α: the viscous rate is a(1 + α) forward and a(1 − α) backward.
     pub viscous_asymmetry: S,
-    /// Factor on every friction level.
+    /// Factor on all friction levels, Fc and Fs.
     pub friction_scale: S,
-    /// Factor on the sliding friction as a function of v.
+    /// Factor on the Coulomb friction, as a function of v.
     pub friction_curve: Option<Law<S>>,
-    /// σ of a bristle that takes the place of set-valued friction, input units
-    /// per position unit.
+    /// σ, input units per position unit, of the Dahl bristle that replaces set-valued friction.
     pub bristle: Option<S>,
-    /// Further torques g(v, θ) against the motion.
+    /// Terms of g(v, θ), the torques subtracted from τ.
     pub torques: Vec<Law<S>>,
-    /// Whether a constant torque keeps the mean of v and of θ at zero.
+    /// Whether a constant torque makes the mean of v zero, and θ has zero mean.
     pub balanced: bool,
-    /// A second mass.
+    /// The load behind a joint, if there is one.
     pub second_mass: Option<SecondMass<S>>,
-    /// T of a pure delay, seconds.
+    /// Transport delay of the input, seconds.
     pub delay: S,
-    /// Maps ahead of A(s).
+    /// Input maps ahead of A(s), in the order in which they act.
     pub input_maps: Vec<InputMap<S>>,
-    /// Limit of |w'| ahead of A(s), input units per second.
+    /// Limit of |w'|, where w is the input of A(s), input units per second.
     pub rate_limit: Option<S>,
     /// Time constants of first-order lags of the sensor, seconds.
     pub sensor_lags: Vec<S>,
 }
 
 impl<S: Scalar> Axis<S> {
-    /// The base model alone.
+    /// The base model without effects.
     pub fn base(plant: Plant<S>) -> Self {
         Self {
             plant,
@@ -117,7 +115,7 @@ impl<S: Scalar> Axis<S> {
         }
     }
 
-    /// The same axis with every number passed through `f`.
+    /// Converts every number of the axis with `f`.
     pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T + Copy) -> Axis<T> {
         let all = |values: &[S]| values.iter().copied().map(f).collect();
         Axis {
@@ -149,18 +147,18 @@ impl<S: Scalar> Axis<S> {
         }
     }
 
-    /// The same axis with this share of every torque that ripples over θ.
+    /// The same axis with the amplitude of every torque sinusoidal in θ multiplied by `share`.
     pub fn with_ripple(&self, share: f64) -> Self {
         let torques = self.torques.iter().map(|law| law.with_ripple(share)).collect();
         Self { torques, ..self.clone() }
     }
 
-    /// Radians by which the fastest ripple turns for one unit of θ; 0 without one.
+    /// Largest spatial frequency of the torques sinusoidal in θ, rad per unit of θ; 0 without one.
     pub fn ripple_rate(&self) -> f64 {
         self.torques.iter().map(Law::ripple_rate).fold(0.0, f64::max)
     }
 
-    /// Adds a map in its place in the chain.
+    /// Adds a map at its position in the chain.
     pub fn add_input_map(&mut self, map: InputMap<S>) {
         self.input_maps.push(map);
         self.input_maps.sort_by_key(|map| map.stage);
@@ -172,8 +170,8 @@ impl<S: Scalar> Axis<S> {
         [a * (alpha + 1.0), a * (-alpha + 1.0)]
     }
 
-    /// Friction levels with everything that scales them: Fc at large |v|, Fs at
-    /// rest, where a curve may exceed what was given.
+    /// Friction levels with all factors applied. Fc is the level at large |v|. Fs is the larger of
+    /// the given static level and Fc times the friction curve at rest.
     pub fn levels(&self) -> Friction<S> {
         let friction = self.plant.friction;
         let zero = S::constant(0.0);
@@ -189,13 +187,13 @@ impl<S: Scalar> Axis<S> {
         Friction { fc_plus, fc_minus, fs_plus, fs_minus }
     }
 
-    /// Whether nothing ahead of A(s) bends the input.
+    /// Whether the chain ahead of A(s) is linear.
     pub fn has_linear_input(&self) -> bool {
         self.input_maps.is_empty() && self.rate_limit.is_none()
     }
 
-    /// Whether the mechanics are those of one mass with friction levels and
-    /// viscous rates that depend on the direction alone.
+    /// Whether the mechanics are one mass whose friction levels and viscous rates depend only on
+    /// the direction of motion.
     pub fn is_piecewise_linear(&self) -> bool {
         self.friction_curve.is_none()
             && self.bristle.is_none()
@@ -204,14 +202,14 @@ impl<S: Scalar> Axis<S> {
             && self.second_mass.is_none()
     }
 
-    /// Whether damping is the same in both directions.
+    /// Whether the viscous rate is the same in both directions.
     pub fn damps_alike(&self) -> bool {
-        // A number that may vary counts, even where it is zero at the moment.
+        // α with a derivative is a free parameter, which counts even at the value 0.
         let alpha = self.viscous_asymmetry;
         alpha.value() == 0.0 && (0..S::LANES).all(|lane| alpha.lane(lane) == 0.0)
     }
 
-    /// Whether the base model's own solution holds, sensor and delay aside.
+    /// Whether the base model's solver applies; it allows any delay, sensor lag and friction level.
     pub fn is_base(&self) -> bool {
         self.has_linear_input() && self.is_piecewise_linear() && self.damps_alike()
     }

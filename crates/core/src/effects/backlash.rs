@@ -1,9 +1,9 @@
-//! Play between motor and load.
+//! Backlash: play between motor and load.
 //!
-//! As `flexible_mode`, with a spring and damper that act only while the twist
-//! φ (φ' = v − v_load) is outside ±gap/2:
-//! T_s = k·(φ beyond the gap) + c·(v − v_load) in contact (not clipped: it may
-//! pull just before contact ends), 0 inside the gap. y is the motor's velocity.
+//! As in `flexible_mode`, a spring k and a damper c join motor and load, but they act only while
+//! the twist φ (φ' = v − v_load) is outside ±gap/2: T_s = k·(φ beyond the gap) + c·(v − v_load) in
+//! contact, 0 inside the gap. T_s is not clipped: it may pull just before contact ends. y is the
+//! motor's velocity.
 
 use super::axis::{Axis, SecondMass, Wide};
 use super::descriptor::Descriptor;
@@ -16,7 +16,7 @@ use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range, Scope};
 use super::search_plan::{SearchPlan, Starts};
 use super::slot::Slot;
 
-/// ρ, k, c and the gap.
+/// Parameters: ρ, k, c and the gap.
 #[derive(Debug)]
 pub struct Backlash;
 
@@ -36,32 +36,33 @@ const GAP: Parameter = Parameter {
     },
 };
 
-/// Loads that are tried first. What play does is not in proportion to the load: a light one
-/// points to another gap than a heavy one.
+/// Starting values of ρ. The effect is not proportional to ρ: a light load and a heavy one lead a
+/// fit to different gaps.
 const LOADS: [f64; 2] = [0.1, 0.3];
 
-/// Damping ratios of the contact that are tried.
+/// Starting values of the damping ratio in contact.
 const DAMPING_RATIOS: [f64; 2] = [0.05, 0.4];
 
-/// Gaps that are tried, as shares of the longest travel.
+/// Starting values of the gap, as shares of the largest travel.
 const GAPS: [f64; 3] = [3e-4, 3e-3, 3e-2];
 
-/// By how much a frequency of the contact is larger than the one tried before.
-const NEXT: f64 = 3.0;
+/// Ratio of successive starting values of the resonance in contact.
+const FREQUENCY_RATIO: f64 = 3.0;
 
-/// Loads that swing against the motor, while in contact, at √(k/(ρ(1 − ρ)J)): from within the
-/// band to where contacts are but impacts, of which only the damping ratio shows.
-fn contacts(scope: &Scope) -> Vec<Vec<f64>> {
-    let contact = |load: f64, omega: f64, ratio: f64, gap: f64| {
+/// Starting points with resonances √(k/(ρ(1 − ρ)J)) of motor against load in contact from within
+/// the band to ten times its upper end. There a contact is an impact; only its damping ratio
+/// matters.
+fn start_points(scope: &Scope) -> Vec<Vec<f64>> {
+    let start_point = |load: f64, omega: f64, ratio: f64, gap: f64| {
         let inertia = load * (1.0 - load) / scope.plant.constant.abs();
         let (stiffness, damping) = (inertia * omega * omega, 2.0 * ratio * inertia * omega);
         vec![load, stiffness, damping, gap * scope.largest_travel]
     };
-    std::iter::successors(Some(2.0 * scope.omega_low), |omega| Some(NEXT * omega))
+    std::iter::successors(Some(2.0 * scope.omega_low), |omega| Some(FREQUENCY_RATIO * omega))
         .take_while(|omega| *omega < 10.0 * scope.omega_high)
         .flat_map(|omega| LOADS.map(|load| (omega, load)))
         .flat_map(|(omega, load)| DAMPING_RATIOS.map(|ratio| (omega, load, ratio)))
-        .flat_map(|(omega, load, ratio)| GAPS.map(|gap| contact(load, omega, ratio, gap)))
+        .flat_map(|(omega, load, ratio)| GAPS.map(|gap| start_point(load, omega, ratio, gap)))
         .collect()
 }
 
@@ -69,7 +70,7 @@ const DESCRIPTOR: Descriptor = Descriptor {
     id: "backlash",
     title: "backlash",
     with_article: "backlash",
-    equation: "(1 − ρ)J·v' = −(a/K)·v + τ − f − T_s, ρJ·v_load' = T_s, φ' = v − v_load, J = 1/K; T_s = k·(φ beyond ±ε/2) + c·(v − v_load) there, 0 within",
+    equation: "(1 − ρ)J·v' = −(a/K)·v + τ − f − T_s, ρJ·v_load' = T_s, φ' = v − v_load, J = 1/K; T_s = k·(φ beyond ±ε/2) + c·(v − v_load) in contact, 0 inside the gap ε",
     meaning: "there is play between motor and load: at every reversal the motor crosses a gap \
          alone",
     signature: "impacts after every reversal: harmonics of high order, even ones and a mean where \
@@ -79,9 +80,9 @@ const DESCRIPTOR: Descriptor = Descriptor {
     slot: Slot::SecondMass,
     parameters: &PARAMETERS,
     search: SearchPlan {
-        starts: Starts::Points(contacts),
+        starts: Starts::Points(start_points),
         resize: resize_load,
-        // No machine builder makes a play that small on purpose, and wear makes it larger.
+        // Nobody builds a machine with so small a gap on purpose, and wear widens it.
         rare_when_small: Some(3),
         ..SearchPlan::DEFAULT
     },

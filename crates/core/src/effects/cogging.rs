@@ -1,7 +1,7 @@
-//! Torque ripple over position.
+//! Cogging: a torque that is sinusoidal in position.
 //!
-//! g += T·sin(N·θ + φ), together with the constant torque that makes mean v
-//! zero; θ has zero mean.
+//! g += T·sin(N·θ + φ), together with the constant torque that makes the mean of v zero; θ has zero
+//! mean. T is the amplitude, N the spatial frequency in radians per position unit, φ the phase.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,7 +16,7 @@ use super::slot::Slot;
 use super::taylor_series;
 use super::taylor_series::TaylorSeries;
 
-/// T, N and φ.
+/// Parameters: T, N and φ.
 #[derive(Debug)]
 pub struct Cogging;
 
@@ -41,8 +41,8 @@ const PARAMETERS: [Parameter; 3] = [
         dimension: Dimension::NONE.per(Dimension::POSITION),
         domain: Domain::Positive,
         coordinate: Coordinate::Logarithmic,
-        // Radians per position unit: from one tooth over the whole travel (less of it is
-        // a spring) to so many that their torque averages out.
+        // `angle`: N times the largest travel, rad. Below 1 the torque acts like a spring; at the
+        // upper end it averages out over the travel.
         range: |scope| Range {
             bounds: [1.0, 1000.0].map(|angle| angle / scope.largest_travel),
             likely: [3.0, 300.0].map(|angle| angle / scope.largest_travel),
@@ -56,12 +56,12 @@ const PARAMETERS: [Parameter; 3] = [
         dimension: Dimension::NONE,
         domain: Domain::Any,
         coordinate: Coordinate::Angle,
-        // A whole turn and a little more, so that no solution lies on a bound.
+        // More than a turn on either side, so that no solution lies on a bound.
         range: |_| Range { bounds: [-7.0, 7.0], likely: [-PI, PI], absent: None },
     },
 ];
 
-/// T·sin(N·θ + φ).
+/// The torque T·sin(N·θ + φ).
 #[derive(Debug)]
 struct Ripple;
 
@@ -113,7 +113,7 @@ const DESCRIPTOR: Descriptor = Descriptor {
     id: "cogging",
     title: "cogging",
     with_article: "cogging",
-    equation: "g += T·sin(N·θ + φ), with the constant torque that makes the mean of v zero",
+    equation: "g += T·sin(N·θ + φ), with the constant torque that makes the mean of v zero; θ has zero mean",
     meaning: "a torque ripples with the position: cogging of the motor, teeth of a gear, an \
          eccentric",
     signature: "harmonics, even ones too, that come and go as the travel covers one tooth more; \

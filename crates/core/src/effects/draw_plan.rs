@@ -1,13 +1,13 @@
-//! How a benchmark draws an effect, in proportion to the machine that it is hidden in.
+//! How the benchmark draws an effect at random, scaled to the machine in which it is hidden.
 
 use std::fmt::Debug;
 
-/// Scales of a drawn machine and of the experiments on it.
+/// Scales of a randomly drawn machine and of the experiments on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MachineScales {
-    /// a, 1/s.
+    /// Viscous rate a, 1/s.
     pub viscous_rate: f64,
-    /// K, velocity units per input unit and second.
+    /// Constant K, velocity units per input unit and second.
     pub constant: f64,
     /// Fc⁺ and Fc⁻, input units.
     pub coulomb: [f64; 2],
@@ -20,7 +20,7 @@ pub struct MachineScales {
 }
 
 impl MachineScales {
-    /// F: mean Coulomb level, input units.
+    /// F: mean of Fc⁺ and Fc⁻, input units.
     pub fn level(&self) -> f64 {
         0.5 * (self.coulomb[0] + self.coulomb[1])
     }
@@ -35,43 +35,43 @@ impl MachineScales {
         self.velocity() / self.viscous_rate
     }
 
-    /// k of a spring with which K resonates at a: K·k = a².
+    /// Stiffness k of a spring whose resonance √(K·k) equals a.
     pub fn stiffness(&self) -> f64 {
         self.viscous_rate * self.viscous_rate / self.constant
     }
 }
 
-/// Random numbers for a draw.
+/// A source of random numbers for a draw.
 pub trait Draws {
-    /// Log-uniform between two positive ends.
+    /// Log-uniform between `low` and `high`, both positive.
     fn log_uniform(&mut self, low: f64, high: f64) -> f64;
 
-    /// Uniform in size between two positive ends, of either sign.
+    /// Uniform in size between `low` and `high`, both positive, with a random sign.
     fn signed(&mut self, low: f64, high: f64) -> f64;
 }
 
-/// Parameters of the effect `factor` times as large; `None` where no machine would have that.
+/// Parameters of the effect `factor` times as large; `None` if no machine would have that.
 pub type Scaling = fn(&MachineScales, values: &[f64], factor: f64) -> Option<Vec<f64>>;
 
-/// How a benchmark draws an effect.
+/// How the benchmark draws an effect and varies its size.
 #[derive(Debug, Clone, Copy)]
 pub struct DrawPlan {
-    /// Parameters of a size that a lab would meet.
+    /// Draws parameters of a size that a laboratory would meet.
     pub draw: fn(&MachineScales, &mut dyn Draws) -> Vec<f64>,
-    /// Changes how much there is of the effect.
+    /// Scales the amount of the effect.
     pub scaled: Scaling,
-    /// Changes its character instead, as the resonance of a joint, where it has one.
+    /// Scales another property instead, such as the resonance of a joint, if it has one.
     pub by_character: Option<Scaling>,
 }
 
-/// `factor` times a value, unless that exceeds `most` in size.
+/// `factor`·`value`; `None` if its size exceeds `most`.
 pub fn up_to(value: f64, factor: f64, most: f64) -> Option<f64> {
     let scaled = factor * value;
     (scaled.abs() <= most).then_some(scaled)
 }
 
-/// A limit that the largest command exceeds `factor` times as far: of command/limit − 1. `None`
-/// where the limit would be below `least`.
+/// The limit for which the largest command's relative excess, command/limit − 1, is `factor` times
+/// as large; `None` if that is below `least`.
 pub fn lowered(limit: f64, factor: f64, command: f64, least: f64) -> Option<f64> {
     let lowered = command / (1.0 + factor * (command / limit - 1.0));
     (lowered >= least).then_some(lowered)

@@ -8,23 +8,23 @@ use super::parameter::{Parameter, Scope};
 use super::search_plan::{SearchPlan, Starts};
 use super::slot::Slot;
 
-/// A physical effect.
+/// A physical effect that the base model may lack.
 pub trait Effect: Debug + Sync {
-    /// Everything about it but how it enters the simulation.
+    /// Everything about the effect except how it enters the simulation.
     fn descriptor(&self) -> &'static Descriptor;
 
-    /// Enters the axis, by its parameters, in an experiment that stands at `run_share` (0 first,
-    /// 1 last) of the acquisition.
+    /// Adds the effect, with these parameters, to the axis of one experiment. `run_share` is the
+    /// position of the experiment in the acquisition: 0 for the first, 1 for the last.
     fn enter(&self, parameters: &[Wide], run_share: f64, axis: &mut Axis<Wide>);
 }
 
 impl<'a> dyn Effect + 'a {
-    /// Identifier on the wire and on the command line.
+    /// Identifier in the API and on the command line.
     pub fn id(&self) -> &'static str {
         self.descriptor().id
     }
 
-    /// The place in the chain that it fills.
+    /// The part of the axis that it takes.
     pub fn slot(&self) -> Slot {
         self.descriptor().slot
     }
@@ -44,7 +44,7 @@ impl<'a> dyn Effect + 'a {
         matches!(self.search().starts, Starts::FrequencyScan)
     }
 
-    /// Values of its parameters from which fits start; empty where these are a grid or a scan.
+    /// Parameter values from which fits start; empty if fits start from a grid or a scan.
     pub fn start_points(&self, scope: &Scope) -> Vec<Vec<f64>> {
         match self.search().starts {
             Starts::Points(points) => points(scope),
@@ -52,7 +52,7 @@ impl<'a> dyn Effect + 'a {
         }
     }
 
-    /// Under which name a parameter of it is reported.
+    /// The name under which one of its parameters is reported: `spring.stiffness`.
     pub fn key(&self, parameter: &Parameter) -> String {
         format!("{}.{}", self.id(), parameter.name)
     }

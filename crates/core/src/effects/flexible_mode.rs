@@ -1,6 +1,7 @@
-//! A load behind an elastic joint.
+//! Flexible mode: a load behind an elastic joint (two-mass system).
 //!
-//! Motor and load share the inertia J = 1/K as (1 − ρ):ρ. With φ' = v − v_load:
+//! Motor and load split the inertia J = 1/K as (1 − ρ):ρ. A spring k and a damper c join them; φ is
+//! the twist of the joint, φ' = v − v_load:
 //! (1 − ρ)J·v' = −(a/K)·v + τ − f − T_s, ρJ·v_load' = T_s,
 //! T_s = k·φ + c·(v − v_load). y is the motor's velocity.
 
@@ -13,13 +14,13 @@ use super::search_plan::{SearchPlan, Starts};
 use super::slot::Slot;
 use crate::plant::Scalar as _;
 
-/// ρ, k and c.
+/// Parameters: ρ, k and c.
 #[derive(Debug)]
 pub struct FlexibleMode;
 
 const PARAMETERS: [Parameter; 3] = [LOAD_INERTIA_FRACTION, STIFFNESS, DAMPING];
 
-/// ρ.
+/// ρ, the load's share of the inertia.
 pub(super) const LOAD_INERTIA_FRACTION: Parameter = Parameter {
     name: "load_inertia_fraction",
     title: "share of the inertia in the load",
@@ -30,7 +31,7 @@ pub(super) const LOAD_INERTIA_FRACTION: Parameter = Parameter {
     range: |_| Range { bounds: [1e-4, 0.99], likely: [3e-3, 0.7], absent: Some(0.0) },
 };
 
-/// k.
+/// k, the stiffness of the joint.
 pub(super) const STIFFNESS: Parameter = Parameter {
     name: "stiffness",
     title: "stiffness of the joint",
@@ -38,8 +39,8 @@ pub(super) const STIFFNESS: Parameter = Parameter {
     dimension: Dimension::INPUT.per(Dimension::POSITION),
     domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
-    // An antiresonance √(k/(ρJ)) from below the lowest frequency to far above
-    // the highest, where the joint is rigid; of a small load with a small k.
+    // The antiresonance √(k/(ρJ)) lies from below the lowest frequency to far above the highest,
+    // where the joint is rigid. The factor 3e-4 allows for light loads (ρ = 1e-4 instead of 0.3).
     range: |scope| {
         let at = |omega: f64| omega * omega * load_inertia(scope);
         Range {
@@ -50,7 +51,7 @@ pub(super) const STIFFNESS: Parameter = Parameter {
     },
 };
 
-/// c.
+/// c, the damping of the joint.
 pub(super) const DAMPING: Parameter = Parameter {
     name: "damping",
     title: "damping of the joint",
@@ -58,7 +59,7 @@ pub(super) const DAMPING: Parameter = Parameter {
     dimension: Dimension::INPUT.per(Dimension::VELOCITY),
     domain: Domain::NotNegative,
     coordinate: Coordinate::Logarithmic,
-    // From next to nothing to more than critical in the middle of the band.
+    // From negligible to more than critical damping (c = 2·ρJ·ω) in the middle of the band.
     range: |scope| {
         let middle = (scope.omega_low * scope.omega_high).sqrt() * load_inertia(scope);
         Range {
@@ -69,46 +70,46 @@ pub(super) const DAMPING: Parameter = Parameter {
     },
 };
 
-/// Inertia of a load that has a third of the whole.
+/// Inertia ρJ of a load with ρ = 0.3.
 fn load_inertia(scope: &Scope) -> f64 {
     0.3 / scope.plant.constant.abs()
 }
 
-/// ρ of the loads that are tried first.
-const LIGHT: f64 = 0.1;
+/// ρ of all starting points.
+const START_LOAD_FRACTION: f64 = 0.1;
 
-/// Damping ratios that are tried.
+/// Starting values of the damping ratio of the joint.
 const DAMPING_RATIOS: [f64; 4] = [0.02, 0.07, 0.25, 0.8];
 
-/// By how much a frequency that is tried is larger than the one before, as a share of it, of a
-/// joint that is hardly damped: what is damped more shows as much farther.
-const NEXT: f64 = 0.08;
+/// Relative step between starting values of the antiresonance without damping. The damping ratio is
+/// added to it, as damping widens the antiresonance. Tuned.
+const FREQUENCY_STEP: f64 = 0.08;
 
-/// Light loads that swing behind the joint at √(k/(ρJ)), over the band and up to where
-/// harmonics may still show it. A coarse grid of k misses what is little damped, most of all
-/// beside the actuator's own frequency, which takes up much of what it sees of it.
-fn resonances(scope: &Scope) -> Vec<Vec<f64>> {
-    let inertia = LIGHT / scope.plant.constant.abs();
+/// Starting points with antiresonances √(k/(ρJ)) over the band and up to three times its upper end,
+/// where harmonics may still show them. A coarse grid of k misses a lightly damped one, above all
+/// near the actuator's natural frequency, where the actuator's parameters absorb much of it.
+fn start_points(scope: &Scope) -> Vec<Vec<f64>> {
+    let inertia = START_LOAD_FRACTION / scope.plant.constant.abs();
     let damped = |ratio: f64| {
-        let place =
-            move |omega: f64| vec![LIGHT, inertia * omega * omega, 2.0 * ratio * inertia * omega];
+        let start_point = move |omega: f64| {
+            vec![START_LOAD_FRACTION, inertia * omega * omega, 2.0 * ratio * inertia * omega]
+        };
         std::iter::successors(Some(scope.omega_low), move |omega| {
-            Some(omega * (1.0 + NEXT + ratio))
+            Some(omega * (1.0 + FREQUENCY_STEP + ratio))
         })
         .take_while(|omega| *omega < 3.0 * scope.omega_high)
-        .map(place)
+        .map(start_point)
     };
     DAMPING_RATIOS.into_iter().flat_map(damped).collect()
 }
 
-/// Makes a load (ρ, k, c, …) so many times as heavy, its motion beside the motor's
-/// as it was.
+/// Multiplies ρ, k and c by `factor`: a heavier load, with the same motion relative to the motor.
 pub(super) fn resize_load(values: &mut [f64], _ranges: &[Range], factor: f64) {
     values.iter_mut().take(3).for_each(|value| *value *= factor);
 }
 
-/// Draws ρ from 0.2 to 0.6, k and c by the resonance (2 a to 10 a) of motor against load and its
-/// damping ratio, which lies in `ratios`.
+/// Draws ρ from 0.2 to 0.6, and k and c from the resonance of motor against load (2·a to 10·a) and
+/// its damping ratio (`low` to `high`).
 pub(super) fn draw_joint(
     scales: &MachineScales,
     draws: &mut dyn Draws,
@@ -122,7 +123,7 @@ pub(super) fn draw_joint(
     [load, stiffness, per_ratio * draws.log_uniform(low, high)]
 }
 
-/// A load `factor` times as heavy, up to ρ = 0.85, at the same resonance and damping ratio.
+/// The joint with ρ `factor` times as large, up to 0.85, and the same resonance and damping ratio.
 pub(super) fn heavier_load(_: &MachineScales, values: &[f64], factor: f64) -> Option<Vec<f64>> {
     let mut values = values.to_vec();
     let fraction = values[0];
@@ -133,7 +134,8 @@ pub(super) fn heavier_load(_: &MachineScales, values: &[f64], factor: f64) -> Op
     Some(values)
 }
 
-/// A joint `factor` times as soft at the same damping ratio, down to a resonance at a/2.
+/// The joint with k divided by `factor` and the same damping ratio; `None` if its resonance is
+/// below a/2.
 pub(super) fn softer_joint(
     scales: &MachineScales,
     values: &[f64],
@@ -159,7 +161,7 @@ const DESCRIPTOR: Descriptor = Descriptor {
     slot: Slot::SecondMass,
     parameters: &PARAMETERS,
     search: SearchPlan {
-        starts: Starts::Points(resonances),
+        starts: Starts::Points(start_points),
         resize: resize_load,
         ..SearchPlan::DEFAULT
     },

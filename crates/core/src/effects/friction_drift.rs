@@ -1,7 +1,7 @@
-//! Friction that drifts during the acquisition, as a bearing warms up.
+//! Friction drift: friction changes during the acquisition, for example as a bearing warms up.
 //!
-//! All friction levels, Fc and Fs, × (1 + δ·(run − run_min)/(run_max − run_min)).
-//! Not testable without `run`.
+//! All friction levels, Fc and Fs, are multiplied by 1 + δ·(run − run_min)/(run_max − run_min),
+//! where `run` is the position in the order of acquisition. Not testable without `run`.
 
 use super::axis::{Axis, Wide};
 use super::descriptor::Descriptor;
@@ -11,7 +11,7 @@ use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
-/// δ.
+/// Parameter: δ.
 #[derive(Debug)]
 pub struct FrictionDrift;
 

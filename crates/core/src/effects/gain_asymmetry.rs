@@ -1,6 +1,6 @@
-//! An amplifier whose halves differ.
+//! Gain asymmetry: the gain of the amplifier depends on the sign of the command.
 //!
-//! (1 + γ)u for u > 0, (1 − γ)u for u < 0, before A(s).
+//! (1 + γ)·u for u > 0 and (1 − γ)·u for u < 0, before A(s).
 
 use super::axis::{Axis, InputMap, Stage, Wide};
 use super::descriptor::Descriptor;
@@ -11,7 +11,7 @@ use super::search_plan::SearchPlan;
 use super::slot::Slot;
 use crate::plant::Scalar as _;
 
-/// γ.
+/// Parameter: γ.
 #[derive(Debug)]
 pub struct GainAsymmetry;
 

@@ -1,4 +1,4 @@
-//! Effects as a user gives them: by id, and parameters by name.
+//! Effects as a user states them: an id, and parameters by name.
 
 use std::collections::BTreeMap;
 
@@ -6,13 +6,13 @@ use super::active::ActiveEffect;
 use super::effect::Effect;
 use super::{ALL, find};
 
-/// Why a name and parameters make no effect.
+/// Why an id and named parameters do not make an effect.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoSuchEffect {
     /// No effect has this id.
     #[error("no effect is called `{id}`; there are {}", ids())]
     UnknownId {
-        /// What was asked for.
+        /// The id that was given.
         id: String,
     },
     /// The effect has no such parameter.
@@ -20,27 +20,27 @@ pub enum NoSuchEffect {
     UnknownParameter {
         /// The effect.
         id: &'static str,
-        /// What was given.
+        /// The name that was given.
         parameter: String,
     },
-    /// A parameter was not given.
+    /// A parameter is missing.
     #[error("`{id}` needs `{parameter}`; its parameters are {}", parameters(id))]
     Missing {
         /// The effect.
         id: &'static str,
-        /// What it needs.
+        /// The missing parameter.
         parameter: &'static str,
     },
-    /// A value that the parameter cannot have.
+    /// A value is outside the domain of its parameter.
     #[error("`{parameter}` of `{id}` is {value}: it must be finite and {requirement}")]
     Unusable {
         /// The effect.
         id: &'static str,
         /// Its parameter.
         parameter: &'static str,
-        /// The value.
+        /// The value that was given.
         value: f64,
-        /// What it must be.
+        /// The values that are admissible, in words.
         requirement: &'static str,
     },
 }
@@ -55,10 +55,10 @@ fn parameters(id: &str) -> String {
 }
 
 impl ActiveEffect {
-    /// The effect of this id with these parameters by name, all of which must be given.
+    /// The effect with this id and these named parameters. Every parameter must be given.
     ///
     /// # Errors
-    /// See [`NoSuchEffect`]; its texts name the known ids and parameters.
+    /// See [`NoSuchEffect`]; its messages list the known ids and parameters.
     pub fn from_names(id: &str, given: &BTreeMap<String, f64>) -> Result<Self, NoSuchEffect> {
         let effect: &'static dyn Effect =
             find(id).ok_or_else(|| NoSuchEffect::UnknownId { id: id.to_owned() })?;
@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_refused_with_what_is_known() {
+    fn a_wrong_id_name_or_value_is_refused_and_the_message_lists_the_known_ones() {
         let unknown = given("friction", &[]).unwrap_err();
         assert!(unknown.contains("`friction`") && unknown.contains("slew_limit"), "{unknown}");
         let misspelt = given("spring", &[("stifness", 1.0)]).unwrap_err();

@@ -1,6 +1,6 @@
-//! A spring to the frame that stiffens (Duffing 1918).
+//! Hardening spring: a spring to the frame that stiffens with the travel (Duffing 1918).
 //!
-//! g += k·θ + k₃·θ³, θ absolute, zero at the spring's rest.
+//! g += k·θ + k₃·θ³, where θ is absolute, zero at the spring's rest.
 
 use super::axis::{Axis, Wide};
 use super::descriptor::Descriptor;
@@ -14,7 +14,7 @@ use super::spring::STIFFNESS;
 use super::taylor_series;
 use super::taylor_series::TaylorSeries;
 
-/// k and k₃.
+/// Parameters: k and k₃.
 #[derive(Debug)]
 pub struct HardeningSpring;
 
@@ -27,14 +27,14 @@ const CUBIC_STIFFNESS: Parameter = Parameter {
     dimension: Dimension { input: 1, velocity: -3, time: -3 },
     domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
-    // As much torque at the largest travel as there is.
+    // `most`: at the largest travel, the cubic torque equals the largest input.
     range: |scope| {
         let most = scope.largest_level / scope.largest_travel.powi(3);
         Range { bounds: [0.0, 100.0 * most], likely: [0.0, most], absent: Some(0.0) }
     },
 };
 
-/// k·θ + k₃·θ³.
+/// The torque k·θ + k₃·θ³.
 #[derive(Debug)]
 struct Hardening;
 

@@ -1,4 +1,7 @@
-//! Nonlinear functions of the motion, with their derivatives.
+//! Functions of velocity and position (torques, friction curves), with their derivatives.
+//!
+//! A [`Form`] is the function in `f64`. A [`Law`] is a form with parameters; it applies the chain
+//! rule, so that it carries the derivatives of any [`Scalar`].
 
 use std::fmt::Debug;
 
@@ -6,62 +9,62 @@ use crate::plant::Scalar;
 
 use super::taylor_series::TaylorSeries;
 
-/// Most parameters of one law.
+/// Largest number of parameters of a law.
 pub const LAW_PARAMETERS: usize = 3;
 
-/// A function of velocity and position, and its derivatives.
+/// The value and the derivatives of a function of velocity and position.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Partials {
-    /// The function.
+    /// Value of the function.
     pub value: f64,
-    /// Its derivative by v.
+    /// Derivative by v.
     pub by_velocity: f64,
-    /// Its derivative by θ.
+    /// Derivative by θ.
     pub by_position: f64,
-    /// Its derivatives by the parameters.
+    /// Derivatives by the parameters.
     pub by_parameter: [f64; LAW_PARAMETERS],
 }
 
-/// The form of a law, its parameters aside.
+/// A function without values for its parameters.
 pub trait Form: Debug + Sync {
-    /// The function at velocity v and position θ, response units.
+    /// The function at velocity v and position θ, in velocity and position units.
     fn at(&self, parameters: &[f64; LAW_PARAMETERS], velocity: f64, position: f64) -> Partials;
 
     /// Whether it depends on θ.
     fn uses_position(&self) -> bool;
 
-    /// A velocity below which it changes quickly, where there is one.
+    /// The velocity below which it varies strongly, if there is one.
     fn velocity_scale(&self, _parameters: &[f64; LAW_PARAMETERS]) -> Option<f64> {
         None
     }
 
-    /// Whether it is linear in v and θ, and 0 with them.
+    /// Whether it is linear in v and θ, without a constant.
     fn is_linear(&self) -> bool {
         false
     }
 
-    /// Whether [`Form::extend`] knows its power series; it depends on one of v and θ
-    /// alone, then.
+    /// Whether [`Form::extend`] computes its Taylor series. The form then depends on v or on θ, not
+    /// on both.
     fn has_series(&self) -> bool {
         false
     }
 
-    /// Term `m` of every series of a jet, from its argument up to there and the terms
-    /// before.
+    /// Computes coefficient `m` of every series of a jet from the coefficients up to `m` of the
+    /// argument and those below `m` of all series.
     fn extend(&self, _parameters: &[f64; LAW_PARAMETERS], _m: usize, _jet: &mut TaylorSeries) {}
 
-    /// Whether it ripples over θ, in proportion to its first parameter and as often as
-    /// its second says.
+    /// Whether it is sinusoidal in θ; then its first parameters are amplitude and spatial
+    /// frequency.
     fn ripples(&self) -> bool {
         false
     }
 
-    /// Whether, with it, any two motions under the same input still approach
-    /// each other, so that the periodic one is unique.
+    /// Whether any two motions under the same input still approach each other with this torque. The
+    /// periodic motion is then unique.
     fn contracts(&self) -> bool;
 }
 
-/// A form with its parameters.
+/// A form with values for its parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Law<S> {
     form: &'static dyn Form,
@@ -70,7 +73,7 @@ pub struct Law<S> {
 }
 
 impl<S: Scalar> Law<S> {
-    /// A form with its parameters; those it does not have are 0.
+    /// A form with its parameters. Those beyond `parameters` are set to 0.
     pub fn new(form: &'static dyn Form, parameters: &[S]) -> Self {
         let zero = S::constant(0.0);
         let parameters = std::array::from_fn(|i| parameters.get(i).copied().unwrap_or(zero));
@@ -82,12 +85,12 @@ impl<S: Scalar> Law<S> {
         self.form
     }
 
-    /// The same law with every parameter passed through `f`.
+    /// Converts every parameter with `f`.
     pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T) -> Law<T> {
         Law::new(self.form, &self.parameters.map(f))
     }
 
-    /// This share of it, if it ripples over θ.
+    /// The same law; if it is sinusoidal in θ, its amplitude is multiplied by `share`.
     pub(super) fn with_ripple(&self, share: f64) -> Self {
         let mut parameters = self.parameters;
         if self.form.ripples() {
@@ -96,24 +99,27 @@ impl<S: Scalar> Law<S> {
         Self::new(self.form, &parameters)
     }
 
-    /// Radians by which it ripples for one unit of θ: its second parameter.
+    /// Size of the spatial frequency, rad per unit of θ; 0 if the law is not sinusoidal in θ.
     pub(super) fn ripple_rate(&self) -> f64 {
         if self.form.ripples() { self.values[1].abs() } else { 0.0 }
     }
 
-    /// A velocity below which it changes quickly, where there is one.
+    /// See [`Form::velocity_scale`].
     pub fn velocity_scale(&self) -> Option<f64> {
         self.form.velocity_scale(&self.values)
     }
 
-    /// What follows the law along a motion.
+    /// Empty Taylor series of the law along a motion, for [`Self::term`].
     pub fn jet(&self) -> TaylorSeries {
         let varies = |p: &S| (0..S::LANES).any(|lane| p.lane(lane) != 0.0);
         TaylorSeries::new(self.parameters.iter().any(varies))
     }
 
-    /// The last term of the law along a motion whose argument (θ where the form uses
-    /// it, v otherwise) has these terms, of which the jet knows all but the last.
+    /// Taylor coefficient `m` of the law along a motion. `argument(i)` is coefficient i ≤ m of θ if
+    /// the form uses θ, otherwise of v. The jet must hold the coefficients below `m` already.
+    ///
+    /// The derivative of coefficient m is Σⱼ (∂f/∂x)ₘ₋ⱼ·xⱼ' + Σₚ (∂f/∂p)ₘ·p', where x is the
+    /// argument, p a parameter, a prime the derivative along a lane, and j = 0 … m.
     #[inline]
     pub fn term(&self, jet: &mut TaylorSeries, argument: impl Fn(usize) -> S, m: usize) -> S {
         jet.argument[m] = argument(m).value();
@@ -129,7 +135,7 @@ impl<S: Scalar> Law<S> {
                 }
             }
         }
-        // The terms above carry the derivatives; their sum is not the law.
+        // `sum` has the right derivatives, but its value is not the coefficient: replace it.
         sum + (jet.value[m] - sum.value())
     }
 

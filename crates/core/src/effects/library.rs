@@ -1,9 +1,9 @@
-//! The effects that a diagnosis tries.
+//! The list of effects that a diagnosis tries.
 
 use super::ALL;
 use super::effect::Effect;
 
-/// A list of effects that a diagnosis tries; by default [`ALL`].
+/// The effects that a diagnosis tries; by default [`ALL`]. Equal if the ids and their order are.
 #[derive(Debug, Clone, Copy)]
 pub struct Library(pub &'static [&'static dyn Effect]);
 

@@ -1,9 +1,9 @@
-//! Effects a base model may lack: one file each.
+//! The library of physical effects that the base model may lack: one file for each effect.
 //!
-//! The file of an effect holds its [`Descriptor`] (equation, parameters with units and ranges, words
-//! for reports, slot, how it is searched for, how a benchmark draws it) and how it enters the
-//! simulation. A new effect is such a file, its `mod` line and a line in [`ALL`]; see
-//! `docs/adding-an-effect.md`. The definitions are those of the contract, section 3.
+//! The file of an effect holds its [`Descriptor`] (equation, parameters with units and ranges,
+//! texts for reports, slot, how a search tries it, how the benchmark draws it) and the code that
+//! adds it to the simulated [`Axis`]. A new effect takes such a file, its `mod` line and a line in
+//! [`ALL`]; see `docs/adding-an-effect.md`. The contract, section 3, defines every effect.
 
 mod active;
 mod axis;
@@ -77,7 +77,7 @@ pub fn find(id: &str) -> Option<&'static dyn Effect> {
     ALL.iter().copied().find(|effect| effect.id() == id)
 }
 
-/// The effect and parameter that are reported under this name.
+/// The effect and parameter reported under this name (`spring.stiffness`).
 pub fn find_parameter(key: &str) -> Option<(&'static dyn Effect, &'static Parameter)> {
     let parameters = |effect: &&'static dyn Effect| {
         let effect = *effect;
@@ -86,14 +86,14 @@ pub fn find_parameter(key: &str) -> Option<(&'static dyn Effect, &'static Parame
     ALL.iter().flat_map(parameters).find(|(effect, parameter)| effect.key(parameter) == key)
 }
 
-/// Whether one of two effects may look like the other.
+/// Whether either of two effects is listed as an imitator of the other.
 pub fn are_confusable(one: &dyn Effect, other: &dyn Effect) -> bool {
     one.descriptor().imitators.contains(&other.id())
         || other.descriptor().imitators.contains(&one.id())
 }
 
-/// Whether one of two effects has all parameters of the other, so that it is that one with
-/// something more.
+/// Whether one of two different effects has all parameters of the other, and so contains it as a
+/// special case.
 pub fn are_nested(one: &dyn Effect, other: &dyn Effect) -> bool {
     let has = |more: &dyn Effect, own: &Parameter| more.parameters().iter().any(|p| p.is_same(own));
     let within =
@@ -101,11 +101,12 @@ pub fn are_nested(one: &dyn Effect, other: &dyn Effect) -> bool {
     one.id() != other.id() && (within(one, other) || within(other, one))
 }
 
-/// The plant with every effect in place. The effects' parameters are variables
-/// of their own, in order, from lane `first_lane` on.
+/// The axis made of a plant and effects, with derivatives. Each parameter of an effect is an
+/// independent variable, in order from lane `first_lane` on. [`Effect::enter`] explains
+/// `run_share`.
 ///
 /// # Panics
-/// If all lanes together are more than [`WIDE_LANES`].
+/// If the parameters need more than [`WIDE_LANES`] lanes.
 pub fn enter(
     plant: Plant<Wide>,
     effects: &[ActiveEffect],
@@ -123,7 +124,7 @@ pub fn enter(
     axis
 }
 
-/// The same without derivatives.
+/// Like [`enter`], without derivatives.
 pub fn enter_values(plant: Plant, effects: &[ActiveEffect], run_share: f64) -> Axis {
     if effects.is_empty() {
         return Axis::base(plant);

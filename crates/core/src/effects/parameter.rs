@@ -1,8 +1,8 @@
-//! What an effect's parameters are, and where the data says they can lie.
+//! The parameters of effects: names, dimensions, admissible values and search ranges.
 
 use crate::plant::Plant;
 
-/// A physical dimension as powers of the upload's units.
+/// A physical dimension, as powers of the units of the upload.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Dimension {
     /// Power of the input's unit.
@@ -25,7 +25,7 @@ impl Dimension {
     /// Seconds.
     pub const TIME: Self = Self { time: 1, ..Self::NONE };
 
-    /// The dimension of a quotient.
+    /// The dimension of the quotient `self`/`other`.
     pub const fn per(self, other: Self) -> Self {
         Self {
             input: self.input - other.input,
@@ -34,8 +34,8 @@ impl Dimension {
         }
     }
 
-    /// Factor to units in which one input unit, one velocity unit and one
-    /// second are as large as given.
+    /// Factor from scaled units to units of the upload, where the scaled units of input, velocity
+    /// and time are `input`, `velocity` and `second` units of the upload.
     pub fn factor(self, input: f64, velocity: f64, second: f64) -> f64 {
         input.powi(self.input.into())
             * velocity.powi(self.velocity.into())
@@ -43,7 +43,7 @@ impl Dimension {
     }
 }
 
-/// Values that a parameter may have by its definition (contract, section 3); all are finite.
+/// The set of finite values that the definition of a parameter admits (contract, section 3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Domain {
     /// Any number.
@@ -56,14 +56,14 @@ pub enum Domain {
     AtLeastOne,
     /// Above −1.
     AboveMinusOne,
-    /// Between −1 and 1.
+    /// Above −1 and below 1.
     BelowOneInSize,
-    /// Between 0 and 1.
+    /// Above 0 and below 1.
     Share,
 }
 
 impl Domain {
-    /// Whether a parameter may have this value.
+    /// Whether this value is admissible.
     pub fn holds(self, value: f64) -> bool {
         value.is_finite()
             && match self {
@@ -77,7 +77,7 @@ impl Domain {
             }
     }
 
-    /// The same in words.
+    /// The condition in words, for error messages.
     pub fn words(self) -> &'static str {
         match self {
             Self::Any => "a number",
@@ -91,29 +91,29 @@ impl Domain {
     }
 }
 
-/// How a parameter is searched.
+/// The coordinate in which a parameter is searched and fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coordinate {
-    /// As it is: 0 or either sign is possible.
+    /// The value itself: 0 or both signs are possible.
     Linear,
-    /// As it is, in radians: a turn more is the same.
+    /// The value itself, in radians: angles that differ by 2π are equivalent.
     Angle,
-    /// As its logarithm: positive, and its order of magnitude is unknown.
+    /// The logarithm: the value is positive and its order of magnitude unknown.
     Logarithmic,
 }
 
-/// What the data and the base model say about scales.
+/// Scales of the data and of the base model, from which ranges follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scope {
-    /// The base model, as fitted.
+    /// The fitted base model.
     pub plant: Plant,
-    /// Lowest frequency excited and observed, rad/s.
+    /// Lowest frequency that was excited and observed, rad/s.
     pub omega_low: f64,
     /// Highest such frequency, rad/s.
     pub omega_high: f64,
-    /// Smallest input amplitude at which the axis moved, input units.
+    /// Smallest peak input at which the axis moved, input units.
     pub moving_level: f64,
-    /// Largest input amplitude, input units.
+    /// Largest peak input, input units.
     pub largest_level: f64,
     /// Largest velocity amplitude, velocity units.
     pub largest_velocity: f64,
@@ -122,28 +122,28 @@ pub struct Scope {
 }
 
 impl Scope {
-    /// Mean Coulomb level, at least a thousandth of the largest input.
+    /// Mean of Fc⁺ and Fc⁻, but at least a thousandth of the largest input.
     pub fn friction_level(&self) -> f64 {
         let friction = self.plant.friction;
         (0.5 * (friction.fc_plus + friction.fc_minus)).max(1e-3 * self.largest_level)
     }
 }
 
-/// Where a parameter can lie.
+/// Where a parameter can lie in a given measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
-    /// What is possible at all.
+    /// Hard bounds of a fit.
     pub bounds: [f64; 2],
-    /// Where a search looks first.
+    /// The search range: starting points lie in it, and it sets the width of the prior.
     pub likely: [f64; 2],
-    /// The value at which the effect vanishes whatever its other parameters
-    /// are, perhaps infinite; `None` where no value of this one does that.
+    /// The value, possibly infinite, at which the effect vanishes whatever the other parameters
+    /// are; `None` if there is none.
     pub absent: Option<f64>,
 }
 
 impl Range {
-    /// Prior density at a positive value that may be smaller than is likely, as a share of that
-    /// within: what is ten times smaller is ten times as rare.
+    /// Prior density at a positive value, relative to the density in the likely range. Below the
+    /// likely range it is proportional to the value.
     pub fn share_of_small(&self, value: f64) -> f64 {
         (value / self.likely[0]).min(1.0)
     }
@@ -152,24 +152,24 @@ impl Range {
 /// One parameter of an effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {
-    /// Its name on the wire.
+    /// Name in the API.
     pub name: &'static str,
-    /// Its name in a sentence or a table.
+    /// Name in a sentence or a table.
     pub title: &'static str,
-    /// Its symbol and subscript in the equation of the effect.
+    /// Symbol and subscript.
     pub symbol: [&'static str; 2],
-    /// Its unit.
+    /// Its dimension.
     pub dimension: Dimension,
-    /// Values that it may have by its definition.
+    /// The values that its definition admits.
     pub domain: Domain,
-    /// How it is searched.
+    /// The coordinate in which it is searched.
     pub coordinate: Coordinate,
-    /// Where it can lie, given what the data says.
+    /// Where it can lie in a measurement.
     pub range: fn(&Scope) -> Range,
 }
 
 impl Parameter {
-    /// Whether it means the same as another effect's.
+    /// Whether it means the same as another effect's: name, dimension and coordinate are equal.
     pub fn is_same(&self, other: &Self) -> bool {
         (self.name, self.dimension, self.coordinate)
             == (other.name, other.dimension, other.coordinate)

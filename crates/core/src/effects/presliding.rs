@@ -1,8 +1,8 @@
-//! Elastic friction before the axis slides (Dahl 1968).
+//! Presliding: the contact deforms elastically before it slides (Dahl 1968).
 //!
-//! z' = v − |v|·σ·z/Fc(sgn v), f = σ·z, in place of set-valued friction. There
-//! is no rest: below breakaway the axis moves on its bristles. Together with a
-//! friction curve, Fc is what the curve makes of it.
+//! z' = v − |v|·σ·z/Fc(sgn v) and f = σ·z replace set-valued friction, where z is the deflection of
+//! the bristles and σ their stiffness. The axis never rests: below breakaway it moves on its
+//! bristles. Together with a friction curve, Fc is multiplied by the curve at v.
 
 use super::axis::{Axis, Wide};
 use super::descriptor::Descriptor;
@@ -12,7 +12,7 @@ use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
-/// σ.
+/// Parameter: σ.
 #[derive(Debug)]
 pub struct Presliding;
 
@@ -23,8 +23,8 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     dimension: Dimension::INPUT.per(Dimension::POSITION),
     domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
-    // From a bristle as long as the longest travel to one that is short beside
-    // the shortest, which nothing tells from set-valued friction.
+    // The largest deflection is Fc/σ. At the softest likely σ it equals the largest travel. At the
+    // stiffest it is so short that no data can tell the bristle from set-valued friction.
     range: |scope| {
         let softest = scope.friction_level() / scope.largest_travel;
         Range {
@@ -35,10 +35,11 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     },
 }];
 
-/// Stiffest bristle that is drawn, in F/X: the time to step through its period grows with it.
+/// Largest σ that the benchmark draws, in F/X (see `MachineScales`): the time to integrate a period
+/// grows with σ.
 const STIFFEST_DRAWN: f64 = 1e3;
 
-/// The bristle's share of a reversal lasts √(2·Fc/(σ·v')): it is in proportion to 1/√σ.
+/// The effect is proportional to 1/√σ: presliding after a reversal lasts √(2·Fc/(σ·v')).
 fn resize(values: &mut [f64], _ranges: &[Range], factor: f64) {
     values[0] /= factor * factor;
 }

@@ -1,4 +1,4 @@
-//! Drag that grows with the square of the velocity.
+//! Quadratic drag: a resisting torque that grows with the square of the velocity.
 //!
 //! g += c·v·|v|.
 
@@ -13,7 +13,7 @@ use super::slot::Slot;
 use super::taylor_series;
 use super::taylor_series::TaylorSeries;
 
-/// c.
+/// Parameter: c.
 #[derive(Debug)]
 pub struct QuadraticDrag;
 
@@ -24,14 +24,14 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     dimension: Dimension::INPUT.per(Dimension::VELOCITY).per(Dimension::VELOCITY),
     domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
-    // As much torque at the largest velocity as there is.
+    // `most`: at the largest velocity, the drag equals the largest input.
     range: |scope| {
         let most = scope.largest_level / (scope.largest_velocity * scope.largest_velocity);
         Range { bounds: [0.0, 20.0 * most], likely: [0.0, most], absent: Some(0.0) }
     },
 }];
 
-/// c·v·|v|.
+/// The torque c·v·|v|.
 #[derive(Debug)]
 struct Drag;
 

@@ -1,6 +1,6 @@
-//! A sensor that follows late.
+//! Sensor lag: the sensor, or a filter behind it, is a first-order lag.
 //!
-//! T·y' + y = v: Yₖ = Vₖ/(1 + jkωT).
+//! T·y' + y = v, so that Yₖ = Vₖ/(1 + jkωT).
 
 use super::axis::{Axis, Wide};
 use super::descriptor::Descriptor;
@@ -10,7 +10,7 @@ use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
-/// T.
+/// Parameter: the time constant T.
 #[derive(Debug)]
 pub struct SensorLag;
 

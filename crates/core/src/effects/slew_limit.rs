@@ -1,8 +1,8 @@
-//! An amplifier that cannot change fast enough.
+//! Slew limit: the rate of change of the amplifier's output is limited.
 //!
-//! A rate limiter before A(s): w' = ±rate until w meets u again, w = u while
-//! |u'| ≤ rate, in its own periodic steady state (never meeting u, it is a
-//! triangle of amplitude rate·T/4 and zero mean, whatever m).
+//! A rate limiter before A(s), with output w: w' = ±rate until w meets u again, w = u while
+//! |u'| ≤ rate, in the limiter's own periodic steady state. If w never meets u, it is a triangle of
+//! amplitude rate·T/4 and zero mean at any magnitude, where T is the period.
 
 use super::axis::{Axis, Wide};
 use super::descriptor::Descriptor;
@@ -12,14 +12,14 @@ use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
-/// The rate.
+/// Parameter: the rate.
 #[derive(Debug)]
 pub struct SlewLimit;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "rate",
     title: "limit of the rate of the command",
-    symbol: ["r", ""],
+    symbol: ["R", ""],
     dimension: Dimension::INPUT.per(Dimension::TIME),
     domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
@@ -37,7 +37,7 @@ const DESCRIPTOR: Descriptor = Descriptor {
     id: "slew_limit",
     title: "slew limit",
     with_article: "a slew limit",
-    equation: "w' = ±r until w meets u again, w = u while |u'| ≤ r, before A(s)",
+    equation: "w' = ±R until w meets u again, w = u while |u'| ≤ R, before A(s)",
     meaning: "the amplifier cannot follow fast commands: its output changes at a limited rate",
     signature: "nothing below a threshold of magnitude times frequency, above it a falling gain, a phase \
          lag and odd harmonics",

@@ -1,8 +1,8 @@
-//! The place in the chain that an effect fills.
+//! Slots: the parts of an axis that effects take, and which effects can act together.
 
 use super::effect::Effect;
 
-/// A place in the chain of an axis (see [`super::axis::Axis`]).
+/// The part of an [`Axis`](super::axis::Axis) that an effect takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slot {
     /// A dead zone of the input.
@@ -15,17 +15,17 @@ pub enum Slot {
     RateLimit,
     /// A delay of the input.
     Delay,
-    /// Static friction levels.
+    /// The static friction levels.
     StaticLevel,
-    /// Sliding friction as a function of velocity.
+    /// The dependence of sliding friction on velocity.
     FrictionCurve,
-    /// A bristle in place of set-valued friction.
+    /// A Dahl bristle in place of set-valued friction.
     Bristle,
-    /// A factor on every friction level.
+    /// A factor on all friction levels.
     FrictionScale,
-    /// Viscous damping by direction.
+    /// Viscous damping that depends on the direction of motion.
     ViscousRate,
-    /// A torque: any number of different ones add up.
+    /// A torque on the mechanics. Any number of different torques add up.
     Torque,
     /// A load behind a joint.
     SecondMass,
@@ -34,7 +34,7 @@ pub enum Slot {
 }
 
 impl Slot {
-    /// Whether different effects in this slot act together.
+    /// Whether different effects in this slot can act together.
     fn is_shared(self) -> bool {
         self == Slot::Torque
     }
@@ -46,18 +46,19 @@ impl Slot {
     "`{first}` and `{second}` cannot act together: both fill the same place in the chain ({slot:?})"
 )]
 pub struct SameSlot {
-    /// Id of one.
+    /// Id of the first.
     pub first: &'static str,
-    /// Id of the other.
+    /// Id of the second.
     pub second: &'static str,
-    /// What both fill.
+    /// The slot of the first.
     pub slot: Slot,
 }
 
-/// Checks that effects can act together: none twice, and no two in a slot that one fills.
+/// Checks that effects can act together: none occurs twice, no two share a slot but
+/// [`Slot::Torque`].
 ///
 /// # Errors
-/// The first two that cannot.
+/// [`SameSlot`] with the first two that cannot.
 pub fn check_slots(effects: &[&dyn Effect]) -> Result<(), SameSlot> {
     for (i, first) in effects.iter().enumerate() {
         for second in &effects[i + 1..] {

@@ -1,6 +1,6 @@
-//! A spring to the machine's frame.
+//! Spring: a restoring torque between the axis and the machine's frame.
 //!
-//! g += k·θ, θ absolute, zero at the spring's rest.
+//! g += k·θ, where θ is absolute, zero at the spring's rest.
 
 use super::axis::{Axis, Wide};
 use super::descriptor::Descriptor;
@@ -11,13 +11,13 @@ use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
-/// k.
+/// Parameter: k.
 #[derive(Debug)]
 pub struct Spring;
 
 const PARAMETERS: [Parameter; 1] = [STIFFNESS];
 
-/// k.
+/// k, the stiffness of the spring.
 pub(super) const STIFFNESS: Parameter = Parameter {
     name: "stiffness",
     title: "spring stiffness",
@@ -25,7 +25,7 @@ pub(super) const STIFFNESS: Parameter = Parameter {
     dimension: Dimension::INPUT.per(Dimension::POSITION),
     domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
-    // A resonance √(K·k) up to a few times the highest frequency.
+    // k such that the resonance √(K·k) is at `omega`.
     range: |scope| {
         let at = |omega: f64| omega * omega / scope.plant.constant.abs();
         Range {
@@ -36,7 +36,7 @@ pub(super) const STIFFNESS: Parameter = Parameter {
     },
 };
 
-/// k·θ.
+/// The torque k·θ.
 #[derive(Debug)]
 struct Linear;
 

@@ -1,7 +1,7 @@
-//! Static friction above the Coulomb level, at v = 0 only.
+//! Static friction: a level above the Coulomb level that acts at v = 0 only.
 //!
-//! v = 0: f takes whatever value in [−Fs⁻, +Fs⁺] keeps the axis at rest, with
-//! Fs > Fc. The motion stays linear between switches.
+//! At v = 0, f takes whatever value in [−Fs⁻, +Fs⁺] keeps the axis at rest, with Fs > Fc. Between
+//! switches of the friction the equations of motion stay linear.
 
 use crate::plant::{Friction, Scalar as _};
 
@@ -13,10 +13,11 @@ use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range, Scope};
 use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
-/// Excess of a level over the Coulomb level at which it acts, and changes next to nothing.
+/// Least relative excess Fs/Fc − 1 that [`escape_dead_zone`] assumes: enough for a level to act,
+/// too little to change the response noticeably.
 const LEAST_EXCESS: f64 = 1e-6;
 
-/// Fs⁺ and Fs⁻; below the Coulomb level they are the Coulomb level.
+/// Parameters: Fs⁺ and Fs⁻; a value below the Coulomb level counts as the Coulomb level.
 #[derive(Debug)]
 pub struct StaticFriction;
 
@@ -46,8 +47,9 @@ fn range(scope: &Scope, coulomb: f64) -> Range {
     Range { bounds: [0.0, 1.05 * scope.largest_level], likely, absent: Some(coulomb) }
 }
 
-/// Where one level lies below the Coulomb level, both are set above it by the same share: a level
-/// below has no influence, and what one alone explains, both may explain better.
+/// If a static level lies below its Coulomb level, sets both above theirs by the same share, half
+/// of the larger excess. A level below the Coulomb level has no influence, and what one level alone
+/// explains, both together may explain better.
 fn escape_dead_zone(values: &mut [f64], friction: &Friction) {
     let coulomb = [friction.fc_plus, friction.fc_minus];
     if values.iter().zip(coulomb).all(|(level, coulomb)| *level >= coulomb) {

@@ -1,6 +1,7 @@
-//! Friction that falls as the axis gains speed (Stribeck 1902).
+//! Stribeck friction: friction falls as the axis gains speed (Stribeck 1902).
 //!
-//! f(v) = sgn(v)·Fc·[1 + (r − 1)·exp(−(v/vs)²)], breakaway r·Fc.
+//! f(v) = sgn(v)·Fc·[1 + (r − 1)·exp(−(v/vs)²)], with breakaway at r·Fc. r is the ratio of static
+//! to Coulomb friction, vs the Stribeck velocity.
 
 use super::axis::{Axis, Wide};
 use super::descriptor::Descriptor;
@@ -11,7 +12,7 @@ use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
-/// r and vs.
+/// Parameters: r and vs.
 #[derive(Debug)]
 pub struct Stribeck;
 
@@ -32,8 +33,8 @@ const PARAMETERS: [Parameter; 2] = [
         dimension: Dimension::VELOCITY,
         domain: Domain::Positive,
         coordinate: Coordinate::Logarithmic,
-        // Slower than a ten-thousandth of the fastest motion it is static friction,
-        // much faster than it a change of the Coulomb level.
+        // With vs below 1e-4 of the largest velocity the curve acts like static friction, with vs
+        // far above it like a change of the Coulomb level.
         range: |scope| Range {
             bounds: [1e-4, 3.0].map(|share| share * scope.largest_velocity),
             likely: [0.01, 0.5].map(|share| share * scope.largest_velocity),
@@ -42,7 +43,7 @@ const PARAMETERS: [Parameter; 2] = [
     },
 ];
 
-/// 1 + (r − 1)·exp(−(v/vs)²).
+/// The factor 1 + (r − 1)·exp(−(v/vs)²) on the Coulomb friction.
 #[derive(Debug)]
 struct Curve;
 
@@ -72,7 +73,7 @@ impl Form for Curve {
     }
 }
 
-/// The same curve over `factor` times as large velocities, up to V.
+/// The curve with vs `factor` times as large; `None` above the velocity scale V of the machine.
 fn faster(scales: &MachineScales, values: &[f64], factor: f64) -> Option<Vec<f64>> {
     let stribeck_velocity = factor * values[1];
     (stribeck_velocity <= scales.velocity()).then(|| vec![values[0], stribeck_velocity])
@@ -91,7 +92,8 @@ const DESCRIPTOR: Descriptor = Descriptor {
     slot: Slot::FrictionCurve,
     parameters: &PARAMETERS,
     search: SearchPlan {
-        // Most data cannot tell a narrower curve from static friction that is alike both ways.
+        // Most data cannot tell a narrower curve from static friction with the same Fs/Fc in both
+        // directions.
         rare_when_small: Some(1),
         ..SearchPlan::DEFAULT
     },

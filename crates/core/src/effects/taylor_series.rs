@@ -1,11 +1,14 @@
-//! Nonlinear functions of a motion that is a power series in time.
+//! Taylor series in time of nonlinear functions of a motion.
+//!
+//! The coefficients follow by recurrences, each from those before it (Moore 1979, Methods and
+//! Applications of Interval Analysis, doi:10.1137/1.9781611970906).
 
 use super::law::LAW_PARAMETERS;
 
-/// Most terms of a series.
+/// Largest number of coefficients of a series.
 pub const MOST_TERMS: usize = 13;
 
-/// 1/m, where m > 0.
+/// 1/m for m > 0.
 const INVERSE: [f64; MOST_TERMS] = {
     let mut inverse = [0.0; MOST_TERMS];
     let mut m = 1;
@@ -16,32 +19,30 @@ const INVERSE: [f64; MOST_TERMS] = {
     inverse
 };
 
-/// Terms of a series.
+/// Coefficients of a series, that of t⁰ first.
 pub type Terms = [f64; MOST_TERMS];
 
-/// A law along a motion: the series of its argument x, and what the law makes of it.
-/// Its terms are found one after the other, each from those before it (Moore 1979,
-/// Methods and Applications of Interval Analysis, doi:10.1137/1.9781611970906).
+/// The Taylor series of a law and its derivatives along a motion, and of its argument x.
 #[derive(Debug, Clone, Copy)]
 pub struct TaylorSeries {
-    /// x: θ of a law that depends on it, v of any other.
+    /// The argument x: θ if the law uses it, otherwise v.
     pub argument: Terms,
-    /// The sign of v, which at a breakaway nothing else tells.
+    /// Sign of v, +1 or −1. At a breakaway v is 0 and does not tell it.
     pub direction: f64,
-    /// The law.
+    /// The law f.
     pub value: Terms,
-    /// Its derivative by x.
+    /// ∂f/∂x.
     pub by_argument: Terms,
-    /// Its derivatives by the parameters.
+    /// ∂f/∂p for each parameter p.
     pub by_parameter: [Terms; LAW_PARAMETERS],
-    /// Whether the parameters vary, so that the derivatives by them matter.
+    /// Whether the derivatives by the parameters are needed.
     pub parameters_vary: bool,
-    /// What the law keeps for its next term.
+    /// Intermediate series that the law needs for its next coefficient, such as a sine.
     pub kept: [Terms; 3],
 }
 
 impl TaylorSeries {
-    /// Before the first term.
+    /// Series without any coefficient yet.
     pub fn new(parameters_vary: bool) -> Self {
         let none = [0.0; MOST_TERMS];
         Self {
@@ -56,14 +57,14 @@ impl TaylorSeries {
     }
 }
 
-/// Term `m` of a product.
+/// Coefficient `m` of the product of two series.
 #[inline]
 pub fn product(a: &Terms, b: &Terms, m: usize) -> f64 {
     a[..=m].iter().zip(b[..=m].iter().rev()).map(|(a, b)| a * b).sum()
 }
 
-/// Terms `m` of the sine and the cosine of a series x from those before; m > 0 and
-/// `rates` m·xₘ.
+/// Coefficients `m` > 0 of the sine s and the cosine c of a series x, from those below `m`:
+/// m·sₘ = Σᵢ i·xᵢ·cₘ₋ᵢ and m·cₘ = −Σᵢ i·xᵢ·sₘ₋ᵢ, i = 1 … m. `rates` holds i·xᵢ.
 #[inline]
 pub fn sin_cos(rates: &Terms, sin: &Terms, cos: &Terms, m: usize) -> (f64, f64) {
     let (mut rise, mut fall) = (0.0, 0.0);
@@ -91,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn the_series_of_a_sine_is_that_of_the_sine() {
+    fn the_taylor_series_of_a_sine_sums_to_the_sine() {
         let x = series();
         let rates = std::array::from_fn(|m| m as f64 * x[m]);
         let (mut sin, mut cos) = ([0.0; MOST_TERMS], [0.0; MOST_TERMS]);
@@ -99,17 +100,17 @@ mod tests {
         for m in 1..MOST_TERMS {
             (sin[m], cos[m]) = sin_cos(&rates, &sin, &cos, m);
         }
-        // The first term left out: 0.3¹³.
+        // The first omitted term is of order 0.3¹³.
         let exact = sum(&x, 0.3).sin_cos();
         assert!((sum(&sin, 0.3) - exact.0).abs() < 2e-7, "{}", sum(&sin, 0.3) - exact.0);
         assert!((sum(&cos, 0.3) - exact.1).abs() < 2e-7, "{}", sum(&cos, 0.3) - exact.1);
     }
 
     #[test]
-    fn the_series_of_a_product_is_that_of_the_product() {
+    fn the_taylor_series_of_a_product_sums_to_the_product() {
         let x = series();
         let square: Terms = std::array::from_fn(|m| product(&x, &x, m));
-        // A product of parabolas has five terms.
+        // A product of parabolas has five coefficients, so that the series is exact.
         assert!((sum(&square, 0.7) - sum(&x, 0.7).powi(2)).abs() < 1e-15);
     }
 }

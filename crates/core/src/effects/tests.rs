@@ -55,7 +55,7 @@ fn every_effect_of_the_contract_is_listed_once() {
 }
 
 #[test]
-fn a_play_or_a_friction_curve_smaller_than_is_likely_is_as_much_rarer() {
+fn the_prior_density_of_a_gap_or_a_stribeck_velocity_falls_in_proportion_below_the_likely_range() {
     for (id, name) in [("backlash", "gap"), ("stribeck", "stribeck_velocity")] {
         let effect = find(id).unwrap();
         let parameter = &effect.parameters()[effect.search().rare_when_small.unwrap()];
@@ -67,7 +67,7 @@ fn a_play_or_a_friction_curve_smaller_than_is_likely_is_as_much_rarer() {
 }
 
 #[test]
-fn where_a_parameter_is_likely_lies_within_what_is_possible() {
+fn the_likely_range_of_every_parameter_lies_within_its_bounds() {
     for effect in ALL {
         for parameter in effect.parameters() {
             let Range { bounds, likely, absent } = (parameter.range)(&scope());
@@ -85,11 +85,11 @@ fn where_a_parameter_is_likely_lies_within_what_is_possible() {
 }
 
 #[test]
-fn what_is_tried_first_is_possible() {
+fn start_points_lie_within_the_bounds() {
     for effect in ALL {
-        for place in effect.start_points(&scope()) {
-            assert_eq!(place.len(), effect.parameters().len(), "{}", effect.id());
-            for (parameter, value) in effect.parameters().iter().zip(place) {
+        for point in effect.start_points(&scope()) {
+            assert_eq!(point.len(), effect.parameters().len(), "{}", effect.id());
+            for (parameter, value) in effect.parameters().iter().zip(point) {
                 let [low, high] = (parameter.range)(&scope()).bounds;
                 let name = format!("{} {}", effect.id(), parameter.name);
                 assert!(low <= value && value <= high, "{name}: {value}");
@@ -98,38 +98,38 @@ fn what_is_tried_first_is_possible() {
     }
 }
 
-// Where the next frequency was twice as high, a quarter of the joints beside an actuator of
-// order 2 ended in another valley; where it was 1.25 times, two sharp ones of 76.
+// With steps of a factor of 2, a quarter of the fits of a joint beside an actuator of order 2 end
+// in another local minimum; with 1.25, two of 76 do, both lightly damped.
 #[test]
-fn a_joint_is_tried_at_every_frequency_of_the_band_the_sharper_the_more_often() {
+fn starts_of_a_flexible_mode_cover_the_band_in_smaller_steps_for_lighter_damping() {
     let scope = scope();
-    let places = find("flexible_mode").unwrap().start_points(&scope);
-    let frequency = |place: &[f64]| (place[1] * scope.plant.constant / place[0]).sqrt();
-    let ratio = |place: &[f64]| 0.5 * place[2] * frequency(place) / place[1];
+    let points = find("flexible_mode").unwrap().start_points(&scope);
+    let frequency = |point: &[f64]| (point[1] * scope.plant.constant / point[0]).sqrt();
+    let ratio = |point: &[f64]| 0.5 * point[2] * frequency(point) / point[1];
     for (damping_ratio, next) in [(0.02, 1.12), (0.07, 1.2), (0.25, 1.4), (0.8, 2.0)] {
-        let is_so = |place: &&Vec<f64>| (ratio(place) / damping_ratio - 1.0).abs() < 1e-9;
-        let found: Vec<f64> = places.iter().filter(is_so).map(|place| frequency(place)).collect();
+        let is_so = |point: &&Vec<f64>| (ratio(point) / damping_ratio - 1.0).abs() < 1e-9;
+        let found: Vec<f64> = points.iter().filter(is_so).map(|point| frequency(point)).collect();
         assert!((found[0] / scope.omega_low - 1.0).abs() < 1e-9);
         assert!(found[found.len() - 1] > 1.5 * scope.omega_high);
         assert!(found.windows(2).all(|pair| pair[1] < next * pair[0]), "{found:?}");
     }
 }
 
-// Beyond ten times the band a contact is an impact, whatever its stiffness. A light load shows
-// as a heavier one does with another gap.
+// With a resonance above ten times the band a contact is an impact, whatever its stiffness. A light
+// load can look like a heavier one with another gap.
 #[test]
-fn play_is_tried_from_contacts_that_swing_in_the_band_to_impacts_of_light_and_heavy_loads() {
+fn starts_of_backlash_range_from_resonances_in_the_band_to_impacts_for_light_and_heavy_loads() {
     let scope = scope();
-    let places = find("backlash").unwrap().start_points(&scope);
+    let points = find("backlash").unwrap().start_points(&scope);
     for (heavy, gap) in [(false, 1e-3), (true, 1e-3), (false, 1e-2), (true, 1e-2)] {
-        let is_so = |place: &&Vec<f64>| {
-            (place[0] > 0.2) == heavy && (place[3] / scope.largest_travel > gap) == (gap > 5e-3)
+        let is_so = |point: &&Vec<f64>| {
+            (point[0] > 0.2) == heavy && (point[3] / scope.largest_travel > gap) == (gap > 5e-3)
         };
-        let frequency = |place: &Vec<f64>| {
-            let inertia = place[0] * (1.0 - place[0]) / scope.plant.constant;
-            (place[1] / inertia).sqrt()
+        let frequency = |point: &Vec<f64>| {
+            let inertia = point[0] * (1.0 - point[0]) / scope.plant.constant;
+            (point[1] / inertia).sqrt()
         };
-        let mut found: Vec<f64> = places.iter().filter(is_so).map(frequency).collect();
+        let mut found: Vec<f64> = points.iter().filter(is_so).map(frequency).collect();
         found.sort_by(f64::total_cmp);
         assert!(found[0] < 3.0 * scope.omega_low, "{found:?}");
         assert!(found[found.len() - 1] > 3.3 * scope.omega_high, "{found:?}");
@@ -138,13 +138,13 @@ fn play_is_tried_from_contacts_that_swing_in_the_band_to_impacts_of_light_and_he
 }
 
 #[test]
-fn an_effect_that_has_all_of_another_is_its_kin() {
-    let kin = |one: &str, other: &str| are_nested(find(one).unwrap(), find(other).unwrap());
-    assert!(kin("backlash", "flexible_mode") && kin("flexible_mode", "backlash"));
-    assert!(kin("hardening_spring", "spring"));
-    // A stiffness between motor and load is none to the frame.
-    assert!(!kin("spring", "flexible_mode"));
-    assert!(!kin("spring", "spring"));
+fn effects_are_nested_if_one_has_all_parameters_of_the_other() {
+    let nested = |one: &str, other: &str| are_nested(find(one).unwrap(), find(other).unwrap());
+    assert!(nested("backlash", "flexible_mode") && nested("flexible_mode", "backlash"));
+    assert!(nested("hardening_spring", "spring"));
+    // The stiffness of a joint is another parameter than the stiffness of a spring to the frame.
+    assert!(!nested("spring", "flexible_mode"));
+    assert!(!nested("spring", "spring"));
 }
 
 #[test]
@@ -208,7 +208,7 @@ fn derivatives_of_every_law_are_those_of_its_values() {
             (shifted(1.0) - shifted(-1.0)) / (2.0 * h)
         };
         for lane in 0..lanes + 2 {
-            // Central differences: h² times the third derivative.
+            // Error of a central difference: h² times the third derivative.
             let error = (exact.lane(lane) - numeric(lane)).abs();
             assert!(error < 1e-8, "{} lane {lane}: {error:e}", effect.id());
         }
@@ -231,15 +231,15 @@ fn maps_act_in_the_order_of_the_signal_chain() {
             offset + slope * u
         })
     };
-    // (0.75 − 0.25)·1.5, then the limit.
+    // (0.75 − 0.25)·1.5 = 0.75, below the limit.
     assert!((through(0.75) - 0.75).abs() < 1e-15);
     assert_eq!((through(3.0), through(0.2)), (1.0, 0.0));
-    // (−1.25 + 0.25)·0.5.
+    // (−1.25 + 0.25)·0.5 = −0.5.
     assert!((through(-1.25) + 0.5).abs() < 1e-15);
 }
 
 #[test]
-fn drift_scales_every_level_however_late_it_enters() {
+fn drift_scales_every_friction_level_whatever_the_order_of_the_effects() {
     let active =
         |id: &str, values: &[f64]| ActiveEffect::new(find(id).unwrap(), values.to_vec()).unwrap();
     let drift = active("friction_drift", &[-0.2]);
@@ -249,7 +249,7 @@ fn drift_scales_every_level_however_late_it_enters() {
         let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{a} {b}");
         close(levels.fc_plus, 0.45);
         close(levels.fs_plus, 0.72);
-        // A static level below the Coulomb level is the Coulomb level.
+        // A static level below the Coulomb level counts as the Coulomb level.
         close(levels.fs_minus, 0.36);
     }
 }
@@ -261,7 +261,7 @@ fn an_effect_refuses_another_number_of_parameters() {
 }
 
 #[test]
-fn the_series_of_a_law_is_that_of_the_law_along_the_motion() {
+fn the_taylor_series_of_a_law_sums_to_the_law_along_the_motion() {
     type Number = crate::plant::Dual<4>;
     let mut tried = 0;
     for effect in ALL {
@@ -276,7 +276,7 @@ fn the_series_of_a_law_is_that_of_the_law_along_the_motion() {
             let lane = std::cell::Cell::new(0);
             let law =
                 law.map(|parameter| Number::variable(parameter, lane.replace(lane.get() + 1)));
-            // x = 0.3 + 0.02·t − 0.01·t², the last lane its slope by its own beginning.
+            // x = 0.3 + 0.02·t − 0.01·t². Lane 3 is the derivative by the initial value 0.3.
             let x = [Number::variable(0.3, 3), Number::constant(0.02), Number::constant(-0.01)];
             let term = |m: usize| x.get(m).copied().unwrap_or(Number::constant(0.0));
             let (mut jet, mut sum) = (law.jet(), Number::constant(0.0));
@@ -288,7 +288,7 @@ fn the_series_of_a_law_is_that_of_the_law_along_the_motion() {
             let there = x[0] + x[1] * t + x[2] * (t * t);
             let exact = law.at(there, there);
             let size = 1.0 + exact.value().abs();
-            // Terms left out: (N·0.01)¹³ of a ripple, N up to 100.
+            // The first omitted term of a ripple is of order (N·0.01)¹³; N is 26 here.
             let close = |a: f64, b: f64| (a - b).abs() < 1e-6 * size.max(b.abs());
             assert!(close(sum.value(), exact.value()), "{}: {sum:?} {exact:?}", effect.id());
             for lane in 0..4 {
@@ -299,10 +299,12 @@ fn the_series_of_a_law_is_that_of_the_law_along_the_motion() {
     assert_eq!(tried, 3);
 }
 
-/// Most parameters of a base model: a, K, Fc⁺, Fc⁻ and the two of an actuator of order 2.
-const BASE: usize = 6;
+/// Largest number of parameters of a base model: a, K, Fc⁺, Fc⁻ and the two of an actuator of
+/// order 2.
+const BASE_PARAMETERS: usize = 6;
 
-/// Most parameters that a base model and `most` effects of a list have that can act together.
+/// Largest number of parameters of `most` effects that can act together: `together` and some of
+/// `list`.
 fn most_parameters(list: &[&'static dyn Effect], together: &[&dyn Effect], most: usize) -> usize {
     let own: usize = together.iter().map(|effect| effect.parameters().len()).sum();
     if together.len() == most {
@@ -316,13 +318,13 @@ fn most_parameters(list: &[&'static dyn Effect], together: &[&dyn Effect], most:
 }
 
 #[test]
-fn derivatives_are_wide_enough_for_any_effects_that_a_diagnosis_may_join() {
+fn dual_numbers_have_lanes_enough_for_any_effects_that_a_diagnosis_may_combine() {
     let most = crate::answers::IdentifyOptions::default().most_effects;
-    assert!(BASE + most_parameters(ALL, &[], most) <= WIDE_LANES);
+    assert!(BASE_PARAMETERS + most_parameters(ALL, &[], most) <= WIDE_LANES);
 }
 
 #[test]
-fn effects_that_fill_one_slot_are_refused_by_name_and_torques_add_up() {
+fn two_effects_in_one_slot_are_refused_by_name_and_torques_add_up() {
     let of = |ids: &[&str]| {
         let effects: Vec<&dyn Effect> = ids.iter().map(|id| find(id).unwrap() as _).collect();
         check_slots(&effects)
@@ -334,8 +336,8 @@ fn effects_that_fill_one_slot_are_refused_by_name_and_torques_add_up() {
     assert_eq!(of(&["spring", "quadratic_drag", "cogging", "backlash", "stribeck"]), Ok(()));
 }
 
-// What an effect sets must be its own: entered in either order, two that may act together make
-// the same axis.
+// Two effects that may act together must not overwrite what the other sets: in either order they
+// must make the same axis.
 #[test]
 fn two_effects_that_may_act_together_leave_each_other_alone() {
     let axis = |effects: [&'static dyn Effect; 2]| {

@@ -1,6 +1,6 @@
-//! A command that arrives late.
+//! Transport delay: the command arrives late by a fixed time T.
 //!
-//! u(t − T). A periodic response comes later by T as a whole: Yₖ·exp(−jkωT).
+//! u(t − T) in place of u(t). It delays a periodic response as a whole: Yₖ·exp(−jkωT).
 
 use super::axis::{Axis, Wide};
 use super::descriptor::Descriptor;
@@ -10,7 +10,7 @@ use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
-/// T.
+/// Parameter: T.
 #[derive(Debug)]
 pub struct TransportDelay;
 
@@ -21,10 +21,10 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     dimension: Dimension::TIME,
     domain: Domain::NotNegative,
     coordinate: Coordinate::Linear,
-    // Beyond half a period of the highest frequency it is ambiguous there.
+    // The upper bound is 6 rad of phase at the highest frequency, where a full turn is ambiguous.
     range: |scope| {
-        let turn = 1.0 / scope.omega_high;
-        Range { bounds: [0.0, 6.0 * turn], likely: [0.0, turn], absent: Some(0.0) }
+        let one_radian = 1.0 / scope.omega_high;
+        Range { bounds: [0.0, 6.0 * one_radian], likely: [0.0, one_radian], absent: Some(0.0) }
     },
 }];
 

@@ -1,6 +1,6 @@
-//! Viscous friction that differs between directions.
+//! Viscous asymmetry: viscous friction depends on the direction of motion.
 //!
-//! a becomes a(1 + α) for v > 0 and a(1 − α) for v < 0.
+//! The viscous rate a becomes a(1 + α) for v > 0 and a(1 − α) for v < 0.
 
 use super::axis::{Axis, Wide};
 use super::descriptor::Descriptor;
@@ -10,7 +10,7 @@ use super::parameter::{Coordinate, Dimension, Domain, Parameter, Range};
 use super::search_plan::SearchPlan;
 use super::slot::Slot;
 
-/// α.
+/// Parameter: α.
 #[derive(Debug)]
 pub struct ViscousAsymmetry;
 

@@ -50,7 +50,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Answer::Diagnosis(_) => JobKind::Diagnose,
     };
     let plant = actuator_order.map(|actuator_order| PlantRequest { actuator_order });
-    let request = IdentifyRequest { plant, method: answer.base().method, options };
+    let method = answer.base().method;
+    let request = IdentifyRequest { plant, method, options, ..IdentifyRequest::default() };
     let watch = computation::Watch::new();
     let again = BuiltIn.answer(kind, &measurement, second.as_ref(), &request, &watch);
     watch.finish();

@@ -68,7 +68,8 @@ impl JobRequest {
 
     /// The same for the numeric core.
     pub fn identify(&self) -> IdentifyRequest {
-        IdentifyRequest { plant: self.plant, method: self.method, options: self.options }
+        let Self { plant, method, options, .. } = *self;
+        IdentifyRequest { plant, method, options, ..IdentifyRequest::default() }
     }
 }
 

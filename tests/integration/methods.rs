@@ -16,7 +16,7 @@ fn ask(
 ) -> Result<Identification, String> {
     let plant = order.map(|actuator_order| PlantRequest { actuator_order });
     let options = IdentifyOptions { seed: 5, ..IdentifyOptions::default() };
-    let request = IdentifyRequest { plant, method, options };
+    let request = IdentifyRequest { plant, method, options, ..IdentifyRequest::default() };
     identify(measurement, &request, watcher).map_err(|error| error.to_string())
 }
 

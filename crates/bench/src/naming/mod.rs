@@ -9,8 +9,10 @@
 //! - `make`: a machine, what is hidden in it, and its measurement.
 //! - `separation`: whether the next experiment ends a doubt sooner than a random one.
 //! - `judge`: one answer against the truth. `rate`, `summary`, `text`: all of them.
-//! - `run`: many draws at once.
+//! - `run`: many draws at once. `search_setting`, `ablation`: what the tuned numbers of the
+//!   search are worth.
 
+mod ablation;
 mod build_case;
 mod case;
 mod effect_scaling;
@@ -23,11 +25,13 @@ mod outsiders;
 mod rate;
 mod rivals;
 mod run;
+mod search_setting;
 mod separation;
 mod sizing;
 mod summary;
 mod text;
 
+pub use ablation::{Ablation, Trial, ablate};
 pub use build_case::{Hidden, Made, MakeError, build_case};
 pub use case::{Case, Kind, Plan, known_effect};
 pub use excess::{DETECTABLE, base_excess};
@@ -37,6 +41,7 @@ pub use outsiders::{OUTSIDERS, draw_outsider};
 pub use rate::Rate;
 pub use rivals::{Nearest, Rivals};
 pub use run::{Run, Settings, Unmade, run_all, run_case};
+pub use search_setting::{SettingChange, search_settings};
 pub use separation::Separation;
 pub use sizing::Sizing;
 pub use summary::{ConfidenceBin, Confusion, EffectRates, Line, NONE, Summary, Times, Wanted};

@@ -191,7 +191,8 @@ impl Case<'_> {
     ) -> Result<Identification, IdentifyError> {
         let plant = Some(PlantRequest { actuator_order: self.system.actuator_order() });
         let options = IdentifyOptions { seed: self.seed, ..IdentifyOptions::default() };
-        identify(measurement, &IdentifyRequest { plant, method, options }, watch)
+        let request = IdentifyRequest { plant, method, options, ..IdentifyRequest::default() };
+        identify(measurement, &request, watch)
     }
 
     fn run(

@@ -16,6 +16,7 @@ use nalgebra::DVector;
 use super::objective::{Linearisation, Misfit};
 use super::parameters::Coordinates;
 use super::refine::{self, Patience};
+use super::search_settings::SearchSettings;
 use super::uncertainty::Uncertainty;
 
 /// Share by which the root of the rise may depart from what the curvature promises: with both
@@ -24,16 +25,6 @@ const BELIEVED: f64 = 0.1;
 
 /// The same share within which an end is found.
 const FOUND: f64 = 0.03;
-
-/// Refits after which the last value tried is the end.
-const MOST_REFITS: usize = 6;
-
-/// Longest step from one value to the next, as a factor of the distance.
-const LONGEST: f64 = 3.0;
-
-/// A few steps from a start that is nearly right: to a hundredth of the rise.
-const PATIENCE: Patience =
-    Patience { steps: 8, evaluations: u64::MAX, cost_tolerance: 3e-5, negligible: 0.0 };
 
 /// Share of the rise that a step to the minimum may still gain: of a point that was not refined
 /// the profile says nothing.
@@ -48,6 +39,7 @@ pub(super) struct Profile<'a> {
     quantile: f64,
     /// (t·s)².
     rise: f64,
+    search: &'a SearchSettings,
 }
 
 impl<'a> Profile<'a> {
@@ -58,12 +50,14 @@ impl<'a> Profile<'a> {
         here: &Linearisation,
         uncertainty: &Uncertainty,
         [quantile, scale]: [f64; 2],
+        search: &'a SearchSettings,
     ) -> Option<Self> {
         let gradient = here.jacobian.tr_mul(&here.residuals);
         let to_gain = gradient.dot(&(&uncertainty.covariance * &gradient)) / scale.powi(2);
         let rise = (quantile * scale).powi(2);
         let cost = here.residuals.norm_squared();
-        (to_gain <= SETTLED * rise).then_some(Self { misfit, point, cost, quantile, rise })
+        let this = Self { misfit, point, cost, quantile, rise, search };
+        (to_gain <= SETTLED * rise).then_some(this)
     }
 
     /// How far below and above the point the interval of a coordinate reaches; `None` where no
@@ -101,8 +95,8 @@ impl<'a> Profile<'a> {
         }
         // Distances and roots of the rise there, before and beyond the end.
         let (mut before, mut beyond) = ((distance, root), None);
-        for _ in 0..MOST_REFITS {
-            let next = between(before, beyond).min(room);
+        for _ in 0..self.search.interval_refits {
+            let next = between(before, beyond, self.search.interval_longest_step).min(room);
             let share = next / distance;
             let start: Vec<f64> =
                 self.point.iter().zip(&last).map(|(p, l)| p + share * (l - p)).collect();
@@ -131,17 +125,22 @@ impl<'a> Profile<'a> {
         let mut coordinates = self.misfit.coordinates.clone();
         (coordinates.lower[i], coordinates.upper[i]) = (value, value);
         let misfit = Misfit { coordinates: &coordinates, ..*self.misfit };
-        let patience = Patience { negligible: self.rise, ..PATIENCE };
+        let patience = Patience {
+            steps: self.search.interval_steps,
+            evaluations: u64::MAX,
+            cost_tolerance: self.search.interval_tolerance,
+            negligible: self.rise,
+        };
         let refined = refine::refine(&misfit, start, patience, &mut |_, _, _| ());
         (refined.point, self.root(refined.cost))
     }
 }
 
 /// The distance to try between one before the end and one beyond it, where there is one: roots
-/// of the rise are nearly straight.
-fn between((near, low): (f64, f64), beyond: Option<(f64, f64)>) -> f64 {
+/// of the rise are nearly straight. Where there is none it is the first times `longest` at most.
+fn between((near, low): (f64, f64), beyond: Option<(f64, f64)>, longest: f64) -> f64 {
     match beyond {
-        None => near * (1.0 / low).min(LONGEST),
+        None => near * (1.0 / low).min(longest),
         Some((far, high)) if high.is_finite() => near + (far - near) * (1.0 - low) / (high - low),
         Some((far, _)) => 0.5 * (near + far),
     }
@@ -175,7 +174,9 @@ mod tests {
         let unit = Uncertainty::new(&here, &held, 1.0).covariance[(CONSTANT, CONSTANT)];
         let scale = share / unit.sqrt();
         let uncertainty = Uncertainty::new(&here, &held, scale);
-        let profile = Profile::new(&misfit, &point, &here, &uncertainty, [2.0, scale]).unwrap();
+        let search = SearchSettings::default();
+        let profile =
+            Profile::new(&misfit, &point, &here, &uncertainty, [2.0, scale], &search).unwrap();
         profile.reaches(CONSTANT, &uncertainty)
     }
 
@@ -212,9 +213,9 @@ mod tests {
 
     #[test]
     fn between_two_distances_the_root_is_taken_as_straight() {
-        assert_eq!(between((1.0, 0.5), None), 2.0);
-        assert_eq!(between((1.0, 0.0), None), 3.0);
-        assert_eq!(between((1.0, 0.5), Some((2.0, 1.5))), 1.5);
-        assert_eq!(between((1.0, 0.5), Some((2.0, f64::INFINITY))), 1.5);
+        assert_eq!(between((1.0, 0.5), None, 3.0), 2.0);
+        assert_eq!(between((1.0, 0.0), None, 3.0), 3.0);
+        assert_eq!(between((1.0, 0.5), Some((2.0, 1.5)), 3.0), 1.5);
+        assert_eq!(between((1.0, 0.5), Some((2.0, f64::INFINITY)), 3.0), 1.5);
     }
 }

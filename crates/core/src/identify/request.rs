@@ -2,6 +2,8 @@
 
 use crate::answers::{IdentifyOptions, InvalidOptions, Method, PlantRequest};
 
+use super::search_settings::SearchSettings;
+
 /// Why an identification gave no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IdentifyError {
@@ -28,6 +30,9 @@ pub struct IdentifyRequest {
     pub method: Method,
     /// Its options.
     pub options: IdentifyOptions,
+    /// How hard searches try. Answers do not tell it: all but measurements of what it is worth
+    /// leave it as it is.
+    pub search: SearchSettings,
 }
 
 /// The error of a fitted plant that does not move periodically.

@@ -28,7 +28,7 @@ pub(super) fn solve(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<Solved, IdentifyError> {
-    let IdentifyRequest { plant, method, options } = request;
+    let IdentifyRequest { plant, method, options, .. } = request;
     options.validate()?;
     let orders: Vec<u8> = match plant {
         Some(PlantRequest { actuator_order: order @ 0..=2 }) => vec![*order],
@@ -62,10 +62,10 @@ pub(super) fn answer(
     order_choice: Option<OrderChoice>,
     intervals: Intervals,
 ) -> Result<Identification, IdentifyError> {
-    let IdentifyRequest { plant, method, options } = request;
+    let IdentifyRequest { plant, method, options, search } = request;
     let Misfit { problem, weights, .. } = misfit;
-    let summary =
-        summary::summarise(measurement, misfit, fitted, intervals).ok_or_else(no_response)?;
+    let summary = summary::summarise(measurement, misfit, fitted, intervals, search)
+        .ok_or_else(no_response)?;
     let limitations = limitations::of(measurement, problem, *method, options, fitted, &summary);
     let stop_reason = fitted.stages.last().map_or("nothing to do", |stage| &stage.stop_reason);
     Ok(Identification {

@@ -13,6 +13,7 @@ use super::pipeline::Fitted;
 use super::problem::Problem;
 use super::profile::Profile;
 use super::refine;
+use super::search_settings::SearchSettings;
 use super::uncertainty::Uncertainty;
 
 /// Probability below which a residual is more than noise.
@@ -46,6 +47,7 @@ pub(super) fn summarise(
     misfit: &Misfit<'_>,
     fitted: &Fitted,
     intervals: Intervals,
+    search: &SearchSettings,
 ) -> Option<Summary> {
     let problem = misfit.problem;
     let here = misfit.linearise(&fitted.point).ok()?;
@@ -63,7 +65,8 @@ pub(super) fn summarise(
     let profile = match intervals {
         Intervals::Curvature => None,
         Intervals::Profile => {
-            Profile::new(misfit, &fitted.point, &here, &uncertainty, [quantile, scale])
+            let noise = [quantile, scale];
+            Profile::new(misfit, &fitted.point, &here, &uncertainty, noise, search)
         }
     };
     let reaches = |i| profile.as_ref()?.reaches(i, &uncertainty);

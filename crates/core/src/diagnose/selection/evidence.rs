@@ -27,9 +27,6 @@ const LEAST: f64 = 2.0 * std::f64::consts::LN_2;
 /// that by orders of magnitude, so that no range would be fair to a large and to a small one.
 const SIZE: f64 = 2.0;
 
-/// Values between a small one and the likely range that are tried in its place.
-const LARGER: u32 = 4;
-
 /// What one more order of the actuator costs: as an effect of one parameter that the data
 /// narrows down by a factor of e².
 pub(crate) const ORDER: f64 = RARITY + 4.0;
@@ -115,22 +112,28 @@ fn smallness(session: &FitSession<'_>, model: &Model, i: usize, noise_scale: &No
         larger.set(parameter, value);
         Some(noise_scale.misfit(session.cost(&larger)?) - noise_scale.misfit(model.cost))
     };
-    least_price(&session.ranges(effect)[rare], model.value(parameter), growth)
+    let tried = session.search().larger_values;
+    least_price(&session.ranges(effect)[rare], model.value(parameter), tried, growth)
 }
 
 /// −2 ln of the prior of a value, as a share of that within the likely range, or what a larger
-/// one costs, by which the misfit grows so much, if that is less.
-fn least_price(range: &Range, value: f64, growth: impl Fn(f64) -> Option<f64>) -> f64 {
+/// one costs, by which the misfit grows so much, if that is less; so many larger ones are tried.
+fn least_price(
+    range: &Range,
+    value: f64,
+    tried: usize,
+    growth: impl Fn(f64) -> Option<f64>,
+) -> f64 {
     let price = |value: f64| -2.0 * range.share_of_small(value).ln();
     if price(value) == 0.0 {
         return 0.0;
     }
-    let larger = |step: u32| {
-        let share = f64::from(step) / f64::from(LARGER);
+    let larger = |step: usize| {
+        let share = step as f64 / tried as f64;
         let larger = value * (range.likely[0] / value).powf(share);
         Some(price(larger) + growth(larger)?)
     };
-    (1..=LARGER).filter_map(larger).fold(price(value), f64::min).max(0.0)
+    (1..=tried).filter_map(larger).fold(price(value), f64::min).max(0.0)
 }
 
 /// Standard deviations of the effects' parameters before the data is seen, in coordinates.
@@ -174,7 +177,8 @@ mod tests {
     #[test]
     fn what_must_be_small_costs_its_rarity_and_what_may_be_likely_what_the_misfit_grows_by() {
         let rarity = 2.0 * 10.0_f64.ln();
-        let price = |value: f64, growth: fn(f64) -> Option<f64>| least_price(&RANGE, value, growth);
+        let price =
+            |value: f64, growth: fn(f64) -> Option<f64>| least_price(&RANGE, value, 4, growth);
         let close = |found: f64, expected: f64| (found - expected).abs() < 1e-12;
         assert!(close(price(1e-4, |_| Some(1e3)), 2.0 * rarity));
         assert!(close(price(1e-4, |_| None), 2.0 * rarity));

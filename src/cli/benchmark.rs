@@ -68,16 +68,15 @@ pub(super) struct Args {
     /// diagnosis tells apart.
     #[arg(long)]
     nearest: bool,
-    /// Gives the search of the diagnosis another value of one of its tuned numbers; may be
-    /// repeated.
+    /// Changes a setting of the search for causes; may be repeated.
     #[arg(long, value_name = "NAME=VALUE")]
     setting: Vec<SettingChange>,
-    /// Lists the tuned numbers of the search with their values, and draws nothing.
+    /// Lists the settings of the search with their values, and runs nothing.
     #[arg(long)]
     settings: bool,
-    /// Diagnoses every draw with each tuned number halved and doubled and prints a table of what
-    /// that does to the answers and to the processor time; of those whose names begin like this
-    /// [default: all but those of records, of which no draw is one].
+    /// Diagnoses every draw with each setting of the search halved and doubled, and prints a table
+    /// of the answers and the processor time; only settings whose names begin like this [default:
+    /// all but those of records].
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', num_args = 0..)]
     ablation: Option<Vec<String>>,
     /// Draws at once, each with its share of the cores [default: one a core].

@@ -1,13 +1,14 @@
-//! What judges `servoscope-core`, by its public interface alone.
+//! Benchmarks of `servoscope-core`, through its public interface only.
 //!
-//! - [`machines`]: axes drawn at random, and an independent simulator that measures them;
-//! - [`naming`]: how often a hidden effect is named, and how often one is named that is not there;
+//! - [`machines`]: random axes, and an independent simulator that generates measurements of them;
+//! - [`naming`]: how often a diagnosis names a hidden effect, and how often it names one that is
+//!   not there;
 //! - [`reproduction`]: the experiments of the paper.
 
 pub mod machines;
 pub mod naming;
 pub mod reproduction;
 
-// The unit tests of `servoscope-core` compile `machines` into themselves: it finds these two at
-// the root of whichever crate it is part of.
+// The unit tests of `servoscope-core` include the source of `machines` as a module of that crate.
+// `machines` therefore uses `crate::measurement` and `crate::plant`, which both crates must have.
 use servoscope_core::{measurement, plant};

@@ -1,18 +1,19 @@
-//! From the measured frequency response of a servo axis to its transfer function and friction, and
-//! to the physical cause of what they leave unexplained.
+//! Identifies the transfer function and friction of a servo axis from its measured frequency
+//! response, and diagnoses which physical effect that model lacks.
 //!
 //! ```text
-//!   diagnose                     what the model gets wrong, the cause, and the gain on data held out
+//!   diagnose                     where the model is wrong, the cause, its gain on held-out data
 //!     └─ identify                data → parameters with intervals
 //!          └─ simulate           parameters → periodic response, or the motion of a record
-//!               └─ effects       what a base model may lack, one file each
-//!                    └─ plant · measurement      the base model, and what is measured
-//!   answers · observer           what is asked and answered; progress and cancelling
+//!               └─ effects       physical effects that the base model may lack, one file each
+//!                    └─ plant · measurement      the base model, and the measured data
+//!   answers · observer           requests and results; progress and cancellation
 //! ```
 //!
-//! Each module knows only those beneath it. Everything is pure and synchronous: data, seed and
-//! [`observer::Observer`] in, values out. The same seed gives the same bits at any number of
-//! threads. There is no runtime, clock, log, file or network in it.
+//! Each module depends only on the modules below it. All functions are pure and synchronous: they
+//! take data, a seed and an [`observer::Observer`] and return values. The same seed gives
+//! bit-identical results at any number of threads. The crate uses no runtime, clock, log, file or
+//! network.
 //!
 //! ```
 //! use servoscope_core::diagnose::diagnose;
@@ -39,9 +40,10 @@ pub mod observer;
 pub mod plant;
 pub mod simulate;
 
-/// The independent simulator of `servoscope-bench`, which makes the data of the unit tests here.
-/// It is compiled into them from its source: that crate depends on this one, and a crate that is
-/// linked back into the tests of its own dependency brings a second copy of every type.
+/// The independent simulator of `servoscope-bench`, which generates data for the unit tests.
+///
+/// It is included as source rather than as a dependency: `servoscope-bench` depends on this crate,
+/// so linking it into this crate's own tests would bring in a second copy of every type.
 #[cfg(test)]
 #[path = "../../bench/src/machines/mod.rs"]
 #[expect(dead_code, reason = "what only the benchmark draws")]

@@ -1,31 +1,32 @@
-//! How a computation reports on itself and learns that it is no longer wanted.
+//! Progress reports from a computation, and its cancellation.
 
 use crate::answers::{ConvergenceRow, Progress};
 
 /// Watches a computation from outside the numeric core.
 ///
-/// The core has no clock, no log and no runtime: time, storage and cancellation
-/// come from here. Methods are called from the thread that computes, often.
+/// The core has no clock, log or runtime of its own, so it gets the time, reports its progress and
+/// learns of a cancellation through this trait. The computing thread calls the methods often, so
+/// they must be fast.
 pub trait Observer: Sync {
     /// Seconds since the computation began, by the observer's clock.
     fn elapsed_s(&self) -> f64 {
         0.0
     }
 
-    /// The computation has come this far.
+    /// Called whenever the computation has advanced.
     fn progress(&self, _progress: Progress) {}
 
-    /// One more row of convergence history.
+    /// Called with each new row of the convergence history.
     fn row(&self, _row: ConvergenceRow) {}
 
-    /// Asked at every evaluation; `true` ends the computation with an error
-    /// that says it was cancelled.
+    /// Called at every evaluation; if it returns `true`, the computation ends with an error that
+    /// says it was cancelled.
     fn cancelled(&self) -> bool {
         false
     }
 }
 
-/// Watches nothing and never cancels.
+/// An observer that ignores all reports and never cancels.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 

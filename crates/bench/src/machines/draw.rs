@@ -1,4 +1,4 @@
-//! Random machines, the designs they are measured with, and the measurements.
+//! Draws random machines and experiment designs, and makes measurements of them.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -9,16 +9,16 @@ use super::simulator::{Effect, Settings, SimulatorError};
 use crate::measurement::{Complex, Harmonic, InvalidMeasurement, Measurement, Repeat};
 use crate::plant::{Actuator, Friction, Plant};
 
-/// Frequencies of a drawn design, at each of three magnitudes.
+/// Number of frequencies of a drawn design, at each of three magnitudes.
 const FREQUENCIES: usize = 16;
 
-/// How a measurement tells its noise.
+/// How a measurement states its noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoiseStatement {
-    /// By a standard deviation on every harmonic.
+    /// As a standard deviation of every harmonic.
     Std,
-    /// By this many repeats (at least 2) of every experiment, from which it is to be
-    /// estimated. Each repeat scatters √M more, so that the mean is as noisy as with `Std`.
+    /// Through M repeats (at least 2) of every experiment, from which it has to be estimated. The
+    /// noise of each repeat is √M times larger, so that their mean is as noisy as with `Std`.
     Repeats(usize),
     /// Not at all.
     Silent,
@@ -29,20 +29,20 @@ pub enum NoiseStatement {
 pub struct Draw {
     /// The base model of the machine.
     pub plant: Plant,
-    /// What the machine has beyond it.
+    /// Effects beyond the base model.
     pub effects: Vec<Effect>,
     /// Magnitude (input units) and fundamental (rad/s) of each experiment.
     pub design: Vec<(f64, f64)>,
     /// Highest harmonic measured.
     pub harmonics: usize,
-    /// N of "N dB": re and im of every harmonic scatter by median|Y₁|·10^(−N/20), the
-    /// median over all experiments; `None`: no noise, and none told.
+    /// N of "N dB": re and im of every harmonic have a standard deviation of median|Y₁|·10^(−N/20),
+    /// with the median over all experiments. `None`: no noise, and none stated.
     pub noise_db: Option<f64>,
-    /// How the measurement tells its noise.
+    /// How the measurement states its noise.
     pub noise_statement: NoiseStatement,
 }
 
-/// Why a draw has no measurement.
+/// Why no measurement can be made of a draw.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DrawError {
     /// An experiment could not be simulated.
@@ -50,21 +50,22 @@ pub enum DrawError {
     Simulator {
         /// Magnitude of the experiment, input units.
         magnitude: f64,
-        /// Its fundamental.
+        /// Its fundamental, rad/s.
         omega_rad_s: f64,
-        /// What went wrong.
+        /// The error of the simulator.
         source: SimulatorError,
     },
-    /// Noise relative to the median response, and at least half of the experiments stuck.
+    /// At least half of the experiments are stuck, so the median response that sets the noise level
+    /// is 0.
     #[error("the median fundamental is 0: noise cannot be relative to it")]
     Still,
-    /// The design makes no valid measurement.
+    /// The measurement is invalid.
     #[error(transparent)]
     Invalid(#[from] InvalidMeasurement),
 }
 
-/// Draws a machine whose actuator has the given order (0, 1 or 2) and a stepped-sine
-/// design for it: 60 dB of noise, told by standard deviations.
+/// Draws a machine whose actuator has the given order (0, 1 or 2), and a stepped-sine design for
+/// it with a noise of 60 dB, stated as standard deviations.
 ///
 /// | quantity | range |
 /// | --- | --- |
@@ -124,9 +125,9 @@ pub fn draw(actuator_order: u8, seed: u64) -> Draw {
     }
 }
 
-/// Simulates every experiment of a draw, in the order of acquisition, and adds the noise
-/// that `seed` gives. An experiment without a response of its own period is left out; the
-/// others keep their place in the order.
+/// Simulates every experiment of a draw, in the order of acquisition, and adds random noise from
+/// `seed`. Experiments without a response of the input's period are left out; the others keep their
+/// run number.
 ///
 /// # Errors
 /// See [`DrawError`].
@@ -139,7 +140,8 @@ pub fn measure(draw: &Draw, seed: u64) -> Result<Measurement, DrawError> {
     }
 }
 
-/// What is measured of a response: its harmonics and the deviations of the repeats.
+/// Adds noise of standard deviation `std` to an exact response; returns its harmonics and the
+/// deviations of the repeats.
 pub fn observe(
     exact: &[Complex],
     std: Option<f64>,
@@ -170,7 +172,7 @@ pub fn observe(
     }
 }
 
-/// The response with noise on re and im of every harmonic, on re alone of the mean.
+/// The response with noise on re and im of every harmonic (on re alone of the mean).
 fn noisy(exact: &[Complex], std: f64, rng: &mut ChaCha8Rng) -> Vec<Complex> {
     let mut normal = || -> f64 { StandardNormal.sample(rng) };
     let scattered = |(order, value): (usize, &Complex)| {
@@ -209,7 +211,7 @@ mod tests {
         draw
     }
 
-    /// Values of `noisy` less those of `exact`: re and im, im of the mean left out.
+    /// Values of `noisy` minus those of `exact`: re and im, without im of the mean.
     fn deviations(noisy: &Measurement, exact: &Measurement) -> Vec<f64> {
         let pairs = noisy.experiments().iter().zip(exact.experiments());
         pairs
@@ -269,7 +271,7 @@ mod tests {
         let std = noisy.experiments()[0].response[0].std.unwrap();
         assert!((std / (0.01 * median) - 1.0).abs() < 1e-12);
         let scatter = deviations(&noisy, &exact);
-        // The rms of n normals is known to 1/√(2n); four of that.
+        // The rms of n normal values has a relative standard error of 1/√(2n); 4 times that.
         let margin = 4.0 / (2.0 * scatter.len() as f64).sqrt();
         assert!((rms(&scatter) / std - 1.0).abs() < margin);
         assert!(noisy.experiments().iter().all(|e| e.response[0].value.im == 0.0));
@@ -296,8 +298,8 @@ mod tests {
                 squares.extend(experiment.repeats.iter().map(|r| r.response[k].re));
             }
         }
-        // Deviations from a mean of 6 are √(5/6) of the scatter √6·std, with 5 of 6
-        // independent.
+        // Each repeat has a standard deviation of √6·std, so its deviation from the mean of six
+        // has √(5/6) times that. Five of the six deviations are independent.
         let margin = 4.0 / (2.0 * squares.len() as f64 * 5.0 / 6.0).sqrt();
         assert!((rms(&squares) / (5.0_f64.sqrt() * std) - 1.0).abs() < margin);
     }
@@ -330,7 +332,8 @@ mod tests {
             actuator: Actuator::Direct,
             friction: Friction::coulomb(0.5, 0.4),
         };
-        // A load on a hardly damped joint rattles in its gap without end; below breakaway it rests.
+        // A load on a joint with little damping rattles in its gap for ever; below breakaway it
+        // rests.
         let (load_inertia_fraction, stiffness, damping, gap) = (0.5, 200.0, 0.1, 0.01);
         draw.effects = vec![Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
         draw.design = vec![(0.2, 20.0), (1.0, 20.0), (0.2, 30.0)];

@@ -1,4 +1,4 @@
-//! Effects drawn at random, in proportion to the machine they hide in.
+//! Draws random effects whose size is realistic for a given machine.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use super::draw::{Draw, log_uniform};
 use super::simulator::Effect;
 
-/// Every id that [`draw_effect`] knows.
+/// Every effect id that [`draw_effect`] accepts.
 pub const IDS: [&str; 17] = [
     "static_friction",
     "stribeck",
@@ -29,11 +29,11 @@ pub const IDS: [&str; 17] = [
     "slew_limit",
 ];
 
-/// Draws an effect of a size that a lab would meet in the machine and design of
-/// `draw`. With m the lowest magnitude, F the mean Coulomb level, V = m·K/a and
-/// X = V/a:
+/// Draws an effect of a size that is realistic for the machine and design of `draw`. With m the
+/// lowest magnitude, F the mean Coulomb level, V = m·K/a and X = V/a. Ranges are log-uniform,
+/// except that those after ± are uniform with a random sign.
 ///
-/// | effect | ranges (× log-uniform, ± uniform) |
+/// | effect | ranges |
 /// | --- | --- |
 /// | `static_friction` | Fs = Fc × 1.1 … 1.9 each |
 /// | `stribeck` | r 1.1 … 1.8, vs = V × 0.03 … 0.5 |
@@ -41,7 +41,8 @@ pub const IDS: [&str; 17] = [
 /// | `quadratic_drag` | c·V² = m × 0.02 … 0.3 |
 /// | `presliding` | σ = F/X × 3 … 60 |
 /// | `friction_drift` | δ ± 0.1 … 0.4 |
-/// | `flexible_mode`, `backlash` | ρ 0.2 … 0.6, resonance a × 2 … 10, its damping ratio × 0.01 … 0.3 (backlash 0.05 … 0.5), gap = X × 0.001 … 0.3 |
+/// | `flexible_mode` | ρ 0.2 … 0.6, resonance a × 2 … 10, its damping ratio 0.01 … 0.3 |
+/// | `backlash` | the same, damping ratio 0.05 … 0.5, gap = X × 0.001 … 0.3 |
 /// | `spring`, `hardening_spring` | K·k = a² × 0.02 … 0.3 (half of it), k₃·X³ = m × 0.0001 … 0.3 |
 /// | `cogging` | T = F × 0.1 … 0.6, N = 1/X × 1 … 10, φ any |
 /// | `transport_delay`, `sensor_lag` | T = 1/a × 0.005 … 0.05 |

@@ -1,4 +1,4 @@
-//! What a drawn machine truly answers, before any noise.
+//! Noise-free responses of a drawn machine, and measurements made of them.
 
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -18,15 +18,15 @@ pub struct Responses {
 /// An experiment that has a response.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Point {
-    /// Place in the design.
+    /// Index in the design.
     run: usize,
     magnitude: f64,
     omega_rad_s: f64,
 }
 
 impl Responses {
-    /// Simulates every experiment of a draw. One without a response of its own period is
-    /// left out; the others keep their place in the order.
+    /// Simulates every experiment of a draw. Experiments without a response of the input's period
+    /// are left out; the others keep their run number.
     ///
     /// # Errors
     /// [`DrawError::Simulator`].
@@ -48,7 +48,7 @@ impl Responses {
         Ok(Self { points, responses })
     }
 
-    /// Experiments that have a response.
+    /// Number of experiments that have a response.
     pub fn experiments(&self) -> usize {
         self.points.len()
     }
@@ -56,15 +56,15 @@ impl Responses {
     /// The standard deviation that "N dB" means, response units: median|Y₁|·10^(−N/20).
     ///
     /// # Errors
-    /// [`DrawError::Still`] where at least half of the experiments are stuck.
+    /// [`DrawError::Still`] if at least half of the experiments are stuck.
     pub fn noise_std(&self, noise_db: f64) -> Result<f64, DrawError> {
         noise_std(&self.responses, noise_db).ok_or(DrawError::Still)
     }
 
-    /// The measurement without any noise; `std`, if any, is what it tells of its noise.
+    /// The measurement without noise. `std`, if given, is the standard deviation that it states.
     ///
     /// # Errors
-    /// [`DrawError::Invalid`] where nothing has a response.
+    /// [`DrawError::Invalid`] if no experiment has a response.
     pub fn exact(&self, std: Option<f64>) -> Result<Measurement, DrawError> {
         measurement(self.measured(|response| {
             let harmonic = |(order, &value)| Harmonic { order, value, std };
@@ -85,8 +85,8 @@ impl Responses {
         measurement(self.experiments_with(self.noise_std(noise_db)?, statement, rng))
     }
 
-    /// The experiments with noise of this deviation, response units; `run` is their place in
-    /// the design.
+    /// The experiments with noise of standard deviation `std`, response units. Their `run` is
+    /// their index in the design.
     pub fn experiments_with(
         &self,
         std: f64,
@@ -98,10 +98,10 @@ impl Responses {
 
     fn measured(
         &self,
-        mut observed: impl FnMut(&[Complex]) -> (Vec<Harmonic>, Vec<Repeat>),
+        mut observe_response: impl FnMut(&[Complex]) -> (Vec<Harmonic>, Vec<Repeat>),
     ) -> Vec<Experiment> {
         let experiment = |(point, response): (&Point, &Vec<Complex>)| {
-            let (response, repeats) = observed(response);
+            let (response, repeats) = observe_response(response);
             Experiment {
                 magnitude: point.magnitude,
                 omega_rad_s: point.omega_rad_s,
@@ -117,7 +117,7 @@ impl Responses {
     }
 }
 
-/// No bytes were read, so there is nothing to take a digest of.
+/// Makes the measurement, with an empty digest because it was not read from a file.
 fn measurement(experiments: Vec<Experiment>) -> Result<Measurement, DrawError> {
     Ok(Measurement::new(Metadata::default(), experiments, Vec::new(), String::new())?)
 }

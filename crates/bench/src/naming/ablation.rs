@@ -1,8 +1,7 @@
-//! What each setting of the search is worth: the same draws, diagnosed with each of them halved and
-//! doubled.
+//! Ablation: the same draws, diagnosed with each setting of the search halved and doubled.
 //!
-//! A draw is made once and diagnosed with every value in turn, one thread for all of it, so that
-//! what else the machine does weighs on all values alike.
+//! A draw is made once and diagnosed with every value in turn, on one thread. So other load on the
+//! machine affects all values alike.
 
 use std::fmt::Write as _;
 
@@ -20,7 +19,7 @@ use super::rate::Rate;
 use super::run::{Settings, Unmade, for_all, request};
 use super::search_setting::{SettingChange, search_settings};
 
-/// A setting with its default, and the two values that are tried in its place.
+/// A setting, its value, and half and twice that value.
 #[derive(Debug, Clone, PartialEq)]
 struct Compared {
     name: String,
@@ -28,10 +27,10 @@ struct Compared {
     tried: [SettingChange; 2],
 }
 
-/// Which settings are halved and doubled.
+/// The settings that are halved and doubled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ablation {
-    /// What they are beside the one that is changed.
+    /// All settings, unchanged.
     base: SearchSettings,
     compared: Vec<Compared>,
 }
@@ -39,17 +38,20 @@ pub struct Ablation {
 /// One diagnosis of a draw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
-    /// What it came to.
+    /// The answer, compared with the truth.
     pub outcome: Outcome,
-    /// Processor time that it took, s.
+    /// Processor time of the diagnosis, s.
     pub processor_seconds: f64,
 }
 
+/// All diagnoses of a draw, in turn; the reason, if the draw could not be made.
+pub type Trials = Result<Vec<Trial>, Unmade>;
+
 impl Ablation {
-    /// Of the settings whose names begin with one of these.
+    /// Halves and doubles the settings of `base` whose names begin with one of `names`.
     ///
     /// # Errors
-    /// Where no name does, in words.
+    /// A message, if no setting has a name that begins with one of them.
     pub fn new(base: SearchSettings, names: &[String]) -> Result<Self, String> {
         let settings = search_settings(&base);
         let begins = |name: &str, with: &String| name.starts_with(with.as_str());
@@ -65,15 +67,15 @@ impl Ablation {
         Ok(Self { base, compared: compared.collect() })
     }
 
-    /// What a draw is diagnosed with, in turn: the settings as they are, each of them halved and
-    /// doubled, and as they are once more, which tells how far times can be trusted.
+    /// The settings with which a draw is diagnosed, in turn: unchanged, each halved and doubled,
+    /// and unchanged again. The two unchanged runs show how much times vary by themselves.
     fn variants(&self) -> Result<Vec<SearchSettings>, String> {
         let changes = self.compared.iter().flat_map(|compared| &compared.tried);
         let changed = changes.map(|change| change.apply(&self.base));
         [Ok(self.base)].into_iter().chain(changed).chain([Ok(self.base)]).collect()
     }
 
-    /// A Markdown table of all trials, those of a draw in the order in which they were run.
+    /// A Markdown table of the trials of all draws, those of a draw as `ablate` returns them.
     pub fn table(&self, draws: &[Vec<Trial>]) -> String {
         let heads = "right | first | explained | other | held | processor s";
         let mut text = format!(
@@ -86,11 +88,8 @@ impl Ablation {
         let [once, again] = [score(0), score(last)];
         let seconds = 0.5 * (once.seconds + again.seconds);
         let unchanged = [&once, &again].map(|score| score.cells(seconds));
-        let _ = writeln!(
-            text,
-            "| as they are | | once | {} | again | {} |",
-            unchanged[0], unchanged[1]
-        );
+        let _ =
+            writeln!(text, "| unchanged | | once | {} | again | {} |", unchanged[0], unchanged[1]);
         for (i, Compared { name, default, tried: [half, double] }) in
             self.compared.iter().enumerate()
         {
@@ -106,20 +105,20 @@ impl Ablation {
     }
 }
 
-/// Makes every draw, has it diagnosed with every setting halved and doubled, and returns the trials
-/// of each draw. `done` is told of every draw, from any thread; what is not begun when the observer
-/// cancels is left out.
+/// Diagnoses every draw with each setting halved and doubled; returns the trials of each draw. When
+/// the observer cancels, draws that are not finished are left out. `done` is called with every
+/// result, from any thread.
 ///
 /// # Errors
-/// Where threads cannot be started.
+/// If the threads cannot be started.
 pub fn ablate(
     cases: &[Case],
     settings: &Settings,
     ablation: &Ablation,
     observer: &dyn Observer,
-    done: &(dyn Fn(&Case, &Result<Vec<Trial>, Unmade>) + Sync),
-) -> Result<Vec<Result<Vec<Trial>, Unmade>>, rayon::ThreadPoolBuildError> {
-    // Processor time is read of one thread.
+    done: &(dyn Fn(&Case, &Trials) + Sync),
+) -> Result<Vec<Trials>, rayon::ThreadPoolBuildError> {
+    // One thread a draw: processor time is measured per thread.
     let settings = Settings { threads: settings.jobs, ..*settings };
     let run = |case: &Case| trials(case, &settings, ablation, observer);
     for_all(cases, &settings, observer, run, done)
@@ -130,7 +129,7 @@ fn trials(
     settings: &Settings,
     ablation: &Ablation,
     observer: &dyn Observer,
-) -> Result<Vec<Trial>, Unmade> {
+) -> Trials {
     let unmade = |reason: String| Unmade { key: case.to_string(), reason };
     let made = build_case(case, settings.seed, settings.sizing, observer)
         .map_err(|error| unmade(error.to_string()))?;
@@ -148,21 +147,22 @@ fn trials(
     Ok(variants.into_iter().map(trial).collect())
 }
 
-/// Processor time that this thread has taken, s.
+/// Processor time used by this thread, s.
 fn thread_seconds() -> f64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// What the draws come to with one value of a setting.
+/// Statistics of all draws, with one value of a setting.
 struct Score {
     right: Rate,
-    /// Of the draws in which something is hidden.
+    /// Draws with a hidden effect that is named first.
     first: Rate,
+    /// Draws with a hidden effect whose verdict is that the causes explain the data.
     explained: Rate,
-    /// Draws of which other causes are named, or another verdict given.
+    /// Draws whose causes or verdict differ from those with unchanged settings.
     other: u32,
-    /// Intervals that hold the truth.
+    /// 95 % intervals that contain the true value.
     held: Rate,
     seconds: f64,
 }
@@ -202,7 +202,7 @@ impl Score {
     }
 }
 
-/// The verdict and what is named, strongest first.
+/// The verdict, and the causes, strongest first.
 fn said(trial: &Trial) -> (Option<Verdict>, Vec<&str>) {
     let causes = trial.outcome.causes().iter().map(|cause| cause.effect.as_str());
     (trial.outcome.verdict(), causes.collect())
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn each_setting_of_a_beginning_is_halved_and_doubled_between_two_runs_as_they_are() {
+    fn each_selected_setting_is_halved_and_doubled_between_two_unchanged_runs() {
         let variants = ablation(&["glance_steps", "rival"]).unwrap().variants().unwrap();
         let found: Vec<(usize, f64)> =
             variants.iter().map(|search| (search.glance_steps, search.rival_share)).collect();
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn the_table_says_what_each_value_changes_beside_the_mean_of_the_runs_as_they_are() {
+    fn the_table_compares_each_value_with_the_unchanged_runs() {
         let right: &[(&str, f64, &[&str])] = &[("spring", 0.99, &[])];
         let trials = vec![
             trial(right, 1.9),
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_draw_is_diagnosed_once_for_each_value_and_takes_time() {
+    fn a_draw_is_diagnosed_once_for_each_value_and_its_time_is_measured() {
         let settings = Settings {
             seed: 7,
             sizing: Sizing::Amount,

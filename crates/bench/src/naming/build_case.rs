@@ -1,4 +1,4 @@
-//! A draw: its machine, what is hidden in it, and what is measured of it.
+//! Makes a draw: its machine, the effects hidden in it, and its measurement.
 
 use indexmap::IndexMap;
 use rand::RngExt;
@@ -11,7 +11,7 @@ use servoscope_core::observer::Observer;
 use servoscope_core::plant::{Actuator, Plant};
 
 use super::case::{Case, Kind};
-use super::excess::{DETECTABLE, exact, excess_in, of_excess};
+use super::excess::{DETECTABLE, exact, excess_in, scaled_to_excess};
 use super::outsiders::{OUTSIDERS, draw_outsider};
 use super::rivals::{Nearest, Rivals};
 use super::sizing::Sizing;
@@ -20,56 +20,55 @@ use crate::machines::effect_draws::{IDS, draw_effect};
 use crate::machines::responses::Responses;
 use crate::machines::simulator::{Effect, Settings};
 
-/// Machines and shapes tried before a draw is given up.
+/// Most machines and effects tried for a draw.
 const MOST_ATTEMPTS: usize = 24;
-/// Of them, those for the excess that was drawn first: one that is hard to reach must not
-/// become rare, and one out of reach (of a bristle softer than can be simulated) must not
-/// empty the draw.
-const SAME_TARGET: usize = 6;
-/// What must remain of an outsider however the library imitates it.
-const NOT_IMITATED: f64 = 60.0;
-/// Repeats where a measurement carries them.
+/// Number of attempts with the excess that was drawn first; later attempts draw a new one. Several
+/// attempts keep an excess that is hard to reach from becoming rare. A new excess is needed because
+/// some cannot be reached at all (e.g. with a bristle softer than can be simulated).
+const ATTEMPTS_WITH_FIRST_TARGET: usize = 6;
+/// Smallest excess χ² of an outsider, with the effect of the library that imitates it best.
+const MIN_OUTSIDER_EXCESS: f64 = 60.0;
+/// Number of repeats of a measurement that has repeats.
 const REPEATS: usize = 6;
 
-/// Something hidden in a machine.
+/// An effect hidden in a machine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Hidden {
     /// Id of the effect or outsider.
     pub effect: &'static str,
     /// Its parameters by name.
     pub parameters: IndexMap<&'static str, f64>,
-    /// Excess of the base model where it alone is missing; of a pair, of the best fit with
-    /// the other one.
+    /// Excess of the base model; in a pair, excess of the best fit with the other effect alone.
     pub excess: f64,
 }
 
-/// A draw with all that is known of it.
+/// A draw with its measurement and its true values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Made {
-    /// What is hidden; empty where nothing is.
+    /// The hidden effects; empty for a clean draw.
     pub hidden: Vec<Hidden>,
-    /// Excess of the base model of the true order; 0 where nothing is hidden.
+    /// Excess of the base model of the true order; 0 if nothing is hidden.
     pub excess: f64,
-    /// Parameters of the plant by the name under which they are reported.
+    /// True parameters of the plant by the names used in answers.
     pub plant: IndexMap<&'static str, f64>,
-    /// The machine and how it is measured.
+    /// The machine and the design of its measurement.
     pub machine: Draw,
     /// Standard deviation of re and of im of every harmonic, response units.
     pub noise_std: f64,
-    /// What is shown to the diagnosis.
+    /// The measurement for the diagnosis.
     pub measurement: Measurement,
-    /// Machines and shapes that were tried, this one included.
+    /// Number of attempts, including this one.
     pub attempts: usize,
 }
 
 impl Made {
-    /// Whether an effect is hidden in it.
+    /// Whether an effect is hidden in the machine.
     pub fn hides(&self, effect: &str) -> bool {
         self.hidden.iter().any(|hidden| hidden.effect == effect)
     }
 
-    /// The effect of the library that alone imitates a single hidden one best; `None` where
-    /// another number of them is hidden.
+    /// The effect of the library that alone imitates the single hidden one best; `None` unless
+    /// exactly one effect is hidden.
     ///
     /// # Errors
     /// See [`MakeError`].
@@ -82,7 +81,7 @@ impl Made {
     }
 }
 
-/// Why a draw was not made.
+/// Why a draw cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MakeError {
     /// The observer asked to stop.
@@ -91,10 +90,11 @@ pub enum MakeError {
     /// No attempt met the conditions.
     #[error("none of {MOST_ATTEMPTS} machines and shapes has the wanted excess")]
     Unreachable,
-    /// Whether an effect is detectable, or an outsider imitated, could not be judged.
+    /// The candidate needed to judge whether an effect is detectable, or an outsider imitated, is
+    /// missing.
     #[error("the diagnosis of the noise-free response has no candidate `{effect}` to judge it by")]
     Unjudged {
-        /// What was asked for.
+        /// The missing candidate.
         effect: String,
     },
     /// The diagnosis of the noise-free response failed.
@@ -105,9 +105,8 @@ pub enum MakeError {
     Draw(#[from] DrawError),
 }
 
-/// Draws a case; everything random follows from `base_seed` and the case's key, and `sizing`
-/// brings what is hidden to its excess. The observer is asked before every attempt whether to
-/// go on.
+/// Makes a draw. `base_seed` and the key of the case determine all random numbers. `sizing` says
+/// how hidden effects are scaled to their excess. The observer can cancel before every attempt.
 ///
 /// # Errors
 /// See [`MakeError`].
@@ -123,12 +122,12 @@ pub fn build_case(
         if observer.cancelled() {
             return Err(MakeError::Cancelled);
         }
-        if attempt > SAME_TARGET {
+        if attempt > ATTEMPTS_WITH_FIRST_TARGET {
             targets = self::targets(case, rng);
         }
         let mut machine = draw(case.order, rng.random());
         let sized = |effect: Effect, target: f64| {
-            of_excess(&machine, &effect, target, case.level_db, sizing)
+            scaled_to_excess(&machine, &effect, target, case.level_db, sizing)
         };
         let Some(effects) = effects(case, &machine, sized, targets, attempt, rng) else {
             continue;
@@ -142,7 +141,7 @@ pub fn build_case(
                 _ => continue,
             },
         };
-        let Some(hidden) = judged(case, &machine, &responses, excess)? else { continue };
+        let Some(hidden) = accepted(case, &machine, &responses, excess)? else { continue };
         let noise_db = f64::from(case.level_db);
         let measurement = responses.noisy(noise_db, statement(case), rng)?;
         return Ok(Made {
@@ -158,17 +157,17 @@ pub fn build_case(
     Err(MakeError::Unreachable)
 }
 
-/// How a draw tells its noise.
+/// How a draw states its noise.
 pub(super) fn statement(case: &Case) -> NoiseStatement {
     if case.has_repeats() { NoiseStatement::Repeats(REPEATS) } else { NoiseStatement::Std }
 }
 
-/// Excesses to reach, one for each effect that may be hidden.
+/// Random target excesses, one for each of up to two hidden effects.
 fn targets(case: &Case, rng: &mut ChaCha8Rng) -> [f64; 2] {
     [(); 2].map(|()| log_uniform(DETECTABLE, most_excess(case.level_db), rng))
 }
 
-/// Largest excess that is drawn at a noise level.
+/// Largest target excess at a noise level.
 fn most_excess(level_db: u32) -> f64 {
     match level_db {
         60.. => 120_000.0,
@@ -177,7 +176,8 @@ fn most_excess(level_db: u32) -> f64 {
     }
 }
 
-/// What is hidden in a machine, `sized` to its target; `None` where no size has it.
+/// Draws the effects hidden in a machine and scales them to their targets with `sized`; `None` if
+/// no size reaches a target, or the two effects of a pair cannot be distinguished.
 fn effects(
     case: &Case,
     machine: &Draw,
@@ -201,14 +201,15 @@ fn effects(
             Some(vec![sized(shapes[0], targets[0])?, sized(shapes[1], targets[1])?])
         }
         Kind::Outsider => {
-            // In turn, and the next one where the library imitates it.
+            // All outsiders in turn; a new attempt takes the next one.
             let id = OUTSIDERS[(case.index as usize + attempt - 1) % OUTSIDERS.len()];
             Some(vec![sized(Effect::Outside(draw_outsider(id, machine, rng)), targets[0])?])
         }
     }
 }
 
-/// Whether two effects cannot be told to be two.
+/// Whether one of two effects contains or replaces the other, so that a pair of them makes no
+/// sense.
 fn contain_each_other(left: &str, right: &str) -> bool {
     let are =
         |one: &str, other: &str| (left, right) == (one, other) || (left, right) == (other, one);
@@ -217,9 +218,9 @@ fn contain_each_other(left: &str, right: &str) -> bool {
         || are("presliding", "static_friction")
 }
 
-/// What is hidden with its excess; `None` where a part of a pair cannot be seen, or the
-/// library imitates an outsider.
-fn judged(
+/// The hidden effects with their excess; `None` if one effect of a pair is not detectable, or an
+/// effect of the library imitates an outsider.
+fn accepted(
     case: &Case,
     machine: &Draw,
     responses: &Responses,
@@ -244,7 +245,8 @@ fn judged(
     Ok(excesses.map(|excesses| machine.effects.iter().zip(excesses).map(hidden).collect()))
 }
 
-/// Excess of each of two effects beside the other; `None` where one is not detectable.
+/// Excess of each of two effects if only the other is in the model; `None` if one of them is not
+/// detectable.
 fn detectable_beside(rivals: &Rivals, ids: [&str; 2]) -> Result<Option<[f64; 2]>, MakeError> {
     let without = |other: &str| {
         let unjudged = || MakeError::Unjudged { effect: other.to_owned() };
@@ -254,13 +256,14 @@ fn detectable_beside(rivals: &Rivals, ids: [&str; 2]) -> Result<Option<[f64; 2]>
     Ok(excesses.iter().all(|excess| *excess >= DETECTABLE).then_some(excesses))
 }
 
-/// Whether no effect of the library imitates what was measured.
+/// Whether no effect of the library imitates the outsider.
 fn is_outside(rivals: &Rivals, machine: &Draw) -> Result<bool, MakeError> {
     let unjudged = || MakeError::Unjudged { effect: "any".to_owned() };
-    Ok(rivals.nearest_to(machine.effects[0].id()).ok_or_else(unjudged)?.excess >= NOT_IMITATED)
+    Ok(rivals.nearest_to(machine.effects[0].id()).ok_or_else(unjudged)?.excess
+        >= MIN_OUTSIDER_EXCESS)
 }
 
-/// Parameters of a plant by the name under which they are reported.
+/// Parameters of a plant by the names used in answers.
 fn truth(plant: &Plant) -> IndexMap<&'static str, f64> {
     let (a, k) = (plant.viscous_rate_rad_s, plant.constant);
     let mut truth = IndexMap::from([

@@ -1,4 +1,4 @@
-//! What one draw of the benchmark is, and the key by which it is drawn again.
+//! One draw of the benchmark, and the key that reproduces it.
 
 use std::fmt;
 use std::str::FromStr;
@@ -18,9 +18,9 @@ pub enum Kind {
     Single,
     /// Nothing.
     Clean,
-    /// Two effects, each detectable beside the other.
+    /// Two effects, each detectable if only the other is in the model.
     Pair,
-    /// Something that the library does not have and nothing in it imitates.
+    /// An effect that the library does not contain and that none of its effects imitates.
     Outsider,
 }
 
@@ -49,35 +49,35 @@ impl FromStr for Kind {
     }
 }
 
-/// One draw. Everything random in it follows from the base seed and its key.
+/// One draw. The base seed and its key determine all its random numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Case {
     /// What is hidden.
     pub kind: Kind,
     /// Noise, dB.
     pub level_db: u32,
-    /// Id of the effect; of [`Kind::Single`] alone.
+    /// Id of the effect; for [`Kind::Single`] only.
     pub effect: Option<&'static str>,
     /// Order of the actuator, 0 to 2.
     pub order: u8,
-    /// Which draw of its sort.
+    /// Number of the draw among those that are otherwise equal.
     pub index: u32,
 }
 
 impl Case {
-    /// Whether it carries repeats in place of deviations: a fifth does.
+    /// Whether its measurement has repeats instead of standard deviations; true for every fifth.
     pub fn has_repeats(&self) -> bool {
         self.index % 5 == 4
     }
 
-    /// The stream of everything random in it.
+    /// The random number stream of the draw.
     pub fn rng(&self, base_seed: u64) -> ChaCha8Rng {
         let text = format!("servoscope naming {base_seed} {self}");
         ChaCha8Rng::from_seed(Sha256::digest(text).into())
     }
 }
 
-/// The key: kind, level, effect if any, order and index, such as `single-60-spring-o1-4`.
+/// Formats the key: kind, level, effect if any, order and index, such as `single-60-spring-o1-4`.
 impl fmt::Display for Case {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}-{}-", self.kind.name(), self.level_db)?;
@@ -118,33 +118,33 @@ impl FromStr for Case {
     }
 }
 
-/// The id of an effect that can be hidden.
+/// Looks up the id of an effect that can be hidden.
 ///
 /// # Errors
-/// A sentence that lists the known ones.
+/// A message that lists the known ids.
 pub fn known_effect(text: &str) -> Result<&'static str, String> {
     let known = IDS.into_iter().find(|id| *id == text);
     known.ok_or_else(|| format!("`{text}` is no effect; there are {}", IDS.join(", ")))
 }
 
-/// How many draws of what.
+/// Kinds and numbers of the draws of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// Kinds of draw.
     pub kinds: Vec<Kind>,
     /// Noise levels, dB.
     pub levels_db: Vec<u32>,
-    /// Orders of the actuator, taken in turn.
+    /// Orders of the actuator, used in turn.
     pub orders: Vec<u8>,
     /// Effects of the single draws.
     pub effects: Vec<&'static str>,
-    /// Single draws of each effect at each level.
+    /// Number of single draws of each effect at each level.
     pub singles: u32,
-    /// Clean draws at all levels together.
+    /// Number of clean draws at all levels together.
     pub clean: u32,
-    /// Pairs at each level but 40 dB, at which nothing is asked of them.
+    /// Number of pairs at each level above 40 dB; there is no target for pairs at 40 dB.
     pub pairs: u32,
-    /// Outsiders, all at the quietest level.
+    /// Number of outsiders, all at the level with the least noise.
     pub outsiders: u32,
 }
 
@@ -164,7 +164,7 @@ impl Default for Plan {
 }
 
 impl Plan {
-    /// Every draw of it.
+    /// All draws of the plan.
     pub fn cases(&self) -> Vec<Case> {
         self.kinds.iter().flat_map(|kind| self.cases_of(*kind)).collect()
     }
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_key_is_refused() {
+    fn malformed_keys_are_refused() {
         for text in
             ["single-60-o1-4", "clean-60-spring-o1-4", "single-60-sprng-o1-4", "pair-60-o3-1", "x"]
         {

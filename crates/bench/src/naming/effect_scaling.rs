@@ -1,8 +1,8 @@
-//! How much of an effect there is: the one parameter that says so.
+//! Scaling of an effect by the parameter that expresses its size.
 //!
-//! | effect | size | as far as |
+//! | effect | size | limit |
 //! | --- | --- | --- |
-//! | `static_friction` | Fs/Fc − 1, both sides alike | 2 |
+//! | `static_friction` | Fs/Fc − 1, by the same factor in both directions | 2 |
 //! | `stribeck` | r − 1 | 2 |
 //! | `viscous_asymmetry` | α | ± 0.9 |
 //! | `quadratic_drag` | c | c·V² = 3 m |
@@ -30,7 +30,7 @@
 use crate::machines::draw::Draw;
 use crate::machines::simulator::{Effect, Outsider};
 
-/// Stiffest bristle, in F/X: the time to step through its period grows with it.
+/// Stiffest bristle, in units of F/X; the simulation time grows with the stiffness.
 const STIFFEST_BRISTLE: f64 = 1e3;
 
 /// Scales of a machine and its design.
@@ -38,7 +38,7 @@ const STIFFEST_BRISTLE: f64 = 1e3;
 pub(super) struct Scales {
     /// a, 1/s.
     pub(super) a: f64,
-    /// K, response units per input unit and second.
+    /// K, response units/(input unit·s).
     pub(super) constant: f64,
     /// F, input units.
     pub(super) level: f64,
@@ -71,12 +71,12 @@ impl Scales {
         self.lowest * self.constant / self.a
     }
 
-    /// X, response units and seconds.
+    /// X, response units·s.
     pub(super) fn travel(&self) -> f64 {
         self.velocity() / self.a
     }
 
-    /// The effect `factor` times as large; `None` where no machine would have that.
+    /// The effect, `factor` times as large; `None` if that exceeds the largest realistic value.
     pub(super) fn times(&self, effect: &Effect, factor: f64) -> Option<Effect> {
         let Self { a, constant, level, lowest, highest, .. } = *self;
         let (velocity, travel) = (self.velocity(), self.travel());
@@ -84,14 +84,14 @@ impl Scales {
             let scaled = factor * value;
             (scaled.abs() <= most).then_some(scaled)
         };
-        // Springs as stiff as this, with K, resonate at a.
+        // A spring of this stiffness has its resonance at a.
         let stiffest = a * a / constant;
         let joint = |fraction: f64, stiffness: f64, damping: f64| {
             let scaled = up_to(fraction, 0.85)?;
             let inertias = scaled * (1.0 - scaled) / (fraction * (1.0 - fraction));
             Some((scaled, inertias * stiffness, inertias * damping))
         };
-        // What stays of a bound that is left by 1 + depth.
+        // A limit such that `reach`/limit − 1, the depth by which the input exceeds it, is scaled.
         let bound = |bound: f64, reach: f64, least: f64| {
             let lowered = reach / (1.0 + factor * (reach / bound - 1.0));
             (lowered >= least).then_some(lowered)

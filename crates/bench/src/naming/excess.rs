@@ -1,4 +1,4 @@
-//! What a base model leaves of a noise-free response, and effects of a wanted excess.
+//! Excess χ² of the base model, and scaling of an effect to a given excess.
 
 use servoscope_core::answers::{ColonyOptions, IdentifyOptions, NetworkOptions, PlantRequest};
 use servoscope_core::identify::{IdentifyError, IdentifyRequest, identify};
@@ -11,21 +11,21 @@ use crate::machines::draw::{Draw, DrawError};
 use crate::machines::responses::Responses;
 use crate::machines::simulator::{Effect, Settings};
 
-/// Smallest excess of what counts as detectable.
+/// Smallest excess χ² of a detectable effect (contract, section 2).
 pub const DETECTABLE: f64 = 120.0;
-/// Share by which an excess may miss its target.
-const ACCURACY: f64 = 0.1;
-/// Sizes tried before a shape is given up.
+/// Largest relative deviation of an excess from its target.
+const TARGET_TOLERANCE: f64 = 0.1;
+/// Most sizes tried for one drawn effect.
 const MOST_TRIALS: usize = 14;
-/// Longest change of the logarithm of a size.
-const LONGEST_STEP: f64 = 3.0;
-/// An excess below this is rounding.
-const NOTHING: f64 = 1e-3;
-/// Share of the experiments that must have a response.
-const FEWEST_PERIODIC: f64 = 0.8;
+/// Largest change of the logarithm of the size in one step.
+const LARGEST_LOG_STEP: f64 = 3.0;
+/// An excess below this is due to rounding errors.
+const NEGLIGIBLE_EXCESS: f64 = 1e-3;
+/// Smallest share of the experiments that must have a periodic response.
+const MIN_PERIODIC_SHARE: f64 = 0.8;
 
-/// How finely a size is searched: errors of 1e-5 of the response change an excess by
-/// (1e-5/1e-3)² a datum even at 60 dB, below 0.1 in all.
+/// Simulator settings for the search for a size. Errors of 1e-5 of the response change the excess
+/// by (1e-5/1e-3)² per datum even at 60 dB, and by less than 0.1 in all.
 pub(super) const COARSE: Settings = Settings {
     steps_per_period: 256,
     steps_per_input_line: 64,
@@ -34,11 +34,11 @@ pub(super) const COARSE: Settings = Settings {
     most_periods: 300,
 };
 
-/// Excess χ² of the base model with an actuator of this order: its χ² after refitting it to
-/// a noise-free response that tells the deviation of its noise.
+/// Excess χ² of the base model with an actuator of this order: its χ² after refitting it to a
+/// noise-free response, weighted with the standard deviations that the measurement states.
 ///
-/// Refinement from the closed-form start is enough where there is no noise: with network and
-/// colony the excess is the same, at twenty times the cost.
+/// Without noise, refinement from the closed-form start is enough: network and colony give the same
+/// excess at twenty times the cost.
 ///
 /// # Errors
 /// See [`IdentifyError`].
@@ -54,31 +54,31 @@ pub fn base_excess(exact: &Measurement, order: u8) -> Result<f64, IdentifyError>
     chi2.ok_or_else(|| IdentifyError::Unusable { reason: "it tells no deviation".into() })
 }
 
-/// Excess of a drawn machine with all its effects in its own noise; `None` where it has no
-/// response to most of the design, or none that can be fitted.
+/// Excess of a drawn machine with all its effects, at its noise level; `None` if too few
+/// experiments have a response, or the responses cannot be fitted.
 pub(super) fn excess_of(draw: &Draw, level_db: u32, settings: &Settings) -> Option<f64> {
     let responses = Responses::simulate(draw, settings).ok()?;
     excess_in(&responses, draw, level_db)
 }
 
-/// The same of responses that are there.
+/// As [`excess_of`], from responses that are already simulated.
 pub(super) fn excess_in(responses: &Responses, draw: &Draw, level_db: u32) -> Option<f64> {
     let exact = is_periodic(responses, draw).then(|| exact(responses, level_db))?.ok()?;
     base_excess(&exact, draw.plant.actuator.order()).ok()
 }
 
 fn is_periodic(responses: &Responses, draw: &Draw) -> bool {
-    responses.experiments() as f64 >= FEWEST_PERIODIC * draw.design.len() as f64
+    responses.experiments() as f64 >= MIN_PERIODIC_SHARE * draw.design.len() as f64
 }
 
-/// The noise-free measurement that tells the deviation of noise of `level_db`.
+/// The noise-free measurement, which states the standard deviation of noise of `level_db`.
 pub(super) fn exact(responses: &Responses, level_db: u32) -> Result<Measurement, DrawError> {
     responses.exact(Some(responses.noise_std(f64::from(level_db))?))
 }
 
-/// The effect in the size at which the base model's excess is `target` to 10 %, and at least
-/// [`DETECTABLE`]; `None` where no size of this shape has it.
-pub(super) fn of_excess(
+/// The effect, scaled so that the base model's excess is `target` within 10 % and at least
+/// [`DETECTABLE`]; `None` if no size gives that excess.
+pub(super) fn scaled_to_excess(
     machine: &Draw,
     effect: &Effect,
     target: f64,
@@ -86,7 +86,7 @@ pub(super) fn of_excess(
     sizing: Sizing,
 ) -> Option<Effect> {
     let scales = Scales::of(machine);
-    // An effect at its smallest size is asked for again and again.
+    // An effect at its smallest size is requested repeatedly, so the last result is kept.
     let mut last: Option<(Effect, Option<f64>)> = None;
     let factor = size_factor(target, |factor| {
         let sized = sizing.times(&scales, effect, factor)?;
@@ -100,8 +100,8 @@ pub(super) fn of_excess(
     sizing.times(&scales, effect, factor)
 }
 
-/// The factor at which `excess` is `target`: secants in the logarithms of both, kept between
-/// what is known to be too small and too large. `excess` is `None` where there is none.
+/// The factor at which `excess` is `target`, by the secant method in the logarithms of both, with
+/// bracketing. `excess` returns `None` for sizes that are too large to have one.
 fn size_factor(target: f64, mut excess: impl FnMut(f64) -> Option<f64>) -> Option<f64> {
     let wanted = target.ln();
     // A small effect's excess grows with the square of its size.
@@ -112,18 +112,21 @@ fn size_factor(target: f64, mut excess: impl FnMut(f64) -> Option<f64>) -> Optio
     for _ in 0..MOST_TRIALS {
         let found = excess(at.exp());
         let next = match found {
-            Some(found) if (found / target - 1.0).abs() <= ACCURACY && found >= DETECTABLE => {
+            Some(found)
+                if (found / target - 1.0).abs() <= TARGET_TOLERANCE && found >= DETECTABLE =>
+            {
                 return Some(at.exp());
             }
             Some(found) => {
-                let value = found.max(NOTHING).ln();
+                let value = found.max(NEGLIGIBLE_EXCESS).ln();
                 if let Some([x, y]) = last {
-                    // The smallest size that can be simulated.
+                    // The excess no longer changes: this is the smallest size that can be
+                    // simulated.
                     if value == y && value > wanted {
                         return None;
                     }
                     let secant = (value - y) / (at - x);
-                    if secant.is_finite() && y.min(value) > NOTHING.ln() {
+                    if secant.is_finite() && y.min(value) > NEGLIGIBLE_EXCESS.ln() {
                         slope = secant.clamp(0.5, 6.0);
                     }
                 }
@@ -133,7 +136,7 @@ fn size_factor(target: f64, mut excess: impl FnMut(f64) -> Option<f64>) -> Optio
                 } else {
                     high = Some(at)
                 }
-                at + ((wanted - value) / slope).clamp(-LONGEST_STEP, LONGEST_STEP)
+                at + ((wanted - value) / slope).clamp(-LARGEST_LOG_STEP, LARGEST_LOG_STEP)
             }
             None => {
                 high = Some(at);
@@ -142,9 +145,9 @@ fn size_factor(target: f64, mut excess: impl FnMut(f64) -> Option<f64>) -> Optio
         };
         at = match (low, high) {
             (Some(low), Some(high)) => {
-                // Where one end tells nothing of the slope, halving is the quickest.
+                // Without a usable slope, bisect.
                 let margin = 0.2 * (high - low);
-                if found.is_some_and(|found| found > NOTHING) {
+                if found.is_some_and(|found| found > NEGLIGIBLE_EXCESS) {
                     next.clamp(low + margin, high - margin)
                 } else {
                     0.5 * (low + high)
@@ -174,7 +177,10 @@ mod tests {
             for target in [130.0, 1_000.0, 3_000.0] {
                 let factor = size_factor(target, law).unwrap_or_else(|| panic!("{name}: {target}"));
                 let found = law(factor).unwrap();
-                assert!((found / target - 1.0).abs() <= ACCURACY, "{name}: {found} for {target}");
+                assert!(
+                    (found / target - 1.0).abs() <= TARGET_TOLERANCE,
+                    "{name}: {found} for {target}"
+                );
             }
         }
     }
@@ -183,7 +189,7 @@ mod tests {
     fn an_excess_that_no_size_has_is_given_up() {
         assert_eq!(size_factor(1e4, |size| (size < 2.0).then_some(40.0 * size * size)), None);
         assert_eq!(size_factor(1e4, |_| None), None);
-        // Of 125 to 110 it would do, were it not below what is detectable.
+        // 118 is within 10 % of the target, but not detectable.
         assert!(size_factor(121.0, |size| Some(118.0 * size)).is_some_and(|size| size > 1.0));
     }
 }

@@ -1,4 +1,4 @@
-//! Draws and answers made by hand.
+//! Hand-made draws and answers for the tests.
 
 use indexmap::IndexMap;
 use servoscope_core::answers::sample;
@@ -25,7 +25,7 @@ pub(super) fn diagnosis(verdict: Verdict) -> Diagnosis {
     Diagnosis { verdict, ..sample::diagnosis() }
 }
 
-/// A draw with effects that all have an amplitude, cycles per unit and a phase of 1.
+/// A draw with hidden effects whose amplitude, cycles per unit and phase are all 1.
 pub(super) fn made(hidden: &[&'static str]) -> Made {
     let mut machine = draw(0, 1);
     machine.design.truncate(1);
@@ -46,7 +46,7 @@ pub(super) fn made(hidden: &[&'static str]) -> Made {
     }
 }
 
-/// What is made of a draw by its key in which these causes are named.
+/// The outcome of the draw with this key if these causes are named.
 pub(super) fn outcome(
     key: &str,
     hidden: &[&'static str],

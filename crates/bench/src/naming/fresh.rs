@@ -1,4 +1,4 @@
-//! Whether a gain is what a fresh measurement of the same machine shows.
+//! Checks the gain reported by a diagnosis against a fresh measurement of the same machine.
 
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -13,32 +13,32 @@ use crate::machines::draw::{Draw, DrawError, NoiseStatement, log_uniform};
 use crate::machines::responses::Responses;
 use crate::machines::simulator::Settings;
 
-/// Frequencies at every magnitude, each drawn from its own part of the range.
+/// Number of frequencies at every magnitude, each drawn from its own part of the range.
 const FREQUENCIES: usize = 48;
 
-/// A gain as it was given, and as it is found.
+/// The gain reported by a diagnosis, and the gain on fresh data.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Fresh {
-    /// Ratio of the errors as the diagnosis gives it.
+    /// Ratio of the errors, as reported by the diagnosis.
     pub ratio: f64,
     /// Its 95 % interval.
     pub interval95: [f64; 2],
-    /// χ² per degree of freedom of the extended model on what was held out.
+    /// χ² per degree of freedom of the extended model on the held-out data.
     pub chi2_per_dof_after: Option<f64>,
-    /// The ratio of the same two models' errors on fresh data.
+    /// Ratio of the errors of the same two models on fresh data.
     pub found: f64,
 }
 
 impl Fresh {
-    /// Whether the interval holds what was found.
+    /// Whether the interval contains the ratio on fresh data.
     pub fn held(&self) -> bool {
         (self.interval95[0]..=self.interval95[1]).contains(&self.found)
     }
 }
 
-/// Measures a draw's machine at the magnitudes of its design and at many other frequencies
-/// within its range, as noisy as before, and compares both models of a diagnosis with that.
-/// `None` where it gives no gain.
+/// Measures the machine of a draw again, at the magnitudes of its design, at many other
+/// frequencies within its range and with the same noise. Then compares both models of the diagnosis
+/// with that. `None` if the diagnosis reports no gain.
 ///
 /// # Errors
 /// See [`MakeError`].
@@ -67,9 +67,11 @@ pub(super) fn fresh(
     }))
 }
 
-/// Other frequencies, in the order of acquisition of the design. All but those at the ends are
-/// held out, and each stands for what is nearer to it than to its neighbours: from half-way to
-/// the lowest to half-way to the highest, in the logarithm.
+/// Random frequencies at each magnitude of the design, in its order of acquisition.
+///
+/// A diagnosis holds out every frequency of the design except the lowest and the highest. Each
+/// represents the range nearer to it than to its neighbours on a logarithmic scale. The new
+/// frequencies are drawn from the union of these ranges.
 fn design(machine: &Draw, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
     let mut omegas: Vec<f64> = machine.design.iter().map(|point| point.1).collect();
     omegas.sort_by(f64::total_cmp);
@@ -108,7 +110,7 @@ mod tests {
         let half_way = |i: usize| (machine.design[i].1 * machine.design[i + 1].1).sqrt();
         let held_out = half_way(0)..=half_way(14);
         assert!(fresh.iter().all(|(_, omega)| held_out.contains(omega)));
-        // One of them in each of as many equal parts of that.
+        // The range is divided into equal parts, with one frequency in each.
         let mut of_first = fresh[..FREQUENCIES].iter().map(|(_, omega)| *omega);
         let part = (held_out.end() / held_out.start()).powf(1.0 / FREQUENCIES as f64);
         let ends = [of_first.clone().next().unwrap(), of_first.next_back().unwrap()];
@@ -120,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn an_interval_holds_what_lies_within() {
+    fn an_interval_contains_the_values_between_its_ends() {
         let fresh =
             Fresh { ratio: 2.0, interval95: [1.5, 2.5], chi2_per_dof_after: None, found: 2.4 };
         assert!(fresh.held() && !Fresh { found: 2.6, ..fresh }.held());

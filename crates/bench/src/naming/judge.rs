@@ -1,4 +1,4 @@
-//! What a diagnosis is worth, knowing the truth.
+//! Compares a diagnosis with the true hidden effects.
 
 use std::f64::consts::TAU;
 
@@ -12,37 +12,37 @@ use super::fresh::Fresh;
 use super::rivals::Nearest;
 use super::separation::Separation;
 
-/// Equivalents that count, at most.
+/// Number of equivalents that count, from the first.
 const MOST_EQUIVALENTS: usize = 2;
 
-/// A draw, what was said of it, and what it took.
+/// A draw, the answer to it, and the time it took.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outcome {
     /// The key of the draw.
     pub key: String,
-    /// What was hidden, in one word.
+    /// Kind of draw.
     pub kind: Kind,
     /// Noise, dB.
     pub level_db: u32,
     /// True order of the actuator.
     pub order: u8,
-    /// Whether it carried repeats in place of deviations.
+    /// Whether the measurement had repeats instead of standard deviations.
     pub repeats: bool,
-    /// Excess of the base model of the true order; 0 where nothing is hidden.
+    /// Excess of the base model of the true order; 0 if nothing is hidden.
     pub excess: f64,
-    /// What was hidden.
+    /// The hidden effects.
     pub hidden: Vec<Hidden>,
-    /// What was said; the error where nothing was.
+    /// The answer, or the error of the diagnosis.
     pub answer: Result<Answer, String>,
-    /// Whether the next experiment told the hidden effect from its rivals; null where that
+    /// Whether the next experiment distinguished the hidden effect from its rivals; null if that
     /// was not tried.
     pub separation: Option<Separation>,
-    /// The library's effect that imitates a single hidden one best; null where that was not
-    /// asked.
+    /// The effect of the library that imitates a single hidden one best; null if that was not
+    /// requested.
     pub nearest: Option<Nearest>,
-    /// The gain, and what a fresh measurement shows; null where none is given.
+    /// The reported gain and that on a fresh measurement; null if no gain is reported.
     pub fresh: Option<Fresh>,
-    /// What it took.
+    /// Computing times.
     pub seconds: Seconds,
 }
 
@@ -55,42 +55,43 @@ pub struct Seconds {
     pub job: f64,
 }
 
-/// What is kept of a diagnosis.
+/// The part of a diagnosis that is judged.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Answer {
-    /// What it came to.
+    /// The verdict.
     pub verdict: Verdict,
     /// Causes, strongest first.
     pub causes: Vec<Named>,
-    /// Parameters of causes that were hidden.
+    /// Parameters of the hidden effects that are named.
     pub effect_parameters: Vec<Estimated>,
-    /// Parameters of the plant, with the causes or, where none is named, without.
+    /// Parameters of the plant, from the model with the causes or, if none is named, the base
+    /// model.
     pub plant_parameters: Vec<Estimated>,
 }
 
-/// A cause as it was named.
+/// A named cause.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Named {
     /// Id of the effect.
     pub effect: String,
     /// Its confidence.
     pub confidence: f64,
-    /// What the data cannot tell from it.
+    /// Effects that the data cannot distinguish from it.
     pub equivalents: Vec<String>,
     /// Values of its parameters.
     pub parameters: IndexMap<String, Option<f64>>,
 }
 
-/// A parameter that is known and was estimated.
+/// A parameter with its true value and its estimate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimated {
-    /// The effect, or `plant`.
+    /// The effect it belongs to, or `plant`.
     pub of: String,
     /// Its name.
     pub name: String,
     /// Its true value.
     pub truth: f64,
-    /// The estimate's 95 % interval; null where the data is said not to determine it.
+    /// The estimate's 95 % interval; null if it is reported as not identifiable.
     pub interval95: Option<[f64; 2]>,
 }
 
@@ -100,12 +101,12 @@ impl Estimated {
         Self { of: of.to_owned(), name: name.to_owned(), truth, interval95 }
     }
 
-    /// Whether the interval holds the truth, a phase in any of its turns; `None` without an
-    /// interval.
+    /// Whether the interval contains the true value (of a phase, any value that differs by whole
+    /// turns); `None` without an interval.
     pub fn held(&self) -> Option<bool> {
         self.interval95.map(|[low, high]| {
             let truth = match self.name.as_str() {
-                // The first turn that is not below the interval.
+                // Shifted by whole turns to the lowest value that is not below the interval.
                 "phase" => self.truth + TAU * ((low - self.truth) / TAU).ceil(),
                 _ => self.truth,
             };
@@ -115,7 +116,7 @@ impl Estimated {
 }
 
 impl Outcome {
-    /// Judges an answer to a draw that was made.
+    /// Judges the answer to a draw.
     pub fn new(
         case: &Case,
         made: &Made,
@@ -138,7 +139,7 @@ impl Outcome {
         }
     }
 
-    /// Causes, strongest first; empty where nothing was said.
+    /// Causes, strongest first; empty if the diagnosis failed.
     pub fn causes(&self) -> &[Named] {
         self.answer.as_ref().map_or(&[], |answer| &answer.causes)
     }
@@ -148,17 +149,17 @@ impl Outcome {
         self.answer.as_ref().ok().map(|answer| answer.verdict)
     }
 
-    /// Whether this effect was hidden.
+    /// Whether this effect is hidden.
     pub fn is_hidden(&self, effect: &str) -> bool {
         self.hidden.iter().any(|hidden| hidden.effect == effect)
     }
 
-    /// Whether the first cause is what was hidden.
+    /// Whether the first cause is a hidden effect.
     pub fn named_first(&self) -> bool {
         self.causes().first().is_some_and(|first| self.is_hidden(&first.effect))
     }
 
-    /// Whether what was hidden is the first cause or among its first two equivalents.
+    /// Whether the first cause, or one of its first two equivalents, is a hidden effect.
     pub fn first_or_equivalent(&self) -> bool {
         let counted = |first: &Named| {
             first.equivalents.iter().take(MOST_EQUIVALENTS).any(|id| self.is_hidden(id))
@@ -166,7 +167,7 @@ impl Outcome {
         self.named_first() || self.causes().first().is_some_and(counted)
     }
 
-    /// Whether everything hidden is named and nothing else.
+    /// Whether exactly the hidden effects are named.
     pub fn named_exactly(&self) -> bool {
         let causes = self.causes();
         self.answer.is_ok()
@@ -184,9 +185,10 @@ impl Outcome {
         self.causes().iter().any(|cause| cause.confidence >= confidence)
     }
 
-    /// Whether it is as it should be: what was hidden named first and everything explained;
-    /// nothing named of what is clean; both of a pair; of an outsider, nothing that claims to
-    /// explain it or to be certain.
+    /// Whether the answer is right. A single effect must be named first, with the verdict
+    /// `explained`. In a clean draw nothing may be named. Both effects of a pair must be named, and
+    /// nothing else. For an outsider the verdict must not be `explained`, and no confidence may
+    /// reach 0.9.
     pub fn is_right(&self) -> bool {
         self.answer.is_ok()
             && match self.kind {
@@ -300,7 +302,7 @@ mod tests {
             at_bound: false,
             identifiable: true,
         };
-        // All parameters of what is hidden are 1 in the fixture.
+        // All parameters of the hidden effects are 1 in the fixture.
         named.parameters.insert("amplitude".into(), estimate(0.9, 1.2));
         named.parameters.insert("cycles_per_unit".into(), estimate(1.1, 1.2));
         named.parameters.insert("phase".into(), estimate(0.9 - TAU, 1.1 - TAU));

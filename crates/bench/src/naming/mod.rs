@@ -1,16 +1,19 @@
-//! The benchmark of naming: hides effects in drawn machines, asks for a diagnosis through the
-//! public interface, and scores what it names.
+//! Benchmark of naming: hides effects in random machines, asks for a diagnosis through the public
+//! interface, and scores the causes that it names.
 //!
-//! - `case`: what a draw is, and the key from which it is drawn again.
-//! - `size`, `sizing`, `excess`: how much of an effect there is, what is varied of it, and how
-//!   much it shows: sizes are searched until the base model's excess χ² is the one wanted.
-//! - `outsiders`: what the library does not have. `rivals`: how well a single effect of it
-//!   imitates what is hidden, be it an outsider or another effect.
-//! - `make`: a machine, what is hidden in it, and its measurement.
-//! - `separation`: whether the next experiment ends a doubt sooner than a random one.
-//! - `judge`: one answer against the truth. `rate`, `summary`, `text`: all of them.
-//! - `run`: many draws at once. `search_setting`, `ablation`: what the tuned numbers of the
-//!   search are worth.
+//! - `case`: one draw of the benchmark, and the key that reproduces it.
+//! - `effect_scaling`, `sizing`, `excess`: scale a hidden effect until the base model's excess χ²
+//!   has the required value.
+//! - `outsiders`: random effects that the library does not contain.
+//! - `rivals`: how well a single other effect of the library imitates the hidden one.
+//! - `build_case`: makes the machine, its hidden effects and its measurement.
+//! - `fresh`: checks the reported gain against a fresh measurement.
+//! - `separation`: whether the proposed next experiment resolves a doubt better than a random one.
+//! - `judge`: compares one answer with the truth. `rate`, `summary`, `text`: statistics of all
+//!   answers.
+//! - `run`: runs many draws in parallel.
+//! - `search_setting`, `ablation`: the settings of the search by name, and what halving and
+//!   doubling each of them does.
 
 mod ablation;
 mod build_case;
@@ -31,7 +34,7 @@ mod sizing;
 mod summary;
 mod text;
 
-pub use ablation::{Ablation, Trial, ablate};
+pub use ablation::{Ablation, Trial, Trials, ablate};
 pub use build_case::{Hidden, Made, MakeError, build_case};
 pub use case::{Case, Kind, Plan, known_effect};
 pub use excess::{DETECTABLE, base_excess};

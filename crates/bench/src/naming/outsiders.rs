@@ -1,4 +1,4 @@
-//! Outsiders drawn at random, in proportion to the machine they hide in.
+//! Draws random outsiders whose size is realistic for a given machine.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -7,7 +7,7 @@ use super::effect_scaling::Scales;
 use crate::machines::draw::{Draw, log_uniform};
 use crate::machines::simulator::Outsider;
 
-/// Every id that [`draw_outsider`] knows.
+/// Every outsider id that [`draw_outsider`] accepts.
 pub const OUTSIDERS: [&str; 8] = [
     "cubic_drag",
     "field_weakening",
@@ -19,10 +19,11 @@ pub const OUTSIDERS: [&str; 8] = [
     "input_quantisation",
 ];
 
-/// Draws an outsider of a size that a lab would meet. With m the lowest magnitude, F the
-/// mean Coulomb level and V = m·K/a:
+/// Draws an outsider of a size that is realistic for the machine and design of `draw`. With m the
+/// lowest magnitude, F the mean Coulomb level and V = m·K/a (all ranges are log-uniform; ± stands
+/// for a random sign):
 ///
-/// | outsider | ranges (× log-uniform, ± uniform) |
+/// | outsider | ranges |
 /// | --- | --- |
 /// | `cubic_drag` | c·V³ = m × 0.01 … 0.2 |
 /// | `field_weakening` | κ·V² = 0.003 … 0.05 |
@@ -68,8 +69,8 @@ mod tests {
     use crate::machines::draw::draw;
     use crate::machines::simulator::{Effect, Machine, Settings, respond};
 
-    /// Harmonics 0 to 7 at the highest magnitude of a machine of order 0, half way through
-    /// the acquisition, and those of its base model.
+    /// Harmonics 0 to 7 of a machine with the effect and of its base model, at the highest
+    /// magnitude and half-way through the acquisition.
     fn both(machine: &Draw, effect: Effect) -> [Vec<Complex>; 2] {
         let (magnitude, _) = machine.design[47];
         let omega_rad_s = machine.plant.viscous_rate_rad_s;
@@ -98,8 +99,8 @@ mod tests {
             assert!(whole > 1e-4, "{id}: {whole:e}");
             let trace = Scales::of(&machine).times(&effect, 1e-4).unwrap();
             let trace = departure(&both(&machine, trace));
-            // In proportion to the size or faster; steps of a converter have a smallest one,
-            // of m/100, whose harmonics above 7 carry most of its error.
+            // The deviation shrinks at least in proportion to the size. Only quantisation has a
+            // smallest step, m/100, and most of its error is in harmonics above 7.
             let most = if id == "input_quantisation" { 0.5 * whole } else { 2e-4 * whole + 1e-8 };
             assert!(trace < most, "{id}: {trace:e} of {whole:e}");
         }
@@ -110,11 +111,11 @@ mod tests {
         let mut machine = draw(0, 11);
         (machine.plant.friction.fc_plus, machine.plant.friction.fc_minus) = (0.0, 0.0);
         (machine.plant.friction.fs_plus, machine.plant.friction.fs_minus) = (0.0, 0.0);
-        // Half way through a drift of 0.2 the gain, and with it the response, is 1.1.
+        // Half-way through a drift of 0.2 the gain is 1.1, and so is the response ratio.
         let [with, without] = both(&machine, Effect::Outside(Outsider::GainDrift { delta: 0.2 }));
         assert!((with[1] - 1.1 * without[1]).norm() < 1e-8 * without[1].norm());
-        // (1 + s·v)^(-1/2) of a cosine of amplitude V: the third harmonic is -e²V³/8 to first
-        // order in (eV)², here 1e-4.
+        // For a cosine of amplitude V, v/√(1 + (e·v)²) has the third harmonic −e²V³/8 to first
+        // order in (eV)², which is 1e-4 here.
         let amplitude = without[1].norm();
         let e = 0.01 / amplitude;
         let [with, without] = both(&machine, Effect::Outside(Outsider::SensorCompression { e }));

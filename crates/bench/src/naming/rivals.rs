@@ -1,4 +1,5 @@
-//! How well a single effect of the library imitates what is hidden, by the noise-free response.
+//! How well a single effect of the library imitates the hidden effect, judged by the excess χ² that
+//! it leaves of the noise-free response.
 
 use serde::Serialize;
 
@@ -8,29 +9,28 @@ use servoscope_core::identify::IdentifyRequest;
 use servoscope_core::measurement::Measurement;
 use servoscope_core::observer::Silent;
 
-/// The candidates of a diagnosis of a noise-free response, with the cost of the base model
-/// that they extend.
+/// The candidates of a diagnosis of a noise-free response, and the cost of the base model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rivals {
     base: f64,
     candidates: Vec<Candidate>,
 }
 
-/// The effect that alone, everything else refitted, imitates what is hidden best.
+/// The other effect that, alone and with everything else refitted, imitates the hidden effect best.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Nearest {
     /// Its id.
     pub effect: String,
-    /// Excess χ² that it leaves of the noise-free response. Where neither contains the other,
-    /// a choice by likelihood between it and the hidden effect goes wrong with probability
+    /// Excess χ² that it leaves of the noise-free response. If neither model contains the other, a
+    /// choice by likelihood between it and the hidden effect is wrong with probability
     /// Φ(−½√excess), the error between two simple hypotheses (Neyman and Pearson 1933, DOI
     /// 10.1098/rsta.1933.0009).
     pub excess: f64,
 }
 
 impl Rivals {
-    /// Asks what each effect alone makes of a noise-free response that tells the deviation
-    /// of its noise.
+    /// Fits every effect alone to a noise-free response that states the standard deviation of its
+    /// noise.
     ///
     /// # Errors
     /// See [`DiagnoseError`].
@@ -42,14 +42,13 @@ impl Rivals {
         Ok(Self { base: answer.base.fit.chi2.unwrap_or(f64::NAN), candidates: answer.candidates })
     }
 
-    /// Excess χ² of the best fit with this effect alone; `None` where it was not tried.
+    /// Excess χ² of the best fit with this effect alone; `None` if it was not tried.
     pub fn excess_with(&self, effect: &str) -> Option<f64> {
         let of_effect = |candidate: &&Candidate| candidate.effect == effect;
         self.alone().filter(of_effect).map(|candidate| candidate.cost).reduce(f64::min)
     }
 
-    /// The effect other than the hidden one that alone explains most; `None` where none was
-    /// tried.
+    /// The effect with the smallest excess, other than the hidden one; `None` if none was tried.
     pub fn nearest_to(&self, hidden: &str) -> Option<Nearest> {
         self.alone()
             .filter(|candidate| candidate.effect != hidden)
@@ -57,7 +56,8 @@ impl Rivals {
             .map(|candidate| Nearest { effect: candidate.effect.clone(), excess: candidate.cost })
     }
 
-    /// Every effect alone beside the base model, where costs are χ².
+    /// All candidates, each a single effect because [`Self::ask`] allows no more. None if the base
+    /// model has no χ², because costs are then not χ².
     fn alone(&self) -> impl Iterator<Item = &Candidate> {
         self.candidates.iter().filter(|_| self.base.is_finite())
     }
@@ -99,7 +99,7 @@ pub(super) mod tests {
         let made = build_case(&case, 1, Sizing::Amount, &Silent).unwrap();
         let nearest = made.nearest_rival().unwrap().unwrap();
         assert_eq!(nearest.effect, "transport_delay");
-        // It contains the base model.
+        // The rival contains the base model, so its excess cannot be larger.
         assert!((0.0..made.excess).contains(&nearest.excess), "{nearest:?} of {}", made.excess);
     }
 }

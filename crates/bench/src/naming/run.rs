@@ -1,4 +1,4 @@
-//! Runs many draws at once.
+//! Runs many draws in parallel.
 
 use std::sync::Mutex;
 use std::sync::PoisonError;
@@ -21,30 +21,30 @@ use super::sizing::Sizing;
 /// How draws are run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Seed of everything.
+    /// Base seed of all random numbers.
     pub seed: u64,
-    /// What is varied of a hidden effect until it shows as much as is wanted.
+    /// How a hidden effect is scaled to its excess.
     pub sizing: Sizing,
-    /// Whether the actuator's order is left to the data.
+    /// Whether the diagnosis must choose the actuator's order from the data.
     pub order_from_data: bool,
-    /// How hard the diagnosis searches. Draws are made with the default.
+    /// Settings of the diagnosis' search. Draws are made with the default ones.
     pub search: SearchSettings,
-    /// Whether to try the next experiment where one is asked for of a single effect.
+    /// Whether to try the proposed next experiment of single draws.
     pub separate: bool,
-    /// Whether to ask how near the library's other effects come to a single hidden one.
+    /// Whether to find the nearest rival of a single hidden effect.
     pub nearest: bool,
-    /// Draws at once; each has its share of `threads`.
+    /// Number of draws run in parallel; they share `threads` equally.
     pub jobs: usize,
-    /// Threads of all of them together.
+    /// Number of threads of all draws together.
     pub threads: usize,
 }
 
 /// A draw that was run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// What it came to.
+    /// The judged answer.
     pub outcome: Outcome,
-    /// The whole diagnosis; `None` where it failed.
+    /// The whole diagnosis; `None` if it failed.
     pub diagnosis: Option<Diagnosis>,
 }
 
@@ -53,14 +53,14 @@ pub struct Run {
 pub struct Unmade {
     /// The key of the draw.
     pub key: String,
-    /// Why.
+    /// The reason.
     pub reason: String,
 }
 
-/// Makes one draw, has it diagnosed and judges the answer.
+/// Makes one draw, diagnoses it and judges the answer.
 ///
 /// # Errors
-/// Where the draw cannot be made.
+/// If the draw cannot be made, or one of the additional checks fails.
 pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Result<Run, Unmade> {
     let began = Instant::now();
     let made = build_case(case, settings.seed, settings.sizing, observer)
@@ -74,14 +74,14 @@ pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Re
     let mut outcome = Outcome::new(case, &made, judged, seconds);
     let unmade = |error: MakeError| Unmade { key: case.to_string(), reason: error.to_string() };
     if let Ok(answer) = &answer {
-        // A third stream.
+        // A third random stream.
         let rng = &mut case.rng(settings.seed.rotate_left(8));
         outcome.fresh = fresh(&made, answer, rng).map_err(unmade)?;
     }
     if let Some(answer) =
         answer.as_ref().ok().filter(|_| settings.separate && case.kind == Kind::Single)
     {
-        // A fourth stream.
+        // A fourth random stream.
         let rng = &mut case.rng(settings.seed.swap_bytes());
         outcome.separation =
             separate(case, &made, answer, &request, rng, observer).map_err(unmade)?;
@@ -92,10 +92,10 @@ pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Re
     Ok(Run { outcome, diagnosis: answer.ok() })
 }
 
-/// What is asked of a draw.
+/// The request with which a draw is diagnosed.
 pub(super) fn request(case: &Case, settings: &Settings) -> IdentifyRequest {
     let given = PlantRequest { actuator_order: case.order };
-    // Another stream than that of the draw; 32 bits are easily typed.
+    // A different stream than that of the draw. 32 bits, so that the seed is easy to type.
     let seed = u64::from(case.rng(!settings.seed).random::<u32>());
     IdentifyRequest {
         plant: (!settings.order_from_data).then_some(given),
@@ -105,14 +105,13 @@ pub(super) fn request(case: &Case, settings: &Settings) -> IdentifyRequest {
     }
 }
 
-/// Runs draws, several at once; the results are in the order of the cases. What is not begun
-/// when the observer cancels is left out, and so is what it interrupts. `done` is told of
-/// every draw, from any thread.
+/// Runs draws in parallel; the results are in the order of the cases. When the observer cancels,
+/// draws that are not finished are left out. `done` is called with every result, from any thread.
 ///
-/// Each draw has threads to itself, so that its seconds are its own.
+/// Each draw has its own threads, so that its computing time does not depend on the others.
 ///
 /// # Errors
-/// Where threads cannot be started.
+/// If the threads cannot be started.
 pub fn run_all(
     cases: &[Case],
     settings: &Settings,

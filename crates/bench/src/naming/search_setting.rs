@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde_json::{Number, Value};
 use servoscope_core::identify::SearchSettings;
 
-/// Every setting by its name, with its value; members of members are joined by a dot.
+/// The names and values of all settings; the name of a nested one has a dot.
 pub fn search_settings(search: &SearchSettings) -> Vec<(String, Number)> {
     let mut settings = Vec::new();
     collect(&tree(search), "", &mut settings);
@@ -28,7 +28,7 @@ fn collect(value: &Value, name: &str, settings: &mut Vec<(String, Number)>) {
     }
 }
 
-/// One setting with another value than it has by default.
+/// A setting with a new value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SettingChange {
     /// Its name.
@@ -38,7 +38,7 @@ pub struct SettingChange {
 }
 
 impl SettingChange {
-    /// A setting by its name, and half of what it is. A count is rounded down, to 1 at least.
+    /// The setting with half its value; a count is rounded down, but at least 1.
     pub(super) fn half(name: &str, value: &Number) -> Self {
         let value = match value.as_u64() {
             Some(count) => Number::from((count / 2).max(1)),
@@ -47,7 +47,7 @@ impl SettingChange {
         Self { name: name.to_owned(), value }
     }
 
-    /// A setting by its name, and twice what it is.
+    /// The setting with twice its value.
     pub(super) fn double(name: &str, value: &Number) -> Self {
         let value = match value.as_u64() {
             Some(count) => Number::from(2 * count),
@@ -59,7 +59,8 @@ impl SettingChange {
     /// The settings with this change.
     ///
     /// # Errors
-    /// A sentence: there is no setting of that name, which are known, or what the value must be.
+    /// A message: no setting has that name, with a list of those that exist, or the setting cannot
+    /// have that value.
     pub fn apply(&self, search: &SearchSettings) -> Result<SearchSettings, String> {
         let Self { name, value } = self;
         let mut tree = tree(search);

@@ -1,4 +1,5 @@
-//! Whether the experiment that a diagnosis asks for tells its cause from the rivals.
+//! Tests whether the next experiment that a diagnosis proposes distinguishes its cause from the
+//! rivals, compared with a random experiment.
 
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -14,41 +15,41 @@ use crate::machines::draw::{Draw, DrawError, log_uniform};
 use crate::machines::responses::Responses;
 use crate::machines::simulator::Settings;
 
-/// Frequencies of random experiments, in units of the highest that was measured.
-const BEYOND: f64 = 4.0;
+/// Highest frequency of random experiments, as a multiple of the highest measured frequency.
+const RANDOM_FREQUENCY_RATIO: f64 = 4.0;
 
-/// What one more experiment did to a doubt.
+/// Effect of one more experiment on a doubt between causes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Separation {
-    /// Lead of the hidden effect before it: by how much the criterion of the best other
-    /// candidate exceeds its own.
+    /// Lead of the hidden effect before the experiment: criterion of the best other candidate minus
+    /// its own.
     pub lead: f64,
-    /// After the experiment that was asked for.
+    /// After the proposed experiment.
     pub asked_for: Separated,
-    /// After one at a magnitude from the range of the others and a frequency from theirs or up
-    /// to four times as high.
+    /// After a random experiment, at a magnitude within the range of the design and a frequency
+    /// from its lowest to four times its highest.
     pub random: Separated,
 }
 
-/// Where a doubt stands after one more experiment.
+/// State of a doubt after one more experiment.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Separated {
-    /// Whether the hidden effect alone is left as the cause.
+    /// Whether the first cause is the hidden effect, without equivalents.
     pub ended: bool,
     /// Lead of the hidden effect.
     pub lead: f64,
 }
 
 impl Separation {
-    /// Whether the experiment that was asked for speaks more for the hidden effect.
+    /// Whether the lead is larger after the proposed experiment than after the random one.
     pub fn asked_for_is_better(&self) -> bool {
         self.asked_for.lead > self.random.lead
     }
 }
 
-/// Adds to a draw the experiment that its diagnosis asks for and, apart from it, a random
-/// one, measured as the others were, and has both diagnosed. `None` where nothing is asked
-/// for, or the machine has no response there.
+/// Adds the proposed experiment to the measurement of a draw, and separately a random one, with the
+/// same noise as the others, and diagnoses both. `None` if no experiment is proposed, or the
+/// machine has no periodic response there.
 ///
 /// # Errors
 /// See [`MakeError`].
@@ -80,7 +81,7 @@ pub(super) fn separate(
     })
 }
 
-/// By how much a hidden effect that is alone leads; `None` where it was not tried.
+/// Lead of the single hidden effect; `None` if it was not tried.
 fn lead(made: &Made, candidates: &[Candidate]) -> Option<f64> {
     let all = || candidates.iter();
     let own = all().find(|candidate| made.hides(&candidate.effect))?;
@@ -88,14 +89,15 @@ fn lead(made: &Made, candidates: &[Candidate]) -> Option<f64> {
     Some(others.map(|other| other.criterion).fold(f64::INFINITY, f64::min) - own.criterion)
 }
 
-/// Uniform in the logarithms of magnitude and frequency over a design and beyond.
+/// A random magnitude and frequency, log-uniform over the range of a design; frequencies up to
+/// [`RANDOM_FREQUENCY_RATIO`] times its highest.
 fn random_point(machine: &Draw, rng: &mut ChaCha8Rng) -> (f64, f64) {
     let mut within = |value: fn(&(f64, f64)) -> f64, beyond: f64| {
         let values = || machine.design.iter().map(value);
         let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
         log_uniform(least, beyond * most, rng)
     };
-    (within(|point| point.0, 1.0), within(|point| point.1, BEYOND))
+    (within(|point| point.0, 1.0), within(|point| point.1, RANDOM_FREQUENCY_RATIO))
 }
 
 /// The measurement with one more experiment at the end of the acquisition.
@@ -105,7 +107,7 @@ fn with_experiment(
     point: (f64, f64),
     rng: &mut ChaCha8Rng,
 ) -> Result<Option<Measurement>, MakeError> {
-    // What drifts has drifted by then: the point is the second of two.
+    // The point is simulated as the last of two, so that any drift is at its end.
     let design = made.machine.design.last().copied().into_iter().chain([point]).collect();
     let machine = Draw { design, ..made.machine.clone() };
     let responses = Responses::simulate(&machine, &Settings::default())?;

@@ -1,27 +1,28 @@
-//! What is varied of a drawn effect until its excess is the wanted one.
+//! Which parameter of a drawn effect is varied to reach a given excess.
 
 use super::effect_scaling::Scales;
 use crate::machines::simulator::Effect;
 
-/// What makes an effect larger or smaller.
+/// How an effect is made larger or smaller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sizing {
-    /// How much of it there is; its character, as a resonance, stays as it was drawn.
+    /// By its size, as listed in the module `effect_scaling`. Its other properties, such as a
+    /// resonance frequency, stay as drawn.
     #[default]
     Amount,
-    /// Its character, where it has one besides its amount:
+    /// By another property, for effects that have one:
     ///
-    /// | effect | varied | as far as |
+    /// | effect | varied | limit |
     /// | --- | --- | --- |
     /// | `stribeck` | vs | V |
-    /// | `backlash`, `flexible_mode` | the joint softer at the same damping ratio: 1/k, 1/c² | a resonance at a/2 |
+    /// | `backlash`, `flexible_mode` | 1/k and 1/c² (same damping ratio) | resonance at a/2 |
     ///
-    /// All others as by [`Sizing::Amount`].
+    /// All others as with [`Sizing::Amount`].
     Character,
 }
 
 impl Sizing {
-    /// The effect `factor` times as large; `None` where no machine would have that.
+    /// The effect, `factor` times as large; `None` if that exceeds the largest realistic value.
     pub(super) fn times(self, scales: &Scales, effect: &Effect, factor: f64) -> Option<Effect> {
         match self {
             Self::Amount => scales.times(effect, factor),
@@ -64,7 +65,7 @@ mod tests {
     use crate::machines::effect_draws::{IDS, draw_effect};
 
     #[test]
-    fn by_character_too_a_factor_of_one_changes_nothing_and_there_is_a_most() {
+    fn sizing_by_character_keeps_the_effect_at_factor_one_and_has_an_upper_limit() {
         for seed in 0..20 {
             let machine = draw((seed % 3) as u8, seed);
             let scales = Scales::of(&machine);

@@ -1,4 +1,4 @@
-//! What a run of the benchmark comes to: rates, confusions, calibration, times.
+//! Summary of a run of the benchmark: rates, confusion tables, calibration and times.
 
 mod lines;
 
@@ -10,32 +10,33 @@ use super::case::Kind;
 use super::judge::Outcome;
 use super::rate::Rate;
 
-/// Excess at which one bin ends and the next begins.
-const DECADES: [f64; 4] = [120.0, 1_200.0, 12_000.0, 120_000.0];
-/// Bounds of the bins of confidence.
-const CONFIDENCES: [f64; 6] = [0.0, 0.5, 0.8, 0.9, 0.99, 1.0];
-/// Of causes at a confidence from 0.8 to 0.9 so many are to be right (contract, section 4).
-const CALIBRATED: (f64, [f64; 2]) = (0.8, [0.75, 0.95]);
+/// Bounds of the bins of the excess.
+const EXCESS_BOUNDS: [f64; 4] = [120.0, 1_200.0, 12_000.0, 120_000.0];
+/// Bounds of the bins of the confidence.
+const CONFIDENCE_BOUNDS: [f64; 6] = [0.0, 0.5, 0.8, 0.9, 0.99, 1.0];
+/// Lower bound of the bin with a target, and the share of its causes that must be right: 75–95 % of
+/// those at a confidence of 0.8 to 0.9 (contract, section 4).
+const CALIBRATION_TARGET: (f64, [f64; 2]) = (0.8, [0.75, 0.95]);
 
-/// The row or column of draws in which nothing is named.
+/// Row of clean draws, and column of draws in which nothing is named, in a confusion table.
 pub const NONE: &str = "none";
 
-/// What a rate should be.
+/// The target of a rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Wanted {
-    /// This share or more.
+    /// At least this share.
     AtLeast(f64),
-    /// This share or less.
+    /// At most this share.
     AtMost(f64),
-    /// A share between these.
+    /// A share between these two.
     Between([f64; 2]),
-    /// It is only reported.
+    /// No target; the rate is only reported.
     Nothing,
 }
 
 impl Wanted {
-    /// Whether a share is as wanted; `None` where nothing was counted or asked.
+    /// Whether a rate meets the target; `None` if nothing was counted or there is no target.
     pub fn met_by(&self, rate: &Rate) -> Option<bool> {
         let share = rate.share()?;
         match *self {
@@ -47,7 +48,7 @@ impl Wanted {
     }
 }
 
-/// A rate with what it should be.
+/// A rate with its target.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Line {
     /// Kind of draw.
@@ -56,9 +57,9 @@ pub struct Line {
     pub level_db: Option<u32>,
     /// What is counted.
     pub what: &'static str,
-    /// How many.
+    /// The rate.
     pub rate: Rate,
-    /// What is asked.
+    /// Its target.
     pub wanted: Wanted,
 }
 
@@ -69,33 +70,33 @@ pub struct EffectRates {
     pub effect: &'static str,
     /// Noise, dB.
     pub level_db: u32,
-    /// All of them.
+    /// Rate over all draws.
     pub all: Rate,
-    /// By decade of excess from 120 on.
+    /// Rates by decade of the excess, from 120 upwards.
     pub by_decade: [Rate; 3],
 }
 
-/// How often what is named with so much confidence is right.
+/// How often the causes in one range of confidence are right.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ConfidenceBin {
     /// Lowest confidence.
     pub from: f64,
-    /// Highest; it belongs to the next bin, but for 1.
+    /// Highest confidence. This value belongs to the next bin, except for 1.
     pub to: f64,
-    /// Mean confidence of what is in it; null where nothing is.
+    /// Mean confidence of the causes in the bin; null if it is empty.
     pub mean: Option<f64>,
-    /// How many are right.
+    /// Rate of the causes that are right.
     pub right: Rate,
-    /// What is asked.
+    /// Its target.
     pub wanted: Wanted,
 }
 
-/// First names at one noise level: rows are hidden, columns named.
+/// Confusion table at one noise level: hidden effects (rows) against first named causes (columns).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Confusion {
     /// Noise, dB.
     pub level_db: u32,
-    /// (hidden, first named) → draws.
+    /// (hidden, first named) → number of draws.
     #[serde(serialize_with = "as_rows")]
     pub counts: BTreeMap<(String, String), u32>,
 }
@@ -110,26 +111,26 @@ fn as_rows<S: serde::Serializer>(
 /// Median and 95th percentile, s.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Times {
-    /// Half of them took no longer.
+    /// Median.
     pub median: f64,
-    /// Nineteen of twenty took no longer.
+    /// 95th percentile.
     pub p95: f64,
 }
 
-/// Everything counted.
+/// Summary of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// Rates with what is asked of them.
+    /// Rates with their targets.
     pub lines: Vec<Line>,
-    /// Single draws by effect, level and excess.
+    /// Rates of single draws by effect, noise level and excess.
     pub effects: Vec<EffectRates>,
-    /// Single draws by what is named first.
+    /// Confusion tables of all draws but pairs, by noise level.
     pub confusions: Vec<Confusion>,
     /// Causes of all draws by confidence.
     pub calibration: Vec<ConfidenceBin>,
-    /// To make a draw.
+    /// Times to make a draw.
     pub data_seconds: Times,
-    /// To diagnose it.
+    /// Times to diagnose a draw.
     pub job_seconds: Times,
 }
 
@@ -169,8 +170,9 @@ fn effects(outcomes: &[Outcome], levels: &[u32]) -> Vec<EffectRates> {
             });
             let right = outcome.named_first();
             rates[place].all.add(right);
-            // What is a little above the last bound was meant to be below.
-            let decade = DECADES[1..3].iter().filter(|bound| outcome.excess >= **bound).count();
+            // An excess may exceed its target by 10 %, so the last bin has no upper bound.
+            let decade =
+                EXCESS_BOUNDS[1..3].iter().filter(|bound| outcome.excess >= **bound).count();
             rates[place].by_decade[decade].add(right);
         }
     }
@@ -200,17 +202,17 @@ fn calibration(outcomes: &[Outcome]) -> Vec<ConfidenceBin> {
             }
         }
         let mean = (right.of > 0).then(|| sum / f64::from(right.of));
-        let (asked_from, shares) = CALIBRATED;
+        let (asked_from, shares) = CALIBRATION_TARGET;
         let wanted = if from == asked_from { Wanted::Between(shares) } else { Wanted::Nothing };
         ConfidenceBin { from, to, mean, right, wanted }
     };
-    CONFIDENCES.windows(2).map(bin).collect()
+    CONFIDENCE_BOUNDS.windows(2).map(bin).collect()
 }
 
 fn times(seconds: impl Iterator<Item = f64>) -> Times {
     let mut sorted: Vec<f64> = seconds.collect();
     sorted.sort_by(f64::total_cmp);
-    // The smallest value that so many percent do not exceed.
+    // The smallest value that is at least as large as `percent` percent of the values.
     let percentile = |percent: usize| {
         let rank = (percent * sorted.len()).div_ceil(100).max(1);
         sorted.get(rank - 1).copied().unwrap_or_default()
@@ -295,7 +297,7 @@ mod tests {
         let calibration = Summary::of(&outcomes()).calibration;
         let counted: Vec<Rate> = calibration.iter().map(|bin| bin.right).collect();
         let rate = |hits, of| Rate { hits, of };
-        // At 0.8 to 0.9 a wrong cogging, a wrong stribeck of a clean draw and a right one.
+        // From 0.8 to 0.9: a wrong cogging, a wrong stribeck in a clean draw and a right stribeck.
         assert_eq!(counted, [rate(0, 0), rate(0, 0), rate(1, 3), rate(0, 1), rate(2, 2)]);
         assert!((calibration[2].mean.unwrap() - 0.85).abs() < 1e-12);
         let met: Vec<_> = calibration.iter().map(|bin| bin.wanted.met_by(&bin.right)).collect();

@@ -1,4 +1,4 @@
-//! The benchmark's report, for a person.
+//! The benchmark's report as text.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use super::run::Unmade;
 use super::summary::{Confusion, NONE, Summary, Wanted};
 use crate::machines::effect_draws::IDS;
 
-/// The tables of a run.
+/// The tables of a summary as text.
 pub fn summary_text(summary: &Summary) -> String {
     let mut text = String::from("Rates, with their 95 % intervals (Clopper–Pearson)\n");
     for line in &summary.lines {
@@ -57,7 +57,8 @@ fn effects(text: &mut String, summary: &Summary) {
     }
 }
 
-/// Columns are numbered as the rows of the effects: seventeen ids side by side fit no page.
+/// The confusion table. Columns have the numbers of the rows, since seventeen ids side by side are
+/// too wide.
 fn confused(text: &mut String, confusion: &Confusion) {
     if confusion.counts.is_empty() {
         return;
@@ -91,7 +92,7 @@ fn confused(text: &mut String, confusion: &Confusion) {
     }
 }
 
-/// Every draw that is not as it should be, with the command that repeats it.
+/// Lists every draw whose answer is not right, with the command that repeats it.
 pub fn misses_text(outcomes: &[Outcome], unmade: &[Unmade], command: &str) -> String {
     let mut text = String::new();
     for kind in Kind::ALL {
@@ -114,7 +115,7 @@ pub fn misses_text(outcomes: &[Outcome], unmade: &[Unmade], command: &str) -> St
     text
 }
 
-/// What was hidden in a draw and what was said of it, in a few lines.
+/// Describes a draw, its hidden effects and its answer in a few lines.
 pub fn case_text(outcome: &Outcome) -> String {
     let statement = if outcome.repeats { "6 repeats" } else { "std" };
     let verdict = match &outcome.answer {
@@ -153,7 +154,7 @@ pub fn case_text(outcome: &Outcome) -> String {
     text
 }
 
-/// What is asked of a rate, and whether it is met.
+/// The target of a rate, and whether it is met.
 fn asked(wanted: &Wanted, rate: &Rate) -> String {
     let share = match *wanted {
         Wanted::AtLeast(least) => format!("≥ {:.0} %", 100.0 * least),

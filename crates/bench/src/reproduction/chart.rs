@@ -5,9 +5,9 @@
 pub struct Chart {
     /// Its name: `figure-4`.
     pub name: &'static str,
-    /// What it shows.
+    /// Its title.
     pub title: String,
-    /// The document.
+    /// The SVG document.
     pub svg: String,
 }
 

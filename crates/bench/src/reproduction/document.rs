@@ -1,25 +1,25 @@
-//! The whole as one Markdown document, which is also what the command prints.
+//! Writes the whole reproduction as one Markdown document, which the command also prints.
 
 use super::as_written::{AsWritten, Network};
 use super::chart::Chart;
-use super::figure_of_merit::{ALONE, EXACT, REFINED, SIGMAS, median};
+use super::figure_of_merit::{ALONE, EXACT_TOLERANCE, REFINED, SIGMAS, median};
 use super::runs::Reproduction;
 use super::system::{FREQUENCIES, HARMONICS, MAGNITUDES};
 use super::tables;
 
-/// How the runs came about.
+/// How the runs were made.
 #[derive(Debug, Clone, Copy)]
 pub struct Circumstances<'a> {
     /// The command that repeats them.
     pub command: &'a str,
-    /// What times were measured under.
+    /// The conditions under which times were measured.
     pub conditions: &'a str,
 }
 
-/// What holds whatever the figures are: written by hand, kept beside the code.
+/// Hand-written conclusions, which do not depend on the exact figures.
 const LEARNED: &str = include_str!("learned.md");
 
-/// The document.
+/// The whole document.
 pub fn document(
     reproduction: &Reproduction,
     written: &AsWritten,
@@ -88,11 +88,11 @@ fn experiment() -> String {
          measurement, the network's 800 for training included. *Search* is everything before \
          refinement.\n",
         bands.join(" and from "),
-        tables::percent(EXACT),
+        tables::percent(EXACT_TOLERANCE),
     )
 }
 
-/// The section on the paper's own equations.
+/// The section on the literal implementation of the paper's equations.
 pub fn as_written_text(written: &AsWritten) -> String {
     let mut text = "## The paper as written\n\nIts equations one by one, to the letter as far as \
                     that goes. None of this is used by any method above.\n\n**Its colony** (10 food \

@@ -1,25 +1,25 @@
-//! How good answers are, and how that is summed up over seeds.
+//! Error measures and success criteria of an answer, and statistics over seeds.
 
 use servoscope_core::measurement::Complex;
 
 use super::runs::{Outcome, Run};
 use super::system::System;
 
-/// Largest relative error, noise-free, that counts as success: 0.004 %, the best figure of the
+/// Largest relative error that counts as success on noise-free data: 0.004 %, the best value in the
 /// paper for the pole of G1.
-pub(super) const EXACT: f64 = 4e-5;
+pub(super) const EXACT_TOLERANCE: f64 = 4e-5;
 
-/// Standard deviations within which every parameter lies where the data is noisy: beyond four,
-/// chance puts one parameter in 16 000.
+/// Largest deviation of every parameter, in standard deviations, that counts as success on noisy
+/// data. By chance one parameter in 16 000 is further off.
 pub(super) const SIGMAS: f64 = 4.0;
 
-/// Largest relative deviation of the rows of a table from the computed target.
+/// Largest relative deviation of the rows of a table from their computed targets.
 pub fn largest_error(system: System, rows: &[Complex]) -> f64 {
     let errors = rows.iter().zip(system.targets()).map(|(row, t)| (row - t).norm() / t.norm());
     errors.fold(0.0, f64::max)
 }
 
-/// The median; the mean of the middle two of an even number; NaN of none.
+/// The median; for an even number of values the mean of the middle two, for none NaN.
 pub fn median(values: &[f64]) -> f64 {
     let sorted = sorted(values);
     match sorted.len() {
@@ -28,7 +28,8 @@ pub fn median(values: &[f64]) -> f64 {
     }
 }
 
-/// The value that a tenth of the others reaches or exceeds: of 20, the third largest.
+/// The 90th percentile, defined such that a tenth of all values are larger: the third largest of
+/// 20.
 pub fn percentile_90(values: &[f64]) -> f64 {
     let sorted = sorted(values);
     sorted
@@ -43,7 +44,8 @@ fn sorted(values: &[f64]) -> Vec<f64> {
     sorted
 }
 
-/// Median of a row, part by part, and the value farthest from its target.
+/// Median of the values of a row (of real and imaginary part separately), and the value farthest
+/// from the target.
 pub(super) fn median_and_worst(values: &[Complex], target: Complex) -> Option<(Complex, Complex)> {
     let part = |part: fn(&Complex) -> f64| median(&values.iter().map(part).collect::<Vec<_>>());
     let middle = Complex::new(part(|v| v.re), part(|v| v.im));
@@ -52,19 +54,19 @@ pub(super) fn median_and_worst(values: &[Complex], target: Complex) -> Option<(C
     Some((middle, *worst))
 }
 
-/// Which outcome of a run.
+/// Selects one of the outcomes of a run.
 pub type Which = fn(&Run) -> Option<&Outcome>;
 
-/// What the search found, on its own.
+/// Selects the outcome of the search, without refinement.
 pub(super) const ALONE: Which = |run| run.alone.as_ref();
 
-/// What refinement made of it.
+/// Selects the outcome of the refinement.
 pub(super) const REFINED: Which = |run| run.refined.as_ref();
 
-/// What a method answers in the end.
+/// Selects the final outcome: of the refinement, or of the search if there is no refinement.
 pub const ANSWER: Which = |run| run.refined.as_ref().or(run.alone.as_ref());
 
-/// Sums up one number of every outcome that there is.
+/// Collects one property of the selected outcome of every run that has one.
 pub fn each<T>(runs: &[&Run], which: Which, of: impl Fn(&Outcome) -> T) -> Vec<T> {
     runs.iter().filter_map(|run| which(run)).map(of).collect()
 }

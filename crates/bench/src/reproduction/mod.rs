@@ -1,15 +1,15 @@
-//! The experiments of the paper, run again, beside what the paper printed.
+//! Reproduction of the paper's experiments, compared with the published results.
 //!
 //! - `system`: G1 and G2, how they are measured here, and the rows of Tables II and III;
-//! - `published`: what the paper printed, misprints kept;
+//! - `published`: the published values, misprints included;
 //! - `runs`: every method on every system, noise level and seed;
 //! - `figure_of_merit`: medians, worst cases, success;
-//! - `as_written`: the paper's own equations, followed to the letter as far as that goes;
-//! - `chart`, `tables`, `document`, `record`: how it is shown and kept; the figures are drawn by
-//!   `servoscope reproduce`.
+//! - `as_written`: the paper's own equations, implemented as literally as possible;
+//! - `chart`, `tables`, `document`, `record`: output as figures, Markdown and CSV; the figures are
+//!   drawn by `servoscope reproduce`.
 //!
-//! Data comes from [`crate::machines::simulator`], which shares no code with what fits it; the
-//! methods are asked through the public interface.
+//! The data comes from [`crate::machines::simulator`], which shares no code with the methods that
+//! fit it. The methods are called through the public interface.
 
 mod as_written;
 mod chart;

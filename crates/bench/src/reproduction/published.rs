@@ -1,11 +1,11 @@
-//! What the paper printed: Tables II and III and the times of Figure 14, misprints kept.
+//! Values published in the paper: Tables II and III and the times of Figure 14, misprints included.
 
 use servoscope_core::answers::Method;
 use servoscope_core::measurement::Complex;
 
 use super::system::System;
 
-/// The columns of the tables, and the method that stands for each here.
+/// The columns of the tables, and the corresponding method of this program.
 pub const COLUMNS: [(&str, Method); 5] = [
     ("existing [2]", Method::TwoMagnitude),
     ("hybrid [26]", Method::GaAnn),
@@ -14,7 +14,7 @@ pub const COLUMNS: [(&str, Method); 5] = [
     ("ABC-ANN", Method::AbcAnn),
 ];
 
-/// A row of a table: its name, the target as printed, and the columns as printed.
+/// A row of a table: its name, and the target and the columns as printed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Row {
     pub name: &'static str,
@@ -83,7 +83,7 @@ const TABLE_III: [Row; 6] = [
     row("Fc⁻", "0.4", ["0.3941", "0.3957", "0.4000", "0.4000", "0.4000"], None),
 ];
 
-/// The rows of the table of a system, N_T aside.
+/// The rows of the table of a system, except N_T.
 pub(super) fn table(system: System) -> &'static [Row] {
     match system {
         System::G1 => &TABLE_II,
@@ -91,8 +91,8 @@ pub(super) fn table(system: System) -> &'static [Row] {
     }
 }
 
-/// Seconds of Figure 14 as the text gives them, of hybrid, adaptive hybrid, PSO-ANN and
-/// ABC-ANN, in the order of [`COLUMNS`] without its first.
+/// Times of Figure 14 as given in the text, s: hybrid, adaptive hybrid, PSO-ANN and ABC-ANN, in the
+/// order of [`COLUMNS`] without the first.
 pub fn seconds(system: System) -> [f64; 4] {
     match system {
         System::G1 => [70.587423, 70.136149, 68.649127, 62.851630],
@@ -100,7 +100,7 @@ pub fn seconds(system: System) -> [f64; 4] {
     }
 }
 
-/// A printed number: its value, and the decimals of its real and imaginary part.
+/// A printed number: its value, and the number of decimals of its real and imaginary part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Printed {
     pub value: Complex,
@@ -108,10 +108,10 @@ pub(super) struct Printed {
 }
 
 impl Printed {
-    /// Reads `-10.1` and `-2.5+31.52i`.
+    /// Reads numbers such as `-10.1` and `-2.5+31.52i`.
     ///
     /// # Panics
-    /// On anything else: the tables above are all it reads.
+    /// On any other text. Only the tables above are read.
     pub fn read(text: &str) -> Self {
         let number = |text: &str| text.parse::<f64>().expect("a printed number");
         let decimals = |text: &str| text.split_once('.').map_or(0, |(_, after)| after.len());

@@ -1,9 +1,9 @@
-//! The runs as a table that a later run is compared with.
+//! Writes and reads the runs as CSV, so that later runs can be compared with them.
 
 use super::figure_of_merit::ANSWER;
 use super::runs::{Reproduction, Run};
 
-/// What is kept of a run.
+/// The recorded part of a run.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Recorded {
     /// `G1` or `G2`.
@@ -16,15 +16,15 @@ pub struct Recorded {
     pub seed: u64,
     /// Largest relative error of the table's rows after the search; empty: no answer.
     pub search_error: Option<f64>,
-    /// The same of the answer.
+    /// Largest relative error of the table's rows in the final answer; empty: no answer.
     pub error: Option<f64>,
-    /// Evaluations of the search and before it.
+    /// Evaluations up to the end of the search.
     pub search_evaluations: Option<u64>,
-    /// All evaluations.
+    /// Evaluations in all.
     pub evaluations: Option<u64>,
-    /// Seconds it took.
+    /// Computing time, s.
     pub seconds: Option<f64>,
-    /// Whether the answer is as near as the data allows.
+    /// Whether the answer meets the success criterion (see `Outcome::success`).
     pub success: bool,
     /// Why the search ended.
     pub stop_reason: String,
@@ -50,10 +50,10 @@ impl From<&Run> for Recorded {
     }
 }
 
-/// All runs as CSV, one a line.
+/// All runs as CSV, one per line.
 ///
 /// # Errors
-/// Where a row cannot be written.
+/// If a row cannot be written.
 pub fn record(reproduction: &Reproduction) -> Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for run in &reproduction.runs {
@@ -63,10 +63,10 @@ pub fn record(reproduction: &Reproduction) -> Result<String, csv::Error> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Reads what [`record`] has written.
+/// Reads the CSV that [`record`] writes.
 ///
 /// # Errors
-/// Where it is no such table.
+/// If the text is not such a table.
 pub fn read(text: &str) -> Result<Vec<Recorded>, csv::Error> {
     csv::Reader::from_reader(text.as_bytes()).deserialize().collect()
 }

@@ -1,4 +1,4 @@
-//! Every method on every system, at every noise level, from every seed.
+//! Runs every method on every system, at every noise level, with every seed.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -18,10 +18,10 @@ use crate::machines::draw::{DrawError, NoiseStatement};
 use crate::machines::responses::Responses;
 use crate::machines::simulator::Settings;
 
-use super::figure_of_merit::{EXACT, SIGMAS, largest_error};
+use super::figure_of_merit::{EXACT_TOLERANCE, SIGMAS, largest_error};
 use super::system::{System, Values, reported};
 
-/// What is run.
+/// The runs to make.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// Systems.
@@ -45,25 +45,26 @@ impl Default for Plan {
     }
 }
 
-/// Where a method stands at the end of a stage.
+/// Result of a method at the end of a stage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// Rows of the paper's table, N_T aside.
+    /// Rows of the paper's table, except N_T.
     pub rows: Vec<Complex>,
     /// Its reported parameters.
     pub(super) values: Values,
     /// Largest relative error of the rows.
     pub error: f64,
-    /// Simulations of the whole measurement up to here, training and derivatives included.
+    /// Simulations of the whole measurement so far, including those for training and derivatives.
     pub evaluations: u64,
-    /// Seconds up to here.
+    /// Computing time so far, s.
     pub seconds: f64,
-    /// Whether it is as near the target as the data allows.
+    /// Whether the error is within the success criterion: `EXACT_TOLERANCE` on noise-free data,
+    /// `SIGMAS` standard deviations on noisy data.
     pub success: bool,
 }
 
 impl Outcome {
-    /// The plant of the identified parameters of this system.
+    /// The plant with the identified parameters.
     pub fn plant(&self, system: System) -> Plant {
         system.identified(&self.values)
     }
@@ -80,29 +81,29 @@ pub struct Run {
     pub method: Method,
     /// Seed of method and noise.
     pub seed: u64,
-    /// What its search, or its closed form, found; `None` where there was no answer.
+    /// Outcome of its search or closed form; `None` if there is no answer.
     pub alone: Option<Outcome>,
-    /// What refinement made of it, where the method has one.
+    /// Outcome after refinement, if the method has one.
     pub refined: Option<Outcome>,
-    /// Evaluations its search was allowed.
+    /// Evaluations that its search may use.
     pub budget: Option<u64>,
     /// Why its search ended, or why there is no answer.
     pub stop_reason: String,
-    /// Its history, of the first seed alone.
+    /// Its convergence history; kept for the first seed only.
     pub history: Vec<ConvergenceRow>,
 }
 
-/// Everything that was run.
+/// All runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reproduction {
-    /// What was asked for.
+    /// The plan of the runs.
     pub plan: Plan,
-    /// The runs, in its order.
+    /// The runs, in the order of the plan.
     pub runs: Vec<Run>,
 }
 
 impl Reproduction {
-    /// Runs of a method on a system at a level.
+    /// The runs of a method on a system at a noise level, one per seed.
     pub fn of(&self, system: System, level: Option<u32>, method: Method) -> Vec<&Run> {
         let wanted =
             |run: &&Run| run.system == system && run.level == level && run.method == method;
@@ -110,21 +111,22 @@ impl Reproduction {
     }
 }
 
-/// Why nothing was reproduced.
+/// Why the reproduction failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReproduceError {
     /// A system could not be measured.
     #[error(transparent)]
     Measurement(#[from] DrawError),
-    /// A method failed for another reason than its data.
+    /// A method failed for a reason other than unusable data.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
 }
 
-/// Runs a plan, one method at a time so that its seconds are its own; `done` hears of every run.
+/// Runs a plan, one run at a time so that computing times are independent. `done` is called with
+/// every run.
 ///
 /// # Errors
-/// See [`ReproduceError`]; cancelled where `cancelled` says so.
+/// See [`ReproduceError`]. Ends with an error of the method if `cancelled` returns `true`.
 pub fn run_all(
     plan: &Plan,
     cancelled: &(dyn Fn() -> bool + Sync),
@@ -172,8 +174,9 @@ struct Case<'a> {
 }
 
 impl Case<'_> {
-    /// What noise does to each parameter at the least misfit, whichever method finds it: the
-    /// standard deviations that `least-squares` reports of this data. Empty without noise.
+    /// Standard deviation of each parameter due to the noise, as reported by `least-squares` for
+    /// this data. It belongs to the least-squares optimum and serves all methods. Empty without
+    /// noise.
     fn deviations(&self, measurement: &Measurement) -> Result<Values, ReproduceError> {
         if self.level.is_none() {
             return Ok(Values::default());
@@ -247,7 +250,7 @@ impl Case<'_> {
             values.get(name).is_some_and(|value| (value - truth[name]).abs() <= SIGMAS * std)
         };
         let success = match self.level {
-            None => error <= EXACT,
+            None => error <= EXACT_TOLERANCE,
             Some(_) => stds.len() == truth.len() && stds.iter().all(within),
         };
         let evaluations = stages.iter().map(|stage| stage.evaluations).sum();
@@ -256,7 +259,7 @@ impl Case<'_> {
     }
 }
 
-/// A clock, a history, and an end on demand.
+/// An observer with a clock, which records the convergence history and passes on cancellation.
 struct Watch<'a> {
     began: Instant,
     rows: Mutex<Vec<ConvergenceRow>>,

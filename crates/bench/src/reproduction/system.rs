@@ -5,7 +5,7 @@ use servoscope_core::plant::{Actuator, Friction, Plant};
 
 use crate::machines::draw::{Draw, NoiseStatement};
 
-/// Values by the name they are reported under.
+/// Parameter values by the names used in answers.
 pub(super) type Values = indexmap::IndexMap<String, f64>;
 
 /// A system of the paper.
@@ -17,18 +17,18 @@ pub enum System {
     G2,
 }
 
-/// Frequencies of the design, at each of two magnitudes.
+/// Number of frequencies of the design, at each of two magnitudes.
 pub(super) const FREQUENCIES: usize = 13;
 
 /// The two magnitudes, input units: 4 and 8 times the larger Coulomb level, where a describing
-/// function is good enough for a closed form. The paper states none.
+/// function is accurate enough for the closed form. The paper does not state its magnitudes.
 pub const MAGNITUDES: [f64; 2] = [2.0, 4.0];
 
 /// Highest harmonic measured.
 pub(super) const HARMONICS: usize = 9;
 
 impl System {
-    /// Both.
+    /// Both systems.
     pub const ALL: [System; 2] = [System::G1, System::G2];
 
     /// `G1`, `G2`.
@@ -39,7 +39,7 @@ impl System {
         }
     }
 
-    /// Order of the actuator, which the paper takes as known.
+    /// Order of the actuator, which the paper assumes to be known.
     pub fn actuator_order(self) -> u8 {
         match self {
             System::G1 => 0,
@@ -47,7 +47,7 @@ impl System {
         }
     }
 
-    /// The system, its friction on the mechanics behind the actuator.
+    /// The system, with friction acting on the mechanics behind the actuator.
     pub fn plant(self) -> Plant {
         let actuator = match self {
             System::G1 => Actuator::Direct,
@@ -64,8 +64,8 @@ impl System {
         }
     }
 
-    /// Lowest and highest frequency of the design, rad/s: a decade about the pole, and for G2
-    /// twice its resonance and more. The paper states none.
+    /// Lowest and highest frequency of the design, rad/s: a decade on each side of the pole for G1,
+    /// and up to 2.5 times the resonance for G2. The paper does not state its frequencies.
     pub fn band_rad_s(self) -> [f64; 2] {
         match self {
             System::G1 => [1.0, 100.0],
@@ -73,7 +73,7 @@ impl System {
         }
     }
 
-    /// How it is measured: both magnitudes at every frequency, harmonics 0 to 9.
+    /// The machine and its design: both magnitudes at every frequency, harmonics 0 to 9.
     pub(super) fn draw(self) -> Draw {
         let [low, high] = self.band_rad_s();
         let omega = |i| low * (high / low).powf(f64::from(i) / (FREQUENCIES - 1) as f64);
@@ -89,13 +89,13 @@ impl System {
         }
     }
 
-    /// What the rows of the paper's table are, computed from the equation of the system.
+    /// Exact values of the rows of the paper's table, computed from the equation of the system.
     pub fn targets(self) -> Vec<Complex> {
         self.rows(&reported(&self.plant()))
     }
 
-    /// The rows of the paper's table, but for N_T, of reported parameters: pole, constant and
-    /// DC gain, or three roots and DC gain; Fc⁺; Fc⁻.
+    /// The rows of the paper's table except N_T, from named parameters: pole, constant and DC gain
+    /// (G1), or three roots and DC gain (G2), then Fc⁺ and Fc⁻.
     pub(super) fn rows(self, values: &Values) -> Vec<Complex> {
         let real = |name: &str| Complex::new(values[name], 0.0);
         let ends = ["dc_gain", "fc_plus", "fc_minus"].map(real);
@@ -111,7 +111,7 @@ impl System {
         begin.into_iter().chain(ends).collect()
     }
 
-    /// The plant of reported parameters.
+    /// The plant with the given named parameters.
     pub(super) fn identified(self, values: &Values) -> Plant {
         let actuator = match self {
             System::G1 => Actuator::Direct,
@@ -129,7 +129,7 @@ impl System {
     }
 }
 
-/// The parameters of a plant under the names they are reported by.
+/// The parameters of a plant by the names used in answers.
 pub(super) fn reported(plant: &Plant) -> Values {
     let (a, k) = (plant.viscous_rate_rad_s, plant.constant);
     let mut values: Values = [
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn the_targets_are_the_roots_of_equation_13_and_not_those_printed() {
         let targets = System::G2.targets();
-        // s² + 5s + 1000 vanishes at both, s + 10 at the third.
+        // The first two are roots of s² + 5s + 1000, the third of s + 10.
         for root in &targets[..2] {
             assert!((root * root + 5.0 * root + 1000.0).norm() < 1e-9, "{root}");
         }
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plant_survives_the_way_over_its_reported_parameters() {
+    fn a_plant_is_restored_from_its_reported_parameters() {
         for system in System::ALL {
             assert_eq!(system.identified(&reported(&system.plant())), system.plant());
         }

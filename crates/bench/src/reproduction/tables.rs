@@ -1,4 +1,4 @@
-//! Tables II and III and the times of Figure 14 as Markdown, the paper's columns beside ours.
+//! Tables II and III and the times of Figure 14 as Markdown, with the paper's columns next to ours.
 
 use servoscope_core::answers::Method;
 use servoscope_core::measurement::Complex;
@@ -8,7 +8,7 @@ use super::published::{COLUMNS, Printed, Row, seconds, table};
 use super::runs::{Reproduction, Run};
 use super::system::System;
 
-/// A table of aligned columns; the first column stands on the left, the others on the right.
+/// A Markdown table with aligned columns; the first is left-aligned, the others right-aligned.
 pub(super) fn markdown(header: &[String], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column)).chain(header.get(column));
@@ -30,9 +30,9 @@ pub(super) fn markdown(header: &[String], rows: &[Vec<String>]) -> String {
     line(header) + &rule + &rows.iter().map(|row| line(row)).collect::<String>()
 }
 
-/// A value as the paper writes it, with so many decimals.
+/// A value in the notation of the paper, with the given number of decimals.
 pub(super) fn written(value: Complex, decimals: usize, complex: bool) -> String {
-    // −0.0 is 0.
+    // Avoid printing −0.0.
     let re = if value.re.abs() < 0.5 * 10.0_f64.powi(-(decimals as i32)) { 0.0 } else { value.re };
     match complex {
         true => format!("{re:.decimals$}{:+.decimals$}i", value.im),
@@ -40,7 +40,7 @@ pub(super) fn written(value: Complex, decimals: usize, complex: bool) -> String 
     }
 }
 
-/// Decimals that say something at a noise level.
+/// Number of meaningful decimals at a noise level.
 fn decimals(level: Option<u32>) -> usize {
     match level {
         None => 5,
@@ -48,7 +48,8 @@ fn decimals(level: Option<u32>) -> usize {
     }
 }
 
-/// Table II or III with its printed columns, and the colony's answer without noise beside them.
+/// Table II or III with its printed columns and, next to them, the results of `abc-ann` without
+/// noise.
 pub(super) fn paper_table(reproduction: &Reproduction, system: System) -> String {
     let runs = reproduction.of(system, None, Method::AbcAnn);
     let rows = table(system);
@@ -98,7 +99,7 @@ fn footnotes(rows: &[Row]) -> String {
     text
 }
 
-/// Every method beside each other at one level: median and, in brackets, the worst.
+/// Results of all methods side by side at one noise level: the median and, in brackets, the worst.
 pub(super) fn methods_table(
     reproduction: &Reproduction,
     system: System,
@@ -126,7 +127,7 @@ pub(super) fn methods_table(
     markdown(&header, &lines.collect::<Vec<_>>())
 }
 
-/// What every method needed and how often it succeeded at one level.
+/// Errors, success rates, evaluations and times of every method at one noise level.
 pub(super) fn effort_table(
     reproduction: &Reproduction,
     system: System,
@@ -178,7 +179,7 @@ pub(super) fn effort_table(
     markdown(&header.map(str::to_owned), &lines.collect::<Vec<_>>())
 }
 
-/// A share in percent with three digits, however small.
+/// A share in percent; small values have more decimals, very small ones an exponent.
 pub(super) fn percent(share: f64) -> String {
     let value = 100.0 * share;
     match value {
@@ -196,7 +197,7 @@ fn commonest(runs: &[&Run]) -> String {
     reasons.max_by_key(|reason| count(reason)).unwrap_or("–").to_owned()
 }
 
-/// The eight published times, ours, and their ratio.
+/// The eight published times, the times measured here, and their ratio.
 pub(super) fn times_table(reproduction: &Reproduction) -> String {
     let header =
         ["system", "column", "published, s", "method", "here, median, s", "worst, s", "ratio"];
@@ -223,8 +224,8 @@ pub(super) fn times_table(reproduction: &Reproduction) -> String {
     markdown(&header.map(str::to_owned), &lines)
 }
 
-/// In how many runs the answer, rounded to the digits each published column prints, is in every
-/// row at least as close to the computed target as that column; by column.
+/// For each published column, the number of runs whose answer, rounded to the digits of that
+/// column, is at least as close to the computed target as the column in every row.
 pub fn as_close_as_published(system: System, runs: &[&Run]) -> [usize; 5] {
     let targets = system.targets();
     std::array::from_fn(|column| {
@@ -234,7 +235,8 @@ pub fn as_close_as_published(system: System, runs: &[&Run]) -> [usize; 5] {
                     |((row, target), ours)| {
                         let printed = Printed::read(row.columns[column]);
                         let distance = |value: Complex| (value - target).norm();
-                        // Equal decimals read from text and rounded may differ in the last bit.
+                        // The same decimal number may differ in the last bit if read from text or
+                        // rounded.
                         distance(printed.round(*ours)) <= distance(printed.value) + 1e-12
                     },
                 )
@@ -244,7 +246,7 @@ pub fn as_close_as_published(system: System, runs: &[&Run]) -> [usize; 5] {
     })
 }
 
-/// The same as a table.
+/// The counts of [`as_close_as_published`] as a table.
 pub(super) fn closeness_table(reproduction: &Reproduction) -> String {
     let mut header = vec!["abc-ann at least as close as".to_owned()];
     header.extend(COLUMNS.map(|(name, _)| name.to_owned()));
@@ -291,7 +293,7 @@ mod tests {
             let exact = run(system, system.targets());
             assert_eq!(as_close_as_published(system, &[&exact]), [1; 5]);
         }
-        // -10.0004 was printed; -10.0006 is farther, but not than -10.1 and -10.2.
+        // −10.0006 is closer than the printed −10.1 and −10.2, but not closer than −10.0004.
         let mut rows = System::G1.targets();
         rows[0].re = -10.0006;
         let off = run(System::G1, rows);

@@ -1,27 +1,26 @@
-//! The answer to a job, whatever its kind.
+//! The answer to a job of either kind.
 
 use serde::Serialize;
 use serde_path_to_error::Error;
 
 use super::{Cause, Diagnosis, Discrepancy, Identification, Provenance, Verdict};
 
-/// The answer to a job, whatever its kind.
+/// The answer to a job of either kind.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Answer {
-    /// To an `identify` job.
+    /// Answer to an `identify` job.
     Identification(Box<Identification>),
-    /// To a `diagnose` job.
+    /// Answer to a `diagnose` job.
     Diagnosis(Box<Diagnosis>),
 }
 
 impl Answer {
-    /// Reads the JSON form of either: a diagnosis has a `base` model, an
-    /// identification is one.
+    /// Reads the JSON form of either kind. An object with a member `base` is a diagnosis, any other
+    /// an identification.
     ///
     /// # Errors
-    /// Where the text is not JSON, or a member of the answer, which is named, is
-    /// missing or wrong.
+    /// If the text is not JSON, or a member of the answer is missing or wrong; the error names it.
     pub fn from_json(text: &str) -> Result<Self, Error<serde_json::Error>> {
         let mut json = serde_json::Deserializer::from_str(text);
         let value: serde_json::Value = serde_path_to_error::deserialize(&mut json)?;
@@ -39,7 +38,7 @@ impl Answer {
         }
     }
 
-    /// The model with the causes; `None` where none is named.
+    /// The model with the causes; `None` if no cause is named.
     pub fn extended(&self) -> Option<&Identification> {
         self.diagnosis().and_then(|diagnosis| diagnosis.extended.as_ref())
     }
@@ -49,22 +48,22 @@ impl Answer {
         self.extended().unwrap_or_else(|| self.base())
     }
 
-    /// What the base model misses; empty where nobody asked.
+    /// The named causes, i.e. the effects that the base model lacks; empty for an identification.
     pub fn causes(&self) -> &[Cause] {
         self.diagnosis().map_or(&[], |diagnosis| &diagnosis.causes)
     }
 
-    /// Where the base model is wrong; `None` where nobody asked.
+    /// Where the base model is wrong; `None` for an identification.
     pub fn discrepancy(&self) -> Option<&Discrepancy> {
         self.diagnosis().map(|diagnosis| &diagnosis.discrepancy)
     }
 
-    /// What a diagnosis comes to; `None` of an identification.
+    /// The verdict of a diagnosis; `None` for an identification.
     pub fn verdict(&self) -> Option<Verdict> {
         self.diagnosis().map(|diagnosis| diagnosis.verdict)
     }
 
-    /// The whole answer to a `diagnose` job; `None` of an identification.
+    /// The whole answer to a `diagnose` job; `None` for an identification.
     pub fn diagnosis(&self) -> Option<&Diagnosis> {
         match self {
             Self::Identification(_) => None,
@@ -72,7 +71,7 @@ impl Answer {
         }
     }
 
-    /// What is needed to compute it again.
+    /// What is needed to reproduce the answer.
     pub fn provenance(&self) -> &Provenance {
         match self {
             Self::Identification(answer) => &answer.provenance,
@@ -99,7 +98,7 @@ mod tests {
     use crate::answers::sample;
 
     #[test]
-    fn either_answer_is_known_by_its_json() {
+    fn json_of_either_kind_reads_back() {
         let diagnosis = Answer::Diagnosis(Box::new(sample::explained()));
         let identification = Answer::Identification(Box::new(sample::identification()));
         let text = serde_json::to_string(&sample::explained()).unwrap();
@@ -111,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_answer_is_refused_by_the_member_it_lacks() {
+    fn json_that_is_no_answer_is_refused_with_the_missing_member() {
         let refused = |text: &str| Answer::from_json(text).unwrap_err().to_string();
         assert!(refused("{}").contains("`method`"), "{}", refused("{}"));
         let half = refused("{\"base\": {}}");

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Discrepancy, Identification, ParameterEstimate, Provenance, Validation};
 
-/// What a diagnosis comes to.
+/// Verdict of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
@@ -14,33 +14,34 @@ pub enum Verdict {
     Adequate,
     /// With the named causes the model explains the data to within its noise.
     Explained,
-    /// The causes help beyond doubt, and something remains.
+    /// The named causes improve the model significantly, but it still leaves more than the noise.
     Improved,
-    /// The model is wrong and no known effect is its cause.
+    /// The model is wrong, and no known effect is found to be the cause.
     Unexplained,
 }
 
-/// Gain on data that neither a fit nor the choice of the cause has seen.
+/// Reduction of the prediction error on held-out data, which neither a fit nor the choice of the
+/// causes has used.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Gain {
-    /// NRMSE of the base model on it.
+    /// NRMSE of the base model on the held-out data.
     pub heldout_nrmse_before: f64,
-    /// NRMSE of the extended model on it.
+    /// NRMSE of the extended model on the held-out data.
     pub heldout_nrmse_after: f64,
-    /// Before over after.
+    /// `heldout_nrmse_before` divided by `heldout_nrmse_after`.
     pub ratio: f64,
     /// 95 % interval of the ratio.
     pub interval95: [f64; 2],
-    /// χ² per degree of freedom before; null where the noise is unknown.
+    /// χ² per degree of freedom of the base model; null if the noise is unknown.
     pub chi2_per_dof_before: Option<f64>,
-    /// The same after.
+    /// χ² per degree of freedom of the extended model; null if the noise is unknown.
     pub chi2_per_dof_after: Option<f64>,
-    /// What was held out.
+    /// Description of the held-out data.
     pub heldout: String,
 }
 
-/// An effect that the base simulation misses.
+/// An effect that the base model lacks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Cause {
@@ -48,13 +49,13 @@ pub struct Cause {
     pub effect: String,
     /// Its parameters by name.
     pub parameters: IndexMap<String, ParameterEstimate>,
-    /// Probability that it is truly present, against every rival and none.
+    /// Probability that this effect is really present, as opposed to any rival effect or none.
     pub confidence: f64,
     /// What it means for the machine.
     pub explanation: String,
-    /// What it alone gains; null where that cannot be measured.
+    /// Gain of this effect alone; null if it cannot be measured.
     pub gain: Option<Gain>,
-    /// Ids of effects that this data cannot tell from it.
+    /// Ids of effects that this data cannot distinguish from it.
     pub equivalents: Vec<String>,
 }
 
@@ -64,20 +65,21 @@ pub struct Cause {
 pub struct Candidate {
     /// Id of the effect.
     pub effect: String,
-    /// Its cost after refitting: χ², or the weighted sum of squares where the noise is unknown.
+    /// Its cost after refitting: χ², or the weighted sum of squares if the noise is unknown.
     pub cost: f64,
-    /// By how much it lowers −2 ln of the likelihood: χ², or where noise is unknown or not what
-    /// limits the model, the logarithm of the cost times the degrees of freedom.
+    /// Reduction of −2 ln(likelihood) by the effect. That is the reduction of χ², or, if the noise
+    /// is unknown or does not limit the model, of the logarithm of the cost times the degrees of
+    /// freedom.
     pub delta_chi2: f64,
-    /// Information criterion; smallest wins.
+    /// Information criterion; the smallest wins.
     pub criterion: f64,
-    /// NRMSE on data held out; null where there was none.
+    /// NRMSE on held-out data; null if there was none.
     pub heldout_error: Option<f64>,
-    /// Why it is not a cause; null where it is.
+    /// Why it is not named as a cause; null if it is.
     pub rejected: Option<String>,
 }
 
-/// The experiment that would separate the causes in doubt best.
+/// The experiment that would best distinguish between the causes still in doubt.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct NextExperiment {
@@ -85,7 +87,7 @@ pub struct NextExperiment {
     pub magnitude: f64,
     /// Fundamental, rad/s.
     pub omega_rad_s: f64,
-    /// Why there.
+    /// Why this experiment.
     pub reason: String,
 }
 
@@ -93,27 +95,27 @@ pub struct NextExperiment {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Diagnosis {
-    /// What it comes to.
+    /// The verdict.
     pub verdict: Verdict,
-    /// Where the base simulation is wrong.
+    /// Where the base model is wrong.
     pub discrepancy: Discrepancy,
-    /// What it misses, strongest first.
+    /// Effects that the base model lacks, strongest first.
     pub causes: Vec<Cause>,
     /// Every effect that was tried.
     pub candidates: Vec<Candidate>,
-    /// What all causes together gain; null where none is named.
+    /// Gain of all causes together; null if no cause is named.
     pub gain: Option<Gain>,
-    /// The base model, fitted to everything.
+    /// The base model, fitted to all data.
     pub base: Identification,
-    /// The same with the causes; null where none is named.
+    /// The model with the causes, fitted to all data; null if no cause is named.
     pub extended: Option<Identification>,
-    /// What to measure next; null where nothing is in doubt.
+    /// What to measure next; null if nothing is in doubt.
     pub next_experiment: Option<NextExperiment>,
-    /// What a second measurement says of both models; null where there is none.
+    /// Validation of both models on a second measurement; null if there is none.
     pub validation: Option<Validation>,
-    /// What this diagnosis cannot tell, in sentences; what concerns the base
-    /// model is in `base`.
+    /// What this diagnosis cannot determine, in sentences. Limitations of the base model are in
+    /// `base`.
     pub limitations: Vec<String>,
-    /// What is needed to compute it again.
+    /// What is needed to reproduce the answer.
     pub provenance: Provenance,
 }

@@ -1,47 +1,46 @@
-//! Answers as flat rows, one value a column: for tables, and for programs that draw
-//! them over time.
+//! Answers as flat rows with one value per column, for tables and for plots over time.
 
 use serde::Serialize;
 
 use super::{JobKind, Verdict};
 
-/// What came of one job.
+/// Result of one job.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct ResultRow {
-    /// When it was measured, RFC 3339; where the upload does not say, when it was stored.
+    /// Time of the measurement, RFC 3339; if the upload does not state it, the time of storage.
     pub at: String,
-    /// The job.
+    /// Id of the job.
     pub job_id: String,
-    /// The measurement.
+    /// Id of the measurement.
     pub measurement_id: String,
-    /// Its name.
+    /// Name of the measurement.
     pub name: Option<String>,
-    /// Its machine.
+    /// Machine measured.
     pub machine: Option<String>,
-    /// Its axis.
+    /// Axis measured.
     pub axis: Option<String>,
     /// Kind of job.
     pub kind: JobKind,
-    /// What a diagnosis comes to; null of an identification.
+    /// Verdict of a diagnosis; null for an identification.
     pub verdict: Option<Verdict>,
-    /// Ids of the causes named, strongest first, with a space between them.
+    /// Ids of the named causes, strongest first, separated by spaces.
     pub causes: Option<String>,
-    /// Confidence of the strongest.
+    /// Confidence of the strongest cause.
     pub confidence: Option<f64>,
-    /// What the causes gain on data held out: error before over after.
+    /// Gain of the causes on held-out data: error without them divided by error with them.
     pub ratio: Option<f64>,
-    /// Lower end of its 95 % interval.
+    /// Lower end of the 95 % interval of `ratio`.
     pub ratio_low95: Option<f64>,
-    /// Upper end.
+    /// Upper end of the 95 % interval of `ratio`.
     pub ratio_high95: Option<f64>,
-    /// NRMSE that the base model leaves.
+    /// NRMSE of the base model.
     pub base_nrmse: f64,
-    /// NRMSE that the model that explains the data best leaves.
+    /// NRMSE of the best model: the one with the causes, or the base model if there are none.
     pub nrmse: f64,
-    /// χ² per degree of freedom of that model; null where the noise is unknown.
+    /// χ² per degree of freedom of the best model; null if the noise is unknown.
     pub chi2_per_dof: Option<f64>,
-    /// Whether that model explains the data to within its noise; null likewise.
+    /// Whether the best model explains the data to within its noise; null if the noise is unknown.
     pub adequate: Option<bool>,
 }
 
@@ -68,39 +67,39 @@ impl ResultRow {
     ];
 }
 
-/// One parameter of an axis as one measurement has it.
+/// One parameter of an axis, as identified from one measurement.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct HistoryRow {
-    /// When it was measured, RFC 3339; where the upload does not say, when it was stored.
+    /// Time of the measurement, RFC 3339; if the upload does not state it, the time of storage.
     pub at: String,
-    /// The parameter.
+    /// Id of the parameter.
     pub parameter: String,
-    /// What it is called.
+    /// Display name of the parameter.
     pub name: String,
-    /// Its value.
+    /// Value.
     pub value: f64,
-    /// Its standard deviation.
+    /// Standard deviation.
     pub std: Option<f64>,
-    /// Lower end of its 95 % interval.
+    /// Lower end of the 95 % interval.
     pub low95: Option<f64>,
-    /// Upper end.
+    /// Upper end of the 95 % interval.
     pub high95: Option<f64>,
-    /// Its unit.
+    /// Unit.
     pub unit: String,
-    /// Difference from the value before, in the same unit; null for the first.
+    /// Difference from the previous value, in the same unit; null for the first.
     pub change: Option<f64>,
-    /// Whether the change goes beyond the joint 95 % interval of both values.
+    /// Whether the change exceeds the joint 95 % interval of both values.
     pub changed: bool,
-    /// Ids of the causes in the model it is of, with a space between them.
+    /// Ids of the causes in the model that the parameter belongs to, separated by spaces.
     pub causes: Option<String>,
-    /// The machine.
+    /// Machine measured.
     pub machine: Option<String>,
-    /// The axis.
+    /// Axis measured.
     pub axis: Option<String>,
-    /// The measurement.
+    /// Id of the measurement.
     pub measurement_id: String,
-    /// The job.
+    /// Id of the job.
     pub job_id: String,
 }
 

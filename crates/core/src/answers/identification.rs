@@ -16,7 +16,7 @@ pub enum NoiseSource {
     Repeats,
     /// Scatter from period to period of a record.
     Periods,
-    /// Unknown: uniform weights, scale estimated from the residual.
+    /// Unknown: uniform weights, with the noise level estimated from the residual.
     Estimated,
 }
 
@@ -24,15 +24,15 @@ pub enum NoiseSource {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct ParameterEstimate {
-    /// Best value, in `unit`; null where the data says nothing of it.
+    /// Best estimate, in `unit`; null if the data contains no information about it.
     pub value: Option<f64>,
-    /// Standard deviation; null where it is not identifiable.
+    /// Standard deviation; null if the parameter is not identifiable.
     pub std: Option<f64>,
-    /// 95 % interval; null where it is not identifiable.
+    /// 95 % interval; null if the parameter is not identifiable.
     pub interval95: Option<[f64; 2]>,
-    /// Unit, made of the upload's input and response units.
+    /// Unit, composed of the upload's input and response units.
     pub unit: String,
-    /// Whether the value lies on the edge of what is physically possible.
+    /// Whether the value lies at a bound of the physically possible range.
     pub at_bound: bool,
     /// Whether the data determines it.
     pub identifiable: bool,
@@ -56,45 +56,45 @@ pub struct TransferFunction {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Fit {
-    /// Sum of squared weighted residuals; null where the noise is unknown.
+    /// Sum of squared weighted residuals; null if the noise is unknown.
     pub chi2: Option<f64>,
-    /// Real data less fitted parameters, at least 0.
+    /// Degrees of freedom: number of real data minus number of fitted parameters, at least 0.
     pub dof: i64,
-    /// χ² per degree of freedom; null where the noise is unknown.
+    /// χ² per degree of freedom; null if the noise is unknown.
     pub chi2_per_dof: Option<f64>,
     /// ‖Y − Ŷ‖/‖Y‖ over all complex components compared.
     pub nrmse: f64,
     /// Root mean square of the complex residuals, response units.
     pub rms_residual: f64,
-    /// Probability of a χ² at least as large if the model were right.
+    /// Probability of a χ² at least as large if the model is right.
     pub p_value: Option<f64>,
-    /// Whether the residual is no larger than the noise (p ≥ 0.01), and smaller than what is
-    /// simulated; null where the noise is unknown or no degree of freedom is left.
+    /// Whether the residual is no larger than the noise (p ≥ 0.01) and smaller than the simulated
+    /// response; null if the noise is unknown or no degree of freedom is left.
     pub adequate: Option<bool>,
-    /// Factor by which every standard deviation was widened because the model
-    /// leaves more than noise: √(χ²/dof), at least 1.
+    /// Factor by which every standard deviation is widened if the model is not adequate: √(χ²/dof),
+    /// at least 1.
     pub uncertainty_scale: f64,
-    /// Experiments in which the model has no response of the excitation's period: they are in no
-    /// sum, neither in χ² nor in the degrees of freedom nor in the intervals.
+    /// Experiments for which the model has no response of the excitation's period. They are left
+    /// out of χ², of the degrees of freedom and of the intervals.
     #[serde(default)]
     pub unanswered: Vec<Unanswered>,
 }
 
-/// One stage of the computation and where it ended.
+/// One stage of the computation and its result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Stage {
-    /// `closed_form`; `network`; the search: `colony`, `swarm`, `genetic`, `adaptive_genetic`,
-    /// `descents` or `evolution`; `refinement`.
+    /// `closed_form`, `network`, a search (`colony`, `swarm`, `genetic`, `adaptive_genetic`,
+    /// `descents` or `evolution`), or `refinement`.
     pub name: String,
     /// Simulations of the whole measurement it used.
     pub evaluations: u64,
-    /// Simulations it was allowed; null where something else ends it.
+    /// Simulations it was allowed; null if it has another stopping criterion.
     #[serde(default)]
     pub budget: Option<u64>,
     /// Wall-clock seconds it took.
     pub seconds: f64,
-    /// Cost (χ², or the sum of squares where the noise is unknown) it reached.
+    /// Cost it reached: χ², or the sum of squares if the noise is unknown.
     pub cost: f64,
     /// Parameters after it, in the units of `parameters`.
     pub parameters: IndexMap<String, f64>,
@@ -108,7 +108,7 @@ pub struct Stage {
 pub struct Correlations {
     /// Names of rows and columns.
     pub names: Vec<String>,
-    /// Symmetric, ones on the diagonal.
+    /// Symmetric matrix with ones on the diagonal.
     pub matrix: Vec<Vec<f64>>,
 }
 
@@ -118,11 +118,11 @@ pub struct Correlations {
 pub struct OrderCandidate {
     /// Actuator order.
     pub actuator_order: u8,
-    /// Its cost after refinement: χ², or χ² in units of the estimated noise.
+    /// Its cost after refinement: χ², or the sum of squares if the noise is unknown.
     pub chi2: f64,
-    /// Parameters fitted.
+    /// Number of fitted parameters.
     pub parameters: usize,
-    /// Cost plus what the additional parameters must pay; smallest wins.
+    /// Cost plus a penalty for the number of parameters; the smallest wins.
     pub criterion: f64,
 }
 
@@ -130,15 +130,15 @@ pub struct OrderCandidate {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct OrderChoice {
-    /// The order taken.
+    /// The chosen order.
     pub actuator_order: u8,
-    /// One sentence for a person.
+    /// The reason in one sentence.
     pub explanation: String,
     /// Every order tried.
     pub candidates: Vec<OrderCandidate>,
 }
 
-/// What is needed to compute the same answer again.
+/// What is needed to reproduce the answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Provenance {
@@ -148,7 +148,7 @@ pub struct Provenance {
     pub data_sha256: String,
     /// Every option in effect, defaults included.
     pub options: IdentifyOptions,
-    /// Actuator order asked for; null: chosen from the data.
+    /// Requested actuator order; null if it was chosen from the data.
     pub actuator_order: Option<u8>,
 }
 
@@ -171,14 +171,14 @@ pub struct Identification {
     pub fit: Fit,
     /// Correlations of the identifiable parameters.
     pub correlations: Correlations,
-    /// How the actuator order was chosen; null where it was asked for.
+    /// How the actuator order was chosen; null if it was requested.
     pub order_choice: Option<OrderChoice>,
     /// The stages in order.
     pub stages: Vec<Stage>,
     /// Why the last stage ended.
     pub stop_reason: String,
-    /// What this data cannot tell, and what was left out, in sentences.
+    /// What this data cannot determine, and what was left out, in sentences.
     pub limitations: Vec<String>,
-    /// What is needed to compute it again.
+    /// What is needed to reproduce the answer.
     pub provenance: Provenance,
 }

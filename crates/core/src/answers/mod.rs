@@ -1,7 +1,7 @@
-//! What is asked of servoscope and what it answers: plain data, no solver.
+//! Requests and results as plain data, without any computation.
 //!
-//! `store` and `report` know these types and nothing of how they were computed.
-//! Their JSON form is the wire format of the service and of `--json`.
+//! The application's modules `store` and `report` use these types and do not depend on how they
+//! were computed. Their JSON form is the wire format of the service and of `--json`.
 
 mod answer;
 mod comparison;

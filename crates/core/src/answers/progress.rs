@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How far a computation has come.
+/// Progress of a computation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Progress {
@@ -10,7 +10,7 @@ pub struct Progress {
     pub stage: String,
     /// Steps of the stage that are done.
     pub done: u64,
-    /// Steps the stage has at most.
+    /// Upper bound on the steps of the stage.
     pub total: u64,
     /// Share of the whole computation that is done, 0 to 1.
     pub fraction: f64,
@@ -24,11 +24,11 @@ pub struct ConvergenceRow {
     pub stage: String,
     /// Epoch, cycle or step within the stage.
     pub cycle: u64,
-    /// Simulations of the whole measurement used so far by the stage.
+    /// Simulations of the whole measurement that the stage has used so far.
     pub evaluations: u64,
     /// Best cost so far: noise-weighted misfit (χ²), or the loss of the network.
     pub best: f64,
-    /// Mean cost over the population, where there is one.
+    /// Mean cost over the population, if the stage has one.
     pub mean: Option<f64>,
     /// Seconds since the computation began.
     pub elapsed_s: f64,

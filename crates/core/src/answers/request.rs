@@ -1,4 +1,4 @@
-//! What a job asks for.
+//! Kinds of job, methods and options of a request.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 pub enum JobKind {
     /// Fit the base model.
     Identify,
-    /// Fit the base model, say where it is wrong, name the effects it lacks and
-    /// fit the model that has them.
+    /// Fit the base model, find where it is wrong, name the effects it lacks, and fit the model
+    /// extended with them.
     Diagnose,
 }
 
@@ -29,7 +29,7 @@ impl JobKind {
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// A neural network proposes, an artificial bee colony searches,
+    /// A neural network proposes starting points, an artificial bee colony searches, and
     /// Levenberg–Marquardt refines.
     #[default]
     AbcAnn,
@@ -39,16 +39,16 @@ pub enum Method {
     AgaAnn,
     /// As `abc-ann` with a genetic algorithm of fixed rates.
     GaAnn,
-    /// The describing function of friction at two magnitudes, in closed form, and nothing else:
-    /// of the accuracy of describing functions, percents off without any noise.
+    /// Closed form from the describing function of friction at two magnitudes, without refinement.
+    /// Describing functions are approximate, so it is wrong by some percent even without noise.
     TwoMagnitude,
     /// Levenberg–Marquardt from several starts.
     LeastSquares,
-    /// Evolution with an adapted covariance matrix, then Levenberg–Marquardt.
+    /// Covariance matrix adaptation evolution strategy, then Levenberg–Marquardt.
     CmaEs,
 }
 
-/// Every method and its name, in the order they are listed to a user.
+/// Every method and its name, in the order in which they are listed for the user.
 const METHODS: &[(Method, &str)] = &[
     (Method::AbcAnn, "abc-ann"),
     (Method::PsoAnn, "pso-ann"),
@@ -60,7 +60,7 @@ const METHODS: &[(Method, &str)] = &[
 ];
 
 impl Method {
-    /// Every method, in the order they are listed to a user.
+    /// Every method, in the order in which they are listed for the user.
     pub fn all() -> impl Iterator<Item = Method> {
         METHODS.iter().map(|(method, _)| *method)
     }
@@ -86,7 +86,7 @@ impl std::str::FromStr for Method {
     }
 }
 
-/// What is known of the plant beforehand.
+/// Prior knowledge of the plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(deny_unknown_fields)]
@@ -96,31 +96,31 @@ pub struct PlantRequest {
     pub actuator_order: u8,
 }
 
-/// Which bee colony searches.
+/// Variant of the bee colony.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ColonyVariant {
-    /// Several dimensions a step (modification rate 0.5), drawn towards the
-    /// best source.
+    /// Changes several dimensions per step (modification rate 0.5), with a pull towards the best
+    /// source.
     #[default]
     GlobalBest,
-    /// One dimension a step, as the paper prints it.
+    /// Changes one dimension per step, as printed in the paper.
     Literal,
 }
 
-/// The network that proposes parameters from measured features.
+/// Options of the network that proposes parameters from measured features.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct NetworkOptions {
     /// Whether it is used at all.
     pub enabled: bool,
-    /// Neurons of the hidden layer.
+    /// Neurons in the hidden layer.
     pub hidden_neurons: usize,
-    /// Simulated plants it is trained on.
+    /// Number of simulated plants it is trained on.
     pub training_plants: usize,
-    /// Passes of back-propagation over them.
+    /// Passes of back-propagation over the training plants.
     pub epochs: usize,
 }
 
@@ -131,7 +131,7 @@ impl Default for NetworkOptions {
     }
 }
 
-/// The artificial bee colony.
+/// Options of the artificial bee colony.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(default, deny_unknown_fields)]
@@ -140,12 +140,12 @@ pub struct ColonyOptions {
     pub enabled: bool,
     /// Which variant.
     pub variant: ColonyVariant,
-    /// Food sources (as many employed bees and as many onlookers).
+    /// Number of food sources, of employed bees and of onlookers.
     pub food_sources: usize,
-    /// Cycles of employed, onlooker and scout phase.
+    /// Number of cycles, each an employed, an onlooker and a scout phase.
     pub cycles: usize,
-    /// Failed trials after which a source is abandoned; null: food sources ×
-    /// parameters, the customary choice.
+    /// Failed trials after which a source is abandoned; null: food sources × parameters, the usual
+    /// choice.
     pub abandonment_limit: Option<usize>,
 }
 
@@ -162,44 +162,45 @@ impl Default for ColonyOptions {
     }
 }
 
-/// What a fit weighs the error of each harmonic with.
+/// Weights of the errors of the harmonics in a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Weighting {
-    /// Its noise: best where a model can come down to the noise.
+    /// Each error relative to the noise of its harmonic: best if a model can explain the data to
+    /// within the noise.
     #[default]
     Noise,
-    /// All alike, in response units: best where no model does. The size of the noise is then
-    /// estimated from what is left.
+    /// All errors weighted equally, in response units: best if no model can. The noise level is
+    /// then estimated from the residual.
     Response,
 }
 
-/// Every option of an identification, all with defaults.
+/// Options of an identification; all have defaults.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct IdentifyOptions {
-    /// Seed of every random choice; the same seed gives the same bits.
+    /// Seed of every random choice; the same seed gives bit-identical results.
     pub seed: u64,
-    /// Standard deviation of re and im of every harmonic, in response units,
-    /// for data that carries neither deviations nor repeats.
+    /// Standard deviation of re and im of every harmonic, in response units, for data with neither
+    /// standard deviations nor repeats.
     pub noise_std: Option<f64>,
-    /// What errors are weighed with.
+    /// Weights of the errors.
     pub weights: Weighting,
-    /// Whether a closed-form start is computed where the data allows it.
+    /// Whether a closed-form starting point is computed if the data allows it.
     pub closed_form_start: bool,
     /// The network stage.
     pub network: NetworkOptions,
     /// The colony stage.
     pub colony: ColonyOptions,
-    /// Evaluations (simulations of the whole measurement) that the search of the method may
-    /// use, whichever it is; the colony flies as many cycles as that pays for. Null: as many as
-    /// the colony's sources and cycles come to.
+    /// Evaluations (simulations of the whole measurement) that the search of any method may use;
+    /// for the colony it limits the number of cycles. Null: the number that results from the
+    /// colony's food sources and cycles.
     pub evaluation_budget: Option<usize>,
-    /// Whether the best that was found is refined by Levenberg–Marquardt.
+    /// Whether the best point found is refined by Levenberg–Marquardt.
     pub refine: bool,
-    /// Effects that a diagnosis names together, at most: 1 to 3.
+    /// Largest number of effects that a diagnosis names together, 1 to 3.
     pub most_effects: usize,
 }
 
@@ -219,24 +220,24 @@ impl Default for IdentifyOptions {
     }
 }
 
-/// An option has a value that no computation can use.
+/// An option has an invalid value.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("option {option}: {reason}")]
 pub struct InvalidOptions {
     /// Name of the option.
     pub option: &'static str,
-    /// What is wrong and what would be right.
+    /// What is wrong, and which values are allowed.
     pub reason: String,
 }
 
 impl IdentifyOptions {
-    /// Evaluations a search may use.
+    /// Number of evaluations that a search may use.
     pub fn search_budget(&self) -> usize {
         let ColonyOptions { food_sources, cycles, .. } = self.colony;
         self.evaluation_budget.unwrap_or(food_sources * (2 * cycles + 1))
     }
 
-    /// Checks every value against what is usable and what ends in bounded time.
+    /// Checks that every value is usable and keeps the computing time bounded.
     ///
     /// # Errors
     /// The first option out of range, with its range.
@@ -260,7 +261,7 @@ impl IdentifyOptions {
             1,
             1_000_000,
         )?;
-        // Each of two numbers may be large where the other is not.
+        // Each of two factors may be large as long as their product is not.
         within(
             "colony.food_sources × colony.cycles",
             self.colony.food_sources * self.colony.cycles,
@@ -297,7 +298,7 @@ mod tests {
             assert_eq!(serde_json::to_value(method).unwrap(), method.name());
             assert_eq!(method.name().parse(), Ok(method));
         }
-        // What the wire knows is what is listed: it says so where it refuses.
+        // Deserialising an unknown name lists all that serde accepts; `all` must list as many.
         let known = serde_json::from_str::<Method>("\"magic\"").unwrap_err().to_string();
         assert_eq!(known.matches('`').count() / 2 - 1, Method::all().count(), "{known}");
     }

@@ -1,4 +1,4 @@
-//! One answer of each kind, made up, for whoever tests what shows or stores them.
+//! Made-up answers of each kind, for tests of the code that displays or stores them.
 
 use indexmap::IndexMap;
 
@@ -10,15 +10,18 @@ use super::{
     Validation, ValidationProvenance, Verdict,
 };
 
-/// G1 of the paper as an adequate answer, with a lower friction level that the
-/// data does not determine.
+/// An adequate identification of the paper's system G1, in which the data does not determine
+/// `fc_minus`.
 pub fn identification() -> Identification {
     let parameters = IndexMap::from([
-        ("pole".to_owned(), sure(-10.02, 0.031, "rad/s")),
-        ("constant".to_owned(), sure(10.01, 0.028, "rad/s²/A")),
-        ("dc_gain".to_owned(), sure(0.999, 0.0012, "rad/s/A")),
-        ("fc_plus".to_owned(), ParameterEstimate { at_bound: true, ..sure(0.5004, 0.0021, "A") }),
-        ("fc_minus".to_owned(), unknown("A")),
+        ("pole".to_owned(), estimate(-10.02, 0.031, "rad/s")),
+        ("constant".to_owned(), estimate(10.01, 0.028, "rad/s²/A")),
+        ("dc_gain".to_owned(), estimate(0.999, 0.0012, "rad/s/A")),
+        (
+            "fc_plus".to_owned(),
+            ParameterEstimate { at_bound: true, ..estimate(0.5004, 0.0021, "A") },
+        ),
+        ("fc_minus".to_owned(), unidentifiable("A")),
     ]);
     Identification {
         method: Method::AbcAnn,
@@ -70,7 +73,7 @@ pub fn identification() -> Identification {
     }
 }
 
-fn sure(value: f64, std: f64, unit: &str) -> ParameterEstimate {
+fn estimate(value: f64, std: f64, unit: &str) -> ParameterEstimate {
     ParameterEstimate {
         value: Some(value),
         std: Some(std),
@@ -81,7 +84,7 @@ fn sure(value: f64, std: f64, unit: &str) -> ParameterEstimate {
     }
 }
 
-fn unknown(unit: &str) -> ParameterEstimate {
+fn unidentifiable(unit: &str) -> ParameterEstimate {
     ParameterEstimate {
         value: None,
         std: None,
@@ -105,8 +108,8 @@ pub fn stage(name: &str, evaluations: u64, seconds: f64, cost: f64) -> Stage {
     }
 }
 
-/// Three magnitudes at six frequencies of an axis that loses a share of its
-/// amplitude to friction, harmonics 0 to 3, measured with a slight excess.
+/// Three magnitudes at six frequencies with harmonics 0 to 3; every measured value is 1 % above the
+/// simulated one.
 pub fn comparison() -> Comparison {
     let experiment = |index: usize, magnitude: f64, omega_rad_s: f64| {
         let harmonic = |order: usize| {
@@ -141,7 +144,7 @@ pub fn comparison() -> Comparison {
     }
 }
 
-/// A pattern that reaches over everything.
+/// A pattern that covers the whole measurement.
 pub fn pattern(sentence: &str) -> Pattern {
     Pattern {
         magnitudes: None,
@@ -158,7 +161,7 @@ pub fn pattern(sentence: &str) -> Pattern {
     }
 }
 
-/// Three patterns of [`comparison`] that overlap.
+/// Three overlapping patterns of [`comparison`].
 pub fn discrepancy() -> Discrepancy {
     let high = Pattern {
         magnitudes: Some([4.0, 4.0]),
@@ -183,7 +186,7 @@ pub fn discrepancy() -> Discrepancy {
     }
 }
 
-/// A diagnosis of it that finds one pattern.
+/// A diagnosis of [`identification`] that finds one pattern and no cause.
 pub fn diagnosis() -> Diagnosis {
     let base = identification();
     let sentence = "at the lowest magnitude (1 A), below 3 Hz, the third harmonic is 40 % larger than simulated";
@@ -241,7 +244,7 @@ pub fn diagnosis() -> Diagnosis {
     }
 }
 
-/// A gain on held-out data that is beyond chance.
+/// A significant gain on held-out data.
 pub fn gain() -> Gain {
     Gain {
         heldout_nrmse_before: 0.039,
@@ -254,15 +257,15 @@ pub fn gain() -> Gain {
     }
 }
 
-/// The same where static friction explains it, of which one direction is not
-/// determined and which two others imitate.
+/// [`diagnosis`] with static friction as the cause. The data does not determine `fs_minus`, and two
+/// other effects are equivalent.
 pub fn explained() -> Diagnosis {
     let mut answer = diagnosis();
     let mut extended = identification();
     let fit = &mut answer.base.fit;
     (fit.chi2, fit.dof, fit.chi2_per_dof) = (Some(2740.6), 842, Some(3.25));
     (fit.nrmse, fit.adequate) = (0.0381, Some(false));
-    let levels = [("fs_plus", sure(0.80135, 0.00332, "A")), ("fs_minus", unknown("A"))];
+    let levels = [("fs_plus", estimate(0.80135, 0.00332, "A")), ("fs_minus", unidentifiable("A"))];
     let parameters = IndexMap::from(levels.map(|(name, level)| (name.to_owned(), level)));
     let named = |(name, level): (&String, &ParameterEstimate)| {
         (format!("static_friction.{name}"), level.clone())
@@ -302,7 +305,7 @@ pub fn explained() -> Diagnosis {
     }
 }
 
-/// [`explained`], tried on another measurement.
+/// Validation of [`explained`] on another measurement.
 pub fn validation() -> Validation {
     let model = |nrmse: f64, chi2_per_dof: f64| ValidatedModel {
         nrmse: Some(nrmse),

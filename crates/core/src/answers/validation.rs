@@ -1,4 +1,4 @@
-//! A stored answer, tried on another measurement.
+//! Validation of a stored answer on another measurement.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,18 +8,18 @@ use super::{Gain, IdentifyOptions, Unanswered, Verdict};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct ValidatedModel {
-    /// ‖Y − Ŷ‖/‖Y‖ over all complex components compared, or over all samples of a
-    /// motion that does not repeat; null where the measurement is zero in all of them.
+    /// ‖Y − Ŷ‖/‖Y‖ over all complex components compared, or over all samples of a motion that does
+    /// not repeat; null if the measurement is zero in all of them.
     pub nrmse: Option<f64>,
     /// Root mean square of the residuals, response units.
     pub rms: f64,
-    /// χ² per real datum, of which none was fitted; null where the noise of the
-    /// measurement is unknown.
+    /// χ² divided by the number of real data, since no parameter is fitted; null if the noise of
+    /// the measurement is unknown.
     pub chi2_per_dof: Option<f64>,
-    /// Complex (of harmonic 0: real) components, or samples, compared: those that every model
-    /// has a response for.
+    /// Number of complex components (real ones for harmonic 0) or samples compared: those for which
+    /// every model has a response.
     pub components: usize,
-    /// Experiments that this model has no response for.
+    /// Experiments for which this model has no response.
     pub unanswered: Vec<Unanswered>,
 }
 
@@ -29,29 +29,29 @@ pub struct ValidatedModel {
 pub struct ValidatedModels {
     /// The base model.
     pub base: ValidatedModel,
-    /// The model with the causes; null where none is named.
+    /// The model with the causes; null if no cause is named.
     pub extended: Option<ValidatedModel>,
 }
 
-/// What one named cause gains on the measurement.
+/// Gain of one named cause on the measurement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct ValidatedCause {
     /// Id of the effect.
     pub effect: String,
-    /// What it alone gains; null where the answer has no model with it alone.
+    /// Gain of the effect alone; null if the answer has no model with this effect alone.
     pub gain: Option<Gain>,
 }
 
-/// A quantity that a motion begins with.
+/// One initial value of a motion.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct BeginningValue {
-    /// Which, in words.
+    /// Name of the quantity, in words.
     pub quantity: String,
     /// Its value, in the units of the measurement.
     pub value: f64,
-    /// Why no axis is likely to begin so, in words; null where one may.
+    /// Why the value is implausible for a real axis, in words; null if it is plausible.
     #[serde(default)]
     pub implausible: Option<String>,
 }
@@ -62,60 +62,60 @@ pub struct BeginningValue {
 pub struct ValidatedMotion {
     /// Its index in the measurement.
     pub experiment: usize,
-    /// From its first sample to the last, s.
+    /// Time from its first sample to the last, s.
     pub duration_s: f64,
-    /// Seconds at its beginning that are not compared.
+    /// Length of its beginning that is not compared, s.
     pub unscored_s: f64,
-    /// Whether the measurement says with which velocity it begins.
+    /// Whether the measurement states the initial velocity.
     pub beginning_given: bool,
-    /// What the base model was estimated to begin with; empty: at rest.
+    /// Estimated initial state of the base model; empty: at rest.
     pub base: Vec<BeginningValue>,
-    /// What the model with the causes was estimated to begin with; empty: at rest.
+    /// Estimated initial state of the model with the causes; empty: at rest.
     pub extended: Vec<BeginningValue>,
 }
 
-/// What is needed to compute a validation again.
+/// What is needed to reproduce a validation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct ValidationProvenance {
-    /// Version of servoscope that validated.
+    /// Version of servoscope that computed the validation.
     pub software_version: String,
     /// SHA-256 of the bytes that the models were fitted to, hexadecimal.
     pub fitted_data_sha256: String,
-    /// SHA-256 of the bytes of the measurement they are tried on, hexadecimal.
+    /// SHA-256 of the bytes of the measurement they are validated on, hexadecimal.
     pub validation_data_sha256: String,
-    /// Version of servoscope that fitted.
+    /// Version of servoscope that fitted the models.
     pub fitted_by_version: String,
     /// Every option of the fit.
     pub options: IdentifyOptions,
 }
 
-/// A stored answer, tried on another measurement: nothing is fitted.
+/// Validation of a stored answer on another measurement, without refitting any parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Validation {
     /// SHA-256 of the bytes of the measurement, hexadecimal.
     pub data_sha256: String,
-    /// What the response is: `velocity`, `position` or `acceleration`.
+    /// Kind of the response: `velocity`, `position` or `acceleration`.
     pub response_quantity: String,
-    /// Its unit, as the upload gives it; empty where it does not.
+    /// Unit of the response, as stated in the upload; empty if not stated.
     pub response_unit: String,
     /// How well each model predicts the measurement.
     pub models: ValidatedModels,
-    /// What the causes together gain; null where none is named, or where there is
-    /// too little to give the ratio an interval.
+    /// Gain of all causes together; null if no cause is named, or if there is too little data for
+    /// an interval of the ratio.
     pub gain: Option<Gain>,
     /// How motions that do not repeat were compared; empty for periodic data.
     #[serde(default)]
     pub motions: Vec<ValidatedMotion>,
-    /// What each named cause gains, in the order of the diagnosis.
+    /// Gain of each named cause, in the order of the diagnosis.
     pub causes: Vec<ValidatedCause>,
-    /// The verdict of the diagnosis, one step lower (explained, improved,
-    /// unexplained) where the causes hurt here: the whole interval of the ratio is
-    /// below 1. Null for an identification, which has none.
+    /// The verdict of the diagnosis. It is lowered by one step (explained, improved, unexplained)
+    /// if the causes make the prediction worse here, i.e. the whole interval of the ratio is below
+    /// 1. Null for an identification, which has no verdict.
     pub verdict: Option<Verdict>,
-    /// What a person should know of it, in sentences.
+    /// Remarks for the user, in sentences.
     pub remarks: Vec<String>,
-    /// What is needed to compute it again.
+    /// What is needed to reproduce the validation.
     pub provenance: ValidationProvenance,
 }

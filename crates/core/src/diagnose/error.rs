@@ -1,4 +1,4 @@
-//! Why a diagnosis, or a validation, has no answer.
+//! Errors of a diagnosis and of a validation.
 
 use crate::identify::IdentifyError;
 
@@ -13,19 +13,19 @@ pub enum DiagnoseError {
     Validation(#[from] ValidateError),
 }
 
-/// Why an answer cannot be tried on a measurement.
+/// Why an answer cannot be validated on a measurement.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ValidateError {
-    /// The observer asked to stop.
+    /// The observer cancelled.
     #[error("cancelled")]
     Cancelled,
-    /// It is the one that was fitted.
+    /// The second measurement has the same data as the one that is fitted.
     #[error(
         "it has the same data as the measurement that is fitted: what is gained on them proves \
          nothing; give another measurement of the same axis"
     )]
     SameData,
-    /// Its units contradict those of the parameters.
+    /// The units of the measurement contradict those of the parameters.
     #[error(
         "its {quantity} is in {here}, the parameters are for {fitted}: give both measurements in \
          the same units"
@@ -33,15 +33,15 @@ pub enum ValidateError {
     Units {
         /// `input` or `velocity`.
         quantity: &'static str,
-        /// Unit that was fitted in.
+        /// Unit in the measurement that was fitted.
         fitted: String,
-        /// Unit of the other measurement.
+        /// Unit in the other measurement.
         here: String,
     },
-    /// No model can be simulated on it.
+    /// The models cannot be simulated on the measurement.
     #[error("the models cannot be tried on it: {reason}")]
     Unusable {
-        /// What is missing.
+        /// Why not.
         reason: String,
     },
 }

@@ -1,4 +1,4 @@
-//! What a diagnosis cannot say, in sentences.
+//! Sentences on what a diagnosis cannot say.
 
 use crate::answers::{Identification, Unanswered};
 use crate::effects::ALL;
@@ -6,7 +6,7 @@ use crate::identify::FitSession;
 
 use super::selection::models::Models;
 
-/// Effects that could not be tried for lack of data, in a sentence.
+/// Names the effects that could not be tried because there are too few data.
 pub(super) fn undecided(session: &FitSession<'_>) -> Option<String> {
     let base = session.base();
     let lacking: Vec<&str> = ALL
@@ -27,8 +27,8 @@ pub(super) fn undecided(session: &FitSession<'_>) -> Option<String> {
     ))
 }
 
-/// Effects that were fitted to the base model but have no criterion, in a sentence: the fitted
-/// model has no response in too many experiments, or none that has derivatives.
+/// Names the effects that were fitted but have no finite criterion: the model has no response in
+/// too many experiments, or one without derivatives.
 pub(super) fn incomparable(models: &Models) -> Option<String> {
     let fitted = models.all().map(|(key, _)| key).filter(|key| key.len() == 1);
     let without: Vec<&str> =
@@ -42,10 +42,10 @@ pub(super) fn incomparable(models: &Models) -> Option<String> {
     })
 }
 
-/// Experiments without a response that a sentence names.
+/// Largest number of experiments that the sentence lists.
 const MOST_PLACES: usize = 3;
 
-/// Where a model has no response, in a sentence.
+/// Lists the experiments in which a model has no response.
 pub(super) fn unanswered(answer: &Identification) -> Option<String> {
     let experiments = &answer.fit.unanswered;
     if experiments.is_empty() {

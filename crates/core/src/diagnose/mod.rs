@@ -1,16 +1,16 @@
-//! What a base model gets wrong, where, and why.
+//! Diagnosis: where the base model is wrong, and which physical effect it lacks.
 //!
-//! 1. `residuals`: the base model is fitted; what it leaves is laid out by magnitude, frequency,
-//!    harmonic and order of acquisition, and tested for being noise. Where it is not, the regions
-//!    in which the simulation departs most are found and said in words.
-//! 2. `search`: every effect of the library is tried beside the base model by a score test, from
-//!    one linearization, and the most promising are refitted with it.
-//! 3. `selection`: an effect counts where it gains more than chance makes any effect gain (a
-//!    family-wise threshold); among those, the evidence decides. That is done for every order of
-//!    the actuator, and put together as an answer.
-//! 4. `holdout`: parts of the measurement are held out in turn, the causes are chosen and fitted
-//!    anew without them, and what they predict is compared with what the base model predicts.
-//! 5. `validation`: an answer is tried on another measurement, or on motions that do not repeat.
+//! 1. `residuals`: the residuals of the base model are tested for being noise, by magnitude,
+//!    frequency, harmonic and order of acquisition. If they are not, the regions in which the
+//!    simulation departs most are found and described in words.
+//! 2. `search`: every effect of the library is tried beside the base model by a score test at one
+//!    linearization, and the most promising effects are fitted together with it.
+//! 3. `selection`: an effect counts if it gains more than any effect gains by chance (a family-wise
+//!    threshold). Among the models of such effects the marginal likelihood decides. This is done
+//!    for several actuator orders, and the answer is assembled.
+//! 4. `holdout`: parts of the measurement are held out in turn. The causes are chosen and fitted
+//!    without them, and their predictions are compared with those of the base model.
+//! 5. `validation`: a stored answer is tested on another measurement, which need not be periodic.
 
 mod error;
 mod holdout;
@@ -35,8 +35,8 @@ use progress::Part;
 use residuals::discrepancy;
 use selection::weighting_choice;
 
-/// Fits the base model to a measurement and says where it is wrong, without
-/// looking for the cause.
+/// Fits the base model to a measurement and reports where it is wrong, without searching for the
+/// cause.
 ///
 /// # Errors
 /// See [`DiagnoseError`].
@@ -50,8 +50,8 @@ pub fn examine(
     Ok((fit.identification, discrepancy))
 }
 
-/// Fits the base model to a measurement, says where it is wrong, names the
-/// effects it lacks and extends it with them.
+/// Fits the base model to a measurement, reports where it is wrong, names the effects that it lacks
+/// and extends it with them.
 ///
 /// # Errors
 /// See [`DiagnoseError`].

@@ -1,4 +1,4 @@
-//! How far a diagnosis has come, as its observer sees it.
+//! Progress reports: maps the progress of each part of a diagnosis to a share of the whole.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -8,20 +8,20 @@ use crate::observer::Observer;
 /// A part of a diagnosis that reports its own progress from 0 to 1.
 #[derive(Clone, Copy)]
 pub(super) struct Part<'a> {
-    /// Who watches the whole.
+    /// The observer of the whole diagnosis.
     pub whole: &'a dyn Observer,
-    /// Shares of the whole at which it begins and ends.
+    /// Fractions of the whole at which the part begins and ends.
     pub span: [f64; 2],
 }
 
 impl<'a> Part<'a> {
-    /// A part of this part.
+    /// A part of this part; `span` are fractions of this part.
     pub fn part(&self, span: [f64; 2]) -> Part<'a> {
         let [begin, end] = self.span;
         Part { whole: self.whole, span: span.map(|share| begin + share * (end - begin)) }
     }
 
-    /// A stage of so many steps, none of them done.
+    /// Begins a stage of `total` steps and reports it.
     pub fn stage(&self, name: &'static str, total: usize) -> Stage<'a> {
         let stage = Stage { part: *self, name, total: total as u64, done: Mutex::new(0) };
         stage.report(0);
@@ -49,7 +49,7 @@ impl Observer for Part<'_> {
     }
 }
 
-/// Somebody who may cancel, and does not watch.
+/// An observer that passes on cancellation but reports no progress.
 pub(super) struct Quiet<'a>(pub &'a dyn Observer);
 
 impl Observer for Quiet<'_> {
@@ -58,7 +58,7 @@ impl Observer for Quiet<'_> {
     }
 }
 
-/// Steps of one kind, done by several threads.
+/// A stage of equal steps that several threads may do.
 pub(super) struct Stage<'a> {
     part: Part<'a>,
     name: &'static str,
@@ -67,9 +67,9 @@ pub(super) struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    /// One more step is done.
+    /// Counts one finished step and reports it.
     pub fn step(&self) {
-        // Held while reporting, so that counts arrive in order.
+        // The lock is held while reporting, so that counts arrive in order.
         let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
         *done += 1;
         self.report(*done);

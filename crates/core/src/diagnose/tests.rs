@@ -1,4 +1,4 @@
-//! Calibration of the tests on noise, and departures that were added to a response and must be found.
+//! The residual tests are calibrated on noise, and departures added to a response are found.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ fn discrepancy_of(measurement: &Measurement) -> Discrepancy {
     examine(measurement, &request(), &Silent).unwrap().1
 }
 
-/// An axis without noise: 3 magnitudes, 8 frequencies, harmonics 0 to 5.
+/// Noise-free experiments of an axis: 3 magnitudes, 8 frequencies, harmonics 0 to 5.
 pub(super) fn exact() -> Vec<Experiment> {
     let mut draw = Draw { harmonics: 5, noise_db: None, ..draw(0, 3) };
     let mut index = 0;
@@ -35,7 +35,7 @@ pub(super) fn exact() -> Vec<Experiment> {
     measure(&draw, 1).unwrap().experiments().to_vec()
 }
 
-/// The same with noise of 60 dB, told like this.
+/// These experiments with noise of 60 dB; `statement` is how the measurement states its noise.
 pub(super) fn noisy(exact: &[Experiment], statement: NoiseStatement, seed: u64) -> Measurement {
     let values = |e: &Experiment| e.response.iter().map(|h| h.value).collect::<Vec<Complex>>();
     let responses: Vec<Vec<Complex>> = exact.iter().map(values).collect();
@@ -49,7 +49,7 @@ pub(super) fn noisy(exact: &[Experiment], statement: NoiseStatement, seed: u64) 
     Measurement::new(Metadata::default(), experiments, Vec::new(), String::new()).unwrap()
 }
 
-/// The actuator is known to be stiff, and the closed form is start enough.
+/// A request with actuator order 0 that starts from the closed form alone.
 pub(super) fn request() -> IdentifyRequest {
     let mut options = IdentifyOptions::default();
     options.network.enabled = false;
@@ -62,8 +62,8 @@ fn residuals(measurement: &Measurement) -> Residuals {
     Residuals::of(&crate::identify::fit_base(measurement, &request(), &Silent).unwrap())
 }
 
-/// Models with these effects as if they had been fitted to these costs, of data whose noise
-/// is known; every effect's parameters are in the middle of their ranges.
+/// Models with these effects and costs, as if they had been fitted to data of known noise. Every
+/// effect's parameters are in the middle of their ranges.
 pub(super) fn fitted_to(costs: &[(&[&str], f64)]) -> Models {
     let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());
     let session = FitSession::new(&measurement, &request, &Silent).unwrap();
@@ -79,10 +79,10 @@ pub(super) fn fitted_to(costs: &[(&[&str], f64)]) -> Models {
     models
 }
 
-// Each measurement is fitted anew: nothing is linear but the null. 150 of them: a share of
-// 5 % is met to 1.8 %, one of 50 % to 4.1 %, and four of that.
+// Each of 150 measurements is fitted anew; only the null distributions are linearized. The standard
+// deviation of a share of 5 % is 1.8 %, of one of 50 % 4.1 %; four of those are allowed.
 #[test]
-fn p_values_are_uniform_however_the_noise_is_told() {
+fn p_values_are_uniform_however_the_noise_is_stated() {
     let exact = exact();
     for statement in [
         NoiseStatement::Std,
@@ -114,16 +114,16 @@ fn p_values_are_uniform_however_the_noise_is_told() {
             assert!(few < 0.05 + 4.0 * 0.018, "{statement:?} {name}: {few} below 0.05");
             assert!((half - 0.5).abs() < 4.0 * 0.041, "{statement:?} {name}: {half} below 0.5");
         }
-        // 0.75 are due; more than 5 have a probability of 0.1 %.
+        // 0.75 are expected; more than 5 have a probability of 0.01 %.
         let wrong = judgements.iter().filter(|judgement| !judgement.noise_like).count();
         assert!(wrong <= 5, "{statement:?}: {wrong} of 150 called wrong");
     }
 }
 
-// At a level of 0.5 %, 5 of 1000 are due, with a deviation of 2.2; the limit itself is known
-// from 10 of 2000 draws, to a third.
+// At a level of 0.5 %, 5 of 1000 are expected, with a standard deviation of 2.2. The limit itself
+// is estimated from 10 of 2000 draws, so the level is known to a third.
 #[test]
-fn white_residuals_pass_at_the_rate_that_is_meant() {
+fn white_residuals_fail_at_the_family_wise_error_rate() {
     let residuals = residuals(&noisy(&exact(), NoiseStatement::Std, 1));
     let regions = Regions::new(&residuals.layout, &residuals.freedom);
     let statistics = statistics::all(&residuals, &regions);
@@ -139,7 +139,7 @@ fn white_residuals_pass_at_the_rate_that_is_meant() {
     assert!((1..=15).contains(&failed), "{failed} of 1000");
 }
 
-/// The diagnosis of a measurement whose response was changed before it was noisy.
+/// The discrepancy of a measurement whose response was changed before noise was added.
 fn examined(
     statement: NoiseStatement,
     change: impl Fn(usize, &mut Experiment),
@@ -149,13 +149,13 @@ fn examined(
     (discrepancy_of(&noisy(&experiments, statement, 7)), experiments)
 }
 
-/// The boundary between two frequencies of the design, rad/s.
+/// The geometric mean of the frequencies of experiments `index` and `index + 1`, rad/s.
 fn middle(experiments: &[Experiment], index: usize) -> f64 {
     (experiments[index].omega_rad_s * experiments[index + 1].omega_rad_s).sqrt()
 }
 
 #[test]
-fn what_is_noise_is_adequate_and_says_what_would_have_been_seen() {
+fn noise_is_adequate_and_the_sentence_says_what_would_have_been_noticed() {
     for statement in [NoiseStatement::Std, NoiseStatement::Repeats(4), NoiseStatement::Silent] {
         let (discrepancy, _) = examined(statement, |_, _| ());
         assert!(discrepancy.noise_like, "{:?}", discrepancy.tests);
@@ -166,7 +166,7 @@ fn what_is_noise_is_adequate_and_says_what_would_have_been_seen() {
 }
 
 #[test]
-fn a_harmonic_that_is_off_in_a_corner_is_found_and_said() {
+fn a_wrong_harmonic_in_a_corner_is_found_and_described() {
     let exact = exact();
     let (limit, lowest) = (middle(&exact, 3), exact[0].magnitude);
     for statement in [NoiseStatement::Std, NoiseStatement::Repeats(4), NoiseStatement::Silent] {
@@ -182,10 +182,10 @@ fn a_harmonic_that_is_off_in_a_corner_is_found_and_said() {
         assert!(said.contains(" Hz, the third harmonic is ") && said.contains("below "), "{said}");
         assert!(said.contains(" % larger than simulated"), "{said}");
         assert!(discrepancy.sentence.contains(said.as_str()));
-        // The fit takes up a little of it.
+        // The fit absorbs a little of the 40 %.
         let size = pattern.relative_size.unwrap();
         assert!((0.36..0.44).contains(&size), "{size}");
-        // Of the four frequencies the harmonic may be all but nothing at one.
+        // At one of the four frequencies the harmonic may be nearly 0.
         assert_eq!(pattern.harmonics, [3]);
         assert!((3..=4).contains(&pattern.count), "{}", pattern.count);
         assert!(pattern.share > 0.8, "{}", pattern.share);
@@ -193,7 +193,7 @@ fn a_harmonic_that_is_off_in_a_corner_is_found_and_said() {
 }
 
 #[test]
-fn a_mean_that_is_off_everywhere_is_said_in_units_of_the_response() {
+fn a_mean_that_is_wrong_everywhere_is_described_in_units_of_the_response() {
     let (discrepancy, experiments) = examined(NoiseStatement::Std, |_, e| {
         let size = e.response[1].value.norm();
         e.response[0].value += 0.03 * size;
@@ -205,7 +205,7 @@ fn a_mean_that_is_off_everywhere_is_said_in_units_of_the_response() {
 }
 
 #[test]
-fn a_phase_that_leads_above_a_frequency_is_said_in_degrees() {
+fn a_phase_that_leads_above_a_frequency_is_described_in_degrees() {
     let limit = middle(&exact(), 6);
     let (discrepancy, _) = examined(NoiseStatement::Std, |_, e| {
         if e.omega_rad_s > limit {
@@ -215,7 +215,7 @@ fn a_phase_that_leads_above_a_frequency_is_said_in_degrees() {
     let pattern = &discrepancy.patterns[0];
     assert!(pattern.sentence.contains("the fundamental leads by "), "{}", pattern.sentence);
     assert_eq!(pattern.harmonics, [1]);
-    // 0.2 rad are 11.5°; the pole takes up a part.
+    // 0.2 rad are 11.5°; the fitted pole absorbs a part.
     assert!((4.0..12.0).contains(&pattern.phase_deg.unwrap()), "{pattern:?}");
 }
 
@@ -223,7 +223,8 @@ fn a_phase_that_leads_above_a_frequency_is_said_in_degrees() {
 fn a_response_that_grows_while_it_is_measured_is_a_drift() {
     let count = exact().len();
     let (discrepancy, _) = examined(NoiseStatement::Std, |i, e| {
-        // Not in the order of magnitude or frequency: 7 and 24 have no common factor.
+        // A permutation, as 7 and 24 have no common factor: not the order of magnitude or
+        // frequency.
         let run = (7 * i % count) as f64;
         e.run = Some(run);
         e.response.iter_mut().for_each(|h| h.value *= 1.0 + 0.05 * run / count as f64);
@@ -231,14 +232,14 @@ fn a_response_that_grows_while_it_is_measured_is_a_drift() {
     let pattern = &discrepancy.patterns[0];
     assert_eq!(pattern.runs, Some([0.0, (count - 1) as f64]), "{}", pattern.sentence);
     assert!(pattern.sentence.starts_with("the response grows during the acquisition"));
-    // From first to last third, two thirds of 5 %.
+    // From the first to the last third the mean grows by two thirds of 5 %.
     let change = pattern.relative_size.unwrap();
     assert!((0.025..0.045).contains(&change), "{change}");
     assert_eq!(discrepancy.by_run.len(), 8);
 }
 
 #[test]
-fn a_single_point_that_is_off_is_named_by_where_it_is() {
+fn a_single_wrong_point_is_described_by_where_it_is() {
     let (discrepancy, experiments) = examined(NoiseStatement::Std, |i, e| {
         if i == 12 {
             let size = e.response[1].value.norm();
@@ -253,7 +254,7 @@ fn a_single_point_that_is_off_is_named_by_where_it_is() {
     assert_eq!(pattern.magnitudes, Some([experiments[12].magnitude; 2]));
 }
 
-/// One record of 60 lines between 0.5 and 30 rad/s, at 60 dB.
+/// One record of 60 lines between 0.5 and 30 rad/s, at 60 dB; line k is multiplied by `change(k)`.
 fn multisine(change: impl Fn(usize) -> f64) -> Measurement {
     let omega_rad_s = 0.5;
     let mut input = vec![Complex::new(0.0, 0.0)];
@@ -280,7 +281,7 @@ fn multisine(change: impl Fn(usize) -> f64) -> Measurement {
 }
 
 #[test]
-fn a_band_of_lines_that_is_off_is_found_in_a_record() {
+fn a_wrong_band_of_lines_is_found_in_a_record() {
     let clean = discrepancy_of(&multisine(|_| 1.0));
     assert!(clean.noise_like, "{:?}", clean.tests);
     let off = multisine(|k| if (25..=34).contains(&k) { 1.05 } else { 1.0 });
@@ -296,7 +297,7 @@ fn a_band_of_lines_that_is_off_is_found_in_a_record() {
 }
 
 #[test]
-fn too_little_data_is_said_not_judged() {
+fn too_little_data_is_reported_and_not_judged() {
     let all = noisy(&exact(), NoiseStatement::Silent, 1);
     let mut few: Vec<Experiment> = all.experiments().iter().step_by(6).cloned().collect();
     few.iter_mut().for_each(|experiment| experiment.response.retain(|h| h.order == 1));
@@ -308,7 +309,7 @@ fn too_little_data_is_said_not_judged() {
 }
 
 #[test]
-fn rounding_is_no_departure_where_the_noise_is_unknown() {
+fn rounding_errors_are_no_departure_where_the_noise_is_unknown() {
     let measurement =
         Measurement::new(Metadata::default(), exact(), Vec::new(), String::new()).unwrap();
     let discrepancy = discrepancy_of(&measurement);
@@ -324,7 +325,7 @@ fn an_answer_survives_json() {
 }
 
 #[test]
-fn who_is_asked_to_stop_stops() {
+fn a_cancelled_diagnosis_stops() {
     struct Impatient;
     impl Observer for Impatient {
         fn cancelled(&self) -> bool {

@@ -1,7 +1,7 @@
-//! A stored answer, tried on another measurement.
+//! External validation: a stored answer is tested on another measurement.
 //!
-//! Nothing is fitted: both models are rebuilt from their reported parameters, simulated on
-//! the other measurement's own inputs, and compared with its response as measured.
+//! Nothing is fitted. Both models, base and extended, are rebuilt from their reported parameters,
+//! simulated with the inputs of the other measurement, and compared with its response as measured.
 
 pub(super) mod motions;
 mod remarks;
@@ -21,9 +21,9 @@ use super::holdout::gain::{gain, summary};
 use super::holdout::heldout_predictions::{Predicted, groups, predicted};
 use remarks::Tried;
 
-/// Tries the models of an answer on another measurement.
+/// Tests the models of an answer on another measurement.
 ///
-/// What one of them has no response for counts for neither.
+/// Experiments in which one of the models has no response count for neither.
 ///
 /// # Errors
 /// See [`ValidateError`].
@@ -43,7 +43,7 @@ pub fn validate(
     compared(answer, measurement, &agreement, &base, extended.transpose()?.as_ref())
 }
 
-/// What the models of an answer come to on other data.
+/// Results of the models of an answer on other data.
 pub(super) struct Outcome {
     pub response_quantity: String,
     pub response_unit: String,
@@ -51,11 +51,11 @@ pub(super) struct Outcome {
     pub gain: Option<Gain>,
     pub noise_known: bool,
     pub motions: Vec<ValidatedMotion>,
-    /// What is to be minded of how they were compared.
+    /// Remarks on how the models were compared with the data.
     pub remarks: Vec<String>,
 }
 
-/// What the models of an answer come to, both beside the measurement.
+/// The validation from the comparisons of both models with a periodic measurement.
 fn compared(
     answer: &Answer,
     measurement: &Measurement,
@@ -102,7 +102,7 @@ fn compared(
     Ok(concluded(answer, measurement, agreement, outcome))
 }
 
-/// The validation that an outcome makes, and what it does to the verdict.
+/// The validation from an outcome; the verdict is lowered if the causes hurt.
 fn concluded(
     answer: &Answer,
     measurement: &Measurement,
@@ -111,7 +111,7 @@ fn concluded(
 ) -> Validation {
     let Outcome { models, gain, noise_known, .. } = outcome;
     let verdict = answer.verdict().map(|verdict| {
-        // A diagnosis that was validated on these data has taken the step already.
+        // The verdict of a diagnosis that was validated on these data is lowered already.
         let validated = match answer {
             Answer::Diagnosis(diagnosis) => diagnosis.validation.as_ref(),
             Answer::Identification(_) => None,
@@ -144,12 +144,12 @@ fn concluded(
     }
 }
 
-/// [`diagnose`], and the gain measured on a second measurement. Where the causes hurt there,
-/// the verdict is a step lower.
+/// Runs [`diagnose`] and measures the gain on a second measurement. If the causes hurt there, the
+/// verdict is one step lower.
 ///
 /// # Errors
-/// See [`DiagnoseError`]; a second measurement that cannot be used is refused before anything
-/// is computed.
+/// See [`DiagnoseError`]. A second measurement with the same data or contradicting units is refused
+/// before anything is computed.
 pub fn diagnose_validated(
     measurement: &Measurement,
     second: &Measurement,
@@ -164,7 +164,7 @@ pub fn diagnose_validated(
     validated(answer, second, observer)
 }
 
-/// A diagnosis with what a second measurement says of it.
+/// A diagnosis with the results of its validation on a second measurement.
 fn validated(
     diagnosis: Diagnosis,
     second: &Measurement,
@@ -189,7 +189,7 @@ fn validated(
             answer.validation = Some(validation);
         }
         Err(ValidateError::Cancelled) => return Err(IdentifyError::Cancelled.into()),
-        // What was computed from the first measurement stands.
+        // The results from the first measurement remain valid.
         Err(error) => answer.limitations.push(format!("the second measurement is unused: {error}")),
     }
     Ok(answer)
@@ -204,9 +204,9 @@ fn without_contradiction(agreement: UnitCompatibility) -> Result<UnitCompatibili
     }
 }
 
-/// A model beside the measurement, whose noise is what the measurement itself says of it: the
-/// option `noise_std` is of the data that were fitted, and in the units of their response, and
-/// how these were weighed says nothing of how well a model predicts.
+/// Compares a model with the measurement, by the noise that this measurement states. The option
+/// `noise_std` is of the fitted data and in the units of their response, and how those were
+/// weighted says nothing of how well a model predicts.
 fn simulated(
     model: &Identification,
     measurement: &Measurement,
@@ -221,7 +221,7 @@ fn simulated(
     Ok(identify::compare(measurement, &model)?)
 }
 
-/// What the model with one cause alone gains; that is the extended model where there is one.
+/// The gain of each cause alone, known only if there is a single one: that of the extended model.
 fn causes(causes: &[Cause], gain: Option<&Gain>) -> Vec<ValidatedCause> {
     let alone = gain.filter(|_| causes.len() == 1);
     let cause =
@@ -229,7 +229,7 @@ fn causes(causes: &[Cause], gain: Option<&Gain>) -> Vec<ValidatedCause> {
     causes.iter().map(cause).collect()
 }
 
-/// Whether the extension predicts worse beyond doubt.
+/// Whether the extended model certainly predicts worse.
 pub(super) fn hurts(gain: &Gain) -> bool {
     gain.interval95[1] < 1.0
 }

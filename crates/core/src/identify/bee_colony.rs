@@ -11,26 +11,24 @@
 //! ```text
 //!   literal       vⱼ = xⱼ + φ (xⱼ − yⱼ)                   one random dimension j
 //!   global best   vⱼ = xⱼ + φ (xⱼ − yⱼ) + ψ (gⱼ − xⱼ)     each j with rate 0.5, at least one
-//!   φ uniform in [−1, 1], ψ uniform in [0, 1.5], anew for each j; v clamped to the cube
+//!   φ uniform in [−1, 1], ψ uniform in [0, 1.5], drawn for each j; v clamped to the cube
 //! ```
 //!
-//! It replaces x if it costs less. Sources: D. Karaboga and B. Basturk, J. Global
-//! Optim. 39 (2007) 459, doi:10.1007/s10898-007-9149-x; the term in ψ: G. Zhu and
-//! S. Kwong, Appl. Math. Comput. 217 (2010) 3166, doi:10.1016/j.amc.2010.08.049; the
-//! modification rate: B. Akay and D. Karaboga, Inform. Sci. 192 (2012) 120,
-//! doi:10.1016/j.ins.2010.07.015.
+//! It replaces x if it costs less. Sources: D. Karaboga and B. Basturk, J. Global Optim. 39 (2007)
+//! 459, doi:10.1007/s10898-007-9149-x; the term in ψ: G. Zhu and S. Kwong, Appl. Math. Comput. 217
+//! (2010) 3166, doi:10.1016/j.amc.2010.08.049; the modification rate: B. Akay and D. Karaboga,
+//! Inform. Sci. 192 (2012) 120, doi:10.1016/j.ins.2010.07.015.
 //!
 //! Three choices differ from those papers:
-//! - Onlookers choose by the *rank* of a source (the best of n with weight n, the
-//!   worst with weight 1). The fitness 1/(1 + f) is flat where f ≪ 1, and the
-//!   onlookers then wander; with ranks, scaling the cost changes nothing.
-//! - All bees of a phase start from the sources as the phase found them, so that a
-//!   phase is one batch for all threads. Random numbers are drawn before the batch:
-//!   the result is bit-identical at any number of threads.
-//! - A scout flies in the employed phase of the next cycle in place of the abandoned
-//!   source's employed bee. Scouts therefore cost nothing extra: a search uses
-//!   exactly `food_sources · (2 · cycles + 1)` evaluations. At most one source is
-//!   abandoned a cycle, never the best one.
+//! - Onlookers choose by the *rank* of a source (the best of n with weight n, the worst with weight
+//!   1). The usual fitness 1/(1 + f) is flat for f ≪ 1, and onlookers then choose at random. With
+//!   ranks, scaling the cost changes nothing.
+//! - All bees of a phase start from the sources as they were at its beginning, so that a phase is
+//!   one parallel batch. Random numbers are drawn before the batch: the result is bit-identical at
+//!   any number of threads.
+//! - A scout takes the place of the abandoned source's employed bee in the next cycle. Scouts
+//!   therefore cost nothing extra: a search uses exactly `food_sources · (2 · cycles + 1)`
+//!   evaluations. At most one source is abandoned in a cycle, never the best one.
 
 use std::ops::ControlFlow;
 
@@ -40,13 +38,13 @@ use rayon::prelude::*;
 
 use crate::answers::{ColonyOptions, ColonyVariant};
 
-/// Share of the dimensions the global-best variant modifies: best of 0.1 to 1 in
-/// Akay and Karaboga's study of problems whose parameters interact.
+/// Share of the dimensions that the global-best variant modifies: the best of 0.1 to 1 in Akay and
+/// Karaboga's study of problems whose parameters interact.
 const MODIFICATION_RATE: f64 = 0.5;
 /// Upper end of ψ: Zhu and Kwong's best value.
 const PULL_TO_BEST: f64 = 1.5;
 
-/// What is to be made small.
+/// A function to minimise.
 pub trait Objective: Sync {
     /// Number of parameters, at least 1.
     fn dimension(&self) -> usize;
@@ -57,7 +55,7 @@ pub trait Objective: Sync {
     fn cost(&self, point: &[f64]) -> f64;
 }
 
-/// Where the colony stands after a cycle.
+/// The state of the colony after a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cycle {
     /// Cycles done; 0 after the initial sources have been evaluated.
@@ -66,29 +64,29 @@ pub struct Cycle {
     pub evaluations: usize,
     /// Least cost so far.
     pub best_cost: f64,
-    /// Mean over the sources whose cost is finite; +∞ where none is.
+    /// Mean over the sources whose cost is finite; +∞ if none is.
     pub mean_cost: f64,
 }
 
 /// Why a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StopReason {
-    /// Every cycle was flown.
+    /// All cycles are done.
     CyclesDone,
     /// The callback asked to stop.
     Cancelled,
 }
 
-/// What a search found.
+/// The result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// The best source, a point of the unit cube.
     pub best: Vec<f64>,
-    /// Its cost; +∞ where no point had a finite one.
+    /// Its cost; +∞ if no point had a finite cost.
     pub cost: f64,
     /// Costs evaluated.
     pub evaluations: usize,
-    /// Sources abandoned to a scout.
+    /// Number of sources that were abandoned to a scout.
     pub abandoned: usize,
     /// Why it ended.
     pub stop: StopReason,
@@ -96,14 +94,12 @@ pub struct Outcome {
 
 /// Searches the unit cube for the least cost.
 ///
-/// `initial` are the first food sources, clamped to the cube; those beyond
-/// `colony.food_sources` are left out, and missing ones are drawn uniformly.
-/// `on_cycle` hears of the initial sources (cycle 0) and of every cycle, and ends the
-/// search by breaking.
+/// `initial` are the first food sources, clamped to the cube. Those beyond `colony.food_sources`
+/// are ignored, and missing ones are drawn uniformly. `on_cycle` is called after the initial
+/// sources (cycle 0) and after every cycle, and ends the search by breaking.
 ///
 /// # Panics
-/// If there are fewer than 2 food sources, no dimension, or an initial source of
-/// another dimension.
+/// If there are fewer than 2 food sources, no dimension, or an initial source of another dimension.
 pub fn search<O: Objective + ?Sized>(
     objective: &O,
     initial: &[Vec<f64>],
@@ -135,7 +131,7 @@ pub fn search<O: Objective + ?Sized>(
 struct FoodSource {
     position: Vec<f64>,
     cost: f64,
-    /// Neighbours tried in vain since the source was found.
+    /// Neighbours tried without success since the source was found.
     failures: usize,
 }
 
@@ -150,6 +146,7 @@ struct Colony<'a, O: ?Sized> {
 }
 
 impl<'a, O: Objective + ?Sized> Colony<'a, O> {
+    /// Evaluates the initial sources.
     fn settle(
         objective: &'a O,
         initial: &[Vec<f64>],
@@ -183,6 +180,7 @@ impl<'a, O: Objective + ?Sized> Colony<'a, O> {
         }
     }
 
+    /// One cycle.
     fn fly(&mut self, rng: &mut ChaCha8Rng) {
         self.employed_phase(rng);
         self.onlooker_phase(rng);
@@ -200,7 +198,7 @@ impl<'a, O: Objective + ?Sized> Colony<'a, O> {
                 }
             })
             .collect();
-        // The scout's find replaces the abandoned source whatever it costs.
+        // The scout's point replaces the abandoned source at any cost.
         if let Some(index) = self.abandoned.take() {
             let position = candidates[index].clone();
             self.sources[index] = FoodSource { position, cost: f64::INFINITY, failures: 0 };
@@ -227,7 +225,7 @@ impl<'a, O: Objective + ?Sized> Colony<'a, O> {
             .filter(|&index| self.sources[index].failures >= self.abandonment_limit);
     }
 
-    /// A point near a source, as the head of this file defines it.
+    /// A neighbour of a source, as defined in the module documentation.
     fn neighbour(&self, index: usize, best: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
         let mut point = self.sources[index].position.clone();
         let other = &self.sources[draw_other(self.sources.len(), index, rng)].position;
@@ -286,7 +284,7 @@ impl<'a, O: Objective + ?Sized> Colony<'a, O> {
     }
 }
 
-/// Costs of points, NaN as +∞; the points are shared among threads.
+/// Costs of points, evaluated in parallel; NaN becomes +∞.
 pub(super) fn evaluate<O: Objective + ?Sized>(objective: &O, points: &[Vec<f64>]) -> Vec<f64> {
     let cost = |point: &Vec<f64>| match objective.cost(point) {
         cost if cost.is_nan() => f64::INFINITY,
@@ -300,7 +298,7 @@ pub(super) fn uniform(dimension: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
     (0..dimension).map(|_| rng.random_range(0.0..=1.0)).collect()
 }
 
-/// A source other than `index`, each as likely.
+/// A source other than `index`, all with equal probability.
 fn draw_other(count: usize, index: usize, rng: &mut ChaCha8Rng) -> usize {
     let drawn = rng.random_range(0..count - 1);
     if drawn < index { drawn } else { drawn + 1 }

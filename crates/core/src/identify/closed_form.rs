@@ -1,15 +1,14 @@
-//! A start from the data alone, without any search.
+//! Closed-form starting points, computed from the data without any search.
 //!
-//! For pure cosines the describing function of Coulomb friction, 4F̄/π at the
-//! phase of the velocity, gives A(jω)·U = V/P(jω) + (4/π)·F̄·V/|V| for the
-//! fundamental (Chen, Huang, Yen 2002, IEEE Trans. Control Systems Technology
-//! 10(5)): linear in 1/K, a/K and F̄ where A is known, and two magnitudes at one
-//! frequency give F̄/A(jω) itself. It is good to describing-function accuracy:
-//! a start, never a score.
+//! For pure cosines: the describing function of Coulomb friction has gain 4F̄/π and the phase of
+//! the velocity. For the fundamental this gives A(jω)·U = V/P(jω) + (4/π)·F̄·V/|V| (Chen, Huang,
+//! Yen 2002, IEEE Trans. Control Systems Technology 10(5)). It is linear in 1/K, a/K and F̄ if A is
+//! known, and two magnitudes at one frequency give F̄/A(jω) itself. Its accuracy is that of the
+//! describing function: good for a start, never for a comparison of models.
 //!
-//! For a general input the measured harmonics say when the axis moves which
-//! way, so that the friction's harmonics are known but for its two levels:
-//! Uₖ = (jkω + a)·Vₖ/K + Fc⁺·Sₖ⁺ − Fc⁻·Sₖ⁻ is linear too.
+//! For general inputs: the measured harmonics give the motion, hence when the axis moves in which
+//! direction, hence the harmonics S⁺ and S⁻ of the indicators of v > 0 and v < 0. Then Uₖ = (jkω +
+//! a)·Vₖ/K + Fc⁺·Sₖ⁺ − Fc⁻·Sₖ⁻ is linear in 1/K, a/K, Fc⁺ and Fc⁻.
 
 use std::f64::consts::PI;
 
@@ -22,7 +21,8 @@ use crate::plant::{Actuator, Friction, Plant};
 use super::linear_least_squares;
 use super::problem::{Prepared, Problem};
 
-/// A fundamental: ω, U, V, in scale.
+/// The fundamental of an experiment with a cosine input, in scale: ω, U₁, V₁ and the mean V₀ (if it
+/// was measured).
 struct Fundamental {
     omega: f64,
     input: Complex,
@@ -30,7 +30,7 @@ struct Fundamental {
     mean: Option<f64>,
 }
 
-/// A start in scale, where the data allows one.
+/// A starting plant, in scale; `None` if the data does not allow one.
 pub(super) fn start(problem: &Problem, order: u8) -> Option<Plant> {
     let cosines = problem.experiments.iter().all(|e| e.excitation.is_pure_cosine());
     if !cosines {
@@ -44,13 +44,13 @@ pub(super) fn start(problem: &Problem, order: u8) -> Option<Plant> {
     mechanics(&fundamentals, actuator)
 }
 
-/// Whether single sines move the axis at two magnitudes of one frequency.
+/// Whether pure cosines move the axis at two magnitudes of one frequency.
 pub(super) fn has_two_magnitudes(problem: &Problem) -> bool {
     let cosines = problem.experiments.iter().all(|e| e.excitation.is_pure_cosine());
     cosines && !magnitude_pairs(&moving_fundamentals(problem)).is_empty()
 }
 
-/// Pairs of fundamentals of one frequency at clearly different magnitudes.
+/// Pairs of fundamentals of one frequency whose magnitudes differ by more than a factor of e^0.2.
 fn magnitude_pairs(fundamentals: &[Fundamental]) -> Vec<[&Fundamental; 2]> {
     let mut pairs = Vec::new();
     for (i, low) in fundamentals.iter().enumerate() {
@@ -65,6 +65,7 @@ fn magnitude_pairs(fundamentals: &[Fundamental]) -> Vec<[&Fundamental; 2]> {
     pairs
 }
 
+/// The fundamentals of the experiments in which the axis clearly moves.
 fn moving_fundamentals(problem: &Problem) -> Vec<Fundamental> {
     let of = |e: &Prepared| {
         let datum = |order: usize| e.targets.iter().find(|t| t.order == order && !t.constraint);
@@ -78,9 +79,9 @@ fn moving_fundamentals(problem: &Problem) -> Vec<Fundamental> {
     };
     let all: Vec<Fundamental> = problem.experiments.iter().filter_map(of).collect();
     let gain = |f: &Fundamental| f.velocity.norm() / f.input.norm();
-    // Three tenths of the largest gain found near that frequency. A sine barely above breakaway
-    // moves the axis for a small part of its period: its gain is far below that of a large one,
-    // and the describing function does not hold.
+    // Keep gains above 0.3 of the largest one near that frequency (tuned). A cosine barely above
+    // breakaway moves the axis for a small part of its period. Its gain is far below that of a
+    // large one, and the describing function does not hold.
     let strongest = |omega: f64| {
         let near = all.iter().filter(|f| (f.omega / omega).ln().abs() < 0.2);
         near.map(gain).fold(0.0, f64::max)
@@ -89,7 +90,7 @@ fn moving_fundamentals(problem: &Problem) -> Vec<Fundamental> {
     all.into_iter().zip(moving).filter(|(_, moves)| *moves).map(|(f, _)| f).collect()
 }
 
-/// Fits 1/A to D(ω) = F̄/A(jω), from pairs of magnitudes at one frequency.
+/// Fits the actuator to D(ω) = F̄/A(jω), computed from pairs of magnitudes at one frequency.
 fn actuator_from_pairs(fundamentals: &[Fundamental], order: u8) -> Option<Actuator> {
     let pairs = magnitude_pairs(fundamentals).into_iter();
     let inverse: Vec<(f64, Complex)> = pairs
@@ -99,7 +100,7 @@ fn actuator_from_pairs(fundamentals: &[Fundamental], order: u8) -> Option<Actuat
             (low.omega, difference / levels)
         })
         .collect();
-    // Re D = F̄ − (F̄/ωₙ²)·ω², Im D = (2ζF̄/ωₙ)·ω or (F̄/p)·ω.
+    // Re D = F̄ − (F̄/ωₙ²)·ω² (order 2) or F̄ (order 1); Im D = (2ζF̄/ωₙ)·ω or (F̄/p)·ω.
     let columns = if order == 2 { 3 } else { 2 };
     if inverse.len() < 2 {
         return None;
@@ -124,12 +125,13 @@ fn actuator_from_pairs(fundamentals: &[Fundamental], order: u8) -> Option<Actuat
     }
     let square = level / solution[2];
     let natural_frequency_rad_s = (square > 0.0).then(|| square.sqrt())?;
-    // Damping is the weakest of the three: near zero or below it is only small.
+    // The damping ratio is the least certain of the three: a value near or below zero means that it
+    // is small.
     let damping_ratio = (0.5 * slope / level * natural_frequency_rad_s).clamp(0.02, 3.0);
     Some(Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio })
 }
 
-/// Least squares for 1/K, a/K and F̄ with a known actuator.
+/// Least squares for 1/K, a/K and F̄ with a known actuator, from the describing function.
 fn mechanics(fundamentals: &[Fundamental], actuator: Actuator) -> Option<Plant> {
     if fundamentals.len() < 2 {
         return None;
@@ -156,8 +158,8 @@ fn mechanics(fundamentals: &[Fundamental], actuator: Actuator) -> Option<Plant> 
     if inverse_constant <= 0.0 || ratio <= 0.0 {
         return None;
     }
-    // The mean velocity balances the mean friction: a·V₀/K = −(δ + F̄·share),
-    // δ = (Fc⁺ − Fc⁻)/2, the share of time spent forward following from V₀/|V₁|.
+    // δ = (Fc⁺ − Fc⁻)/2 follows from the balance of the means: a·V₀/K = −(δ + F̄·share), where
+    // share, the share of time spent moving forward less that moving backward, is (2/π)·V₀/|V₁|.
     let asymmetries: Vec<f64> = fundamentals
         .iter()
         .filter_map(|f| f.mean.map(|mean| -mean * (ratio + 2.0 / PI * level / f.velocity.norm())))
@@ -174,7 +176,7 @@ fn mechanics(fundamentals: &[Fundamental], actuator: Actuator) -> Option<Plant> 
     })
 }
 
-/// Least squares for 1/K, a/K, Fc⁺ and Fc⁻ from the measured motion.
+/// Least squares for 1/K, a/K, Fc⁺ and Fc⁻ from the measured motion (inverse dynamics).
 fn inverse_dynamics(problem: &Problem, order: u8) -> Option<Plant> {
     let mut columns: Vec<[Complex; 5]> = Vec::new();
     for experiment in &problem.experiments {
@@ -220,7 +222,7 @@ fn inverse_dynamics(problem: &Problem, order: u8) -> Option<Plant> {
         1 => Actuator::FirstOrder { corner_rad_s: 3.0 * high },
         _ => Actuator::SecondOrder { natural_frequency_rad_s: 3.0 * high, damping_ratio: 0.7 },
     };
-    // A rate the regression finds negative is only small.
+    // A rate that the regression finds negative is a small one.
     let viscous_rate_rad_s = (solution[1] / solution[0]).max(problem.prior.omega_low / 10.0);
     Some(Plant {
         viscous_rate_rad_s,
@@ -230,7 +232,7 @@ fn inverse_dynamics(problem: &Problem, order: u8) -> Option<Plant> {
     })
 }
 
-/// Measured V₀ … V_H; what was not measured is 0.
+/// Measured V₀ … V_H; harmonics that were not measured are 0.
 fn velocity_lines(experiment: &Prepared) -> Vec<Complex> {
     let mut lines = vec![Complex::default(); experiment.highest + 1];
     for target in &experiment.targets {
@@ -250,7 +252,7 @@ fn directions(velocity: &[Complex]) -> (Vec<Complex>, Vec<Complex>) {
         signal[samples - k] = 0.5 * line.conj();
     }
     planner.plan_fft_inverse(samples).process(&mut signal);
-    // One transform of forward + j·backward holds both.
+    // One transform of forward + j·backward gives the harmonics of both.
     for value in &mut signal {
         let forward = f64::from(u8::from(value.re > 0.0));
         *value = Complex::new(forward, 1.0 - forward);
@@ -282,8 +284,8 @@ mod tests {
         }
     }
 
-    // Describing functions are 5 to 20 % off in the fundamental at 4 levels; a pole, the
-    // small difference of larger terms, is off by up to twice that.
+    // Describing functions err by 5 to 20 % in the fundamental at 4 friction levels. The pole is a
+    // small difference of larger terms and errs by up to twice that.
     #[test]
     fn cosines_of_two_magnitudes_give_a_start_of_describing_function_accuracy() {
         for actuator in ACTUATORS {
@@ -295,7 +297,7 @@ mod tests {
         }
     }
 
-    // Lines above the measured 30 are missing from the motion it is made of.
+    // The motion is computed from the 30 measured lines; higher ones are missing.
     #[test]
     fn a_multisine_gives_a_start_from_the_measured_motion() {
         let plant = axis(Actuator::Direct);

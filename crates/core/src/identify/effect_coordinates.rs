@@ -1,11 +1,11 @@
-//! The parameters of effects as coordinates, after those of the base model.
+//! The parameters of effects as coordinates, appended to those of the base model.
 
 use crate::effects::{self, ActiveEffect, Effect, Scope};
 
 use super::parameters::{Coordinate, Coordinates};
 
 impl Coordinates {
-    /// These with the parameters of one more effect; `scope` is in the problem's scales.
+    /// These coordinates with the parameters of one more effect; `scope` is in the problem's units.
     pub fn with_effect(&self, effect: &'static dyn Effect, scope: &Scope) -> Self {
         let mut these = self.clone();
         for (index, parameter) in effect.parameters().iter().enumerate() {
@@ -24,7 +24,7 @@ impl Coordinates {
         these
     }
 
-    /// These without the effect at `index`, and where they stood before.
+    /// These coordinates without the effect at `index`, and the previous index of each one kept.
     pub fn without_effect(&self, index: usize) -> (Self, Vec<usize>) {
         let is_of = |i: &usize| matches!(self.list[*i], Coordinate::OfEffect { effect, .. } if effect == index);
         let kept: Vec<usize> = (0..self.len()).filter(|i| !is_of(i)).collect();
@@ -48,8 +48,8 @@ impl Coordinates {
         (these, kept)
     }
 
-    /// The value of the parameter a coordinate stands for, and its derivative by
-    /// the coordinate; of the base model's coordinates they are themselves.
+    /// The parameter value at a coordinate, and its derivative with respect to the coordinate.
+    /// Coordinates of the base model are returned unchanged, with derivative 1.
     pub fn value(&self, i: usize, coordinate: f64) -> (f64, f64) {
         match self.list[i] {
             Coordinate::OfEffect { effect, parameter } => {
@@ -62,7 +62,7 @@ impl Coordinates {
         }
     }
 
-    /// The coordinate of an effect's parameter that has this value.
+    /// The coordinate at which an effect's parameter has this value.
     pub fn coordinate(&self, i: usize, value: f64) -> f64 {
         match self.list[i] {
             Coordinate::OfEffect { effect, parameter } => {
@@ -75,7 +75,7 @@ impl Coordinates {
         }
     }
 
-    /// The effects at a point, in the problem's scales.
+    /// The effects at a point, in the problem's units.
     pub fn effects_at(&self, point: &[f64]) -> Vec<ActiveEffect> {
         let mut next = self.base_len();
         self.effects

@@ -1,4 +1,4 @@
-//! Estimates by name, with intervals and correlations.
+//! Parameter estimates by name, with intervals and correlations.
 
 use indexmap::IndexMap;
 
@@ -11,9 +11,9 @@ use super::parameter_names;
 use super::parameters::{CONSTANT, Coordinate};
 use super::pipeline::Fitted;
 use super::problem::{Problem, Scales};
-use super::uncertainty::{LARGEST_OF_LOGARITHM, Uncertainty, largest_std, unit};
+use super::uncertainty::{LARGEST_LOG_STD, Uncertainty, largest_std, unit};
 
-/// Units of the parameters, made of those of the upload.
+/// The units from which those of the parameters are made.
 #[derive(Debug)]
 pub(super) struct Units {
     pub input: String,
@@ -21,7 +21,7 @@ pub(super) struct Units {
 }
 
 impl Units {
-    /// From what the upload says of itself.
+    /// The units that the upload states; placeholders for those it does not.
     pub fn of(measurement: &Measurement) -> Self {
         let metadata = measurement.metadata();
         let or =
@@ -35,7 +35,7 @@ impl Units {
         Self { input: or(&metadata.input.unit, "input"), velocity }
     }
 
-    /// The unit of a quantity; powers of each unit where there are several.
+    /// The unit of a quantity, as a product of powers of the units of input, velocity and time.
     fn unit(&self, dimension: Dimension) -> String {
         let Dimension { input, velocity, time } = dimension;
         let powers = [(&*self.input, input), (&*self.velocity, velocity), ("s", time)];
@@ -59,22 +59,22 @@ impl Units {
     }
 }
 
-/// A fitted point with its uncertainty, about to be put in words a user knows.
+/// A fitted point with its uncertainty, to be reported as named parameters.
 pub(super) struct Estimates<'a> {
     /// The fitted point.
     pub fitted: &'a Fitted,
     /// The problem, for its scales.
     pub problem: &'a Problem,
-    /// Uncertainty with everything at a bound held there.
+    /// Uncertainty if coordinates at a bound are held there.
     pub uncertainty: &'a Uncertainty,
-    /// The same with nothing held: how far a level at its bound may reach.
+    /// Uncertainty if no coordinate is held: how far one at its bound may reach.
     pub released: &'a Uncertainty,
     /// Which coordinates are held at a bound.
     pub held: &'a [bool],
-    /// Deviations that make half a 95 % interval.
+    /// Half-width of a 95 % interval, in standard deviations.
     pub quantile: f64,
-    /// How far below and above its point the interval of each coordinate reaches, where that
-    /// is not as many deviations.
+    /// How far the interval of each coordinate reaches below and above the point, if that differs
+    /// from `quantile` standard deviations.
     pub reaches: Vec<Option<[f64; 2]>>,
 }
 
@@ -137,8 +137,8 @@ impl Estimates<'_> {
         parameters
     }
 
-    /// A parameter whose logarithm was estimated: its interval is that of the
-    /// logarithm, so it never crosses zero.
+    /// A parameter that is estimated as a logarithm. Its interval is that of the logarithm, so it
+    /// never contains zero.
     fn logarithmic(&self, value: f64, i: usize, unit_text: &str) -> ParameterEstimate {
         let std = self.std(self.uncertainty, i);
         let known = std.map(|std| (std, self.reach(std, i)));
@@ -151,12 +151,13 @@ impl Estimates<'_> {
         uncertainty.std(&unit(coordinates, i), largest_std(coordinates, i))
     }
 
-    /// How far below and above the point the interval of a coordinate reaches.
+    /// How far the interval of a coordinate reaches below and above the point.
     fn reach(&self, std: f64, i: usize) -> [f64; 2] {
         self.reaches[i].unwrap_or([self.quantile * std; 2])
     }
 
-    /// The same, from its deviation and how far below and above its interval reaches.
+    /// A parameter that is estimated as a logarithm, given its standard deviation and how far its
+    /// interval reaches below and above.
     fn of_logarithm(
         &self,
         value: f64,
@@ -202,8 +203,9 @@ impl Estimates<'_> {
         }
     }
 
-    /// A parameter that was estimated as it is, in units of `scale`: its interval
-    /// ends where it can lie itself, as a friction level does at zero.
+    /// A parameter that is estimated directly, with `scale` the unit of its coordinate. Its
+    /// interval is cut at `low` and `high`, the ends of the parameter's range, as at zero for a
+    /// friction level.
     fn linear(
         &self,
         value: f64,
@@ -233,13 +235,13 @@ impl Estimates<'_> {
         let mut combination = vec![0.0; self.fitted.coordinates.len()];
         combination[0] = -1.0;
         combination[CONSTANT] = 1.0;
-        let std = self.uncertainty.std(&combination, LARGEST_OF_LOGARITHM);
+        let std = self.uncertainty.std(&combination, LARGEST_LOG_STD);
         let value = plant.constant / plant.viscous_rate_rad_s;
         let known = std.map(|std| (std, [self.quantile * std; 2]));
         self.of_logarithm(value, known, self.held[0] || self.held[CONSTANT], unit_text)
     }
 
-    /// Correlations of what is identifiable.
+    /// Correlations of the identifiable parameters.
     pub fn correlations(&self) -> Correlations {
         let list = &self.fitted.coordinates.list;
         let which: Vec<usize> = (0..list.len())
@@ -247,7 +249,7 @@ impl Estimates<'_> {
             .filter(|i| self.std(self.uncertainty, *i).is_some())
             .collect();
         let mut matrix = self.uncertainty.correlations(&which);
-        // Poles are reported as −a and −p.
+        // Poles are reported as −a and −p, which changes the sign of their correlations.
         let sign = |i: usize| match list[i] {
             Coordinate::ViscousRate | Coordinate::ActuatorRate => -1.0,
             _ => 1.0,
@@ -267,7 +269,7 @@ fn superscript(power: i8) -> &'static str {
     ["⁰", "¹", "²", "³", "⁴", "⁵"].get(power.unsigned_abs() as usize).unwrap_or(&"ⁿ")
 }
 
-/// A unit as it stands in a quotient.
+/// A unit, bracketed for use in a quotient if it is a compound.
 pub(super) fn bracketed(unit: &str) -> String {
     if unit.contains(['/', '·', '*', ' ']) { format!("({unit})") } else { unit.to_owned() }
 }

@@ -1,39 +1,40 @@
-//! What the network sees of a response.
+//! The features of a response, the input of the neural network.
 //!
-//! The response is proportional to K, so everything here is free of its scale:
-//! logarithms of fundamentals less their mean, phases, and other harmonics
-//! relative to the fundamental and turned to its phase.
+//! The response is proportional to K. All features are independent of its scale: logarithms of
+//! lines less their mean, phases, and other harmonics relative to the fundamental and its
+//! phase.
 
 use crate::measurement::Complex;
 
 use super::problem::{Problem, Target};
 
-/// Frequencies of pure cosines that are looked at, at most.
+/// Most frequencies of pure cosines that are used (tuned).
 const MOST_FREQUENCIES: usize = 5;
 
-/// Lines of general inputs that are looked at, at most.
+/// Most lines of general inputs that are used (tuned).
 const MOST_LINES: usize = 40;
 
-/// Share of the largest response below which a response is as good as none.
+/// Share of the largest line that is added to every size, so that logarithms and ratios stay finite
+/// for a response that is zero (tuned).
 const FLOOR: f64 = 1e-3;
 
-/// Which data the features are made of: chosen once, by the design and the
-/// measured response, then the same for every simulated plant.
+/// Which data the features are made of: chosen once, from the inputs and the measured response, and
+/// then the same for every simulated plant.
 pub(super) struct Features {
-    /// (experiment, index of the target, what it becomes).
+    /// (experiment, index of the target, which features it becomes).
     picks: Vec<(usize, usize, Role)>,
 }
 
 #[derive(Clone, Copy, PartialEq)]
 enum Role {
-    /// ln of its size, and its phase relative to the input.
+    /// ln of its size, and its phase relative to the input line of the same frequency.
     Line,
-    /// Relative to the fundamental of its experiment, whose target is named.
+    /// Relative to the fundamental of its experiment: `fundamental` is the index of that target.
     Relative { fundamental: usize },
 }
 
 impl Features {
-    /// Chooses what to look at.
+    /// Chooses the data that the features are made of.
     pub fn of(problem: &Problem) -> Self {
         let mut picks = Vec::new();
         let cosines: Vec<usize> = (0..problem.experiments.len())
@@ -65,13 +66,13 @@ impl Features {
         Self { picks }
     }
 
-    /// Features of the measured response, and the logarithm of its size.
+    /// Features of the measured response, and the mean logarithm of its lines.
     pub fn of_measured(&self, problem: &Problem) -> (Vec<f64>, f64) {
         self.extract(problem, |_, _, target| target.value)
     }
 
-    /// Features of a simulated response (by experiment, then by target), and the
-    /// logarithm of its size.
+    /// Features of a simulated response (by experiment, then by target), and the mean logarithm of
+    /// its lines.
     pub fn of_simulated(&self, problem: &Problem, values: &[Vec<Complex>]) -> (Vec<f64>, f64) {
         self.extract(problem, |e, t, _| values[e][t])
     }
@@ -120,9 +121,8 @@ impl Features {
     }
 }
 
-/// Experiments to look at: frequencies evenly spread, and at each the lowest,
-/// a middle and the highest magnitude, since only their comparison tells
-/// friction from damping.
+/// Chooses experiments: frequencies evenly spread, and at each the lowest, a middle and the highest
+/// magnitude, because only a comparison of magnitudes distinguishes friction from damping.
 fn spread_over(problem: &Problem, experiments: &[usize]) -> Vec<usize> {
     let omega = |e: &usize| problem.experiments[*e].excitation.omega_rad_s();
     let magnitude = |e: &usize| problem.experiments[*e].excitation.input()[1].norm();
@@ -137,7 +137,7 @@ fn spread_over(problem: &Problem, experiments: &[usize]) -> Vec<usize> {
         .collect()
 }
 
-/// At most `most` of `count` indices, first and last among them.
+/// At most `most` of `count` indices, evenly spread, with the first and the last among them.
 fn evenly(count: usize, most: usize) -> impl Iterator<Item = usize> {
     let wanted = count.min(most);
     (0..wanted).map(move |i| if wanted > 1 { i * (count - 1) / (wanted - 1) } else { 0 })
@@ -167,10 +167,10 @@ mod tests {
         }
     }
 
-    // 5 of 8 frequencies at both magnitudes: ln size and phase of the fundamental (3),
-    // the mean (1) and the third harmonic (2).
+    // 5 of 8 frequencies, both magnitudes: ln size, cosine and sine of the phase of the fundamental
+    // (3), the mean (1), the third harmonic (2).
     #[test]
-    fn cosines_are_looked_at_in_few_telling_places() {
+    fn of_cosines_five_frequencies_and_three_harmonics_make_the_features() {
         let problem = Problem::new(&stepped_sine(&axis(ACTUATORS[0]), 5)).unwrap();
         let (features, _) = Features::of(&problem).of_measured(&problem);
         assert_eq!(features.len(), 5 * 2 * (3 + 1 + 2));

@@ -1,4 +1,5 @@
-//! A fit session: a measurement with its fitted base model, to which extended models are fitted.
+//! A fit session: a measurement with its fitted base model, to which models with effects are
+//! fitted.
 
 mod answered;
 mod extension;
@@ -31,35 +32,35 @@ use super::solve::{Solved, answer, solve};
 use super::summary::Intervals;
 pub use model::Model;
 
-/// Share of the largest component below which a difference between model and data
-/// says nothing: two good simulations of one machine agree to no more (contract, section 3).
-const ROUNDING: f64 = 1e-5;
+/// Differences below this share of the largest component count as rounding: two good simulations of
+/// one machine agree to no better (contract, section 3).
+const ROUNDING_SHARE: f64 = 1e-5;
 
-/// How long a refinement goes on.
+/// How accurate a fit has to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FitAccuracy {
-    /// A few steps: which of several starts is worth more.
+    /// A few steps, to choose among several starts.
     Glance,
-    /// Some more: what an effect gains about, of which little is to be expected.
+    /// A little longer: roughly what an effect gains, if little is expected of it.
     Brief,
-    /// Until χ² settles to far less than a unit.
+    /// Until χ² changes by far less than 1.
     Settle,
-    /// To the last digit.
+    /// To the accuracy of the arithmetic.
     Thorough,
 }
 
-/// A model's residuals, and how they move with its parameters.
+/// The residuals of a model, linearised in its parameters.
 #[derive(Debug, Clone)]
 pub struct Linear {
     /// (Y − Ŷ)/σ.
     pub residuals: DVector<f64>,
-    /// ∂Ŷ/∂p/σ, one column for each parameter.
+    /// (∂Ŷ/∂p)/σ, one column for each parameter.
     pub jacobian: DMatrix<f64>,
-    /// Which parameters are held by a bound.
+    /// Which parameters are held at a bound.
     pub held: Vec<bool>,
 }
 
-/// A measurement with its base model fitted.
+/// A measurement with its fitted base model.
 pub struct FitSession<'a> {
     measurement: &'a Measurement,
     request: &'a IdentifyRequest,
@@ -121,7 +122,7 @@ impl<'a> FitSession<'a> {
         &self.base
     }
 
-    /// Order of the actuator.
+    /// The order of the actuator.
     pub fn order(&self) -> u8 {
         self.base.coordinates.plant(&self.base.point).actuator.order()
     }
@@ -131,7 +132,7 @@ impl<'a> FitSession<'a> {
         self.measurement
     }
 
-    /// How hard to search.
+    /// The settings of the search.
     pub fn search(&self) -> &'a SearchSettings {
         &self.request.search
     }
@@ -146,7 +147,7 @@ impl<'a> FitSession<'a> {
         self.problem.data()
     }
 
-    /// Sum of squares that rounding in the upload and in the simulation alone leaves.
+    /// Sum of squared residuals that rounding in the upload and in the simulation leaves.
     pub fn rounding(&self) -> f64 {
         let mut sum = 0.0;
         let targets = || self.problem.experiments.iter().flat_map(|e| &e.targets);
@@ -154,7 +155,7 @@ impl<'a> FitSession<'a> {
         for (experiment, sigma) in self.problem.experiments.iter().zip(&self.fitted.weights.sigma) {
             for (target, sigma) in experiment.targets.iter().zip(sigma) {
                 let parts = if target.real { 1.0 } else { 2.0 };
-                sum += parts * (ROUNDING * largest / sigma).powi(2);
+                sum += parts * (ROUNDING_SHARE * largest / sigma).powi(2);
             }
         }
         sum
@@ -170,23 +171,24 @@ impl<'a> FitSession<'a> {
         self.problem.runs_known
     }
 
-    /// The law of the noise in residuals.
+    /// The distribution of the noise in the residuals.
     pub fn noise(&self) -> NoiseLaw {
         NoiseLaw::new(&self.problem, &self.fitted.weights)
     }
 
-    /// What is known of scales, in the problem's own.
+    /// The scales from which effects derive the ranges of their parameters, in the problem's units.
     fn scope(&self) -> Scope {
         self.problem.scope(&self.base.coordinates.plant(&self.base.point))
     }
 
-    /// Fits all parameters of a model, from where they are.
+    /// Fits all parameters of a model, starting at their current values. If the fit ends in a dead
+    /// zone of an effect, it is repeated from outside of it, and the better fit is returned.
     pub fn refine(&self, model: &Model, effort: FitAccuracy) -> Model {
         let patience = self.patience(effort);
         let refined = self.descend(model, patience);
-        match refined.roused() {
-            Some(roused) => {
-                let again = self.descend(&roused, patience);
+        match refined.escaped() {
+            Some(escaped) => {
+                let again = self.descend(&escaped, patience);
                 let evaluations = again.evaluations;
                 let best = if again.cost < refined.cost { again } else { refined };
                 Model { evaluations, ..best }
@@ -221,8 +223,8 @@ impl<'a> FitSession<'a> {
         }
     }
 
-    /// Everything needed to judge a fitted model. Where it has no response from rest in some
-    /// experiments it is fitted again to the others, and judged by them.
+    /// Everything needed to judge a fitted model. If it has no response from rest in some
+    /// experiments, it is fitted again to the others and judged by them.
     ///
     /// # Errors
     /// When it has no response at all.

@@ -1,10 +1,10 @@
-//! Measurements for the tests of this layer, made by the independent simulator.
+//! Measurements for the tests of this module, made by the independent simulator.
 
 use crate::machines::simulator::{self, Machine, Settings};
 use crate::measurement::{Complex, Experiment, Harmonic, Measurement, Metadata};
 use crate::plant::{Actuator, Friction, Plant};
 
-/// An axis with a = 10 1/s, K = 10 and levels 0.5 and 0.4.
+/// An axis with a = 10 1/s, K = 10, Fc⁺ = 0.5 and Fc⁻ = 0.4.
 pub(super) fn axis(actuator: Actuator) -> Plant {
     Plant {
         viscous_rate_rad_s: 10.0,
@@ -21,7 +21,7 @@ pub(super) const ACTUATORS: [Actuator; 3] = [
     Actuator::SecondOrder { natural_frequency_rad_s: 40.0, damping_ratio: 0.3 },
 ];
 
-/// Cosines of two magnitudes, 2 and 4, at eight frequencies; harmonics 0 to `highest`.
+/// Cosines at two magnitudes, 2 and 4, and eight frequencies; harmonics 0 to `highest`.
 pub(super) fn stepped_sine(plant: &Plant, highest: usize) -> Measurement {
     let design = [2.0, 4.0].into_iter().flat_map(|magnitude| {
         (0..8).map(move |i| (magnitude, 2.0 * 40.0_f64.powf(f64::from(i) / 7.0)))
@@ -33,7 +33,7 @@ pub(super) fn stepped_sine(plant: &Plant, highest: usize) -> Measurement {
     joined(experiments.collect())
 }
 
-/// One record of 30 lines between 1 and 30 rad/s.
+/// One multisine of 30 lines between 1 and 30 rad/s.
 pub(super) fn multisine(plant: &Plant) -> Measurement {
     let mut input = vec![Complex::new(0.0, 0.0)];
     input.extend((1..=30).map(|k| Complex::from_polar(0.6, f64::from(k * k))));

@@ -1,4 +1,4 @@
-//! Progress and convergence history of a run.
+//! Progress and convergence history of an identification.
 
 use crate::answers::{ConvergenceRow, Progress, Stage};
 use crate::observer::Observer;
@@ -7,9 +7,9 @@ use crate::plant::Plant;
 use super::parameter_names;
 use super::request::IdentifyError;
 
-/// Stages by name, and the shares of a run at which they begin and end. Searches that nothing
-/// goes before begin with the run.
-const SHARES: [(&str, f64, f64); 10] = [
+/// Stages by name, and the fractions of a run at which each begins and ends, for the progress bar.
+/// Searches without earlier stages begin at 0.
+const STAGE_SHARES: [(&str, f64, f64); 10] = [
     ("closed_form", 0.0, 0.02),
     ("network", 0.02, 0.45),
     ("colony", 0.45, 0.85),
@@ -22,19 +22,19 @@ const SHARES: [(&str, f64, f64); 10] = [
     ("refit", 0.0, 1.0),
 ];
 
-/// Reports one run of the method to its observer.
+/// Reports one run of a method to its observer.
 pub(super) struct History<'a> {
-    /// Who watches.
+    /// The observer.
     pub observer: &'a dyn Observer,
-    /// Actuator order that is fitted.
+    /// The actuator order being fitted.
     pub order: u8,
-    /// Orders fitted before this one, and all that are fitted: where there are
-    /// several, stages are named by order.
+    /// Number of orders fitted before this one, and number of orders in all. With several orders,
+    /// the names of stages contain the order.
     pub orders: (usize, usize),
 }
 
-/// A stage that has begun.
-pub(super) struct Begun<'h> {
+/// A stage in progress.
+pub(super) struct RunningStage<'h> {
     history: &'h History<'h>,
     stage: &'static str,
     begun_s: f64,
@@ -43,17 +43,24 @@ pub(super) struct Begun<'h> {
 }
 
 impl History<'_> {
-    /// A stage of `total` steps begins.
-    pub fn begin(&self, stage: &'static str, total: u64) -> Begun<'_> {
-        let begun =
-            Begun { history: self, stage, begun_s: self.observer.elapsed_s(), total, budget: None };
+    /// Begins a stage of `total` steps.
+    pub fn begin(&self, stage: &'static str, total: u64) -> RunningStage<'_> {
+        let begun = RunningStage {
+            history: self,
+            stage,
+            begun_s: self.observer.elapsed_s(),
+            total,
+            budget: None,
+        };
         begun.progress(0);
         begun
     }
 
+    /// Whether the run may go on.
+    ///
     /// # Errors
-    /// When the observer has asked to stop.
-    pub fn go_on(&self) -> Result<(), IdentifyError> {
+    /// When the observer has cancelled it.
+    pub fn check_cancelled(&self) -> Result<(), IdentifyError> {
         if self.observer.cancelled() { Err(IdentifyError::Cancelled) } else { Ok(()) }
     }
 
@@ -65,16 +72,18 @@ impl History<'_> {
     }
 }
 
-impl<'h> Begun<'h> {
-    /// A stage that may use so many evaluations.
-    pub fn within(self, budget: u64) -> Begun<'h> {
-        Begun { budget: Some(budget), ..self }
+impl<'h> RunningStage<'h> {
+    /// Sets the number of evaluations that the stage may use.
+    pub fn within(self, budget: u64) -> RunningStage<'h> {
+        RunningStage { budget: Some(budget), ..self }
     }
 
-    /// So many steps are done.
+    /// Reports that `done` steps are done.
     pub fn progress(&self, done: u64) {
-        let (_, begin, end) =
-            SHARES.iter().find(|(name, ..)| *name == self.stage).expect("a stage that is listed");
+        let (_, begin, end) = STAGE_SHARES
+            .iter()
+            .find(|(name, ..)| *name == self.stage)
+            .expect("a stage that is listed");
         let share = begin + (end - begin) * done as f64 / self.total.max(1) as f64;
         let (before, all) = self.history.orders;
         self.history.observer.progress(Progress {
@@ -85,21 +94,21 @@ impl<'h> Begun<'h> {
         });
     }
 
-    /// One row of convergence history.
+    /// Reports one row of the convergence history.
     pub fn row(&self, cycle: u64, evaluations: u64, best: f64, mean: Option<f64>) {
         let observer = self.history.observer;
         observer.row(ConvergenceRow {
             stage: self.history.name(self.stage),
             cycle,
             evaluations,
-            // A history is written down as JSON, which knows no infinity.
+            // The history is stored as JSON, which has no infinity.
             best: best.min(f64::MAX),
             mean,
             elapsed_s: observer.elapsed_s(),
         });
     }
 
-    /// The stage has ended at a plant (in units of the upload).
+    /// Ends the stage at a plant (in units of the upload).
     pub fn end(&self, evaluations: u64, cost: f64, plant: &Plant, stop_reason: &str) -> Stage {
         Stage {
             name: self.history.name(self.stage),

@@ -1,4 +1,4 @@
-//! What a measurement cannot determine, in sentences.
+//! Sentences for the user about what a measurement cannot determine.
 
 use crate::answers::{IdentifyOptions, Method, NoiseSource, Weighting};
 use crate::measurement::Measurement;
@@ -7,11 +7,11 @@ use super::pipeline::Fitted;
 use super::problem::Problem;
 use super::summary::Summary;
 
-/// Remarks of the reader that are repeated in an answer, at most: a stepped sine
-/// has some for every segment.
+/// Most remarks on the uploaded file that are repeated in an answer (tuned): a stepped sine has
+/// some for every segment.
 const MOST_NOTES: usize = 6;
 
-/// Sentences for the user; empty where nothing is missing.
+/// The sentences; empty if nothing is missing.
 pub(super) fn of(
     measurement: &Measurement,
     problem: &Problem,

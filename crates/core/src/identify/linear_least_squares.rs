@@ -1,12 +1,13 @@
-//! Linear least squares where the data may not determine every unknown.
+//! Linear least squares that tolerates unknowns which the data does not determine.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Singular values below this are taken for rounding: what they belong to stays 0.
+/// Singular values below this are taken for rounding, and the solution has no component along their
+/// directions.
 const RANK_TOLERANCE: f64 = 1e-12;
 
-/// The shortest x with the least |rows·x − right|, by singular values; `None` where an entry or
-/// the solution is not a finite number, of which a decomposition knows nothing.
+/// The shortest x that minimises |rows·x − right|, by singular value decomposition. `None` if an
+/// entry or the solution is not finite.
 pub(super) fn solve(rows: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
     if !finite(rows.as_slice()) || !finite(right.as_slice()) {
@@ -21,7 +22,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_number_has_no_solution() {
+    fn entries_that_are_not_finite_have_no_solution() {
         let right = DVector::from_vec(vec![1.0, 2.0]);
         for entry in [f64::NAN, f64::INFINITY] {
             let rows = DMatrix::from_row_slice(2, 1, &[1.0, entry]);
@@ -29,9 +30,9 @@ mod tests {
         }
     }
 
-    // Only the sum of both unknowns is seen: the shortest solution shares it between them.
+    // Only the sum of both unknowns is determined. The shortest solution divides it equally.
     #[test]
-    fn what_is_not_seen_stays_nothing() {
+    fn of_many_solutions_the_shortest_is_returned() {
         let rows = DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 1.0, 1.0]);
         let found = solve(rows, &DVector::from_vec(vec![2.0, 2.0])).unwrap();
         assert!((found[0] - 1.0).abs() < 1e-12 && (found[1] - 1.0).abs() < 1e-12);

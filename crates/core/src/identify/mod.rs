@@ -1,12 +1,13 @@
-//! From a measurement to the parameters of the base model, with intervals.
+//! Identifies the base model: from a measurement to parameters with confidence intervals.
 //!
-//! A method's stages (`methods`, `pipeline`) are a closed form (`closed_form`), a neural network
-//! (`network`, `proposal`), a population search (`bee_colony` and others), and refinement by
-//! Levenberg–Marquardt (`refine`). The misfit (`objective`) is weighted by the noise (`noise`). From
-//! the best point follow parameters, intervals and correlations (`summary`), and the order of the
-//! actuator is chosen where it is not given (`order`).
+//! A method (`methods`) is a sequence of stages, run by `pipeline`: a closed form (`closed_form`),
+//! a neural network (`network`, `proposal`), a population search (`bee_colony` and others), and
+//! Levenberg–Marquardt refinement (`refine`). Search and refinement minimise one misfit
+//! (`objective`), weighted by the noise (`noise`). The best point gives parameters, intervals and
+//! correlations (`summary`). Where the request does not state the order of the actuator, `order`
+//! chooses it from the data.
 //!
-//! `fit_session` holds a fitted measurement for whoever tries further models on it.
+//! `fit_session` keeps a fitted measurement, so that a diagnosis can fit further models to it.
 
 pub mod bee_colony;
 mod closed_form;

@@ -1,4 +1,4 @@
-//! A fitted model with its residuals, Jacobian and noise: everything needed to judge it.
+//! A fitted model with its residuals, Jacobian and noise: all that a diagnosis needs to judge it.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,7 +12,7 @@ use super::problem::Problem;
 use super::request::{IdentifyError, IdentifyRequest};
 use super::summary::Intervals;
 
-/// One real number that was compared.
+/// One real number that is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Component {
     /// Index of the experiment in the measurement.
@@ -21,7 +21,7 @@ pub struct Component {
     pub order: usize,
     /// Whether it is the imaginary part.
     pub imaginary: bool,
-    /// Whether it is not a datum but the fact that the mean velocity is 0.
+    /// Whether it is not a datum but the constraint that the mean velocity is 0.
     pub constraint: bool,
 }
 
@@ -30,26 +30,23 @@ pub struct Component {
 pub struct ModelFit {
     /// The answer to an `identify` job.
     pub identification: Identification,
-    /// Measured beside simulated.
+    /// The measured and the simulated responses.
     pub comparison: Comparison,
-    /// What each row of `residuals` and `jacobian` is.
+    /// What each row of `residuals` and `jacobian` stands for.
     pub components: Vec<Component>,
-    /// (Y − Ŷ)/σ. Where the noise is unknown, σ is what is left per degree of freedom.
+    /// (Y − Ŷ)/σ. If the noise is unknown, σ² is the sum of squares per degree of freedom.
     pub residuals: DVector<f64>,
-    /// ∂Ŷ/∂p/σ, one column for each parameter that no bound holds; p are
-    /// logarithms and levels in scales of the data.
+    /// (∂Ŷ/∂p)/σ, one column for each parameter that is not held at a bound; p are logarithms or
+    /// levels in the problem's units.
     pub jacobian: DMatrix<f64>,
-    /// The law of the noise in `residuals`; where its size is unknown, up to a factor.
+    /// The distribution of the noise in `residuals`; up to a factor if its size is unknown.
     pub noise: NoiseLaw,
-    /// χ² per degree of freedom by the noise that the measurement states, where the fit weighs
-    /// all harmonics alike instead and the model cannot come down to that noise.
+    /// χ² per degree of freedom with the noise that the measurement states, if the fit weights all
+    /// harmonics alike instead and the model cannot come down to that noise; else `None`.
     pub contradicts_noise: Option<f64>,
 }
 
 /// Fits the base model and keeps what a diagnosis needs of the fit.
-///
-/// # Errors
-/// See [`IdentifyError`].
 pub fn fit_base(
     measurement: &Measurement,
     request: &IdentifyRequest,
@@ -59,7 +56,7 @@ pub fn fit_base(
     session.judge(session.base(), Intervals::Profile)
 }
 
-/// What each row of the residuals of a problem is.
+/// What each row of the residuals of a problem stands for.
 pub(super) fn components(problem: &Problem) -> Vec<Component> {
     let mut components = Vec::with_capacity(problem.data());
     for (experiment, prepared) in problem.experiments.iter().enumerate() {
@@ -95,9 +92,9 @@ mod tests {
         let worst = fit.residuals.iamax();
         let wanted = Component { experiment: 5, order: 1, imaginary: true, constraint: false };
         assert_eq!(fit.components[worst], wanted);
-        // Measured is above simulated there, by the 30 σ less what the fit took of it.
+        // The measured value lies above the simulated one, by 30 σ less what the fit has absorbed.
         assert!((15.0..30.0).contains(&fit.residuals[worst]), "{}", fit.residuals[worst]);
-        // At a minimum the residual is orthogonal to every column.
+        // At a minimum the residuals are orthogonal to every column.
         let slope = fit.jacobian.tr_mul(&fit.residuals);
         for (i, column) in fit.jacobian.column_iter().enumerate() {
             assert!(slope[i].abs() < 1e-5 * column.norm() * fit.residuals.norm());

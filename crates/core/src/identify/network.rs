@@ -1,14 +1,13 @@
-//! A feed-forward network that maps measured features to parameters.
+//! A feed-forward neural network that maps measured features to parameters.
 //!
-//! One hidden layer of tanh neurons and a linear output, trained by
-//! back-propagation (D. Rumelhart, G. Hinton, R. Williams, Nature 323 (1986) 533,
-//! doi:10.1038/323533a0) in mini-batches with Adam steps (D. Kingma and J. Ba,
-//! arXiv:1412.6980), weight decay apart from the gradient (I. Loshchilov and
-//! F. Hutter, arXiv:1711.05101) and a learning rate that falls as half a cosine.
-//! Initial weights: X. Glorot and Y. Bengio, AISTATS 2010.
+//! One hidden layer of tanh neurons and a linear output, trained by back-propagation (D. Rumelhart,
+//! G. Hinton, R. Williams, Nature 323 (1986) 533, doi:10.1038/323533a0) in mini-batches with Adam
+//! steps (D. Kingma and J. Ba, arXiv:1412.6980), decoupled weight decay (I. Loshchilov and F.
+//! Hutter, arXiv:1711.05101) and cosine decay of the learning rate. Initial weights: X. Glorot and
+//! Y. Bengio, AISTATS 2010.
 //!
-//! Features and targets are standardised inside. A sixth of the samples is held out:
-//! the weights that predict it best are kept, and its errors are the network's
+//! Features and targets are standardised internally. A sixth of the samples is held out: the
+//! weights that predict these best are kept, and the errors on them are the network's
 //! [spread](Network::spread).
 
 mod adam;
@@ -25,12 +24,12 @@ use adam::Adam;
 use perceptron::{Perceptron, Workspace};
 use scaling::Scaling;
 
-/// Samples a step: small batches make several hundred steps of 400 samples.
-const BATCH: usize = 16;
-/// One sample of so many is held out.
-const HELD_OUT: usize = 6;
-/// Standardised features are clipped to ± this, four standard deviations: tanh
-/// neurons that were never trained there would extrapolate at will.
+/// Samples per step (tuned): with small batches, 400 samples still make several hundred steps.
+const BATCH_SIZE: usize = 16;
+/// One of every so many samples is held out.
+const SAMPLES_PER_HELD_OUT: usize = 6;
+/// Standardised features are clipped to ± this many standard deviations (tuned), because the
+/// network extrapolates arbitrarily where it was never trained.
 const FEATURE_RANGE: f64 = 4.0;
 
 /// A trained network.
@@ -45,13 +44,12 @@ pub struct Network {
 impl Network {
     /// Trains a network on samples: `features[i]` belongs to `targets[i]`.
     ///
-    /// `on_epoch` hears the epoch (from 1), the loss on the samples trained on and the
-    /// loss on those held out (mean squares of standardised errors) and ends the
-    /// training by breaking. A feature that does not vary, and a value that is not
-    /// finite, count as the mean.
+    /// `on_epoch` receives the epoch (from 1), the training loss and the held-out loss (mean
+    /// squares of standardised errors), and ends the training by breaking. A feature that does not
+    /// vary, and a value that is not finite, are replaced by the mean.
     ///
     /// # Panics
-    /// If there are fewer than 2 samples, not as many targets as features, no
+    /// If there are fewer than 2 samples, different numbers of samples in features and targets, no
     /// feature or target, or samples of different lengths.
     pub fn train(
         features: &[Vec<f64>],
@@ -66,10 +64,11 @@ impl Network {
         let mut order: Vec<usize> = (0..features.len()).collect();
         order.shuffle(rng);
         let (held_out, mut trained) = {
-            let (held_out, trained) = order.split_at((features.len() / HELD_OUT).max(1));
+            let (held_out, trained) =
+                order.split_at((features.len() / SAMPLES_PER_HELD_OUT).max(1));
             (held_out.to_vec(), trained.to_vec())
         };
-        // The scales, too, come from the training samples alone.
+        // The scaling, too, is computed from the training samples alone.
         let feature_scaling = Scaling::of(trained.iter().map(|&i| features[i].as_slice()));
         let target_scaling = Scaling::of(trained.iter().map(|&i| targets[i].as_slice()));
         let inputs = scaled(&feature_scaling, features, FEATURE_RANGE);
@@ -89,7 +88,7 @@ impl Network {
             trained.shuffle(rng);
             let rate_factor = cosine_decay(epoch, options.epochs);
             let mut training_loss = 0.0;
-            for batch in trained.chunks(BATCH) {
+            for batch in trained.chunks(BATCH_SIZE) {
                 let samples = batch.iter().map(|&index| sample(index));
                 training_loss += perceptron.loss_and_gradient(samples, &mut workspace);
                 adam.step(
@@ -123,13 +122,13 @@ impl Network {
         Network { features: feature_scaling, targets: target_scaling, perceptron, spread }
     }
 
-    /// The targets that belong to measured features.
+    /// Predicts the targets from measured features.
     ///
-    /// Features are first clipped to four standard deviations about the mean of the
-    /// samples trained on, so that the answer stays near what was learnt.
+    /// Features are first clipped to four standard deviations about the mean of the training
+    /// samples, so that the network does not extrapolate far.
     ///
     /// # Panics
-    /// If there are not as many features as in training.
+    /// If the number of features differs from that in training.
     pub fn predict(&self, features: &[f64]) -> Vec<f64> {
         let mut input = vec![0.0; self.features.len()];
         self.features.apply(features, FEATURE_RANGE, &mut input);
@@ -137,12 +136,13 @@ impl Network {
         self.targets.invert(self.perceptron.forward(&input, &mut workspace))
     }
 
-    /// Root mean square error of each output on the samples held out, target units.
+    /// Root mean square error of each output on the held-out samples, in units of the target.
     pub fn spread(&self) -> &[f64] {
         &self.spread
     }
 }
 
+/// Standardises every sample, clipped to ±`range`.
 fn scaled(scaling: &Scaling, samples: &[Vec<f64>], range: f64) -> Vec<Vec<f64>> {
     samples
         .iter()
@@ -154,7 +154,7 @@ fn scaled(scaling: &Scaling, samples: &[Vec<f64>], range: f64) -> Vec<Vec<f64>> 
         .collect()
 }
 
-/// 1 at the first epoch, close to 0 at the last.
+/// Half a cosine: 1 at the first epoch, close to 0 at the last.
 fn cosine_decay(epoch: usize, epochs: usize) -> f64 {
     0.5 * (1.0 + (std::f64::consts::PI * (epoch - 1) as f64 / epochs as f64).cos())
 }
@@ -206,14 +206,15 @@ mod tests {
         (network, losses)
     }
 
-    // A linear map leaves more than 60 % of the deviation.
+    // A linear map would leave more than 60 % of the standard deviation.
     #[test]
     fn learns_a_smooth_map_to_a_tenth_of_its_deviation() {
         let (network, losses) = train(400, 150);
         assert_eq!(losses.len(), 150);
         let (features, targets) = samples(500, 99);
         for output in 0..2 {
-            // Deviations of pq + r/2 and of sin 2p − r² on the cube, in the target's unit.
+            // Standard deviations of pq + r/2 and of sin 2p − r² over the cube, in the target's
+            // unit.
             let unit = [1e3 * 0.4410, 1e-3 * 0.8267][output];
             let mean_square = features
                 .iter()
@@ -223,7 +224,8 @@ mod tests {
                 / 500.0;
             let error = mean_square.sqrt();
             assert!(error < 0.1, "output {output}: {error}");
-            // 66 held-out samples know their own rms to about 9 %; doubled for unlucky draws.
+            // The rms of 66 held-out samples is itself uncertain by about 9 %; doubled for unlucky
+            // draws.
             let claimed = network.spread()[output] / unit;
             assert!((0.5..2.0).contains(&(claimed / error)), "{claimed} for {error}");
         }
@@ -236,7 +238,7 @@ mod tests {
 
     #[test]
     fn the_weights_of_the_best_validation_are_kept() {
-        // Targets that have nothing to do with the features: it can only overfit.
+        // The targets are independent of the features: the network can only overfit.
         let (features, _) = samples(40, 1);
         let (_, targets) = samples(40, 2);
         let mut losses = Vec::new();
@@ -252,7 +254,7 @@ mod tests {
         let kept: f64 = (0..2)
             .map(|k| (network.spread()[k] / network.targets.deviation(k)).powi(2) / 2.0)
             .sum();
-        // Equal but for the order of summation.
+        // Only the order of summation differs.
         assert!((kept - best).abs() < 1e-12, "{kept} {best}");
     }
 

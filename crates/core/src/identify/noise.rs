@@ -1,13 +1,14 @@
 //! The standard deviation of each datum.
 //!
-//! Deviations come from the upload, from the scatter of repeats or periods, or are unknown. A variance
-//! from few repeats is itself uncertain, and weights made of it value by value inflate every test. So
-//! variances are pooled where a test lets them be equal, and otherwise shrunk towards those of their
-//! neighbours, by as much as their spread allows (Smyth 2004, doi:10.2202/1544-6115.1027).
+//! Standard deviations come from the upload, from the scatter of repeats or periods, or are
+//! unknown. A variance estimated from few repeats is itself uncertain, and using each by itself as
+//! a weight inflates every test statistic. Variances are therefore pooled if a test does not reject
+//! that they are equal, and otherwise shrunk towards those of their neighbours, by as much as their
+//! spread allows (Smyth 2004, doi:10.2202/1544-6115.1027).
 //!
-//! Where the input scatters too, what counts is the deviation of the response from the model's response
-//! to the input's deviation, switching included:
-//! σ² = σ_Y² + |∂Y/∂U|²·σ_U² − 2 Re(conj(∂Y/∂U)·σ_UY), summed over all lines.
+//! If the input scatters too, the relevant deviation is that of the response less the model's
+//! response to the deviation of the input, including shifted switching times: σ² = σ_Y² +
+//! |∂Y/∂U|²·σ_U² − 2 Re(conj(∂Y/∂U)·σ_UY), summed over all lines.
 
 use rayon::prelude::*;
 
@@ -17,28 +18,29 @@ use crate::plant::Plant;
 use crate::simulate;
 
 use super::problem::{Prepared, Problem};
-use super::variance_shrinkage::{Cell, moderate};
+use super::variance_shrinkage::{Cell, weighting_variances};
 
-/// Scatter, as a share of the values, that the rounding of a mean makes of repeats that are copies.
-const COPY: f64 = 1e-13;
+/// Relative deviation that rounding of the mean leaves between repeats that are copies of each
+/// other.
+const COPY_ROUNDING: f64 = 1e-13;
 
 /// Standard deviation of every target, in scale.
 #[derive(Debug, Clone)]
 pub(super) struct Weights {
-    /// By experiment and target: of re and of im each.
+    /// Standard deviation of re and of im each, by experiment and target.
     pub sigma: Vec<Vec<f64>>,
-    /// Where they come from.
+    /// Where the standard deviations come from.
     pub source: NoiseSource,
-    /// Degrees of freedom of the estimated scale; infinite where it is given.
+    /// Degrees of freedom of the estimated noise scale; infinite if the scale is given.
     pub scale_dof: f64,
-    /// Whether they depend on the model, because the input scatters.
+    /// Whether they depend on the model, which they do if the input scatters.
     pub depend_on_model: bool,
-    /// The scatter they were estimated from; empty where they were not.
+    /// The variances they were estimated from; empty if they were not estimated.
     pub scatter: Vec<Vec<Cell>>,
 }
 
 impl Weights {
-    /// The same with nothing measured in these experiments.
+    /// The same weights without the data of these experiments.
     pub fn without(&self, experiments: &[usize]) -> Self {
         let mut rest = self.clone();
         for e in experiments {
@@ -54,8 +56,8 @@ impl Weights {
     }
 }
 
-/// Weights of a problem; `model` (in scale) says what the input's scatter does
-/// to the response. Without it the measured ratio of response to input does.
+/// The weights of a problem. `model` (in scale) says how the scatter of the input acts on the
+/// response; without it the measured ratio of response to input is used.
 pub(super) fn weights(
     measurement: &Measurement,
     problem: &Problem,
@@ -79,7 +81,7 @@ pub(super) fn weights(
     let given: Vec<f64> =
         experiments.iter().flat_map(|e| &e.response).filter_map(|h| h.std).collect();
     if !given.is_empty() {
-        // A datum without a deviation of its own is as certain as the others.
+        // A datum without its own standard deviation gets the rms of the given ones.
         let usual = (given.iter().map(|s| s * s).sum::<f64>() / given.len() as f64).sqrt();
         let mut weights = uniform(usual / problem.response_scale, NoiseSource::Given);
         for (e, experiment) in experiments.iter().enumerate() {
@@ -98,12 +100,12 @@ pub(super) fn weights(
     }
 }
 
-/// Whether repeats differ by more than rounding: copies say nothing of the noise.
+/// Whether repeats differ by more than rounding. Copies say nothing about the noise.
 fn scatters(experiments: &[Experiment]) -> bool {
     let power = |values: &[Complex]| values.iter().map(Complex::norm_sqr).sum::<f64>();
     experiments.iter().any(|e| {
         let response: f64 = e.response.iter().map(|h| h.value.norm_sqr()).sum();
-        let rounding = COPY * COPY;
+        let rounding = COPY_ROUNDING * COPY_ROUNDING;
         e.repeats.iter().any(|repeat| {
             power(&repeat.response) > rounding * response
                 || power(&repeat.input) > rounding * power(&e.input)
@@ -111,6 +113,7 @@ fn scatters(experiments: &[Experiment]) -> bool {
     })
 }
 
+/// The weights from the scatter of repeats or periods about their mean.
 fn from_scatter(experiments: &[Experiment], problem: &Problem, model: Option<&Plant>) -> Weights {
     let from_record = experiments.iter().any(|e| e.from_record);
     let input_scatters = experiments
@@ -125,7 +128,7 @@ fn from_scatter(experiments: &[Experiment], problem: &Problem, model: Option<&Pl
         })
         .collect();
     let scale_dof = rows.iter().flatten().map(|cell| cell.dof).sum();
-    let moderated = moderate(&rows);
+    let moderated = weighting_variances(&rows);
     let sigma = moderated
         .into_iter()
         .zip(experiments)
@@ -143,7 +146,7 @@ fn from_scatter(experiments: &[Experiment], problem: &Problem, model: Option<&Pl
     }
 }
 
-/// Scatter of one repeat, for every target of an experiment.
+/// The variance of a single repeat, for every target of an experiment.
 fn cells(
     index: usize,
     experiment: &Experiment,
@@ -183,7 +186,7 @@ fn cells(
         .collect()
 }
 
-/// What the scatter of the input does to each target, by repeat.
+/// The part of each target's deviation that the deviation of the input causes, by repeat.
 fn explained_by_input(
     experiment: &Experiment,
     prepared: &Prepared,

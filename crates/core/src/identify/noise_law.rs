@@ -1,5 +1,5 @@
-//! The distribution of standardised noise: normal; where deviations come from few repeats, their
-//! scatter is drawn as well.
+//! The distribution of standardised noise. It is normal; where the standard deviations were
+//! estimated from few repeats, their own scatter is included.
 
 use nalgebra::DVector;
 use rand_chacha::ChaCha8Rng;
@@ -7,28 +7,27 @@ use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
 use super::noise::Weights;
 use super::problem::Problem;
-use super::variance_shrinkage::{Cell, expected, moderate};
+use super::variance_shrinkage::{Cell, shrunk_variances, weighting_variances};
 
-/// How noise divided by its standard deviation is distributed.
+/// The distribution of noise divided by its standard deviation.
 ///
-/// With given deviations (or unknown ones, which are all alike) that is the
-/// normal law. Where the deviations were estimated from few repeats, a datum is
-/// divided by what this very scatter says: a draw repeats the scatter, too, and
-/// pools and shrinks it as the data's was. The mean of repeats and their
-/// scatter are independent, so both are drawn apart.
+/// If the standard deviations are given, or unknown and all equal, this is the standard normal
+/// distribution. If they were estimated from few repeats, each datum is divided by an estimate that
+/// scatters itself. A draw therefore also draws the variances of the repeats, and pools and shrinks
+/// them as those of the data. The mean of repeats and their scatter are independent, so both are
+/// drawn separately.
 #[derive(Debug, Clone)]
 pub struct NoiseLaw {
-    /// Cells of the scatter with the variances it was drawn from; empty where
-    /// nothing was estimated.
+    /// The cells of the scatter, with their shrunk variances; empty if none were estimated.
     scatter: Vec<Vec<Cell>>,
-    /// Real components of every target, by experiment.
+    /// Number of real components of every target, by experiment.
     components: Vec<Vec<usize>>,
 }
 
 impl NoiseLaw {
     pub(super) fn new(problem: &Problem, weights: &Weights) -> Self {
         let mut scatter = weights.scatter.clone();
-        let variances = expected(&scatter);
+        let variances = shrunk_variances(&scatter);
         for (cell, variance) in scatter.iter_mut().flatten().zip(variances.into_iter().flatten()) {
             cell.variance = variance;
         }
@@ -41,12 +40,12 @@ impl NoiseLaw {
         Self { scatter, components }
     }
 
-    /// Whether standardised noise is standard normal.
+    /// Whether the distribution is standard normal.
     pub fn is_normal(&self) -> bool {
         self.scatter.is_empty()
     }
 
-    /// Standardised noise of every real component, in the order of the residuals.
+    /// Draws the standardised noise of every real component, in the order of the residuals.
     pub fn draw(&self, rng: &mut ChaCha8Rng) -> DVector<f64> {
         let data = self.components.iter().flatten().sum();
         let mut noise = DVector::from_fn(data, |_, _| StandardNormal.sample(rng));
@@ -59,7 +58,7 @@ impl NoiseLaw {
                 cell.variance *= chi2.sample(rng) / cell.dof;
             }
         }
-        let estimated = moderate(&drawn);
+        let estimated = weighting_variances(&drawn);
         let truth = self.scatter.iter().flatten();
         let counts = self.components.iter().flatten();
         let mut row = 0;
@@ -82,7 +81,7 @@ mod tests {
     use crate::measurement::{Complex, Repeat};
     use rand::SeedableRng;
 
-    /// Mean square of many draws where every experiment was repeated so often.
+    /// Mean square of many draws if every experiment was repeated this often (0: not at all).
     fn mean_square(repeats: usize) -> f64 {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut experiments = stepped_sine(&axis(ACTUATORS[0]), 5).experiments().to_vec();
@@ -94,7 +93,7 @@ mod tests {
             experiment.repeats = (0..repeats)
                 .map(|_| Repeat {
                     input: Vec::new(),
-                    // Every harmonic has a scatter of its own: nothing is pooled.
+                    // Every harmonic has a scatter of its own, so that nothing is pooled.
                     response: experiment
                         .response
                         .iter()
@@ -115,8 +114,10 @@ mod tests {
         sum / (draws * problem.data()) as f64
     }
 
-    // 200 draws of 176 data: 1 is met to √(2/35200) = 0.8 %, four of that. Shrunk variances
-    // are made so that the mean of 1/s² is 1/σ²; how far they are shrunk is itself estimated.
+    // The mean square of 200 draws of 176 data is 1 with standard deviation √(2/35200) = 0.8 %;
+    // allow four.
+    // Shrunk variances are scaled so that the mean of 1/s² is 1/σ², but how far they are shrunk is
+    // itself estimated.
     #[test]
     fn drawn_noise_has_the_size_that_its_deviations_say() {
         assert!((mean_square(0) - 1.0).abs() < 0.032);

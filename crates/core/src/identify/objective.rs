@@ -1,4 +1,4 @@
-//! The noise-weighted misfit of all harmonics.
+//! The noise-weighted misfit: residuals, their Jacobian, and the sum of squares over all harmonics.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -13,27 +13,25 @@ use super::noise::Weights;
 use super::parameters::{CONSTANT, Coordinates};
 use super::problem::{Prepared, Problem};
 
-/// Misfit of a problem as a function of its coordinates.
+/// The misfit of a problem as a function of its coordinates.
 pub(super) struct Misfit<'a> {
     /// The measurement.
     pub problem: &'a Problem,
-    /// What is searched.
+    /// The coordinates.
     pub coordinates: &'a Coordinates,
-    /// How certain each datum is.
+    /// The standard deviation of each datum.
     pub weights: &'a Weights,
-    /// Who may cancel.
+    /// The observer, who may cancel.
     pub observer: &'a dyn Observer,
-    /// Predictions that take the place of those of a model with effects in an
-    /// experiment for which it has no periodic response; `None`: such a model
-    /// is worth nothing.
+    /// Predictions to use in experiments for which a model with effects has no periodic response.
+    /// With `None`, such a model has infinite cost.
     pub stand_in: Option<&'a [Vec<Complex>]>,
-    /// Which motions are a response.
+    /// Which periodic motions count as a response.
     pub counts: Counts,
 }
 
 impl<'a> Misfit<'a> {
-    /// Of a model without effects, or of one that must have a response from rest in every
-    /// experiment.
+    /// The misfit of a model that must have a response from rest in every experiment.
     pub fn new(
         problem: &'a Problem,
         coordinates: &'a Coordinates,
@@ -45,19 +43,23 @@ impl<'a> Misfit<'a> {
     }
 }
 
-/// Share of the experiments in which a model may lack a response.
-const UNANSWERED: f64 = 0.1;
+/// Largest share of the experiments in which a model may lack a response (tuned).
+const LARGEST_UNANSWERED_SHARE: f64 = 0.1;
 
-/// Residuals and their derivatives.
+/// Residuals and their Jacobian.
 pub(super) struct Linearisation {
-    /// (Ŷ − Y)/σ, re and im one after the other.
+    /// (Ŷ − Y)/σ: real and imaginary part of each datum in turn, harmonic 0 with its real part
+    /// alone.
     pub residuals: DVector<f64>,
-    /// One column a coordinate.
+    /// One row for each residual, one column for each coordinate.
     pub jacobian: DMatrix<f64>,
 }
 
 impl Misfit<'_> {
     /// Simulated value of every target, by experiment, in scale.
+    ///
+    /// # Errors
+    /// When an experiment has no response and `stand_in` does not replace it.
     pub fn predict(&self, point: &[f64]) -> Result<Vec<Vec<Complex>>, NoResponse> {
         let plant = self.coordinates.plant(point);
         let effects = self.coordinates.effects_at(point);
@@ -70,13 +72,13 @@ impl Misfit<'_> {
                 simulate::respond_if(self.counts, &plant, &effects, excitation, *highest)?;
             Ok(targets.iter().map(|t| velocity[t.order] * t.per_velocity).collect())
         };
-        self.every(predict, |e| self.stand_in.map(|values| values[e].clone()))
+        self.map_experiments(predict, |e| self.stand_in.map(|values| values[e].clone()))
     }
 
-    /// Something of every experiment, with something in the place of the few that
-    /// have no response. What is simulated with effects takes long enough to be
-    /// shared among threads.
-    fn every<T: Send>(
+    /// Applies `respond` to every experiment. `stand_in` supplies the result for the few
+    /// experiments without a response. Simulations with effects are slow enough to be run on
+    /// several threads.
+    fn map_experiments<T: Send>(
         &self,
         respond: impl Fn(&Prepared) -> Result<T, NoResponse> + Sync,
         stand_in: impl Fn(usize) -> Option<T> + Sync,
@@ -85,11 +87,12 @@ impl Misfit<'_> {
         if self.coordinates.effects.is_empty() {
             return experiments.iter().map(respond).collect();
         }
-        let most = (UNANSWERED * experiments.len() as f64) as usize;
+        let most = (LARGEST_UNANSWERED_SHARE * experiments.len() as f64) as usize;
         let missing = AtomicUsize::new(0);
         let or_stand_in = |(e, experiment)| {
             respond(experiment).or_else(|error| {
-                // What has no response takes longest to simulate: the rest is spared.
+                // Experiments without a response take longest to simulate, so stop at the first one
+                // too many.
                 let enough = missing.fetch_add(1, Ordering::Relaxed) >= most;
                 if enough { Err(error) } else { stand_in(e).ok_or(error) }
             })
@@ -97,7 +100,7 @@ impl Misfit<'_> {
         experiments.par_iter().enumerate().map(or_stand_in).collect()
     }
 
-    /// Experiments of which something was measured and in which a point has no response.
+    /// Indices of the experiments with data in which the model has no response at this point.
     pub fn unanswered(&self, point: &[f64]) -> Vec<usize> {
         let plant = self.coordinates.plant(point);
         let effects = self.coordinates.effects_at(point);
@@ -110,7 +113,7 @@ impl Misfit<'_> {
         experiments.filter(|(_, experiment)| is_unanswered(experiment)).map(|(e, _)| e).collect()
     }
 
-    /// Residuals (Ŷ − Y)/σ.
+    /// Residuals (Ŷ − Y)/σ, in the order of [`Linearisation::residuals`].
     pub fn residuals(&self, point: &[f64]) -> Result<DVector<f64>, NoResponse> {
         let predicted = self.predict(point)?;
         let mut residuals = Vec::with_capacity(self.problem.data());
@@ -126,7 +129,7 @@ impl Misfit<'_> {
         Ok(DVector::from_vec(residuals))
     }
 
-    /// Residuals and their derivatives by every coordinate.
+    /// Residuals and their derivatives with respect to every coordinate.
     pub fn linearise(&self, point: &[f64]) -> Result<Linearisation, NoResponse> {
         let plant = self.coordinates.variable_plant(point);
         let effects = self.coordinates.effects_at(point);
@@ -145,7 +148,7 @@ impl Misfit<'_> {
                 *highest,
             )
         };
-        let responses = self.every(respond, |e| {
+        let responses = self.map_experiments(respond, |e| {
             let targets = &self.problem.experiments[e].targets;
             let zero = vec![Complex::ZERO; self.problem.experiments[e].highest + 1];
             let mut velocity = zero.clone();
@@ -184,15 +187,15 @@ impl Misfit<'_> {
         Ok(Linearisation { residuals, jacobian })
     }
 
-    /// Sum of squares; infinite where there is no response.
+    /// Sum of squared residuals; infinite where there is no response.
     pub fn cost(&self, point: &[f64]) -> f64 {
         self.residuals(point).map_or(f64::INFINITY, |residuals| residuals.norm_squared())
     }
 
-    /// Sets K to its best value at the other coordinates, and says the cost.
+    /// Sets K to its best value given the other coordinates, and returns the cost there.
     ///
-    /// The response is proportional to K, so its best value is the projection
-    /// of the data on the response to K = 1: no search is spent on it.
+    /// The response is proportional to K, so the best K is the projection of the data on the
+    /// response to K = 1. The search needs no dimension for it.
     pub fn solve_for_constant(&self, point: &mut [f64]) -> f64 {
         point[CONSTANT] = 0.0;
         let Ok(unit) = self.predict(point) else { return f64::INFINITY };
@@ -212,7 +215,7 @@ impl Misfit<'_> {
         let limits = (self.coordinates.lower[CONSTANT], self.coordinates.upper[CONSTANT]);
         point[CONSTANT] = (projection / size).ln().clamp(limits.0, limits.1);
         if projection.is_nan() || projection <= 0.0 {
-            // It answers in the wrong direction, or not at all: worth nothing.
+            // The response is zero or opposes the data: use the smallest K.
             point[CONSTANT] = limits.0;
         }
         let constant = point[CONSTANT].exp();

@@ -1,8 +1,8 @@
 //! The interface of a search, and its budget of evaluations.
 //!
-//! An [`Optimiser`] looks for the least cost in the unit cube \[0, 1\]ⁿ. A [`Search`] evaluates for it,
-//! counts evaluations against one budget, keeps the best point, and reports to the observer. Searches can
-//! therefore be compared by what they reach with equally many evaluations.
+//! An [`Optimiser`] looks for the least cost in the unit cube \[0, 1\]ⁿ. A [`Search`] evaluates
+//! points for it, counts evaluations against one budget, keeps the best point, and reports to the
+//! observer. All searches can therefore be compared at equal numbers of evaluations.
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -13,48 +13,48 @@ use crate::answers::IdentifyOptions;
 
 use super::bee_colony::{Objective, evaluate};
 
-/// Where a descent by derivatives ended.
+/// The end of a descent with derivatives.
 pub(super) struct Descent {
     /// The point; it may lie outside the cube.
     pub point: Vec<f64>,
     /// Its cost.
     pub cost: f64,
-    /// Evaluations used, those with derivatives counted like those without.
+    /// Evaluations used; one with derivatives counts like one without.
     pub evaluations: usize,
 }
 
-/// An objective that knows its derivatives.
+/// An objective with derivatives.
 pub(super) trait Smooth: Objective {
-    /// Goes down from a point until that pays no more, or for `most` evaluations; `on_step`
-    /// hears of the evaluations so far and the cost.
+    /// Descends from a point until convergence, or for at most `most` evaluations; `on_step`
+    /// receives the evaluations so far and the cost.
     fn descend(&self, from: &[f64], most: usize, on_step: &mut dyn FnMut(usize, f64)) -> Descent;
 }
 
-/// Where a search stands.
+/// The state of a search after a generation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Generation {
-    /// Generation, cycle or step; 0 after the first points.
+    /// Generation, cycle or step; 0 after the initial points.
     pub index: usize,
     /// Evaluations so far.
     pub evaluations: usize,
     /// Least cost so far.
     pub best: f64,
-    /// Mean cost of the population, where there is one and it is finite.
+    /// Mean of the finite costs of the population, if there are any.
     pub mean: Option<f64>,
 }
 
 /// Why a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stop {
-    /// Every evaluation it was allowed is spent.
+    /// All allowed evaluations are used.
     BudgetSpent,
-    /// The colony has flown every cycle.
+    /// The colony has completed all cycles.
     EveryCycleFlown,
-    /// Its steps have become too small to matter.
+    /// The steps have become negligible.
     Converged,
-    /// It has gone down from every start.
+    /// A descent from every start is done.
     EveryStartDescended,
-    /// Whoever watches asked for it.
+    /// The observer cancelled.
     Cancelled,
 }
 
@@ -73,15 +73,15 @@ impl Stop {
 
 /// A search for the least cost.
 pub(super) trait Optimiser: Sync {
-    /// Name of its stage.
+    /// Name of the stage.
     fn stage(&self) -> &'static str;
 
-    /// Whether the options leave it on.
+    /// Whether the options enable it.
     fn is_enabled(&self, _options: &IdentifyOptions) -> bool {
         true
     }
 
-    /// Evaluations it may use: what the options say, or else what the colony of the paper uses.
+    /// Evaluations it may use: as the options say, or else as many as the paper's colony uses.
     fn budget(&self, options: &IdentifyOptions) -> usize {
         options.search_budget()
     }
@@ -89,21 +89,21 @@ pub(super) trait Optimiser: Sync {
     /// Searches until something stops it.
     ///
     /// # Errors
-    /// Always: what stopped it.
+    /// Always: the reason why it stopped.
     fn search(&self, search: &mut Search<'_>, rng: &mut ChaCha8Rng) -> Result<Infallible, Stop>;
 }
 
-/// A search under way: the objective, the budget, the best point, the watcher.
+/// A search in progress: the objective, the budget, the best point, the observer.
 pub(super) struct Search<'a> {
-    /// What is to be made small.
+    /// The function to minimise.
     pub objective: &'a dyn Smooth,
-    /// First points, the best guess first; there may be none.
+    /// Initial points, the best guess first; may be empty.
     pub initial: &'a [Vec<f64>],
     /// Options of the job.
     pub options: &'a IdentifyOptions,
     /// Evaluations allowed.
     pub budget: usize,
-    /// Hears of every generation; ends the search by breaking.
+    /// Called after every generation; ends the search by breaking.
     pub watch: &'a mut dyn FnMut(&Generation) -> ControlFlow<()>,
     used: usize,
     generations: usize,
@@ -111,7 +111,7 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Nothing is evaluated yet.
+    /// A search with nothing evaluated yet.
     pub fn new(
         objective: &'a dyn Smooth,
         initial: &'a [Vec<f64>],
@@ -123,7 +123,7 @@ impl<'a> Search<'a> {
         Self { objective, initial, options, budget, watch, used, generations, best }
     }
 
-    /// The best point and its cost, if any was finite.
+    /// The best point and its cost, if any cost was finite.
     pub fn best(&self) -> Option<(&[f64], f64)> {
         self.best.as_ref().map(|(point, cost)| (point.as_slice(), *cost))
     }
@@ -138,11 +138,11 @@ impl<'a> Search<'a> {
         self.budget - self.used
     }
 
-    /// Costs of points of the cube, evaluated in parallel; NaN counts as +∞.
+    /// Costs of points of the cube, evaluated in parallel; NaN becomes +∞.
     ///
     /// # Errors
-    /// [`Stop::BudgetSpent`] where the budget does not last for all of them; those it lasts
-    /// for count towards the best.
+    /// [`Stop::BudgetSpent`] if the budget does not suffice for all points. Those that were
+    /// evaluated still count towards the best.
     pub fn evaluate(&mut self, points: &[Vec<f64>]) -> Result<Vec<f64>, Stop> {
         let affordable = &points[..points.len().min(self.left())];
         let costs = evaluate(self.objective, affordable);
@@ -157,7 +157,7 @@ impl<'a> Search<'a> {
         Err(Stop::BudgetSpent)
     }
 
-    /// Goes down from a point of the cube.
+    /// Descends from a point of the cube.
     ///
     /// # Errors
     /// [`Stop::Cancelled`].
@@ -179,14 +179,15 @@ impl<'a> Search<'a> {
         if go_on.is_break() { Err(Stop::Cancelled) } else { Ok(()) }
     }
 
-    /// Takes over what a search that evaluates by itself has found and spent.
+    /// Takes over the best point and the number of evaluations of a search that evaluates by
+    /// itself.
     pub fn adopt(&mut self, point: &[f64], cost: f64, evaluations: usize) {
         self.used = evaluations;
         self.offer(point, cost);
     }
 
-    /// Passes on what a search that evaluates by itself says of a generation.
-    pub fn hear(
+    /// Passes on a generation of a search that evaluates by itself.
+    pub fn pass_on(
         &mut self,
         index: usize,
         evaluations: usize,
@@ -196,10 +197,10 @@ impl<'a> Search<'a> {
         (self.watch)(&Generation { index, evaluations, best, mean })
     }
 
-    /// A generation is done; `costs` are those of its population.
+    /// Reports the end of a generation; `costs` are those of its population.
     ///
     /// # Errors
-    /// [`Stop::Cancelled`] where the watcher asks for it.
+    /// [`Stop::Cancelled`] if the observer asks for it.
     pub fn report(&mut self, costs: Option<&[f64]>) -> Result<(), Stop> {
         let finite: Vec<f64> =
             costs.unwrap_or_default().iter().copied().filter(|cost| cost.is_finite()).collect();
@@ -213,13 +214,14 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Keeps a point if it is the best so far.
     fn offer(&mut self, point: &[f64], cost: f64) {
         if self.best.as_ref().map_or(f64::INFINITY, |best| best.1) > cost {
             self.best = Some((point.to_vec(), cost));
         }
     }
 
-    /// So many first points: those given, then uniform draws.
+    /// `count` initial points: those given, then uniform draws.
     pub fn population(&self, count: usize, rng: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
         let within = |point: &Vec<f64>| point.iter().map(|x| x.clamp(0.0, 1.0)).collect();
         let mut points: Vec<Vec<f64>> = self.initial.iter().take(count).map(within).collect();

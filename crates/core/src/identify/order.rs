@@ -1,4 +1,4 @@
-//! Chooses the order of the actuator by Schwarz's information criterion (BIC).
+//! Chooses the order of the actuator by Schwarz's Bayesian information criterion (BIC).
 
 use crate::answers::{OrderCandidate, OrderChoice};
 
@@ -10,35 +10,37 @@ use super::pipeline::Fitted;
 use super::problem::Problem;
 use super::refine;
 
-/// Share of the largest response below which a difference between model and
-/// data is rounding in the upload, not a reason for another pole.
-const ROUNDING: f64 = 1e-6;
+/// Misfit below this share of the largest response is rounding in the upload and no reason for
+/// another pole.
+const UPLOAD_ROUNDING: f64 = 1e-6;
 
-/// The same where Fc⁺ and Fc⁻ are taken to be equal: what that takes from odd
-/// harmonics is of second order in their difference.
-const ASYMMETRY: f64 = 1e-4;
+/// The same share where Fc⁺ and Fc⁻ are taken to be equal: the difference that this ignores changes
+/// odd harmonics to second order.
+const TIED_FRICTION_ERROR: f64 = 1e-4;
 
-/// Share of the misfit that a parameter must take away where the misfit is the
-/// model's fault and not the noise's: its residuals are not independent, so
-/// significance is free and only usefulness counts.
-const USEFUL: f64 = 0.05;
+/// Share of the misfit that each parameter must remove if the misfit is the model's error and not
+/// noise (tuned). Such residuals are not independent, so statistical significance is cheap, and
+/// only a useful improvement counts.
+const USEFUL_SHARE: f64 = 0.05;
 
 /// Chooses among fits of several orders, given in ascending order.
 ///
-/// The criterion is Schwarz's (1978, doi:10.1214/aos/1176344136): χ² plus ln N
-/// for every parameter where the noise is known and some model explains the
-/// data, N·ln(cost) plus the same where the noise is unknown. Where the noise is
-/// known and no model explains the data, a parameter must be useful instead. In
-/// doubt the lower order stays.
+/// The criterion is Schwarz's (1978, doi:10.1214/aos/1176344136), with N data:
+/// - noise known, and some model explains the data: χ² + ln N for every parameter;
+/// - noise unknown: N·ln(cost/N) + ln N for every parameter;
+/// - noise known, but no model explains the data: N·ln(cost/N), and every parameter must remove
+///   [`USEFUL_SHARE`] of the misfit.
+///
+/// At equal criterion the lower order is chosen.
 pub(super) fn choose(problem: &Problem, fits: &[Fitted], observer: &dyn Observer) -> OrderChoice {
     let data = problem.data() as f64;
     let costs = comparable_costs(problem, fits, observer);
     let best_cost = costs.iter().copied().fold(f64::INFINITY, f64::min);
     let known = fits.iter().all(|fit| fit.weights.known());
-    // χ² of pure noise scatters by √(2N) around N.
+    // The χ² of pure noise has mean N and standard deviation √(2N).
     let explained = known && best_cost < data + 4.0 * (2.0 * data).sqrt();
-    let penalty = if known && !explained { USEFUL * data } else { data.ln() };
-    let share = if problem.tied_friction { ASYMMETRY } else { ROUNDING };
+    let penalty = if known && !explained { USEFUL_SHARE * data } else { data.ln() };
+    let share = if problem.tied_friction { TIED_FRICTION_ERROR } else { UPLOAD_ROUNDING };
     let rounding = if known { 0.0 } else { data * share * share };
     let candidates: Vec<OrderCandidate> = fits
         .iter()
@@ -65,8 +67,8 @@ pub(super) fn choose(problem: &Problem, fits: &[Fitted], observer: &dyn Observer
     OrderChoice { actuator_order: chosen.actuator_order, explanation, candidates }
 }
 
-/// Whether the actuator is within the range the data can see: one that is as
-/// fast as the search allows stands for none, whatever small misfit it takes up.
+/// Whether the rate of the actuator is below its upper bound. An actuator at the bound is as good
+/// as none, even if it lowers the misfit a little.
 fn actuator_is_seen(fit: &Fitted) -> bool {
     let coordinates = &fit.coordinates;
     (0..coordinates.len()).all(|i| {
@@ -76,8 +78,8 @@ fn actuator_is_seen(fit: &Fitted) -> bool {
     })
 }
 
-/// Costs under the same weights: those of the best fit, where every fit has
-/// weights of its own because the input scatters.
+/// Costs under equal weights. If the input scatters, weights depend on the model and every fit has
+/// its own; all fits are then refined with the weights of the best one.
 fn comparable_costs(problem: &Problem, fits: &[Fitted], observer: &dyn Observer) -> Vec<f64> {
     let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
     let Some(best) = best.filter(|best| best.weights.depend_on_model) else {
@@ -127,8 +129,8 @@ mod tests {
     use super::*;
     use crate::answers::NoiseSource;
 
-    /// The choice where orders 0, 1 and 2 end at these costs per datum, their
-    /// actuators as fast as the search allows or not.
+    /// The choice if orders 0, 1 and 2 reach these costs per datum; with `fastest`, their actuators
+    /// lie at the upper bound of the rate.
     fn choose_among(fastest: bool, source: NoiseSource, costs: [f64; 3]) -> OrderChoice {
         let problem = Problem::new(&stepped_sine(&axis(ACTUATORS[0]), 7)).unwrap();
         let data = problem.data() as f64;
@@ -158,11 +160,11 @@ mod tests {
     }
 
     #[test]
-    fn an_actuator_as_fast_as_the_search_allows_stands_for_none() {
+    fn an_actuator_at_the_upper_bound_of_its_rate_counts_as_none() {
         assert_eq!(choose_among(true, NoiseSource::Given, [2.0, 1.0, 1.0]).actuator_order, 0);
     }
 
-    // 16 experiments of 15 real data: ln 240 = 5.5, of 240 that is 0.023.
+    // 16 experiments of 15 real data: N = 240, ln N = 5.5, which is 0.023 per datum.
     #[test]
     fn another_parameter_must_lower_chi2_by_the_logarithm_of_the_data() {
         let order = |costs| choice(NoiseSource::Given, costs).actuator_order;
@@ -179,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rounding_of_the_upload_leaves_asks_for_no_pole() {
+    fn a_misfit_of_the_size_of_upload_rounding_asks_for_no_pole() {
         let choice = choice(NoiseSource::Estimated, [1e-16, 1e-20, 1e-24]);
         assert_eq!(choice.actuator_order, 0);
         assert!(choice.explanation.starts_with("actuator order 0 is enough"));
@@ -187,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn the_explanation_names_the_orders_it_was_held_against() {
+    fn the_explanation_names_the_orders_it_was_compared_with() {
         let text = choice(NoiseSource::Given, [9.0, 1.0, 1.0]).explanation;
         assert!(text.contains("better than order 0 (88.89 % less"), "{text}");
         assert!(text.contains("order 2 would not lower"), "{text}");

@@ -1,4 +1,4 @@
-//! Parameters under the names that a user sees.
+//! The parameter names that a user sees.
 
 use indexmap::IndexMap;
 
@@ -6,7 +6,7 @@ use crate::plant::{Actuator, Plant};
 
 use super::parameters::{Coordinate, Coordinates};
 
-/// Parameters of a plant by name, in its units.
+/// Parameters of a plant by name, in the units of the plant.
 pub(super) fn values(plant: &Plant) -> IndexMap<String, f64> {
     let mut values = IndexMap::new();
     let mut insert = |name: &str, value: f64| {
@@ -28,8 +28,7 @@ pub(super) fn values(plant: &Plant) -> IndexMap<String, f64> {
     values
 }
 
-/// The name of the parameter that the coordinate at `i` stands for; of an
-/// effect's it is `effect.parameter`.
+/// The name of the parameter at coordinate `i`; for an effect it is `effect.parameter`.
 pub(super) fn name(coordinates: &Coordinates, i: usize) -> String {
     let base = match coordinates.list[i] {
         Coordinate::ViscousRate => "pole",

@@ -1,9 +1,8 @@
 //! The coordinates in which parameters are searched and refined.
 //!
-//! Everything here is in the problem's own scales (see `problem`): rates in
-//! ω_ref, torques in u_ref, velocities in v_ref. Rates, gains and the damping
-//! ratio are searched as logarithms, friction levels as they are, because 0 is
-//! a friction level.
+//! All coordinates are in the problem's own units (see `problem`): rates in ω_ref, torques in
+//! u_ref, velocities in v_ref. Rates, gains and the damping ratio are searched as logarithms.
+//! Friction levels are searched as they are, because a friction level can be 0.
 
 use crate::effects::{Effect, Wide};
 use crate::plant::{Actuator, Friction, Plant, Scalar};
@@ -36,40 +35,40 @@ pub(super) enum Coordinate {
     },
 }
 
-/// Which parameters are searched, and between which bounds.
+/// The parameters that are searched, and their bounds.
 #[derive(Debug, Clone)]
 pub(super) struct Coordinates {
-    /// The coordinates, K always second, those of effects last.
+    /// The coordinates: K always at index [`CONSTANT`], those of effects last.
     pub list: Vec<Coordinate>,
     /// The effects of the model.
     pub effects: Vec<&'static dyn Effect>,
-    /// What is possible at all: refinement stays within.
+    /// Lower bounds: refinement stays within them.
     pub lower: Vec<f64>,
-    /// Upper end of the same.
+    /// Upper bounds.
     pub upper: Vec<f64>,
-    /// Where a global search looks (K's entries are not used: K is solved for).
+    /// Lower ends of the ranges of a global search (the entry of K is unused: K is solved for).
     pub search_lower: Vec<f64>,
-    /// Upper end of the same.
+    /// Upper ends of the same ranges.
     pub search_upper: Vec<f64>,
 }
 
-/// Where K stands in every vector of coordinates.
+/// Index of K in every vector of coordinates.
 pub(super) const CONSTANT: usize = 1;
 
-/// The fastest actuator, over the highest frequency: it turns a phase there by
-/// 1e-4 rad, so that a higher order never fits worse than a lower one.
-const FASTEST: f64 = 1e4;
+/// Largest actuator rate, as a multiple of the highest frequency. Such an actuator shifts the phase
+/// at that frequency by only about 1e-4 rad, so a higher order never fits worse than a lower one.
+const FASTEST_ACTUATOR_RATIO: f64 = 1e4;
 
-/// What the data says about where parameters can lie, in the problem's scales.
+/// What the data says about where parameters can lie, in the problem's units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Prior {
-    /// Lowest frequency at which the axis was excited and observed.
+    /// Lowest frequency that was excited and observed.
     pub omega_low: f64,
     /// Highest such frequency.
     pub omega_high: f64,
-    /// Smallest peak torque at which an experiment showed motion.
+    /// Smallest peak input at which an experiment showed motion.
     pub moving_level: f64,
-    /// Largest peak torque of all.
+    /// Largest peak input of all experiments.
     pub largest_level: f64,
 }
 
@@ -85,17 +84,16 @@ impl Coordinates {
             search_lower: Vec::new(),
             search_upper: Vec::new(),
         };
-        // A pole a factor 30 outside the band leaves no trace a lab could see;
-        // the search looks a factor 3 outside.
+        // A pole a factor of 30 outside the band has no measurable effect. The search covers the
+        // band and a factor of 3 on either side.
         these.push_log(
             Coordinate::ViscousRate,
             [omega_low / 30.0, omega_high * 30.0],
             [omega_low / 3.0, omega_high * 3.0],
         );
         these.push_log(Coordinate::Constant, [1e-6, 1e6], [1.0, 1.0]);
-        // An axis that moved in an experiment has a level below its torque in
-        // one direction at least; levels much above the largest torque are
-        // all the same.
+        // If the axis moved, at least one friction level lies below the peak input of that
+        // experiment. Levels much above the largest input all predict the same: no motion.
         let likely = [0.0, prior.moving_level];
         let frictions: &[Coordinate] = if tied_friction {
             &[Coordinate::FcMean]
@@ -108,13 +106,13 @@ impl Coordinates {
         match order {
             1 => these.push_log(
                 Coordinate::ActuatorRate,
-                [omega_low / 30.0, omega_high * FASTEST],
+                [omega_low / 30.0, omega_high * FASTEST_ACTUATOR_RATIO],
                 [omega_low / 3.0, omega_high * 10.0],
             ),
             2 => {
                 these.push_log(
                     Coordinate::NaturalFrequency,
-                    [omega_low / 10.0, omega_high * FASTEST],
+                    [omega_low / 10.0, omega_high * FASTEST_ACTUATOR_RATIO],
                     [omega_low, omega_high * 5.0],
                 );
                 these.push_log(Coordinate::DampingRatio, [1e-4, 100.0], [0.02, 2.0]);
@@ -141,18 +139,18 @@ impl Coordinates {
         self.list.len()
     }
 
-    /// Number of those of the base model.
+    /// Number of coordinates of the base model.
     pub fn base_len(&self) -> usize {
         let of_effect = |c: &Coordinate| matches!(c, Coordinate::OfEffect { .. });
         self.list.iter().position(of_effect).unwrap_or(self.list.len())
     }
 
-    /// The plant at a point, in the problem's scales.
+    /// The plant at a point, in the problem's units.
     pub fn plant(&self, point: &[f64]) -> Plant {
         self.plant_of(point)
     }
 
-    /// The same with the coordinates as variables, each in a lane of its own.
+    /// The plant as dual numbers: coordinate i of the base model is the variable in lane i.
     pub fn variable_plant(&self, point: &[f64]) -> Plant<Wide> {
         let variables: Vec<Wide> = point[..self.base_len()]
             .iter()
@@ -196,7 +194,8 @@ impl Coordinates {
         plant
     }
 
-    /// The point of a plant, clamped to the bounds.
+    /// The coordinates of a plant, clamped to the bounds. Coordinates of effects are set to the
+    /// middle of their search range.
     pub fn point(&self, plant: &Plant) -> Vec<f64> {
         let friction = plant.friction;
         let (first, second) = match plant.actuator {
@@ -217,7 +216,8 @@ impl Coordinates {
                 Coordinate::FcMean => 0.5 * (friction.fc_plus + friction.fc_minus),
                 Coordinate::ActuatorRate | Coordinate::NaturalFrequency => first.ln(),
                 Coordinate::DampingRatio => second.ln(),
-                // A plant says nothing of effects: the middle of the range.
+                // A plant contains no effects: `clamp` replaces NaN by the middle of the search
+                // range.
                 Coordinate::OfEffect { .. } => f64::NAN,
             })
             .collect();
@@ -225,8 +225,7 @@ impl Coordinates {
         point
     }
 
-    /// Moves a point onto the bounds it exceeds; what is not a number goes to
-    /// the middle of the search range.
+    /// Clamps a point to the bounds. NaN becomes the middle of the search range.
     pub fn clamp(&self, point: &mut [f64]) {
         for (i, value) in point.iter_mut().enumerate() {
             if value.is_nan() {
@@ -236,8 +235,8 @@ impl Coordinates {
         }
     }
 
-    /// The point of a vector of the unit cube that spans the search ranges of
-    /// all coordinates but K, whose entry is left 0.
+    /// Maps a vector of the unit cube to the search ranges of all coordinates but K, whose entry is
+    /// left 0.
     pub fn within_search(&self, cube: &[f64]) -> Vec<f64> {
         let mut cube = cube.iter();
         (0..self.len())
@@ -251,13 +250,14 @@ impl Coordinates {
             .collect()
     }
 
-    /// The opposite of [`Self::within_search`], clamped to the cube.
+    /// The inverse of [`Self::within_search`], clamped to the cube.
     pub fn share_of_search(&self, point: &[f64]) -> Vec<f64> {
         let shares = self.share_of_search_unclamped(point);
         shares.into_iter().map(|share| share.clamp(0.0, 1.0)).collect()
     }
 
-    /// The same, outside the cube where the point lies outside the search ranges.
+    /// The inverse of [`Self::within_search`], not clamped: entries leave `[0, 1]` where the point
+    /// lies outside the search ranges.
     pub fn share_of_search_unclamped(&self, point: &[f64]) -> Vec<f64> {
         (0..self.len())
             .filter(|i| *i != CONSTANT)
@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn what_leaves_the_bounds_is_moved_onto_them() {
+    fn a_point_outside_the_bounds_is_moved_onto_them() {
         let coordinates = Coordinates::new(0, false, &PRIOR);
         let mut point = vec![f64::NAN, f64::INFINITY, -3.0, 3.0];
         coordinates.clamp(&mut point);

@@ -1,4 +1,4 @@
-//! The stages of a method, run one after the other: closed form, network, search, refinement.
+//! Runs the stages of a method in order: closed form, network, search, refinement.
 
 use std::ops::ControlFlow;
 
@@ -23,26 +23,26 @@ use super::refine::{self, Refined};
 use super::request::IdentifyError;
 use super::unit_cube_objective::OverCube;
 
-/// Rounds in which weights that depend on the model are computed anew.
-const MOST_ROUNDS: usize = 6;
+/// Most rounds of refinement in which weights that depend on the model are recomputed.
+const MOST_REWEIGHTINGS: usize = 6;
 
-/// Change of every coordinate below which the weights have settled.
-const SETTLED: f64 = 1e-6;
+/// If no coordinate moves by more than this in a round, the weights have converged.
+const CONVERGED_CHANGE: f64 = 1e-6;
 
-/// A fitted base model of one actuator order.
+/// The base model, fitted with one actuator order.
 #[derive(Clone)]
 pub(super) struct Fitted {
     /// Actuator order.
     pub order: u8,
-    /// What was searched.
+    /// The coordinates of the fit.
     pub coordinates: Coordinates,
-    /// Where the search ended.
+    /// The fitted point.
     pub point: Vec<f64>,
-    /// Weights in effect there.
+    /// The weights at that point.
     pub weights: Weights,
-    /// Sum of squares there.
+    /// The sum of squared residuals at that point.
     pub cost: f64,
-    /// The stages in order.
+    /// The stages that ran, in order.
     pub stages: Vec<Stage>,
 }
 
@@ -52,37 +52,37 @@ pub(super) struct Run<'a> {
     pub method: Method,
     /// The measurement.
     pub measurement: &'a Measurement,
-    /// The same, made ready.
+    /// The measurement, prepared for fitting.
     pub problem: &'a Problem,
-    /// Options.
+    /// The options.
     pub options: &'a IdentifyOptions,
-    /// The fit of the next lower order, where there is one: a start that this
-    /// order can only improve on.
+    /// The fit of the next lower order, if there is one: a starting point that this order can only
+    /// improve.
     pub lower: Option<&'a Fitted>,
-    /// Whom it reports to.
+    /// Reports progress.
     pub history: History<'a>,
 }
 
-/// What the stages hand on.
+/// What each stage hands on to the next.
 #[derive(Default)]
-struct Found {
-    /// Points to refine.
+struct StageResults {
+    /// Points to refine, as coordinates.
     starts: Vec<Vec<f64>>,
-    /// First points of a search, in the unit cube.
+    /// First points of the search, in the unit cube.
     sources: Vec<Vec<f64>>,
     stages: Vec<Stage>,
 }
 
 impl Run<'_> {
-    /// Runs the stages that the method has and the options leave on.
+    /// Runs the stages that the method has and the options enable.
     ///
     /// # Errors
-    /// When cancelled, or when no start gives any response.
+    /// When cancelled, or when no start has a response.
     pub fn fit(&self) -> Result<Fitted, IdentifyError> {
         let coordinates =
             Coordinates::new(self.history.order, self.problem.tied_friction, &self.problem.prior);
         let mut weights = self.weights(None);
-        let mut found = Found::default();
+        let mut found = StageResults::default();
         let misfit = self.misfit(&coordinates, &weights);
         let Steps { closed_form, network, search, refinement } = methods::steps(self.method);
         if search.is_none() {
@@ -117,23 +117,23 @@ impl Run<'_> {
         Ok(Fitted { order, coordinates, point, weights, cost, stages: found.stages })
     }
 
-    /// Refines a plant (in scale) that was found elsewhere in these stages.
+    /// Refines a plant (in scale) that was found elsewhere, in the given stages.
     ///
     /// # Errors
-    /// When cancelled, or when it gives no response.
+    /// When cancelled, or when the plant has no response.
     pub fn refit(&self, plant: &Plant, stages: Vec<Stage>) -> Result<Fitted, IdentifyError> {
         let order = self.history.order;
         let Problem { tied_friction, prior, .. } = self.problem;
         let coordinates = Coordinates::new(order, *tied_friction, prior);
         let mut weights = self.weights(Some(plant));
         let starts = vec![coordinates.point(plant)];
-        let mut found = Found { starts, stages, ..Found::default() };
+        let mut found = StageResults { starts, stages, ..StageResults::default() };
         let point = self.refinement("refit", &coordinates, &mut weights, &mut found)?;
         let cost = self.misfit(&coordinates, &weights).cost(&point);
         Ok(Fitted { order, coordinates, point, weights, cost, stages: found.stages })
     }
 
-    fn closed_form(&self, misfit: &Misfit<'_>, found: &mut Found) {
+    fn closed_form(&self, misfit: &Misfit<'_>, found: &mut StageResults) {
         let begun = self.history.begin("closed_form", 1);
         if let Some(plant) = closed_form::start(self.problem, self.history.order) {
             let mut point = misfit.coordinates.point(&plant);
@@ -145,7 +145,7 @@ impl Run<'_> {
         }
     }
 
-    fn network(&self, misfit: &Misfit<'_>, found: &mut Found) -> Result<(), IdentifyError> {
+    fn network(&self, misfit: &Misfit<'_>, found: &mut StageResults) -> Result<(), IdentifyError> {
         let options = &self.options.network;
         let begun = self.history.begin("network", options.epochs as u64);
         let plants = options.training_plants as u64;
@@ -155,7 +155,7 @@ impl Run<'_> {
                 begun.row(epoch as u64, plants, held_out, Some(training));
                 begun.progress(epoch as u64);
             });
-        self.history.go_on()?;
+        self.history.check_cancelled()?;
         if let Some(proposal) = proposal {
             let point = proposal.point(misfit.coordinates);
             let cost = misfit.cost(&point);
@@ -169,13 +169,13 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// The closed form where it is the answer: without two magnitudes at one frequency there is
-    /// none. Where they show no actuator, the axis of the next lower order has one too fast to
-    /// be seen.
+    /// The closed form as the answer of the method. It requires two magnitudes at one frequency. If
+    /// these show no actuator of this order, the plant of the next lower order is taken, with an
+    /// additional pole too fast to be seen.
     fn closed_form_alone(
         &self,
         misfit: &Misfit<'_>,
-        found: &mut Found,
+        found: &mut StageResults,
     ) -> Result<(), IdentifyError> {
         let unusable = |reason: &str| IdentifyError::Unusable { reason: reason.into() };
         if !closed_form::has_two_magnitudes(self.problem) {
@@ -201,7 +201,7 @@ impl Run<'_> {
         &self,
         optimiser: &dyn Optimiser,
         misfit: &Misfit<'_>,
-        found: &mut Found,
+        found: &mut StageResults,
     ) -> Result<(), IdentifyError> {
         let budget = optimiser.budget(self.options);
         let begun = self.history.begin(optimiser.stage(), budget as u64).within(budget as u64);
@@ -217,7 +217,7 @@ impl Run<'_> {
         };
         let mut search = Search::new(&objective, &found.sources, self.options, budget, &mut watch);
         let Err(stop) = optimiser.search(&mut search, &mut self.stream(2));
-        self.history.go_on()?;
+        self.history.check_cancelled()?;
         let used = search.used() as u64;
         let Some((best, _)) = search.best() else { return Ok(()) };
         let mut point = misfit.coordinates.within_search(best);
@@ -228,13 +228,13 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Refines every start, then the best again until its weights have settled.
+    /// Refines every start, then refines the best one again until its weights have converged.
     fn refinement(
         &self,
         name: &'static str,
         coordinates: &Coordinates,
         weights: &mut Weights,
-        found: &mut Found,
+        found: &mut StageResults,
     ) -> Result<Vec<f64>, IdentifyError> {
         found.starts.extend(self.start_of_lower(coordinates));
         let begun = self.history.begin(name, found.starts.len() as u64);
@@ -246,7 +246,7 @@ impl Run<'_> {
                 steps += 1;
             });
             evaluations += refined.evaluations;
-            self.history.go_on().map(|()| refined)
+            self.history.check_cancelled().map(|()| refined)
         };
         let mut best: Option<Refined> = None;
         for (done, start) in found.starts.iter().enumerate() {
@@ -258,16 +258,16 @@ impl Run<'_> {
             }
         }
         let mut best = best.ok_or_else(no_response)?;
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..MOST_REWEIGHTINGS {
             if !weights.depend_on_model {
                 break;
             }
             *weights = self.weights(Some(&coordinates.plant(&best.point)));
             let refined = descend(weights, &best.point, f64::INFINITY)?;
             let moved = refined.point.iter().zip(&best.point).map(|(a, b)| (a - b).abs());
-            let settled = moved.fold(0.0, f64::max) < SETTLED;
+            let converged = moved.fold(0.0, f64::max) < CONVERGED_CHANGE;
             best = refined;
-            if settled {
+            if converged {
                 break;
             }
         }
@@ -277,7 +277,7 @@ impl Run<'_> {
         Ok(best.point)
     }
 
-    /// The fit of the next lower order as a point of this one.
+    /// The fit of the next lower order as a point of this order.
     fn start_of_lower(&self, coordinates: &Coordinates) -> Option<Vec<f64>> {
         self.lower.map(|fitted| {
             let plant = fitted.coordinates.plant(&fitted.point);
@@ -297,8 +297,8 @@ impl Run<'_> {
         self.problem.in_units(&misfit.coordinates.plant(point))
     }
 
-    /// Random numbers of a stage: each has a stream of its own, so that
-    /// switching one off leaves the others' as they were.
+    /// The random numbers of a stage. Each stage has its own stream, so that disabling one does not
+    /// change the others.
     fn stream(&self, stage: u64) -> ChaCha8Rng {
         let mut rng = ChaCha8Rng::seed_from_u64(self.options.seed);
         rng.set_stream(16 * u64::from(self.history.order) + stage);
@@ -312,7 +312,7 @@ fn no_response() -> IdentifyError {
     }
 }
 
-/// The plant with one more actuator pole, so fast that it hardly shows.
+/// The plant with one more actuator pole, too fast to be seen.
 fn with_fast_pole(plant: &Plant, omega_high: f64) -> Plant {
     let fast = 30.0 * omega_high;
     let actuator = match plant.actuator {

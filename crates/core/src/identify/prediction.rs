@@ -1,4 +1,4 @@
-//! The response of an identified model beside the measured one, harmonic by harmonic.
+//! Compares the response of an identified model with the measured one, harmonic by harmonic.
 
 use rayon::prelude::*;
 
@@ -18,12 +18,13 @@ use super::request::IdentifyError;
 
 /// Compares a measurement with the model of a stored answer.
 ///
-/// The model is rebuilt from the reported parameters, the deviations are those
-/// of the fit. An experiment the model has no response for is listed, not fatal.
+/// The model is rebuilt from the reported parameters, and the standard deviations are those of the
+/// fit. An experiment for which the model has no response is listed in the result and is not an
+/// error.
 ///
 /// # Errors
-/// [`IdentifyError::Unusable`] where the answer lacks a parameter of the model,
-/// or the measurement cannot be fitted at all.
+/// [`IdentifyError::Unusable`] if the answer lacks a parameter of the model, or if the measurement
+/// cannot be fitted at all.
 pub fn compare(
     measurement: &Measurement,
     answer: &Identification,
@@ -37,8 +38,8 @@ pub fn compare(
     Ok(beside(measurement, &problem, &plant, &effects, &weights, answer.fit.dof, |_| true))
 }
 
-/// The same from what a fit knows, of the experiments that are `wanted`; `dof` are the fit's
-/// degrees of freedom.
+/// Compares the measured and simulated responses of the experiments that are `wanted`. Plant and
+/// effects are in the problem's units; `dof` are the degrees of freedom of the fit.
 pub(super) fn beside(
     measurement: &Measurement,
     problem: &Problem,
@@ -129,7 +130,7 @@ fn harmonics(
         .collect()
 }
 
-/// One deviation for all data: what the model leaves, per degree of freedom.
+/// Sets one standard deviation for all data, estimated from the residuals per degree of freedom.
 fn estimate_std(comparison: &mut Comparison, parameters: i64) {
     let harmonics = || comparison.experiments.iter().flat_map(|e| &e.harmonics);
     let real = |h: &ComparedHarmonic| if h.order == 0 { 1 } else { 2 };
@@ -141,13 +142,13 @@ fn estimate_std(comparison: &mut Comparison, parameters: i64) {
         })
         .sum();
     let std = (squares / (data - parameters).max(1) as f64).sqrt();
-    // A deviation divides: where nothing at all is left it is as small as can be.
+    // Other code divides by this deviation, so it must not be 0 even for a perfect fit.
     let std = std.max(f64::MIN_POSITIVE);
     let experiments = comparison.experiments.iter_mut();
     experiments.flat_map(|e| &mut e.harmonics).for_each(|h| h.std = std);
 }
 
-/// The plant an answer reports, in units of the upload.
+/// The plant that an answer reports, in units of the upload.
 pub(super) fn reported_plant(answer: &Identification) -> Result<Plant, IdentifyError> {
     let value = |name: &str| {
         let estimate = answer.parameters.get(name);
@@ -173,7 +174,7 @@ pub(super) fn reported_plant(answer: &Identification) -> Result<Plant, IdentifyE
     })
 }
 
-/// The effects an answer reports, in these scales.
+/// The effects that an answer reports, converted to these units.
 pub(super) fn reported_effects(
     answer: &Identification,
     Scales { omega, input, velocity }: Scales,
@@ -217,10 +218,10 @@ mod tests {
         IdentifyRequest { plant, options, ..IdentifyRequest::default() }
     }
 
-    // The plant goes through the reported parameters and back: rounding of a few operations,
-    // relative 1e-15, which a response may take ten times.
+    // The plant is converted to reported parameters and back. A few operations round by 1e-15
+    // relative, which a response may amplify ten times.
     #[test]
-    fn a_comparison_from_a_stored_answer_is_the_one_of_the_fit() {
+    fn a_comparison_from_a_stored_answer_equals_that_of_the_fit() {
         for actuator in ACTUATORS {
             let measurement = stepped_sine(&axis(actuator), 3);
             let fit = fit_base(&measurement, &request(actuator.order()), &Silent).unwrap();

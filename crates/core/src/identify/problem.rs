@@ -1,8 +1,9 @@
 //! A measurement prepared for fitting, in normalised units.
 //!
-//! Time, input and response are divided by ω_ref, u_ref and v_ref, all taken from the data: the same
-//! machine in other units is the same problem, and its parameters differ by exactly the change of
-//! units.
+//! Time, input and response are scaled by a frequency ω_ref, an input u_ref and a velocity v_ref,
+//! all taken from the data. The same machine measured in other units therefore gives the same
+//! problem, and its parameters differ by exactly the change of units. Comments call these units "in
+//! scale".
 
 use crate::effects::Scope;
 use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};
@@ -12,32 +13,34 @@ use crate::simulate::Excitation;
 use super::parameters::Prior;
 use super::request::IdentifyError;
 
-/// Share of the largest line of an input above which a line counts as excited.
+/// A line of an input counts as excited if it is larger than this share of the largest line
+/// (tuned).
 const EXCITED_SHARE: f64 = 0.02;
 
-/// Units of the problem in units of the upload.
+/// The units of the problem, expressed in units of the upload.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scales {
-    /// rad/s.
+    /// ω_ref, rad/s.
     pub omega: f64,
-    /// Input units.
+    /// u_ref, input units.
     pub input: f64,
-    /// Velocity units.
+    /// v_ref, velocity units.
     pub velocity: f64,
 }
 
-/// One datum: a harmonic of a response.
+/// One datum: a harmonic of the response.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Target {
     /// Harmonic k.
     pub order: usize,
     /// Measured value, in scale.
     pub value: Complex,
-    /// Response per velocity: 1, 1/(jkω) or jkω, in scale.
+    /// Factor from velocity to response: 1 (velocity), 1/(jkω) (position) or jkω (acceleration), in
+    /// scale.
     pub per_velocity: Complex,
-    /// Whether re alone counts (harmonic 0).
+    /// Whether only the real part is compared (harmonic 0).
     pub real: bool,
-    /// Whether it is not a datum but the fact that the mean velocity is 0.
+    /// Whether this is not a datum but the constraint that the mean velocity is 0.
     pub constraint: bool,
 }
 
@@ -46,28 +49,29 @@ pub(super) struct Target {
 pub(super) struct Prepared {
     /// The input, in scale.
     pub excitation: Excitation,
-    /// Highest harmonic compared.
+    /// Highest harmonic that is compared.
     pub highest: usize,
-    /// What is compared.
+    /// The harmonics that are compared.
     pub targets: Vec<Target>,
 }
 
 /// A measurement ready for fitting.
 #[derive(Debug, Clone)]
 pub(super) struct Problem {
-    /// Its scales.
+    /// Its units.
     pub scales: Scales,
-    /// Its experiments, in the order of the measurement.
+    /// The experiments, in the order of the measurement.
     pub experiments: Vec<Prepared>,
-    /// What it says about where parameters can lie.
+    /// What the data says about where parameters can lie.
     pub prior: Prior,
-    /// Whether nothing in it tells Fc⁺ from Fc⁻.
+    /// Whether the data cannot distinguish Fc⁺ from Fc⁻.
     pub tied_friction: bool,
-    /// Units of a response in scale, in units of the upload.
+    /// The unit of the response in scale, in units of the upload.
     pub response_scale: f64,
-    /// Whether the order of acquisition is given, and more than one.
+    /// Whether every experiment states its position (`run`) in the order of acquisition, and these
+    /// differ.
     pub runs_known: bool,
-    /// Largest amplitude of the position, in scale.
+    /// Largest position amplitude of any harmonic, in scale.
     pub largest_travel: f64,
 }
 
@@ -124,8 +128,8 @@ impl Problem {
             return Err(unusable("only means were measured; give harmonic 1 at least"));
         }
         let prior = levels(experiments, kind, &scales, (low, high));
-        // A pure cosine shows the asymmetry of friction only in the mean and in
-        // even harmonics.
+        // With pure cosine inputs, different levels Fc⁺ and Fc⁻ show only in the mean and in even
+        // harmonics.
         let tied_friction = prepared.iter().all(|e| {
             e.excitation.is_pure_cosine() && e.targets.iter().all(|target| target.order % 2 == 1)
         });
@@ -140,7 +144,7 @@ impl Problem {
         })
     }
 
-    /// The same with nothing measured in these experiments.
+    /// The same problem without the data of these experiments.
     pub fn without(&self, experiments: &[usize]) -> Self {
         let mut rest = self.clone();
         experiments.iter().for_each(|e| rest.experiments[*e].targets.clear());
@@ -153,7 +157,8 @@ impl Problem {
         self.experiments.iter().flat_map(|e| &e.targets).map(components).sum()
     }
 
-    /// What is known of scales once a plant (in scale) is; in scale.
+    /// The scales from which effects derive the ranges of their parameters, given the plant of the
+    /// base model; plant and result are in scale.
     pub fn scope(&self, plant: &Plant) -> Scope {
         Scope {
             plant: *plant,
@@ -166,12 +171,12 @@ impl Problem {
         }
     }
 
-    /// A plant in scale as a plant in units of the upload.
+    /// Converts a plant from problem units to units of the upload.
     pub fn in_units(&self, plant: &Plant) -> Plant {
         rescaled(plant, self.scales)
     }
 
-    /// The opposite.
+    /// Converts a plant from units of the upload to problem units.
     pub fn in_scale(&self, plant: &Plant) -> Plant {
         let Scales { omega, input, velocity } = self.scales;
         let inverse = Scales { omega: 1.0 / omega, input: 1.0 / input, velocity: 1.0 / velocity };
@@ -179,7 +184,7 @@ impl Problem {
     }
 }
 
-/// A plant with its rates, torques and velocities times these factors.
+/// The plant with its rates, torques and velocities multiplied by these factors.
 fn rescaled(plant: &Plant, Scales { omega, input, velocity }: Scales) -> Plant {
     let friction = plant.friction;
     Plant {
@@ -206,7 +211,7 @@ fn rescaled(plant: &Plant, Scales { omega, input, velocity }: Scales) -> Plant {
     }
 }
 
-/// Response per velocity at harmonic k.
+/// Factor from velocity to response at harmonic k of the fundamental frequency `omega`.
 pub(super) fn per_velocity(kind: ResponseKind, k: usize, omega: f64) -> Complex {
     let s = Complex::new(0.0, k as f64 * omega);
     match kind {
@@ -216,6 +221,7 @@ pub(super) fn per_velocity(kind: ResponseKind, k: usize, omega: f64) -> Complex 
     }
 }
 
+/// Largest velocity amplitude of any harmonic of an experiment, velocity units.
 fn largest_velocity(experiment: &Experiment, kind: ResponseKind) -> f64 {
     experiment
         .response
@@ -225,7 +231,7 @@ fn largest_velocity(experiment: &Experiment, kind: ResponseKind) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Largest position amplitude of any harmonic.
+/// Largest position amplitude of any harmonic, velocity units times second.
 fn largest_travel(experiments: &[Experiment], kind: ResponseKind) -> f64 {
     let of = |e: &Experiment| {
         let moving = e.response.iter().filter(|h| h.order > 0);
@@ -238,13 +244,14 @@ fn largest_travel(experiments: &[Experiment], kind: ResponseKind) -> f64 {
     experiments.iter().map(of).fold(0.0, f64::max)
 }
 
-/// Largest torque the input could be: its peak, mean included.
+/// Peak input of an experiment: its magnitude (half its peak-to-peak value) plus the size of its
+/// mean.
 fn peak_input(experiment: &Experiment) -> f64 {
     let mean = experiment.input.first().map_or(0.0, |u| u.re.abs());
     experiment.magnitude.max(experiment.pure_cosine().map_or(0.0, |u| u.norm())) + mean
 }
 
-/// Lowest and highest frequency excited and observed, rad/s.
+/// Lowest and highest frequency (rad/s) that is both excited and observed.
 fn excited_band(experiment: &Experiment) -> (f64, f64) {
     let lines = experiment.input.iter().enumerate().skip(1);
     let largest = lines.clone().map(|(_, u)| u.norm()).fold(0.0, f64::max);
@@ -278,9 +285,9 @@ fn prepare(
         })
         .collect();
     if kind == ResponseKind::Position && experiment.input_mean_measured {
-        // A periodic position has no mean velocity. Where the mean of the input
-        // was not measured, nothing says what offset balanced the friction, and
-        // the fact says nothing about the friction either.
+        // A periodic position has zero mean velocity. That fact constrains the friction only if the
+        // mean of the input was measured; otherwise the offset that balanced the friction is
+        // unknown.
         let zero = Complex::new(0.0, 0.0);
         let one = Complex::new(1.0, 0.0);
         targets.insert(
@@ -293,6 +300,7 @@ fn prepare(
     Prepared { excitation, highest, targets }
 }
 
+/// Frequency band and torque levels of the experiments, in scale.
 fn levels(
     experiments: &[Experiment],
     kind: ResponseKind,
@@ -305,8 +313,10 @@ fn levels(
         moving_level: f64::INFINITY,
         largest_level: 0.0,
     };
-    // The stiffest response seen tells motion from what noise leaves of a rest:
-    // velocity per torque, made comparable over frequency by the band's middle.
+    // Noise gives even a resting axis some velocity. An experiment therefore counts as moving only
+    // if its mobility, velocity per torque, is at least 0.02 of the largest one (tuned). The factor
+    // 1 + ω/ω_ref makes mobilities comparable over frequency: it undoes the roll-off of a
+    // first-order lag with its corner in the middle of the band.
     let mobility = |e: &Experiment| {
         largest_velocity(e, kind) / scales.velocity * (1.0 + e.omega_rad_s / scales.omega)
             / (peak_input(e) / scales.input).max(f64::MIN_POSITIVE)
@@ -344,7 +354,7 @@ mod tests {
         }
         let here = Problem::new(&measurement).unwrap();
         let there = Problem::new(&joined(experiments)).unwrap();
-        // Powers of two: not even rounding differs.
+        // The factors are powers of two, so the values agree bit for bit.
         for (a, b) in here.experiments.iter().zip(&there.experiments) {
             assert_eq!(a.excitation.omega_rad_s(), b.excitation.omega_rad_s());
             assert_eq!(a.excitation.input(), b.excitation.input());

@@ -1,15 +1,15 @@
-//! Ends of intervals by the profile of the sum of squares, where its curvature misleads.
+//! Profile likelihood intervals, where the curvature at the fitted point misleads.
 //!
-//! The profile of a coordinate is the least sum of squares at each of its values, everything
-//! else refitted. A 95 % interval ends where it has risen by (t·s)², t the quantile and s the
-//! scale of the noise (Venzon and Moolgavkar 1988, doi:10.2307/2347496); were the sum quadratic,
-//! that would be t deviations away. It is not where a response is far from linear in a
-//! coordinate, as in the logarithm of a gap that hardly shows, or has kinks, as where an impact
-//! comes or goes.
+//! The profile of a coordinate is the least sum of squares at each of its values, with everything
+//! else refitted. A 95 % interval ends where the profile has risen by (t·s)², with t the quantile
+//! and s the scale of the noise (Venzon and Moolgavkar 1988, doi:10.2307/2347496). If the sum of
+//! squares were quadratic, that would be t standard deviations away. It is elsewhere if the
+//! response is far from linear in a coordinate (the logarithm of a gap that hardly shows) or has
+//! kinks (where an impact appears or vanishes).
 //!
-//! Ends are moved outwards alone: what any point has risen by is the most that the profile can
-//! have there, which proves an interval too short, while that one is too long would rest on
-//! refits having found the least.
+//! Ends are only moved outwards. The sum of squares at any point is an upper bound of the profile
+//! there, so a low sum proves that an interval is too short. To prove it too long, every refit
+//! would have to find the true minimum.
 
 use nalgebra::DVector;
 
@@ -19,31 +19,32 @@ use super::refine::{self, Patience};
 use super::search_settings::SearchSettings;
 use super::uncertainty::Uncertainty;
 
-/// Share by which the root of the rise may depart from what the curvature promises: with both
-/// ends so much too near an interval holds 92 % in place of 95.
-const BELIEVED: f64 = 0.1;
+/// The curvature's end is kept if the root of the rise (see `Profile::root`) there lies within this
+/// of 1. If both ends are too near by this share, an interval covers 92 % instead of 95 %.
+const CURVATURE_TOLERANCE: f64 = 0.1;
 
-/// The same share within which an end is found.
-const FOUND: f64 = 0.03;
+/// A refitted end is accepted if the root of the rise there lies within this of 1.
+const END_TOLERANCE: f64 = 0.03;
 
-/// Share of the rise that a step to the minimum may still gain: of a point that was not refined
-/// the profile says nothing.
-const SETTLED: f64 = 0.05;
+/// Profiles are computed only if a Gauss–Newton step from the fitted point would lower the cost by
+/// at most this share of the rise: a profile needs a point that is a minimum.
+const LARGEST_GAIN_LEFT: f64 = 0.05;
 
-/// A fitted point, and what counts as the end of an interval.
+/// The profile of the sum of squares about a fitted point.
 pub(super) struct Profile<'a> {
     misfit: &'a Misfit<'a>,
     point: &'a [f64],
     cost: f64,
-    /// Deviations to an end by the curvature.
+    /// t: standard deviations from the point to an end, by the curvature.
     quantile: f64,
-    /// (t·s)².
+    /// (t·s)²: the rise of the sum of squares at an end.
     rise: f64,
     search: &'a SearchSettings,
 }
 
 impl<'a> Profile<'a> {
-    /// At a minimum, where the noise has this scale; `None` where the point is none.
+    /// The profile about a minimum, with the quantile t and the scale s of the noise; `None` if the
+    /// point is not a minimum.
     pub fn new(
         misfit: &'a Misfit<'a>,
         point: &'a [f64],
@@ -53,15 +54,15 @@ impl<'a> Profile<'a> {
         search: &'a SearchSettings,
     ) -> Option<Self> {
         let gradient = here.jacobian.tr_mul(&here.residuals);
-        let to_gain = gradient.dot(&(&uncertainty.covariance * &gradient)) / scale.powi(2);
+        let predicted_gain = gradient.dot(&(&uncertainty.covariance * &gradient)) / scale.powi(2);
         let rise = (quantile * scale).powi(2);
         let cost = here.residuals.norm_squared();
         let this = Self { misfit, point, cost, quantile, rise, search };
-        (to_gain <= SETTLED * rise).then_some(this)
+        (predicted_gain <= LARGEST_GAIN_LEFT * rise).then_some(this)
     }
 
-    /// How far below and above the point the interval of a coordinate reaches; `None` where no
-    /// further than the curvature says, or the data does not determine it.
+    /// How far below and above the point the interval of a coordinate reaches. `None` if the
+    /// curvature's interval is long enough, or if the data does not determine the coordinate.
     pub fn reaches(&self, i: usize, uncertainty: &Uncertainty) -> Option<[f64; 2]> {
         let std = uncertainty.covariance[(i, i)].sqrt();
         if !(std > 0.0 && std.is_finite()) {
@@ -74,7 +75,8 @@ impl<'a> Profile<'a> {
         ends.iter().any(Option::is_some).then(|| ends.map(reach))
     }
 
-    /// The distance to an end that lies further than `to_end`, where the curvature puts it.
+    /// The distance to the end of an interval, if it lies further out than `to_end`, the step to
+    /// the curvature's end; else `None`.
     fn end(&self, i: usize, to_end: &DVector<f64>) -> Option<f64> {
         let Coordinates { lower, upper, .. } = self.misfit.coordinates;
         let side = to_end[i].signum();
@@ -86,24 +88,27 @@ impl<'a> Profile<'a> {
         let mut last: Vec<f64> = self.point.iter().zip(to_end).map(|(p, s)| p + s).collect();
         self.misfit.coordinates.clamp(&mut last);
         let mut root = self.root(self.misfit.cost(&last));
-        if root > 1.0 + BELIEVED {
-            // Too high for a straight valley: in a bent one the floor is elsewhere.
+        if root > 1.0 + CURVATURE_TOLERANCE {
+            // The cost rises faster than the quadratic predicts along the straight line. In a
+            // curved valley the minimum at this value lies off the line, so refit.
             (last, root) = self.refit(i, self.point[i] + to_end[i], &last);
         }
-        if root >= 1.0 - BELIEVED {
+        if root >= 1.0 - CURVATURE_TOLERANCE {
             return None;
         }
-        // Distances and roots of the rise there, before and beyond the end.
+        // (distance, root of the rise) of the last trial before the end, and of the last one beyond
+        // it.
         let (mut before, mut beyond) = ((distance, root), None);
         for _ in 0..self.search.interval_refits {
-            let next = between(before, beyond, self.search.interval_longest_step).min(room);
+            let most = self.search.interval_extrapolation;
+            let next = next_distance(before, beyond, most).min(room);
             let share = next / distance;
             let start: Vec<f64> =
                 self.point.iter().zip(&last).map(|(p, l)| p + share * (l - p)).collect();
             distance = next;
             let root;
             (last, root) = self.refit(i, self.point[i] + side * distance, &start);
-            let found = (root - 1.0).abs() <= FOUND || (root < 1.0 && distance >= room);
+            let found = (root - 1.0).abs() <= END_TOLERANCE || (root < 1.0 && distance >= room);
             if found || self.misfit.observer.cancelled() {
                 break;
             }
@@ -115,12 +120,14 @@ impl<'a> Profile<'a> {
         Some(distance)
     }
 
-    /// The root of a rise of the cost, in that of an end.
+    /// The root of the rise: √((cost − cost at the minimum)/rise), which is 1 at the end of an
+    /// interval.
     fn root(&self, cost: f64) -> f64 {
         ((cost - self.cost).max(0.0) / self.rise).sqrt()
     }
 
-    /// The best point with a coordinate held at a value, and the root of the rise there.
+    /// Refits all coordinates but `i`, which is held at `value`; returns the point and the root of
+    /// the rise there.
     fn refit(&self, i: usize, value: f64, start: &[f64]) -> (Vec<f64>, f64) {
         let mut coordinates = self.misfit.coordinates.clone();
         (coordinates.lower[i], coordinates.upper[i]) = (value, value);
@@ -136,11 +143,12 @@ impl<'a> Profile<'a> {
     }
 }
 
-/// The distance to try between one before the end and one beyond it, where there is one: roots
-/// of the rise are nearly straight. Where there is none it is the first times `longest` at most.
-fn between((near, low): (f64, f64), beyond: Option<(f64, f64)>, longest: f64) -> f64 {
+/// The distance to try next, given (distance, root of the rise) before the end and, once there is
+/// one, beyond it. Interpolates linearly: the root is nearly proportional to the distance. Until
+/// there is one beyond, the next distance is at most `most` times the one before.
+fn next_distance((near, low): (f64, f64), beyond: Option<(f64, f64)>, most: f64) -> f64 {
     match beyond {
-        None => near * (1.0 / low).min(longest),
+        None => near * (1.0 / low).min(most),
         Some((far, high)) if high.is_finite() => near + (far - near) * (1.0 - low) / (high - low),
         Some((far, _)) => 0.5 * (near + far),
     }
@@ -156,8 +164,8 @@ mod tests {
     use crate::answers::IdentifyOptions;
     use crate::observer::Silent;
 
-    /// What is said of K where one deviation is `share` of it, and everything else is known or
-    /// not.
+    /// The reaches of K with a noise scale that makes one standard deviation of ln K equal to
+    /// `share`. If `known`, all other coordinates are held.
     fn reaches_of_constant(order: u8, known: bool, share: f64) -> Option<[f64; 2]> {
         let axis = axis(ACTUATORS[usize::from(order)]);
         let measurement = stepped_sine(&axis, 5);
@@ -180,42 +188,43 @@ mod tests {
         profile.reaches(CONSTANT, &uncertainty)
     }
 
-    // The response is proportional to K, so that K's own interval is 1 ± 2 deviations of a
-    // quarter; above, the curvature's end 0.5 lies beyond ln 1.5. An end is found to 3 %.
+    // The response is proportional to K, so at two standard deviations of a quarter the interval of
+    // K itself is 1 ± 0.5. In ln K its lower end is ln 2 away. Above, the curvature's end 0.5 lies
+    // beyond the true one, ln 1.5, and stays. An end is found to 3 %.
     #[test]
-    fn an_end_that_the_curvature_puts_too_near_is_where_the_sum_has_risen() {
+    fn an_end_that_the_curvature_puts_too_near_is_moved_to_where_the_profile_has_risen() {
         let [below, above] = reaches_of_constant(0, true, 0.25).unwrap();
         assert!((below / 2.0_f64.ln() - 1.0).abs() < 0.05, "{below}");
         assert!((above - 0.5).abs() < 1e-9, "{above}");
     }
 
-    // On the straight path to 0.4, where the curvature puts the end, the sum rises by 1.3 times
-    // what it should; refitted there, by a third of it.
+    // On the straight line, at the curvature's end 0.4, the sum rises by 1.3 times the rise of an
+    // end. Refitted at that value, it rises by a third of it.
     #[test]
-    fn in_a_bent_valley_an_end_is_sought_along_the_floor() {
+    fn in_a_curved_valley_the_end_is_sought_along_the_refitted_minima() {
         let [_, above] = reaches_of_constant(1, false, 0.2).unwrap();
         assert!(above > 0.8, "{above}");
     }
 
-    // At two deviations of 0.03 the root falls short by 3 %.
+    // At two standard deviations of 0.03 the root of the rise is 3 % too small.
     #[test]
-    fn the_curvature_is_believed_where_the_response_is_nearly_linear() {
+    fn where_the_response_is_nearly_linear_the_end_of_the_curvature_is_kept() {
         assert_eq!(reaches_of_constant(0, true, 0.03), None);
     }
 
-    // Without any response the sum has risen by one deviation of 1, of two that are asked for.
-    // K has room down to 1e-6 of the problem's scales.
+    // Even without any response the sum rises by only one of the two standard deviations asked for.
+    // The lower bound of K is 1e-6 in the problem's units.
     #[test]
-    fn where_the_sum_never_rises_enough_the_interval_ends_at_the_bound() {
+    fn where_the_sum_never_rises_far_enough_the_interval_ends_at_the_bound() {
         let [below, _] = reaches_of_constant(0, true, 1.0).unwrap();
         assert!((13.0..15.0).contains(&below), "{below}");
     }
 
     #[test]
-    fn between_two_distances_the_root_is_taken_as_straight() {
-        assert_eq!(between((1.0, 0.5), None, 3.0), 2.0);
-        assert_eq!(between((1.0, 0.0), None, 3.0), 3.0);
-        assert_eq!(between((1.0, 0.5), Some((2.0, 1.5)), 3.0), 1.5);
-        assert_eq!(between((1.0, 0.5), Some((2.0, f64::INFINITY)), 3.0), 1.5);
+    fn the_next_distance_is_interpolated_linearly_in_the_root() {
+        assert_eq!(next_distance((1.0, 0.5), None, 3.0), 2.0);
+        assert_eq!(next_distance((1.0, 0.0), None, 3.0), 3.0);
+        assert_eq!(next_distance((1.0, 0.5), Some((2.0, 1.5)), 3.0), 1.5);
+        assert_eq!(next_distance((1.0, 0.5), Some((2.0, f64::INFINITY)), 3.0), 1.5);
     }
 }

@@ -1,5 +1,7 @@
-//! The network's proposal: trained on simulated plants at the measurement's own
-//! design, asked about the measured response.
+//! The proposal of the neural network.
+//!
+//! The network is trained on simulated plants, measured at the same magnitudes and frequencies as
+//! the data. The measured response then gives a proposal for the parameters of the real plant.
 
 use std::ops::ControlFlow;
 
@@ -15,22 +17,24 @@ use super::network::Network;
 use super::objective::Misfit;
 use super::parameters::{CONSTANT, Coordinates};
 
-/// What the network proposes.
+/// A proposal, with its spread.
 pub(super) struct Proposal {
-    /// Point of the unit cube.
+    /// The proposed point of the unit cube.
     pub cube: Vec<f64>,
-    /// ln K.
+    /// The proposed ln K.
     pub constant: f64,
-    /// Its standard deviation on plants it was not trained on.
+    /// Rms error of each entry of `cube` on the simulated plants that were held out of the
+    /// training.
     pub spread: Vec<f64>,
     /// Simulations of the whole measurement used for training.
     pub evaluations: u64,
 }
 
-/// Trains a network and asks it; `on_epoch` sees epoch and losses.
+/// Trains a network and asks it for a proposal. `on_epoch` receives the epoch, the training loss
+/// and the held-out loss.
 ///
-/// `None` where hardly any plant of the search range answers this design, or
-/// when cancelled.
+/// `None` if hardly any plant of the search range responds to this input, if the data has no usable
+/// features, or when cancelled.
 pub(super) fn propose(
     misfit: &Misfit<'_>,
     options: &NetworkOptions,
@@ -53,8 +57,8 @@ pub(super) fn propose(
             moves.then(|| features.of_simulated(misfit.problem, &values))
         })
         .collect();
-    // Every plant is simulated with K = 1: the size of its response is one more
-    // thing to predict, and the measured size over the predicted one is K.
+    // Every plant is simulated with K = 1. The network also predicts the size of that response: the
+    // measured size divided by it is K.
     let (inputs, targets): (Vec<_>, Vec<_>) = simulated
         .into_iter()
         .zip(&plants)
@@ -89,7 +93,7 @@ impl Proposal {
         point
     }
 
-    /// `count` food sources: the proposal itself, then draws around it.
+    /// `count` first points for a search: the proposal itself, then normal draws around it.
     pub fn food_sources(&self, count: usize, rng: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
         let mut draw = |share: f64, spread: f64| {
             let deviation: f64 = StandardNormal.sample(rng);

@@ -1,35 +1,34 @@
 //! Bounded Levenberg–Marquardt refinement.
 //!
-//! Levenberg's damping with Marquardt's scaling (1963, doi:10.1137/0111030) by
-//! the largest curvature seen (Moré 1978, doi:10.1007/BFb0067700). Coordinates
-//! that lie on a bound and are pushed outwards are held; steps are cut at the
-//! bounds.
+//! Levenberg's damping with Marquardt's scaling (1963, doi:10.1137/0111030) by the largest
+//! curvature so far (Moré 1978, doi:10.1007/BFb0067700). Coordinates on a bound that the gradient
+//! pushes outwards are held; steps are cut at the bounds.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::objective::{Linearisation, Misfit};
 
-/// When to be content.
+/// When a refinement ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Patience {
-    /// Steps after which refinement ends in any case.
+    /// Most steps.
     pub steps: usize,
-    /// Evaluations after which it ends in any case.
+    /// Most evaluations.
     pub evaluations: u64,
-    /// Relative decrease of the cost below which it counts as converged.
+    /// Converged if a step lowers the cost by less than this share of cost + `negligible`.
     pub cost_tolerance: f64,
-    /// Cost below which it is as good as none.
+    /// Cost below which relative decreases do not matter: see `cost_tolerance`.
     pub negligible: f64,
 }
 
-/// To the last digit.
+/// To the accuracy of the arithmetic.
 pub(super) const THOROUGH: Patience =
     Patience { steps: 100, evaluations: u64::MAX, cost_tolerance: 1e-14, negligible: 0.0 };
 
-/// Step, in logarithms and input scales, below which it counts as converged.
+/// Converged if no coordinate moves by more than this (in logarithms or in units of the input).
 const STEP_TOLERANCE: f64 = 1e-11;
 
-/// Longest step of any coordinate: e-fold, or the whole scale of the input.
+/// Longest step of any coordinate: a factor of e, or the largest input.
 const LONGEST_STEP: f64 = 1.0;
 
 /// Where refinement ended.
@@ -39,13 +38,13 @@ pub(super) struct Refined {
     pub point: Vec<f64>,
     /// Its sum of squares.
     pub cost: f64,
-    /// Simulations of the whole measurement used.
+    /// Number of simulations of the whole measurement.
     pub evaluations: u64,
     /// Why it ended.
     pub stop: &'static str,
 }
 
-/// Refines a point; `on_step` sees the step number, evaluations and cost.
+/// Refines a point; `on_step` receives the step number, the evaluations and the cost.
 pub(super) fn refine(
     misfit: &Misfit<'_>,
     start: &[f64],
@@ -67,7 +66,7 @@ pub(super) fn refine(
         if misfit.observer.cancelled() {
             return Refined { point, cost, evaluations, stop: "cancelled" };
         }
-        // A step takes two at least: a trial, and the derivatives where it leads.
+        // A step takes at least two evaluations: a trial, and the derivatives at the new point.
         let spent = |evaluations: u64| evaluations + 2 > patience.evaluations;
         let gradient = here.jacobian.tr_mul(&here.residuals);
         let curvature = here.jacobian.tr_mul(&here.jacobian);
@@ -114,9 +113,9 @@ pub(super) fn refine(
     Refined { point, cost, evaluations, stop: "step limit" }
 }
 
-/// The damped step, best within the bounds and with no coordinate moved further than
-/// [`LONGEST_STEP`]: one that would go beyond is set to where it may go and the others follow,
-/// so that what the data does not determine does not shorten their way.
+/// The damped step within the bounds, with no coordinate moved by more than [`LONGEST_STEP`]. The
+/// coordinate that exceeds its limit most is set to the limit, and the others are solved for again.
+/// A coordinate that the data does not determine thus does not shorten the step of the others.
 fn damped_step(
     misfit: &Misfit<'_>,
     point: &[f64],
@@ -164,7 +163,8 @@ fn damped_step(
     trial
 }
 
-/// Coordinates that are not held by a bound the cost pushes them against.
+/// Indices of the coordinates that are not held: held ones lie on a bound that the gradient pushes
+/// them against.
 fn free_coordinates(misfit: &Misfit<'_>, point: &[f64], gradient: &DVector<f64>) -> Vec<usize> {
     let coordinates = misfit.coordinates;
     (0..point.len())
@@ -176,7 +176,7 @@ fn free_coordinates(misfit: &Misfit<'_>, point: &[f64], gradient: &DVector<f64>)
         .collect()
 }
 
-/// Coordinates held by a bound at a refined point.
+/// Which coordinates are held by a bound at a refined point.
 pub(super) fn held(misfit: &Misfit<'_>, point: &[f64], here: &Linearisation) -> Vec<bool> {
     let gradient = here.jacobian.tr_mul(&here.residuals);
     let free = free_coordinates(misfit, point, &gradient);
@@ -224,8 +224,9 @@ mod tests {
         (refined, held, found)
     }
 
-    // The data comes from the other simulator, good to 1e-9 of the largest: squared, and
-    // times some 200 data, 1e-16; a parameter is off by some ten times 1e-9.
+    // The data comes from the independent simulator, which errs by 1e-9 of the largest value.
+    // Squared and summed over some 200 data this is about 1e-16. A parameter errs by some ten times
+    // 1e-9.
     #[test]
     fn refinement_from_the_middle_of_the_range_ends_at_the_truth() {
         for actuator in ACTUATORS {
@@ -238,7 +239,7 @@ mod tests {
         }
     }
 
-    // A mean lower than any friction makes it asks for a level below 0.
+    // The mean is lowered until no friction explains it, and the fit asks for a level below 0.
     #[test]
     fn a_level_the_data_wants_below_zero_ends_held_by_its_bound() {
         let plant = Plant { friction: Friction::coulomb(0.5, 0.0), ..axis(ACTUATORS[0]) };
@@ -249,11 +250,12 @@ mod tests {
         assert_eq!(found.friction.fc_minus, 0.0);
     }
 
-    // Nothing in the data tells an actuator this quick from none: its corner goes to the bound,
-    // and a step that counted it in would be as short as its own is long. Quadratic convergence
-    // from the middle of the range takes some ten steps of two evaluations; 60 leave room.
+    // The axis has no actuator, and the data cannot distinguish a fast one from none, so its corner
+    // goes to the bound. If a limit on that coordinate shortened the whole step, the others would
+    // advance slowly. Quadratic convergence from the middle of the range takes some ten steps of
+    // two evaluations; 60 leave room.
     #[test]
-    fn what_the_data_does_not_determine_does_not_hold_up_the_rest() {
+    fn an_undetermined_coordinate_does_not_slow_the_others() {
         let measurement = stepped_sine(&axis(ACTUATORS[0]), 5);
         let (refined, held, found) = refined(&measurement, 1, &Silent);
         assert_eq!(held, [false, false, false, false, true]);

@@ -1,41 +1,40 @@
-//! What is asked of an identification, and why there may be no answer.
+//! The request for an identification, and its errors.
 
 use crate::answers::{IdentifyOptions, InvalidOptions, Method, PlantRequest};
 
 use super::search_settings::SearchSettings;
 
-/// Why an identification gave no answer.
+/// Why an identification failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IdentifyError {
     /// The observer asked to stop.
     #[error("cancelled")]
     Cancelled,
-    /// An option no computation can use.
+    /// An option has a value that cannot be used.
     #[error(transparent)]
     Options(#[from] InvalidOptions),
     /// The data cannot determine any model.
     #[error("the measurement cannot be fitted: {reason}")]
     Unusable {
-        /// What is missing and what would help.
+        /// What the data lacks, and what would help.
         reason: String,
     },
 }
 
-/// What is asked of an identification.
+/// A request to identify the base model.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IdentifyRequest {
-    /// What is known of the plant; `None`: the order is chosen from the data.
+    /// What is known of the plant beforehand; `None`: the actuator order is chosen from the data.
     pub plant: Option<PlantRequest>,
-    /// The method.
+    /// The identification method.
     pub method: Method,
-    /// Its options.
+    /// Options of the identification.
     pub options: IdentifyOptions,
-    /// How hard searches try. Answers do not tell it: all but measurements of what it is worth
-    /// leave it as it is.
+    /// Settings of the search, which results do not report: only the benchmark changes them.
     pub search: SearchSettings,
 }
 
-/// The error of a fitted plant that does not move periodically.
+/// The error for a fitted plant that has no periodic response.
 pub(super) fn no_response() -> IdentifyError {
     IdentifyError::Unusable { reason: "the fitted plant has no periodic response".into() }
 }

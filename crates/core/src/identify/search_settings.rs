@@ -1,123 +1,119 @@
-//! The tuned numbers of the searches: how hard they try, and what they pass over.
+//! The tuned settings of the search: where fits start, how many are followed, and how far.
 //!
-//! None of them decides what counts as an effect: that is left to levels and prior odds, which
-//! stand where they are used. These only say where fits start, how many are followed, and how
-//! far. `docs/search-settings.md` has what halving and doubling each of them does, and the command
-//! that repeats the table.
+//! None of them decides whether an effect is present. That is decided by significance levels and
+//! prior odds, which are constants beside the code that uses them. `docs/search-settings.md` lists
+//! what halving and doubling each setting does, and the command that measures it.
 
 use serde::{Deserialize, Serialize};
 
-/// How many models are tried.
+/// How many models and starting points are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SearchBreadth {
-    /// Effects that are fitted beside one other: those that promise most.
+    /// Number of effects fitted beside one other effect: those with the largest score.
     pub pair_partners: usize,
-    /// Effects that are fitted beside two others.
+    /// Number of effects fitted beside two other effects.
     pub triple_partners: usize,
-    /// Single effects to which a second one is added, beside the best model.
+    /// Number of single-effect models, beside the best one, to which a second effect is added.
     pub grown_singles: usize,
-    /// Starts of a fit of one effect of which the first steps are taken.
+    /// Number of starting points from which one effect alone is fitted for a few steps.
     pub single_starts: usize,
-    /// The same of an effect beside one other.
+    /// The same for an effect beside one other.
     pub pair_starts: usize,
-    /// The same of an effect beside two others.
+    /// The same for an effect beside two others.
     pub triple_starts: usize,
-    /// Starts that are followed to their end.
+    /// Number of these starts, the best, that are followed until the fit converges.
     pub followed_starts: usize,
-    /// Further starts of the chosen effects whose misfit has several minima.
+    /// Number of further starting points for a chosen effect whose misfit has several minima.
     pub deepening_starts: usize,
 }
 
 impl SearchBreadth {
-    /// Effects that are fitted beside so many others, one or two.
+    /// Number of effects fitted beside so many others, one or two.
     pub(crate) fn partners(&self, beside: usize) -> usize {
         if beside <= 1 { self.pair_partners } else { self.triple_partners }
     }
 
-    /// Starts of an effect beside so many others, none to two.
+    /// Number of starting points of an effect beside so many others, none to two.
     pub(crate) fn starts(&self, beside: usize) -> usize {
         [self.single_starts, self.pair_starts, self.triple_starts][beside.min(2)]
     }
 }
 
-/// The tuned numbers of the searches, of a diagnosis and of the ends of intervals.
+/// The tuned settings of the search of a diagnosis, and of the ends of intervals.
 ///
-/// The default is what every answer of the service is computed with; other values are for
-/// measuring what each is worth.
+/// Every answer of the service is computed with the default. Other values are for measuring what a
+/// setting is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SearchSettings {
-    /// How many models are tried where every input is a cosine.
+    /// How many models are tried if every input is a pure cosine.
     pub cosines: SearchBreadth,
-    /// The same where an input is anything else: simulating a record takes a thousand times
-    /// longer.
+    /// The same for other inputs, whose simulation takes about a thousand times longer.
     pub records: SearchBreadth,
-    /// Points of the grid from which an effect without start points of its own is tried, at most.
+    /// Largest number of grid points at which an effect without starting points of its own is
+    /// tried.
     pub grid_points: usize,
-    /// Step from one spatial frequency of a torque ripple to the next, as the change of its angle
+    /// Step of the scan over spatial frequencies of a torque ripple, as the change of its angle
     /// over the longest travel, radians.
     pub ripple_angle_step_rad: f64,
-    /// The same step, at most, as a share of the spatial frequency.
+    /// Upper limit of that step, relative to the spatial frequency.
     pub ripple_relative_step: f64,
-    /// Peaks of the scan over spatial frequencies from which a fit may start.
+    /// Number of peaks of that scan from which a fit may start.
     pub ripple_starts: usize,
-    /// Factor by which the change that an effect makes at a grid point may be scaled up to fit the
-    /// residuals, at most.
+    /// Largest factor by which an effect at a grid point is scaled to fit the residuals.
     pub largest_scale: f64,
-    /// The same factor of a start, at least: an effect of no size has no shape that a fit could
-    /// follow.
+    /// Smallest such factor of a starting point: an effect of size 0 has no gradient in its other
+    /// parameters.
     pub smallest_scale: f64,
-    /// Longest step of a base parameter, in logarithms and input scales, by which a start makes
-    /// room for an effect.
+    /// Largest step of a base parameter from the fitted model to a starting point, in logarithms
+    /// or input scales.
     pub longest_start_shift: f64,
-    /// Two directions in which an effect shows are the same where their cosine is nearer to 1
-    /// than this.
+    /// Two directions of an effect count as one if 1 − |cosine| between them is at most this.
     pub same_direction: f64,
-    /// Two starts show something different where the cosine of their directions is further from 1
-    /// than this: those come first.
+    /// A starting point counts as different from those of larger gain if 1 − |cosine| between
+    /// their directions exceeds this. Different ones are tried first.
     pub different_direction: f64,
-    /// Share of the chance threshold that the score test must promise for an effect to be followed
-    /// from several starts.
+    /// Score from which on an effect is fitted from several starting points, as a share of the
+    /// familywise threshold.
     pub promising_share: f64,
-    /// Steps of a fit that decides which of several starts is worth more.
+    /// Steps of a fit that ranks starting points.
     pub glance_steps: usize,
-    /// Steps of a fit of an effect of which little is to be expected.
+    /// Steps of a fit of an effect that is not promising.
     pub brief_steps: usize,
-    /// Relative decrease of the cost by a step at which those two end sooner.
+    /// Relative decrease of the cost in one step at which these two kinds of fit stop early.
     pub trial_tolerance: f64,
-    /// Steps of a fit that is followed to its end, at most.
+    /// Largest number of steps of a fit that is followed until it converges.
     pub settle_steps: usize,
-    /// Relative decrease of the cost by a step at which that one ends.
+    /// Relative decrease of the cost in one step at which it counts as converged.
     pub settle_tolerance: f64,
-    /// Share of the leading effect's gain that another must reach in its first steps to be
-    /// followed.
+    /// Gain after the first steps from which on an effect is followed, as a share of the gain of
+    /// the best effect.
     pub rival_share: f64,
-    /// The same share where no effect alone explains the data: several may act together.
+    /// The same if no single effect explains the data, so that several may be present.
     pub hopeful_share: f64,
-    /// Share of the base model's misfit beyond noise that the best effect leaves at most for it to
-    /// be started again from aside: perhaps it is the right effect in the wrong minimum.
+    /// The best effect is started again from displaced parameters if it leaves less than this
+    /// share of the excess misfit: it may be the right effect in a wrong local minimum.
     pub restart_remainder: f64,
-    /// How far aside, in prior standard deviations of the effect's parameters.
+    /// That displacement, in prior standard deviations of the effect's parameters.
     pub restart_displacement: f64,
-    /// Starts from aside that are followed to their end.
+    /// Number of displaced starts that are followed until the fit converges.
     pub followed_restarts: usize,
-    /// Share of the misfit beyond noise by which a restart must be better for the search to start
-    /// again from aside of that.
+    /// Share of the excess misfit that a restart must remove for another round of restarts.
     pub restart_improvement: f64,
-    /// An effect that gains this many times the chance threshold is not fitted again from
-    /// further starts.
+    /// A chosen effect that gains more than this multiple of the familywise threshold is not
+    /// fitted again from further starting points.
     pub deepening_limit: f64,
-    /// Larger values that are tried in place of one below its likely range.
+    /// Number of larger values tried in place of one below its likely range.
     pub larger_values: usize,
-    /// Refits after which the end of an interval is where the last one was.
+    /// Largest number of refits for the end of an interval.
     pub interval_refits: usize,
-    /// Longest step towards the end of an interval, as a factor of the distance.
-    pub interval_longest_step: f64,
-    /// Steps of each of these refits, at most.
+    /// Largest ratio of one distance tried for the end of an interval to the one before it.
+    pub interval_extrapolation: f64,
+    /// Largest number of steps of each of these refits: they start near their minimum.
     pub interval_steps: usize,
-    /// Decrease of the cost by a step, relative to the cost and the rise that ends the interval, at
-    /// which a refit ends.
+    /// Decrease of the cost in one step at which such a refit has converged, relative to the cost
+    /// plus the rise that ends the interval. For a χ² of 1000 that is a hundredth of the rise.
     pub interval_tolerance: f64,
 }
 
@@ -170,7 +166,7 @@ impl Default for SearchSettings {
             deepening_limit: 10.0,
             larger_values: 4,
             interval_refits: 6,
-            interval_longest_step: 3.0,
+            interval_extrapolation: 3.0,
             interval_steps: 8,
             interval_tolerance: 3e-5,
         }

@@ -1,4 +1,4 @@
-//! From a request to the chosen fit, and from there to the answer.
+//! Fits a measurement as requested, and assembles the answer.
 
 use crate::answers::{Identification, InvalidOptions, OrderChoice, PlantRequest, Provenance};
 use crate::measurement::Measurement;
@@ -12,16 +12,13 @@ use super::request::{IdentifyError, IdentifyRequest, no_response};
 use super::summary::Intervals;
 use super::{limitations, order, summary};
 
-/// The chosen fit.
+/// The chosen fit, and how it was chosen.
 pub(super) struct Solved {
     pub(super) chosen: Fitted,
     pub(super) order_choice: Option<OrderChoice>,
 }
 
-/// Fits every order of the actuator that is asked for, and chooses among them.
-///
-/// # Errors
-/// See [`IdentifyError`].
+/// Fits the requested order of the actuator, or all three and chooses among them.
 pub(super) fn solve(
     measurement: &Measurement,
     problem: &Problem,
@@ -53,7 +50,10 @@ pub(super) fn solve(
     Ok(Solved { chosen: Fitted { stages, ..chosen }, order_choice })
 }
 
-/// What is said of a fit.
+/// The answer that reports a fit.
+///
+/// # Errors
+/// When the fitted plant has no response.
 pub(super) fn answer(
     measurement: &Measurement,
     misfit: &Misfit<'_>,

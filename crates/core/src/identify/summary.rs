@@ -1,4 +1,4 @@
-//! From a fitted point to the answer.
+//! Summarises a fitted point: estimates, goodness of fit, transfer function.
 
 use indexmap::IndexMap;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
@@ -16,32 +16,33 @@ use super::refine;
 use super::search_settings::SearchSettings;
 use super::uncertainty::Uncertainty;
 
-/// Probability below which a residual is more than noise.
-const LEVEL: f64 = 0.01;
+/// Significance level of the χ² test of adequacy: with a smaller p-value the residuals are more
+/// than noise.
+const ADEQUACY_LEVEL: f64 = 0.01;
 
-/// Everything an answer says of a fitted point.
+/// What an answer reports about a fitted point.
 pub(super) struct Summary {
     /// Estimates by name.
     pub parameters: IndexMap<String, ParameterEstimate>,
-    /// Correlations of what is identifiable.
+    /// Correlations of the identifiable parameters.
     pub correlations: Correlations,
-    /// How well it fits.
+    /// The goodness of fit.
     pub fit: Fit,
-    /// The linear block.
+    /// The linear block G(s).
     pub transfer_function: TransferFunction,
 }
 
-/// Where the intervals of parameters end.
+/// How the ends of the parameters' intervals are determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Intervals {
-    /// Where the curvature at the fitted point puts them.
+    /// From the curvature at the fitted point.
     Curvature,
-    /// There, or where the profile of the sum of squares does if that is further out: two
-    /// simulations more for each parameter, and some fits.
+    /// From the curvature, or from the profile of the sum of squares if that reaches further. Takes
+    /// two more simulations for each parameter, and some refits.
     Profile,
 }
 
-/// Summarises a fitted point.
+/// Summarises a fitted point; `None` if it has no response.
 pub(super) fn summarise(
     measurement: &Measurement,
     misfit: &Misfit<'_>,
@@ -53,7 +54,7 @@ pub(super) fn summarise(
     let here = misfit.linearise(&fitted.point).ok()?;
     let held = refine::held(misfit, &fitted.point, &here);
     let fitted_count = held.iter().filter(|held| !**held).count();
-    // Where there are fewer data than parameters, all of them are used up.
+    // With fewer data than parameters, no degrees of freedom are left.
     let dof = problem.data().saturating_sub(fitted_count) as i64;
     let fit = goodness(problem, fitted, misfit, dof)?;
     let known = fitted.weights.known();
@@ -90,6 +91,7 @@ pub(super) fn summarise(
     })
 }
 
+/// Two-sided 95 % quantile of Student's t, or of the normal distribution if `dof` is large.
 fn quantile95(dof: f64) -> f64 {
     let normal = Normal::standard().inverse_cdf(0.975);
     match StudentsT::new(0.0, 1.0, dof) {
@@ -98,6 +100,8 @@ fn quantile95(dof: f64) -> f64 {
     }
 }
 
+/// The goodness of fit; `None` if the model has no response. All standard deviations are later
+/// multiplied by `uncertainty_scale`: √(χ²/dof) if the model is not adequate, else 1.
 fn goodness(problem: &Problem, fitted: &Fitted, misfit: &Misfit<'_>, dof: i64) -> Option<Fit> {
     let predicted = misfit.predict(&fitted.point).ok()?;
     let (mut left, mut size, mut simulated, mut count) = (0.0, 0.0, 0.0, 0);
@@ -114,15 +118,17 @@ fn goodness(problem: &Problem, fitted: &Fitted, misfit: &Misfit<'_>, dof: i64) -
     let p_value = chi2.filter(|_| dof > 0).and_then(|chi2| {
         let scale_dof = fitted.weights.scale_dof;
         if scale_dof.is_finite() {
-            // The scale of the noise is itself estimated: a ratio of variances.
+            // The scale of the noise is itself estimated, so χ² per degree of freedom is a ratio of
+            // variances with an F distribution.
             let ratio = FisherSnedecor::new(dof as f64, scale_dof).ok()?;
             Some(ratio.sf(chi2 / dof as f64))
         } else {
             Some(ChiSquared::new(dof as f64).ok()?.sf(chi2))
         }
     });
-    // A model that leaves more than it simulates explains nothing, however large the noise.
-    let adequate = p_value.map(|p| p >= LEVEL && left <= simulated);
+    // A model whose residuals are larger than its response explains nothing, however large the
+    // noise.
+    let adequate = p_value.map(|p| p >= ADEQUACY_LEVEL && left <= simulated);
     let chi2_per_dof = chi2.filter(|_| dof > 0).map(|chi2| chi2 / dof as f64);
     let uncertainty_scale = match (adequate, chi2_per_dof) {
         (Some(false), Some(ratio)) => ratio.max(1.0).sqrt(),
@@ -200,7 +206,7 @@ mod tests {
         assert_eq!(poles, [[-10.0, 0.0], [-3.0, 0.0], [-12.0, 0.0]]);
     }
 
-    // Student's table: t(0.975) at 10 degrees of freedom; the normal's 1.960.
+    // Student's t(0.975) at 10 degrees of freedom is 2.2281; the normal quantile is 1.960.
     #[test]
     fn an_estimated_noise_widens_the_quantile() {
         assert!((quantile95(10.0) - 2.2281).abs() < 1e-4);

@@ -1,7 +1,8 @@
-//! The motion of an identified model beside a measured one that does not repeat.
+//! Simulates an identified model along a measured motion that does not repeat.
 //!
-//! Where the upload does not say how the motion begins, the initial state is estimated from a first
-//! stretch (`beginning`). That stretch is not compared, so that nothing compared was fitted.
+//! If the upload does not state the initial state, it is estimated from a first stretch of the
+//! record (`beginning`). That stretch is not compared, so that nothing that is compared was used in
+//! the estimate.
 
 mod beginning;
 
@@ -17,50 +18,51 @@ use super::problem::Scales;
 use super::request::IdentifyError;
 pub use beginning::Begun;
 
-/// Share of a motion that tells how it begins, at least and at most.
-const STRETCH: [f64; 2] = [0.1, 0.3];
+/// Smallest and largest share of a motion that serves to estimate its initial state (tuned).
+const FITTED_SHARE: [f64; 2] = [0.1, 0.3];
 
-/// Time constants of the mechanics that it lasts, within these bounds: after them nothing is
-/// left of the first velocity.
+/// Length of that stretch, in time constants of the mechanics, within the limits of
+/// [`FITTED_SHARE`]. After three time constants the initial velocity has decayed to 5 %.
 const TIME_CONSTANTS: f64 = 3.0;
 
-/// Samples of a stretch that tells anything.
-const FEWEST: usize = 8;
+/// Fewest samples from which an initial state is estimated (tuned); below it the axis begins at
+/// rest.
+const FEWEST_SAMPLES: usize = 8;
 
-/// One motion and what a model makes of it, from where they are compared on.
+/// One motion, measured and simulated, from the first compared sample on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Followed {
-    /// First sample that is compared.
+    /// Index of the first sample that is compared.
     pub first: usize,
-    /// As measured; of a position or an acceleration what differs from its mean.
+    /// The measured response; for a position or an acceleration, less its mean.
     pub measured: Vec<f64>,
-    /// As simulated, likewise.
+    /// The simulated response, likewise.
     pub simulated: Vec<f64>,
-    /// Whether it is said how the motion begins.
+    /// Whether the upload states how the motion begins.
     pub given: bool,
-    /// What it begins with beyond rest.
+    /// The estimated initial state; empty if the axis begins at rest or as given.
     pub beginning: Vec<Begun>,
 }
 
 /// Seconds at the beginning of a motion that are not compared, for a base model.
 ///
 /// # Errors
-/// [`IdentifyError::Unusable`] where the answer lacks a parameter of its model.
+/// [`IdentifyError::Unusable`] if the answer lacks a parameter of its model.
 pub fn unscored_s(transient: &Transient, base: &Identification) -> Result<f64, IdentifyError> {
     let Beginning { velocity, settle_s, .. } = transient.beginning;
     let plant = reported_plant(base)?;
-    let [least, most] = STRETCH.map(|share| share * transient.duration_s());
+    let [least, most] = FITTED_SHARE.map(|share| share * transient.duration_s());
     Ok(settle_s.unwrap_or(match velocity {
         Some(_) => 0.0,
         None => (TIME_CONSTANTS / plant.viscous_rate_rad_s).clamp(least, most),
     }))
 }
 
-/// Follows every motion of a measurement with the model of a stored answer; `unscored_s` says
-/// of each how many seconds are not compared.
+/// Simulates the model of a stored answer along every motion of a measurement. `unscored_s` holds,
+/// for each motion, the seconds at its beginning that are not compared.
 ///
 /// # Errors
-/// [`IdentifyError::Unusable`] where the answer lacks a parameter of its model.
+/// [`IdentifyError::Unusable`] if the answer lacks a parameter of its model.
 pub fn follow(
     measurement: &Measurement,
     answer: &Identification,
@@ -87,7 +89,7 @@ pub fn follow(
     Ok(followed.collect())
 }
 
-/// A model and the motion that it is to follow.
+/// A model, and the motion that it is compared with.
 struct Model<'a> {
     plant: &'a Plant,
     effects: &'a [ActiveEffect],
@@ -107,7 +109,7 @@ impl Model<'_> {
             ..InitialState::default()
         };
         let mut found = Vec::new();
-        if !given && first >= FEWEST {
+        if !given && first >= FEWEST_SAMPLES {
             (initial, found) = self.estimated(initial, first)?;
         }
         let simulated = self.response(input.len(), &initial)?;
@@ -120,7 +122,7 @@ impl Model<'_> {
         })
     }
 
-    /// The response over the first `count` samples.
+    /// The simulated response over the first `count` samples.
     fn response(&self, count: usize, initial: &InitialState) -> Result<Vec<f64>, NoResponse> {
         let Transient { input, step_s, intersample, .. } = self.transient;
         let input =
@@ -133,7 +135,7 @@ impl Model<'_> {
         })
     }
 
-    /// What is compared: of a position or an acceleration, as of their harmonics, no mean.
+    /// Removes the mean of a position or an acceleration, whose harmonic 0 is not compared either.
     fn compared(&self, response: &[f64]) -> Vec<f64> {
         let mean = match self.kind {
             ResponseKind::Velocity => 0.0,

@@ -10,31 +10,32 @@ use crate::effects;
 use super::objective::Linearisation;
 use super::parameters::{Coordinate, Coordinates};
 
-/// A direction whose effect on the response is this much smaller than that of
-/// the strongest one is lost in rounding: the data cannot see it.
+/// A direction is undetermined if its singular value is below this share of the largest one: its
+/// effect on the response is lost in rounding.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// A logarithm known no better than this is not identified: the interval would span more than a
-/// factor of 50.
-pub(super) const LARGEST_OF_LOGARITHM: f64 = 1.0;
+/// A logarithm with a standard deviation above this counts as not identified: its 95 % interval
+/// would span more than a factor of 50.
+pub(super) const LARGEST_LOG_STD: f64 = 1.0;
 
 /// Covariance of the coordinates, and which of them the data determines.
 #[derive(Debug, Clone)]
 pub(super) struct Uncertainty {
-    /// Covariance; rows of what is held or unseen are 0.
+    /// Covariance; 0 in rows and columns of coordinates that are held. Undetermined directions are
+    /// left out of it.
     pub covariance: DMatrix<f64>,
-    /// Orthonormal directions the data does not see, as columns.
-    unseen: DMatrix<f64>,
+    /// Orthonormal directions that the data does not determine, as columns.
+    undetermined: DMatrix<f64>,
 }
 
 impl Uncertainty {
-    /// From the linearisation at the refined point; coordinates `held` at a
-    /// bound are taken as known, the others' deviations are times `scale`.
+    /// From the linearisation at the refined point. Coordinates that are `held` at a bound are
+    /// treated as known. Standard deviations are multiplied by `scale`.
     pub fn new(here: &Linearisation, held: &[bool], scale: f64) -> Self {
         let all = held.len();
         let free: Vec<usize> = (0..all).filter(|i| !held[*i]).collect();
         let mut covariance = DMatrix::zeros(all, all);
-        let mut unseen = Vec::new();
+        let mut undetermined = Vec::new();
         let slim = here.jacobian.select_columns(&free);
         let finite = slim.iter().all(|value| value.is_finite());
         if !free.is_empty() && finite {
@@ -47,7 +48,7 @@ impl Uncertainty {
                     for (f, i) in free.iter().enumerate() {
                         direction[*i] = directions[(s, f)];
                     }
-                    unseen.push(direction);
+                    undetermined.push(direction);
                     continue;
                 }
                 let variance = (scale / singular).powi(2);
@@ -58,16 +59,16 @@ impl Uncertainty {
                 }
             }
         }
-        let unseen = DMatrix::from_fn(all, unseen.len(), |i, d| unseen[d][i]);
-        Self { covariance, unseen }
+        let undetermined = DMatrix::from_fn(all, undetermined.len(), |i, d| undetermined[d][i]);
+        Self { covariance, undetermined }
     }
 
-    /// Standard deviation of a linear combination of coordinates; `None` where
-    /// the data does not determine it, or no better than to `largest`.
+    /// Standard deviation of a linear combination of coordinates; `None` where the data does not
+    /// determine it, or where it exceeds `largest`.
     pub fn std(&self, combination: &[f64], largest: f64) -> Option<f64> {
         let row = nalgebra::RowDVector::from_row_slice(combination);
         let size = row.norm();
-        let lost = (&row * &self.unseen).norm() > 1e-3 * size;
+        let lost = (&row * &self.undetermined).norm() > 1e-3 * size;
         let std = (&row * &self.covariance * row.transpose())[(0, 0)].max(0.0).sqrt();
         (!lost && std.is_finite() && std <= largest).then_some(std)
     }
@@ -83,8 +84,10 @@ impl Uncertainty {
     }
 }
 
-/// Deviation from which on a coordinate is not identified: that of a uniform law over where it
-/// can lie, or over a turn; of a logarithm less, as its range is only where anything would show.
+/// Largest standard deviation with which a coordinate still counts as identified. For a level it is
+/// that of a uniform distribution over the range between the bounds, for an angle over a full turn.
+/// For a logarithm it is [`LARGEST_LOG_STD`]: its range covers everything that could show,
+/// which is far more than is useful.
 pub(super) fn largest_std(coordinates: &Coordinates, i: usize) -> f64 {
     let of_uniform = |width: f64| width / 12.0_f64.sqrt();
     let scale = match coordinates.list[i] {
@@ -99,11 +102,11 @@ pub(super) fn largest_std(coordinates: &Coordinates, i: usize) -> f64 {
     match scale {
         effects::Coordinate::Linear => of_uniform(coordinates.upper[i] - coordinates.lower[i]),
         effects::Coordinate::Angle => of_uniform(TAU),
-        effects::Coordinate::Logarithmic => LARGEST_OF_LOGARITHM,
+        effects::Coordinate::Logarithmic => LARGEST_LOG_STD,
     }
 }
 
-/// The combination that is one coordinate alone.
+/// The linear combination that is coordinate `i` alone.
 pub(super) fn unit(coordinates: &Coordinates, i: usize) -> Vec<f64> {
     (0..coordinates.len()).map(|j| f64::from(u8::from(i == j))).collect()
 }
@@ -123,7 +126,7 @@ mod tests {
         }
     }
 
-    // (JᵀJ)⁻¹ of J = [[2, 1], [0, 1], [2, 0]] is [[2, −2], [−2, 8]]/12.
+    // For J = [[2, 1], [0, 1], [2, 0]], (JᵀJ)⁻¹ is [[2, −2], [−2, 8]]/12.
     #[test]
     fn deviations_and_correlations_are_those_of_the_normal_equations() {
         let here = here(3, 2, &[20.0, 10.0, 0.0, 10.0, 20.0, 0.0]);
@@ -136,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_held_is_taken_as_known() {
+    fn a_held_coordinate_is_treated_as_known() {
         let here = here(3, 2, &[20.0, 10.0, 0.0, 10.0, 20.0, 0.0]);
         let uncertainty = Uncertainty::new(&here, &[false, true], 1.0);
         assert!((uncertainty.std(&[1.0, 0.0], 1.0).unwrap() - 800.0_f64.powf(-0.5)).abs() < 1e-12);
@@ -144,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn a_direction_the_data_does_not_see_has_no_deviation() {
+    fn a_direction_that_the_data_does_not_determine_has_no_standard_deviation() {
         // Only the sum of the first two matters, and the third.
         let here = here(3, 3, &[5.0, 5.0, 0.0, 0.0, 0.0, 5.0, 5.0, 5.0, 1.0]);
         let uncertainty = Uncertainty::new(&here, &[false; 3], 1.0);
@@ -154,8 +157,8 @@ mod tests {
         assert!(uncertainty.std(&[0.0, 0.0, 1.0], 1.0).is_some());
     }
 
-    // A level lies between 0 and 1.05 times the largest input, the amplitude of cogging between
-    // −1 and 1 times it, a phase anywhere on a turn.
+    // A friction level lies between 0 and 1.05 times the largest input, the amplitude of cogging
+    // between −1 and 1 times it, a phase anywhere on a turn.
     #[test]
     fn a_level_or_a_phase_is_identified_where_it_is_known_better_than_from_its_range_alone() {
         let measurement = stepped_sine(&axis(ACTUATORS[0]), 3);
@@ -170,11 +173,11 @@ mod tests {
         assert_eq!(largest, [1.0, 1.0, level, level, amplitude, 1.0, phase]);
     }
 
-    // One over 0.9 is 1.11.
+    // 1/0.9 = 1.11.
     #[test]
     fn what_is_known_no_better_than_to_the_largest_deviation_is_not_identified() {
         let uncertainty = Uncertainty::new(&here(1, 1, &[0.9]), &[false], 1.0);
-        assert_eq!(uncertainty.std(&[1.0], LARGEST_OF_LOGARITHM), None);
+        assert_eq!(uncertainty.std(&[1.0], LARGEST_LOG_STD), None);
         assert!(uncertainty.std(&[1.0], 1.2).is_some());
     }
 }

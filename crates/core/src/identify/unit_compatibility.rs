@@ -1,25 +1,26 @@
-//! Whether the units of two measurements agree, so that the parameters of one describe the other.
+//! Checks whether the units of two measurements agree, so that the parameters of one describe the
+//! other.
 
 use crate::answers::Identification;
 use crate::measurement::Measurement;
 
 use super::estimates::{Units, bracketed};
 
-/// How the units of two measurements go together.
+/// How the units of two measurements compare.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum UnitCompatibility {
-    /// They are the same.
+    /// The units are the same.
     Same,
-    /// One of them does not say a unit, so that nothing contradicts.
+    /// One measurement does not state a unit; nothing contradicts.
     Unsaid {
         /// `input` or `velocity`.
         quantity: &'static str,
     },
-    /// They contradict: the parameters of one do not describe the other.
+    /// The units differ: the parameters of one measurement do not describe the other.
     Different {
         /// `input` or `velocity`.
         quantity: &'static str,
-        /// Unit that was fitted in.
+        /// Unit of the fitted measurement.
         fitted: String,
         /// Unit of the other measurement.
         here: String,
@@ -27,13 +28,13 @@ pub enum UnitCompatibility {
 }
 
 impl UnitCompatibility {
-    /// Of the measurement that an answer was fitted to with another one. Of a position or an
-    /// acceleration the unit of its velocity counts, in which parameters are given.
+    /// Compares the measurement that an answer was fitted to with another one. For a position or an
+    /// acceleration, the unit of the velocity is compared, because parameters are given in it.
     pub fn with_answer(answer: &Identification, here: &Measurement) -> Self {
         Self::of(&fitted_in(answer), &Units::of(here))
     }
 
-    /// Of two measurements.
+    /// Compares two measurements.
     pub fn between(fitted: &Measurement, here: &Measurement) -> Self {
         Self::of(&Units::of(fitted), &Units::of(here))
     }
@@ -57,7 +58,7 @@ impl UnitCompatibility {
     }
 }
 
-/// Units of the parameters of an answer.
+/// The units of input and velocity, recovered from the units of an answer's parameters.
 fn fitted_in(answer: &Identification) -> Units {
     let unit = |name: &str| answer.parameters.get(name).map_or("", |estimate| &estimate.unit);
     let (input, gain) = (unit("fc_plus"), unit("dc_gain"));
@@ -66,19 +67,19 @@ fn fitted_in(answer: &Identification) -> Units {
     Units { input: input.to_owned(), velocity: inner.unwrap_or(velocity).to_owned() }
 }
 
-/// Whether a unit is one that stands for what an upload does not say.
+/// Whether a unit is a placeholder for one that the upload does not state.
 fn is_unsaid(unit: &str) -> bool {
     ["input", "response", "response/s", "response·s", ""].contains(&unit)
 }
 
-/// A unit in one spelling, that of what is not said included.
+/// A unit in canonical spelling; empty if it is not stated.
 fn spelled(unit: &str) -> String {
     if is_unsaid(unit) {
         return String::new();
     }
     let bare = unit.replace([' ', '·', '*', '(', ')'], "").replace('^', "");
     let bare = bare.replace("/s2", "/s²");
-    // Of an acceleration the velocity is times a second.
+    // The velocity unit of an acceleration in x/s² reads x/s²·s: shorten it to x/s.
     bare.strip_suffix("/s²s").map_or(bare.clone(), |distance| format!("{distance}/s"))
 }
 

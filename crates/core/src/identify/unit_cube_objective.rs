@@ -1,4 +1,4 @@
-//! The misfit as a function on the unit cube, for searches.
+//! The misfit as a function on the unit cube, for global searches.
 
 use super::bee_colony::Objective;
 use super::objective::Misfit;
@@ -6,7 +6,7 @@ use super::optimiser::{Descent, Smooth};
 use super::refine;
 use super::refine::Patience;
 
-/// The misfit as a search sees it: over the unit cube, with K solved for.
+/// The misfit over the unit cube, with K solved for.
 pub(super) struct OverCube<'a> {
     /// The misfit.
     pub misfit: &'a Misfit<'a>,
@@ -30,7 +30,7 @@ impl Smooth for OverCube<'_> {
     fn descend(&self, from: &[f64], most: usize, on_step: &mut dyn FnMut(usize, f64)) -> Descent {
         let mut start = self.misfit.coordinates.within_search(from);
         self.misfit.solve_for_constant(&mut start);
-        // Solving for K was one.
+        // Solving for K took one evaluation.
         let patience = Patience { evaluations: most as u64 - 1, ..refine::THOROUGH };
         let refined = refine::refine(self.misfit, &start, patience, &mut |_, used, cost| {
             on_step(used as usize + 1, cost);

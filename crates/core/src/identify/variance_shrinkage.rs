@@ -1,4 +1,5 @@
-//! Pooled variances, and variances shrunk towards a trend (empirical Bayes).
+//! Pools variances, or shrinks them towards a trend by empirical Bayes (Smyth 2004,
+//! doi:10.2202/1544-6115.1027).
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::digamma;
@@ -14,40 +15,42 @@ pub(super) struct Cell {
     pub magnitude: f64,
     /// Whether it comes from the periods of a record.
     pub from_record: bool,
-    /// Estimate, squared units.
+    /// The estimate, in squared units of the problem.
     pub variance: f64,
-    /// Its degrees of freedom; 0 where nothing was repeated.
+    /// Its degrees of freedom; 0 if nothing was repeated.
     pub dof: f64,
 }
 
-/// Below this share of the largest variance a scatter is rounding.
-const ROUNDING: f64 = 1e-16;
+/// Variances below this share of the largest one are rounding, and are raised to it.
+const ROUNDING_SHARE: f64 = 1e-16;
 
-/// Lines of a record, at least, for its noise to be followed along frequency.
+/// A record needs this many lines for its noise to be smoothed along frequency (tuned).
 const FEWEST_LINES: usize = 24;
 
-/// Degrees of freedom a neighbourhood of lines is given.
+/// Degrees of freedom over which the noise of a record is smoothed: a neighbourhood has as many
+/// lines as that takes (tuned).
 const NEIGHBOURHOOD_DOF: f64 = 60.0;
 
-/// Level of the test that variances are equal.
-const LEVEL: f64 = 0.01;
+/// Significance level of the test that all variances are equal.
+const EQUALITY_LEVEL: f64 = 0.01;
 
-/// Variances to weigh with, in the same arrangement.
-pub(super) fn moderate(rows: &[Vec<Cell>]) -> Vec<Vec<f64>> {
-    // The mean of 1/s² over an estimate with few degrees of freedom is
-    // ν/(ν − 2) times 1/σ².
+/// Variances for weighting: a residual squared over one of these has mean 1. Rows and result are in
+/// the same arrangement, one row for each experiment.
+pub(super) fn weighting_variances(rows: &[Vec<Cell>]) -> Vec<Vec<f64>> {
+    // For a variance s² with ν degrees of freedom, the mean of 1/s² is ν/(ν − 2) times 1/σ².
     shrink(rows, |variance, dof| variance * if dof > 4.0 { dof / (dof - 2.0) } else { 2.0 })
 }
 
-/// The variances themselves, as well as they are known, in the same arrangement.
-pub(super) fn expected(rows: &[Vec<Cell>]) -> Vec<Vec<f64>> {
+/// The variances themselves, shrunk but not corrected for weighting, in the same arrangement.
+pub(super) fn shrunk_variances(rows: &[Vec<Cell>]) -> Vec<Vec<f64>> {
     shrink(rows, |variance, _| variance)
 }
 
-/// Pooled variances, or `answer` of each shrunk one and its degrees of freedom.
+/// Pooled variances where they may all be equal; else `answer` of each shrunk variance and its
+/// degrees of freedom.
 fn shrink(rows: &[Vec<Cell>], answer: impl Fn(f64, f64) -> f64) -> Vec<Vec<f64>> {
     let largest = rows.iter().flatten().map(|cell| cell.variance).fold(0.0, f64::max);
-    let floor = (largest * ROUNDING).max(f64::MIN_POSITIVE);
+    let floor = (largest * ROUNDING_SHARE).max(f64::MIN_POSITIVE);
     let mut flat: Vec<Cell> = rows.iter().flatten().copied().collect();
     for cell in &mut flat {
         cell.variance = cell.variance.max(floor);
@@ -68,13 +71,14 @@ fn shrink(rows: &[Vec<Cell>], answer: impl Fn(f64, f64) -> f64) -> Vec<Vec<f64>>
     rows.iter().map(|row| moderated.by_ref().take(row.len()).collect()).collect()
 }
 
+/// Mean of the variances, weighted by their degrees of freedom.
 fn pooled(cells: &[Cell]) -> Option<f64> {
     let dof: f64 = cells.iter().map(|cell| cell.dof).sum();
     let sum: f64 = cells.iter().map(|cell| cell.dof * cell.variance).sum();
     (dof > 0.0).then(|| sum / dof)
 }
 
-/// Bartlett's test (1937, doi:10.1098/rspa.1937.0109) that all variances are one.
+/// Bartlett's test (1937, doi:10.1098/rspa.1937.0109) that all variances are equal.
 fn equal(cells: &[Cell], pooled: f64) -> bool {
     let estimated: Vec<&Cell> = cells.iter().filter(|cell| cell.dof > 0.0).collect();
     let groups = estimated.len() as f64;
@@ -85,11 +89,11 @@ fn equal(cells: &[Cell], pooled: f64) -> bool {
     let spread: f64 = estimated.iter().map(|cell| cell.dof * (pooled / cell.variance).ln()).sum();
     let reciprocal: f64 = estimated.iter().map(|cell| 1.0 / cell.dof).sum();
     let correction = 1.0 + (reciprocal - 1.0 / dof) / (3.0 * (groups - 1.0));
-    ChiSquared::new(groups - 1.0).is_ok_and(|chi2| chi2.sf(spread / correction) > LEVEL)
+    ChiSquared::new(groups - 1.0).is_ok_and(|chi2| chi2.sf(spread / correction) > EQUALITY_LEVEL)
 }
 
-/// What the neighbours of each cell say: along frequency within a record, by
-/// magnitude and harmonic and experiment within a table.
+/// The prior variance of each cell, from its neighbours: the lines nearby in a record; cells of the
+/// same magnitude, harmonic or experiment in a table.
 fn trend(rows: &[Vec<Cell>], flat: &[Cell]) -> Vec<f64> {
     let mut prior = additive(flat);
     let mut start = 0;
@@ -107,12 +111,12 @@ fn trend(rows: &[Vec<Cell>], flat: &[Cell]) -> Vec<f64> {
     prior
 }
 
-/// ln σ² = mean + share of the magnitude + of the harmonic + of the experiment,
-/// by repeated removal of means.
+/// Fits the additive model ln σ² = magnitude effect + harmonic effect + experiment effect, by
+/// repeatedly removing group means (backfitting).
 fn additive(cells: &[Cell]) -> Vec<f64> {
     let keys: [fn(&Cell) -> u64; 3] =
         [|cell| cell.magnitude.to_bits(), |cell| cell.order as u64, |cell| cell.experiment as u64];
-    // ln s² lies below ln σ² by this much on average.
+    // The mean of ln s² is ln σ² + ψ(ν/2) − ln(ν/2); correct for the difference.
     let log = |cell: &Cell| cell.variance.ln() - digamma(0.5 * cell.dof) + (0.5 * cell.dof).ln();
     let mut left: Vec<f64> =
         cells.iter().map(|cell| if cell.dof > 0.0 { log(cell) } else { 0.0 }).collect();
@@ -136,8 +140,8 @@ fn additive(cells: &[Cell]) -> Vec<f64> {
     fitted.into_iter().map(f64::exp).collect()
 }
 
-/// Degrees of freedom the prior is worth: infinite where the cells scatter
-/// around it no more than their own few repeats make them.
+/// Degrees of freedom of the prior, from the excess of the scatter of ln s² about the prior over
+/// ψ'(ν/2), which the few repeats alone cause. Infinite if there is no significant excess.
 fn prior_dof(cells: &[Cell], prior: &[f64]) -> f64 {
     let (mut excess, mut count) = (0.0, 0.0);
     for (cell, prior) in cells.iter().zip(prior).filter(|(cell, _)| cell.dof > 0.0) {
@@ -147,14 +151,14 @@ fn prior_dof(cells: &[Cell], prior: &[f64]) -> f64 {
         count += 1.0;
     }
     let excess: f64 = if count > 0.0 { excess / count } else { 0.0 };
-    // The mean of `count` squares scatters by about √(2/count) of its size.
+    // The mean of `count` squares has a relative standard deviation of about √(2/count); allow two.
     let noise = cells.iter().filter(|c| c.dof > 0.0).map(|c| trigamma(0.5 * c.dof)).sum::<f64>()
         / f64::max(count, 1.0)
         * (8.0 / f64::max(count, 1.0)).sqrt();
     if excess <= noise { f64::INFINITY } else { 2.0 * inverse_trigamma(excess) }
 }
 
-/// ψ'(x) for x > 0, by recurrence and the asymptotic series (DLMF 5.15.8).
+/// ψ'(x) for x > 0, by the recurrence and the asymptotic series (DLMF 5.15.8).
 fn trigamma(mut x: f64) -> f64 {
     let mut sum = 0.0;
     while x < 10.0 {
@@ -167,7 +171,7 @@ fn trigamma(mut x: f64) -> f64 {
         * (1.0 + 0.5 * inverse + square * (1.0 / 6.0 - square * (1.0 / 30.0 - square / 42.0)))
 }
 
-/// The x with ψ'(x) = y > 0, by bisection of the logarithm.
+/// The x with ψ'(x) = y > 0, by bisection in ln x.
 fn inverse_trigamma(y: f64) -> f64 {
     let (mut low, mut high) = (-20.0_f64, 20.0_f64);
     for _ in 0..100 {
@@ -207,22 +211,22 @@ mod tests {
 
     #[test]
     fn equal_variances_are_pooled_into_one() {
-        let moderated = moderate(&cells(|_, _| 0.3, 6.0, false));
+        let moderated = weighting_variances(&cells(|_, _| 0.3, 6.0, false));
         let first = moderated[0][0];
         assert!(moderated.iter().flatten().all(|v| *v == first));
-        // 48·8·10 degrees of freedom: the relative deviation is √(2/3840) = 2.3 %.
+        // 48·8·10 degrees of freedom: the relative standard deviation is √(2/3840) = 2.3 %.
         assert!((first / 0.09 - 1.0).abs() < 0.07, "{first}");
     }
 
     #[test]
     fn a_noise_that_depends_on_magnitude_and_harmonic_is_followed() {
         let sigma = |e: usize, k: usize| 0.1 * (1.0 + (e % 3) as f64) / (1.0 + k as f64);
-        let moderated = moderate(&cells(sigma, 6.0, false));
+        let moderated = weighting_variances(&cells(sigma, 6.0, false));
         for (e, row) in moderated.iter().enumerate() {
             for (k, variance) in row.iter().enumerate() {
                 let ratio = variance / sigma(e, k).powi(2);
-                // An effect is the mean of at least 8 cells with 10 degrees of
-                // freedom each: ln σ² to about √(2/80) = 0.16, three of them.
+                // Each effect is the mean of at least 8 cells with 10 degrees of freedom, so ln σ²
+                // has a standard deviation of about √(2/80) = 0.16; allow three.
                 assert!((0.4..2.2).contains(&ratio), "{e} {k}: {ratio}");
             }
         }
@@ -231,10 +235,10 @@ mod tests {
     #[test]
     fn the_noise_of_a_record_is_followed_along_frequency() {
         let sigma = |_: usize, k: usize| 1.0 + 10.0 * (-(k as f64) / 40.0).exp();
-        let moderated = moderate(&cells(sigma, 3.0, true));
+        let moderated = weighting_variances(&cells(sigma, 3.0, true));
         for (k, variance) in moderated[0].iter().enumerate().skip(10).take(180) {
             let ratio = variance / sigma(0, k).powi(2);
-            // 60 degrees of freedom: 18 %, and the slope over the neighbourhood.
+            // 60 degrees of freedom give 18 %, plus the slope over the neighbourhood.
             assert!((0.4..1.9).contains(&ratio), "{k}: {ratio}");
         }
     }

@@ -9,23 +9,23 @@ pub struct Harmonic {
     pub order: usize,
     /// Peak amplitude Yₖ, response units, as in y(t) = Re Σ Yₖ exp(jkωt).
     pub value: Complex,
-    /// Standard deviation of each of re and im (of re alone at order 0),
-    /// response units, where the upload gives one.
+    /// Standard deviation of each of re and im (of re alone at order 0), response units; `None`
+    /// if the upload does not state one.
     pub std: Option<f64>,
 }
 
-/// How one repeat of an experiment, or one period of a record, deviates from
-/// the mean over all of them.
+/// Deviation of one repeat of an experiment, or of one period of a record, from the mean over all
+/// of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Repeat {
-    /// Deviation of Uₖ, aligned with [`Experiment::input`]; empty where the
-    /// input was not measured or does not vary.
+    /// Deviation of Uₖ, aligned with [`Experiment::input`]; empty if the input was not measured or
+    /// does not vary.
     pub input: Vec<Complex>,
     /// Deviation of Yₖ, aligned with [`Experiment::response`].
     pub response: Vec<Complex>,
 }
 
-/// One periodic input, its response, and what belongs to them.
+/// One periodic input, its measured response, and its repeats.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
     /// Half the peak-to-peak value of the input, input units.
@@ -35,15 +35,15 @@ pub struct Experiment {
     /// Uₖ for k = 0, 1, 2 …, input units: u(t) = Re Σ Uₖ exp(jkωt).
     /// A pure cosine is `[0, m]`.
     pub input: Vec<Complex>,
-    /// Whether the mean of the input (U₀) was measured, rather than assumed 0.
+    /// Whether the mean of the input (U₀) was measured rather than assumed to be 0.
     pub input_mean_measured: bool,
-    /// Yₖ in ascending order, no order twice: the mean over the repeats.
+    /// Yₖ, mean over the repeats, in ascending order of k without duplicates.
     pub response: Vec<Harmonic>,
-    /// Position in the order of acquisition, where known.
+    /// Position in the order of acquisition, if known.
     pub run: Option<f64>,
-    /// Deviations of the repeats or periods from their mean; none or at least 2.
+    /// Deviations of the repeats or periods from their mean; either empty or at least 2.
     pub repeats: Vec<Repeat>,
-    /// Whether `repeats` are periods of one record.
+    /// Whether `repeats` are the periods of one time record.
     pub from_record: bool,
 }
 
@@ -59,17 +59,17 @@ impl Experiment {
         position.ok().map(|position| &self.response[position])
     }
 
-    /// Whether the upload gives a standard deviation for every harmonic.
+    /// Whether the upload states a standard deviation for every harmonic.
     pub fn std_given(&self) -> bool {
         self.response.iter().all(|harmonic| harmonic.std.is_some())
     }
 
-    /// Whether there are deviations of repeats or periods.
+    /// Whether the experiment has repeats or several periods.
     pub fn has_repeats(&self) -> bool {
         !self.repeats.is_empty()
     }
 
-    /// The input's amplitude and phase when its fundamental is all there is.
+    /// The complex amplitude U₁ if all other input lines are zero, otherwise `None`.
     pub fn pure_cosine(&self) -> Option<Complex> {
         let others_vanish =
             self.input.iter().enumerate().all(|(k, u)| k == 1 || *u == Complex::new(0.0, 0.0));

@@ -1,58 +1,58 @@
-//! What an upload says of itself.
+//! Metadata of a measurement, as stated in the upload.
 
 use std::collections::BTreeMap;
 
-/// What the response is.
+/// Physical kind of the response Yₖ, relative to the velocity Vₖ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ResponseKind {
     /// Yₖ = Vₖ.
     #[default]
     Velocity,
-    /// Yₖ = Vₖ/(jkω); the mean velocity is 0 and harmonic 0 is not compared.
+    /// Yₖ = Vₖ/(jkω). The mean velocity is 0, and harmonic 0 is not compared.
     Position,
-    /// Yₖ = jkω·Vₖ; harmonic 0 is not compared.
+    /// Yₖ = jkω·Vₖ. Harmonic 0 is not compared.
     Acceleration,
 }
 
-/// A physical quantity by name and unit, as the upload writes them.
+/// Name and unit of a physical quantity, as written in the upload.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Quantity {
-    /// `current`, `force`, `velocity` …; empty where not said.
+    /// `current`, `force`, `velocity` …; empty if not stated.
     pub name: String,
-    /// `A`, `N`, `rad/s` …; empty where not said.
+    /// `A`, `N`, `rad/s` …; empty if not stated.
     pub unit: String,
 }
 
-/// Whether a controller closed a loop around the axis.
+/// Whether the axis was measured under feedback control.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Loop {
     /// Open loop.
     Open,
-    /// Closed loop: the input carries the noise.
+    /// Closed loop: the controller feeds measurement noise back into the input.
     Closed,
 }
 
-/// What an upload says of itself.
+/// Metadata of a measurement.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Metadata {
-    /// Free name of the measurement.
+    /// Name of the measurement, free text.
     pub name: Option<String>,
     /// The input quantity.
     pub input: Quantity,
     /// The response quantity.
     pub response: Quantity,
-    /// What the response is.
+    /// Whether the response is a velocity, a position or an acceleration.
     pub response_kind: ResponseKind,
-    /// Open or closed loop, where said.
+    /// Open or closed loop, if stated.
     pub feedback: Option<Loop>,
     /// The machine.
     pub machine: Option<String>,
     /// The axis of the machine.
     pub axis: Option<String>,
-    /// When it was measured (RFC 3339).
+    /// Time of the measurement (RFC 3339).
     pub measured_at: Option<jiff::Timestamp>,
-    /// Who measured it.
+    /// Name of the person who measured it.
     pub operator: Option<String>,
-    /// `label.*` entries, by which lists are filtered.
+    /// The `label.*` entries; the service filters its lists by them.
     pub labels: BTreeMap<String, String>,
 }

@@ -1,8 +1,8 @@
-//! What was measured: a list of experiments, each with one periodic input, or motions whose
-//! input does not repeat.
+//! Measured data: a list of experiments with periodic inputs, or of motions whose input does not
+//! repeat.
 //!
-//! Text becomes a [`Measurement`] in [`formats`], and a `Measurement` cannot be
-//! invalid: its fields are private and [`Measurement::new`] checks them.
+//! [`formats`] parses files into a [`Measurement`]. A `Measurement` is always valid: its fields
+//! are private, and its constructors check them.
 
 mod experiment;
 pub mod formats;
@@ -27,26 +27,26 @@ pub use transient::{Beginning, Intersample, Transient};
 /// Complex number; angles in radians.
 pub type Complex = nalgebra::Complex<f64>;
 
-/// A measured response: what was done, what came back, and how certain it is.
+/// A measurement: inputs, responses, their scatter, and metadata.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
     metadata: Metadata,
     experiments: Vec<Experiment>,
     transients: Vec<Transient>,
-    /// Remarks of the reader for the user: unknown columns, dropped periods, …
+    /// Remarks of the file reader for the user: unknown columns, dropped periods, …
     notes: Vec<String>,
     sha256: String,
     /// First and last position in the order of acquisition.
     acquisition: Option<[f64; 2]>,
 }
 
-/// A measurement that cannot be used, whatever text it came from.
+/// Why a measurement is invalid, independent of the file format it came from.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum InvalidMeasurement {
-    /// No experiment at all.
+    /// The measurement has no experiment.
     #[error("the measurement has no experiment")]
     Empty,
-    /// A value of one experiment is unusable.
+    /// One experiment has an invalid value.
     #[error("experiment {experiment}: {reason}")]
     Experiment {
         /// Index of the experiment, from 0.
@@ -57,14 +57,14 @@ pub enum InvalidMeasurement {
 }
 
 impl Measurement {
-    /// Joins experiments to a measurement.
+    /// Makes a measurement of periodic experiments.
     ///
     /// `sha256` is the hexadecimal digest of the bytes it was read from.
     ///
     /// # Errors
-    /// When there is no experiment, or a value is not finite, a magnitude
-    /// negative, a frequency or deviation not positive, a repeat not aligned
-    /// with the data it deviates from, or a size beyond what can be computed with.
+    /// If there is no experiment, a value is not finite, a magnitude is negative, a frequency or
+    /// standard deviation is not positive, a repeat does not have the same harmonics as the mean,
+    /// or a value is outside the range that floating-point arithmetic can handle.
     pub fn new(
         metadata: Metadata,
         experiments: Vec<Experiment>,
@@ -86,11 +86,11 @@ impl Measurement {
         Ok(Self { metadata, experiments, transients: Vec::new(), notes, sha256, acquisition })
     }
 
-    /// Joins motions that do not repeat to a measurement that has no experiment: models can be
-    /// tried on it, and none be fitted to it.
+    /// Makes a measurement of motions that do not repeat. Models can be validated on it but not
+    /// fitted to it.
     ///
     /// # Errors
-    /// When there is no motion, or one has a value that is not finite, too few samples, or no
+    /// If there is no motion, or one has a value that is not finite, too few samples, or no
     /// samples left to compare.
     pub fn of_transients(
         metadata: Metadata,
@@ -112,8 +112,10 @@ impl Measurement {
         Ok(Self { metadata, experiments: Vec::new(), transients, notes, sha256, acquisition })
     }
 
-    /// Some of its experiments, or of their harmonics: a part, whose place in the order of
-    /// acquisition is still counted over the whole.
+    /// A measurement with only the given experiments, a subset of its own (or of their harmonics).
+    ///
+    /// It keeps the acquisition range of the whole measurement, so that runs mean the same in
+    /// both.
     ///
     /// # Errors
     /// As for [`Measurement::new`].
@@ -122,7 +124,7 @@ impl Measurement {
         Ok(Self { acquisition, ..Self::new(metadata, experiments, notes, sha256)? })
     }
 
-    /// The same with one more experiment at the end.
+    /// A copy of the measurement with one more experiment at the end.
     ///
     /// # Errors
     /// As for [`Measurement::new`].
@@ -132,7 +134,7 @@ impl Measurement {
         Self::new(metadata, experiments, notes, sha256)
     }
 
-    /// What the upload says of itself.
+    /// The metadata.
     pub fn metadata(&self) -> &Metadata {
         &self.metadata
     }
@@ -142,18 +144,19 @@ impl Measurement {
         &self.experiments
     }
 
-    /// Motions that do not repeat, in the order of the upload; a measurement with any has no
-    /// experiment.
+    /// Motions that do not repeat, in the order of the upload. A measurement has either motions or
+    /// experiments, never both.
     pub fn transients(&self) -> &[Transient] {
         &self.transients
     }
 
-    /// First and last position in the order of acquisition; of a part, of the whole it is of.
+    /// First and last position in the order of acquisition, if known. For a [`Self::part`], those
+    /// of the whole measurement.
     pub fn acquisition(&self) -> Option<[f64; 2]> {
         self.acquisition
     }
 
-    /// Remarks of the reader for the user.
+    /// Remarks of the file reader for the user.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -164,10 +167,11 @@ impl Measurement {
     }
 }
 
-/// The largest response can be computed with, and so can every deviation beside it.
+/// Checks that the largest response, and the ratio of every standard deviation to it, are within
+/// the limits of [`size`].
 fn check_sizes(experiments: &[Experiment]) -> Result<(), InvalidMeasurement> {
     let wrong = |experiment, reason| InvalidMeasurement::Experiment { experiment, reason };
-    let every = || {
+    let all_harmonics = || {
         let of = |(index, e)| -> Vec<(usize, Harmonic)> {
             let e: &Experiment = e;
             e.response.iter().map(|harmonic| (index, *harmonic)).collect()
@@ -175,7 +179,7 @@ fn check_sizes(experiments: &[Experiment]) -> Result<(), InvalidMeasurement> {
         experiments.iter().enumerate().flat_map(of)
     };
     let size = |harmonic: &Harmonic| harmonic.value.re.abs().max(harmonic.value.im.abs());
-    let largest = every().max_by(|a, b| size(&a.1).total_cmp(&size(&b.1)));
+    let largest = all_harmonics().max_by(|a, b| size(&a.1).total_cmp(&size(&b.1)));
     let Some((index, largest)) = largest.map(|(index, harmonic)| (index, size(&harmonic))) else {
         return Ok(());
     };
@@ -183,9 +187,10 @@ fn check_sizes(experiments: &[Experiment]) -> Result<(), InvalidMeasurement> {
         return Err(wrong(index, reason));
     }
     let within = 1.0 / size::LARGEST_DEVIATION..=size::LARGEST_DEVIATION;
-    let told = every().filter_map(|(index, harmonic)| Some((index, harmonic.std?)));
-    let odd = told.filter(|_| largest > 0.0).find(|(_, std)| !within.contains(&(std / largest)));
-    match odd {
+    let stated = all_harmonics().filter_map(|(index, harmonic)| Some((index, harmonic.std?)));
+    let out_of_range =
+        stated.filter(|_| largest > 0.0).find(|(_, std)| !within.contains(&(std / largest)));
+    match out_of_range {
         Some((index, std)) => Err(wrong(
             index,
             format!(

@@ -1,49 +1,50 @@
-//! The period of a signal, found from the signal.
+//! Period detection by the normalised square difference function.
 //!
-//! A lag L is judged by how little the signal differs from itself L later,
+//! A lag L is a candidate period if the signal hardly differs from itself L samples later:
 //!
 //! ```text
 //!   r(L) = Σ [x(n) − x(n+L)]² / Σ [x(n)² + x(n+L)²]
 //! ```
 //!
-//! over the samples where both exist: 0 for a period, 1 for unrelated halves,
-//! 1 − r being the normalised square difference function of P. McLeod and
-//! G. Wyvill, "A smarter way to find pitch", Proc. ICMC 2005. Steps:
+//! The sums run over all n for which both samples exist. r is 0 at a period and about 1 at a lag
+//! at which the signal is uncorrelated with itself. 1 − r is the normalised square difference
+//! function of P. McLeod and G. Wyvill, "A smarter way to find pitch", Proc. ICMC 2005. Steps:
 //!
-//! 1. all whole lags at once from the autocorrelation: the best one is the
-//!    period or a multiple of it;
-//! 2. that lag to a fraction of a sample;
-//! 3. its smallest part L/q that repeats as well;
-//! 4. the longest multiple of it inside the record, to a fraction of a sample:
-//!    the error of the period shrinks by the multiple;
-//! 5. the next whole number of samples, unless the data speak against it.
+//! 1. Evaluate r at all integer lags from the autocorrelation. The best lag is the period or a
+//!    multiple of it.
+//! 2. Refine that lag to a fraction of a sample.
+//! 3. Find the smallest divisor L/q that repeats as well as L.
+//! 4. Refine the longest multiple of it that fits in the record. The error of the period is the
+//!    error of that lag divided by the multiple.
+//! 5. Round to a whole number of samples unless the data contradict it.
 //!
-//! Picking the first high peak instead, as is usual for pitch, mistakes the
-//! half-periods of a trajectory and the beats of a multisine for periods.
+//! Pitch detectors usually take the first high peak. Here that would mistake half-periods of a
+//! trajectory and beats of a multisine for the period.
 
 use rustfft::FftPlanner;
 
 use super::Complex;
 
-/// A signal that differs from itself by more than this has no period.
+/// Largest r at the best lag for which the signal counts as periodic. Tuned.
 const LARGEST_DIFFERENCE: f64 = 0.25;
 
-/// Shortest period, samples: below it there is no harmonic to speak of.
+/// Shortest period, samples. A shorter one leaves hardly any harmonic below the Nyquist frequency.
 pub(super) const SHORTEST: f64 = 4.0;
 
-/// Samples to either side of an interpolation between samples.
-const REACH: usize = 8;
+/// Samples on each side of a point that its interpolation uses.
+const INTERPOLATION_REACH: usize = 8;
 
-/// Most samples compared at one lag.
+/// Largest number of samples compared at one lag; bounds the cost on long records.
 const MOST_COMPARED: usize = 50_000;
 
-/// Samples compared to see that a lag is not worth a closer look.
-const GLANCE: usize = 500;
+/// Number of samples compared in the quick check that rejects most lags.
+const QUICK_CHECK_SAMPLES: usize = 500;
 
-/// (√5 − 1)/2.
+/// Inverse golden ratio, (√5 − 1)/2.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
-/// Samples a period of a signal that holds at least two.
+/// Period of a signal in samples; `None` if the signal does not hold two periods of a repeating
+/// pattern.
 pub(super) fn find(signal: &[f64]) -> Option<f64> {
     let mean = signal.iter().sum::<f64>() / signal.len() as f64;
     let signal: Vec<f64> = signal.iter().map(|x| x - mean).collect();
@@ -51,9 +52,9 @@ pub(super) fn find(signal: &[f64]) -> Option<f64> {
         return None;
     }
     let similarity = similarity(&signal);
-    // The peak at lag 0 ends where the signal stops resembling itself.
-    let beyond = similarity.iter().position(|value| *value < 0.0)?;
-    let shortest = beyond.max(SHORTEST as usize);
+    // Skip the peak at lag 0, which ends where the similarity changes sign.
+    let peak_end = similarity.iter().position(|value| *value < 0.0)?;
+    let shortest = peak_end.max(SHORTEST as usize);
     let best =
         (shortest..similarity.len()).max_by(|a, b| similarity[*a].total_cmp(&similarity[*b]))?;
     if 1.0 - similarity[best] > LARGEST_DIFFERENCE {
@@ -64,7 +65,7 @@ pub(super) fn find(signal: &[f64]) -> Option<f64> {
     Some(refined(&signal, period))
 }
 
-/// 1 − r(L) at the whole lags 0 … n/2.
+/// 1 − r(L) at the integer lags 0 … n/2, by FFT.
 fn similarity(signal: &[f64]) -> Vec<f64> {
     let count = signal.len();
     let padded = (2 * count).next_power_of_two();
@@ -90,16 +91,17 @@ fn similarity(signal: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// r at a lag between samples, from at most `most` of them.
+/// r at a lag that may lie between samples, from at most `most` samples.
 fn difference(signal: &[f64], lag: f64, most: usize) -> f64 {
     // The sample before the point n + lag has the index n + whole.
     let whole = lag.floor() as usize;
     let weights = interpolation(lag.fract());
-    let first = (REACH - 1).saturating_sub(whole);
-    let places = (signal.len()).saturating_sub(whole + REACH + first);
+    let first = (INTERPOLATION_REACH - 1).saturating_sub(whole);
+    let places = (signal.len()).saturating_sub(whole + INTERPOLATION_REACH + first);
     let (mut squares, mut energy) = (0.0, 0.0);
     let mut compare = |n: usize| {
-        let around = &signal[n + whole + 1 - REACH..n + whole + 1 + REACH];
+        let around =
+            &signal[n + whole + 1 - INTERPOLATION_REACH..n + whole + 1 + INTERPOLATION_REACH];
         let later: f64 = around.iter().zip(&weights).map(|(x, w)| x * w).sum();
         squares += (signal[n] - later).powi(2);
         energy += signal[n].powi(2) + later.powi(2);
@@ -107,7 +109,7 @@ fn difference(signal: &[f64], lag: f64, most: usize) -> f64 {
     if places <= most {
         (first..first + places).for_each(&mut compare);
     } else {
-        // Multiples of the golden ratio: evenly spread, and in step with no period.
+        // Multiples of the golden ratio are evenly spread and cannot alias with a period.
         for index in 0..most {
             let share = (index as f64 * GOLDEN).fract();
             compare(first + ((share * places as f64) as usize).min(places - 1));
@@ -116,25 +118,24 @@ fn difference(signal: &[f64], lag: f64, most: usize) -> f64 {
     if energy > 0.0 { squares / energy } else { 1.0 }
 }
 
-/// Weights of the samples −7 … 8 from the one before a point that lies
-/// `fraction` after it: a sinc under a Blackman window, of unit sum.
+/// Weights that interpolate a point `fraction` of a step after a sample, for the samples −7 … 8
+/// counted from that sample: a sinc with a Blackman window, normalised to unit sum.
 ///
-/// Below two thirds of the Nyquist frequency it is good to −74 dB, and so is
-/// its delay; the usual sinc-shaped window (Lanczos) shifts a sine by several
-/// thousandths of a sample.
-fn interpolation(fraction: f64) -> [f64; 2 * REACH] {
+/// Amplitude and delay are accurate to −74 dB below two thirds of the Nyquist frequency. The more
+/// common Lanczos window would shift a sine by several thousandths of a sample.
+fn interpolation(fraction: f64) -> [f64; 2 * INTERPOLATION_REACH] {
     use std::f64::consts::PI;
-    let weights: [f64; 2 * REACH] = std::array::from_fn(|index| {
-        let distance = fraction - (index as f64 - (REACH as f64 - 1.0));
+    let weights: [f64; 2 * INTERPOLATION_REACH] = std::array::from_fn(|index| {
+        let distance = fraction - (index as f64 - (INTERPOLATION_REACH as f64 - 1.0));
         let sinc = if distance == 0.0 { 1.0 } else { (PI * distance).sin() / (PI * distance) };
-        let angle = PI * distance / REACH as f64;
+        let angle = PI * distance / INTERPOLATION_REACH as f64;
         sinc * (0.42 + 0.5 * angle.cos() + 0.08 * (2.0 * angle).cos())
     });
     let sum: f64 = weights.iter().sum();
     weights.map(|weight| weight / sum)
 }
 
-/// The lag of least difference within a sample of `lag`, by golden section.
+/// The lag within ±1 sample of `lag` at which r is smallest, by golden-section search.
 fn minimum_near(signal: &[f64], lag: f64) -> f64 {
     const ACCURACY: f64 = 1e-7;
     let (mut low, mut high) = (lag - 1.0, lag + 1.0);
@@ -154,24 +155,26 @@ fn minimum_near(signal: &[f64], lag: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The shortest of L, L/2, L/3 … that repeats as well as L does.
+/// The shortest of L, L/2, L/3 … that repeats as well as L, with L = `multiple`.
 fn smallest_part(signal: &[f64], similarity: &[f64], shortest: usize, multiple: f64) -> f64 {
-    // Differences of noise are themselves uncertain by about √(3/n); an
-    // interpolation between samples is good to about 10⁻⁵ of the energy.
+    // For noise, r has a relative standard error of about √(3/n). The interpolation between
+    // samples adds up to about 10⁻⁵ of the energy.
     let reference = difference(signal, multiple, MOST_COMPARED);
     let accepted = reference * (1.0 + 6.0 * (3.0 / signal.len() as f64).sqrt()) + 1e-5;
-    let worth_a_look = |lag: f64| {
-        // Half a sample beside a period, even a rough signal resembles itself.
+    let passes_quick_check = |lag: f64| {
+        // Up to half a sample away from a period even a rough signal still resembles itself, so
+        // the similarity at the nearest integer lags rejects most lags cheaply.
         let nearest = similarity[lag.floor() as usize].max(similarity[lag.ceil() as usize]);
-        nearest > 0.25 * (1.0 - reference) && difference(signal, lag, GLANCE) <= 1.5 * accepted
+        nearest > 0.25 * (1.0 - reference)
+            && difference(signal, lag, QUICK_CHECK_SAMPLES) <= 1.5 * accepted
     };
     let mut best: Option<(f64, f64)> = None;
     for part in (2..=(multiple / shortest as f64) as usize).rev() {
         let lag = multiple / part as f64;
-        let repeats = worth_a_look(lag).then(|| difference(signal, lag, MOST_COMPARED));
+        let repeats = passes_quick_check(lag).then(|| difference(signal, lag, MOST_COMPARED));
         match (repeats.filter(|r| *r <= accepted), best) {
             (Some(r), None) => best = Some((r, lag)),
-            // Several parts may lie on the flanks of one period.
+            // Adjacent divisors can lie on the flanks of the same minimum; keep the lowest.
             (Some(r), Some((least, _))) if r < least => best = Some((r, lag)),
             (Some(_), Some(_)) | (None, None) => {}
             (None, Some(_)) => break,
@@ -180,13 +183,14 @@ fn smallest_part(signal: &[f64], similarity: &[f64], shortest: usize, multiple: 
     best.map_or(multiple, |(_, lag)| lag)
 }
 
-/// The period to the accuracy that the whole record gives.
+/// The period, refined over the longest multiple of it that fits in the record.
 fn refined(signal: &[f64], period: f64) -> f64 {
-    let room = signal.len() as f64 - period.max(2.0 * REACH as f64) - 1.0;
+    let room = signal.len() as f64 - period.max(2.0 * INTERPOLATION_REACH as f64) - 1.0;
     let most = (room / period).floor().max(1.0);
     let mut period = period;
     let mut multiple = 1.0;
-    // Doubling keeps the error of the start below the sample that is searched.
+    // Doubling the multiple keeps the error of the starting lag within the ±1 sample that
+    // `minimum_near` searches.
     loop {
         period = minimum_near(signal, multiple * period) / multiple;
         if multiple >= most {
@@ -196,8 +200,8 @@ fn refined(signal: &[f64], period: f64) -> f64 {
     }
     let whole = period.round();
     let least = difference(signal, most * period, MOST_COMPARED);
-    // One degree of freedom is worth about r/n; ten times that, and the
-    // smoothing of noise by the interpolation, are no evidence.
+    // A free parameter lowers r by about r/n by chance. The whole number is rejected only if it
+    // raises r by more than 30·r/n, plus 1 % because the interpolation smooths noise.
     let accepted = least * (1.01 + 30.0 / signal.len() as f64) + 1e-12;
     if difference(signal, most * whole, MOST_COMPARED) <= accepted { whole } else { period }
 }
@@ -238,7 +242,7 @@ mod tests {
             let period = 87.3;
             let tone = with_noise((0..2000).map(|n| (TAU * n as f64 / period).cos()), 0.1, seed);
             let found = find(&tone).unwrap();
-            // 1/(2π)·√2·0.1·√(2/87) of a period over 22 periods, five-fold.
+            // Standard error: 1/(2π)·√2·0.1·√(2/87) of a period over 22 periods; 5 times that.
             assert!((found / period - 1.0).abs() < 8e-4, "{found}");
         }
     }

@@ -1,4 +1,4 @@
-//! From a sampled record to the harmonics of its periods.
+//! Converts a sampled time record into the harmonics of its periods.
 
 use super::repetition::Change;
 use super::spectrum::{self, Periods};
@@ -8,18 +8,21 @@ use super::{
     significance,
 };
 
-/// A period is a whole number of samples if it is one to this share.
-const WHOLE_SAMPLES: f64 = 1e-6;
+/// Largest relative difference between a period in samples and a whole number at which it is
+/// rounded to that number.
+const WHOLE_SAMPLES_TOLERANCE: f64 = 1e-6;
 
-/// Scatter of periods that are copies: what rounding in a transform leaves.
-const ROUNDING: f64 = 1e-13;
+/// Deviations between periods below this share of the spectrum's norm are rounding errors of the
+/// Fourier transform: the periods are copies of each other.
+const ROUNDING_SHARE: f64 = 1e-13;
 
-/// Periods beside the first that say how far one departs from the mean by chance.
-const FEWEST_OTHERS: usize = 3;
+/// Fewest periods besides the first that the check for an unsettled first period needs.
+const MIN_OTHER_PERIODS: usize = 3;
 
-/// Times as far as the others that a first period departs which has not settled. Periods that
-/// scatter alike depart alike, since each departure is a sum over all lines.
-const UNSETTLED: f64 = 2.5;
+/// The first period has not settled if its deviation from the mean exceeds that of the others by
+/// this factor. Tuned: deviations due to noise alone are nearly equal, since each is a sum over
+/// all lines.
+const UNSETTLED_RATIO: f64 = 2.5;
 
 /// Input and response of one axis, sampled together.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -30,11 +33,11 @@ pub struct Record {
     pub input: Vec<f64>,
     /// Response, response units.
     pub output: Vec<f64>,
-    /// Position in the order of acquisition, where known.
+    /// Position in the order of acquisition, if known.
     pub run: Option<f64>,
 }
 
-/// Why a record gives no experiment. Samples count from 0.
+/// Why a record cannot be converted into an experiment. Sample indices start at 0.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum RecordError {
     /// Time stands still or runs backwards.
@@ -47,7 +50,7 @@ pub enum RecordError {
         /// Time of the sample before, s.
         before_s: f64,
     },
-    /// The steps of time are not equal.
+    /// The time steps are not equal.
     #[error("sampling is unequal: a step of {step_s:.6e} s where {usual_s:.6e} s is usual")]
     UnequalSampling {
         /// The sample at the end of the step that differs most.
@@ -57,13 +60,13 @@ pub enum RecordError {
         /// The median step, s.
         usual_s: f64,
     },
-    /// Nothing can be said of so few samples.
+    /// The record has too few samples.
     #[error("the record has {samples} samples, which is too few")]
     TooShort {
-        /// How many there are.
+        /// Number of samples.
         samples: usize,
     },
-    /// No period was given, and none can be seen.
+    /// No period was given, and none is found in the input.
     #[error(
         "no period is found in the input of {duration_s} s, which must hold at least two: \
          give period_s"
@@ -72,7 +75,7 @@ pub enum RecordError {
         /// Duration of the record, s.
         duration_s: f64,
     },
-    /// The input contradicts the period that was given.
+    /// The input does not repeat with the given period.
     #[error(
         "the input does not repeat with the period of {period_s} s that is given: from one period \
          to the next it changes by {percent:.0} % of its root mean square; give the right \
@@ -82,10 +85,10 @@ pub enum RecordError {
     NotRepeating {
         /// The period, s.
         period_s: f64,
-        /// Change of the input, % of its root mean square.
+        /// Change of the input from one period to the next, % of its root mean square.
         percent: f64,
     },
-    /// A period of too few samples.
+    /// The period has too few samples.
     #[error("the period {period_s} s has {samples:.3} samples, and at least 4 are needed")]
     Undersampled {
         /// The period, s.
@@ -93,7 +96,7 @@ pub enum RecordError {
         /// Samples in it.
         samples: f64,
     },
-    /// Not even one period is left.
+    /// The record does not hold one whole period after the dropped ones.
     #[error(
         "no whole period: the record lasts {duration_s:.6} s, its period is {period_s} s, and \
          {settle_periods} periods are dropped"
@@ -103,7 +106,7 @@ pub enum RecordError {
         duration_s: f64,
         /// The period, s.
         period_s: f64,
-        /// Periods dropped at its begin.
+        /// Periods dropped at its beginning.
         settle_periods: usize,
     },
 }
@@ -112,19 +115,18 @@ impl Record {
     /// Sampling interval, s, by least squares over all samples.
     ///
     /// # Errors
-    /// When time does not increase, or sampling is unequal.
+    /// If time does not increase, or sampling is unequal.
     pub fn step_s(&self) -> Result<f64, RecordError> {
         sampling::step_s(&self.time_s)
     }
 
-    /// Mean harmonics of the last whole periods, with the deviation of each
-    /// period, and remarks on how they were found.
+    /// Mean harmonics of the last whole periods, with the deviation of each period, and remarks on
+    /// how they were found.
     ///
-    /// Without `period_s` the period is found from the input. The first
-    /// `settle_periods` are dropped. The harmonics count time from the begin
-    /// of the first period used; those of the input reach to the Nyquist
-    /// frequency, since all of them drive the machine, those of the response
-    /// to where it sinks into its noise.
+    /// Without `period_s` the period is found from the input. The first `settle_periods` are
+    /// dropped. Phases refer to the beginning of the first period used. The harmonics of the input
+    /// reach up to the Nyquist frequency, since all of them drive the machine; those of the
+    /// response end where it disappears in the noise.
     ///
     /// # Errors
     /// See [`RecordError`].
@@ -160,7 +162,7 @@ impl Record {
             remarks.push(format!("the period of {found_s} s is found from the input"));
             found_s
         });
-        let available = (self.time_s.len() as f64 / samples + WHOLE_SAMPLES) as usize;
+        let available = (self.time_s.len() as f64 / samples + WHOLE_SAMPLES_TOLERANCE) as usize;
         let count = available.saturating_sub(settle_periods);
         if count == 0 {
             return Err(RecordError::NoWholePeriod { duration_s, period_s, settle_periods });
@@ -176,7 +178,7 @@ impl Record {
     /// The whole record as one motion that does not repeat.
     ///
     /// # Errors
-    /// When time does not increase, or sampling is unequal.
+    /// If time does not increase, or sampling is unequal.
     pub fn transient(
         &self,
         intersample: Intersample,
@@ -202,7 +204,7 @@ impl Record {
         let (input, input_deviations) = mean_and_deviations(inputs);
         let (output, output_deviations) = mean_and_deviations(outputs);
         let scatters = |deviations: &[Vec<Complex>], mean: &[Complex]| {
-            let rounding = ROUNDING * ROUNDING * power(mean);
+            let rounding = ROUNDING_SHARE * ROUNDING_SHARE * power(mean);
             deviations.iter().any(|deviation| power(deviation) > rounding)
         };
         let input_scatters = scatters(&input_deviations, &input);
@@ -251,25 +253,25 @@ impl Record {
     }
 }
 
-/// How many times further the first of several spectra departs from their mean than the others
-/// do, where that is more than scatter makes it.
+/// Ratio of the first period's deviation from the mean to the others' root mean square deviation;
+/// `None` if scatter alone explains it.
 fn unsettled(deviations: &[Vec<Complex>]) -> Option<f64> {
     let [first, others @ ..] = deviations else { return None };
-    if others.len() < FEWEST_OTHERS {
+    if others.len() < MIN_OTHER_PERIODS {
         return None;
     }
     let largest = others.iter().map(|other| power(other)).fold(0.0, f64::max);
     let mean = others.iter().map(|other| power(other)).sum::<f64>() / others.len() as f64;
     let times = (power(first) / mean).sqrt();
-    (times > UNSETTLED && power(first) > largest).then_some(times)
+    (times > UNSETTLED_RATIO && power(first) > largest).then_some(times)
 }
 
 fn whole_if_nearly(samples: f64) -> f64 {
     let whole = samples.round();
-    if (samples - whole).abs() <= WHOLE_SAMPLES * samples { whole } else { samples }
+    if (samples - whole).abs() <= WHOLE_SAMPLES_TOLERANCE * samples { whole } else { samples }
 }
 
-/// Twelve digits: a step fitted to decimal times has rounding beyond them.
+/// `value` to twelve digits. A step fitted to decimal times has rounding errors beyond them.
 fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }

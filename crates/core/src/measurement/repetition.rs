@@ -1,33 +1,35 @@
-//! Whether a signal repeats with the period that is stated for it.
+//! Tests whether a signal repeats with a given period.
 //!
-//! With x the signal less its mean and L the period, what changes from one period to the next is
-//! d(n) = x(n + L) − x(n). Noise makes it as large as √2 times the noise, and hardly alike from
-//! one sample to the next; a period that is wrong leaves the signal's own course in it.
+//! With x the signal minus its mean and L the period, the change from one period to the next is
+//! d(n) = x(n + L) − x(n). If the period is right, d is the difference of two noise samples: its
+//! rms is √2 times that of the noise, and successive samples are hardly correlated. If the period
+//! is wrong, d contains the signal itself, which is smooth, so successive samples are correlated.
 
-/// Root mean square of d over that of x beyond which nothing repeats: 1 − r of `period` is 0.75.
-const NOTHING_REPEATS: f64 = 0.707;
+/// Largest rms(d)/rms(x) of a signal that repeats: 1 − r of the module `period` is then 0.75.
+const CHANGE_LIMIT: f64 = 0.707;
 
-/// The same where d has a course of its own.
-const MUCH: f64 = 0.3;
+/// The same limit if d is correlated (see [`CORRELATION_LIMIT`]). Tuned.
+const CORRELATED_CHANGE_LIMIT: f64 = 0.3;
 
-/// Correlation of d with itself a sample later that noise of a sampled signal hardly has.
-const COURSE: f64 = 0.5;
+/// d counts as correlated above this lag-one autocorrelation, which measurement noise rarely
+/// reaches. Tuned.
+const CORRELATION_LIMIT: f64 = 0.5;
 
-/// The same share from which on a change is said.
-const WORTH_SAYING: f64 = 0.1;
+/// rms(d)/rms(x) above which the user is told of the change.
+const REMARK_LIMIT: f64 = 0.1;
 
-/// What changes from one period to the next.
+/// The change d from one period to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Change {
-    /// Root mean square of d as a share of that of x.
+    /// rms(d)/rms(x).
     pub share: f64,
-    /// Correlation of d with itself a sample later.
-    course: f64,
+    /// Lag-one autocorrelation of d.
+    lag_one_correlation: f64,
 }
 
 impl Change {
-    /// Of a signal with so many samples a period; `None` where it holds no two of them, or is
-    /// constant.
+    /// Computes it for a signal with `samples` samples per period; `None` if the signal is shorter
+    /// than one and a half periods, or constant.
     pub fn of(signal: &[f64], samples: f64) -> Option<Self> {
         let (whole, fraction) = (samples.floor() as usize, samples.fract());
         let count = signal.len().checked_sub(whole + 1).filter(|count| *count > whole / 2)?;
@@ -38,18 +40,21 @@ impl Change {
         let changes: Vec<f64> = (0..count).map(|n| later(n) - signal[n]).collect();
         let squares: f64 = changes.iter().map(|d| d * d).sum();
         let products: f64 = changes.windows(2).map(|pair| pair[0] * pair[1]).sum();
-        let course = if squares > 0.0 { products / squares } else { 0.0 };
-        (size > 0.0).then(|| Self { share: (squares / count as f64 / size).sqrt(), course })
+        let lag_one_correlation = if squares > 0.0 { products / squares } else { 0.0 };
+        (size > 0.0)
+            .then(|| Self { share: (squares / count as f64 / size).sqrt(), lag_one_correlation })
     }
 
     /// Whether the signal contradicts the period.
     pub fn contradicts(self) -> bool {
-        self.share > NOTHING_REPEATS || (self.share > MUCH && self.course > COURSE)
+        self.share > CHANGE_LIMIT
+            || (self.share > CORRELATED_CHANGE_LIMIT
+                && self.lag_one_correlation > CORRELATION_LIMIT)
     }
 
-    /// Whether it is worth a remark.
+    /// Whether the change is large enough for a remark.
     pub fn is_large(self) -> bool {
-        self.share > WORTH_SAYING
+        self.share > REMARK_LIMIT
     }
 }
 
@@ -61,7 +66,7 @@ mod tests {
 
     use super::*;
 
-    /// Ten periods of two lines, with noise of this deviation.
+    /// Ten periods of a signal with two lines, with noise of standard deviation `noise`.
     fn signal(samples: f64, noise: f64) -> Vec<f64> {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let value = |n: usize| {
@@ -72,7 +77,7 @@ mod tests {
         (0..(10.0 * samples) as usize).map(value).collect()
     }
 
-    // Linear interpolation errs by (ω/fs)²/8: 7e-4 of the line at the third harmonic.
+    // Linear interpolation has a relative error of (ω/fs)²/8: 7e-4 at the third harmonic.
     #[test]
     fn a_signal_repeats_with_its_period_though_that_is_no_whole_number_of_samples() {
         let change = Change::of(&signal(250.4, 0.0), 250.4).unwrap();
@@ -96,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn of_one_period_or_a_constant_nothing_is_said() {
+    fn one_period_or_a_constant_cannot_be_tested() {
         assert_eq!(Change::of(&signal(250.0, 0.0)[..260], 250.0), None);
         assert_eq!(Change::of(&[2.0; 1000], 100.0), None);
     }

@@ -1,21 +1,21 @@
-//! Whether samples are equally spaced.
+//! Checks that samples are equally spaced, and finds the sampling interval.
 
 use super::record::RecordError;
 
-/// Largest departure of a sample from the grid, as a share of the step.
+/// Largest accepted distance of a sample from the regular grid, as a share of the step.
 const JITTER: f64 = 1e-3;
 
-/// Largest rounding of printed times that is believed, as a share of the
-/// step: half a step is what a lost sample looks like.
+/// Largest rounding error of printed times that is accepted in addition, as a share of the step.
+/// It is below one half because a missing sample looks like an error of half a step.
 const LARGEST_ROUNDING: f64 = 0.35;
 
-/// Step of equally spaced times, by least squares over all of them.
+/// Step of equally spaced times, s, by least squares over all of them.
 ///
-/// A sample may be off its place on the grid by [`JITTER`] of the step and by
-/// what rounding to the digits of the times explains.
+/// A sample may be off the grid by [`JITTER`] times the step plus the rounding error that the
+/// number of printed decimals explains.
 ///
 /// # Errors
-/// Times that do not increase, or are not equally spaced, with the sample.
+/// If times do not increase or are not equally spaced; the error names the sample.
 pub(super) fn step_s(time_s: &[f64]) -> Result<f64, RecordError> {
     if let Some(index) = time_s.windows(2).position(|pair| pair[1] <= pair[0]) {
         return Err(RecordError::NotIncreasing {
@@ -60,7 +60,7 @@ fn grid(time_s: &[f64]) -> (f64, f64) {
     (first + mean - centre * step, step)
 }
 
-/// The unit of the last digit that any of the times has.
+/// Value of the last decimal place, by the time that is printed with the most decimals.
 fn resolution(time_s: &[f64]) -> f64 {
     let decimals = |time: &f64| {
         let text = time.to_string();
@@ -70,7 +70,7 @@ fn resolution(time_s: &[f64]) -> f64 {
     10f64.powi(-i32::try_from(most).unwrap_or(i32::MAX))
 }
 
-/// Names the sample after the step that differs most from the usual one.
+/// The error that names the sample after the step that differs most from the median step.
 fn unequal(time_s: &[f64]) -> RecordError {
     let steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mut sorted = steps.clone();
@@ -95,7 +95,7 @@ mod tests {
     fn times_rounded_in_print_are_equally_spaced() {
         // 3 kHz in tenths of a millisecond: steps of 3 and 4 units.
         let step = step_s(&rounded(1.0 / 3000.0, 4, 5000)).unwrap();
-        // Rounding of ±0.5 units at either end of 5000 samples.
+        // Rounding errors of ±0.5 units at both ends, over 5000 samples.
         assert!((step * 3000.0 - 1.0).abs() < 1e-4);
     }
 

@@ -1,18 +1,19 @@
-//! The standard deviations that an upload states, against the scatter of its repeats.
+//! Compares the standard deviations stated in an upload with the scatter of its repeats.
 
 use super::{Experiment, Harmonic, Repeat};
 
-/// Real numbers whose scatter tells anything.
-const FEWEST: f64 = 20.0;
+/// Fewest degrees of freedom for which the comparison is made.
+const MIN_DEGREES_OF_FREEDOM: f64 = 20.0;
 
-/// Ratio of deviations that is worth a remark; chance makes it 1 ± 1/√(2·20) at most, or 0.16.
-const APART: f64 = 2.0;
+/// Ratio of the two deviations, or its inverse, beyond which the user is told. By chance the ratio
+/// is 1 with a standard deviation of at most 1/√(2·20) = 0.16.
+const REMARK_RATIO: f64 = 2.0;
 
-/// By which factor the scatter of repeats exceeds the deviations stated for their mean, root mean
-/// square over everything that has both; `None` where that is too little.
+/// Ratio of the standard deviation of the mean from the scatter of repeats to the one stated; root
+/// mean square over all harmonics that have both. `None` if there are too few.
 ///
-/// With P repeats and the deviation s stated for the mean, Σ|Yₚ − Ȳ|²/(P·s²) is χ² with P − 1
-/// degrees of freedom for each real number.
+/// With P repeats Yₚ, their mean Ȳ and the deviation s stated for the mean, Σ|Yₚ − Ȳ|²/(P·s²)
+/// follows χ² with P − 1 degrees of freedom for each real component.
 fn excess(experiments: &[Experiment]) -> Option<f64> {
     let (mut chi2, mut dof) = (0.0, 0.0);
     for Experiment { response, repeats, .. } in experiments.iter().filter(|e| e.has_repeats()) {
@@ -24,12 +25,13 @@ fn excess(experiments: &[Experiment]) -> Option<f64> {
             dof += (count - 1.0) * if *order == 0 { 1.0 } else { 2.0 };
         }
     }
-    (dof >= FEWEST).then(|| (chi2 / dof).sqrt())
+    (dof >= MIN_DEGREES_OF_FREEDOM).then(|| (chi2 / dof).sqrt())
 }
 
-/// What is to be said where both contradict.
+/// A remark for the user if the two contradict.
 pub(super) fn remark(experiments: &[Experiment]) -> Option<String> {
-    let excess = excess(experiments).filter(|it| !(1.0 / APART..=APART).contains(it))?;
+    let excess =
+        excess(experiments).filter(|it| !(1.0 / REMARK_RATIO..=REMARK_RATIO).contains(it))?;
     Some(format!(
         "the repeats scatter {excess:.2} times as far as the stated std says: their scatter is \
          used, not std"
@@ -45,7 +47,7 @@ mod tests {
     use super::*;
     use crate::measurement::Complex;
 
-    /// Six repeats of twenty harmonics that scatter by 0.06, and a deviation of their mean.
+    /// Six repeats of twenty harmonics that scatter by 0.06, with `std` stated for their mean.
     fn repeated(std: f64) -> Experiment {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let mut draw = || 0.06 * Distribution::<f64>::sample(&StandardNormal, &mut rng);
@@ -69,7 +71,8 @@ mod tests {
         }
     }
 
-    // The deviation of a mean of six is 0.06/√6; 200 degrees of freedom leave 5 %.
+    // The standard deviation of a mean of six is 0.06/√6. With 200 degrees of freedom the ratio has
+    // a standard error of 5 %.
     #[test]
     fn a_stated_deviation_is_held_against_the_scatter_of_repeats() {
         let right = 0.06 / 6.0_f64.sqrt();

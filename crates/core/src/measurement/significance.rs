@@ -1,29 +1,30 @@
-//! How many harmonics of a measured response stand above its noise.
+//! Finds the highest harmonic of a measured response that is significantly above the noise, by an
+//! F test per line with a Bonferroni correction over all lines.
 
 use super::Complex;
 
-/// Probability that a spectrum of noise alone shows any harmonic.
+/// Probability that any harmonic of a spectrum of pure noise passes.
 const FALSE_ALARM: f64 = 0.01;
 
-/// Lines to either side whose scatter is pooled.
+/// Number of lines on each side whose scatter is pooled with that of a line.
 const NEIGHBOURS: usize = 8;
 
-/// Fewest harmonics without response that count as a gap.
+/// A gap is at least this many harmonics without a response, even if that is more than an octave.
 const SHORTEST_GAP: usize = 50;
 
-/// Most harmonics taken from a single period, whose noise is a guess.
+/// Most harmonics used of a single period, whose noise level is only a rough estimate.
 const MOST_OF_ONE_PERIOD: usize = 1000;
 
-/// Share of the power of the input whose band is always used of one period.
+/// Of a single period, the band that holds this share of the input's power is always used.
 const INPUT_BAND: f64 = 0.99;
 
-/// Highest harmonic above the noise, at least 1, from the scatter of M ≥ 2
-/// periods about their mean.
+/// Highest harmonic above the noise, at least 1, from the scatter of M ≥ 2 periods about their
+/// mean.
 ///
-/// With S the scatter Σ|Yₖ⁽ᵐ⁾ − Yₖ|² of line k pooled over its neighbours,
-/// v = S/(M(M−1)) a line is the estimated variance of the mean, with ν degrees
-/// of freedom. For noise alone |Yₖ|²/v follows an F distribution with (2, ν)
-/// degrees of freedom, which exceeds x with probability (1 + 2x/ν)^(−ν/2).
+/// Let S = Σ|Yₖ⁽ᵐ⁾ − Yₖ|² be the scatter of line k, averaged over its neighbours. v = S/(M(M−1)) is
+/// the estimated variance of the mean Yₖ, with ν degrees of freedom. For noise alone |Yₖ|²/v
+/// follows an F distribution with (2, ν) degrees of freedom, which exceeds x with probability
+/// (1 + 2x/ν)^(−ν/2).
 pub(super) fn highest_of_periods(mean: &[Complex], deviations: &[&[Complex]]) -> usize {
     let periods = deviations.len() as f64;
     let scatter: Vec<f64> = (0..mean.len())
@@ -42,12 +43,12 @@ pub(super) fn highest_of_periods(mean: &[Complex], deviations: &[&[Complex]]) ->
     last_before_gap(mean, above)
 }
 
-/// From the strongest harmonic on, the last one before nothing is above the
-/// noise for an octave.
+/// Searches upwards from the strongest harmonic and returns the last one above the noise before a
+/// gap of an octave.
 ///
-/// What shows beyond such a gap is a disturbance in step with the period (a
-/// resonance of the table, the switching of an amplifier), not the response,
-/// and to keep it all lines of the gap would have to be simulated.
+/// Lines beyond such a gap are not part of the response but a disturbance synchronous with the
+/// period (a resonance of the table, the switching of an amplifier). Keeping them would also mean
+/// simulating all lines of the gap.
 fn last_before_gap(spectrum: &[Complex], above: impl Fn(usize) -> bool) -> usize {
     let strongest = (1..spectrum.len())
         .max_by(|a, b| spectrum[*a].norm_sqr().total_cmp(&spectrum[*b].norm_sqr()));
@@ -62,11 +63,11 @@ fn last_before_gap(spectrum: &[Complex], above: impl Fn(usize) -> bool) -> usize
     last
 }
 
-/// Highest harmonic above the noise of a single period: at least 1 and the
-/// band of the input, at most [`MOST_OF_ONE_PERIOD`].
+/// Highest harmonic of a single period above the noise: at most [`MOST_OF_ONE_PERIOD`], but at
+/// least 1 and at least the band of the input.
 ///
-/// The noise is the median of the highest quarter of the spectrum, of which
-/// |Yₖ|² is exponentially distributed: mean = median/ln 2.
+/// The noise level comes from the median of |Yₖ|² over the highest quarter of the spectrum, which
+/// is taken to be noise. There |Yₖ|² is exponentially distributed, so its mean is median/ln 2.
 pub(super) fn highest_of_one_period(response: &[Complex], input: &[Complex]) -> usize {
     let mut quarter: Vec<f64> =
         response[response.len() - response.len() / 4..].iter().map(Complex::norm_sqr).collect();
@@ -79,7 +80,7 @@ pub(super) fn highest_of_one_period(response: &[Complex], input: &[Complex]) -> 
     highest.max(input_band(input)).min(response.len() - 1)
 }
 
-/// Lowest harmonic up to which the input has [`INPUT_BAND`] of its power.
+/// Lowest harmonic K such that harmonics 1 … K hold [`INPUT_BAND`] of the input's power.
 fn input_band(input: &[Complex]) -> usize {
     let power: f64 = input.iter().skip(1).map(Complex::norm_sqr).sum();
     let mut below = 0.0;
@@ -104,7 +105,7 @@ mod tests {
         Complex::new(StandardNormal.sample(rng), StandardNormal.sample(rng))
     }
 
-    /// Mean and deviations of periods with unit noise and these lines.
+    /// Mean and deviations of `count` periods with unit noise and the given lines.
     fn periods(
         rng: &mut ChaCha8Rng,
         count: usize,
@@ -132,7 +133,7 @@ mod tests {
                     highest_of_periods(&mean, &deviations) > 1
                 })
                 .count();
-            // 2 are expected of 200; more than 8 happen once in 10⁴ such runs.
+            // Expected are 2 of 200; more than 8 have a probability of 10⁻⁴.
             assert!(alarms <= 8, "{alarms} of 200 with {count} periods");
         }
     }

@@ -1,31 +1,32 @@
-//! Sizes that numbers can be computed with.
+//! Limits on the size of uploaded numbers that keep later computations from overflowing.
 //!
-//! An answer has parameters whose units are powers of those of the upload. The highest is that of
-//! a cubic stiffness, input/position³ = input·ω³/velocity³. With every value between 10^±40, every
-//! frequency between 10^±20 rad/s, and a velocity made of an acceleration (10^±60), that lies
-//! within 10^±280, and so within what a floating-point number holds (10^±308).
+//! The units of fitted parameters are products of powers of the upload's units. The highest powers
+//! are those of a cubic stiffness, input/position³ = input·ω³/velocity³. Values lie within 10^±40,
+//! frequencies within 10^±20 rad/s, and so a velocity computed from an acceleration within 10^±60.
+//! The stiffness is then within 10^±280, which a floating-point number can hold (10^±308).
 
-/// Largest value of an input or a response, in its unit, and one over the smallest.
+/// Largest absolute value of an input or a response, in its unit; the inverse is the smallest.
 pub(super) const LARGEST_VALUE: f64 = 1e40;
 
-/// Largest frequency, rad/s (of records, the sampling rate in 1/s), and one over the smallest.
+/// Largest frequency, rad/s (for time records the sampling rate, 1/s); the inverse is the
+/// smallest.
 pub(super) const LARGEST_FREQUENCY: f64 = 1e20;
 
-/// Largest ratio of a deviation to the largest response, and one over the smallest: the weights
-/// of the data are its squares, and products of two of them are computed.
+/// Largest ratio of a standard deviation to the largest response; the inverse is the smallest. The
+/// weights of the data are its inverse squares, and products of two weights must not overflow.
 pub(super) const LARGEST_DEVIATION: f64 = 1e20;
 
-/// What is wrong with the size of a value, in words; 0 is right.
+/// The message for a value that is too large or too small; 0 is accepted.
 pub(super) fn fault(what: &str, value: f64) -> Option<String> {
-    beyond(what, value, LARGEST_VALUE)
+    range_fault(what, value, LARGEST_VALUE)
 }
 
-/// What is wrong with the size of a frequency, in words.
+/// The message for a frequency that is too large or too small.
 pub(super) fn frequency_fault(what: &str, value: f64) -> Option<String> {
-    beyond(what, value, LARGEST_FREQUENCY)
+    range_fault(what, value, LARGEST_FREQUENCY)
 }
 
-fn beyond(what: &str, value: f64, largest: f64) -> Option<String> {
+fn range_fault(what: &str, value: f64, largest: f64) -> Option<String> {
     let size = value.abs();
     if size == 0.0 || (1.0 / largest..=largest).contains(&size) {
         return None;

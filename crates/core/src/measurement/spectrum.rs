@@ -1,34 +1,35 @@
-//! Fourier coefficients of whole periods.
+//! Fourier coefficients of whole periods, by FFT or, if a period is not a whole number of samples,
+//! by linear least squares.
 
 use nalgebra::{DMatrix, DVector};
 use rustfft::FftPlanner;
 
 use super::Complex;
 
-/// Highest harmonic fitted where a period is not a whole number of samples.
+/// Highest harmonic fitted by least squares.
 ///
-/// The cost of the fit grows with its third power; excitations of that kind
-/// are sines, whose response has sunk into the noise long before.
+/// The cost of the fit grows with its third power. Excitations whose period is not a whole number
+/// of samples are usually sines, and their response disappears in the noise well below it.
 const MOST_FITTED_HARMONICS: usize = 400;
 
-/// Highest fitted harmonic as a share of the sampling frequency: closer to
-/// one half, the fit amplifies noise.
+/// Frequency of the highest fitted harmonic as a share of the sampling frequency. Closer to one
+/// half, the fit amplifies noise.
 const HIGHEST_FITTED_SHARE: f64 = 0.4;
 
 /// The periods of a record that are used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Periods {
-    /// Length of one, samples; a whole number if it is stored as one.
+    /// Length of one period, samples. An exact whole number selects the FFT.
     pub(super) samples: f64,
-    /// How many.
+    /// Number of periods.
     pub(super) count: usize,
 }
 
-/// Coefficients Xₖ, k = 0 … K, of x(t) = Re Σ Xₖ exp(jkωt), for each of the
-/// last periods of a signal; t counts from the first of them.
+/// Coefficients Xₖ, k = 0 … K, of x(t) = Re Σ Xₖ exp(jkωt), for each of the last `periods.count`
+/// periods of a signal; t = 0 is the beginning of the first of them.
 ///
-/// Where a period is a whole number of samples, by discrete Fourier transform
-/// up to the Nyquist frequency; else by least squares over each period.
+/// If a period is a whole number of samples, by discrete Fourier transform up to the Nyquist
+/// frequency; otherwise by least squares over each period.
 pub(super) fn of_periods(signal: &[f64], periods: Periods) -> Vec<Vec<Complex>> {
     if periods.samples.fract() == 0.0 {
         transformed(signal, periods)
@@ -47,7 +48,7 @@ fn transformed(signal: &[f64], periods: Periods) -> Vec<Vec<Complex>> {
             transform.process(&mut buffer);
             buffer.truncate(length / 2 + 1);
             for (k, value) in buffer.iter_mut().enumerate() {
-                // The mean and the Nyquist line are their own mirror images.
+                // All other lines share their amplitude with a mirror image at −k.
                 let mirrored = k == 0 || 2 * k == length;
                 *value *= if mirrored { 1.0 } else { 2.0 } / length as f64;
             }
@@ -91,8 +92,8 @@ fn fitted(signal: &[f64], periods: Periods) -> Vec<Vec<Complex>> {
         .collect()
 }
 
-/// AᵀA for the columns 1, cos θ, sin θ, cos 2θ, sin 2θ … at `count` equal
-/// steps of the angle θ, from the closed sums of exp(jdθ).
+/// AᵀA for the columns 1, cos θ, sin θ, cos 2θ, sin 2θ … of A at `count` equal steps of the angle
+/// θ, from the geometric sums of exp(jdθ).
 fn normal_matrix(count: usize, step: f64, highest: usize) -> DMatrix<f64> {
     let sums: Vec<Complex> = (0..=2 * highest)
         .map(|d| {
@@ -149,7 +150,7 @@ mod tests {
         for spectrum in spectra {
             for (k, value) in spectrum.iter().enumerate() {
                 let truth = harmonics().get(k).copied().unwrap_or(Complex::ZERO);
-                // Rounding, amplified by the condition of the fit (below 100).
+                // Rounding errors times the condition number of the fit (below 100).
                 assert!((value - truth).norm() < 1e-11, "{samples} {k} {value} {truth}");
             }
         }

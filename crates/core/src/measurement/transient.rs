@@ -1,27 +1,27 @@
-//! A motion under an input that does not repeat.
+//! A motion whose input does not repeat.
 
 use super::size;
 
-/// What an input does between two samples.
+/// Course of the input between two samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Intersample {
-    /// It goes straight from one to the next.
+    /// Linear interpolation.
     #[default]
     Linear,
-    /// It holds the earlier one, as behind a converter.
+    /// Zero-order hold of the earlier sample, as after a digital-to-analogue converter.
     Hold,
 }
 
-/// What an upload says of how its motions begin.
+/// Initial state of a motion, as far as the upload states it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Beginning {
-    /// Velocity at the first sample, where given: all else is then as at this velocity under
-    /// an input that was always as at first.
+    /// Velocity at the first sample, if given. All other states are then those of a steady motion
+    /// at this velocity under a constant input equal to the first sample.
     pub velocity: Option<f64>,
-    /// Position at the first sample, counted from where a position acts from (a spring's
-    /// rest), where given.
+    /// Position at the first sample, if given, relative to the zero of position-dependent effects
+    /// (a spring's rest position).
     pub position: Option<f64>,
-    /// Seconds at the beginning that are not compared, where given.
+    /// Length of the beginning that is not compared, s, if given.
     pub settle_s: Option<f64>,
 }
 
@@ -32,21 +32,21 @@ pub struct Transient {
     pub step_s: f64,
     /// Input, input units.
     pub input: Vec<f64>,
-    /// Response, response units: as many samples.
+    /// Response, response units; as many samples as the input.
     pub output: Vec<f64>,
-    /// What the input does between samples.
+    /// Course of the input between samples.
     pub intersample: Intersample,
-    /// How it begins.
+    /// Initial state.
     pub beginning: Beginning,
-    /// Position in the order of acquisition, where known.
+    /// Position in the order of acquisition, if known.
     pub run: Option<f64>,
 }
 
-/// Samples that a motion must have to be compared.
+/// Fewest samples of a motion that can be compared with a model.
 pub(super) const FEWEST: usize = 16;
 
 impl Transient {
-    /// From the first sample to the last, s.
+    /// Time from the first sample to the last, s.
     pub fn duration_s(&self) -> f64 {
         self.step_s * self.input.len().saturating_sub(1) as f64
     }

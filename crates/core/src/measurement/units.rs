@@ -1,17 +1,18 @@
-//! What a unit tells of a response.
+//! Infers the kind of a response from its unit.
 
 use super::ResponseKind;
 
-/// Lengths and angles, in lower case.
+/// Units of length and angle, in lower case.
 const DISTANCES: [&str; 18] = [
     "m", "mm", "cm", "um", "µm", "μm", "nm", "in", "inch", "rad", "mrad", "deg", "°", "rev",
     "turn", "turns", "count", "counts",
 ];
 
-/// Rates of turning that name no time.
+/// Units of rotational speed that are not written as an angle over a time.
 const SPEEDS: [&str; 4] = ["rpm", "1/min", "min-1", "min⁻¹"];
 
-/// The kind of response that a unit belongs to; `None` where it does not tell.
+/// The kind of response that a unit belongs to; `None` if the unit is unknown or belongs to no
+/// motion.
 pub(super) fn kind_of(unit: &str) -> Option<ResponseKind> {
     let unit: String = unit.to_lowercase().split_whitespace().collect();
     if SPEEDS.contains(&unit.as_str()) {

@@ -1,4 +1,4 @@
-//! The shape of a periodic signal given by its harmonics.
+//! Peak-to-peak value of a periodic signal given by its harmonics.
 
 use rustfft::FftPlanner;
 
@@ -6,8 +6,8 @@ use super::Complex;
 
 /// Half the peak-to-peak value of x(t) = Re Σ Xₖ exp(jkωt).
 ///
-/// Exact for a single harmonic; else the extremes of 16 or more points a
-/// period of the highest harmonic, with a parabola through each extreme.
+/// Exact for a single harmonic. Otherwise the signal is sampled at 16 or more points per period of
+/// the highest harmonic, and a parabola through the three points around each extreme refines it.
 pub(crate) fn half_peak_to_peak(harmonics: &[Complex]) -> f64 {
     let alternating = harmonics.get(1..).unwrap_or(&[]);
     let mut nonzero = alternating.iter().filter(|value| value.norm_sqr() > 0.0);
@@ -50,8 +50,8 @@ mod tests {
             Complex::ZERO,
             Complex::from_polar(0.5, 3.0 * phase),
         ];
-        // Both peak at ωt = −phase. A parabola over 1/64 of the third
-        // harmonic's period errs by about (2π/64)⁴/384 of it.
+        // Both lines peak at ωt = −phase. With points 1/64 of the third harmonic's period apart
+        // the parabola has a relative error of about (2π/64)⁴/384.
         assert!((half_peak_to_peak(&lines) - 1.5).abs() < 1e-6);
     }
 }

@@ -5,7 +5,9 @@
 //!   v' = −a v + K (τ − f)           mechanics from torque to velocity
 //! ```
 //!
-//! All torques and friction levels are in input units.
+//! u is the input, τ the torque behind the actuator, v the velocity and f the dry friction. All
+//! torques and friction levels are in input units. [`Scalar`] lets the same formulas carry
+//! derivatives.
 
 mod scalar;
 
@@ -13,27 +15,27 @@ pub use scalar::{Dual, Scalar};
 
 use crate::measurement::Complex;
 
-/// The actuator A(s), unit DC gain.
+/// The actuator A(s), with unit DC gain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Actuator<S = f64> {
     /// A = 1.
     Direct,
     /// A = p/(s + p).
     FirstOrder {
-        /// p, rad/s.
+        /// Corner frequency p, rad/s.
         corner_rad_s: S,
     },
     /// A = ωₙ²/(s² + 2ζωₙ s + ωₙ²).
     SecondOrder {
-        /// ωₙ, rad/s.
+        /// Natural frequency ωₙ, rad/s.
         natural_frequency_rad_s: S,
-        /// ζ.
+        /// Damping ratio ζ.
         damping_ratio: S,
     },
 }
 
 impl<S: Copy> Actuator<S> {
-    /// The same actuator with every number passed through `f`.
+    /// Converts every number of the actuator with `f`.
     pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> Actuator<T> {
         match *self {
             Actuator::Direct => Actuator::Direct,
@@ -76,24 +78,24 @@ impl Actuator {
     }
 }
 
-/// Levels of dry friction, input units, all ≥ 0.
+/// Levels of the dry friction f, input units, all ≥ 0.
 ///
-/// v > 0: f = Fc⁺; v < 0: f = −Fc⁻; v = 0: whatever value in [−Fs⁻, +Fs⁺]
-/// keeps the axis at rest.
+/// v > 0: f = Fc⁺; v < 0: f = −Fc⁻; v = 0: f takes the value in [−Fs⁻, +Fs⁺] that keeps the axis at
+/// rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction<S = f64> {
     /// Fc⁺: Coulomb level while v > 0.
     pub fc_plus: S,
     /// Fc⁻: Coulomb level while v < 0.
     pub fc_minus: S,
-    /// Fs⁺ ≥ Fc⁺: torque that must be exceeded to start in positive direction.
+    /// Fs⁺ ≥ Fc⁺: static level, which the torque must exceed to start a forward motion.
     pub fs_plus: S,
-    /// Fs⁻ ≥ Fc⁻: the same in negative direction.
+    /// Fs⁻ ≥ Fc⁻: static level of a backward motion.
     pub fs_minus: S,
 }
 
 impl<S: Copy> Friction<S> {
-    /// Friction whose static level is its Coulomb level.
+    /// Friction whose static levels equal its Coulomb levels.
     pub fn coulomb(fc_plus: S, fc_minus: S) -> Self {
         Self { fc_plus, fc_minus, fs_plus: fc_plus, fs_minus: fc_minus }
     }
@@ -102,9 +104,9 @@ impl<S: Copy> Friction<S> {
 /// A servo axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plant<S = f64> {
-    /// a, 1/s: the mechanics' pole is −a.
+    /// Viscous rate a, 1/s: the mechanics' pole is −a.
     pub viscous_rate_rad_s: S,
-    /// K, response units per input unit and second.
+    /// Constant K, response units per input unit and second.
     pub constant: S,
     /// A(s).
     pub actuator: Actuator<S>,
@@ -113,7 +115,7 @@ pub struct Plant<S = f64> {
 }
 
 impl<S: Scalar> Plant<S> {
-    /// The same plant with every number passed through `f`.
+    /// Converts every number of the plant with `f`, in the order a, K, actuator, friction.
     pub fn map<T: Scalar>(&self, mut f: impl FnMut(S) -> T) -> Plant<T> {
         Plant {
             viscous_rate_rad_s: f(self.viscous_rate_rad_s),

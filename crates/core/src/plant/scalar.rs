@@ -1,14 +1,15 @@
-//! Numbers with and without derivatives.
+//! Dual numbers for forward-mode automatic differentiation (Wengert 1964,
+//! doi:10.1145/355586.364791).
 //!
-//! The simulation is written once for any [`Scalar`]. With `f64` it gives the
-//! response; with [`Dual`] it gives the response and its derivatives along N
-//! directions, exact to rounding, because every operation carries them along
-//! (forward-mode differentiation; Wengert 1964, doi:10.1145/355586.364791).
+//! The simulation is written once for any [`Scalar`]. With `f64` it computes the response. With
+//! [`Dual`] every operation also applies the chain rule, so that the same code computes the
+//! response and its derivatives along N directions, exact to rounding. A *lane* is one of the N
+//! directions.
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// A real number, perhaps with derivatives.
+/// A real number that may carry derivatives.
 pub trait Scalar:
     Copy
     + Debug
@@ -27,22 +28,22 @@ pub trait Scalar:
     + AddAssign
     + SubAssign
 {
-    /// Number of directions it is differentiated in.
+    /// Number of derivatives that the number carries.
     const LANES: usize;
 
-    /// A number that does not depend on anything.
+    /// A constant: all its derivatives are 0.
     fn constant(value: f64) -> Self;
 
-    /// The number itself.
+    /// The value without the derivatives.
     fn value(self) -> f64;
 
-    /// Its derivative along direction `lane`; 0 beyond [`Self::LANES`].
+    /// The derivative along direction `lane`; 0 from [`Self::LANES`] on.
     fn lane(self, lane: usize) -> f64;
 
-    /// The number with the given derivatives.
+    /// A number with this value and the derivative `lane(i)` along each direction i.
     fn with_lanes(value: f64, lane: impl Fn(usize) -> f64) -> Self;
 
-    /// f(self), given f and f' there.
+    /// f(self) by the chain rule, from the value and the slope of f at `self`.
     fn chain(self, value: f64, slope: f64) -> Self {
         Self::with_lanes(value, |lane| slope * self.lane(lane))
     }
@@ -86,7 +87,7 @@ impl Scalar for f64 {
     }
 }
 
-/// A number and its derivatives along N directions.
+/// A value and its derivatives along N directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dual<const N: usize> {
     value: f64,
@@ -94,10 +95,10 @@ pub struct Dual<const N: usize> {
 }
 
 impl<const N: usize> Dual<N> {
-    /// The variable whose own direction is `lane`.
+    /// An independent variable: its derivative is 1 along direction `lane` and 0 along the others.
     ///
     /// # Panics
-    /// If there is no such lane.
+    /// If `lane` ≥ N.
     pub fn variable(value: f64, lane: usize) -> Self {
         let mut this = Self::constant(value);
         this.lanes[lane] = 1.0;
@@ -105,8 +106,7 @@ impl<const N: usize> Dual<N> {
     }
 }
 
-/// An array by index, as a loop that vectorises where `array::from_fn` is not
-/// inlined.
+/// Builds an array entry by entry. The plain loop vectorises; `array::from_fn` is not inlined here.
 #[inline(always)]
 fn each<const N: usize>(f: impl Fn(usize) -> f64) -> [f64; N] {
     let mut array = [0.0; N];
@@ -192,7 +192,7 @@ impl<const N: usize> Div for Dual<N> {
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let scale = 1.0 / other.value;
-        // The quotient as division gives it, so that values are those of `f64`.
+        // Dividing, rather than multiplying by `scale`, gives the same value as `f64` arithmetic.
         let value = self.value / other.value;
         let lanes = each(|i| (self.lanes[i] - value * other.lanes[i]) * scale);
         Self { value, lanes }
@@ -252,7 +252,7 @@ mod tests {
         };
         let h = 1e-6;
         assert!((f.value() - numeric(0.0, 0.0)).abs() < 1e-15);
-        // Central differences: h² times the third derivative, and rounding over h.
+        // Error of a central difference: h² times the third derivative, and rounding over h.
         assert!((f.lane(0) - (numeric(h, 0.0) - numeric(-h, 0.0)) / (2.0 * h)).abs() < 1e-9);
         assert!((f.lane(1) - (numeric(0.0, h) - numeric(0.0, -h)) / (2.0 * h)).abs() < 1e-9);
         assert_eq!(f.lane(2), 0.0);

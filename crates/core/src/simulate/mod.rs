@@ -1,28 +1,28 @@
 //! The exact periodic response of a servo axis to a periodic input.
 //!
-//! With the gain K taken out (v = K·x), the mechanics of the base model are x' = −a·x + τ − f.
-//! Between two switches of the friction f that is linear, and x is known in closed form. Sticking is
-//! a constraint of the motion (v = 0 until the torque exceeds the static level), never a smoothed
-//! sign function. The actuator is linear and acts ahead of the friction, so that its steady state is
-//! a factor on every line of the input.
+//! The substitution v = K·x removes the gain K: the base model's mechanics become
+//! x' = −a·x + τ − f. Between two switches of the friction f this equation is linear, and x is
+//! known in closed form. Sticking is a constraint (v = 0 until the torque exceeds the static
+//! level), never a smoothed sign function. The actuator is linear and acts ahead of the friction,
+//! so that in steady state it multiplies each line of the input by A(jω).
 //!
-//! Which way is taken depends on the effects ([`crate::effects`]) of the axis:
+//! The effects ([`crate::effects`]) of the axis decide which of three methods is used:
 //!
-//! - `base`: none, or effects that only change its numbers (friction levels, a delay, sensor lags).
-//!   The motion is a list of switching times, found by Newton's method; harmonics and derivatives
-//!   follow from the times alone.
+//! - `base`: no effects, or effects that only change the base model's numbers (friction levels, a
+//!   delay, sensor lags). Newton's method finds the switching times of the motion; harmonics and
+//!   derivatives follow from these times alone.
 //! - `piecewise_linear`: static maps and a rate limiter ahead of the actuator, and damping that
-//!   depends on the direction. The torque is a piecewise quintic, under which the motion is exact.
-//! - `hybrid`: everything else. The equations are integrated step by step, exactly where they are
-//!   affine and by a Runge–Kutta pair otherwise, and every switch is located as an event.
+//!   depends on the direction. The torque is a piecewise quintic; the motion under it is exact.
+//! - `hybrid`: all other effects. The equations are integrated step by step, exactly where they are
+//!   affine, otherwise by Taylor series or a Runge–Kutta pair. Every switch is located as an event.
 //!
-//! `transient` integrates the response to an input that need not repeat, from a given state, by
-//! `hybrid`. `sensor` adds what the sensor and a delay do to the harmonics. `signal` holds what all
-//! of them are made of.
+//! `transient` uses `hybrid` to integrate the response to an input that need not be periodic, from
+//! a given state. `sensor` applies the sensor's lags and the delay to the harmonics. `signal` holds
+//! the signal representations and Fourier integrals that all methods share.
 //!
-//! The last two ways are written for any [`Scalar`]: in dual numbers, the same code gives the
-//! derivatives by every parameter, and by the state at the beginning of the period, which Newton's
-//! method needs to make the motion periodic (`shooting`).
+//! `piecewise_linear` and `hybrid` are written for any [`Scalar`]. With dual numbers the same code
+//! gives the derivatives by every parameter, and by the state at the beginning of the period.
+//! `shooting` uses the latter for Newton's method, which makes the motion periodic.
 
 mod base;
 mod hybrid;
@@ -49,10 +49,10 @@ use response::check;
 
 /// Simulates the periodic response reached from rest.
 ///
-/// `highest` is the highest harmonic wanted. For the base model the result is
-/// exact up to rounding for a pure cosine, and up to the interpolation of the
-/// torque between samples (relative 1e-7) otherwise. With effects it is within
-/// 1e-5 (with play 3e-5) of the largest response of a design, mostly within 1e-6.
+/// Returns the velocity harmonics, number 0 to `highest`, as the sensor reports them. For the base
+/// model the result is exact up to rounding for a pure cosine, and up to the interpolation of the
+/// torque between samples (relative 1e-7) otherwise. With effects the error is below 1e-5 of the
+/// largest response in the measurement (3e-5 with backlash), and mostly below 1e-6.
 ///
 /// # Errors
 /// See [`NoResponse`].
@@ -65,7 +65,7 @@ pub fn respond(
     respond_if(Counts::FromRest, plant, effects, excitation, highest)
 }
 
-/// Like [`respond`], of a motion that `counts`.
+/// Like [`respond`]; `counts` says which periodic motions are accepted.
 ///
 /// # Errors
 /// See [`NoResponse`].
@@ -90,15 +90,14 @@ pub fn respond_if(
     Ok(velocity)
 }
 
-/// Like [`respond_if`], with the derivative of every harmonic by every variable:
-/// the first `variables` lanes of the plant, then the effects' parameters in
-/// order.
+/// Like [`respond_if`], with the derivative of every harmonic by every variable: first the first
+/// `variables` lanes of the plant, then the effects' parameters in order.
 ///
 /// # Errors
 /// See [`NoResponse`].
 ///
 /// # Panics
-/// If all variables together are more than [`effects::WIDE_LANES`].
+/// If there are more than [`effects::WIDE_LANES`] variables in all.
 pub fn respond_with_sensitivities(
     counts: Counts,
     plant: &Plant<Wide>,
@@ -127,10 +126,10 @@ pub fn respond_with_sensitivities(
     Ok(Response { velocity, sensitivities })
 }
 
-/// The change of every velocity harmonic when the input changes by each of
-/// `deviations` (rows of δU₀, δU₁ …), to first order, switching included.
-/// Effects that leave the base model's motion act; others are left out of the
-/// change.
+/// The first-order change of every velocity harmonic when the input changes by each of `deviations`
+/// (rows of δU₀, δU₁ …), including the shift of the switching times. Only effects that change
+/// nothing but the base model's numbers (friction levels, a delay, sensor lags) are taken into
+/// account.
 ///
 /// # Errors
 /// See [`NoResponse`].
@@ -156,7 +155,7 @@ pub fn respond_to_deviations(
     Ok(changes)
 }
 
-/// Switching instants of the base model's motion, for those who want to see it.
+/// Switching times of the base model's periodic motion, for inspection; no effects are applied.
 ///
 /// # Errors
 /// See [`NoResponse`].

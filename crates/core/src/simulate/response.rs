@@ -1,10 +1,11 @@
-//! What a simulation answers, and why an axis may have no answer.
+//! The result of a simulation, the reasons why there may be none, and the check of an axis's
+//! parameters.
 
 use crate::effects::Axis;
 use crate::measurement::Complex;
 use crate::plant::Actuator;
 
-/// There is no response of the excitation's own period.
+/// Why there is no response with the excitation's own period.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoResponse {
     /// The motion from rest does not settle to the period of the input.
@@ -13,7 +14,7 @@ pub enum NoResponse {
         /// Periods simulated.
         periods: usize,
     },
-    /// A motion that need not repeat switches without end.
+    /// A transient motion whose switching times accumulate.
     #[error("the motion switches so often that it cannot be followed")]
     Endless,
     /// A parameter is not a finite number or has no physical meaning.
@@ -29,25 +30,25 @@ pub enum NoResponse {
 pub enum Counts {
     /// The one reached from rest.
     FromRest,
-    /// Where the motion from rest does not settle to the period of the input, an unstable motion
-    /// of that period too: a search passes through such places, and should not stand before a
-    /// wall there.
+    /// The one reached from rest or, where the motion from rest does not settle to the period of
+    /// the input, an unstable motion of that period. For an optimiser: its path may cross such
+    /// parameter values, and an error there would block it.
     EvenUnstable,
 }
 
-/// Velocity harmonics and their derivatives.
+/// Velocity harmonics V₀ … V_H and their derivatives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
     /// V₀ … V_H as the sensor reports them, response units.
     pub velocity: Vec<Complex>,
-    /// One row for each variable, with the derivatives of V₀ … V_H.
+    /// Derivatives of V₀ … V_H, one row for each variable.
     pub sensitivities: Vec<Vec<Complex>>,
 }
 
-/// Whether every number of an axis has a physical meaning.
+/// Checks that every parameter of an axis is physically possible.
 ///
 /// # Errors
-/// [`NoResponse::Unphysical`] names the first that has none.
+/// [`NoResponse::Unphysical`] names the first parameter that is not.
 pub(super) fn check(axis: &Axis) -> Result<(), NoResponse> {
     let (plant, friction) = (&axis.plant, axis.levels());
     let unphysical = |reason| Err(NoResponse::Unphysical { reason });

@@ -1,8 +1,8 @@
-//! From the velocity to what the sensor reports, and the delay ahead of it all.
+//! Effect of the sensor's lags and of the input delay on the velocity harmonics.
 //!
-//! Both act on a periodic response as a factor on every harmonic: exp(−jkωT) for
-//! a delay of the input, which comes through the axis as it is, and
-//! 1/(1 + jkωT) for a lag.
+//! Each multiplies harmonic k of a periodic response by a factor: 1/(1 + jkωT) for a lag, and
+//! exp(−jkωT) for the delay. The delay acts on the input, but it only shifts the response in time,
+//! so that it can be applied to the response.
 
 use crate::effects::Axis;
 use crate::measurement::Complex;
@@ -10,8 +10,8 @@ use crate::plant::Scalar;
 
 use super::signal::complex_dual::ComplexDual;
 
-/// Turns velocity harmonics, and rows of their derivatives by lane, into those
-/// reported.
+/// Converts velocity harmonics, and their derivatives (one row for each lane), to those that the
+/// sensor reports; in place.
 pub(super) fn report<S: Scalar>(
     axis: &Axis<S>,
     omega: f64,

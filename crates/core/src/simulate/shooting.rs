@@ -1,5 +1,9 @@
-//! Single shooting: Newton's method for the state at the beginning of the period, and the derivatives
+//! Single shooting: Newton's method for the state at the beginning of the period, and derivatives
 //! of the periodic motion by the implicit function theorem.
+//!
+//! The simulation runs in dual numbers. The first `parameters` lanes hold the derivatives by the
+//! parameters, the lanes after them those by the unknowns of the return map (the state at the
+//! beginning of the period).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,12 +13,10 @@ use crate::plant::{Dual, Scalar};
 
 use super::signal::complex_dual::ComplexDual;
 
-/// Derivatives of harmonics by `parameters` lanes, when the unknowns of the
-/// return map ride in the lanes behind them.
+/// Derivatives of the harmonics of a periodic motion by the parameters, one row for each.
 ///
-/// `residuals` are what must vanish, such as the state after a period less the
-/// state before it; where the unknowns do not move them (an axis held by
-/// friction), they stay.
+/// `residuals` must vanish for the motion to be periodic: the state after a period minus the state
+/// before it. An unknown that does not affect them (an axis held by friction) stays constant.
 pub(super) fn differentiate<S: Scalar>(
     harmonics: &[ComplexDual<S>],
     residuals: &[S],
@@ -35,8 +37,7 @@ pub(super) fn differentiate<S: Scalar>(
         .collect()
 }
 
-/// Newton's step from residuals and their derivatives by the unknowns, which
-/// ride in the lanes behind `parameters`.
+/// The Newton step of the unknowns that makes the linearised residuals zero.
 pub(super) fn newton_step<S: Scalar>(residuals: &[S], parameters: usize) -> DVector<f64> {
     let unknowns = residuals.len();
     let jacobian = DMatrix::from_fn(unknowns, unknowns, |r, c| residuals[r].lane(parameters + c));
@@ -44,8 +45,7 @@ pub(super) fn newton_step<S: Scalar>(residuals: &[S], parameters: usize) -> DVec
     solve(&jacobian, &target).column(0).into_owned()
 }
 
-/// Takes harmonics along a small step of the unknowns, which ride in the lanes
-/// behind `parameters`.
+/// Corrects the harmonics to first order for a small step of the unknowns.
 pub(super) fn correct<S: Scalar>(
     harmonics: &mut [ComplexDual<S>],
     step: &[f64],
@@ -58,7 +58,7 @@ pub(super) fn correct<S: Scalar>(
     }
 }
 
-/// Lanes `first` … `first + count` of an axis as the first of N.
+/// The axis in dual numbers of N lanes, the first `count` of which are the lanes from `first` on.
 pub(super) fn narrowed<const N: usize>(
     axis: &Axis<Wide>,
     first: usize,
@@ -70,7 +70,8 @@ pub(super) fn narrowed<const N: usize>(
     })
 }
 
-/// Least squares where a direction does not matter.
+/// Solves a linear system. If the matrix is singular, because an unknown has no effect, the result
+/// is the least-squares solution of minimum norm; if it is not finite, the result is NaN.
 fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
     if matrix.nrows() == 1 {
         let pivot = matrix[(0, 0)];
@@ -79,6 +80,7 @@ fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
     if !matrix.iter().all(|entry| entry.is_finite()) {
         return DMatrix::repeat(matrix.ncols(), right.ncols(), f64::NAN);
     }
+    // Singular values below 1e-12 of the largest count as 0: they are rounding errors.
     let svd = matrix.clone().svd(true, true);
     let largest = svd.singular_values.max();
     svd.solve(right, 1e-12 * largest)

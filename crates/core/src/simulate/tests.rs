@@ -9,7 +9,7 @@ fn plant(actuator: Actuator, friction: Friction) -> Plant {
 const RESONANT: Actuator =
     Actuator::SecondOrder { natural_frequency_rad_s: 31.6, damping_ratio: 0.08 };
 
-/// The same input, taken through the general path: the mean is not quite zero.
+/// A cosine with a tiny mean, which sends it through the code for general inputs.
 fn as_general(omega: f64, magnitude: f64) -> Excitation {
     let tiny = Complex::new(f64::MIN_POSITIVE, 0.0);
     Excitation::new(omega, vec![tiny, Complex::new(magnitude, 0.0)])
@@ -35,7 +35,7 @@ fn the_two_paths_agree_on_a_cosine() {
                     let exact =
                         respond(&plant, &[], &Excitation::cosine(omega, magnitude), 9).unwrap();
                     let general = respond(&plant, &[], &as_general(omega, magnitude), 9).unwrap();
-                    // Interpolation on 512 samples: (2π/512)⁶/46080 of w.
+                    // The general code interpolates w on 1024 samples: error (2π/1024)⁶/46080 of w.
                     let difference = largest_difference(&exact, &general);
                     assert!(
                         difference < 1e-9,
@@ -89,7 +89,7 @@ fn sensitivities_agree_with_finite_differences() {
             let response =
                 respond_with_sensitivities(Counts::FromRest, &variables, lane, &[], excitation, 6)
                     .unwrap();
-            // The order in which a plant's numbers are mapped.
+            // `Plant::map` visits a, K, the actuator and then the friction levels.
             let actuator = all.len() - 6 - usize::from(lane == 7);
             let order: Vec<usize> = [0, 1].into_iter().chain(6..6 + actuator).chain(2..6).collect();
             for (row, i) in order.into_iter().enumerate() {
@@ -103,7 +103,7 @@ fn sensitivities_agree_with_finite_differences() {
                 for k in 0..=6 {
                     let numeric = (up[k] - down[k]) / (2.0 * step);
                     let analytic = response.sensitivities[row][k];
-                    // Central differences: step² times the third derivative.
+                    // Error of a central difference: step² times the third derivative.
                     let error = (numeric - analytic).norm();
                     assert!(
                         error < 2e-6 * (1.0 + analytic.norm()),
@@ -131,7 +131,7 @@ fn an_input_deviation_moves_the_response_as_the_simulation_says() {
     let reference = respond(&plant, &[], &before, 8).unwrap();
     for k in 0..=8 {
         let difference = after[k] - reference[k];
-        // Second order in a relative deviation of 1e-6, and rounding.
+        // The error is of second order in a relative deviation of 1e-6, and rounding.
         assert!((difference - linear[0][k]).norm() < 1e-10, "k {k}");
     }
 }
@@ -156,7 +156,7 @@ fn a_large_mean_torque_keeps_the_axis_moving() {
     let plant = plant(Actuator::Direct, Friction::coulomb(0.5, 0.4));
     let excitation = Excitation::new(3.0, vec![Complex::new(3.0, 0.0), Complex::new(1.0, 0.0)]);
     let velocity = respond(&plant, &[], &excitation, 3).unwrap();
-    // No switch: a linear axis whose mean torque is lowered by Fc⁺.
+    // The axis never reverses: it is linear, with its mean torque reduced by Fc⁺.
     let expected = plant.mechanics_response(3.0);
     assert!((velocity[0].re - 2.5).abs() < 1e-12);
     assert!((velocity[1] - expected).norm() < 1e-12);
@@ -173,7 +173,7 @@ fn without_friction_the_response_is_the_transfer_function() {
 }
 
 #[test]
-fn the_shorter_a_bristle_the_nearer_it_is_to_friction_that_holds() {
+fn presliding_on_stiff_bristles_is_close_to_set_valued_friction() {
     let plant = plant(RESONANT, Friction::coulomb(0.5, 0.4));
     let presliding = effects::find("presliding").unwrap();
     for omega in [1.5, 6.0] {
@@ -183,7 +183,7 @@ fn the_shorter_a_bristle_the_nearer_it_is_to_friction_that_holds() {
             let effect = ActiveEffect::new(presliding, vec![sigma]).unwrap();
             largest_difference(&rigid, &respond(&plant, &[effect], &excitation, 7).unwrap())
         };
-        // Where it stops it swings back with a velocity of up to Fc·√(K/σ).
+        // When the axis stops, it swings back on the bristles with a velocity of up to Fc·√(K/σ).
         let (soft, stiff) = (difference(1e3), difference(1e5));
         let swing = 0.5 * (10.0_f64 / 1e5).sqrt();
         assert!(stiff < 0.2 * soft && stiff < swing, "ω {omega}: {soft:e} {stiff:e}");
@@ -197,7 +197,8 @@ fn with_effect(id: &str, values: &[f64], omega: f64, magnitude: f64) -> Vec<Comp
     respond(&axis, &[active], &Excitation::cosine(omega, magnitude), 7).unwrap()
 }
 
-// Half as large a change, to the next order in an effect of a per cent or so of the response.
+// The effects change the response by about a per cent, so that the change is proportional to the
+// size of the effect up to a small term of second order.
 #[test]
 fn an_effect_of_half_the_size_changes_the_response_by_half() {
     let axis = plant(Actuator::Direct, Friction::coulomb(0.5, 0.4));
@@ -222,7 +223,7 @@ fn an_effect_of_half_the_size_changes_the_response_by_half() {
             .collect();
         let mut halved = values.to_vec();
         effect.resize(&mut halved, &ranges, 0.5);
-        // It slides through every reversal.
+        // At this frequency and magnitude the axis never sticks.
         let base = respond(&axis, &[], &Excitation::cosine(20.0, 2.0), 7).unwrap();
         let whole = largest_difference(&with_effect(id, values, 20.0, 2.0), &base);
         let half = largest_difference(&with_effect(id, &halved, 20.0, 2.0), &base);
@@ -230,11 +231,12 @@ fn an_effect_of_half_the_size_changes_the_response_by_half() {
     }
 }
 
-// What friction on bristles adds lasts √(2·Fc/(σ·v')) at a reversal, and where the axis rests
-// a time that falls as σ^(-2/3) at breakaway, while its travel falls as 1/σ: a hundred times
-// the stiffness leaves a tenth to a hundredth. At rest it swings hundreds of times.
+// At a reversal, presliding lasts √(2·Fc/(σ·v')). Where the axis rests, presliding delays breakaway
+// by a time proportional to σ^(-2/3) and adds a travel proportional to 1/σ. So a hundred times the
+// stiffness leaves between a tenth and a hundredth of the difference. At rest the axis oscillates
+// hundreds of times on its bristles.
 #[test]
-fn the_stiffer_the_bristles_the_nearer_comes_friction_without_them() {
+fn presliding_approaches_set_valued_friction_as_its_bristles_stiffen() {
     for (omega, magnitude) in [(1.0, 1.1), (2.0, 2.0), (20.0, 2.0)] {
         let axis = plant(Actuator::Direct, Friction::coulomb(0.5, 0.4));
         let rigid = respond(&axis, &[], &Excitation::cosine(omega, magnitude), 7).unwrap();

@@ -1,5 +1,8 @@
-//! The signal chain before the actuator: delay, dead zone, gain asymmetry, saturation,
-//! slew limit.
+//! The signal chain in front of the actuator: delay, dead zone, gain asymmetry, saturation and slew
+//! limit.
+//!
+//! The command is a sequence of stretches. Within each it is a linear function of the input and of
+//! time, so all kinks are at the boundaries.
 
 use std::f64::consts::TAU;
 
@@ -10,12 +13,12 @@ use super::outsider::Outsider;
 use super::slew::slew_limited;
 use crate::measurement::Complex;
 
-/// Halvings that find an instant to the rounding of the time.
+/// Bisection steps that locate an instant to the rounding error of the time.
 const HALVINGS: usize = 50;
-/// Instants a period, and a period of the highest line, between which a level is looked
-/// for. A visit beyond a level that begins and ends between two of them is not seen: it
-/// reaches (2π/1024)²/8 = 5e-6 of the amplitude.
-const LOOKS: usize = 1024;
+/// Number of instants per period of the highest input line between which crossings of a level are
+/// searched. If the input crosses a level twice between two instants, it is missed; it then exceeds
+/// the level by no more than (2π/1024)²/8 = 5e-6 of the amplitude.
+const INTERVALS_PER_PERIOD: usize = 1024;
 
 /// A stretch of time in which the command is offset + gain·u(t) + slope·(t − from).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +30,7 @@ pub(super) struct Stretch {
     pub(super) slope: f64,
 }
 
-/// One period of a periodic input.
+/// A periodic input.
 pub(super) struct Input {
     lines: Vec<Complex>,
     omega_rad_s: f64,
@@ -57,12 +60,12 @@ impl Input {
         TAU / self.omega_rad_s
     }
 
-    /// Distance of the instants between which events are looked for.
-    pub(super) fn look_s(&self) -> f64 {
-        self.period_s() / (LOOKS * self.lines.len().saturating_sub(1).max(1)) as f64
+    /// Length of the intervals in which events are searched, s.
+    pub(super) fn search_interval_s(&self) -> f64 {
+        self.period_s() / (INTERVALS_PER_PERIOD * self.lines.len().saturating_sub(1).max(1)) as f64
     }
 
-    /// u(t) at `count` instants of the period, by one inverse transform.
+    /// u(t) at `count` instants of the period, by one inverse FFT.
     fn sampled(&self, count: usize) -> Vec<f64> {
         let mut values = vec![Complex::new(0.0, 0.0); count];
         values.iter_mut().zip(&self.lines).for_each(|(value, line)| *value = *line);
@@ -71,7 +74,7 @@ impl Input {
     }
 }
 
-/// What the actuator is told, over one period.
+/// The command to the actuator, over one period.
 pub(super) struct Command {
     input: Input,
     stretches: Vec<Stretch>,
@@ -97,9 +100,9 @@ impl Command {
         Self { input, stretches }
     }
 
-    /// A command that is straight from sample to sample of an input, and cut at every
-    /// multiple of `step_s`, so that a step ends there; before the first sample the input is
-    /// as there.
+    /// The command for a sampled input, linear or held between samples. It is cut at every multiple
+    /// of `step_s`, so that integration steps end there. Before the first sample the input is
+    /// constant.
     pub(super) fn sampled_input(
         effects: &[Effect],
         step_s: f64,
@@ -142,12 +145,12 @@ impl Command {
                     _ => values[before] + place * (values[(before + 1).min(last)] - values[before]),
                 }
             };
-            // Straight pieces of what the shape makes of a straight input.
+            // The input is linear here, so the shaped input is piecewise linear.
             let levels = shape.levels(u(pair[0]).abs().max(u(pair[1]).abs()));
             let side = |time_s: f64| levels.iter().filter(|level| u(time_s) > **level).count();
             let mut from_s = pair[0];
             while from_s < pair[1] {
-                // Just behind its beginning, which may stand on a level.
+                // Evaluated just after the beginning, which may lie exactly on a level.
                 let here = side(from_s + 1e-12 * step_s);
                 let to_s = match side(pair[1] - 1e-12 * step_s) == here {
                     true => pair[1],
@@ -155,7 +158,7 @@ impl Command {
                 };
                 let (offset, gain) = shape.line(u(0.5 * (from_s + to_s)));
                 let x = |time_s: f64| offset + gain * u(time_s);
-                follow_slowly(&mut stretches, &x, [from_s, to_s], rate, &mut w);
+                push_rate_limited(&mut stretches, &x, [from_s, to_s], rate, &mut w);
                 from_s = to_s;
             }
         }
@@ -166,7 +169,7 @@ impl Command {
         self.input.period_s()
     }
 
-    /// Stretches without a kink within, in order; they fill the period.
+    /// The stretches in order; they fill the period, and the command has no kink within them.
     pub(super) fn stretches(&self) -> &[Stretch] {
         &self.stretches
     }
@@ -174,7 +177,7 @@ impl Command {
     /// The command at `count` + 1 instants of a stretch, both ends included.
     pub(super) fn sampled(&self, stretch: &Stretch, count: usize) -> Vec<f64> {
         let Stretch { from_s, to_s, offset, gain, slope } = *stretch;
-        // Of a general input with hundreds of lines, the transform is a thousand times faster.
+        // For an input with hundreds of lines the FFT is a thousand times faster than summation.
         if self.stretches.len() == 1 && count.is_power_of_two() && count > self.input.lines.len() {
             let mut input = self.input.sampled(count);
             input.push(input[0]);
@@ -190,13 +193,13 @@ impl Command {
     }
 }
 
-/// Dead zone, gain asymmetry and saturation, one after the other.
+/// The static nonlinearity: dead zone, gain asymmetry and saturation in series, or quantisation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Shape {
     half_width: f64,
     gamma: f64,
     limit: f64,
-    /// Whole steps that the input is rounded to, instead of all the others.
+    /// Step of the quantisation, which replaces the other three.
     step: Option<f64>,
 }
 
@@ -215,7 +218,7 @@ impl Shape {
         shape
     }
 
-    /// Offset and gain where the input is u.
+    /// Offset and gain of the linear piece at input u.
     fn line(&self, u: f64) -> (f64, f64) {
         if let Some(step) = self.step {
             return (step * (u / step).round(), 0.0);
@@ -233,7 +236,8 @@ impl Shape {
         }
     }
 
-    /// Values of u, up to a size of `largest`, at which the line changes.
+    /// Values of u at which the linear piece changes; those of a quantisation up to |u| =
+    /// `largest`.
     fn levels(&self, largest: f64) -> Vec<f64> {
         if let Some(step) = self.step {
             let most = (largest / step).floor() as i64;
@@ -258,9 +262,9 @@ impl Shape {
         let levels = self.levels(input.lines.iter().map(|line| line.norm()).sum());
         let mut bounds_s = vec![0.0];
         if !levels.is_empty() {
-            let looks = (period_s / input.look_s()).round() as usize;
-            let time_s = |i: usize| period_s * i as f64 / looks as f64;
-            let values: Vec<f64> = (0..=looks).map(|i| input.at(time_s(i))).collect();
+            let interval_count = (period_s / input.search_interval_s()).round() as usize;
+            let time_s = |i: usize| period_s * i as f64 / interval_count as f64;
+            let values: Vec<f64> = (0..=interval_count).map(|i| input.at(time_s(i))).collect();
             for (i, pair) in values.windows(2).enumerate() {
                 let mut crossed: Vec<f64> = levels
                     .iter()
@@ -287,8 +291,9 @@ impl Shape {
     }
 }
 
-/// Adds what a limiter of this rate makes of a straight x, from w on.
-fn follow_slowly(
+/// Appends the output of a rate limiter for a linear input x on one interval, starting at output
+/// w; updates w to the output at the end.
+fn push_rate_limited(
     out: &mut Vec<Stretch>,
     x: &impl Fn(f64) -> f64,
     [from_s, to_s]: [f64; 2],
@@ -320,11 +325,11 @@ fn follow_slowly(
     add(from_s, meets_s, start, ramp);
     *w = x(meets_s);
     if meets_s < to_s {
-        follow_slowly(out, x, [meets_s, to_s], rate, w);
+        push_rate_limited(out, x, [meets_s, to_s], rate, w);
     }
 }
 
-/// The instant at which `changed` becomes true; it is at `to_s`.
+/// The instant at which `changed` becomes true, by bisection; it must be true at `to_s`.
 pub(super) fn first_change(from_s: f64, to_s: f64, changed: impl Fn(f64) -> bool) -> f64 {
     let (mut before, mut after) = (from_s, to_s);
     for _ in 0..HALVINGS {

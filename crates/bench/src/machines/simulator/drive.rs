@@ -1,18 +1,18 @@
-//! From the command to the torque behind the actuator, over one period.
+//! Torque behind the actuator, computed from the command over one period.
 
 use super::chain::Command;
 use super::stepping::runge_kutta;
 use crate::plant::Actuator;
 
-/// Fewest steps between two kinks: the cubic between samples needs four of them.
-const FEWEST_STEPS: usize = 2;
+/// Fewest steps between two kinks. They give five samples; the cubic interpolation needs four.
+const MIN_STEPS: usize = 2;
 
-/// Torque τ(t) of one period, cut where the command has a kink.
+/// Torque τ(t) over one period, divided into segments at the kinks of the command.
 pub(super) struct Drive {
     segments: Vec<Segment>,
 }
 
-/// A stretch of time without a kink, in equal steps.
+/// A stretch of time without a kink, divided into equal steps.
 pub(super) struct Segment {
     from_s: f64,
     step_s: f64,
@@ -21,8 +21,7 @@ pub(super) struct Segment {
 }
 
 impl Drive {
-    /// The torque once the actuator has forgotten how it started; no step is longer than
-    /// `longest_step_s`.
+    /// The torque in the periodic state of the actuator; no step is longer than `longest_step_s`.
     pub(super) fn periodic(actuator: &Actuator, command: &Command, longest_step_s: f64) -> Self {
         let commands = sampled(actuator, command, longest_step_s);
         let segments = match *actuator {
@@ -37,7 +36,7 @@ impl Drive {
         Self { segments }
     }
 
-    /// The torque from τ and τ' at the beginning on.
+    /// The torque from given initial values of τ and τ'.
     pub(super) fn from_start(
         actuator: &Actuator,
         command: &Command,
@@ -75,14 +74,15 @@ impl Drive {
     }
 }
 
-/// The command in steps no longer than `longest_step_s`, at every half or quarter of them.
+/// The command in steps no longer than `longest_step_s`, sampled at every half step, or at every
+/// quarter step if there is an actuator to integrate.
 fn sampled(actuator: &Actuator, command: &Command, longest_step_s: f64) -> Vec<Segment> {
     let samples_a_step = if *actuator == Actuator::Direct { 2 } else { 4 };
     let sampled = command.stretches().iter().map(|stretch| {
         let length_s = stretch.to_s - stretch.from_s;
-        // A step more for the rounding of a length that is a whole number of steps would
-        // spoil the power of two that a whole period is sampled at.
-        let steps = ((length_s / longest_step_s - 1e-9).ceil() as usize).max(FEWEST_STEPS);
+        // Rounding errors must not add a step: the number of steps per period is a power of two,
+        // which the FFT in `Command::sampled` needs.
+        let steps = ((length_s / longest_step_s - 1e-9).ceil() as usize).max(MIN_STEPS);
         Segment {
             from_s: stretch.from_s,
             step_s: length_s / steps as f64,
@@ -109,7 +109,7 @@ impl Segment {
         self.step_s
     }
 
-    /// Time in the period of a place in the segment, given in steps.
+    /// Time at a position in the segment, given in steps from its beginning, s.
     pub(super) fn time_s(&self, steps: f64) -> f64 {
         self.from_s + steps * self.step_s
     }
@@ -121,8 +121,8 @@ impl Segment {
         [self.half_steps[first], self.half_steps[first + 1], self.half_steps[first + 2]]
     }
 
-    /// Torque at a place in the segment, in steps from its beginning: the cubic through four
-    /// neighbouring samples.
+    /// Torque at a position in the segment, given in steps from its beginning, by cubic
+    /// interpolation through four neighbouring samples.
     pub(super) fn at(&self, steps: f64) -> f64 {
         let position = 2.0 * steps;
         let first = (position.floor() as usize).saturating_sub(1).min(self.half_steps.len() - 4);
@@ -136,11 +136,11 @@ impl Segment {
     }
 }
 
-/// First state of a linear system x' = slope(command, x) in its periodic state, at every
+/// First state of the linear system x' = slope(command, x) in its periodic motion, at every
 /// other sample of the command.
 ///
-/// One period takes x to Φx + b. Runge–Kutta gives b from x = 0, and Φ column by column
-/// without a command; the periodic state is x = (1 − Φ)⁻¹ b.
+/// One period maps x to Φx + b. Integration from x = 0 gives b, and integration of unit vectors
+/// without a command gives the columns of Φ. The periodic state is x = (1 − Φ)⁻¹ b.
 fn periodic_torque<const N: usize>(
     slope: impl Fn(f64, [f64; N]) -> [f64; N],
     commands: &[Segment],
@@ -159,8 +159,8 @@ fn periodic_torque<const N: usize>(
     one_period(&slope, commands, 1.0, start.into()).0
 }
 
-/// First state at every half step of a command times `gain`, and all states at the end of
-/// the period. The command is sampled at every quarter step.
+/// Integrates over one period with the command multiplied by `gain`; the command is sampled at
+/// every quarter step. Returns the first state at every half step, and all states at the end.
 fn one_period<const N: usize>(
     slope: &impl Fn(f64, [f64; N]) -> [f64; N],
     commands: &[Segment],
@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn the_input_is_sampled_as_the_sum_of_its_lines() {
         let input = [Complex::new(0.2, 0.0), Complex::new(1.0, -0.3), Complex::new(-0.4, 0.7)];
-        // A limit that is never reached forbids the transform; both ways must agree.
+        // The FFT and direct summation must agree.
         for effects in [vec![], vec![Effect::GainAsymmetry { gamma: 0.0 }]] {
             let command = Command::periodic(&effects, TAU / 256.0, &input);
             let drive = Drive::periodic(&Actuator::Direct, &command, 1.0);
@@ -204,8 +204,8 @@ mod tests {
                 let expected: f64 = (0..3)
                     .map(|k| (input[k] * Complex::from_polar(1.0, k as f64 * angle)).re)
                     .sum();
-                // Cubic interpolation: (2π·2/512)⁴·3/128 of the second harmonic is 9e-9;
-                // fourfold at the ends.
+                // The error of cubic interpolation of the second harmonic is
+                // (2π·2/512)⁴·3/128 = 9e-9; at the ends it is four times that.
                 assert!((segment.at(time_s) - expected).abs() < 4e-8, "{time_s}");
             }
             assert_eq!(segment.whole_step(255)[2], segment.whole_step(0)[0]);
@@ -225,7 +225,7 @@ mod tests {
             for step in [0, 1, 100, 511] {
                 let phasor = Complex::from_polar(1.0, TAU * step as f64 / 512.0);
                 let expected = 0.1 + (actuator.response(omega) * input[1] * phasor).re;
-                // Fourth order: (ωₙh)⁴/120 with h half a step is 1e-9 a radian.
+                // The fourth-order error (ωₙh)⁴/120, with h half a step, is 1e-9 per radian.
                 let found = drive.segments()[0].whole_step(step)[0];
                 assert!((found - expected).abs() < 2e-9, "{actuator:?}");
             }

@@ -1,4 +1,4 @@
-//! What a machine may have beyond the base model.
+//! The effects beyond the base model, with their parameters.
 
 mod known;
 
@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 use super::outsider::Outsider;
 use known::{KNOWN, Range, known_ids, known_parameters};
 
-/// One effect with its parameters, by its id among those that a diagnosis may name, or
-/// outside of them. Torques and levels are in input units.
+/// One effect with its parameters: one of those that a diagnosis can name, or an [`Outsider`].
+/// Torques and friction levels are in input units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effect {
-    /// Static levels above the Coulomb levels, at v = 0 only. Without effect beside
-    /// [`Effect::Presliding`], which knows no sticking.
+    /// Static levels above the Coulomb levels, at v = 0 only. It has no effect together with
+    /// [`Effect::Presliding`], which has no sticking.
     StaticFriction {
         /// Fs⁺ ≥ Fc⁺, input units.
         fs_plus: f64,
@@ -37,12 +37,12 @@ pub enum Effect {
         c: f64,
     },
     /// Dahl's bristle z' = v − |v|·σ·z/Fc(sgn v), f = σ·z, in place of set-valued friction.
-    /// Beside [`Effect::Stribeck`] its level Fc follows the Stribeck curve.
+    /// Together with [`Effect::Stribeck`] its level Fc follows the Stribeck curve.
     Presliding {
-        /// σ > 0, input units per response unit and second.
+        /// σ > 0, input units/(response unit·s).
         sigma: f64,
     },
-    /// All friction levels × (1 + δ·share of the run).
+    /// All friction levels × (1 + δ·`run_share`).
     FrictionDrift {
         /// δ > −1.
         delta: f64,
@@ -52,32 +52,32 @@ pub enum Effect {
     Backlash {
         /// ρ, between 0 and 1.
         load_inertia_fraction: f64,
-        /// k > 0, input units per response unit and second.
+        /// k > 0, input units/(response unit·s).
         stiffness: f64,
         /// c ≥ 0, input units per response unit.
         damping: f64,
-        /// The whole gap, response units and seconds.
+        /// The whole gap, response units·s.
         gap: f64,
     },
     /// [`Effect::Backlash`] without a gap.
     FlexibleMode {
         /// ρ, between 0 and 1.
         load_inertia_fraction: f64,
-        /// k > 0, input units per response unit and second.
+        /// k > 0, input units/(response unit·s).
         stiffness: f64,
         /// c ≥ 0, input units per response unit.
         damping: f64,
     },
     /// A torque k·θ, θ = 0 at rest.
     Spring {
-        /// k ≥ 0, input units per response unit and second.
+        /// k ≥ 0, input units/(response unit·s).
         stiffness: f64,
     },
     /// A torque k·θ + k₃·θ³, θ = 0 at rest.
     HardeningSpring {
-        /// k ≥ 0, input units per response unit and second.
+        /// k ≥ 0, input units/(response unit·s).
         stiffness: f64,
-        /// k₃ ≥ 0, input units per cubed response unit and second.
+        /// k₃ ≥ 0, input units/(response unit·s)³.
         cubic_stiffness: f64,
     },
     /// A torque T·sin(N·θ + φ), together with the constant torque that makes the mean of v
@@ -85,7 +85,7 @@ pub enum Effect {
     Cogging {
         /// T ≥ 0, input units.
         amplitude: f64,
-        /// N > 0, rad per response unit and second.
+        /// N > 0, rad/(response unit·s).
         cycles_per_unit: f64,
         /// φ, rad.
         phase: f64,
@@ -121,17 +121,17 @@ pub enum Effect {
         /// Rate > 0, input units per second.
         rate: f64,
     },
-    /// Physics that is not to be named.
+    /// An effect that no diagnosis can name.
     Outside(Outsider),
 }
 
-/// Why a name and parameters make no effect.
+/// Why an effect cannot be built from its id and parameters.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EffectError {
     /// No effect has this id.
     #[error("no effect is called `{id}`; there are {}", known_ids())]
     UnknownId {
-        /// What was asked for.
+        /// The unknown id.
         id: String,
     },
     /// The effect has no such parameter.
@@ -139,7 +139,7 @@ pub enum EffectError {
     UnknownParameter {
         /// The effect.
         id: &'static str,
-        /// What was given.
+        /// The unknown parameter.
         parameter: String,
     },
     /// A parameter was not given.
@@ -147,10 +147,10 @@ pub enum EffectError {
     Missing {
         /// The effect.
         id: &'static str,
-        /// What it needs.
+        /// The missing parameter.
         parameter: &'static str,
     },
-    /// A value that no machine has.
+    /// A parameter has an invalid value.
     #[error("`{parameter}` of `{id}` is {value}: it must be finite and {requirement}")]
     Unusable {
         /// The effect.
@@ -165,7 +165,7 @@ pub enum EffectError {
 }
 
 impl Effect {
-    /// The id under which the effect is known everywhere.
+    /// The id of the effect, as in requests and answers.
     pub fn id(&self) -> &'static str {
         match self {
             Self::Outside(outsider) => outsider.id(),
@@ -182,10 +182,10 @@ impl Effect {
         KNOWN[place].1.iter().map(|(name, _)| *name).zip(values).collect()
     }
 
-    /// The effect of this id with these parameters, all of which must be given.
+    /// The effect with this id and these parameters, all of which must be given.
     ///
     /// # Errors
-    /// See [`EffectError`]; its texts name the known ids and parameters.
+    /// See [`EffectError`]; its messages list the known ids and parameters.
     pub fn from_parameters(
         id: &str,
         parameters: &BTreeMap<String, f64>,
@@ -207,10 +207,10 @@ impl Effect {
         Ok(effect)
     }
 
-    /// Whether a machine may have these values.
+    /// Checks that all parameters are within their ranges.
     ///
     /// # Errors
-    /// [`EffectError::Unusable`] names the first value that none has.
+    /// [`EffectError::Unusable`] names the first parameter that is not.
     pub fn check(&self) -> Result<(), EffectError> {
         if let Self::Outside(outsider) = self {
             return outsider.unusable().map_or(Ok(()), |(parameter, value, requirement)| {
@@ -220,7 +220,7 @@ impl Effect {
         }
         let (place, values) = self.place();
         let (id, known) = KNOWN[place];
-        match known.iter().zip(values).find(|((_, range), value)| !range.holds(*value)) {
+        match known.iter().zip(values).find(|((_, range), value)| !range.contains(*value)) {
             Some((&(parameter, range), value)) => {
                 Err(EffectError::Unusable { id, parameter, value, requirement: range.words() })
             }
@@ -228,7 +228,7 @@ impl Effect {
         }
     }
 
-    /// The effect of a known id with the values of its known parameters, in order.
+    /// The effect with a known id, from the values of its parameters in the order of [`KNOWN`].
     fn of(id: &str, values: &[f64]) -> Self {
         match (id, values) {
             ("static_friction", &[fs_plus, fs_minus]) => Self::StaticFriction { fs_plus, fs_minus },
@@ -262,7 +262,7 @@ impl Effect {
         }
     }
 
-    /// Place in [`KNOWN`], and the values of the parameters in its order.
+    /// Index in [`KNOWN`], and the values of the parameters in its order.
     fn place(&self) -> (usize, Vec<f64>) {
         match *self {
             Self::StaticFriction { fs_plus, fs_minus } => (0, vec![fs_plus, fs_minus]),
@@ -308,7 +308,7 @@ mod tests {
     #[test]
     fn every_known_effect_is_built_from_its_names_and_gives_them_back() {
         for (id, known) in KNOWN {
-            // Values that lie in every range they meet, all different.
+            // Different values, each within its range.
             let value = |index: usize, range: &Range| match range {
                 Range::AtLeastOne => 1.5,
                 _ => 0.1 + 0.1 * index as f64,

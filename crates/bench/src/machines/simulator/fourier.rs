@@ -1,9 +1,9 @@
-//! Fourier integrals of one period, piece by piece.
+//! Fourier coefficients of one period, integrated piece by piece.
 
 use super::stepping::Piece;
 use crate::measurement::Complex;
 
-/// Sums ∫ x(t) exp(−jkωt) dt over the pieces of a period.
+/// Accumulates ∫ x(t) exp(−jkωt) dt over the pieces of a period.
 pub(super) struct FourierSeries {
     omega_rad_s: f64,
     elapsed_s: f64,
@@ -16,7 +16,7 @@ impl FourierSeries {
         Self { omega_rad_s, elapsed_s: 0.0, integrals }
     }
 
-    /// Simpson's rule, of what is read of a state.
+    /// Adds one piece by Simpson's rule, with x = `reading`(value of the state).
     pub(super) fn add<const N: usize>(
         &mut self,
         piece: &Piece<N>,

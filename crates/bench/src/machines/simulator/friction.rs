@@ -1,12 +1,12 @@
-//! Levels of dry friction, and the bristle that may stand in for them.
+//! Dry friction: its levels, the Stribeck curve, and the bristle that replaces it in presliding.
 
 use super::effect::Effect;
 use crate::plant::Friction;
 
-/// Dry friction of a machine at one place in the order of acquisition.
+/// Dry friction of a machine at one position in the order of acquisition.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DryFriction {
-    /// Coulomb levels; static levels at which the axis breaks away.
+    /// Coulomb levels, and static levels at which the axis breaks away, input units.
     pub(super) levels: Friction,
     /// r − 1 and vs of the Stribeck curve.
     pub(super) stribeck: Option<(f64, f64)>,
@@ -41,7 +41,7 @@ impl DryFriction {
         Self { levels, stribeck, bristle_stiffness }
     }
 
-    /// Size of the friction in a direction (+1 or −1) at velocity v, input units.
+    /// Absolute value of the friction in a direction (+1 or −1) at velocity v, input units.
     #[inline]
     pub(super) fn kinetic(&self, direction: f64, velocity: f64) -> f64 {
         let level = if direction > 0.0 { self.levels.fc_plus } else { self.levels.fc_minus };

@@ -8,9 +8,8 @@
 //!   v_load' = K Tₛ/ρ
 //! ```
 //!
-//! The viscous term acts on the motor, so that a, too, stands over 1−ρ. Without a joint
-//! ρ = Tₛ = 0. A state that a machine does not have is not stepped: N is the number of
-//! those it has.
+//! The viscous term acts on the motor, so a(v) here is the plant's a divided by 1−ρ. Without a
+//! joint ρ = Tₛ = 0. Only the states that a machine has are integrated; N is their number.
 
 mod joint;
 mod switching;
@@ -25,16 +24,16 @@ use joint::Joint;
 /// Index of v, response units: the first state of every machine.
 pub(super) const VELOCITY: usize = 0;
 
-/// What friction does at the moment.
+/// State of the friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Motion {
-    /// It holds the axis at v = 0.
+    /// The axis sticks at v = 0.
     Stuck,
-    /// It opposes motion in this direction, +1 or −1; v may still be 0.
+    /// The axis slides in this direction, +1 or −1; v may still be 0.
     Sliding(f64),
 }
 
-/// Which set of equations holds.
+/// Selects the equations of motion that apply.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Mode {
     pub(super) motion: Motion,
@@ -52,7 +51,7 @@ struct Cogging {
 /// Everything behind the actuator.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Mechanics {
-    /// a for v > 0 and v < 0, over 1−ρ.
+    /// a/(1−ρ) for v > 0 and for v < 0.
     viscous_rate_rad_s: [f64; 2],
     /// K/(1−ρ).
     constant: f64,
@@ -67,9 +66,9 @@ pub(super) struct Mechanics {
     /// b, input units.
     constant_torque: f64,
     outside: Option<OutsideMechanics>,
-    /// Index of θ.
+    /// Index of the state θ.
     position: Option<usize>,
-    /// Index of z, and σ.
+    /// Index of the state z, and σ.
     bristle: Option<(usize, f64)>,
     states: usize,
 }
@@ -159,7 +158,7 @@ impl Mechanics {
         self.position
     }
 
-    /// Index of φ, if the machine has a joint; v_load follows it.
+    /// Index of φ, if the machine has a joint; v_load is the next state.
     pub(super) fn twist(&self) -> Option<usize> {
         self.joint.map(|joint| joint.twist)
     }
@@ -169,7 +168,7 @@ impl Mechanics {
         self.joint.map_or(0.0, |joint| 2.0 * joint.half_gap)
     }
 
-    /// The same with another gap.
+    /// A copy with another gap.
     pub(super) fn with_gap(&self, gap: f64) -> Self {
         let widened = |joint: Joint| Joint { half_gap: 0.5 * gap, ..joint };
         Self { joint: self.joint.map(widened), ..*self }
@@ -188,13 +187,13 @@ impl Mechanics {
         self.cogging.map_or(0.0, |cogging| cogging.amplitude)
     }
 
-    /// The same with the constant torque b and this share of the cogging torque.
+    /// A copy with the constant torque b and the given share of the cogging torque.
     pub(super) fn with_cogging(&self, constant_torque: f64, share: f64) -> Self {
         let scaled = |cogging: Cogging| Cogging { amplitude: share * cogging.amplitude, ..cogging };
         Self { constant_torque, cogging: self.cogging.map(scaled), ..*self }
     }
 
-    /// The fastest rate that steps have to follow, rad/s, at speeds up to `speed`.
+    /// The fastest rate that the steps have to resolve, rad/s, at speeds up to `speed`.
     pub(super) fn fastest_rad_s(&self, speed: f64) -> f64 {
         let level = self.friction.levels.fc_plus.max(self.friction.levels.fc_minus);
         let lowest = self.friction.levels.fc_plus.min(self.friction.levels.fc_minus);
@@ -205,8 +204,8 @@ impl Mechanics {
         }
         let mut elastic =
             |stiffness: f64| fastest = fastest.max((self.constant * stiffness).sqrt());
-        // A cubic spring is at its stiffest where the speed takes it within its own period:
-        // k₃θ² with θ = speed/rate.
+        // The largest stiffness of a cubic spring is 3k₃θ² with θ = speed/rate, the travel during
+        // its own time constant. With rate² = K·3k₃θ² that is speed·√(3k₃/K).
         elastic(self.stiffness + speed * (3.0 * self.cubic_stiffness / self.constant).sqrt());
         if let Some(Cogging { amplitude, cycles_per_unit, .. }) = self.cogging {
             elastic(amplitude * cycles_per_unit);
@@ -217,7 +216,8 @@ impl Mechanics {
         }
         if let Some((_, sigma)) = self.bristle {
             fastest = fastest.max((self.constant * sigma).sqrt());
-            // The bristle's end state is stable up to 2.8 of this a step, and constant.
+            // A fully bent bristle relaxes at the rate σ·v/Fc. Its state is then constant, so
+            // Runge–Kutta has to be stable only, which it is up to a rate of 2.8 per step.
             fastest = fastest.max(0.1 * sigma * speed / lowest);
         }
         if let Some(joint) = self.joint {
@@ -229,7 +229,7 @@ impl Mechanics {
         fastest
     }
 
-    /// τ + b − g − Tₛ, input units, drag aside: what friction has to balance at rest.
+    /// τ + b − g − Tₛ without drag, input units: the torque that friction has to balance at rest.
     #[inline]
     fn net_torque<const N: usize>(&self, contact: Contact, torque: f64, state: &[f64; N]) -> f64 {
         if N == 1 {

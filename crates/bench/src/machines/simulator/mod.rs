@@ -1,5 +1,5 @@
-//! Plain time stepping of a servo axis with set-valued friction and all it may have beyond
-//! the base model.
+//! Time-stepping simulator of a servo axis with set-valued friction and effects beyond the base
+//! model, independent of `servoscope-core`.
 //!
 //! ```text
 //!   u ─ signal chain ─ A(s) ─ τ ─ mechanics and friction ─ v ─ sensor ─ harmonics
@@ -7,26 +7,27 @@
 //!       └────── drive ──────┘    └─ mechanics, friction ─┘
 //! ```
 //!
-//! - `effect`: the effects and their parameters by name; `outsider`: physics that no
-//!   diagnosis has a name for.
-//! - `chain`, `slew`: delay, dead zone, gain asymmetry, saturation and slew limit turn the
-//!   input into stretches without a kink.
-//! - `drive`: nothing of the axis acts back on its actuator, so the torque τ(t) is
-//!   stepped once, over one period, from the actuator's own periodic state.
-//! - `mechanics`, `friction`: the equations of motion, and when friction holds or lets go.
-//! - `stepping`: classical Runge–Kutta steps of fixed length within a stretch. Where the
-//!   velocity reaches zero, the torque leaves the static band or a joint crosses its gap
-//!   within a step, the instant is found by bisection and the step is cut there; no step
-//!   crosses a kink.
-//! - `shooting`, `floating`, `cogging`: a state that a period ends with as it began.
-//! - `transient`: a motion under a sampled input, once from a given start to its end.
-//! - `fourier`: Simpson's rule over every piece of a step.
+//! - `effect`: the effects and their parameters by name; `outsider`: effects that no diagnosis
+//!   can name.
+//! - `chain`, `slew`: delay, dead zone, gain asymmetry, saturation and slew limit convert the input
+//!   into a command that is smooth within each of a sequence of stretches.
+//! - `drive`: the axis does not act back on its actuator, so the torque τ(t) is computed first, for
+//!   one period, from the actuator's own periodic state.
+//! - `mechanics`, `friction`: the equations of motion, and the switching between sticking and
+//!   sliding.
+//! - `stepping`: classical Runge–Kutta steps of fixed length within a stretch. Events (the velocity
+//!   reaches zero, the torque leaves the static band, a joint crosses an edge of its gap) are
+//!   located by bisection, and the step is cut there, so that no step crosses a kink.
+//! - `shooting`, `floating`, `cogging`: the periodic state, i.e. the initial state that one period
+//!   maps to itself.
+//! - `transient`: a single motion under a sampled input from a given initial state.
+//! - `fourier`: Fourier integrals by Simpson's rule over every piece of a step.
 //!
-//! The axis starts at rest and runs until a period ends as it began; the harmonics are
-//! those of one more period. All rules are of fourth order, and so is the result: half
-//! the step, a sixteenth of the error. At the default settings the base model's is near
-//! 1e-9 of the largest harmonic. A visit to v = 0 or to the static level that begins and
-//! ends within one step is not seen: it moves v by no more than the square of the step.
+//! The axis starts at rest and runs until its motion is periodic; the harmonics are those of one
+//! more period. All rules are of fourth order, so halving the step divides the error by sixteen. At
+//! the default settings the error of the base model is near 1e-9 of the largest harmonic. If v = 0
+//! or the static level is crossed twice within one step, the step misses it; the resulting error of
+//! v is of second order in the step.
 
 mod chain;
 mod cogging;
@@ -47,7 +48,7 @@ use std::f64::consts::TAU;
 use crate::measurement::Complex;
 use crate::plant::{Actuator, Plant};
 use chain::Command;
-use cogging::{Held, hold};
+use cogging::{CoggingState, cogging_state};
 use drive::Drive;
 pub use effect::{Effect, EffectError};
 use floating::float;
@@ -58,15 +59,15 @@ use shooting::{Cycle, Search, settle};
 use stepping::Axis;
 pub use transient::{Motion, Samples, Start, follow};
 
-/// More steps a period than this mean a time constant that no servo axis has.
+/// Most steps per period. Only an unrealistically short time constant would need more.
 const MOST_STEPS: usize = 1 << 20;
 
-/// A servo axis and what it has beyond the base model.
+/// A servo axis: the base model and its effects.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Machine<'a> {
     /// The base model.
     pub plant: Plant,
-    /// Effects that act together; no id twice. Static friction here replaces the plant's.
+    /// Effects that act together, each at most once. Static friction here replaces the plant's.
     pub effects: &'a [Effect],
 }
 
@@ -77,19 +78,18 @@ impl Machine<'_> {
     }
 }
 
-/// How finely and how long to step.
+/// Step lengths and stopping criteria.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Least number of steps a period.
+    /// Least number of steps per period.
     pub steps_per_period: usize,
-    /// Least number of steps a period of the highest line of the input.
+    /// Least number of steps per period of the highest line of the input.
     pub steps_per_input_line: usize,
-    /// Least number of steps a time constant, the reciprocal of the plant's fastest
-    /// rate (a, p or ωₙ).
+    /// Least number of steps per time constant, the reciprocal of the machine's fastest rate.
     pub steps_per_time_constant: f64,
-    /// What transients may leave, as a share of the largest value of each state.
+    /// Largest remaining transient, as a share of the largest value of each state.
     pub tolerance: f64,
-    /// Periods after which the response counts as not periodic.
+    /// Number of periods after which the response counts as not periodic.
     pub most_periods: usize,
 }
 
@@ -105,53 +105,53 @@ impl Default for Settings {
     }
 }
 
-/// Why there is no response.
+/// Why a machine has no periodic response.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SimulatorError {
-    /// A number that no axis has.
+    /// A parameter has an invalid value.
     #[error("{quantity} is {value}: it must be finite and {requirement}")]
     Unusable {
-        /// Which number.
+        /// Which parameter.
         quantity: &'static str,
         /// Its value.
         value: f64,
         /// What it must be.
         requirement: &'static str,
     },
-    /// An effect that no machine has.
+    /// An effect is invalid.
     #[error(transparent)]
     Effect(#[from] EffectError),
-    /// The same effect more than once.
+    /// An effect is given more than once.
     #[error("`{id}` is given more than once")]
     Repeated {
         /// Which effect.
         id: &'static str,
     },
-    /// A joint with and without a gap at once.
+    /// A joint is given both with and without a gap.
     #[error("`backlash` and `flexible_mode` describe the same joint: give one of them")]
     TwoJoints,
     /// The period is too long for the plant's fastest time constant.
     #[error("a period would take {steps} steps, more than {MOST_STEPS}")]
     TooManySteps {
-        /// Steps a period that the settings ask for.
+        /// Steps per period that the settings demand.
         steps: f64,
     },
-    /// No response of the input's own period was reached from rest.
+    /// No response of the input's period is reached from rest.
     #[error("after {periods} periods the state still changes by {change:e} of its range a period")]
     NotPeriodic {
         /// Periods simulated.
         periods: usize,
-        /// Change over the last period, as a share of the state's largest value.
+        /// Change of the state over the last period, as a share of its largest value.
         change: f64,
     },
 }
 
 /// Velocity harmonics V₀ … V_H of the periodic response reached from rest.
 ///
-/// `input` are U₀, U₁ … in input units: u(t) = Re Σ Uₖ exp(jkωt); likewise
-/// v(t) = Re Σ Vₖ exp(jkωt), peak amplitudes in response units, V₀ real. `harmonics`
-/// is H, the highest one wanted. `run_share` is (run − run_min)/(run_max − run_min), from
-/// 0 to 1: where in the order of acquisition the experiment stands.
+/// `input` is U₀, U₁ … in input units, with u(t) = Re Σ Uₖ exp(jkωt). The result has
+/// v(t) = Re Σ Vₖ exp(jkωt), with peak amplitudes in response units and V₀ real. `harmonics` is H,
+/// the highest harmonic of the result. `run_share` is the position of the experiment in the order
+/// of acquisition, (run − run_min)/(run_max − run_min), from 0 to 1.
 ///
 /// # Errors
 /// See [`SimulatorError`].
@@ -206,7 +206,8 @@ fn periodic_harmonics<const N: usize>(
     let at_rest = vec![Complex::new(0.0, 0.0); harmonics + 1];
     let mut series = FourierSeries::new(harmonics, omega_rad_s);
     let (mechanics, state) = if mechanics.has_cogging() {
-        let Some(Held { state, constant_torque }) = hold::<N>(mechanics, drive, search.settings)?
+        let Some(CoggingState { state, constant_torque }) =
+            cogging_state::<N>(mechanics, drive, search.settings)?
         else {
             return Ok(at_rest);
         };
@@ -230,14 +231,14 @@ fn periodic_harmonics<const N: usize>(
         let Some(state) = settle(&run, &float, [0.0; N], search)? else { return Ok(at_rest) };
         (mechanics, state)
     };
-    // Without compression the reading is v to the last bit: v/√1.
+    // Without compression the reading is v/√1, bit-identical to v.
     let reading = |v: f64| v / (1.0 + (compression * v).powi(2)).sqrt();
     let mut axis = Axis::new(mechanics, drive, state);
     axis.run_period(&mut |piece| series.add(piece, VELOCITY, reading));
     Ok(series.harmonics())
 }
 
-/// Factor of the command at this share of the run.
+/// Factor of the command due to gain drift, at this position in the order of acquisition.
 fn gain(effects: &[Effect], run_share: f64) -> f64 {
     let drift = |effect: &Effect| match effect {
         Effect::Outside(Outsider::GainDrift { delta }) => Some(1.0 + delta * run_share),
@@ -246,7 +247,7 @@ fn gain(effects: &[Effect], run_share: f64) -> f64 {
     effects.iter().find_map(drift).unwrap_or(1.0)
 }
 
-/// e of a sensor that reads v/√(1 + (e·v)²).
+/// Coefficient e of a sensor that reads v/√(1 + (e·v)²); 0 for a linear sensor.
 fn compression(effects: &[Effect]) -> f64 {
     let sensor = |effect: &Effect| match effect {
         Effect::Outside(Outsider::SensorCompression { e }) => Some(*e),
@@ -255,7 +256,7 @@ fn compression(effects: &[Effect]) -> f64 {
     effects.iter().find_map(sensor).unwrap_or(0.0)
 }
 
-/// A velocity that the axis does not exceed without friction.
+/// An upper bound on the velocity of the base model without friction: the sum over all lines.
 fn linear_speed(plant: &Plant, omega_rad_s: f64, input: &[Complex]) -> f64 {
     let line_speed = |(k, line): (usize, &Complex)| {
         let at = k as f64 * omega_rad_s;
@@ -273,7 +274,7 @@ fn actuator_rate_rad_s(actuator: &Actuator) -> f64 {
     }
 }
 
-/// A power of two, for the Fourier transform that samples the input.
+/// Number of steps per period; a power of two, because an FFT samples the input.
 fn steps_per_period(
     fastest_rad_s: f64,
     omega_rad_s: f64,

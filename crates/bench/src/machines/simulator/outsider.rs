@@ -1,40 +1,40 @@
-//! What a machine may have that no list of effects knows.
+//! Effects that the library of `servoscope-core` does not contain ("outsiders").
 //!
-//! A diagnosis that is shown one of these and names another has been deceived. All are
-//! physics that occurs: worn oil, warm magnets, a coarse converter.
+//! They test whether a diagnosis wrongly names a known effect when the true cause is unknown to it.
+//! All of them occur in practice: worn oil, warm magnets, a coarse converter.
 
-/// Physics beyond the base model and beyond [`super::Effect`]'s named kinds. Torques are in
-/// input units, velocities in response units.
+/// An effect beyond the base model that is none of the named kinds of [`super::Effect`]. Torques
+/// are in input units, velocities in response units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outsider {
-    /// A torque c·v³, of a fan or of turbulent oil.
+    /// A torque c·v³, as of a fan or turbulent oil.
     CubicDrag {
         /// c ≥ 0, input units per cubed response unit.
         c: f64,
     },
-    /// The torque falls with speed to τ/(1 + κ·v²), as a motor's in a weakened field.
+    /// The torque decreases with speed to τ/(1 + κ·v²), as in a motor with field weakening.
     FieldWeakening {
         /// κ ≥ 0, per squared response unit.
         kappa: f64,
     },
-    /// All friction levels × (1 + μ·|τ|), as where the drive's torque presses on a bearing.
+    /// All friction levels × (1 + μ·|τ|), as if the drive's torque loads a bearing.
     LoadDependentFriction {
         /// μ ≥ 0, per input unit.
         mu: f64,
     },
-    /// a becomes a(1+β) for what |v| has beyond a knee, as where a seal begins to drag.
+    /// a becomes a(1+β) for the part of |v| beyond a knee, as if a seal begins to drag.
     KinkedViscosity {
         /// β ≥ 0.
         beta: f64,
         /// The knee, response units, positive.
         knee: f64,
     },
-    /// The command's gain × (1 + δ·share of the run), as of magnets that warm up.
+    /// The gain of the command × (1 + δ·`run_share`), as with magnets that warm up.
     GainDrift {
         /// δ > −1.
         delta: f64,
     },
-    /// a × (1 + δ·share of the run), as of oil that warms up.
+    /// a × (1 + δ·`run_share`), as with oil that warms up.
     ViscousDrift {
         /// δ > −1.
         delta: f64,
@@ -44,7 +44,7 @@ pub enum Outsider {
         /// e ≥ 0, per response unit.
         e: f64,
     },
-    /// The command rounded to whole steps, by a coarse converter.
+    /// The command rounded to multiples of a step by a coarse converter.
     InputQuantisation {
         /// Step > 0, input units.
         step: f64,
@@ -52,7 +52,7 @@ pub enum Outsider {
 }
 
 impl Outsider {
-    /// The name under which it is reported.
+    /// The name used in reports.
     pub fn id(&self) -> &'static str {
         match self {
             Self::CubicDrag { .. } => "cubic_drag",
@@ -79,7 +79,7 @@ impl Outsider {
         }
     }
 
-    /// The first parameter that no machine has, its value and what it must be.
+    /// The first parameter with an invalid value, that value, and the requirement in words.
     pub(super) fn unusable(&self) -> Option<(&'static str, f64, &'static str)> {
         let requirement = |name: &str| match (self, name) {
             (_, "knee" | "step") => (f64::MIN_POSITIVE, "positive"),
@@ -93,7 +93,7 @@ impl Outsider {
     }
 }
 
-/// What outsiders do behind the actuator.
+/// The outsiders that act on the mechanics behind the actuator.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct OutsideMechanics {
     cubic_drag: f64,
@@ -105,7 +105,8 @@ pub(super) struct OutsideMechanics {
 }
 
 impl OutsideMechanics {
-    /// `None` where no outsider acts there; `a_over_k` is a/K, input units per response unit.
+    /// `None` if no outsider acts on the mechanics. `a_over_k` is a/K, input units per response
+    /// unit.
     pub(super) fn of(outsiders: impl Iterator<Item = Outsider>, a_over_k: f64) -> Option<Self> {
         let mut outside = Self::default();
         for outsider in outsiders {
@@ -122,7 +123,7 @@ impl OutsideMechanics {
         (outside != Self::default()).then_some(outside)
     }
 
-    /// The torque that the motor gives at velocity v.
+    /// The torque that the motor delivers at velocity v.
     pub(super) fn torque(&self, torque: f64, v: f64) -> f64 {
         torque / (1.0 + self.weakening * v * v)
     }
@@ -132,13 +133,13 @@ impl OutsideMechanics {
         1.0 + self.load_friction * torque.abs()
     }
 
-    /// Torque against the motion, with the sign of v.
+    /// Drag torque against the motion, with the sign of v.
     pub(super) fn drag(&self, v: f64) -> f64 {
         let beyond = (v.abs() - self.knee).max(0.0).copysign(v);
         self.cubic_drag * v * v * v + self.kink * beyond
     }
 
-    /// ∂(drag)/∂v at most, at speeds up to `speed`.
+    /// Largest ∂(drag)/∂v at speeds up to `speed`.
     pub(super) fn steepest(&self, speed: f64) -> f64 {
         3.0 * self.cubic_drag * speed * speed + self.kink
     }

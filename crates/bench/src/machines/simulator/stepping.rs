@@ -1,15 +1,15 @@
-//! Runge–Kutta steps, cut where the mode changes.
+//! Runge–Kutta steps of fixed length, with event location by bisection.
 
 use super::drive::{Drive, Segment};
 use super::mechanics::{Mechanics, Mode, Motion, VELOCITY};
 
-/// Halvings that find an event: to 2⁻⁴⁵ of a step, the rounding of the time itself.
+/// Bisection steps that locate an event to 2⁻⁴⁵ of a step, about the rounding error of the time.
 const HALVINGS: usize = 45;
-/// Events within one step after which the rest of it is passed over: a joint that chatters
-/// faster has lost its energy.
+/// Most events within one step. After that the rest of the step is integrated without events: a
+/// joint that chatters faster has hardly any energy left.
 const MOST_EVENTS: usize = 64;
 
-/// A stretch of time within one step in which nothing switches.
+/// A part of a step within which the mode does not change.
 pub(super) struct Piece<const N: usize> {
     /// Beginning and end, s from the beginning of the period.
     pub(super) from_s: f64,
@@ -22,7 +22,7 @@ pub(super) struct Piece<const N: usize> {
 }
 
 impl<const N: usize> Piece<N> {
-    /// A state in the middle: the cubic's through both ends and slopes.
+    /// A state at the middle, from the cubic Hermite interpolant through both ends.
     pub(super) fn middle(&self, state: usize) -> f64 {
         let slopes = self.start_slope[state] - self.end_slope[state];
         0.5 * (self.start[state] + self.end[state]) + (self.to_s - self.from_s) / 8.0 * slopes
@@ -35,7 +35,7 @@ impl<const N: usize> Piece<N> {
     }
 }
 
-/// A servo axis in time.
+/// Time integration of a servo axis.
 pub(super) struct Axis<'a, const N: usize> {
     mechanics: &'a Mechanics,
     drive: &'a Drive,
@@ -44,7 +44,7 @@ pub(super) struct Axis<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Axis<'a, N> {
-    /// At the beginning of a period.
+    /// An axis in the given state at the beginning of a period.
     pub(super) fn new(mechanics: &'a Mechanics, drive: &'a Drive, state: [f64; N]) -> Self {
         let mode = mechanics.mode(drive.first(), &state);
         Self { mechanics, drive, state, mode }
@@ -54,14 +54,14 @@ impl<'a, const N: usize> Axis<'a, N> {
         self.state
     }
 
-    /// Runs one period; `visit` sees every piece of it in order.
+    /// Integrates over one period and calls `visit` with every piece in order.
     pub(super) fn run_period(&mut self, visit: &mut impl FnMut(&Piece<N>)) {
         for segment in self.drive.segments() {
             for step in 0..segment.steps() {
                 let torques = segment.whole_step(step);
                 let end = self.stepped(torques, segment.step_s());
                 let from_steps = step as f64;
-                if self.is_over(torques[2], &end) {
+                if self.mode_has_ended(torques[2], &end) {
                     self.run_through_events(segment, from_steps, visit);
                 } else {
                     self.move_to(end, segment, [from_steps, from_steps + 1.0], torques, visit);
@@ -70,7 +70,7 @@ impl<'a, const N: usize> Axis<'a, N> {
         }
     }
 
-    /// One step in which the mode changes, perhaps more than once.
+    /// Integrates one step in which the mode changes once or more.
     fn run_through_events(
         &mut self,
         segment: &Segment,
@@ -82,12 +82,13 @@ impl<'a, const N: usize> Axis<'a, N> {
         while from_steps < last_steps {
             let (torques, end) = self.attempt(segment, from_steps, last_steps);
             events += 1;
-            if !self.is_over(torques[2], &end) || events > MOST_EVENTS {
+            if !self.mode_has_ended(torques[2], &end) || events > MOST_EVENTS {
                 self.move_to(end, segment, [from_steps, last_steps], torques, visit);
                 return;
             }
-            // An axis that leaves v = 0 and is back within this step has not moved enough
-            // to be followed: it counts as at rest. So every pass gets further.
+            // An axis that leaves v = 0 and returns within this step moves too little to be
+            // resolved, so it counts as being at rest until the end of the step. This guarantees
+            // progress in every pass.
             let just_left = self.mode.motion != Motion::Stuck && self.state[VELOCITY] == 0.0;
             let over = |torque: f64, end: &[f64; N]| {
                 self.mechanics.contact_is_over(self.mode, end)
@@ -116,7 +117,8 @@ impl<'a, const N: usize> Axis<'a, N> {
         }
     }
 
-    /// The instant, to within rounding, at which `over` becomes true; it is at `to_steps`.
+    /// The position, in steps, at which `over` becomes true, by bisection; it must be true at
+    /// `to_steps`.
     fn first_time(
         &self,
         segment: &Segment,
@@ -138,12 +140,13 @@ impl<'a, const N: usize> Axis<'a, N> {
     }
 
     #[inline]
-    fn is_over(&self, torque: f64, end: &[f64; N]) -> bool {
+    fn mode_has_ended(&self, torque: f64, end: &[f64; N]) -> bool {
         self.mechanics.motion_is_over(self.mode, torque, end)
             || self.mechanics.contact_is_over(self.mode, end)
     }
 
-    /// Torques over part of a step and the state at its end, if nothing switched.
+    /// Torques at the beginning, middle and end of part of a step, and the state at its end in the
+    /// current mode.
     fn attempt(&self, segment: &Segment, from_steps: f64, to_steps: f64) -> ([f64; 3], [f64; N]) {
         let times = [from_steps, 0.5 * (from_steps + to_steps), to_steps];
         let torques = times.map(|steps| segment.at(steps));
@@ -177,8 +180,8 @@ impl<'a, const N: usize> Axis<'a, N> {
     }
 }
 
-/// One classical Runge–Kutta step of x' = slope(input, x), with the input at the
-/// beginning, middle and end of it.
+/// One classical fourth-order Runge–Kutta step of x' = slope(input, x), with the input given at the
+/// beginning, middle and end of the step.
 #[inline]
 pub(super) fn runge_kutta<const N: usize>(
     slope: &impl Fn(f64, [f64; N]) -> [f64; N],

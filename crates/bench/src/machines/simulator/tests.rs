@@ -41,7 +41,7 @@ fn without_friction_the_response_is_the_transfer_function() {
                 })
                 .collect();
             let found = base(&plant, omega, &input, 3);
-            // The tolerance on transients.
+            // The tolerance for transients.
             assert!(worst(&found, &exact) < 2e-9, "{actuator:?} at {omega} rad/s");
         }
     }
@@ -53,8 +53,8 @@ fn a_torque_below_the_static_level_leaves_the_axis_stuck() {
     assert_eq!(found, vec![Complex::new(0.0, 0.0); 5]);
 }
 
-// With static friction above the torque on one side the axis creeps the other way only:
-// v' = −a v + K (m cos ωt − Fc⁺) from the release at m cos ωt = Fs⁺, once a period.
+// The static friction is above the torque in one direction, so the axis creeps in the other only.
+// Once per period it breaks away at m cos ωt = Fs⁺, and then v' = −a v + K (m cos ωt − Fc⁺).
 #[test]
 fn an_axis_held_in_one_direction_creeps_in_the_other() {
     let held = Plant {
@@ -64,7 +64,7 @@ fn an_axis_held_in_one_direction_creeps_in_the_other() {
     let (omega, magnitude) = (2.0, 1.0);
     let found = base(&held, omega, &cosine(magnitude), 1);
 
-    // Closed form: a forced oscillation, a constant and one exponential; its zero by bisection.
+    // Closed form: a forced oscillation, a constant and one exponential. Bisection finds its zero.
     let response = held.mechanics_response(omega);
     let forced = |t: f64| {
         (magnitude * response * Complex::from_polar(1.0, omega * t)).re
@@ -80,7 +80,7 @@ fn an_axis_held_in_one_direction_creeps_in_the_other() {
     }
     let count = 20_000;
     let width = (moving - release) / count as f64;
-    // Midpoint rule: (width·ω)²/24 is 1e-9.
+    // The error of the midpoint rule is (width·ω)²/24 = 1e-9.
     let mean: f64 = (0..count).map(|i| velocity(release + (i as f64 + 0.5) * width)).sum::<f64>()
         * width
         * omega
@@ -95,8 +95,8 @@ fn a_reversal_sticks_until_the_torque_exceeds_the_static_level() {
         let plant = Plant { friction, ..plant(0.0, 0.0) };
         base(&plant, 30.0, &cosine(1.0), 3)
     };
-    // The velocity lags by about 35° where it passes zero, so that |τ| is then near 0.57.
-    // What is left of the first periods differs: the tolerance on transients.
+    // The velocity passes zero with a lag of about 35°, where |τ| is about 0.57. A static level
+    // below that changes nothing but the transient, which is below the tolerance.
     assert!(worst(&response(0.4), &response(0.5)) < 1e-9);
     assert!(worst(&response(0.4), &response(0.8)) > 1e-3);
 }
@@ -126,18 +126,18 @@ fn half_the_step_leaves_a_sixteenth_of_the_error() {
         };
         let exact = with_steps(8192);
         let errors = [128, 256, 512].map(|steps| worst(&with_steps(steps), &exact));
-        // The fourth order is asymptotic, and where an event falls within its step
-        // scatters the error: between third and fifth order, twice.
+        // Two halvings, each with a factor between 2³ and 2⁵: the fourth order is asymptotic, and
+        // the error varies with the position of events within their steps.
         let gain = errors[0] / errors[2];
         assert!((8.0 * 8.0..32.0 * 32.0).contains(&gain), "{actuator:?}: {errors:?}");
-        // What the module's documentation promises of the default.
+        // The accuracy at the default settings that the module documentation states.
         assert!(worst(&with_steps(2048), &exact) < 1e-9);
     }
 }
 
 #[test]
 fn a_multisine_of_240_lines_is_resolved() {
-    // Schroeder phases: the crest stays low and the velocity crosses zero all the time.
+    // Schroeder phases give a low crest factor, so the velocity crosses zero often.
     let mut input = vec![Complex::new(0.0, 0.0)];
     let phase = |k: usize| -std::f64::consts::PI * (k * (k - 1)) as f64 / 240.0;
     input.extend((1..=240).map(|k| Complex::from_polar(0.15, phase(k))));
@@ -148,12 +148,12 @@ fn a_multisine_of_240_lines_is_resolved() {
     };
     let (found, finer) = (with(64), with(256));
     let largest = finer.iter().map(|v| v.norm()).fold(0.0, f64::max);
-    // (2π/64)⁴/2880 is 3e-8 of the highest line.
+    // The error of Simpson's rule is (2π/64)⁴/2880 = 3e-8 of the highest line.
     assert!(worst(&found, &finer) < 3e-8 * largest);
 }
 
 #[test]
-fn what_no_axis_has_is_refused_with_its_name() {
+fn invalid_parameters_are_refused_by_name() {
     let refused = |plant: Plant, omega: f64, input: &[Complex]| {
         let machine = Machine::base(plant);
         respond(&machine, 0.0, omega, input, 1, &Settings::default()).unwrap_err().to_string()

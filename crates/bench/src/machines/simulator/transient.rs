@@ -1,4 +1,4 @@
-//! Motion under a sampled input, from a given state and through no more than once.
+//! A single motion under a sampled input, from a given initial state.
 
 use super::chain::Command;
 use super::drive::Drive;
@@ -8,38 +8,39 @@ use super::stepping::{Axis, Piece};
 use super::{Machine, Settings, SimulatorError, actuator_rate_rad_s, check, compression, gain};
 use crate::measurement::Complex;
 
-/// An input at equal steps of time; before the first sample it was as there.
+/// An equally sampled input; before the first sample it is constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Samples<'a> {
     /// Step, s.
     pub step_s: f64,
     /// Samples, input units.
     pub values: &'a [f64],
-    /// Whether it holds a sample until the next rather than going there straight.
+    /// Whether each sample is held until the next; otherwise the input is linear in between.
     pub hold: bool,
 }
 
-/// Where a motion begins: a joint untwisted, a bristle unbent.
+/// Initial state of a motion. A joint starts without twist, and a bristle unbent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Start {
-    /// v, response units; that of a load, too.
+    /// v of motor and load, response units.
     pub velocity: f64,
     /// θ.
     pub position: f64,
-    /// τ and τ' behind the actuator; as the first sample and 0 where not given.
+    /// τ and τ' behind the actuator. If not given, τ is the command at the first sample, and τ' =
+    /// 0.
     pub torque: Option<[f64; 2]>,
-    /// Constant torque beside a cogging torque, input units.
+    /// Constant torque that accompanies a cogging torque, input units.
     pub constant_torque: f64,
 }
 
-/// A motion at the samples' times, behind the sensor.
+/// A motion at the times of the samples, as the sensor reports it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Motion {
     /// v, response units.
     pub velocity: Vec<f64>,
-    /// θ, from that of the start on.
+    /// θ, with the initial position at the first sample.
     pub position: Vec<f64>,
-    /// v', where it jumps from before.
+    /// v'; at a jump, its value before the jump.
     pub acceleration: Vec<f64>,
 }
 
@@ -66,8 +67,8 @@ pub fn follow(
     let speed = largest * plant.constant / plant.viscous_rate_rad_s;
     let fastest = mechanics.fastest_rad_s(speed).max(actuator_rate_rad_s(&plant.actuator));
     let longest_step_s = samples.step_s.min(1.0 / (fastest * settings.steps_per_time_constant));
-    let told = command.sampled(&command.stretches()[0], 2)[0];
-    let torque = start.torque.unwrap_or([told, 0.0]);
+    let first_command = command.sampled(&command.stretches()[0], 2)[0];
+    let torque = start.torque.unwrap_or([first_command, 0.0]);
     let drive = Drive::from_start(&plant.actuator, &command, longest_step_s, torque);
     let follow = match mechanics.states() {
         1 => motion::<1>,
@@ -127,7 +128,7 @@ fn motion<const N: usize>(
     motion
 }
 
-/// What the sensor makes of v: y' = (v − y)/T, and ∫y.
+/// A sensor with the lag y' = (v − y)/T, or none; integrates y and its position ∫y dt.
 struct Sensor {
     lag: Option<f64>,
     reading: f64,
@@ -151,7 +152,7 @@ impl Sensor {
         let k4 = slope(last, self.reading + length_s * k3);
         let before = self.reading;
         self.reading += length_s / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
-        // y = v − T·y'.
+        // From y = v − T·y', ∫y dt = ∫v dt − T·Δy.
         self.position += piece.integral(VELOCITY) - lag * (self.reading - before);
     }
 }

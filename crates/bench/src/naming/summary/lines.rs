@@ -1,4 +1,4 @@
-//! What is counted of the draws of a kind at a level of noise, and what is asked of it.
+//! The rates of each kind of draw and noise level, with their targets.
 
 use servoscope_core::answers::Verdict;
 
@@ -9,24 +9,24 @@ use crate::naming::judge::{Answer, Estimated, Outcome};
 use crate::naming::rate::Rate;
 use crate::naming::separation::Separation;
 
-/// How near a rival comes, as the excess χ² that it leaves without noise. A choice by
-/// likelihood ([`super::super::rivals::Nearest`]) goes wrong in 16 % at the first bound, 2.3 % at
-/// the second, 0.003 % at the last.
-const NEARNESS: [(&str, [f64; 2]); 4] = [
+/// Bins of the excess χ² that the nearest rival leaves without noise. A choice by likelihood (see
+/// [`super::super::rivals::Nearest`]) is wrong with a probability of 16 % at the first bound, 2.3 %
+/// at the second and 0.003 % at the last.
+const RIVAL_EXCESS_BINS: [(&str, [f64; 2]); 4] = [
     ("named first, a rival's excess below 4", [f64::NEG_INFINITY, 4.0]),
     ("named first, the nearest rival's 4 to 16", [4.0, 16.0]),
     ("named first, the nearest rival's 16 to 64", [16.0, 64.0]),
     ("named first, every rival's 64 or more", [64.0, f64::INFINITY]),
 ];
 
-/// What is asked of the draws of a level: a share at 60 dB, at 50 dB and at 40 dB.
+/// The target for a noise level, from the shares required at 60 dB, 50 dB and 40 dB.
 fn by_level(level_db: u32, shares: &[f64]) -> Wanted {
     let place = [60, 50, 40].into_iter().position(|db| db == level_db);
     let share = place.and_then(|place| shares.get(place));
     share.map_or(Wanted::Nothing, |share| Wanted::AtLeast(*share))
 }
 
-/// Every rate of which there is anything to count.
+/// All rates for which there are draws.
 pub(super) fn lines(outcomes: &[Outcome], levels: &[u32]) -> Vec<Line> {
     let mut lines = Lines { outcomes, lines: Vec::new() };
     lines.singles(levels);
@@ -48,13 +48,13 @@ struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// Draws of a kind, at one level or at all.
+    /// The draws of a kind, at one noise level or at all.
     fn at(&self, kind: Kind, level_db: Option<u32>) -> impl Iterator<Item = &'a Outcome> + use<'a> {
         let of = move |o: &&Outcome| o.kind == kind && level_db.is_none_or(|db| o.level_db == db);
         self.outcomes.iter().filter(of)
     }
 
-    /// Counts, if there is anything to count.
+    /// Adds a rate, if there is anything to count.
     fn add(
         &mut self,
         (kind, level_db): (Kind, Option<u32>),
@@ -68,7 +68,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Counts all draws of a kind, at one level or at all.
+    /// Adds the rate of `right` over all draws of a kind, at one noise level or at all.
     fn count(
         &mut self,
         (kind, level_db): (Kind, Option<u32>),
@@ -114,16 +114,17 @@ impl<'a> Lines<'a> {
 
     fn outsiders(&mut self) {
         let all = (Kind::Outsider, None);
-        let deceived = |o: &Outcome| o.is_explained() && names_something(o);
-        self.count(all, "explained by a wrong name", Wanted::AtMost(0.05), deceived);
+        let wrongly_explained = |o: &Outcome| o.is_explained() && names_something(o);
+        self.count(all, "explained by a wrong name", Wanted::AtMost(0.05), wrongly_explained);
         self.count(all, "a cause at 0.9 or more", Wanted::AtMost(0.10), |o| o.any_at(0.9));
         self.count(all, "something named", Wanted::Nothing, names_something);
     }
 
-    /// How near rivals come, and whether one more experiment tells them from what is hidden.
+    /// Rates by the excess of the nearest rival, and rates of the doubts that one more experiment
+    /// resolves.
     fn rivals(&mut self) {
         let all = (Kind::Single, None);
-        for (what, [from, to]) in NEARNESS {
+        for (what, [from, to]) in RIVAL_EXCESS_BINS {
             let near = move |o: &&Outcome| {
                 o.nearest.as_ref().is_some_and(|n| (from..to).contains(&n.excess))
             };
@@ -141,7 +142,7 @@ impl<'a> Lines<'a> {
         });
     }
 
-    /// Whether 95 % intervals hold what they should.
+    /// Coverage of the 95 % intervals.
     fn intervals(&mut self, kind: Kind, level: u32) {
         let at = (kind, Some(level));
         let all: Vec<&Outcome> = self.at(kind, Some(level)).collect();

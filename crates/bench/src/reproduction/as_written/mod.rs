@@ -1,5 +1,5 @@
-//! The paper as written: its equations one by one, each on its own, as far as they can be
-//! followed to the letter. Nothing here is used by a method of the service.
+//! The paper's equations, implemented one by one and as literally as possible. No method of the
+//! service uses this code.
 
 mod colony;
 mod network;
@@ -11,27 +11,27 @@ pub use topology::{SelfOscillation, Topology};
 
 use super::system::System;
 
-/// What the paper's own equations reach.
+/// Results of the literal implementation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AsWritten {
-    /// Its colony, by system and objective.
+    /// Results of the colony, by system and objective; one per seed.
     pub colonies: Vec<(System, Objective, Vec<Colony>)>,
-    /// Its network, by system and rule, and learning rate.
+    /// Results of the network, by system, rule and learning rate; one per seed.
     pub networks: Vec<(System, Rule, f64, Vec<Network>)>,
-    /// Its figure 1 around the whole of G2.
+    /// The topology of Figure 1, with friction around the whole of G2.
     pub topology: Topology,
 }
 
-/// Ends of the range the paper gives for the learning rate.
+/// Ends of the range that the paper gives for the learning rate.
 const LEARNING_RATES: [f64; 2] = [0.2, 0.5];
 
-/// Follows the paper's equations from every seed.
+/// Runs the literal implementation with every seed.
 pub fn as_written(seeds: std::ops::RangeInclusive<u64>) -> AsWritten {
     let mut colonies = Vec::new();
     let mut networks = Vec::new();
     for system in System::ALL {
         for objective in Objective::ALL {
-            let found = seeds.clone().map(|seed| colony::fly(system, objective, seed));
+            let found = seeds.clone().map(|seed| colony::run(system, objective, seed));
             colonies.push((system, objective, found.collect()));
         }
         for rule in Rule::ALL {
@@ -44,8 +44,8 @@ pub fn as_written(seeds: std::ops::RangeInclusive<u64>) -> AsWritten {
     AsWritten { colonies, networks, topology: topology::measure() }
 }
 
-/// The targets of a system as the plain real numbers the paper's equations take: of a pair of
-/// roots, real and imaginary part.
+/// The targets of a system as real numbers, which the paper's equations need. A conjugate pair of
+/// roots becomes a real and an imaginary part.
 fn targets(system: System) -> Vec<f64> {
     let rows = system.targets();
     match system {
@@ -57,7 +57,7 @@ fn targets(system: System) -> Vec<f64> {
     }
 }
 
-/// Largest relative deviation from the targets.
+/// Largest relative deviation from the targets; infinite if one is NaN.
 fn largest_error(found: &[f64], targets: &[f64]) -> f64 {
     let errors = found.iter().zip(targets).map(|(found, target)| (found / target - 1.0).abs());
     errors.fold(0.0, |worst, error| if error.is_nan() { f64::INFINITY } else { worst.max(error) })

@@ -5,17 +5,19 @@
 //!   E = P_target − P_out                          (2)      Δw = γ · P_out · E,  w ← w + Δw  (5, 6)
 //! ```
 //!
-//! Two magnitudes in, 20 hidden neurons, weights from \[0, 1\], until every |E| < 0.1.
+//! Its inputs are the two magnitudes. It has 20 hidden neurons and weights drawn from \[0, 1\], and
+//! is trained until every |E| < 0.1.
 //!
-//! Equation 5 has one number an output, so every weight into output j moves alike, and P_j
-//! follows P ← P + γ S P (T − P), S = Σ yᵢ: the logistic map. Its fixed point P = T is stable
-//! only where 0 < γ S T < 2; S is near 15, and the paper's γ is 0.2 to 0.5. A negative target is
-//! never stable. Back-propagation has yᵢ in the place of P_out ([`Rule::Gradient`]), here divided
-//! by Σ yᵢ² (B. Widrow and M. Hoff's normalised rule), without which γ = 0.2 diverges too.
+//! By equation 5 all weights into output j change by the same amount, so P_j follows the logistic
+//! map P ← P + γ S P (T − P) with S = Σ yᵢ and the target T. Its fixed point P = T is stable only
+//! if 0 < γ S T < 2. S is about 19 for the magnitudes used here, and the paper's γ is 0.2 to 0.5. A
+//! negative target is never stable. Back-propagation has yᵢ in place of P_out ([`Rule::Gradient`]).
+//! It is divided by Σ yᵢ² here (normalised rule of B. Widrow and M. Hoff), without which γ = 0.2
+//! diverges, too.
 //!
-//! What cannot be followed to the letter: equation 5 names no error for the weights w₁ᵢ and w₂ᵢ,
-//! which stay as drawn (the text also sets them to 1); and the data set of equation 1, from
-//! reference \[2\], is not given: one sample, the target of the system, is what is left.
+//! The paper leaves two details open. Equation 5 defines no error for the weights w₁ᵢ and w₂ᵢ, so
+//! they stay as drawn (the text also sets them to 1). The data set of equation 1, from reference
+//! \[2\], is not given, so the only sample is the target of the system.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -23,29 +25,29 @@ use rand_chacha::ChaCha8Rng;
 use super::super::system::{MAGNITUDES, System};
 use super::{largest_error, targets};
 
-/// Hidden neurons, Table I.
-const HIDDEN: usize = 20;
+/// Number of hidden neurons, Table I.
+const HIDDEN_NEURONS: usize = 20;
 
-/// Error below which the paper stops.
-const SMALL: f64 = 0.1;
+/// The paper stops training when every |E| is below this.
+const CONVERGED_ERROR: f64 = 0.1;
 
-/// Steps after which it has not converged.
+/// Number of steps after which the training counts as not converging.
 const MOST_STEPS: usize = 10_000;
 
-/// How equation 5 is read.
+/// Interpretation of equation 5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
     /// As printed.
     AsPrinted,
-    /// With the input of the weight in the place of the output.
+    /// With the input of the weight in place of the output.
     Gradient,
 }
 
 impl Rule {
-    /// Both.
+    /// Both rules.
     pub const ALL: [Rule; 2] = [Rule::AsPrinted, Rule::Gradient];
 
-    /// In words.
+    /// The rule in words.
     pub fn name(self) -> &'static str {
         match self {
             Rule::AsPrinted => "as printed",
@@ -54,14 +56,14 @@ impl Rule {
     }
 }
 
-/// Where a training ended.
+/// Result of a training.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Network {
     /// Steps of equation 6.
     pub steps: usize,
     /// Whether every error fell below 0.1.
     pub converged: bool,
-    /// Whether an output left the range of numbers.
+    /// Whether an output became infinite or NaN.
     pub overflowed: bool,
     /// Largest relative error of an output.
     pub error: f64,
@@ -73,9 +75,10 @@ pub(super) fn train(system: System, rule: Rule, learning_rate: f64, seed: u64) -
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut draw = || rng.random_range(0.0..=1.0);
     let squash = MAGNITUDES.map(|m| 1.0 / (1.0 + (-m).exp()));
-    let hidden: Vec<f64> = (0..HIDDEN).map(|_| draw() * squash[0] + draw() * squash[1]).collect();
+    let hidden: Vec<f64> =
+        (0..HIDDEN_NEURONS).map(|_| draw() * squash[0] + draw() * squash[1]).collect();
     let mut weights: Vec<Vec<f64>> =
-        targets.iter().map(|_| (0..HIDDEN).map(|_| draw()).collect()).collect();
+        targets.iter().map(|_| (0..HIDDEN_NEURONS).map(|_| draw()).collect()).collect();
     let power: f64 = hidden.iter().map(|y| y * y).sum();
     let mut steps = 0;
     loop {
@@ -84,7 +87,7 @@ pub(super) fn train(system: System, rule: Rule, learning_rate: f64, seed: u64) -
             .map(|weights| weights.iter().zip(&hidden).map(|(w, y)| w * y).sum())
             .collect();
         let errors: Vec<f64> = targets.iter().zip(&outputs).map(|(t, p)| t - p).collect();
-        let converged = errors.iter().all(|error| error.abs() < SMALL);
+        let converged = errors.iter().all(|error| error.abs() < CONVERGED_ERROR);
         let overflowed = outputs.iter().any(|output| !output.is_finite());
         if converged || overflowed || steps == MOST_STEPS {
             let error = largest_error(&outputs, &targets);
@@ -116,7 +119,8 @@ mod tests {
         }
     }
 
-    // The error falls by 1 − γ a step, from at most about 40 to 0.1: ln 400/−ln 0.8 = 27 steps.
+    // Each step multiplies the error by 1 − γ. From about 40 at most to 0.1 that takes
+    // ln 400/−ln 0.8 = 27 steps.
     #[test]
     fn with_the_gradient_it_remembers_its_one_target_to_within_0_1() {
         for system in System::ALL {

@@ -1,12 +1,11 @@
-//! The paper's block diagram as drawn: friction fed back around the whole linear block.
+//! The paper's block diagram taken literally: friction fed back around the whole linear block.
 //!
 //! ```text
 //!   y‴ + 15 y″ + 1050 y′ + 10000 y = 10000 (u − f(y)),   f = Fc⁺ for y > 0, −Fc⁻ for y < 0
 //! ```
 //!
-//! G2 has three more poles than zeros, so that a relay around it cannot hold y at 0: it
-//! oscillates without any input. Points at which the response does not have the excitation's
-//! period are refused.
+//! G2 has three more poles than zeros, so a relay around it cannot hold y at 0, and it oscillates
+//! without any input. Points whose response does not have the excitation's period are refused.
 
 use std::f64::consts::TAU;
 
@@ -15,15 +14,16 @@ use super::super::system::{System, reported};
 /// y, y′, y″.
 type State = [f64; 3];
 
-/// Longest step, s: 1/60 of the fastest period, with an error of the fourth order.
+/// Longest step of the fourth-order integration, s: 1/390 of the shortest period of the design
+/// (80 rad/s).
 const STEP_S: f64 = 2e-4;
 
-/// Seconds until transients (the slowest at −2.5 1/s, in open loop) are below 1e-12 of what
-/// they were.
+/// Time after which transients have decayed to less than 1e-12, s. The slowest poles are at
+/// −2.5 1/s (in open loop).
 const SETTLING_S: f64 = 15.0;
 
-/// Change of the state over a period, as a share of its range, below which it is periodic.
-const PERIODIC: f64 = 1e-6;
+/// Largest change of the state over a period, as a share of its range, of a periodic response.
+const PERIODICITY_TOLERANCE: f64 = 1e-6;
 
 /// The limit cycle without input.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,18 +36,18 @@ pub struct SelfOscillation {
     pub mean: f64,
 }
 
-/// What the topology does.
+/// Behaviour of the topology.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Topology {
-    /// Without input.
+    /// Its oscillation without input.
     pub alone: SelfOscillation,
-    /// Points of the design with a response of the excitation's period.
+    /// Number of points of the design with a response of the excitation's period.
     pub periodic: usize,
     /// Points refused: magnitude, and frequency in rad/s.
     pub refused: Vec<(f64, f64)>,
 }
 
-/// Measures G2 with the friction of the paper.
+/// Simulates G2 with the friction of the paper, without input and at every point of the design.
 pub(super) fn measure() -> Topology {
     let design = System::G2.draw().design;
     let (periodic, refused): (Vec<_>, Vec<_>) =
@@ -66,7 +66,7 @@ fn alone() -> SelfOscillation {
     run(&mut state, &still, 0.0, SETTLING_S, &mut |time_s, length_s, [from, to]| {
         low = low.min(to[0]);
         high = high.max(to[0]);
-        // Hermite's rule: of the order of the steps.
+        // Integral of the cubic Hermite interpolant, of the same order as the steps.
         integral +=
             0.5 * length_s * (from[0] + to[0]) + length_s.powi(2) / 12.0 * (from[1] - to[1]);
         if from[0] < 0.0 && to[0] >= 0.0 {
@@ -94,11 +94,11 @@ fn is_periodic(magnitude: f64, omega: f64) -> bool {
     run(&mut state, &input, 0.0, period_s, &mut |_, _, [_, to]| {
         (0..3).for_each(|i| range[i] = range[i].max(to[i].abs()));
     });
-    (0..3).all(|i| (state[i] - before[i]).abs() <= PERIODIC * range[i])
+    (0..3).all(|i| (state[i] - before[i]).abs() <= PERIODICITY_TOLERANCE * range[i])
 }
 
-/// Steps from one time to another; a step in which y changes sign is cut there, and both parts
-/// are heard of: time at the end, length, states.
+/// Integrates from one time to another. A step in which y changes sign is divided there. `on_step`
+/// is called for every part with the time at its end, its length, and the states at both ends.
 fn run(
     state: &mut State,
     input: &dyn Fn(f64) -> f64,
@@ -110,7 +110,7 @@ fn run(
     let levels = [-friction["fc_minus"], friction["fc_plus"]];
     let steps = ((to_s - from_s) / STEP_S).ceil() as usize;
     let mut time_s = from_s;
-    // The direction of the coming piece: where y starts at 0, that of its first derivative.
+    // The direction of the next step; if y = 0, that of its first derivative.
     let mut forward = if state[0] == 0.0 { state[1] > 0.0 } else { state[0] > 0.0 };
     for step in 1..=steps {
         let end_s = from_s + (to_s - from_s) * step as f64 / steps as f64;
@@ -123,7 +123,7 @@ fn run(
             let crosses = left(&next);
             if crosses {
                 let (mut within, mut beyond) = (0.0, length_s);
-                // As far as times can be told apart.
+                // 40 bisection steps reach the rounding error of the time.
                 for _ in 0..40 {
                     let middle = 0.5 * (within + beyond);
                     if left(&advance(middle)) { beyond = middle } else { within = middle }
@@ -161,8 +161,8 @@ fn runge_kutta(state: State, torque: &dyn Fn(f64) -> f64, time_s: f64, length_s:
 mod tests {
     use super::*;
 
-    // A relay around a block of relative degree 3; the figures are those of the contract, given
-    // to half a unit of their last digit.
+    // A relay around a block of relative degree 3. The expected values are those of the contract,
+    // and the tolerance is half a unit of their last digit.
     #[test]
     fn it_oscillates_by_itself_at_32_396_rad_per_s() {
         let found = alone();
@@ -171,8 +171,8 @@ mod tests {
         assert!((found.mean + 0.039).abs() < 5e-4, "{found:?}");
     }
 
-    // Far above its own frequency the block hardly passes the excitation, and its oscillation
-    // stands beside it.
+    // Far above its own frequency the block hardly passes the excitation, so its own oscillation
+    // remains.
     #[test]
     fn an_excitation_far_above_its_own_oscillation_is_refused() {
         assert!(is_periodic(2.0, 1.0) && is_periodic(4.0, 10.0));

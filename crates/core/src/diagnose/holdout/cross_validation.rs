@@ -1,9 +1,9 @@
 //! Cross-validation: what models predict of data that neither their fit nor their choice has seen.
 //!
-//! Each part of the measurement is held out in turn. The base model and every model that may be chosen
-//! are fitted to the rest, starting from their fit to all data; the causes are chosen there anew, and
-//! what they predict of the part is kept. For models that are certainly not chosen, the prediction is
-//! worked out to first order instead of fitting them again.
+//! Each part of the measurement is held out in turn. The base model and every model that may be
+//! chosen are refitted to the rest, starting from their fit to all data. The causes are chosen
+//! anew, and their predictions of the part are kept. The errors of models that are certainly not
+//! chosen are computed to first order, without a refit.
 
 use std::collections::BTreeMap;
 
@@ -19,46 +19,45 @@ use crate::diagnose::progress::{Part, Quiet};
 use crate::diagnose::selection::evidence::NoiseScale;
 use crate::diagnose::selection::models::{Key, Models, ScoredModel};
 
-/// Difference in −2 ln of the evidence to the best model beyond which a model is not fitted
-/// again: no part of the data makes up for it.
-const REACH: f64 = 30.0;
+/// Models whose −2 ln evidence exceeds the best by more than this are not refitted: no part of the
+/// data makes up for it. Tuned.
+const REFIT_MARGIN: f64 = 30.0;
 
-/// What was predicted of data not seen.
+/// Predictions of held-out data.
 pub(crate) struct CrossValidation {
-    /// By the base model.
+    /// Predictions of the base model.
     base: Predicted,
-    /// By the models that were chosen without it.
+    /// Predictions of the models chosen without the part.
     chosen: Predicted,
-    /// By each effect alone, and by the effects that were chosen with all data and some of
-    /// them.
+    /// Predictions of each effect alone, and of subsets of the effects chosen with all data.
     by_effects: BTreeMap<Key, Predicted>,
-    /// NRMSE of each effect alone, of those that were not fitted again to first order.
+    /// NRMSE of each effect alone; to first order where it was not refitted.
     errors: BTreeMap<&'static str, f64>,
-    /// The choices, one a part.
+    /// The effects that were chosen without each part.
     choices: Vec<Key>,
-    /// Group of every row.
+    /// Group of every row that is held out.
     groups: BTreeMap<Row, usize>,
     noise_known: bool,
     what: String,
 }
 
-/// An effect without which the others predict the data no worse.
+/// An effect that does not improve the predictions of the other effects.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Dropped {
-    /// It.
+    /// Its id.
     pub id: &'static str,
-    /// The others.
+    /// The other effects of the model.
     pub beside: Key,
-    /// What it adds to them.
+    /// Its gain beside them.
     pub gain: Gain,
 }
 
 impl CrossValidation {
-    /// Fits `models`, which were fitted to all of a session's data and of which that with the
-    /// effects `chosen` was chosen, to each part of it.
+    /// Cross-validates `models`, fitted to all data of `session`, of which the one with the effects
+    /// `chosen` was chosen.
     ///
     /// # Errors
-    /// When cancelled, or where the base model cannot be fitted to a part.
+    /// When cancelled, or if the base model cannot be fitted without some part.
     pub fn of(
         session: &FitSession<'_>,
         request: &IdentifyRequest,
@@ -93,6 +92,7 @@ impl CrossValidation {
         Ok(this)
     }
 
+    /// Adds the predictions of one part.
     fn add(
         &mut self,
         session: &FitSession<'_>,
@@ -111,7 +111,7 @@ impl CrossValidation {
         };
         let mut fitted = Models::new(own.base().clone(), noise_scale);
         fitted.family = models.family.clone();
-        let near = models.within(REACH);
+        let near = models.within(REFIT_MARGIN);
         let refit = |(_, model): (&Key, &Model)| {
             let model = own.refine(&own.adopt(session, model), FitAccuracy::Settle);
             ScoredModel::new(&own, model, &noise_scale)
@@ -121,7 +121,7 @@ impl CrossValidation {
         let fits: Vec<ScoredModel> = all.into_par_iter().map(refit).collect();
         fits.into_iter().for_each(|scored| fitted.keep(scored));
         let choice = fitted.best_supported();
-        let foreseen = |model: &Model| -> Predicted {
+        let predict_held_out = |model: &Model| -> Predicted {
             let is_held = |index| fold.rows.range((index, 0)..(index + 1, 0)).next().is_some();
             let mut all = predicted(&session.compare(&session.adopt(&own, model), is_held));
             all.retain(|row, _| fold.rows.contains_key(row));
@@ -131,7 +131,7 @@ impl CrossValidation {
         let wanted = |key: &Key| key.len() < 2 || *key == choice || is_part(key);
         let all: Vec<(&Key, &Model)> = fitted.all().filter(|(key, _)| wanted(key)).collect();
         let all: Vec<(&Key, Predicted)> =
-            all.into_par_iter().map(|(key, model)| (key, foreseen(model))).collect();
+            all.into_par_iter().map(|(key, model)| (key, predict_held_out(model))).collect();
         for (key, predicted) in all {
             if *key == choice {
                 self.chosen.extend(predicted.clone());
@@ -145,7 +145,7 @@ impl CrossValidation {
         Ok(())
     }
 
-    /// What all causes together gain.
+    /// The gain of all causes together, each part being predicted by the causes chosen without it.
     pub fn gain(&self, chosen: &Key) -> Option<Gain> {
         let others = self.choices.iter().filter(|choice| *choice != chosen);
         let described = |choice: &Key| match choice.as_slice() {
@@ -164,13 +164,12 @@ impl CrossValidation {
         gain::gain(&self.base, &self.chosen, &self.groups, self.noise_known, what)
     }
 
-    /// What these effects gain, whatever was chosen without some of the data; `None` where
-    /// they were not fitted again.
+    /// The gain of these effects, whatever was chosen without a part; `None` if not refitted.
     pub fn gain_of(&self, effects: &Key) -> Option<Gain> {
         self.between(&self.base, self.by_effects.get(effects)?)
     }
 
-    /// What an effect adds to the other effects of a model.
+    /// The gain of an effect beside the other effects of a model; `None` if not refitted.
     pub fn gain_beside(&self, effects: &Key, id: &str) -> Option<Gain> {
         let others: Key = effects.iter().copied().filter(|other| *other != id).collect();
         let without =
@@ -178,9 +177,10 @@ impl CrossValidation {
         self.between(without?, self.by_effects.get(effects)?)
     }
 
-    /// Takes effects away, one by one, without which the others predict the data no worse, the
-    /// most useless first. One that is left alone is not the best alone because it was the best
-    /// beside another: it stands back behind what `models` has better.
+    /// Backward elimination by held-out error: drops effects that do not certainly help the others
+    /// predict, the one of smallest gain first, until one is left. That one was the best beside
+    /// others and need not be the best alone: it gives way to a better supported single effect of
+    /// `models` that was not dropped.
     pub fn prune(&self, models: &Models, effects: &mut Key) -> Vec<Dropped> {
         let mut dropped: Vec<Dropped> = Vec::new();
         while effects.len() > 1 {
@@ -222,7 +222,7 @@ mod tests {
     use crate::diagnose::selection::familywise_threshold::FamilywiseThreshold;
     use crate::diagnose::tests::fitted_to;
 
-    /// Twelve groups of one row, off by about this.
+    /// Predictions of twelve groups of one row each, wrong by about `by`.
     fn off(by: f64) -> Predicted {
         let harmonic = |group: usize| ComparedHarmonic {
             order: 1,
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn what_adds_nothing_to_the_others_goes_and_what_does_stays() {
+    fn an_effect_that_adds_nothing_to_the_others_is_dropped() {
         let cross_validation = cross_validation(&[
             (&["cogging"], 0.3),
             (&["spring"], 0.2),
@@ -263,13 +263,13 @@ mod tests {
         assert_eq!(effects, ["cogging", "spring"]);
         assert_eq!(dropped.len(), 1);
         assert_eq!((dropped[0].id, &dropped[0].beside), ("stribeck", &effects));
-        // 0.1 over 0.11.
+        // The errors are 0.11 with it and 0.1 without.
         assert!((dropped[0].gain.ratio - 1.0 / 1.1).abs() < 1e-12, "{dropped:?}");
     }
 
-    // With a spring the play gains more than the elastic joint does; alone it gains less.
+    // Beside a spring, backlash fits better than the flexible mode does; alone it fits worse.
     #[test]
-    fn what_is_left_alone_stands_back_behind_what_is_better_alone() {
+    fn a_single_remaining_effect_is_replaced_by_a_better_single_one() {
         let cross_validation = cross_validation(&[
             (&["backlash"], 0.2),
             (&["flexible_mode"], 0.2),
@@ -281,8 +281,7 @@ mod tests {
             (&["flexible_mode"], 190.0),
             (&["backlash", "spring"], 150.0),
         ]);
-        models.family =
-            Some(FamilywiseThreshold::that_asks_for_little(&["backlash", "flexible_mode"]));
+        models.family = Some(FamilywiseThreshold::with_low_limits(&["backlash", "flexible_mode"]));
         let mut effects = vec!["backlash", "spring"];
         let dropped = cross_validation.prune(&models, &mut effects);
         assert_eq!((dropped[0].id, effects), ("spring", vec!["flexible_mode"]));
@@ -290,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_effect_and_what_was_not_fitted_without_stay() {
+    fn the_last_effect_is_never_dropped_nor_one_whose_gain_is_unknown() {
         let models = fitted_to(&[]);
         let mut effects = vec!["spring"];
         assert!(cross_validation(&[(&["spring"], 0.9)]).prune(&models, &mut effects).is_empty());

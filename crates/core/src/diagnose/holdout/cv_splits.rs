@@ -1,8 +1,8 @@
 //! Splits of a measurement for cross-validation.
 //!
-//! Repeats and periods of one excitation are the same response once more, so that holding those out
-//! would prove nothing. Held out are whole frequencies at every magnitude; of records, blocks of
-//! lines, or magnitudes.
+//! Repeats and periods of one excitation measure the same response again: holding them out would
+//! test only the noise. So whole frequencies are held out, at every magnitude, or blocks of lines
+//! of time records, or magnitudes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -12,66 +12,68 @@ use crate::measurement::{Experiment, Measurement};
 
 use super::heldout_predictions::{FEWEST_LINES, Row, block};
 
-/// Parts, at most.
-const PARTS: usize = 4;
+/// Largest number of parts (folds).
+const MOST_PARTS: usize = 4;
 
-/// Fewest frequencies and magnitudes of which some can be held out.
-const FEWEST: [usize; 2] = [5, 3];
+/// Fewest frequencies (or blocks of lines) and fewest magnitudes of which some can be held out.
+const FEWEST_LEVELS: [usize; 2] = [5, 3];
 
-/// Fewest groups that show how a gain scatters.
+/// Fewest groups from which the interval of a gain can be estimated.
 const FEWEST_GROUPS: usize = 3;
 
-/// One part held out.
+/// One fold of the cross-validation.
 #[derive(Debug)]
 pub(crate) struct CvSplit {
-    /// What is fitted.
+    /// The data that are fitted.
     pub fitted: Measurement,
-    /// What is held out, and its group: a frequency, a block of lines, a magnitude.
+    /// The rows that are held out, each with its group: a frequency, a block of lines, or (where
+    /// magnitudes are held out) an experiment.
     pub rows: BTreeMap<Row, usize>,
 }
 
-/// Every part held out once.
+/// All folds.
 #[derive(Debug)]
 pub(crate) struct CvSplits {
-    /// The parts.
+    /// The folds.
     pub parts: Vec<CvSplit>,
-    /// The same in words.
+    /// What is held out, in words.
     pub what: String,
 }
 
-/// A way to divide a measurement; `None` where it cannot be gone.
-type Way = fn(&[Experiment]) -> Option<Division>;
+/// A scheme that divides a measurement; `None` where it does not apply.
+type Scheme = fn(&[Experiment]) -> Option<Division>;
 
-/// All of them; the first that can be gone is taken.
-const WAYS: [Way; 3] = [frequencies, lines, magnitudes];
+/// All schemes; the first that applies is used.
+const SCHEMES: [Scheme; 3] = [frequencies, lines, magnitudes];
 
-/// Rows that can be held out, and in words. What bounds the range is not among them: beyond
-/// what was fitted an effect with a threshold cannot be foreseen.
+/// The rows that can be held out, and a description. The lowest and the highest level are not among
+/// them: an effect with a threshold cannot be predicted outside the fitted range.
 struct Division {
     places: BTreeMap<Row, Place>,
     what: String,
 }
 
-/// Where a row stands.
+/// The place of a row.
 #[derive(Debug, Clone, Copy)]
 struct Place {
-    /// What is held out with it: of neighbouring levels each in another part.
+    /// Index of its frequency, block or magnitude. A level is held out together; neighbouring
+    /// levels are in different parts.
     level: usize,
     /// Its group.
     group: usize,
 }
 
 impl CvSplits {
-    /// Divides a measurement by its design alone; `None` where it is too small for that.
+    /// Divides a measurement by its design alone; `None` where it is too small.
     pub fn of(measurement: &Measurement) -> Option<Self> {
         let experiments = measurement.experiments();
-        let Division { places, what } = WAYS.iter().find_map(|way| way(experiments))?;
+        let Division { places, what } = SCHEMES.iter().find_map(|scheme| scheme(experiments))?;
         let levels: BTreeSet<usize> = places.values().map(|place| place.level).collect();
         let groups: BTreeSet<usize> = places.values().map(|place| place.group).collect();
         if groups.len() < FEWEST_GROUPS {
             return None;
         }
-        let parts = PARTS.min(levels.len());
+        let parts = MOST_PARTS.min(levels.len());
         let part = |part: usize| {
             let held = places.iter().filter(|(_, place)| place.level % parts == part);
             let rows: BTreeMap<Row, usize> = held.map(|(row, p)| (*row, p.group)).collect();
@@ -89,16 +91,16 @@ impl CvSplits {
         Some(Self { parts: (0..parts).map(part).collect::<Option<_>>()?, what })
     }
 
-    /// The part in which a harmonic of an experiment is held out, if in any.
+    /// The part in which a harmonic of an experiment is held out, if any.
     pub fn part_of(&self, experiment: usize, order: usize) -> Option<usize> {
         self.parts.iter().position(|fold| fold.rows.contains_key(&(experiment, order)))
     }
 }
 
-/// Frequencies, at every magnitude.
+/// Holds out frequencies, each at every magnitude; a group is a frequency.
 fn frequencies(experiments: &[Experiment]) -> Option<Division> {
     let (levels, of) = levels(experiments, |experiment| experiment.omega_rad_s);
-    let inner = inner(levels.len(), FEWEST[0])?;
+    let inner = inner(levels.len(), FEWEST_LEVELS[0])?;
     let (lowest, highest) = (levels[inner.start] / TAU, levels[inner.end - 1] / TAU);
     Some(Division {
         what: format!(
@@ -109,17 +111,17 @@ fn frequencies(experiments: &[Experiment]) -> Option<Division> {
     })
 }
 
-/// Magnitudes; at each, every experiment is a group.
+/// Holds out magnitudes; a group is an experiment.
 fn magnitudes(experiments: &[Experiment]) -> Option<Division> {
     let (levels, of) = levels(experiments, |experiment| experiment.magnitude);
-    let inner = inner(levels.len(), FEWEST[1])?;
+    let inner = inner(levels.len(), FEWEST_LEVELS[1])?;
     Some(Division {
         what: format!("{} of {} magnitudes", inner.len(), levels.len()),
         places: by_experiment(experiments, &of, inner, |experiment, _| experiment),
     })
 }
 
-/// Blocks of neighbouring lines of inputs that have many.
+/// Holds out blocks of neighbouring lines of inputs with many lines; a group is a block.
 fn lines(experiments: &[Experiment]) -> Option<Division> {
     let mut blocks = BTreeMap::new();
     for (index, experiment) in experiments.iter().enumerate() {
@@ -131,11 +133,11 @@ fn lines(experiments: &[Experiment]) -> Option<Division> {
     if experiments.iter().all(|experiment| experiment.pure_cosine().is_some()) {
         return None;
     }
-    // Low in the band a block may be narrower than a line.
-    let met: BTreeSet<usize> = blocks.values().copied().collect();
-    let inner = inner(met.len(), FEWEST[0])?;
+    // Low in the band a block may be narrower than the spacing of lines, and contain none.
+    let occupied: BTreeSet<usize> = blocks.values().copied().collect();
+    let inner = inner(occupied.len(), FEWEST_LEVELS[0])?;
     let place = |(row, block): (Row, usize)| {
-        let level = met.range(..block).count();
+        let level = occupied.range(..block).count();
         inner.contains(&level).then_some((row, Place { level, group: level }))
     };
     let places: BTreeMap<Row, Place> = blocks.into_iter().filter_map(place).collect();
@@ -143,19 +145,19 @@ fn lines(experiments: &[Experiment]) -> Option<Division> {
     Some(Division { places, what })
 }
 
-/// All of so many levels but the ends; `None` where they are fewer than that.
+/// All levels but the first and the last; `None` if there are fewer than `fewest`.
 fn inner(levels: usize, fewest: usize) -> Option<Range<usize>> {
     (levels >= fewest).then(|| 1..levels - 1)
 }
 
-/// Distinct values of something, ascending, and which of them each experiment has.
+/// Distinct values of a quantity, ascending, and the index of that of each experiment.
 fn levels(
     experiments: &[Experiment],
     value: impl Fn(&Experiment) -> f64,
 ) -> (Vec<f64>, Vec<usize>) {
     let mut levels: Vec<f64> = experiments.iter().map(&value).collect();
     levels.sort_by(f64::total_cmp);
-    // Files round.
+    // Values in files are rounded.
     levels.dedup_by(|b, a| (*b - *a).abs() <= 1e-6 * a.abs());
     let of = experiments.iter().map(|experiment| {
         let value = value(experiment);
@@ -181,7 +183,7 @@ fn by_experiment(
     places
 }
 
-/// An experiment without some harmonics of its response.
+/// An experiment without the harmonics that are held out.
 fn without(experiment: &Experiment, held: impl Fn(usize) -> bool) -> Experiment {
     let kept: Vec<bool> = experiment.response.iter().map(|h| !held(h.order)).collect();
     let mut this = experiment.clone();
@@ -210,7 +212,7 @@ mod tests {
         experiments.flat_map(|(i, e)| e.response.iter().map(move |h| (i, h.order))).collect()
     }
 
-    /// One period with so many lines of input and output.
+    /// A record of one period with this number of lines.
     fn record(lines: usize) -> Measurement {
         let mut experiment = exact().remove(0);
         experiment.input = vec![Complex::new(0.1, 0.0); lines + 1];
@@ -238,13 +240,13 @@ mod tests {
         }
         held.sort_unstable();
         held.dedup();
-        // 6 of 8 frequencies, 4 of them for each magnitude, are not the lowest or the highest.
+        // 6 of 8 frequencies are neither the lowest nor the highest.
         assert_eq!(4 * held.len(), 3 * rows(&measurement).len());
         assert!(splits.what.starts_with("6 frequencies from"), "{}", splits.what);
     }
 
     #[test]
-    fn of_a_record_blocks_of_lines_are_held_out_and_its_mean_is_not() {
+    fn blocks_of_lines_of_a_record_are_held_out_and_its_mean_is_not() {
         let measurement = record(200);
         let splits = CvSplits::of(&measurement).unwrap();
         let mut held: Vec<usize> =
@@ -255,7 +257,7 @@ mod tests {
         assert!(first == 2 && last > 180, "all but the ends: {first} to {last}");
         for fold in &splits.parts {
             assert!(fold.fitted.experiments()[0].harmonic(0).is_some());
-            // Neighbours are of the same block, or of one that is held out elsewhere.
+            // Two neighbouring lines held out in one part belong to the same block.
             let of = |order: usize| fold.rows.get(&(0, order));
             assert!(
                 (20..200).all(|k| of(k).is_none() || of(k + 1).is_none_or(|g| g == of(k).unwrap()))
@@ -275,7 +277,7 @@ mod tests {
         assert_eq!(splits.what, "1 of 3 magnitudes, predicted from the others");
         let groups: BTreeSet<usize> = splits.parts[0].rows.values().copied().collect();
         assert_eq!(groups.len(), 3);
-        // Two experiments show nothing.
+        // Two frequencies leave two groups at the held-out magnitude: too few.
         assert!(few(2).is_none());
     }
 }

@@ -1,5 +1,6 @@
-//! The gain of one model over another: the ratio of their errors on held-out data, with its
-//! interval.
+//! The gain of one model over another: the ratio of their errors (NRMSE) on held-out data.
+//!
+//! The interval of the ratio comes from how the errors vary between groups of data: [`Sample`].
 
 use std::collections::BTreeMap;
 
@@ -9,7 +10,7 @@ use crate::answers::{ComparedHarmonic, Gain, ValidatedModel};
 
 use super::heldout_predictions::{Predicted, Row};
 
-/// Squares of what a model leaves of some data.
+/// Sums of squares of a model's residuals on some data.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct ResidualSums {
     /// Σ|Y − Ŷ|².
@@ -18,7 +19,7 @@ pub(crate) struct ResidualSums {
     size: f64,
     /// Σ|Y − Ŷ|²/σ².
     chi2: f64,
-    /// Real numbers compared.
+    /// Number of real numbers compared.
     data: f64,
 }
 
@@ -32,14 +33,14 @@ impl ResidualSums {
         self.data += if harmonic.order == 0 { 1.0 } else { 2.0 };
     }
 
-    /// One real number of unknown noise.
+    /// Adds one real sample of unknown noise.
     pub fn add_sample(&mut self, measured: f64, simulated: f64) {
         self.error += (measured - simulated).powi(2);
         self.size += measured * measured;
         self.data += 1.0;
     }
 
-    /// What several leave together.
+    /// The total of several sums.
     pub fn sum<'l>(all: impl IntoIterator<Item = &'l Self>) -> Self {
         all.into_iter().fold(Self::default(), Self::plus)
     }
@@ -63,12 +64,12 @@ impl ResidualSums {
     }
 }
 
-/// How well a model predicts; nothing is said of what it has no response for.
+/// Summary of a model's predictions; `unanswered` is left empty.
 pub(crate) fn summary(predicted: &Predicted, noise_known: bool) -> ValidatedModel {
     summary_of(&ResidualSums::of(predicted.values()), predicted.len(), noise_known)
 }
 
-/// The same of what is left of so many components.
+/// The same from sums over this number of components.
 pub(crate) fn summary_of(
     left: &ResidualSums,
     components: usize,
@@ -83,22 +84,23 @@ pub(crate) fn summary_of(
     }
 }
 
-/// What groups of data are a sample of, which says how their ratio varies. With b_g and a_g the
-/// Σ|Y − Ŷ|² of both models in group g of n, Student's t has n − 1 degrees of freedom.
+/// How groups of data are related, which decides how the variance of ln ratio is estimated. With
+/// b_g and a_g the Σ|Y − Ŷ|² of both models in group g of n, Student's t has n − 1 degrees of
+/// freedom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sample {
-    /// Of a field that is smooth from one to the next: what differs between neighbours is
-    /// chance. With x_g = b_g/mean(b) − a_g/mean(a),
+    /// Errors vary smoothly from group to group, so only differences of neighbours count as chance:
+    /// the successive-difference estimator. With x_g = b_g/mean(b) − a_g/mean(a),
     ///
     /// ```text
     ///   Var(ln ratio) = ¼ · Σ(x_{g+1} − x_g)² / (2n(n − 1))
     /// ```
     ///
-    /// the ¼ being that of the root (Wolter 2007, Introduction to Variance Estimation,
-    /// doi:10.1007/978-0-387-35099-8, section 8.2).
+    /// where the ¼ is due to the root in the NRMSE (Wolter 2007, Introduction to Variance
+    /// Estimation, doi:10.1007/978-0-387-35099-8, section 8.2).
     Smooth,
-    /// Of what happens, each apart from the others: the jackknife, with r_g the ln ratio of all
-    /// groups but g (Efron and Stein 1981, doi:10.1214/aos/1176345462),
+    /// Groups are independent: the delete-one jackknife. With r_g the ln ratio of all groups but g
+    /// (Efron and Stein 1981, doi:10.1214/aos/1176345462),
     ///
     /// ```text
     ///   Var(ln ratio) = (n − 1)/n · Σ(r_g − mean(r))²
@@ -106,9 +108,9 @@ pub(crate) enum Sample {
     Independent,
 }
 
-/// The gain from one model's predictions to another's, with the interval of its ratio from how
-/// it varies over `groups`, which are in the order of something smooth; `None` where there is a
-/// single group, or nothing is left by one of the models.
+/// The gain of the predictions `after` over those `before`, with its interval by [`Sample::Smooth`]
+/// over `groups`. Rows that only one of them has are left out. `None` if there is a single group,
+/// or one of the models leaves no error.
 pub(crate) fn gain(
     before: &Predicted,
     after: &Predicted,
@@ -131,7 +133,7 @@ pub(crate) fn gain(
     gain_of_groups(&by_group, Sample::Smooth, noise_known, heldout)
 }
 
-/// The same from what both models leave of each group.
+/// The same from the sums of both models in each group.
 pub(crate) fn gain_of_groups(
     groups: &[[ResidualSums; 2]],
     sample: Sample,
@@ -148,8 +150,8 @@ pub(crate) fn gain_of_groups(
         Sample::Smooth => smooth_std(groups),
         Sample::Independent => jackknife_std(groups, &total),
     };
-    let reach = student(groups.len())? * std;
-    if !reach.is_finite() {
+    let half_width = student(groups.len())? * std;
+    if !half_width.is_finite() {
         return None;
     }
     let chi2 = total.map(|left| noise_known.then(|| left.chi2 / left.data));
@@ -157,19 +159,19 @@ pub(crate) fn gain_of_groups(
         heldout_nrmse_before: total[0].nrmse(),
         heldout_nrmse_after: total[1].nrmse(),
         ratio,
-        interval95: [-1.0, 1.0].map(|side| ratio * (side * reach).exp()),
+        interval95: [-1.0, 1.0].map(|side| ratio * (side * half_width).exp()),
         chi2_per_dof_before: chi2[0],
         chi2_per_dof_after: chi2[1],
         heldout,
     })
 }
 
-/// NRMSE of predictions.
+/// NRMSE of predictions; `None` if it is not finite.
 pub(crate) fn error(predicted: &Predicted) -> Option<f64> {
     Some(ResidualSums::of(predicted.values()).nrmse()).filter(|error| error.is_finite())
 }
 
-/// Standard deviation of the logarithm of the ratio, of two groups or more.
+/// Standard deviation of ln ratio by [`Sample::Smooth`], for two groups or more.
 fn smooth_std(groups: &[[ResidualSums; 2]]) -> f64 {
     let count = groups.len() as f64;
     let mean = |model: usize| groups.iter().map(|group| group[model].error).sum::<f64>() / count;
@@ -179,7 +181,7 @@ fn smooth_std(groups: &[[ResidualSums; 2]]) -> f64 {
     0.5 * (steps.sum::<f64>() / (2.0 * count * (count - 1.0))).sqrt()
 }
 
-/// The same; not finite where one group has everything that a model leaves.
+/// The same by [`Sample::Independent`]; not finite if one group holds the whole error of a model.
 fn jackknife_std(groups: &[[ResidualSums; 2]], total: &[ResidualSums; 2]) -> f64 {
     let count = groups.len() as f64;
     let without = |group: &[ResidualSums; 2]| {
@@ -192,7 +194,7 @@ fn jackknife_std(groups: &[[ResidualSums; 2]], total: &[ResidualSums; 2]) -> f64
     ((count - 1.0) / count * squares).sqrt()
 }
 
-/// 97.5 % quantile of Student's t of so many groups.
+/// 97.5 % quantile of Student's t with `groups` − 1 degrees of freedom.
 fn student(groups: usize) -> Option<f64> {
     let law = StudentsT::new(0.0, 1.0, groups as f64 - 1.0).ok()?;
     Some(law.inverse_cdf(0.975))
@@ -206,7 +208,8 @@ mod tests {
 
     use super::*;
 
-    /// Groups of rows; what is measured is 1, what is simulated is off by these errors.
+    /// A group of `rows` rows for each error: 1 is measured, the simulated value wrong by the
+    /// error.
     fn predicted(errors: &[f64], rows: usize) -> (Predicted, BTreeMap<Row, usize>) {
         let all = || (0..errors.len()).flat_map(|group| (0..rows).map(move |order| (group, order)));
         let harmonic = |(group, order): Row| ComparedHarmonic {
@@ -227,13 +230,13 @@ mod tests {
         let nrmse = (0.5_f64 * (0.09 + 0.16)).sqrt();
         assert!((gain.heldout_nrmse_before - nrmse).abs() < 1e-12);
         assert!((gain.ratio - nrmse / 0.1).abs() < 1e-12);
-        // 0.01 over 0.1², in re and im.
+        // The squared error 0.01 over the variance 0.1², shared by re and im.
         assert!((gain.chi2_per_dof_after.unwrap() - 0.5).abs() < 1e-12);
         assert!(gain.interval95[0] < gain.ratio && gain.ratio < gain.interval95[1]);
     }
 
     #[test]
-    fn what_one_model_cannot_answer_is_left_out_of_both_and_said() {
+    fn rows_that_one_model_cannot_predict_are_left_out_of_both_and_counted() {
         let (before, groups) = predicted(&[0.3, 0.3, 0.3], 2);
         let (mut after, _) = predicted(&[0.1, 0.1, 9.0], 2);
         after.retain(|row, _| row.0 < 2);
@@ -243,7 +246,7 @@ mod tests {
         assert_eq!(gain.chi2_per_dof_before, None);
     }
 
-    /// Experiments at these frequencies whose one harmonic is off by these errors.
+    /// Experiments with one harmonic each, whose simulated value is wrong by these errors.
     fn off(errors: &[f64]) -> Predicted {
         let harmonic = |(experiment, error): (usize, &f64)| {
             let harmonic = ComparedHarmonic {
@@ -258,7 +261,7 @@ mod tests {
         errors.iter().enumerate().map(harmonic).collect()
     }
 
-    fn each_apart(count: usize) -> BTreeMap<Row, usize> {
+    fn one_group_each(count: usize) -> BTreeMap<Row, usize> {
         (0..count).map(|group| ((group, 1), group)).collect()
     }
 
@@ -268,21 +271,21 @@ mod tests {
     #[test]
     fn the_interval_is_that_of_a_systematic_sample() {
         let (before, after) = (off(&[0.2, 0.1, 0.2]), off(&[0.1, 0.1, 0.1]));
-        let gain = gain(&before, &after, &each_apart(3), true, String::new()).unwrap();
+        let gain = gain(&before, &after, &one_group_each(3), true, String::new()).unwrap();
         let ratio = 3.0_f64.sqrt();
         assert!((gain.ratio - ratio).abs() < 1e-12, "{gain:?}");
-        let reach = 4.302653 * (1.0_f64 / 24.0).sqrt();
+        let half_width = 4.302653 * (1.0_f64 / 24.0).sqrt();
         let [low, high] = gain.interval95;
-        // The table has seven digits.
-        assert!((low / (ratio * (-reach).exp()) - 1.0).abs() < 1e-6, "{gain:?}");
-        assert!((high / (ratio * reach.exp()) - 1.0).abs() < 1e-6, "{gain:?}");
-        // (0.03·3)/0.1²/6 real numbers.
+        // The tabulated t has seven digits.
+        assert!((low / (ratio * (-half_width).exp()) - 1.0).abs() < 1e-6, "{gain:?}");
+        assert!((high / (ratio * half_width.exp()) - 1.0).abs() < 1e-6, "{gain:?}");
+        // Σb/σ² = 0.03·3/0.1² over six real numbers.
         assert!((gain.chi2_per_dof_before.unwrap() - 1.5).abs() < 1e-12, "{gain:?}");
     }
 
-    // By hand: without each group in turn the ratio of squares is 5/2, 8/2 and 5/2, half of
-    // whose logarithms is 0.458145, 0.693147, 0.458145; mean 0.536479, Σ(·)² = 0.036817;
-    // times 2/3, its root is 0.156668.
+    // By hand: without each group in turn the ratio of squares is 5/2, 8/2 and 5/2, and half its
+    // logarithm is 0.458145, 0.693147 and 0.458145. Their mean is 0.536479, the sum of squares
+    // about it 0.036817, and √(2/3·0.036817) = 0.156668.
     #[test]
     fn independent_groups_are_left_out_one_by_one() {
         let left = |error: f64| ResidualSums { error, size: 1.0, chi2: 0.0, data: 1.0 };
@@ -302,14 +305,14 @@ mod tests {
         let one = (0..2).map(|e| ((e, 1), 0)).collect();
         assert_eq!(gain(&some, &some, &one, true, String::new()), None);
         let none = off(&[0.0, 0.0]);
-        assert_eq!(gain(&some, &none, &each_apart(2), true, String::new()), None);
-        assert_eq!(gain(&none, &some, &each_apart(2), true, String::new()), None);
+        assert_eq!(gain(&some, &none, &one_group_each(2), true, String::new()), None);
+        assert_eq!(gain(&none, &some, &one_group_each(2), true, String::new()), None);
     }
 
-    // 400 trials: a share of 95 % is met to 1.1 %, and three of that; the errors' squares are
-    // far from normal, which costs a little.
+    // In 400 trials a share of 95 % has a standard deviation of 1.1 %. Three of those are allowed,
+    // and a little more, because squared errors are far from normal.
     #[test]
-    fn the_interval_holds_the_ratio_of_the_law_that_errors_are_drawn_from() {
+    fn the_interval_covers_the_true_ratio_in_95_percent_of_draws() {
         let rng = &mut ChaCha8Rng::seed_from_u64(5);
         let mut held = 0;
         for _ in 0..400 {
@@ -326,10 +329,10 @@ mod tests {
     }
 
     #[test]
-    fn what_varies_slowly_over_the_groups_is_no_chance() {
+    fn slow_variation_over_the_groups_does_not_widen_the_interval() {
         let smooth: Vec<f64> = (0..16).map(|i| 0.1 + 0.02 * f64::from(i)).collect();
         let mut mixed = smooth.clone();
-        // Every second one from the other end.
+        // Swap every second value of the first half with its mirror image.
         (0..8).step_by(2).for_each(|i| mixed.swap(i, 15 - i));
         let width = |errors: &[f64]| {
             let ((before, groups), (after, _)) = (predicted(errors, 3), predicted(&[0.05; 16], 3));

@@ -1,25 +1,27 @@
-//! Errors of models on held-out data, grouped so that the groups are nearly independent.
+//! Predictions of models for held-out data, and the groups over which their errors are averaged.
+//!
+//! Errors of neighbouring lines resemble each other, so lines are grouped into blocks.
 
 use std::collections::BTreeMap;
 
 use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
 
-/// Lines of a response from which on it is divided into blocks.
+/// Fewest lines of a response for which they are grouped into blocks.
 pub(crate) const FEWEST_LINES: usize = 20;
 
-/// Ratio of the end of a block of lines to its beginning.
-const BLOCK: f64 = 1.12;
+/// Ratio of the highest to the lowest frequency of a block of lines. Tuned.
+const BLOCK_FREQUENCY_RATIO: f64 = 1.12;
 
 /// Share of the largest line of an input above which a line counts as excited.
 const EXCITED_SHARE: f64 = 0.02;
 
-/// Experiment and harmonic.
+/// Index of the experiment, and harmonic.
 pub(crate) type Row = (usize, usize);
 
-/// What is measured, and what a model makes of it.
+/// Measured and predicted value of each row.
 pub(crate) type Predicted = BTreeMap<Row, ComparedHarmonic>;
 
-/// Everything that a model has a response for.
+/// The rows of a comparison: everything for which the model has a response.
 pub(crate) fn predicted(comparison: &Comparison) -> Predicted {
     let rows = comparison
         .experiments
@@ -28,16 +30,15 @@ pub(crate) fn predicted(comparison: &Comparison) -> Predicted {
     rows.collect()
 }
 
-/// Groups of rows in ascending order of frequency: experiments of the same fundamental, and of
-/// an input with many lines blocks of neighbours. Where all have one frequency, groups are of
-/// the same magnitude.
+/// The group of every row, numbered by ascending frequency: experiments of the same fundamental, or
+/// blocks of neighbouring lines. If all have one frequency, a group is a magnitude.
 pub(crate) fn groups(experiments: &[&ComparedExperiment]) -> BTreeMap<Row, usize> {
     let line = |e: &ComparedExperiment, order: usize| order.max(1) as f64 * e.omega_rad_s;
     let of_lines = experiments.iter().filter(|e| has_many_lines(e));
     let lowest = of_lines.flat_map(|e| e.harmonics.first().map(|h| line(e, h.order)));
     let lowest = lowest.fold(f64::INFINITY, f64::min);
     let level = |e: &ComparedExperiment, order: usize| match has_many_lines(e) {
-        true => lowest * BLOCK.powi(block(line(e, order) / lowest) as i32),
+        true => lowest * BLOCK_FREQUENCY_RATIO.powi(block(line(e, order) / lowest) as i32),
         false => e.omega_rad_s,
     };
     let by = |level: &dyn Fn(&ComparedExperiment, usize) -> f64| {
@@ -47,7 +48,7 @@ pub(crate) fn groups(experiments: &[&ComparedExperiment]) -> BTreeMap<Row, usize
         let rows: Vec<(Row, f64)> = rows.collect();
         let mut levels: Vec<f64> = rows.iter().map(|(_, level)| *level).collect();
         levels.sort_by(f64::total_cmp);
-        // Files round.
+        // Values in files are rounded.
         levels.dedup_by(|b, a| *b - *a <= 1e-6 * a.abs());
         let group = |level: f64| levels.partition_point(|first| *first <= level) - 1;
         let groups = rows.iter().map(|(row, level)| (*row, group(*level)));
@@ -57,10 +58,10 @@ pub(crate) fn groups(experiments: &[&ComparedExperiment]) -> BTreeMap<Row, usize
     if frequencies > 1 { groups } else { by(&|e, _| e.magnitude).1 }
 }
 
-/// The block of a line, from its frequency over that of the lowest.
+/// The number of the block of a line; `ratio` is its frequency over that of the lowest line.
 pub(crate) fn block(ratio: f64) -> usize {
-    // The margin keeps a line on the edge of a block in it whatever the rounding.
-    (ratio.ln() / BLOCK.ln() + 1e-9).floor() as usize
+    // The margin keeps a line at the lower edge of a block in that block despite rounding.
+    (ratio.ln() / BLOCK_FREQUENCY_RATIO.ln() + 1e-9).floor() as usize
 }
 
 fn has_many_lines(experiment: &ComparedExperiment) -> bool {
@@ -114,13 +115,13 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_in_blocks_of_the_same_ratio_and_none_is_empty() {
+    fn lines_are_in_blocks_of_equal_frequency_ratio_and_no_block_is_empty() {
         let groups = grouped(&[experiment(0, 1.0, 2.0, 100)]);
         let of = |order: usize| groups[&(0, order)];
         assert_eq!([of(0), of(1), of(2)], [0, 0, 1]);
         assert!((1..100).all(|k| of(k + 1) - of(k) <= 1), "{groups:?}");
-        // ln(100)/ln(1.12) is 40.6: the last block ends beyond the last line.
+        // ln(100)/ln(1.12) = 40.6: the last block extends beyond the last line.
         let last: Vec<usize> = (1..=100).filter(|k| of(*k) == of(100)).collect();
-        assert!((100.0 / last[0] as f64) < BLOCK, "{last:?}");
+        assert!((100.0 / last[0] as f64) < BLOCK_FREQUENCY_RATIO, "{last:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! What models predict of data that no fit has seen.
+//! Cross-validation: how well models predict data that no fit has seen.
 
 pub(super) mod cross_validation;
 pub(super) mod cv_splits;

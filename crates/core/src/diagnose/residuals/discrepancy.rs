@@ -1,4 +1,4 @@
-//! Everything a diagnosis says of where a base model departs from its data.
+//! The report on where a base model departs from its data: tests, patterns, groups, a sentence.
 
 use crate::answers::{Discrepancy, NoiseSource, Pattern, ResidualTest};
 use crate::identify::ModelFit;
@@ -13,21 +13,21 @@ use super::sentence;
 use super::statistics;
 use super::whiteness::{Judgement, Nulls};
 
-/// Share of the largest response below which what is left is rounding in the
-/// upload and the solver, where the noise is unknown.
-const ROUNDING: f64 = 1e-6;
+/// Where the noise is unknown, residuals of at most this share of the response (rms) are rounding
+/// errors of the upload and the solver.
+const ROUNDING_SHARE: f64 = 1e-6;
 
 /// The same for a model with effects, whose simulation rounds more.
-const EXTENDED_ROUNDING: f64 = 2e-5;
+const EXTENDED_ROUNDING_SHARE: f64 = 2e-5;
 
-/// Where a fitted base model departs from its data.
+/// Reports where a fitted base model departs from its data.
 pub(crate) fn of(fit: &ModelFit, seed: u64) -> Discrepancy {
     let residuals = Residuals::of(fit);
     let regions = Regions::new(&residuals.layout, &residuals.freedom);
     let statistics = statistics::all(&residuals, &regions);
     let nulls = Nulls::draw(&residuals, &statistics, seed);
     let judgement = nulls.judge(&statistics, &residuals.values);
-    let rounding = is_rounding(&residuals, ROUNDING);
+    let rounding = is_rounding(&residuals, ROUNDING_SHARE);
     let contradiction = contradiction(fit, &residuals);
     let noise_like = contradiction.is_none() && (rounding || judgement.noise_like);
     let patterns = match noise_like {
@@ -42,9 +42,9 @@ pub(crate) fn of(fit: &ModelFit, seed: u64) -> Discrepancy {
     } else if judgement.tests.iter().all(|test| test.p_value.is_none()) {
         "there is too little data to say whether the simulation is wrong".into()
     } else if noise_like {
-        adequate(&residuals, &judgement)
+        adequate_sentence(&residuals, &judgement)
     } else {
-        wrong(&patterns, &judgement)
+        wrong_sentence(&patterns, &judgement)
     };
     Discrepancy {
         sentence,
@@ -58,13 +58,13 @@ pub(crate) fn of(fit: &ModelFit, seed: u64) -> Discrepancy {
     }
 }
 
-/// Whether what an extended model leaves is noise.
+/// Whether the residuals of an extended model are noise.
 pub(crate) fn is_noise(fit: &ModelFit, seed: u64) -> bool {
     let residuals = Residuals::of(fit);
     if contradiction(fit, &residuals).is_some() {
         return false;
     }
-    if is_rounding(&residuals, EXTENDED_ROUNDING) {
+    if is_rounding(&residuals, EXTENDED_ROUNDING_SHARE) {
         return true;
     }
     let regions = Regions::new(&residuals.layout, &residuals.freedom);
@@ -72,7 +72,7 @@ pub(crate) fn is_noise(fit: &ModelFit, seed: u64) -> bool {
     Nulls::draw(&residuals, &statistics, seed).judge(&statistics, &residuals.values).noise_like
 }
 
-/// Why what a model leaves cannot be noise, whatever its structure; `None` where it can.
+/// Why the residuals of a model cannot be noise, whatever their structure; `None` if they can.
 fn contradiction(fit: &ModelFit, residuals: &Residuals) -> Option<String> {
     let cells: Vec<&Cell> = residuals.layout.cells.iter().collect();
     let sizes = Sizes::of(residuals, &cells)?;
@@ -90,14 +90,15 @@ fn contradiction(fit: &ModelFit, residuals: &Residuals) -> Option<String> {
     ))
 }
 
-/// Whether what is left is rounding: only where nothing else tells the noise.
+/// Whether the residuals are rounding errors; never so where the noise is known.
 fn is_rounding(residuals: &Residuals, share: f64) -> bool {
     let cells: Vec<&Cell> = residuals.layout.cells.iter().collect();
     let sizes = Sizes::of(residuals, &cells);
     !residuals.scale_known && sizes.is_none_or(|sizes| sizes.rms_left <= share * sizes.rms_measured)
 }
 
-fn wrong(patterns: &[Pattern], judgement: &Judgement) -> String {
+/// The sentence for a wrong model.
+fn wrong_sentence(patterns: &[Pattern], judgement: &Judgement) -> String {
     let failed: Vec<&ResidualTest> = judgement.tests.iter().filter(|test| !test.passed).collect();
     match patterns.first() {
         Some(pattern) => format!(
@@ -112,11 +113,10 @@ fn wrong(patterns: &[Pattern], judgement: &Judgement) -> String {
     }
 }
 
-/// That nothing is wrong, and what would have been seen: the departure of the
-/// fundamental (of the response, where the input has many lines), at the
-/// magnitude where it would show least, that would have reached the limit of
-/// the test of regions.
-fn adequate(residuals: &Residuals, judgement: &Judgement) -> String {
+/// The sentence for an adequate model. It says what would have been noticed: the departure of the
+/// fundamental (of the response, where inputs have many lines) that reaches the limit of the region
+/// test, at the magnitude where it shows least.
+fn adequate_sentence(residuals: &Residuals, judgement: &Judgement) -> String {
     let layout = &residuals.layout;
     let least = (0..layout.magnitudes.len())
         .filter_map(|class| {
@@ -129,7 +129,7 @@ fn adequate(residuals: &Residuals, judgement: &Judgement) -> String {
             let sizes = Sizes::of(residuals, &cells)?;
             let rows = || cells.iter().flat_map(|cell| cell.each_row());
             let dof: f64 = rows().map(|row| residuals.freedom[row]).sum();
-            let excess = seen(dof, judgement.region_limit);
+            let excess = detectable_excess(dof, judgement.region_limit);
             let variance =
                 cells.iter().map(|cell| cell.std.powi(2)).sum::<f64>() / cells.len() as f64;
             let departure = (excess * variance / cells.len() as f64).sqrt();
@@ -150,8 +150,8 @@ fn adequate(residuals: &Residuals, judgement: &Judgement) -> String {
     sentence
 }
 
-/// Excess of residuals with so many degrees of freedom that reaches a score.
-fn seen(dof: f64, limit: f64) -> f64 {
+/// Excess χ² at which `dof` residuals reach the normal score `limit`, by bisection.
+fn detectable_excess(dof: f64, limit: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1e9);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
@@ -160,7 +160,7 @@ fn seen(dof: f64, limit: f64) -> f64 {
     high
 }
 
-/// What this diagnosis cannot tell.
+/// Sentences on what the residuals cannot tell.
 pub(crate) fn limitations(fit: &ModelFit, discrepancy: &Discrepancy) -> Vec<String> {
     let mut sentences = Vec::new();
     if fit.identification.noise == NoiseSource::Estimated {

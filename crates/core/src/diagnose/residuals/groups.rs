@@ -1,36 +1,36 @@
-//! Residuals by magnitude, frequency, harmonic and order of acquisition.
+//! Size of the residuals by magnitude, by frequency, by harmonic and by order of acquisition.
 
 use crate::answers::ResidualGroup;
 
 use super::layout::{Cell, LAST_HARMONIC, Span, classes};
 use super::residual::Residuals;
 
-/// Stretches of the acquisition, at most.
+/// Largest number of groups of consecutive runs.
 const MOST_STRETCHES: usize = 8;
 
-/// Bands that harmonics of an input with many lines are put into, at most.
+/// Largest number of groups of harmonics where inputs have many lines.
 const MOST_BANDS: usize = 12;
 
-/// By magnitude.
+/// Residuals by magnitude.
 pub(crate) fn by_magnitude(residuals: &Residuals) -> Vec<ResidualGroup> {
     let spans = residuals.layout.magnitudes.iter().enumerate();
     spans.filter_map(|(i, span)| group(residuals, *span, |cell| cell.magnitude == i)).collect()
 }
 
-/// By frequency, Hz.
+/// Residuals by frequency, Hz.
 pub(crate) fn by_frequency(residuals: &Residuals) -> Vec<ResidualGroup> {
     let spans = residuals.layout.bands.iter().enumerate();
     spans.filter_map(|(i, span)| group(residuals, *span, |cell| cell.band == i)).collect()
 }
 
-/// By harmonic; of an input with many lines, by band of them.
+/// Residuals by harmonic, or by groups of them where inputs have many lines.
 pub(crate) fn by_harmonic(residuals: &Residuals) -> Vec<ResidualGroup> {
     let orders = residuals.layout.cells.iter().map(|cell| cell.order as f64);
     let most = if residuals.layout.many_lines { MOST_BANDS } else { LAST_HARMONIC + 1 };
     by(residuals, classes(orders, most), |cell| Some(cell.order as f64))
 }
 
-/// By order of acquisition; empty where it is not known.
+/// Residuals by order of acquisition; empty where it is not known.
 pub(crate) fn by_run(residuals: &Residuals) -> Vec<ResidualGroup> {
     let runs = residuals.layout.cells.iter().filter_map(|cell| cell.run);
     by(residuals, classes(runs, MOST_STRETCHES), |cell| cell.run)
@@ -64,20 +64,20 @@ fn group(
     })
 }
 
-/// Sizes of some residuals.
+/// Sizes of some residuals and of the response there.
 pub(crate) struct Sizes {
-    /// Root mean square of the parts, in standard deviations.
+    /// Root mean square of the standardised real and imaginary parts.
     pub rms_sigmas: f64,
-    /// Root mean square of measured less simulated, response units.
+    /// Root mean square of |measured − simulated|, response units.
     pub rms_left: f64,
-    /// Root mean square measured.
+    /// Root mean square of the measured values, response units.
     pub rms_measured: f64,
-    /// Root mean square simulated.
+    /// Root mean square of the simulated values, response units.
     pub rms_simulated: f64,
 }
 
 impl Sizes {
-    /// Of these cells; `None` where there is none.
+    /// Sizes over these cells; `None` if there are none.
     pub fn of(residuals: &Residuals, cells: &[&Cell]) -> Option<Self> {
         let rows: Vec<usize> = cells.iter().flat_map(|cell| cell.each_row()).collect();
         let squares: f64 = rows.iter().map(|row| residuals.values[*row].powi(2)).sum();
@@ -92,8 +92,7 @@ impl Sizes {
         })
     }
 
-    /// What is left as a share of what was measured: where that is less than
-    /// what is left (an axis that rests), of what is left.
+    /// `rms_left` as a share of `rms_measured`; 1 where less was measured (an axis at rest).
     fn relative(&self) -> f64 {
         let size = self.rms_measured.max(self.rms_left);
         if size > 0.0 { self.rms_left / size } else { 0.0 }

@@ -1,16 +1,17 @@
-//! Where each residual lies: magnitude, frequency, harmonic, order of acquisition.
+//! Where each residual lies: magnitude, frequency, harmonic, order of acquisition. Magnitudes and
+//! frequencies are put into a limited number of classes.
 
 use crate::answers::Comparison;
 use crate::identify::{Component, ModelFit};
 use crate::measurement::Complex;
 
-/// Magnitudes told apart, at most; more are joined to classes.
+/// Largest number of magnitude classes.
 const MOST_MAGNITUDES: usize = 8;
 
-/// Bands of frequency told apart, at most.
+/// Largest number of frequency bands.
 const MOST_BANDS: usize = 24;
 
-/// Harmonics told apart: beyond, they are one class.
+/// This harmonic and all higher ones form one class.
 pub(crate) const LAST_HARMONIC: usize = 11;
 
 /// Share of the largest line of an input above which a line counts as excited.
@@ -19,18 +20,18 @@ const EXCITED_SHARE: f64 = 0.02;
 /// A range of one axis, ends included.
 pub(crate) type Span = [f64; 2];
 
-/// One complex (of harmonic 0: real) residual.
+/// One residual: complex, or real for harmonic 0.
 #[derive(Debug, Clone)]
 pub(crate) struct Cell {
-    /// Rows of its real and imaginary part.
+    /// Rows of its real and imaginary part among the residuals.
     pub rows: (usize, Option<usize>),
     /// Class of magnitude.
     pub magnitude: usize,
     /// Band of frequency.
     pub band: usize,
-    /// Harmonic, at most [`LAST_HARMONIC`]; 0 throughout where the input has many lines.
+    /// Harmonic, at most [`LAST_HARMONIC`]; always 0 where inputs have many lines.
     pub harmonic: usize,
-    /// Frequency of the fundamental (of the line, where the input has many), Hz.
+    /// Frequency of the fundamental, or of the line where inputs have many, in Hz.
     pub frequency_hz: f64,
     /// Half the peak-to-peak value of the input.
     pub input_magnitude: f64,
@@ -44,7 +45,7 @@ pub(crate) struct Cell {
     pub measured: Complex,
     /// Simulated value.
     pub simulated: Complex,
-    /// Standard deviation of re and of im.
+    /// Standard deviation of each part.
     pub std: f64,
 }
 
@@ -58,27 +59,27 @@ impl Cell {
 /// The cells of a measurement and the classes they fall into.
 #[derive(Debug, Clone)]
 pub(crate) struct Layout {
-    /// Every residual but the constraints.
+    /// Every residual except the constraints.
     pub cells: Vec<Cell>,
     /// Smallest and largest magnitude of each class, ascending.
     pub magnitudes: Vec<Span>,
     /// Lowest and highest frequency of each band, Hz, ascending.
     pub bands: Vec<Span>,
-    /// Harmonics that occur; empty where the input has many lines.
+    /// Harmonics that occur; empty where inputs have many lines.
     pub harmonics: Vec<usize>,
-    /// Whether inputs have many lines, so that a response has frequencies, not harmonics.
+    /// Whether inputs have many lines, so that residuals are laid out by the frequency of the line.
     pub many_lines: bool,
     /// Units of input and response.
     pub units: (String, String),
 }
 
 impl Layout {
-    /// Of a fitted base model.
+    /// The layout of a fitted model.
     pub fn of(fit: &ModelFit) -> Self {
         Self::new(&fit.comparison, &fit.components)
     }
 
-    /// Of a comparison whose parts are these rows of the residuals.
+    /// The layout of a comparison; `components` says what each row of the residuals is.
     pub fn new(comparison: &Comparison, components: &[Component]) -> Self {
         let many_lines = has_many_lines(comparison);
         let mut rows = (0..components.len()).filter(|row| !components[*row].constraint);
@@ -133,11 +134,11 @@ fn has_many_lines(comparison: &Comparison) -> bool {
     })
 }
 
-/// At most `most` classes of values, about equally full; equal values together.
+/// At most `most` classes of values, about equally full; equal values share a class.
 pub(crate) fn classes(values: impl Iterator<Item = f64>, most: usize) -> Vec<Span> {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_by(f64::total_cmp);
-    // What differs by rounding alone is one value.
+    // Values that agree to 1e-6 differ only by rounding.
     let apart = |a: f64, b: f64| b - a > 1e-6 * b.abs();
     let mut spans: Vec<(Span, usize)> = Vec::new();
     for value in sorted {

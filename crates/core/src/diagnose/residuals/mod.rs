@@ -1,4 +1,7 @@
-//! What a fit leaves: where it lies, whether it is noise, and how it is said.
+//! Residual analysis: whether the residuals of a fit are noise, and if not, where they are large.
+//!
+//! `statistics` and `whiteness` test them for being noise; `regions` and `patterns` find the
+//! largest departures; `discrepancy` collects the results.
 
 pub(super) mod discrepancy;
 pub(super) mod groups;

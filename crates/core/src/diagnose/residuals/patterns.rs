@@ -1,4 +1,5 @@
-//! The largest departures, found one after the other: each is taken out before the next is sought.
+//! Greedy search for the largest departures: the region that stands out most is described and
+//! removed, then the next is sought in what remains.
 
 use nalgebra::DVector;
 
@@ -13,35 +14,38 @@ use super::sentence::{Change, Departure};
 use super::statistics::log_magnitude;
 use super::subspace::Subspace;
 
-/// Patterns reported, at most.
-const MOST: usize = 5;
+/// Largest number of patterns reported.
+const MOST_PATTERNS: usize = 5;
 
-/// Share of the excess below which a further pattern is not worth a sentence.
+/// Share of the excess χ² that a further pattern must hold to be reported. Tuned.
 const LEAST_SHARE: f64 = 0.03;
 
-/// Share of the excess that a drift of the parameters must explain to be named.
+/// Share of the excess χ² that a drift of the parameters must explain to be reported. Tuned.
 const DRIFT_SHARE: f64 = 0.6;
 
-/// How much less a drift must leave than what varies with magnitude or frequency.
-const DRIFT_LEAD: f64 = 0.5;
+/// Largest excess that a reported drift leaves, as a share of the least that parameters varying
+/// with magnitude or frequency leave. Tuned.
+const DRIFT_REMAINDER_RATIO: f64 = 0.5;
 
-/// Value below which a quarter of the squares of standard normal numbers lie.
+/// Lower quartile of χ² with one degree of freedom.
 const LOWER_QUARTILE: f64 = 0.101_531;
 
-/// What is still to be explained, in units of the noise.
-struct ResidualSums {
+/// The residuals that no pattern explains yet.
+struct Unexplained {
+    /// In standard deviations of the noise; 0 in explained rows.
     values: DVector<f64>,
+    /// 1 − leverage; 0 in explained rows.
     freedom: Vec<f64>,
-    /// Excess at the beginning.
+    /// Excess χ² before any pattern is removed.
     whole: f64,
 }
 
-impl ResidualSums {
+impl Unexplained {
     fn of(residuals: &Residuals) -> Self {
         let mut values = residuals.values.clone();
         let freedom = residuals.freedom.clone();
         if !residuals.scale_known {
-            values /= quiet(&values);
+            values /= noise_deviation(&values);
         }
         let whole = (values.norm_squared() - freedom.iter().sum::<f64>()).max(f64::MIN_POSITIVE);
         Self { values, freedom, whole }
@@ -52,9 +56,9 @@ impl ResidualSums {
     }
 }
 
-/// Deviation of the noise where its size is unknown: the quietest quarter of the
-/// residuals tells it, since what departs is elsewhere.
-fn quiet(values: &DVector<f64>) -> f64 {
+/// Standard deviation of unknown noise, from the lower quartile of the squared residuals, which a
+/// departure hardly affects.
+fn noise_deviation(values: &DVector<f64>) -> f64 {
     let mut squares: Vec<f64> = values.iter().map(|value| value * value).collect();
     squares.sort_by(f64::total_cmp);
     let quartile = squares.get(squares.len() / 4).copied().unwrap_or(1.0);
@@ -64,14 +68,13 @@ fn quiet(values: &DVector<f64>) -> f64 {
 
 /// Finds the patterns of residuals that are not noise, the most conspicuous first.
 ///
-/// A drift of the parameters in the course of the acquisition is looked for
-/// first. Then, again and again, the region whose excess stands out most is
-/// taken and removed, until none is worth a sentence or reaches `limit`, what
-/// noise alone may reach; the first is taken in any case.
+/// A drift of the parameters in the course of the acquisition is looked for first. Then, again and
+/// again, the region whose excess stands out most is reported and removed, until its share is small
+/// or its score is within `limit`, which noise may reach. The first is reported in any case.
 pub(crate) fn find(residuals: &Residuals, regions: &Regions, limit: f64) -> Vec<Pattern> {
-    let mut left = ResidualSums::of(residuals);
+    let mut left = Unexplained::of(residuals);
     let mut patterns: Vec<Pattern> = drift(residuals, &mut left).into_iter().collect();
-    while patterns.len() < MOST {
+    while patterns.len() < MOST_PATTERNS {
         let squares = |row: usize| left.values[row] * left.values[row];
         let found = regions.most_conspicuous(|row| left.freedom[row], squares);
         let Some((region, _)) = found.filter(|(_, score)| *score > 0.0) else { break };
@@ -95,6 +98,7 @@ pub(crate) fn find(residuals: &Residuals, regions: &Regions, limit: f64) -> Vec<
     patterns
 }
 
+/// Describes the departure of `cells` in `region`, which `overlaps` with an earlier pattern.
 fn describe(
     residuals: &Residuals,
     region: &Region,
@@ -137,19 +141,19 @@ fn describe(
     })
 }
 
-/// Whether there is enough simulated to be compared with.
+/// Whether the simulated response is large enough to state the departure relative to it.
 fn is_simulated(sizes: &Sizes) -> bool {
     sizes.rms_simulated > 0.2 * sizes.rms_left.max(sizes.rms_measured)
 }
 
-/// Mean of |Y|/|Ŷ| − 1, weighted with |Ŷ|.
+/// Mean of |Y|/|Ŷ| − 1, weighted with |Ŷ|: Σ|Y|/Σ|Ŷ| − 1.
 fn relative_size(cells: &[&Cell], sizes: &Sizes) -> Option<f64> {
     let simulated: f64 = cells.iter().map(|cell| cell.simulated.norm()).sum();
     let measured: f64 = cells.iter().map(|cell| cell.measured.norm()).sum();
     is_simulated(sizes).then(|| measured / simulated - 1.0)
 }
 
-/// Mean phase by which the measurement leads; of one harmonic that has a phase.
+/// Mean phase by which the measurement leads; only for cells of one harmonic other than the mean.
 fn phase_deg(cells: &[&Cell], sizes: &Sizes) -> Option<f64> {
     let turning = cells.iter().all(|cell| cell.order > 0);
     let one = cells.windows(2).all(|pair| pair[0].harmonic == pair[1].harmonic);
@@ -158,17 +162,17 @@ fn phase_deg(cells: &[&Cell], sizes: &Sizes) -> Option<f64> {
     (turning && one && is_simulated(sizes)).then(|| sum.arg().to_degrees())
 }
 
-/// Mean of measured less simulated, where all of them are means.
+/// Mean of measured less simulated; only where all cells are of harmonic 0.
 fn signed_mean(cells: &[&Cell]) -> Option<f64> {
     let all = cells.iter().all(|cell| cell.order == 0);
     let sum: f64 = cells.iter().map(|cell| (cell.measured - cell.simulated).re).sum();
     all.then(|| sum / cells.len().max(1) as f64)
 }
 
-/// The pattern that the parameters drift in the course of the acquisition, where
-/// that explains most of the excess, and better than parameters that vary with
-/// magnitude or frequency: the order of acquisition often follows those.
-fn drift(residuals: &Residuals, left: &mut ResidualSums) -> Option<Pattern> {
+/// The pattern that the parameters drift in the course of the acquisition, if that explains most of
+/// the excess, and better than parameters that vary with magnitude or frequency, which the order of
+/// acquisition often follows.
+fn drift(residuals: &Residuals, left: &mut Unexplained) -> Option<Pattern> {
     let layout = &residuals.layout;
     let runs = || layout.cells.iter().filter_map(|cell| cell.run);
     if runs().count() < layout.cells.len() {
@@ -179,14 +183,15 @@ fn drift(residuals: &Residuals, left: &mut ResidualSums) -> Option<Pattern> {
     let (sum, dof) = (space.energy(&left.values), space.dimension() as f64);
     let share = left.share(sum, dof);
     let rest = left.whole * (1.0 - share);
-    if share < DRIFT_SHARE || rest > DRIFT_LEAD * rivals(residuals, left) {
+    if share < DRIFT_SHARE || rest > DRIFT_REMAINDER_RATIO * excess_left_by_rivals(residuals, left)
+    {
         return None;
     }
     let ends = classes_of_runs(layout);
     let change = Change { start: offset(layout, &ends[0]), end: offset(layout, &ends[1]) };
     let cells: Vec<&Cell> = layout.cells.iter().collect();
     let sizes = Sizes::of(residuals, &cells)?;
-    take(left, &space);
+    remove(left, &space);
     Some(Pattern {
         magnitudes: None,
         frequencies_hz: None,
@@ -205,8 +210,8 @@ fn drift(residuals: &Residuals, left: &mut ResidualSums) -> Option<Pattern> {
     })
 }
 
-/// The least excess left by parameters that vary with magnitude or frequency.
-fn rivals(residuals: &Residuals, left: &ResidualSums) -> f64 {
+/// The least excess left by parameters that vary with magnitude or with frequency.
+fn excess_left_by_rivals(residuals: &Residuals, left: &Unexplained) -> f64 {
     let magnitude = log_magnitude(residuals);
     let frequency = |cell: &Cell| cell.frequency_hz.max(f64::MIN_POSITIVE).ln();
     let levels: [&dyn Fn(&Cell) -> f64; 2] = [&magnitude, &frequency];
@@ -217,7 +222,8 @@ fn rivals(residuals: &Residuals, left: &ResidualSums) -> f64 {
     levels.into_iter().map(left_by).fold(left.whole, f64::min)
 }
 
-fn take(left: &mut ResidualSums, space: &Subspace) {
+/// Removes the part of the residuals in a subspace.
+fn remove(left: &mut Unexplained, space: &Subspace) {
     left.values = space.complement(&left.values);
     for (freedom, leverage) in left.freedom.iter_mut().zip(space.leverages()) {
         *freedom = (*freedom - leverage).max(0.0);
@@ -230,7 +236,7 @@ fn classes_of_runs(layout: &Layout) -> [super::layout::Span; 2] {
     [thirds[0], thirds[thirds.len() - 1]]
 }
 
-/// By which share of the simulated size the fundamental exceeds it, on average.
+/// Mean excess of the measured over the simulated fundamental, as a share, in a span of runs.
 fn offset(layout: &Layout, [first, last]: &super::layout::Span) -> f64 {
     let (mut excess, mut size) = (0.0, 0.0);
     let within = |cell: &&Cell| cell.run.is_some_and(|run| (*first..=*last).contains(&run));

@@ -1,26 +1,26 @@
-//! Contiguous regions of magnitude × frequency × harmonic, scanned exhaustively.
+//! Spatial scan statistic over contiguous regions of magnitude × frequency × harmonic.
 //!
-//! Sums over rectangles come from summed-area tables (Crow 1984,
-//! doi:10.1145/964965.808600), so that a scan of some ten thousand regions costs
-//! less than a simulation of one experiment. Kulldorff's scan statistic (1997,
-//! doi:10.1080/03610929708831995) is the idea, with the variance of a normal law
-//! in place of a count.
+//! All regions are scanned, as in Kulldorff's statistic (1997, doi:10.1080/03610929708831995), with
+//! the variance of a normal law in place of a count. Sums over rectangles come from summed-area
+//! tables (Crow 1984, doi:10.1145/964965.808600), so that a scan of some ten thousand regions costs
+//! less than a simulation of one experiment.
 
 use super::layout::{Cell, LAST_HARMONIC, Layout};
 
-/// A region: classes of magnitude, bands of frequency (ends included), harmonics.
+/// A region: ranges of magnitude classes and frequency bands (both ends included), and a set of
+/// harmonics.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Region {
     /// First and last class of magnitude.
     pub magnitudes: (usize, usize),
     /// First and last band.
     pub bands: (usize, usize),
-    /// Harmonics; empty: every one.
+    /// Harmonics; if empty, every harmonic.
     pub harmonics: Vec<usize>,
 }
 
 impl Region {
-    /// Whether it holds a cell.
+    /// Whether a cell lies in it.
     pub fn holds(&self, cell: &Cell) -> bool {
         (self.magnitudes.0..=self.magnitudes.1).contains(&cell.magnitude)
             && (self.bands.0..=self.bands.1).contains(&cell.band)
@@ -28,27 +28,29 @@ impl Region {
     }
 }
 
-/// Sums of a quantity over every rectangle, by class of harmonics.
+/// Summed-area tables of a quantity.
 struct Sums {
-    /// (magnitudes + 1) × (bands + 1) cumulated values, by class of harmonics.
+    /// (magnitudes + 1) × (bands + 1) cumulated values, for each set of harmonics.
     tables: Vec<Vec<f64>>,
 }
 
 /// Every region of a layout.
 pub(crate) struct Regions {
+    /// Numbers of magnitude classes and bands.
     shape: (usize, usize),
-    /// Sets of harmonics; the empty one is every harmonic.
+    /// Sets of harmonics; the empty set stands for every harmonic.
     classes: Vec<Vec<usize>>,
-    /// Classes of harmonics each harmonic belongs to.
+    /// The sets that contain each harmonic.
     members: Vec<Vec<usize>>,
-    /// Magnitude, band and harmonic of each row that counts.
+    /// Row, magnitude class, band and harmonic of each residual.
     places: Vec<(usize, usize, usize, usize)>,
-    /// Cube-root coefficients and degrees of freedom of each region.
+    /// Normal approximation for each region, in the order of [`Regions::each`].
     normal: Vec<Normal>,
 }
 
-/// Wilson and Hilferty's normal form of χ² with n degrees of freedom (1931,
-/// doi:10.1073/pnas.17.12.684): z = (S/n)^⅓·√(9n/2) − √(9n/2)·(1 − 2/(9n)).
+/// Wilson and Hilferty's normal approximation of a χ² S with n degrees of freedom (1931,
+/// doi:10.1073/pnas.17.12.684): z = (S/n)^⅓·√(9n/2) − √(9n/2)·(1 − 2/(9n)), which is
+/// slope·S^⅓ − offset.
 #[derive(Debug, Clone, Copy)]
 struct Normal {
     slope: f64,
@@ -56,15 +58,15 @@ struct Normal {
     dof: f64,
 }
 
-/// Regions with fewer degrees of freedom than this are all but fitted exactly.
+/// Regions with fewer degrees of freedom are skipped: their residuals are fitted almost exactly.
 const FEWEST_DOF: f64 = 0.5;
 
-/// Degrees of freedom added to those of a region when regions are ranked, so
-/// that a handful of residuals needs more than their size to be a pattern.
-const HANDFUL: f64 = 6.0;
+/// Degrees of freedom added to those of a region when regions are ranked, so that a few residuals
+/// need a larger excess to be a pattern. Tuned.
+const RANKING_EXTRA_DOF: f64 = 6.0;
 
 impl Regions {
-    /// Regions of a layout; `freedom` is 1 − leverage of each row.
+    /// All regions of a layout; `freedom` is 1 − leverage of each row.
     pub fn new(layout: &Layout, freedom: &[f64]) -> Self {
         let shape = (layout.magnitudes.len(), layout.bands.len());
         let classes = harmonic_classes(&layout.harmonics);
@@ -98,7 +100,7 @@ impl Regions {
         regions
     }
 
-    /// Largest normal score of any region, of squared residuals by row.
+    /// Largest normal score of any region; `squares` gives the squared residual of each row.
     pub fn largest_score(&self, squares: impl Fn(usize) -> f64) -> f64 {
         let sums = self.sums(squares);
         let mut best = f64::NEG_INFINITY;
@@ -106,7 +108,7 @@ impl Regions {
         self.each(&sums, |_, sum| {
             let Normal { slope, offset, dof } = self.normal[at];
             at += 1;
-            // A cube is far cheaper than its root.
+            // Compare cubes: roots are far more expensive.
             let wanted = (best + offset) / slope;
             if dof >= FEWEST_DOF && (best.is_infinite() || sum > wanted * wanted * wanted) {
                 best = slope * sum.max(0.0).cbrt() - offset;
@@ -115,15 +117,14 @@ impl Regions {
         best
     }
 
-    /// Normal score that `excess` more than noise gives to `dof` residuals.
+    /// Normal score of a sum of squares that exceeds its degrees of freedom `dof` by `excess`.
     pub fn score_of(dof: f64, excess: f64) -> f64 {
         let slope = (4.5 * dof).sqrt();
         slope * (1.0 + excess / dof).cbrt() - slope + 1.0 / slope
     }
 
-    /// The region whose excess stands out most from what noise does there: the
-    /// excess over √(2n + 2·[`HANDFUL`]). `freedom` and `squares` are 0 for rows
-    /// that are already spoken for.
+    /// The region of largest (S − n)/√(2n + 2·[`RANKING_EXTRA_DOF`]), with that score; S is the sum
+    /// of `squares`, n that of `freedom`. Both are 0 in rows that a pattern already explains.
     pub fn most_conspicuous(
         &self,
         freedom: impl Fn(usize) -> f64,
@@ -137,7 +138,7 @@ impl Regions {
         self.each(&squares, |corners, sum| {
             let dof = excesses[at];
             at += 1;
-            let score = (sum - dof) / (2.0 * (dof.max(0.0) + HANDFUL)).sqrt();
+            let score = (sum - dof) / (2.0 * (dof.max(0.0) + RANKING_EXTRA_DOF)).sqrt();
             if dof >= FEWEST_DOF && best.is_none_or(|(_, most)| score > most * (1.0 + 1e-9)) {
                 best = Some((corners, score));
             }
@@ -168,7 +169,7 @@ impl Regions {
         Sums { tables }
     }
 
-    /// Every region with its sum, widest set of harmonics and range first.
+    /// Calls `see` with every region and its sum, the widest set of harmonics and range first.
     fn each(&self, sums: &Sums, mut see: impl FnMut(Corners, f64)) {
         let columns = self.shape.1 + 1;
         for (class, table) in sums.tables.iter().enumerate() {
@@ -188,10 +189,11 @@ impl Regions {
     }
 }
 
-/// Class of harmonics, first and last magnitude, first and last band.
+/// Index of the set of harmonics, first and last magnitude class, first and last band.
 type Corners = (usize, usize, usize, usize, usize);
 
-/// Every harmonic, those above the fundamental, even ones, odd ones, each one.
+/// The sets of harmonics that are scanned: all, those above the fundamental, even ones, odd ones,
+/// each one.
 fn harmonic_classes(harmonics: &[usize]) -> Vec<Vec<usize>> {
     let mut classes = vec![Vec::new()];
     if harmonics.len() > 1 {
@@ -256,9 +258,9 @@ mod tests {
         let squares = |row: usize| if wanted.holds(&layout.cells[row]) { 9.0 } else { 1.0 };
         let (found, score) = regions.most_conspicuous(|_| 1.0, squares).unwrap();
         assert_eq!(found, wanted);
-        assert!((score - 48.0 / (2.0 * (6.0 + HANDFUL)).sqrt()).abs() < 1e-12);
+        assert!((score - 48.0 / (2.0 * (6.0 + RANKING_EXTRA_DOF)).sqrt()).abs() < 1e-12);
         assert!(regions.largest_score(squares) >= Regions::score_of(6.0, 48.0) - 1e-12);
-        // Where it is spoken for, nothing stands out.
+        // Once this region is explained, nothing stands out.
         let free = |row: usize| if wanted.holds(&layout.cells[row]) { 0.0 } else { 1.0 };
         let (_, left) = regions.most_conspicuous(free, |row| squares(row) * free(row)).unwrap();
         assert!(left.abs() < 1e-12);
@@ -278,14 +280,15 @@ mod tests {
             assert!((sum - wanted).abs() < 1e-12);
             count += 1;
         });
-        // All, two or more, even, and four single harmonics; 6 ranges of magnitude, 15 of bands.
+        // Seven sets (all, ≥ 2, even, and four single harmonics), 6 ranges of magnitude, 15 of
+        // bands.
         assert_eq!(count, 7 * 6 * 15);
     }
 
-    // Wilson and Hilferty's form is good to 0.1 deviations at two degrees of freedom and better
+    // The approximation is good to 0.1 standard deviations at two degrees of freedom, and better
     // with more.
     #[test]
-    fn scores_are_normal() {
+    fn scores_agree_with_the_normal_quantile_of_the_chi_squared_tail() {
         for (dof, sum) in [(2.0, 13.8), (10.0, 25.2), (100.0, 140.2), (100.0, 70.0)] {
             let tail = ChiSquared::new(dof).unwrap().sf(sum);
             let wanted = -Gauss::standard().inverse_cdf(tail);

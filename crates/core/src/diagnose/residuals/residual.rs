@@ -1,4 +1,4 @@
-//! Standardised residuals of a fit, and the subspace that its parameters can take up.
+//! Standardised residuals of a fit, and the subspace that its parameters can absorb.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,32 +8,33 @@ use crate::identify::{ModelFit, NoiseLaw};
 use super::layout::{Cell, Layout};
 use super::subspace::Subspace;
 
-/// Spread, as a share of the mean, below which a quantity is constant.
-const CONSTANT: f64 = 1e-6;
+/// Deviation from the mean, as a share of it, up to which a quantity is constant.
+const CONSTANT_SPREAD: f64 = 1e-6;
 
-/// Residuals of a fit with p parameters to n data: with noise e they are
-/// (I − H)·e to first order, H the projection on the columns of the Jacobian, so
-/// that row i has the variance 1 − hᵢᵢ and rows are correlated.
+/// Standardised residuals of a fit.
+///
+/// With noise e they are (I − H)·e to first order, H the projection on the columns of the Jacobian.
+/// So row i has the variance 1 − hᵢᵢ, and rows are correlated.
 pub(crate) struct Residuals {
-    /// Where each lies.
+    /// Where each residual lies.
     pub layout: Layout,
-    /// Standardised residuals; where the noise is unknown their mean square is
-    /// one a degree of freedom.
+    /// Standardised residuals; where the noise is unknown, scaled to a mean square of one per
+    /// degree of freedom.
     pub values: DVector<f64>,
     /// 1 − hᵢᵢ.
     pub freedom: Vec<f64>,
-    /// What the fit can take up.
+    /// What the fit can absorb: the column space of the Jacobian.
     pub fitted: Subspace,
-    /// Derivatives by the parameters.
+    /// Derivatives by the parameters, one column each.
     pub jacobian: DMatrix<f64>,
-    /// The law of e.
+    /// The distribution of e.
     pub law: NoiseLaw,
     /// Whether the size of the noise is known.
     pub scale_known: bool,
 }
 
 impl Residuals {
-    /// Of a fitted base model.
+    /// The residuals of a fitted model.
     pub fn of(fit: &ModelFit) -> Self {
         let known = fit.identification.noise != NoiseSource::Estimated;
         Self::new(
@@ -45,7 +46,7 @@ impl Residuals {
         )
     }
 
-    /// Of their parts.
+    /// The same from their parts.
     pub fn new(
         layout: Layout,
         values: DVector<f64>,
@@ -60,27 +61,26 @@ impl Residuals {
         residuals
     }
 
-    /// Degrees of freedom.
+    /// Degrees of freedom: number of residuals less the rank of the Jacobian.
     pub fn dof(&self) -> f64 {
         (self.values.len() - self.fitted.dimension()) as f64
     }
 
-    /// Residuals that this noise would leave.
+    /// The residuals that a fit to this noise would leave.
     pub fn left_of(&self, noise: &DVector<f64>) -> DVector<f64> {
         self.in_scale(&self.fitted.complement(noise))
     }
 
-    /// Directions in which the parameters would change in proportion to
-    /// quantities of the cells, beyond what constant parameters do. Empty where
-    /// a quantity does not vary.
+    /// Directions in which residuals move if the parameters vary in proportion to quantities of the
+    /// cells, orthogonal to those of constant parameters. A constant quantity adds none.
     pub fn varying(&self, quantities: &[&dyn Fn(&Cell) -> f64]) -> Subspace {
         let mut columns = Vec::new();
         for quantity in quantities {
             let values: Vec<f64> = self.layout.cells.iter().map(quantity).collect();
             let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
             let spread = values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max);
-            if spread <= CONSTANT * mean.abs() {
-                // Rounding would be taken for a direction.
+            if spread <= CONSTANT_SPREAD * mean.abs() {
+                // The differences are rounding errors.
                 continue;
             }
             let mut scaled = DVector::zeros(self.values.len());

@@ -1,4 +1,4 @@
-//! Departures in words a test engineer uses.
+//! Describes departures in words that a test engineer uses.
 
 use super::groups::Sizes;
 use super::layout::{LAST_HARMONIC, Layout, Span};
@@ -10,31 +10,31 @@ pub(crate) struct Departure<'a> {
     pub relative_size: Option<f64>,
     /// Phase by which the measurement leads, degrees.
     pub phase_deg: Option<f64>,
-    /// Mean of measured less simulated, of means.
+    /// Mean of measured less simulated, response units; only for harmonic 0.
     pub mean: Option<f64>,
-    /// Root mean square in standard deviations, where those are known.
+    /// Root mean square in standard deviations of the noise, if those are known.
     pub in_sigmas: Option<f64>,
-    /// Sizes measured, simulated and left.
+    /// Sizes of the measured and simulated response and of their difference.
     pub sizes: &'a Sizes,
 }
 
-/// By which share the fundamental exceeds the simulated one, early and late.
+/// Mean excess of the measured over the simulated fundamental, as a share of the simulated one.
 pub(crate) struct Change {
     /// In the first third of the runs.
     pub start: f64,
-    /// In the last third.
+    /// In the last third of the runs.
     pub end: f64,
 }
 
-/// Share of what departs that its size or phase must make up to be worth naming.
-const WORTH: f64 = 0.45;
+/// Share of the rms departure above which a change of mean, size or phase is mentioned. Tuned.
+const MENTIONED_SHARE: f64 = 0.45;
 
-/// A region and how the measurement departs there.
+/// The sentence for a region and the departure there.
 pub(crate) fn of_region(layout: &Layout, region: &Region, departure: &Departure<'_>) -> String {
     let places = [magnitudes(layout, region), frequencies(layout, region)];
     let mut parts: Vec<String> = places.into_iter().flatten().collect();
     let (what, plural) = harmonics(layout, region);
-    parts.push(format!("{what} {}", how(layout, departure, plural)));
+    parts.push(format!("{what} {}", departure_phrase(layout, departure, plural)));
     let mut sentence = parts.join(", ");
     if let Some(sigmas) = departure.in_sigmas.filter(|sigmas| *sigmas >= 1.05) {
         sentence += &format!(" ({} times the noise)", short(sigmas));
@@ -42,7 +42,7 @@ pub(crate) fn of_region(layout: &Layout, region: &Region, departure: &Departure<
     sentence
 }
 
-/// A drift of the parameters.
+/// The sentence for a drift of the parameters.
 pub(crate) fn of_drift(change: &Change) -> String {
     let verb = if change.end < change.start { "falls" } else { "grows" };
     let side = |offset: f64| {
@@ -84,7 +84,7 @@ fn frequencies(layout: &Layout, region: &Region) -> Option<String> {
     let (first, last) = region.bands;
     let top = layout.bands.len() - 1;
     let (low, high) = (layout.bands[first][0], layout.bands[last][1]);
-    // A boundary lies between what is inside and what is not.
+    // A boundary lies between a frequency inside and one outside.
     let below = || between(layout.bands[last][1], layout.bands[last + 1][0]);
     let above = || between(layout.bands[first - 1][1], layout.bands[first][0]);
     match (first == 0, last == top) {
@@ -101,7 +101,7 @@ fn frequencies(layout: &Layout, region: &Region) -> Option<String> {
     }
 }
 
-/// What departs, and whether it is many.
+/// The harmonics of a region, and whether the noun is plural.
 fn harmonics(layout: &Layout, region: &Region) -> (String, bool) {
     let set = &region.harmonics;
     let all_of =
@@ -111,7 +111,7 @@ fn harmonics(layout: &Layout, region: &Region) -> (String, bool) {
             [] | [_] => ("the response".into(), false),
             _ => ("the response with all its harmonics".into(), false),
         },
-        [single] => (one(*single), *single >= LAST_HARMONIC),
+        [single] => (harmonic_name(*single), *single >= LAST_HARMONIC),
         _ if all_of(&|h| h >= 2) => ("the harmonics above the fundamental".into(), true),
         _ if all_of(&|h| h % 2 == 0) => ("the mean and the even harmonics".into(), true),
         _ if all_of(&|h| h % 2 == 0 && h > 0) => ("the even harmonics".into(), true),
@@ -119,7 +119,7 @@ fn harmonics(layout: &Layout, region: &Region) -> (String, bool) {
     }
 }
 
-fn one(harmonic: usize) -> String {
+fn harmonic_name(harmonic: usize) -> String {
     const ORDINALS: [&str; 9] =
         ["second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"];
     match harmonic {
@@ -130,12 +130,13 @@ fn one(harmonic: usize) -> String {
     }
 }
 
-fn how(layout: &Layout, departure: &Departure<'_>, plural: bool) -> String {
+fn departure_phrase(layout: &Layout, departure: &Departure<'_>, plural: bool) -> String {
     let is = if plural { "are" } else { "is" };
     let sizes = departure.sizes;
     let unit =
         if layout.units.1.is_empty() { String::new() } else { format!(" {}", layout.units.1) };
-    if let Some(mean) = departure.mean.filter(|mean| mean.abs() > WORTH * sizes.rms_left) {
+    if let Some(mean) = departure.mean.filter(|mean| mean.abs() > MENTIONED_SHARE * sizes.rms_left)
+    {
         let word = if mean > 0.0 { "above" } else { "below" };
         return format!("{is} {}{unit} {word} the simulated one", short(mean.abs()));
     }
@@ -147,11 +148,13 @@ fn how(layout: &Layout, departure: &Departure<'_>, plural: bool) -> String {
     let mut words = Vec::new();
     if size > 2.0 {
         words.push(format!("{is} {} times as large as simulated", short(1.0 + size)));
-    } else if size.abs() > WORTH * left {
+    } else if size.abs() > MENTIONED_SHARE * left {
         let word = if size > 0.0 { "larger" } else { "smaller" };
         words.push(format!("{is} {} {word} than simulated", percent(size.abs())));
     }
-    if let Some(phase) = departure.phase_deg.filter(|p| p.to_radians().abs() > WORTH * left) {
+    if let Some(phase) =
+        departure.phase_deg.filter(|p| p.to_radians().abs() > MENTIONED_SHARE * left)
+    {
         let verb = if phase > 0.0 { "leads" } else { "lags" };
         words.push(format!("{verb} by {}°", short(phase.abs())));
     }
@@ -162,8 +165,7 @@ fn how(layout: &Layout, departure: &Departure<'_>, plural: bool) -> String {
     words.join(" and ")
 }
 
-/// A number of at most two digits between two others; where they are too close
-/// for that, near them.
+/// A number of one digit between two others or, if there is none, of two digits near them.
 fn between(low: f64, high: f64) -> String {
     let middle = (low.max(0.25 * high) * high).sqrt();
     let inside = |text: &String| text.parse::<f64>().is_ok_and(|v| v > low && v < high);
@@ -174,13 +176,12 @@ fn percent(share: f64) -> String {
     format!("{} %", short(100.0 * share))
 }
 
-/// A number as it is said: two significant digits, all of an integer part.
+/// A number with two significant digits, or all of its integer part.
 pub(crate) fn short(value: f64) -> String {
     rounded(value, 2)
 }
 
-/// A number with so many significant digits at least, all of its integer part, and
-/// no trailing zeros.
+/// A number with this many significant digits, its whole integer part, and no trailing zeros.
 fn rounded(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
@@ -197,7 +198,7 @@ fn rounded(value: f64, digits: i32) -> String {
     }
 }
 
-/// Where a region of one class of magnitudes is, for a sentence of its own.
+/// A class of magnitudes: one number, or the smallest and the largest.
 pub(crate) fn span(span: Span) -> String {
     match short(span[0]) == short(span[1]) {
         true => short(span[0]),
@@ -225,7 +226,7 @@ mod tests {
         Region { magnitudes, bands, harmonics: harmonics.to_vec() }
     }
 
-    /// Simulated 1 rad/s rms, left 0.1.
+    /// A simulated response of 1 rad/s rms, of which 0.1 rad/s is left.
     const SIZES: Sizes =
         Sizes { rms_sigmas: 12.3, rms_left: 0.1, rms_measured: 1.0, rms_simulated: 1.0 };
 
@@ -281,7 +282,7 @@ mod tests {
 
     #[test]
     fn a_departure_is_said_by_what_it_mostly_is() {
-        let said = |departure: Departure<'_>| how(&layout(), &departure, false);
+        let said = |departure: Departure<'_>| departure_phrase(&layout(), &departure, false);
         assert_eq!(said(larger(0.1)), "is 10 % larger than simulated");
         assert_eq!(said(larger(-0.083)), "is 8.3 % smaller than simulated");
         assert_eq!(said(larger(3.2)), "is 4.2 times as large as simulated");
@@ -295,7 +296,10 @@ mod tests {
         let sizes = Sizes { rms_simulated: 0.01, rms_measured: 0.1, ..SIZES };
         let unknown = Departure { relative_size: None, sizes: &sizes, ..larger(0.0) };
         assert_eq!(said(unknown), "is 0.1 rad/s where the simulation has 0.01 rad/s");
-        assert_eq!(how(&layout(), &larger(0.01), true), "depart from the simulation by 10 % (rms)");
+        assert_eq!(
+            departure_phrase(&layout(), &larger(0.01), true),
+            "depart from the simulation by 10 % (rms)"
+        );
     }
 
     #[test]
@@ -312,7 +316,7 @@ mod tests {
         let values = [0.0, 0.0123, 0.5, 1.0, 9.96, 12.3, 1234.5, 1.5e-7];
         let said = values.map(short);
         assert_eq!(said, ["0", "0.012", "0.5", "1", "10", "12", "1234", "1.5e-7"]);
-        // 52.0 and 52.3 have no number of two digits between them.
+        // No number of two digits lies between 52.0 and 52.3.
         assert_eq!([between(0.8, 1.6), between(52.0, 52.3)], ["1", "52"]);
     }
 }

@@ -1,8 +1,7 @@
-//! Statistics that are small where residuals are noise.
+//! Test statistics that are small where the residuals are noise.
 //!
-//! Each is one number that grows with one kind of departure. None has a null
-//! distribution from a book: residuals are correlated through the fit, scales
-//! are estimated. `whiteness` draws them.
+//! Each is one number that grows with one kind of departure. None has a textbook null distribution,
+//! because the fit correlates residuals and scales are estimated; `whiteness` simulates it.
 
 use std::collections::BTreeMap;
 
@@ -13,17 +12,17 @@ use super::regions::Regions;
 use super::residual::Residuals;
 use super::subspace::Subspace;
 
-/// Degrees of freedom below which residuals have no structure to speak of.
+/// Degrees of freedom below which residuals are tested for their size only.
 const FEWEST_DOF: f64 = 8.0;
 
-/// The value of a statistic, from residuals.
+/// Computes the value of a statistic from residuals.
 pub(crate) type Evaluate<'a> = Box<dyn Fn(&DVector<f64>) -> f64 + Sync + 'a>;
 
 /// One statistic and what it means.
 pub(crate) struct Statistic<'a> {
     /// Its name.
     pub name: &'static str,
-    /// The value; `Err`: why there is none.
+    /// How its value is computed, or why it cannot be.
     pub evaluate: Result<Evaluate<'a>, &'static str>,
     /// What it means where it is small.
     pub small: &'static str,
@@ -52,7 +51,7 @@ pub(crate) fn all<'a>(residuals: &'a Residuals, regions: &'a Regions) -> Vec<Sta
     statistics
 }
 
-/// Σr².
+/// Size: Σr².
 fn size(residuals: &Residuals) -> Statistic<'_> {
     Statistic {
         name: "size",
@@ -65,8 +64,8 @@ fn size(residuals: &Residuals) -> Statistic<'_> {
     }
 }
 
-/// Σ rᵢ·rⱼ over neighbours in frequency of the same magnitude, harmonic and part:
-/// von Neumann's ratio (1941, doi:10.1214/aoms/1177731677) for many short series.
+/// Serial correlation: Σ rᵢ·rⱼ over neighbours in frequency of the same magnitude, harmonic and
+/// part (re or im), von Neumann's ratio (1941, doi:10.1214/aoms/1177731677) for many short series.
 fn frequency(residuals: &Residuals) -> Statistic<'_> {
     let mut series: BTreeMap<(usize, usize, usize), Vec<&Cell>> = BTreeMap::new();
     let layout = &residuals.layout;
@@ -96,7 +95,7 @@ fn frequency(residuals: &Residuals) -> Statistic<'_> {
     }
 }
 
-/// Whether other parameters fit at other frequencies.
+/// Score test of parameters that vary with ln frequency.
 fn trend(residuals: &Residuals) -> Statistic<'_> {
     let quantity = |cell: &Cell| cell.frequency_hz.max(f64::MIN_POSITIVE).ln();
     let lowest = residuals.layout.cells.iter().map(|cell| cell.frequency_hz);
@@ -110,7 +109,7 @@ fn trend(residuals: &Residuals) -> Statistic<'_> {
     }
 }
 
-/// Whether other parameters fit at other magnitudes.
+/// Score test of parameters that vary with ln magnitude.
 fn magnitude(residuals: &Residuals) -> Statistic<'_> {
     let level = log_magnitude(residuals);
     Statistic {
@@ -121,7 +120,7 @@ fn magnitude(residuals: &Residuals) -> Statistic<'_> {
     }
 }
 
-/// Whether other parameters fit later in the order of acquisition.
+/// Score test of parameters that vary linearly with the order of acquisition.
 fn run(residuals: &Residuals) -> Statistic<'_> {
     let level = |cell: &Cell| cell.run.unwrap_or(0.0);
     let unknown = residuals.layout.cells.iter().any(|cell| cell.run.is_none());
@@ -144,8 +143,8 @@ fn run(residuals: &Residuals) -> Statistic<'_> {
     }
 }
 
-/// Whether the order of acquisition is little else than that of magnitude or
-/// frequency: a linear function of both explains more than half of it.
+/// Whether the order of acquisition follows magnitude or frequency: a linear function of both
+/// explains more than half of its variance.
 fn follows_design(residuals: &Residuals) -> bool {
     let cells = &residuals.layout.cells;
     let magnitude = log_magnitude(residuals);
@@ -161,8 +160,7 @@ fn follows_design(residuals: &Residuals) -> bool {
     explained > 0.5 * run.norm_squared()
 }
 
-/// Largest normal score of the residuals of one harmonic, and of their means at
-/// one magnitude.
+/// Largest normal score of the size of one harmonic's residuals, or of their mean at one magnitude.
 fn harmonic(residuals: &Residuals) -> Statistic<'_> {
     let layout = &residuals.layout;
     let mut shares: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -198,7 +196,7 @@ fn harmonic(residuals: &Residuals) -> Statistic<'_> {
     }
 }
 
-/// Largest single residual.
+/// Outlier: largest squared residual over its variance 1 − hᵢᵢ.
 fn outlier(residuals: &Residuals) -> Statistic<'_> {
     let freedom = &residuals.freedom;
     let square = move |(r, freedom): (&f64, &f64)| r * r / freedom.max(0.1);
@@ -210,7 +208,7 @@ fn outlier(residuals: &Residuals) -> Statistic<'_> {
     }
 }
 
-/// Largest normal score of any region.
+/// Scan statistic: largest normal score of any region.
 fn region(regions: &Regions) -> Statistic<'_> {
     Statistic {
         name: "region",
@@ -220,15 +218,15 @@ fn region(regions: &Regions) -> Statistic<'_> {
     }
 }
 
-/// ln of the magnitude; one that is 0 counts as very small.
+/// ln of a cell's magnitude; magnitudes below 1e-3 of the largest count as that.
 pub(crate) fn log_magnitude(residuals: &Residuals) -> impl Fn(&Cell) -> f64 + use<> {
     let cells = residuals.layout.cells.iter();
     let least = 1e-3 * cells.map(|cell| cell.input_magnitude).fold(0.0, f64::max);
     move |cell: &Cell| cell.input_magnitude.max(least).max(f64::MIN_POSITIVE).ln()
 }
 
-/// Energy of the residuals in what parameters would do that vary with a level
-/// and its square.
+/// Score test of parameters that vary with a level and its square: the squared length of the
+/// residuals in the directions of such changes. `Err(constant)` where the level does not vary.
 fn varying<'a>(
     residuals: &'a Residuals,
     level: &dyn Fn(&Cell) -> f64,
@@ -238,7 +236,7 @@ fn varying<'a>(
     let mean = residuals.layout.cells.iter().map(level).sum::<f64>() / count;
     let about_mean = |cell: &Cell| level(cell) - mean;
     let largest = residuals.layout.cells.iter().map(|c| about_mean(c).abs()).fold(0.0, f64::max);
-    // A logarithm that varies by less than this does not vary.
+    // Levels are logarithms; a smaller variation is rounding.
     if largest < 1e-6 {
         return Err(constant);
     }

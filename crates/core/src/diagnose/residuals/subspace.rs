@@ -1,11 +1,11 @@
-//! Orthogonal projections on and off the column space of a Jacobian.
+//! Orthogonal projection on a column space, and on its orthogonal complement.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Directions this much weaker than the strongest are rounding.
+/// Directions with a singular value below this share of the largest are rounding errors.
 const RANK_TOLERANCE: f64 = 1e-8;
 
-/// An orthonormal basis, one column a direction.
+/// A subspace, by an orthonormal basis: one column for each direction.
 #[derive(Debug, Clone)]
 pub(crate) struct Subspace {
     basis: DMatrix<f64>,
@@ -16,7 +16,7 @@ impl Subspace {
     pub fn of(columns: &DMatrix<f64>) -> Self {
         let rows = columns.nrows();
         let mut kept = Vec::new();
-        // Columns of like size: a tolerance is relative to the strongest.
+        // Give all columns the length 1, because the tolerance is relative to the largest.
         let sized: Vec<DVector<f64>> = columns
             .column_iter()
             .filter(|column| column.norm() > 0.0 && column.norm().is_finite())
@@ -43,7 +43,7 @@ impl Subspace {
         for mut column in left.column_iter_mut() {
             let before = column.norm();
             let kept = other.complement(&column.clone_owned());
-            // What is left of a column inside the other space is rounding.
+            // If nearly nothing is left, the column lies in the other space.
             let rounding = kept.norm() <= RANK_TOLERANCE * before;
             column.copy_from(&if rounding { DVector::zeros(kept.len()) } else { kept });
         }
@@ -55,27 +55,27 @@ impl Subspace {
         self.basis.ncols()
     }
 
-    /// The part of a vector inside.
+    /// The part of a vector inside the subspace.
     pub fn project(&self, vector: &DVector<f64>) -> DVector<f64> {
         &self.basis * self.basis.tr_mul(vector)
     }
 
-    /// The part of a vector outside.
+    /// The part of a vector orthogonal to the subspace.
     pub fn complement(&self, vector: &DVector<f64>) -> DVector<f64> {
         vector - self.project(vector)
     }
 
-    /// The parts of columns outside.
+    /// The parts of columns orthogonal to the subspace.
     pub fn complements(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         columns - &self.basis * self.basis.tr_mul(columns)
     }
 
-    /// Squared length of the part inside.
+    /// Squared length of the part of a vector inside the subspace.
     pub fn energy(&self, vector: &DVector<f64>) -> f64 {
         self.basis.tr_mul(vector).norm_squared()
     }
 
-    /// Squared length of the part of each unit vector inside: the leverages.
+    /// The leverages: the squared length of the part of each unit vector inside the subspace.
     pub fn leverages(&self) -> Vec<f64> {
         self.basis.row_iter().map(|row| row.norm_squared()).collect()
     }

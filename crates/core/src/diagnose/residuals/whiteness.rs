@@ -1,10 +1,10 @@
-//! Whether residuals are noise: every statistic is compared with its null distribution.
+//! Tests of whether residuals are noise, with simulated null distributions.
 //!
-//! Noise is drawn, projected as the fit projects it, and every statistic taken of it. The comparison
-//! is therefore right in finite samples, for any design, with deviations given, estimated or unknown.
-//! One of several tests is significant by chance too often, so that the smallest of their p-values is
-//! compared with the smallest of each draw (Westfall and Young 1993, ISBN 978-0-471-55761-6), which
-//! accounts for the dependence among the tests.
+//! Noise is drawn and projected as the fit projects it, and every statistic is computed from it.
+//! The p-values therefore hold in finite samples, for any design, with noise deviations given,
+//! estimated or unknown. Of several tests one is often significant by chance. So the smallest
+//! p-value is compared with the smallest p-values of the draws (Westfall and Young 1993, ISBN
+//! 978-0-471-55761-6), which accounts for the dependence among the tests.
 
 use nalgebra::DVector;
 use rand::SeedableRng;
@@ -17,32 +17,33 @@ use super::null_distribution::NullDistribution;
 use super::residual::Residuals;
 use super::statistics::Statistic;
 
-/// Draws of noise.
+/// Number of draws of noise.
 const DRAWS: u64 = 2000;
 
-/// Probability that residuals that are noise are called something else.
+/// Family-wise error rate: probability that residuals that are noise fail any of the tests.
 const LEVEL: f64 = 0.005;
 
-/// What the tests come to.
+/// Results of the tests.
 pub(crate) struct Judgement {
     /// The tests.
     pub tests: Vec<ResidualTest>,
-    /// Whether all pass.
+    /// Whether all of them pass.
     pub noise_like: bool,
-    /// What `region` must exceed to fail.
+    /// Value above which the statistic `region` fails.
     pub region_limit: f64,
 }
 
-/// Distributions of all statistics under the null hypothesis.
+/// Null distributions of all statistics that can be computed.
 pub(crate) struct Nulls {
-    /// In the order of the statistics that there are.
+    /// One distribution for each of them, in their order.
     by_test: Vec<NullDistribution>,
     /// p-value below which a test fails.
     limit: f64,
 }
 
 impl Nulls {
-    /// Draws noise as the fit would leave it and takes every statistic of it.
+    /// Simulates the null distributions: draws noise, projects it as the fit does, and computes
+    /// every statistic.
     pub fn draw(residuals: &Residuals, statistics: &[Statistic<'_>], seed: u64) -> Self {
         let drawn: Vec<Vec<f64>> = (0..DRAWS)
             .into_par_iter()
@@ -65,7 +66,7 @@ impl Nulls {
         nulls
     }
 
-    /// Judges residuals.
+    /// Tests residuals.
     pub fn judge(&self, statistics: &[Statistic<'_>], residuals: &DVector<f64>) -> Judgement {
         let observed = values(statistics, residuals);
         let mut next = observed.iter().zip(self.p_values(&observed));
@@ -98,10 +99,10 @@ impl Nulls {
     }
 }
 
-/// Every statistic that there is.
+/// The values of all statistics that can be computed.
 fn values(statistics: &[Statistic<'_>], residuals: &DVector<f64>) -> Vec<f64> {
     let evaluates = statistics.iter().filter_map(|statistic| statistic.evaluate.as_ref().ok());
-    // An answer is written as JSON, which knows no infinity.
+    // Answers are written as JSON, which has no infinity.
     evaluates.map(|evaluate| evaluate(residuals).clamp(f64::MIN, f64::MAX)).collect()
 }
 

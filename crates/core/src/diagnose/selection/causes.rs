@@ -1,4 +1,7 @@
-//! From the fitted models to the causes, each with its confidence, its equivalents and its rivals.
+//! Turns the chosen model into named causes, each with its confidence and its equivalents.
+//!
+//! The confidence in an effect is its posterior probability by Bayesian model averaging, capped
+//! where the benchmark shows that such causes are right less often.
 
 use indexmap::IndexMap;
 
@@ -9,59 +12,60 @@ use crate::identify::Model;
 
 use super::models::{Key, Models};
 
-/// Difference in −2 ln of the evidence below which an effect in another's place
-/// cannot be told from it.
-pub(crate) const EQUIVALENT: f64 = 9.0;
+/// Two models whose −2 ln evidence differs by less than this cannot be told apart: a Bayes factor
+/// below e^(9/2) ≈ 90. Tuned.
+pub(crate) const EQUIVALENCE_MARGIN: f64 = 9.0;
 
-/// Equivalents that are listed, at most.
+/// Equivalents listed for one cause, at most.
 const MOST_EQUIVALENTS: usize = 2;
 
-/// Confidence in a cause is at most this where something remains that nothing in the library
-/// explains: what has no name of its own then looks like what has. In the benchmark (seed 90110)
-/// 4 of 14 such causes were right.
-const MOST_WITH_REMAINDER: f64 = 0.3;
+/// Largest confidence in a single cause whose model leaves more than noise: an effect that the
+/// library lacks looks like one that it has. 4 of 14 were right in the benchmark (seed 90110).
+const MOST_CONFIDENCE_WITH_REMAINDER: f64 = 0.3;
 
-/// The same of several together, and of three that leave nothing, which follow anything: 6 of
-/// 81 were right.
-const MOST_OF_SEVERAL: f64 = 0.1;
+/// The same for several causes, and for three or more that leave only noise, because three effects
+/// can fit anything. 6 of 81 were right.
+const MOST_CONFIDENCE_OF_SEVERAL: f64 = 0.1;
 
-/// The same of two that leave nothing, but may together imitate something else: 31 of 33
-/// were right.
-const MOST_IF_IMITATION: f64 = 0.85;
+/// The same for two causes that leave only noise but may imitate a third effect. 31 of 33 were
+/// right.
+const MOST_CONFIDENCE_OF_IMITABLE_PAIR: f64 = 0.85;
 
-/// Confidence that each of two causes, or what may be mistaken for it, must have for both to
-/// be taken for what they are.
-const SURE: f64 = 0.9;
+/// Probability that each cause of a convincing pair must have, together with the effects confusable
+/// with it. Tuned.
+const CONVINCING_PROBABILITY: f64 = 0.9;
 
-/// Whether a model that leaves nothing but noise is more than an imitation of one effect
-/// that the library lacks. Two of its effects that bend the response in much the same way,
-/// or one of which might as well be one that has nothing to do with it, follow nearly any
-/// third; three follow anything.
+/// Whether a model that leaves only noise is more than an imitation of one effect that the library
+/// lacks. Two effects that bend the response in the same way can follow nearly any third; so can
+/// two if an unrelated effect fits as well in the place of one. Three or more can follow anything.
 pub(crate) fn convincing(models: &Models, chosen: &Key) -> bool {
     let alike = |one: &str, other: &str| {
         let effects = effects::find(one).zip(effects::find(other));
         effects.is_some_and(|(one, other)| effects::are_confusable(one, other))
     };
-    let sure = |id: &&str| probability(models, |other| other == *id || alike(other, id)) >= SURE;
+    let is_likely = |id: &&str| {
+        probability(models, |other| other == *id || alike(other, id)) >= CONVINCING_PROBABILITY
+    };
     match chosen.as_slice() {
         [] | [_] => true,
-        [one, other] => !alike(one, other) && chosen.iter().all(sure),
+        [one, other] => !alike(one, other) && chosen.iter().all(is_likely),
         _ => false,
     }
 }
 
-/// The largest confidence in any cause of the model `chosen`, which leaves noise alone where it
-/// `fits`.
+/// The largest confidence allowed for any cause of the model `chosen`; `fits` says whether that
+/// model leaves only noise.
 fn most_confidence(models: &Models, chosen: &Key, fits: bool) -> f64 {
     match (fits, chosen.len()) {
         (true, _) if convincing(models, chosen) => 1.0,
-        (true, 2) => MOST_IF_IMITATION,
-        (false, 1) => MOST_WITH_REMAINDER,
-        _ => MOST_OF_SEVERAL,
+        (true, 2) => MOST_CONFIDENCE_OF_IMITABLE_PAIR,
+        (false, 1) => MOST_CONFIDENCE_WITH_REMAINDER,
+        _ => MOST_CONFIDENCE_OF_SEVERAL,
     }
 }
 
-/// The causes of the model `chosen`, which leaves noise alone where it `fits`, strongest first.
+/// The causes of the model `chosen`, strongest first; `fits` says whether it leaves only noise.
+/// `extended` is the same model with its reported parameters.
 pub(crate) fn named(
     models: &Models,
     chosen: &Key,
@@ -98,8 +102,8 @@ pub(crate) fn named(
     causes.into_iter().map(|(_, cause)| cause).collect()
 }
 
-/// The probability that an effect of some kind is present: the weight of the fitted models
-/// that have one among all.
+/// The posterior probability that an effect of some kind is present: Σ exp(−½·criterion) over the
+/// models that have one, as a share of the sum over all.
 fn probability(models: &Models, is_of_kind: impl Fn(&str) -> bool) -> f64 {
     let criteria: Vec<(&Key, f64)> =
         models.all().map(|(key, _)| (key, models.criterion(key))).collect();
@@ -111,8 +115,8 @@ fn probability(models: &Models, is_of_kind: impl Fn(&str) -> bool) -> f64 {
     sum(&|key| key.iter().any(|id| is_of_kind(id))) / sum(&|_| true)
 }
 
-/// Effects that explain the data as well in the place of `id`, the best first,
-/// each with its model.
+/// Effects that explain the data as well as `id` does, in its place beside the other effects of
+/// `chosen`. The best comes first; each comes with its model.
 pub(crate) fn rivals<'s>(
     models: &'s Models,
     chosen: &Key,
@@ -128,14 +132,14 @@ pub(crate) fn rivals<'s>(
             let other = key.iter().find(|other| !rest.contains(other))?;
             Some((models.criterion(key) - own, *other, model))
         })
-        .filter(|(difference, ..)| *difference < EQUIVALENT)
+        .filter(|(difference, ..)| *difference < EQUIVALENCE_MARGIN)
         .collect();
     rivals.sort_by(|a, b| a.0.total_cmp(&b.0));
     rivals.into_iter().take(MOST_EQUIVALENTS).map(|(_, id, model)| (id, model)).collect()
 }
 
-/// Every effect that was tried on the base model and can be compared, the best first; `withdrawn` are effects of the
-/// best model where it predicts data held out no better than the base model.
+/// Every effect that was fitted alone and has a finite criterion, the best first. `withdrawn` are
+/// the effects of the best model if it predicts held-out data no better than the base model.
 pub(crate) fn candidates(models: &Models, chosen: &Key, withdrawn: &Key) -> Vec<Candidate> {
     let noise_scale = &models.noise_scale;
     let before = models.get(&Key::new()).map_or(f64::NAN, |base| noise_scale.misfit(base.cost));
@@ -196,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn two_causes_convince_unless_they_are_alike_or_something_else_might_stand_there() {
+    fn two_causes_convince_unless_they_are_confusable_or_one_has_an_unrelated_rival() {
         let pair = ["spring", "transport_delay"];
         let alone = fitted_to(&[(&["spring"], 1e4), (&pair, 100.0)]);
         assert!(convincing(&alone, &key(&pair)));
@@ -217,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn confidence_is_bounded_where_something_remains_or_may_be_imitated() {
+    fn confidence_is_capped_where_something_remains_or_the_pair_may_be_an_imitation() {
         let (pair, alike) = (["spring", "transport_delay"], ["quadratic_drag", "stribeck"]);
         let three = ["spring", "transport_delay", "friction_drift"];
         let models = fitted_to(&[(&pair, 100.0), (&alike, 200.0), (&three, 50.0)]);
@@ -228,10 +232,9 @@ mod tests {
     }
 
     #[test]
-    fn where_the_best_was_withdrawn_every_effect_says_why_it_is_not_named() {
+    fn where_the_best_model_was_withdrawn_every_effect_says_why_it_is_not_named() {
         let mut models = fitted_to(&[(&["spring"], 100.0), (&["transport_delay"], 150.0)]);
-        models.family =
-            Some(FamilywiseThreshold::that_asks_for_little(&["spring", "transport_delay"]));
+        models.family = Some(FamilywiseThreshold::with_low_limits(&["spring", "transport_delay"]));
         let said =
             |withdrawn: &[&'static str], id| rejection(&models, &Key::new(), &key(withdrawn), id);
         assert_eq!(
@@ -244,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn rivals_are_what_fits_as_well_in_the_same_place_the_best_first() {
+    fn rivals_fit_as_well_in_the_same_place_and_the_best_comes_first() {
         let models = fitted_to(&[
             (&["sensor_lag"], 101.0),
             (&["transport_delay"], 100.0),

@@ -1,11 +1,11 @@
-//! The marginal likelihood (evidence) of a model, by Laplace's approximation.
+//! Marginal likelihood (evidence) of a model, by the Laplace approximation.
 //!
-//! −2 ln of the probability of the data under a model whose parameters are uncertain within their
-//! likely ranges (Kass and Raftery 1995, doi:10.1080/01621459.1995.10476572): the misfit, plus
-//! ln det(I + S·Λ·S) with S the prior deviations of the effects' parameters and Λ what the data says
-//! of them once the base parameters are fitted too, less 2 ln of the prior where a value lies below
-//! its likely range. A parameter that the data does not determine costs little; that its value is
-//! small costs nothing where a larger one fits as well.
+//! −2 ln of the probability of the data under a model with priors on its parameters (Kass and
+//! Raftery 1995, doi:10.1080/01621459.1995.10476572) is the misfit, plus ln det(I + S·Λ·S), minus 2
+//! ln of the prior where a value lies below its likely range. S are the prior standard deviations
+//! of the effects' parameters, Λ their information matrix after the base parameters are eliminated.
+//! A parameter that the data do not determine costs little; a small value costs nothing if a larger
+//! one fits as well.
 
 use nalgebra::DMatrix;
 
@@ -14,36 +14,37 @@ use crate::identify::{FitSession, Linear, Model};
 
 use crate::diagnose::residuals::subspace::Subspace;
 
-/// −2 ln of the prior odds of one more effect against none: each of some twenty
-/// is as likely as all together are not.
-const RARITY: f64 = 6.0;
+/// Cost of one more effect, −2 ln of its prior odds against none: −2 ln(1/20) ≈ 6, as there are
+/// about twenty effects, and together they are as likely as none.
+const EFFECT_COST: f64 = 6.0;
 
-/// Least that a parameter costs: one that the data does not determine is no reason to
-/// prefer the model that has it. That it does not show is taken to be as likely as that it
-/// does: −2 ln ½.
-const LEAST: f64 = 2.0 * std::f64::consts::LN_2;
+/// Least cost of a parameter, −2 ln ½: one that the data do not determine is no reason to prefer
+/// the model that has it, and is taken to be as likely to show as not.
+const LEAST_PARAMETER_COST: f64 = 2.0 * std::f64::consts::LN_2;
 
-/// Deviation of how much there is of an effect, in units of what was found: machines differ in
-/// that by orders of magnitude, so that no range would be fair to a large and to a small one.
-const SIZE: f64 = 2.0;
+/// Prior standard deviation of the size of an effect, as a multiple of the fitted size: sizes
+/// differ by orders of magnitude between machines, so that no fixed range would be fair to all.
+/// Tuned.
+const SIZE_DEVIATION: f64 = 2.0;
 
-/// What one more order of the actuator costs: as an effect of one parameter that the data
-/// narrows down by a factor of e².
-pub(crate) const ORDER: f64 = RARITY + 4.0;
+/// Cost of one more actuator order: that of an effect with one parameter whose deviation the data
+/// reduce by a factor of e².
+pub(crate) const ACTUATOR_ORDER_COST: f64 = EFFECT_COST + 4.0;
 
-/// How large a misfit is.
+/// Turns the cost of a fit (its weighted sum of squares) into a misfit, −2 ln likelihood.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NoiseScale {
     /// Whether costs are χ²; otherwise their logarithms count.
     pub known: bool,
-    /// Sum of squares that rounding leaves.
+    /// Sum of squares that rounding alone leaves.
     pub rounding: f64,
-    /// Residuals less parameters of a base model.
+    /// Degrees of freedom ν: residuals less parameters of a base model.
     pub dof: f64,
 }
 
 impl NoiseScale {
-    /// −2 ln of the likelihood of a cost, up to a constant.
+    /// −2 ln of the likelihood of a cost c, up to a constant: c where the noise is known, else
+    /// ν·ln((c + rounding)/ν).
     pub fn misfit(&self, cost: f64) -> f64 {
         match self.known {
             true => cost,
@@ -51,10 +52,10 @@ impl NoiseScale {
         }
     }
 
-    /// What a misfit must fall by where χ² must fall by `gain`. Where the noise is unknown, gains
-    /// are counted as if it were as large as what is left before them makes it: of a cost c with
-    /// ν degrees of freedom chance takes up the share gain/ν at most, and ν·ln(c/(c − gain·c/ν))
-    /// of the misfit; what is as large as everything that is left cannot be told from chance.
+    /// By how much the misfit must fall where χ² would have to fall by `gain`. If the noise is
+    /// unknown its variance is taken as c/ν, with c the cost before the effect is added, and the
+    /// misfit falls by ν·ln(c/(c − gain·c/ν)). A gain of ν or more would leave no cost and cannot
+    /// be told from chance: the result is infinite.
     pub fn bar(&self, gain: f64) -> f64 {
         match self.known {
             true => gain,
@@ -63,25 +64,26 @@ impl NoiseScale {
         }
     }
 
-    /// Whether a cost is no larger than noise makes it, 4 standard deviations of χ²
-    /// allowed, or rounding where the noise is unknown.
+    /// Whether a cost is no larger than noise makes it (4 standard deviations of χ² allowed), or
+    /// than rounding makes it if the noise is unknown.
     pub fn explains(&self, cost: f64) -> bool {
         let noise = self.dof + 4.0 * (2.0 * self.dof).sqrt();
         cost <= self.rounding + if self.known { noise } else { 0.0 }
     }
 
-    /// What a cost is beyond that of noise, where it is known.
+    /// The part of a cost above its expectation ν under noise; all of it if the noise is unknown.
     pub fn beyond(&self, cost: f64) -> f64 {
         if self.known { (cost - self.dof).max(0.0) } else { cost }
     }
 
-    /// Variance of the noise in units of the weights, after a model of this cost.
+    /// Variance of the noise in units of the weights; if unknown, that estimated from a cost.
     pub fn variance(&self, cost: f64) -> f64 {
         if self.known { 1.0 } else { (cost + self.rounding) / self.dof }
     }
 }
 
-/// What parameters cost, given what the data says of them.
+/// The penalty for a model's effects: the criterion without the misfit. It is infinite for a model
+/// that cannot be linearized.
 pub(crate) fn complexity(session: &FitSession<'_>, model: &Model, noise_scale: &NoiseScale) -> f64 {
     if model.effects().is_empty() {
         return 0.0;
@@ -96,14 +98,21 @@ pub(crate) fn complexity(session: &FitSession<'_>, model: &Model, noise_scale: &
     let volume: f64 = information
         .symmetric_eigenvalues()
         .iter()
-        .map(|eigenvalue| (1.0 + eigenvalue.max(0.0)).ln().max(LEAST))
+        .map(|eigenvalue| (1.0 + eigenvalue.max(0.0)).ln().max(LEAST_PARAMETER_COST))
         .sum();
-    let small = (0..model.effects().len()).map(|i| smallness(session, model, i, noise_scale));
-    volume + RARITY * model.effects().len() as f64 + small.sum::<f64>()
+    let small =
+        (0..model.effects().len()).map(|i| small_value_cost(session, model, i, noise_scale));
+    volume + EFFECT_COST * model.effects().len() as f64 + small.sum::<f64>()
 }
 
-/// What it costs that a parameter of this effect is smaller than is likely.
-fn smallness(session: &FitSession<'_>, model: &Model, i: usize, noise_scale: &NoiseScale) -> f64 {
+/// The cost of a parameter of the effect `i` that lies below its likely range, if it has one that
+/// is rarer the smaller it is.
+fn small_value_cost(
+    session: &FitSession<'_>,
+    model: &Model,
+    i: usize,
+    noise_scale: &NoiseScale,
+) -> f64 {
     let effect = model.effects()[i];
     let Some(rare) = effect.rarer_where_small() else { return 0.0 };
     let parameter = model.parameters_of(i).start + rare;
@@ -113,12 +122,13 @@ fn smallness(session: &FitSession<'_>, model: &Model, i: usize, noise_scale: &No
         Some(noise_scale.misfit(session.cost(&larger)?) - noise_scale.misfit(model.cost))
     };
     let tried = session.search().larger_values;
-    least_price(&session.ranges(effect)[rare], model.value(parameter), tried, growth)
+    cheapest_value_cost(&session.ranges(effect)[rare], model.value(parameter), tried, growth)
 }
 
-/// −2 ln of the prior of a value, as a share of that within the likely range, or what a larger
-/// one costs, by which the misfit grows so much, if that is less; so many larger ones are tried.
-fn least_price(
+/// −2 ln of the prior density of a value relative to that in the likely range; or the same of one
+/// of the `tried` larger values plus the `growth` of the misfit there, if that is less. The last
+/// of them is the lower end of the likely range.
+fn cheapest_value_cost(
     range: &Range,
     value: f64,
     tried: usize,
@@ -136,7 +146,7 @@ fn least_price(
     (1..=tried).filter_map(larger).fold(price(value), f64::min).max(0.0)
 }
 
-/// Standard deviations of the effects' parameters before the data is seen, in coordinates.
+/// Prior standard deviations of the effects' parameters, in the coordinates of the fit.
 fn deviations(session: &FitSession<'_>, model: &Model) -> Vec<f64> {
     let mut deviations = Vec::new();
     for (i, effect) in model.effects().iter().enumerate() {
@@ -148,7 +158,7 @@ fn deviations(session: &FitSession<'_>, model: &Model) -> Vec<f64> {
         if let (Coordinate::Linear, Some(absent)) =
             (effect.parameters()[0].coordinate, ranges[0].absent)
         {
-            deviations[first] = SIZE * (size - absent).abs();
+            deviations[first] = SIZE_DEVIATION * (size - absent).abs();
         }
     }
     deviations
@@ -163,9 +173,9 @@ mod tests {
 
     const RANGE: Range = Range { bounds: [1e-6, 1.0], likely: [1e-2, 0.1], absent: None };
 
-    // Chance that takes up four fifths of ten degrees of freedom leaves a fifth of the cost.
+    // With ten degrees of freedom, a chance gain of 8 takes up four fifths of the cost.
     #[test]
-    fn of_unknown_noise_a_misfit_must_fall_by_what_chance_leaves_of_all_that_there_is() {
+    fn with_unknown_noise_the_misfit_must_fall_by_the_logarithm_of_what_chance_leaves() {
         let noise_scale = |known: bool| NoiseScale { known, rounding: 0.0, dof: 10.0 };
         let unknown = noise_scale(false);
         let fall = unknown.misfit(3.0) - unknown.misfit(0.2 * 3.0);
@@ -175,10 +185,11 @@ mod tests {
     }
 
     #[test]
-    fn what_must_be_small_costs_its_rarity_and_what_may_be_likely_what_the_misfit_grows_by() {
+    fn a_small_value_costs_the_less_of_its_rarity_and_the_misfit_of_a_larger_one() {
         let rarity = 2.0 * 10.0_f64.ln();
-        let price =
-            |value: f64, growth: fn(f64) -> Option<f64>| least_price(&RANGE, value, 4, growth);
+        let price = |value: f64, growth: fn(f64) -> Option<f64>| {
+            cheapest_value_cost(&RANGE, value, 4, growth)
+        };
         let close = |found: f64, expected: f64| (found - expected).abs() < 1e-12;
         assert!(close(price(1e-4, |_| Some(1e3)), 2.0 * rarity));
         assert!(close(price(1e-4, |_| None), 2.0 * rarity));
@@ -188,10 +199,10 @@ mod tests {
         assert_eq!(price(0.05, |_| Some(-0.5)), 0.0);
     }
 
-    // What the data says of a heavy joint with either gap differs by half a unit at most; a light
-    // one hardly shows.
+    // With a heavy load (0.1) the data determine the gap, so a tenfold smaller one costs 2 ln 10;
+    // the other terms differ by 0.5 at most. A light load (1e-3) hardly shows, whatever its gap.
     #[test]
-    fn that_a_play_is_small_costs_only_where_the_data_says_so() {
+    fn a_small_gap_costs_only_where_the_data_determine_it() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());
         let session = FitSession::new(&measurement, &request, &Silent).unwrap();
         let noise_scale = NoiseScale { known: true, rounding: 0.0, dof: 100.0 };

@@ -1,10 +1,11 @@
-//! How much any effect of the library lowers χ² by chance: a threshold with a family-wise error rate.
+//! Family-wise error rate: by how much an effect must lower χ² to be more than chance.
 //!
-//! Noise is drawn as the fit of the base model leaves it. For each draw, every effect takes up the part
-//! of it that lies in the directions in which the effect would show, at the best values of its
-//! parameters. An effect must fall below the smallest p-value of a draw, over all effects (Westfall and
-//! Young 1993, ISBN 978-0-471-55761-6). That is right whatever parameters the null hypothesis leaves
-//! unidentified (Davies 1987, doi:10.1093/biomet/74.1.33), with deviations given, estimated or unknown.
+//! Noise is drawn and projected as the fit of the base model leaves it. From each draw every effect
+//! gains the squared length of the noise in the directions in which the effect would show, at the
+//! best values of its parameters. An effect's p-value must be below the smallest p-value, over all
+//! effects, of nearly every draw (min-p; Westfall and Young 1993, ISBN 978-0-471-55761-6). This is
+//! right whatever parameters the null hypothesis leaves unidentified (Davies 1987,
+//! doi:10.1093/biomet/74.1.33), with deviations given, estimated or unknown.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -16,21 +17,24 @@ use crate::diagnose::residuals::null_distribution::NullDistribution;
 use crate::diagnose::search::linearization::Linearization;
 use crate::diagnose::search::score_tests::Probed;
 
-/// Draws of noise.
+/// Number of draws of noise.
 const DRAWS: u64 = 600;
 
-/// Probability that an effect is named where none is missing.
+/// Family-wise error rate: probability that any effect is named where none is missing.
 const LEVEL: f64 = 0.003;
 
-/// Null distributions of what every effect of a family takes up.
+/// Null distributions of the gains of a family of effects, and the common p-value limit.
 #[derive(Clone)]
 pub(crate) struct FamilywiseThreshold {
+    /// Effect id and null distribution of its gain in χ².
     members: Vec<(&'static str, NullDistribution)>,
-    limit: f64,
+    /// p-value below which an effect is significant.
+    p_value_limit: f64,
 }
 
 impl FamilywiseThreshold {
-    /// Of these effects with their probes at a linearization.
+    /// The family of the effects in `probed`, which were probed at `linearization`; `scale_known`
+    /// says whether the size of the noise is known.
     pub fn new(
         linearization: &Linearization,
         law: &NoiseLaw,
@@ -76,26 +80,25 @@ impl FamilywiseThreshold {
         let smallest = |values: &Vec<f64>| {
             let p_values =
                 members.iter().zip(values).map(|((_, null), value)| null.p_value(*value));
-            // As a statistic that is large where something is wrong.
+            // −ln p, because `NullDistribution` extrapolates the upper tail.
             -p_values.fold(1.0, f64::min).ln()
         };
-        let limit =
+        let p_value_limit =
             (-NullDistribution::new(drawn.iter().map(smallest).collect()).limit(level)).exp();
-        Self { members, limit }
+        Self { members, p_value_limit }
     }
 
-    /// Of effects that take up next to nothing where none is missing.
+    /// A family of effects that gain at most 1 by chance, so that their limits are low.
     #[cfg(test)]
-    pub fn that_asks_for_little(ids: &[&'static str]) -> Self {
+    pub fn with_low_limits(ids: &[&'static str]) -> Self {
         let null = || NullDistribution::new((1..=100).map(|i| 0.01 * f64::from(i)).collect());
-        Self { members: ids.iter().map(|id| (*id, null())).collect(), limit: LEVEL }
+        Self { members: ids.iter().map(|id| (*id, null())).collect(), p_value_limit: LEVEL }
     }
 
-    /// By how much an effect must lower χ² to be more than chance; infinite for
-    /// one that does not show.
+    /// By how much an effect must lower χ² to be significant; infinite for one that cannot show.
     pub fn limit(&self, id: &str) -> f64 {
         let member = self.members.iter().find(|(member, _)| *member == id);
-        member.map_or(f64::INFINITY, |(_, null)| null.limit(self.limit))
+        member.map_or(f64::INFINITY, |(_, null)| null.limit(self.p_value_limit))
     }
 }
 
@@ -110,8 +113,8 @@ mod tests {
     use crate::machines::draw::NoiseStatement;
     use crate::observer::Silent;
 
-    /// Whether any effect, refitted in full together with the base model, gains more on this
-    /// noise than is allowed once in twenty.
+    /// Whether any effect, fully refitted with the base model to data with this noise, exceeds its
+    /// limit at a family-wise error rate of 5 %.
     fn is_exceeded(statement: NoiseStatement, seed: u64) -> bool {
         let (measurement, request) = (noisy(&exact(), statement, seed), request());
         let session = FitSession::new(&measurement, &request, &Silent).unwrap();
@@ -144,10 +147,10 @@ mod tests {
         gains.iter().any(|(id, gain)| *gain > family.limit(id))
     }
 
-    // At most 9 of 180 are due, with a deviation of 2.9, and four of that.
+    // At most 9 of 180 are expected, with a standard deviation of 2.9; four of those are allowed.
     #[test]
     #[ignore = "slow: 180 measurements, to each of which every effect is fitted"]
-    fn full_refits_exceed_by_chance_no_more_often_than_the_family_says() {
+    fn full_refits_exceed_the_limits_no_more_often_than_the_family_wise_error_rate() {
         let statements = [NoiseStatement::Std, NoiseStatement::Repeats(6), NoiseStatement::Silent];
         let counts = statements
             .map(|statement| (300..360).filter(|seed| is_exceeded(statement, *seed)).count());

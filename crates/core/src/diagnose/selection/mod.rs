@@ -1,5 +1,8 @@
-//! Which of the fitted models is answered: what an effect must gain, what speaks for a model, how
-//! certain its causes are, and what the answer says.
+//! Model selection: which of the fitted models becomes the answer.
+//!
+//! `familywise_threshold` says by how much an effect must lower χ²; `evidence` is the criterion by
+//! which models are compared; `order_selection` and `weighting_choice` choose the actuator order
+//! and the weights of the errors.
 
 pub(super) mod causes;
 pub(super) mod evidence;

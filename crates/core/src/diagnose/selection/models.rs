@@ -1,4 +1,7 @@
-//! All fitted models with their information criterion, and the best among them.
+//! The collection of fitted models, ranked by an information criterion.
+//!
+//! The criterion is −2 ln of the marginal likelihood (`evidence`): misfit plus penalty. The
+//! smallest wins.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,26 +11,26 @@ use super::evidence;
 use super::evidence::NoiseScale;
 use super::familywise_threshold::FamilywiseThreshold;
 
-/// Ids of a model's effects, in order.
+/// Ids of a model's effects, sorted.
 pub(crate) type Key = Vec<&'static str>;
 
-/// Ids of a model's effects, in order.
+/// The key of a model.
 pub(crate) fn key(model: &Model) -> Key {
     let mut key: Key = model.effects().iter().map(|effect| effect.id()).collect();
     key.sort_unstable();
     key
 }
 
-/// A model that was fitted.
+/// A fitted model with its penalty.
 pub(crate) struct ScoredModel {
     /// The model.
     pub model: Model,
-    /// −2 ln of what speaks for its parameters: see [`evidence`].
+    /// The penalty for its parameters: [`evidence::complexity`].
     complexity: f64,
 }
 
 impl ScoredModel {
-    /// A fitted model, weighed by the motions that it reaches from rest.
+    /// Scores a fitted model by the periodic responses that it reaches from rest.
     pub fn new(session: &FitSession<'_>, model: Model, noise_scale: &NoiseScale) -> Self {
         let model = session.from_rest(model);
         let complexity = evidence::complexity(session, &model, noise_scale);
@@ -35,17 +38,17 @@ impl ScoredModel {
     }
 }
 
-/// Every model that was fitted, the best of those with the same effects.
+/// Every fitted model; of several with the same effects only the best fit is kept.
 pub(crate) struct Models {
-    /// How costs are compared.
+    /// Turns costs into misfits.
     pub noise_scale: NoiseScale,
-    /// What an effect must gain at the base model.
+    /// By how much each effect must lower χ² beside the base model.
     pub family: Option<FamilywiseThreshold>,
     scored: BTreeMap<Key, ScoredModel>,
 }
 
 impl Models {
-    /// With nothing but the base model.
+    /// A collection that holds only the base model.
     pub fn new(base: Model, noise_scale: NoiseScale) -> Self {
         let base = ScoredModel { model: base, complexity: 0.0 };
         Self { noise_scale, family: None, scored: BTreeMap::from([(Key::new(), base)]) }
@@ -56,8 +59,8 @@ impl Models {
         self.scored.get(key).map(|scored| &scored.model)
     }
 
-    /// Models whose criterion exceeds that of the best by less than `reach`, with all that
-    /// they contain.
+    /// Models whose criterion exceeds the best one by less than `reach`, and every fitted model
+    /// whose effects are a subset of theirs.
     pub fn within(&self, reach: f64) -> BTreeSet<&Key> {
         let criteria = self.scored.keys().map(|key| self.criterion(key));
         let best = criteria.fold(f64::INFINITY, f64::min);
@@ -67,12 +70,12 @@ impl Models {
         self.scored.keys().filter(is_part).collect()
     }
 
-    /// Every model by its effects.
+    /// Every model with its key.
     pub fn all(&self) -> impl Iterator<Item = (&Key, &Model)> {
         self.scored.iter().map(|(key, scored)| (key, &scored.model))
     }
 
-    /// Keeps a model, unless one with the same effects fits better.
+    /// Keeps a model, unless one with the same effects fits as well.
     pub fn keep(&mut self, scored: ScoredModel) {
         let key = key(&scored.model);
         let best = self.scored.get(&key).map_or(f64::INFINITY, |known| known.model.cost);
@@ -81,15 +84,15 @@ impl Models {
         }
     }
 
-    /// −2 ln of what speaks for a model, on a noise scale.
+    /// −2 ln evidence of a model, up to a constant; infinite if it was not fitted.
     pub fn criterion(&self, key: &Key) -> f64 {
         self.scored.get(key).map_or(f64::INFINITY, |scored| {
             self.noise_scale.misfit(scored.model.cost) + scored.complexity
         })
     }
 
-    /// By how much the misfit grows where this effect is taken away, everything
-    /// else refitted; 0 where that was not computed.
+    /// The growth of the misfit when the effect `id` is removed and everything else is refitted;
+    /// 0 if one of the two models was not fitted.
     pub fn loss(&self, key: &Key, id: &str) -> f64 {
         let without: Key = key.iter().copied().filter(|other| *other != id).collect();
         let misfit = |key: &Key| {
@@ -101,18 +104,18 @@ impl Models {
         }
     }
 
-    /// Whether an effect of a model gains more than so many times what chance makes any gain.
+    /// Whether an effect of a model lowers the misfit by more than `times` its family-wise limit.
     pub fn exceeds(&self, key: &Key, id: &str, times: f64) -> bool {
         let limit = self.family.as_ref().map_or(f64::INFINITY, |family| family.limit(id));
         self.loss(key, id) > times * self.noise_scale.bar(limit)
     }
 
-    /// Whether each effect of a model is more than chance.
+    /// Whether every effect of a model exceeds its family-wise limit.
     pub fn supported(&self, key: &Key) -> bool {
         key.iter().all(|id| self.exceeds(key, id, 1.0))
     }
 
-    /// Models with so many effects, the best first.
+    /// Models with this number of effects, the best first.
     pub fn ranked(&self, effects: usize) -> Vec<Key> {
         let mut keys: Vec<Key> =
             self.scored.keys().filter(|key| key.len() == effects).cloned().collect();
@@ -120,7 +123,7 @@ impl Models {
         keys
     }
 
-    /// The best of the models each of whose effects is more than chance.
+    /// The model of smallest criterion among those whose effects all exceed their limits.
     pub fn best_supported(&self) -> Key {
         self.scored
             .keys()
@@ -136,14 +139,14 @@ mod tests {
     use crate::diagnose::tests::fitted_to;
 
     #[test]
-    fn of_models_with_the_same_effects_the_best_fit_is_kept() {
+    fn only_the_best_fit_of_models_with_the_same_effects_is_kept() {
         let models = fitted_to(&[(&["spring"], 300.0), (&["spring"], 200.0), (&["spring"], 250.0)]);
         assert_eq!(models.get(&vec!["spring"]).unwrap().cost, 200.0);
         assert!(models.get(&vec!["cogging"]).is_none());
     }
 
     #[test]
-    fn an_effect_is_worth_what_the_misfit_grows_by_without_it() {
+    fn the_loss_of_an_effect_is_the_growth_of_the_misfit_without_it() {
         let models = fitted_to(&[
             (&["spring"], 300.0),
             (&["sensor_lag"], 500.0),
@@ -152,7 +155,7 @@ mod tests {
         let pair = vec!["sensor_lag", "spring"];
         assert_eq!(models.loss(&pair, "spring"), 380.0);
         assert_eq!(models.loss(&pair, "sensor_lag"), 180.0);
-        // Nothing is known of a triple, nor of what its effects are worth.
+        // The triple was not fitted.
         assert_eq!(models.loss(&vec!["cogging", "sensor_lag", "spring"], "cogging"), 0.0);
     }
 

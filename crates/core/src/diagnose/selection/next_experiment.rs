@@ -1,26 +1,27 @@
-//! The experiment that would separate causes still in doubt.
+//! Optimal design for model discrimination: the next experiment that best separates two models.
 //!
-//! Of two models that were both fitted to all data, the point at which their
-//! predictions differ most against the noise is the one that tells them apart
-//! soonest (Hunter and Reiner 1965, doi:10.1080/00401706.1965.10490265).
+//! Both models were fitted to all data. The point at which their predictions differ most in units
+//! of the noise tells them apart soonest (Hunter and Reiner 1965,
+//! doi:10.1080/00401706.1965.10490265). A grid of magnitudes and frequencies is scanned for it.
 
 use rayon::prelude::*;
 
 use crate::answers::NextExperiment;
 use crate::identify::{FitSession, Model};
 
-/// Frequencies that are looked at.
+/// Number of frequencies on the grid.
 const FREQUENCIES: usize = 24;
 
-/// The highest of them, in units of the highest measured: lags, delays and resonances of the
-/// load part where nobody has looked yet.
-const BEYOND: f64 = 4.0;
+/// Ratio of the highest frequency on the grid to the highest one measured. Lags, delays and load
+/// resonances differ most above the measured band.
+const HIGHEST_FREQUENCY_RATIO: f64 = 4.0;
 
-/// Magnitudes over the range measured, as shares of it on a logarithmic scale:
-/// somewhat beyond, too, as far as a rig will allow.
-const MAGNITUDES: [f64; 6] = [-0.15, 0.0, 0.25, 0.5, 0.75, 1.0];
+/// Magnitudes on the grid, on a logarithmic scale that is 0 at the smallest and 1 at the largest
+/// measured magnitude. One lies below the measured range, as far as a rig will allow.
+const MAGNITUDE_SHARES: [f64; 6] = [-0.15, 0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Where `named` and `rival` (with the ids of what they differ in) differ most.
+/// The experiment in which the predictions of `named` and `rival` differ most; each comes with the
+/// id of the effect that the other lacks.
 pub(crate) fn between(
     session: &FitSession<'_>,
     named: (&Model, &str),
@@ -34,13 +35,15 @@ pub(crate) fn between(
     let (weak, strong) = span(&|e| experiments[e].magnitude);
     let (slow, fast) = span(&|e| experiments[e].omega_rad_s);
     let between = |low: f64, high: f64, share: f64| low * (high / low).powf(share);
-    let points: Vec<(f64, f64)> = MAGNITUDES
+    let points: Vec<(f64, f64)> = MAGNITUDE_SHARES
         .into_iter()
         .flat_map(|share| {
             let frequency = move |i: usize| i as f64 / (FREQUENCIES - 1) as f64;
             (0..FREQUENCIES).map(move |i| (share, frequency(i)))
         })
-        .map(|(m, omega)| (between(weak, strong, m), between(slow, BEYOND * fast, omega)))
+        .map(|(m, omega)| {
+            (between(weak, strong, m), between(slow, HIGHEST_FREQUENCY_RATIO * fast, omega))
+        })
         .collect();
     let separated: Vec<Option<f64>> = points
         .par_iter()
@@ -71,8 +74,8 @@ mod tests {
     use crate::machines::draw::NoiseStatement;
     use crate::observer::Silent;
 
-    // To first order in ωT a delay and a lag are one; what parts them grows with the square,
-    // faster than the response falls.
+    // To first order in ωT a delay and a lag are the same. Their difference grows with (ωT)²,
+    // faster than the response falls with frequency.
     #[test]
     fn a_delay_and_a_lag_are_told_apart_beyond_the_highest_frequency() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());

@@ -1,8 +1,8 @@
-//! Which order of the actuator goes with which causes.
+//! Joint choice of the actuator order and the causes.
 //!
-//! Fitted alone, the base model may take up a missing effect as a higher order of its actuator: a delay
-//! or a lag acts much like one. Where the order is left to the data, every lower order is therefore
-//! studied as well.
+//! The base model alone may absorb a missing effect by a higher actuator order, because a delay or
+//! a lag acts much like an actuator pole. If the user did not give the order, every lower order is
+//! therefore studied as well, and the orders are compared by their criteria.
 
 use std::iter;
 
@@ -10,21 +10,21 @@ use crate::answers::{Diagnosis, PlantRequest};
 use crate::identify::{FitSession, IdentifyRequest};
 use crate::measurement::Measurement;
 
-use super::causes::EQUIVALENT;
-use super::evidence::ORDER;
+use super::causes::EQUIVALENCE_MARGIN;
+use super::evidence::ACTUATOR_ORDER_COST;
 use super::order_study::OrderStudy;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::progress::{Part, Quiet};
 
-/// Shares of the whole: every effect alone, several together with the best order and with
-/// the next best, and what they gain.
-const SINGLES: [f64; 2] = [0.0, 0.5];
-const COMBINING: [[f64; 2]; 2] = [[0.5, 0.65], [0.65, 0.8]];
-const CONCLUDING: [f64; 2] = [0.8, 1.0];
+/// Shares of the progress: every effect alone at every order; several effects together at the
+/// best order and at the second best; cross-validation and assembly of the answer.
+const SINGLE_EFFECTS_SPAN: [f64; 2] = [0.0, 0.5];
+const COMBINING_SPANS: [[f64; 2]; 2] = [[0.5, 0.65], [0.65, 0.8]];
+const CONCLUDING_SPAN: [f64; 2] = [0.8, 1.0];
 
-/// The diagnosis with the order that was asked for; where none was, with that of `first`,
-/// which the base model takes without any effect, unless a lower one is clearly better. Of
-/// records that one alone is studied.
+/// Diagnoses with the actuator order that was requested. If none was, the order is that of
+/// `first`, which suits the base model without any effect, unless a lower order is better by more
+/// than [`EQUIVALENCE_MARGIN`]. On time records only the order of `first` is studied.
 ///
 /// # Errors
 /// See [`DiagnoseError`].
@@ -48,21 +48,21 @@ pub(crate) fn diagnose(
     for request in &lower {
         others.push(FitSession::new(measurement, request, &quietly)?);
     }
-    let workbenches: Vec<&FitSession<'_>> = iter::once(first).chain(&others).collect();
-    let each = 1.0 / workbenches.len() as f64;
-    let mut studies = Vec::with_capacity(workbenches.len());
-    for (i, session) in workbenches.iter().enumerate() {
-        let own = part.part(SINGLES).part([i, i + 1].map(|end| end as f64 * each));
+    let sessions: Vec<&FitSession<'_>> = iter::once(first).chain(&others).collect();
+    let each = 1.0 / sessions.len() as f64;
+    let mut studies = Vec::with_capacity(sessions.len());
+    for (i, session) in sessions.iter().enumerate() {
+        let own = part.part(SINGLE_EFFECTS_SPAN).part([i, i + 1].map(|end| end as f64 * each));
         studies.push(OrderStudy::new(session, own, seed)?);
     }
-    let standing = |study: &OrderStudy<'_>| {
-        weight(study) - if study.order() == suited { EQUIVALENT } else { 0.0 }
+    let ranking_criterion = |study: &OrderStudy<'_>| {
+        criterion(study) - if study.order() == suited { EQUIVALENCE_MARGIN } else { 0.0 }
     };
-    studies.sort_by(|a, b| standing(a).total_cmp(&standing(b)));
-    studies[0].combine(part.part(COMBINING[0]), most, measurement)?;
+    studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
+    studies[0].combine(part.part(COMBINING_SPANS[0]), most, measurement)?;
     if !studies[0].explained() && studies.len() > 1 {
-        studies[1].combine(part.part(COMBINING[1]), most, measurement)?;
-        studies.sort_by(|a, b| standing(a).total_cmp(&standing(b)));
+        studies[1].combine(part.part(COMBINING_SPANS[1]), most, measurement)?;
+        studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
     }
     let mut said = Vec::new();
     let best = studies.remove(0);
@@ -72,21 +72,23 @@ pub(crate) fn diagnose(
             described(&best)
         ));
     }
-    if let Some(other) = studies.iter().find(|other| weight(other) - weight(&best) < EQUIVALENT) {
+    if let Some(other) =
+        studies.iter().find(|other| criterion(other) - criterion(&best) < EQUIVALENCE_MARGIN)
+    {
         said.push(format!(
             "the actuator's order was chosen from the data: {} would explain it about as well",
             described(other)
         ));
     }
-    let part = part.part(CONCLUDING);
+    let part = part.part(CONCLUDING_SPAN);
     let mut answer = best.conclusion().diagnosis(measurement, request, part)?;
     answer.limitations.extend(said);
     Ok(answer)
 }
 
-/// −2 ln of what speaks for an order and its causes.
-fn weight(study: &OrderStudy<'_>) -> f64 {
-    study.criterion() + ORDER * f64::from(study.order())
+/// −2 ln evidence of an order with its causes.
+fn criterion(study: &OrderStudy<'_>) -> f64 {
+    study.criterion() + ACTUATOR_ORDER_COST * f64::from(study.order())
 }
 
 fn described(study: &OrderStudy<'_>) -> String {

@@ -1,4 +1,4 @@
-//! The whole study at one order of the actuator: residuals, search, choice.
+//! The study of one actuator order: residual tests, search for missing effects, model choice.
 
 use crate::answers::Discrepancy;
 use crate::identify::{FitSession, IdentifyError, Intervals, Model, ModelFit};
@@ -15,31 +15,33 @@ use crate::diagnose::progress::Part;
 use crate::diagnose::residuals::discrepancy;
 use crate::diagnose::search::Search;
 
-/// Parameters of a base model, at most: of models of any order the misfit counts alike.
-const LARGEST_BASE: usize = 6;
+/// Parameters of the largest base model. The degrees of freedom are counted with them at every
+/// order, so that misfits are comparable.
+const LARGEST_BASE_PARAMETERS: usize = 6;
 
-/// Shares of the second part: several effects together, and the chosen ones from more starts.
-const COMBINING: [f64; 2] = [0.0, 0.8];
-const DEEPENING: [f64; 2] = [0.8, 1.0];
+/// Shares of the progress of [`OrderStudy::combine`]: fitting several effects together, and
+/// refitting the chosen ones from more starting points.
+const COMBINING_SPAN: [f64; 2] = [0.0, 0.8];
+const MULTISTART_SPAN: [f64; 2] = [0.8, 1.0];
 
-/// A base model, what it gets wrong, and the causes that were found.
+/// A base model of one actuator order, where it is wrong, and the effects found to be missing.
 pub(crate) struct OrderStudy<'a> {
     session: &'a FitSession<'a>,
     fit: ModelFit,
     discrepancy: Discrepancy,
     search: Search<'a>,
     seed: u64,
-    /// Effects of the model that was chosen.
+    /// Effects of the chosen model.
     pub chosen: Key,
-    /// Whether noise is all that it leaves.
+    /// Whether the chosen model leaves only noise.
     fits: bool,
 }
 
 impl<'a> OrderStudy<'a> {
-    /// Fits every effect alone beside the session's base model.
+    /// Tests the residuals of the session's base model and fits every effect alone beside it.
     ///
     /// # Errors
-    /// When cancelled, or where the base model has no response.
+    /// When cancelled, or if the base model has no response.
     pub fn new(
         session: &'a FitSession<'a>,
         part: Part<'_>,
@@ -52,7 +54,7 @@ impl<'a> OrderStudy<'a> {
         let noise_scale = NoiseScale {
             known: session.noise_known(),
             rounding: session.rounding(),
-            dof: session.data().saturating_sub(LARGEST_BASE).max(1) as f64,
+            dof: session.data().saturating_sub(LARGEST_BASE_PARAMETERS).max(1) as f64,
         };
         let search = Search::new(session, part.part([0.05, 1.0]), seed, noise_scale);
         let (chosen, fits) = (Key::new(), discrepancy.noise_like);
@@ -61,9 +63,9 @@ impl<'a> OrderStudy<'a> {
         Ok(this)
     }
 
-    /// Fits several effects together, up to `most`, where one is not enough. Of records, on
-    /// which every further effect takes minutes, only as long as one more is expected to
-    /// predict better what is left out of a fit to the `measurement`.
+    /// Fits several effects together, up to `most`, if one is not enough. On time records, where
+    /// every further effect takes minutes, one is added only while it is expected to lower the
+    /// cross-validation error on `measurement` (to first order).
     ///
     /// # Errors
     /// When cancelled.
@@ -83,13 +85,13 @@ impl<'a> OrderStudy<'a> {
                 .map(|model| session.error_left_out(model, |e, order| splits.part_of(e, order)));
             matches!(errors, [Some(without), Some(with)] if with < without)
         };
-        search.combine(part.part(COMBINING), most, sufficient, adds);
+        search.combine(part.part(COMBINING_SPAN), most, sufficient, adds);
         self.choose(part)?;
-        self.search.deepen(&self.chosen, part.part(DEEPENING));
+        self.search.deepen(&self.chosen, part.part(MULTISTART_SPAN));
         self.choose(part)
     }
 
-    /// Chooses among the models that were fitted.
+    /// Chooses the best supported model among those fitted so far.
     fn choose(&mut self, part: Part<'_>) -> Result<(), DiagnoseError> {
         let models = &mut self.search.models;
         self.chosen = models.best_supported();
@@ -110,24 +112,23 @@ impl<'a> OrderStudy<'a> {
         self.session.order()
     }
 
-    /// Whether the model that was chosen leaves noise alone, and is no imitation of
-    /// something else.
+    /// Whether the chosen model leaves only noise and is convincing: [`causes::convincing`].
     pub fn explained(&self) -> bool {
         self.fits && causes::convincing(&self.search.models, &self.chosen)
     }
 
-    /// −2 ln of what speaks for the model that was chosen: see [`super::evidence`].
+    /// −2 ln evidence of the chosen model: see [`super::evidence`].
     pub fn criterion(&self) -> f64 {
         self.search.models.criterion(&self.chosen)
     }
 
-    /// What it comes to.
+    /// The results from which the answer is assembled.
     pub fn conclusion(self) -> ReportAssembly<'a> {
         let explained = self.explained();
         let Self { session, fit, discrepancy, search, mut chosen, fits, .. } = self;
         let mut models = search.models;
         if !chosen.is_empty() && !fits && models.noise_scale.known {
-            // What remains widens every uncertainty.
+            // Count what the model leaves as noise, which widens every uncertainty.
             models.noise_scale.known = false;
             chosen = models.best_supported();
         }
@@ -135,7 +136,7 @@ impl<'a> OrderStudy<'a> {
     }
 }
 
-/// Whether noise is all that a model leaves.
+/// Whether a model leaves only noise.
 fn noise_like(session: &FitSession<'_>, noise_scale: NoiseScale, model: &Model, seed: u64) -> bool {
     let exact = !noise_scale.known && noise_scale.explains(model.cost);
     let fit = || session.judge(model, Intervals::Curvature);

@@ -1,4 +1,7 @@
-//! Puts together the answer: verdict, causes, gain on held-out data, limitations.
+//! Assembles the answer: verdict, causes, gain on held-out data, limitations.
+//!
+//! Effects of the chosen model that do not help to predict held-out data are dropped. If all of
+//! them together do not help, all are withdrawn.
 
 use crate::answers::{Diagnosis, Discrepancy, Gain, Identification, NextExperiment, Verdict};
 use crate::identify::{
@@ -14,29 +17,29 @@ use crate::diagnose::holdout::cv_splits::CvSplits;
 use crate::diagnose::progress::Part;
 use crate::diagnose::residuals::discrepancy;
 
-/// What one order of the actuator comes to.
+/// The results of the study of one actuator order, from which the answer is assembled.
 pub(crate) struct ReportAssembly<'a> {
-    /// Where everything was fitted.
+    /// The session in which everything was fitted.
     pub session: &'a FitSession<'a>,
-    /// The base model.
+    /// The fit of the base model.
     pub fit: ModelFit,
-    /// What it gets wrong.
+    /// Where the base model is wrong.
     pub discrepancy: Discrepancy,
-    /// Everything that was fitted.
+    /// Every fitted model.
     pub models: Models,
-    /// Effects of the model that was chosen.
+    /// Effects of the chosen model.
     pub chosen: Key,
-    /// Whether noise is all that it leaves.
+    /// Whether the chosen model leaves only noise.
     pub fits: bool,
-    /// Whether it is no imitation of something else, either.
+    /// Whether it also is convincing: [`causes::convincing`].
     pub explained: bool,
 }
 
 impl ReportAssembly<'_> {
-    /// The answer.
+    /// Assembles the answer.
     ///
     /// # Errors
-    /// When cancelled, or where the extended model has no response.
+    /// When cancelled, or if the extended model has no response.
     pub fn diagnosis(
         mut self,
         measurement: &Measurement,
@@ -48,16 +51,16 @@ impl ReportAssembly<'_> {
         limitations.extend(crate::diagnose::limitations::incomparable(&self.models));
         let cross_validation = match self.cross_validation(measurement, request, part) {
             Ok(cross_validation) => Some(cross_validation),
-            Err(Silence::Cancelled) => return Err(IdentifyError::Cancelled.into()),
-            Err(Silence::Nothing) => None,
-            Err(Silence::Because(reason)) => {
+            Err(NoCrossValidation::Cancelled) => return Err(IdentifyError::Cancelled.into()),
+            Err(NoCrossValidation::NoCauses) => None,
+            Err(NoCrossValidation::Because(reason)) => {
                 limitations.push(format!(
                     "what the causes gain on data that no fit has seen is not known: {reason}"
                 ));
                 None
             }
         };
-        // Where noise is all that is left, every cause is more than chance, and stays.
+        // If the model leaves only noise, every cause is significant, and none is dropped.
         let prune = |cross_validation: &CrossValidation| {
             cross_validation.prune(&self.models, &mut self.chosen)
         };
@@ -68,10 +71,10 @@ impl ReportAssembly<'_> {
                 true => cross_validation.gain(&self.chosen),
                 false => cross_validation.gain_of(&self.chosen),
             });
-        limitations.extend(dropped.iter().map(useless));
+        limitations.extend(dropped.iter().map(dropped_sentence));
         let mut withdrawn = Key::new();
-        if let Some(disappointing) = gain.take_if(|gain| self.disappoints(gain)) {
-            limitations.push(disappointed(&self.chosen, &disappointing));
+        if let Some(failed) = gain.take_if(|gain| self.fails_held_out(gain)) {
+            limitations.push(withdrawn_sentence(&self.chosen, &failed));
             withdrawn = std::mem::take(&mut self.chosen);
             (self.fits, self.explained) = (false, false);
         }
@@ -123,35 +126,34 @@ impl ReportAssembly<'_> {
         })
     }
 
-    /// What is predicted of data held out.
     fn cross_validation(
         &self,
         measurement: &Measurement,
         request: &IdentifyRequest,
         part: Part<'_>,
-    ) -> Result<CrossValidation, Silence> {
+    ) -> Result<CrossValidation, NoCrossValidation> {
         if self.chosen.is_empty() {
-            return Err(Silence::Nothing);
+            return Err(NoCrossValidation::NoCauses);
         }
-        let splits =
-            CvSplits::of(measurement).ok_or_else(|| Silence::Because(TOO_SMALL.to_owned()))?;
+        let splits = CvSplits::of(measurement)
+            .ok_or_else(|| NoCrossValidation::Because(TOO_SMALL.to_owned()))?;
         let models = (&self.models, &self.chosen);
         let cross_validation = CrossValidation::of(self.session, request, models, &splits, part);
         cross_validation.map_err(|error| match error {
-            IdentifyError::Cancelled => Silence::Cancelled,
-            error => Silence::Because(format!("without a part of it, {error}")),
+            IdentifyError::Cancelled => NoCrossValidation::Cancelled,
+            error => NoCrossValidation::Because(format!("without a part of it, {error}")),
         })
     }
 
-    /// Whether the causes do not predict what they should. Where they leave noise alone, that
-    /// they are wrong must be certain; where they do not, significance proves nothing and that
-    /// they help must be.
-    fn disappoints(&self, gain: &Gain) -> bool {
+    /// Whether the gain on held-out data speaks against the causes. If they leave only noise, they
+    /// fail only if they certainly predict worse. If they leave more, significance proves nothing,
+    /// and they fail unless they certainly predict better.
+    fn fails_held_out(&self, gain: &Gain) -> bool {
         let [low, high] = gain.interval95;
         if self.fits { high < 1.0 } else { low <= 1.0 }
     }
 
-    /// The model with the causes, to the last digit; `None` where there are none.
+    /// The model with the causes, refined to full accuracy; `None` if no cause is named.
     fn extended(&self) -> Result<Option<Identification>, DiagnoseError> {
         let Self { session, models, chosen, .. } = self;
         let model = models.get(chosen).filter(|_| !chosen.is_empty());
@@ -160,7 +162,8 @@ impl ReportAssembly<'_> {
         Ok(model.map(judge).transpose()?.map(|fit| fit.identification))
     }
 
-    /// What separates the first cause that has a rival from it.
+    /// The experiment that best separates a cause from its closest rival, for the first cause that
+    /// has one.
     fn next_experiment<'c>(
         &self,
         mut causes: impl Iterator<Item = &'c str>,
@@ -174,20 +177,20 @@ impl ReportAssembly<'_> {
     }
 }
 
-/// Why nothing is said of a gain.
-enum Silence {
-    /// Somebody cancelled.
+/// Why there is no cross-validation.
+enum NoCrossValidation {
+    /// The observer cancelled.
     Cancelled,
-    /// There is nothing that could gain.
-    Nothing,
-    /// For this reason.
+    /// No cause is named.
+    NoCauses,
+    /// It failed, for this reason.
     Because(String),
 }
 
 const TOO_SMALL: &str = "that takes five frequencies, three magnitudes, or a record with twenty \
                          lines, to hold some out";
 
-fn useless(Dropped { id, beside, gain }: &Dropped) -> String {
+fn dropped_sentence(Dropped { id, beside, gain }: &Dropped) -> String {
     let [low, high] = gain.interval95;
     format!(
         "with {id} beside {} the model would fit the data better, but not predict what the fit \
@@ -198,7 +201,7 @@ fn useless(Dropped { id, beside, gain }: &Dropped) -> String {
     )
 }
 
-fn disappointed(chosen: &Key, gain: &Gain) -> String {
+fn withdrawn_sentence(chosen: &Key, gain: &Gain) -> String {
     let [low, high] = gain.interval95;
     format!(
         "{} would fit the data better, but not predict what the fit has not seen: there the error \
@@ -214,7 +217,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_withdrawn_is_said_with_what_it_was_beside() {
+    fn a_dropped_effect_is_reported_with_the_effects_it_was_beside() {
         let gain = Gain {
             heldout_nrmse_before: 0.2,
             heldout_nrmse_after: 0.25,
@@ -224,7 +227,7 @@ mod tests {
             chi2_per_dof_after: None,
             heldout: "lines".into(),
         };
-        let said = useless(&Dropped { id: "spring", beside: vec!["backlash"], gain });
+        let said = dropped_sentence(&Dropped { id: "spring", beside: vec!["backlash"], gain });
         assert!(said.starts_with("with spring beside backlash the model would fit"), "{said}");
         assert!(said.contains("divided by 0.800, 95 % from 0.500 to 1.300"), "{said}");
     }

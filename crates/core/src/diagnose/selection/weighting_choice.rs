@@ -1,8 +1,9 @@
-//! Which weights the errors get where no model comes down to the noise.
+//! Choice between two weightings of the errors: by the noise, or all equal.
 //!
-//! Weighted by its noise, the harmonic that repeats best decides. Where a model leaves many times the
-//! noise, how well a harmonic repeats says nothing about how well the model can follow it: the fit then
-//! gives up most of the response for the part that is measured best. Then all errors get equal weights.
+//! With noise weights the harmonics that repeat best dominate the fit. If every model leaves many
+//! times the noise, how well a harmonic repeats does not tell how well a model can follow it, and
+//! the fit sacrifices most of the response for the part that was measured best. Then all errors get
+//! equal weights.
 
 use crate::answers::{Diagnosis, Identification, IdentifyOptions, Weighting};
 use crate::identify;
@@ -15,110 +16,120 @@ use crate::diagnose::holdout::gain;
 use crate::diagnose::holdout::heldout_predictions::predicted;
 use crate::diagnose::progress::Part;
 
-/// χ² per degree of freedom beyond which noise does not limit a model: what is left is more
-/// than four times as large.
-const FAR: f64 = 20.0;
+/// Largest χ² per degree of freedom of a model that is limited by the noise. Above it the residuals
+/// are more than four times as large as the noise. Tuned.
+const NOISE_LIMITED_CHI2_PER_DOF: f64 = 20.0;
 
-/// Share of the error that must go for other weights to be worth their while.
-const WORTHWHILE: f64 = 0.9;
+/// Equal weights are used only if their NRMSE is at most this share of the NRMSE with noise
+/// weights. Tuned.
+const WORTHWHILE_NRMSE_RATIO: f64 = 0.9;
 
-/// The same from which on the harmonics that repeat best would alone decide what is tried
-/// beside a model. Where one effect is missing at 60 dB it is some hundred.
-const HOPELESS: f64 = 5e3;
+/// χ² per datum of the base model above which equal weights are tried first: with noise weights the
+/// harmonics that repeat best would alone decide which effects are tried. Tuned; one missing effect
+/// at 60 dB gives some 100.
+const EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM: f64 = 5e3;
 
-/// Shares of the whole: the base model, one weighting, and another where that was not all.
-const FITTING: [f64; 2] = [0.0, 0.1];
-const STUDYING: [f64; 2] = [0.1, 0.95];
-const AGAIN: [f64; 2] = [0.95, 1.0];
+/// Shares of the progress: fitting the base model, the first weighting, the second where needed.
+const BASE_FIT_SPAN: [f64; 2] = [0.0, 0.1];
+const FIRST_WEIGHTING_SPAN: [f64; 2] = [0.1, 0.95];
+const SECOND_WEIGHTING_SPAN: [f64; 2] = [0.95, 1.0];
 
-/// A diagnosis weighed by the noise or, where no model comes down to it, with all harmonics
-/// alike if that leaves less of the response. Where the base model is far from the noise it
-/// comes second, and only if what equal weights find is not as far.
+/// Diagnoses with noise weights. If no model is limited by the noise, equal weights are tried too,
+/// and win if they leave clearly less of the response. If the base model is very far from the
+/// noise, equal weights come first, and noise weights only follow if the model found is not as far.
 ///
-/// # Errors
-/// See [`DiagnoseError`].
+/// # Errors See [`DiagnoseError`].
 pub(crate) fn diagnose(
     measurement: &Measurement,
     request: &IdentifyRequest,
     part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let answer = weighed(measurement, request, part)?;
-    // Where one weighting was all that it took, what was set aside for another was not used.
+    let answer = choose_weighting(measurement, request, part)?;
+    // If one weighting sufficed, the share of the second was skipped.
     part.part([1.0, 1.0]).stage("diagnosis", 1).step();
     Ok(answer)
 }
 
-fn weighed(
+fn choose_weighting(
     measurement: &Measurement,
     request: &IdentifyRequest,
     part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
     let options = IdentifyOptions { weights: Weighting::Response, ..request.options };
-    let all_alike = IdentifyRequest { options, ..*request };
-    let fitting = part.part(FITTING);
+    let equal_request = IdentifyRequest { options, ..*request };
+    let fitting = part.part(BASE_FIT_SPAN);
     let first = FitSession::new(measurement, request, &fitting)?;
     let by_noise = |span| order_selection::diagnose(measurement, request, &first, part.part(span));
-    let alike = |span| {
+    let equal_weights = |span| {
         let part = part.part(span);
-        let fitting = part.part(FITTING);
-        let first = FitSession::new(measurement, &all_alike, &fitting)?;
-        order_selection::diagnose(measurement, &all_alike, &first, part.part([FITTING[1], 1.0]))
+        let fitting = part.part(BASE_FIT_SPAN);
+        let first = FitSession::new(measurement, &equal_request, &fitting)?;
+        order_selection::diagnose(
+            measurement,
+            &equal_request,
+            &first,
+            part.part([BASE_FIT_SPAN[1], 1.0]),
+        )
     };
     let chi2_per_dof = first.base().cost / first.data() as f64;
-    if !first.noise_known() || chi2_per_dof <= HOPELESS {
-        let by_noise = by_noise(STUDYING)?;
+    if !first.noise_known() || chi2_per_dof <= EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM {
+        let by_noise = by_noise(FIRST_WEIGHTING_SPAN)?;
         return match noise_limits(&by_noise) {
             true => Ok(by_noise),
-            false => Ok(better(Some(by_noise), alike(AGAIN)?)),
+            false => Ok(smaller_residual(Some(by_noise), equal_weights(SECOND_WEIGHTING_SPAN)?)),
         };
     }
-    let alike = alike(STUDYING)?;
-    let is_near = chi2_of(measurement, request, &alike)? <= HOPELESS;
-    let by_noise = if is_near { Some(by_noise(AGAIN)?) } else { None };
+    let equal_weights = equal_weights(FIRST_WEIGHTING_SPAN)?;
+    let is_near =
+        chi2_of(measurement, request, &equal_weights)? <= EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM;
+    let by_noise = if is_near { Some(by_noise(SECOND_WEIGHTING_SPAN)?) } else { None };
     Ok(match by_noise {
         Some(by_noise) if noise_limits(&by_noise) => by_noise,
-        by_noise => better(by_noise, alike),
+        by_noise => smaller_residual(by_noise, equal_weights),
     })
 }
 
-/// Whether a model comes down to the noise, or nothing is known of the noise.
+/// Whether the best model is limited by the noise, or the noise is unknown.
 fn noise_limits(answer: &Diagnosis) -> bool {
-    best(answer).fit.chi2_per_dof.is_none_or(|ratio| ratio <= FAR)
+    best(answer).fit.chi2_per_dof.is_none_or(|ratio| ratio <= NOISE_LIMITED_CHI2_PER_DOF)
 }
 
-/// χ² per datum, by the noise, of a model that was fitted with other weights.
+/// χ² per datum, computed with the noise weights, of a model that was fitted with equal weights.
 fn chi2_of(
     measurement: &Measurement,
     request: &IdentifyRequest,
-    alike: &Diagnosis,
+    equal_weights: &Diagnosis,
 ) -> Result<f64, DiagnoseError> {
-    let mut model = best(alike).clone();
+    let mut model = best(equal_weights).clone();
     model.provenance.options = request.options;
     let comparison = identify::compare(measurement, &model)?;
     Ok(gain::summary(&predicted(&comparison), true).chi2_per_dof.unwrap_or(f64::INFINITY))
 }
 
-/// What leaves less of the response, and where that is what was weighed alike, why.
-fn better(by_noise: Option<Diagnosis>, mut alike: Diagnosis) -> Diagnosis {
+/// The answer that leaves less of the response. If that is the one with equal weights, its first
+/// limitation says why they were used.
+fn smaller_residual(by_noise: Option<Diagnosis>, mut equal_weights: Diagnosis) -> Diagnosis {
     let left = |answer: &Diagnosis| best(answer).fit.nrmse;
     let than = match by_noise {
-        Some(answer) if left(&alike) > WORTHWHILE * left(&answer) => return answer,
+        Some(answer) if left(&equal_weights) > WORTHWHILE_NRMSE_RATIO * left(&answer) => {
+            return answer;
+        }
         Some(answer) => format!(" instead of {:.3} %", 100.0 * left(&answer)),
         None => String::new(),
     };
-    alike.limitations.insert(
+    equal_weights.limitations.insert(
         0,
         format!(
             "no model reaches the noise, so how well a harmonic repeats says nothing of how well \
              a model can follow it: here all harmonics weigh alike, which leaves {:.3} % of the \
              response{than}; intervals are as wide as what is left demands",
-            100.0 * left(&alike),
+            100.0 * left(&equal_weights),
         ),
     );
-    alike
+    equal_weights
 }
 
-/// The model with the causes, where there are any.
+/// The model with the causes, or the base model where no cause is named.
 fn best(answer: &Diagnosis) -> &Identification {
     answer.extended.as_ref().unwrap_or(&answer.base)
 }
@@ -138,8 +149,8 @@ mod tests {
     use crate::measurement::{Complex, Experiment, Metadata};
     use crate::observer::{Observer, Silent};
 
-    /// An axis whose sensor reads at the lowest magnitude by turns a tenth too much and too
-    /// little; noise as a share of the largest response there and elsewhere.
+    /// The diagnosis of an axis whose sensor, at the lowest magnitude, reads alternately 10 % too
+    /// much and too little; the noise there and elsewhere is a share of the largest response.
     fn answer(low: f64, elsewhere: f64) -> Diagnosis {
         let mut experiments = exact();
         let lowest = experiments.iter().map(|e| e.magnitude).fold(f64::INFINITY, f64::min);
@@ -167,9 +178,9 @@ mod tests {
         diagnose(&measurement, &request, Part { whole: &Silent, span: [0.0, 1.0] }).unwrap()
     }
 
-    // Noise 90 dB below the largest harmonic, and a delay of 5 ms.
+    // The noise is 90 dB below the largest harmonic; the hidden effect is a delay of 5 ms.
     #[test]
-    fn what_explains_very_quiet_data_is_weighed_by_the_noise_however_wrong_the_base_model() {
+    fn a_model_that_explains_very_quiet_data_is_weighted_by_noise_however_wrong_the_base_model() {
         let mut experiments = exact();
         let responses = || experiments.iter().flat_map(|e| &e.response);
         let std = 3e-5 * responses().map(|h| h.value.norm()).fold(0.0, f64::max);
@@ -184,12 +195,16 @@ mod tests {
             }
         }
         let answer = diagnosed(experiments);
-        assert!(answer.base.fit.chi2_per_dof.unwrap() > HOPELESS, "{:?}", answer.base.fit);
+        assert!(
+            answer.base.fit.chi2_per_dof.unwrap() > EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM,
+            "{:?}",
+            answer.base.fit
+        );
         assert_eq!(answer.verdict, Verdict::Explained, "{:?}", answer.limitations);
         assert_eq!(answer.causes[0].effect, "transport_delay");
     }
 
-    /// How far it is.
+    /// The latest progress fraction.
     #[derive(Default)]
     struct Latest(Mutex<f64>);
 
@@ -200,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn a_diagnosis_that_ends_has_come_to_its_end() {
+    fn a_finished_diagnosis_reports_its_progress_as_complete() {
         let measurement = noisy(&exact(), NoiseStatement::Std, 1);
         let latest = Latest::default();
         let part = Part { whole: &latest, span: [0.0, 1.0] };
@@ -209,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn where_no_model_reaches_the_noise_harmonics_weigh_alike() {
+    fn where_no_model_reaches_the_noise_all_harmonics_get_equal_weights() {
         let answer = answer(3e-6, 3e-3);
         assert_eq!(answer.base.provenance.options.weights, Weighting::Response);
         assert_eq!(answer.base.fit.chi2, None);
@@ -217,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn where_noise_is_what_is_left_it_weighs() {
+    fn where_a_model_is_limited_by_the_noise_errors_are_weighted_by_it() {
         let answer = answer(0.03, 0.03);
         assert_eq!(answer.base.provenance.options.weights, Weighting::Noise);
         assert!(answer.base.fit.chi2.is_some());

@@ -1,10 +1,10 @@
-//! An answer tried on motions that do not repeat.
+//! Validation of an answer on motions that do not repeat.
 //!
-//! Both models follow every motion from a beginning that is given, or that each estimates from
-//! a first stretch which is not compared (`identify::follow`). What they leave is grouped into
-//! consecutive blocks of time, long enough to forget what went before them. The interval of the
-//! gain is of what happened in the motion: where a few moments decide, as with an axis that
-//! seldom sticks, one that had none of them shows too small a gain, and too short an interval.
+//! Both models simulate every motion. The initial state is given, or each model estimates it from a
+//! first stretch that is not compared (`identify::follow`). The residuals are summed over
+//! consecutive blocks of time, long enough to be nearly independent. The interval of the gain
+//! covers only what happened in the motion: if a few moments decide, as on an axis that seldom
+//! sticks, a motion without one gives too small a gain and too short an interval.
 
 use crate::answers::{
     Answer, BeginningValue, Identification, Unanswered, ValidatedModel, ValidatedModels,
@@ -20,16 +20,16 @@ use super::remarks;
 use crate::diagnose::error::ValidateError;
 use crate::diagnose::holdout::gain::{ResidualSums, Sample, gain_of_groups, summary_of};
 
-/// Blocks of time in all motions together, at most: Student's t gains little beyond.
+/// Largest number of blocks in all motions together: beyond, Student's t hardly gets smaller.
 const MOST_BLOCKS: f64 = 24.0;
 
-/// Time constants of the mechanics that a block lasts, at least.
-const TIME_CONSTANTS: f64 = 8.0;
+/// Shortest duration of a block, in time constants of the mechanics. Tuned.
+const BLOCK_TIME_CONSTANTS: f64 = 8.0;
 
-/// What a model makes of every motion.
-type Tries = Vec<Result<Followed, Unanswered>>;
+/// The simulation of every motion with one model.
+type Simulations = Vec<Result<Followed, Unanswered>>;
 
-/// What the models of an answer come to on the motions of a measurement.
+/// Tests the models of an answer on the motions of a measurement.
 pub(crate) fn tried(
     answer: &Answer,
     measurement: &Measurement,
@@ -48,7 +48,8 @@ pub(crate) fn tried(
     let base = follow(answer.base())?;
     let extended = answer.extended().map(follow).transpose()?;
     let both = |i: usize| {
-        base[i].is_ok() && extended.as_ref().is_none_or(|extended: &Tries| extended[i].is_ok())
+        base[i].is_ok()
+            && extended.as_ref().is_none_or(|extended: &Simulations| extended[i].is_ok())
     };
     let kept: Vec<usize> = (0..base.len()).filter(|i| both(*i)).collect();
     if kept.is_empty() {
@@ -79,7 +80,7 @@ pub(crate) fn tried(
         .and_then(|after| gain_of_groups(&pairs(after), Sample::Independent, false, heldout));
     let components = kept.iter().filter_map(|i| base[*i].as_ref().ok()).map(|f| f.measured.len());
     let components: usize = components.sum();
-    let model = |blocks: &[ResidualSums], tries: &Tries| ValidatedModel {
+    let model = |blocks: &[ResidualSums], tries: &Simulations| ValidatedModel {
         unanswered: tries.iter().filter_map(|tried| tried.as_ref().err().cloned()).collect(),
         ..summary_of(&ResidualSums::sum(blocks), components, false)
     };
@@ -104,7 +105,7 @@ pub(crate) fn tried(
     })
 }
 
-/// Seconds of a block.
+/// Duration of a block in seconds.
 fn block_s(
     base: &Identification,
     measurement: &Measurement,
@@ -114,13 +115,12 @@ fn block_s(
     let compared_s = |i: &usize| measurement.transients()[*i].duration_s() - unscored_s[*i];
     let whole_s: f64 = kept.iter().map(compared_s).sum();
     let rate = base.parameters.get("pole").and_then(|pole| pole.value).map_or(0.0, |pole| -pole);
-    let forgets_s = if rate > 0.0 { TIME_CONSTANTS / rate } else { 0.0 };
-    // Two at least, whatever they then tell.
+    let forgets_s = if rate > 0.0 { BLOCK_TIME_CONSTANTS / rate } else { 0.0 };
+    // An interval needs two blocks, even if they are too short to be independent.
     (whole_s / MOST_BLOCKS).max(forgets_s).min(0.5 * whole_s)
 }
 
-/// What is left of consecutive blocks; a last one that is shorter than half belongs to the
-/// one before.
+/// Sums over consecutive blocks; a last one shorter than half is joined to the one before.
 fn in_blocks(followed: &Followed, samples: usize) -> Vec<ResidualSums> {
     let count = followed.measured.len();
     let blocks = ((count as f64 / samples as f64).round() as usize).max(1);
@@ -135,8 +135,8 @@ fn in_blocks(followed: &Followed, samples: usize) -> Vec<ResidualSums> {
 fn motions(
     measurement: &Measurement,
     unscored_s: &[f64],
-    base: &Tries,
-    extended: Option<&Tries>,
+    base: &Simulations,
+    extended: Option<&Simulations>,
 ) -> Vec<ValidatedMotion> {
     let values = |tried: Option<&Result<Followed, Unanswered>>| {
         let found = tried.and_then(|tried| tried.as_ref().ok()).map(|f| f.beginning.as_slice());
@@ -159,7 +159,7 @@ fn motions(
     all.map(motion).collect()
 }
 
-/// What was held out.
+/// What was held out, in words.
 fn heldout(
     measurement: &Measurement,
     kept: &[usize],
@@ -203,7 +203,7 @@ mod tests {
 
     const STEP_S: f64 = 4e-3;
 
-    /// 12 s of a chirp that swells and fades, of an axis with static friction.
+    /// A chirp of 12 s that swells and fades, and the motion of an axis with static friction.
     fn moved() -> (Vec<f64>, Motion) {
         let plant = Plant {
             viscous_rate_rad_s: 10.0,
@@ -238,7 +238,7 @@ mod tests {
         Measurement::of_transients(metadata, vec![transient], Vec::new(), "m".into()).unwrap()
     }
 
-    /// The diagnosis of that axis, its static friction times `factor`.
+    /// A diagnosis with that axis's parameters, but static friction times `factor`.
     fn diagnosis(factor: f64) -> Diagnosis {
         let mut answer = sample::explained();
         let base = [("pole", -10.0), ("constant", 10.0), ("fc_plus", 0.5), ("fc_minus", 0.4)];
@@ -259,8 +259,8 @@ mod tests {
         validate(&Answer::Diagnosis(Box::new(diagnosis)), measurement, &Silent).unwrap()
     }
 
-    // The simulators agree to 1e-6 of the largest velocity on such a motion, and the other
-    // responses follow from it.
+    // On such a motion the two simulators agree to 1e-6 of the largest velocity, from which the
+    // other responses follow.
     #[test]
     fn the_true_extension_follows_a_motion_from_rest_in_every_response() {
         for kind in [ResponseKind::Velocity, ResponseKind::Position, ResponseKind::Acceleration] {
@@ -284,10 +284,10 @@ mod tests {
         assert!(found.remarks[0].contains("hurts here"), "{:?}", found.remarks);
     }
 
-    // Cut out of the motion where it is fast. The stretch that tells how it begins holds 247
-    // exact samples: what is left is of the search, which ends at 1e-6 of its cost.
+    // The measurement begins where the motion is fast. The first stretch holds 247 exact samples:
+    // the remaining error is that of the search, which ends at 1e-6 of its cost.
     #[test]
-    fn a_stretch_of_motion_tells_how_it_begins() {
+    fn the_initial_velocity_is_estimated_from_a_first_stretch() {
         let from = 530;
         let (_, motion) = moved();
         let velocity = motion.velocity[from];
@@ -301,7 +301,7 @@ mod tests {
             assert_eq!((begins.quantity.as_str(), compared.beginning_given), ("velocity", false));
             assert!((begins.value - velocity).abs() < 1e-3 * velocity.abs(), "{compared:?}");
             assert!((compared.unscored_s - 0.1 * compared.duration_s).abs() < 1e-9);
-            // 9.88 s, a tenth of it left out, to rounding.
+            // 9.88 s without the first tenth, to rounding.
             assert!((2223..=2224).contains(&extended.components), "{extended:?}");
         }
     }
@@ -313,10 +313,10 @@ mod tests {
         assert!(found.models.extended.unwrap().nrmse.unwrap() < 1e-4);
     }
 
-    // The machine has no actuator and sticks; the base model's rings, and its friction is too low.
-    // Free to begin with any torque and any rate of it, it would bend the stretch to fit.
+    // The axis has no actuator and sticks; the base model has one that rings, and too little
+    // friction. Free to start from any torque and any rate of it, it would fit the first stretch.
     #[test]
-    fn what_a_model_gets_wrong_is_not_put_down_to_how_a_motion_began() {
+    fn errors_of_a_model_are_not_absorbed_by_the_initial_state() {
         let mut diagnosis = diagnosis(1.0);
         for (name, value) in [("natural_frequency", 4.0), ("damping_ratio", 0.1)] {
             let pole = diagnosis.base.parameters["pole"].clone();

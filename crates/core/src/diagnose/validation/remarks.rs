@@ -1,4 +1,4 @@
-//! What a validation comes to, in sentences.
+//! Sentences that report the results of a validation.
 
 use std::f64::consts::TAU;
 
@@ -13,22 +13,22 @@ use crate::measurement::{Measurement, ResponseKind};
 
 use super::hurts;
 
-/// Probability of a χ² below which a model is said to leave more than noise: parameters were
-/// fitted to other data and err a little, which is no fault of the model.
+/// p-value of χ² below which a model leaves more than noise. It is small because parameters that
+/// were fitted to other data err a little, which is no fault of the model. Tuned.
 const MORE_THAN_NOISE: f64 = 1e-3;
 
-/// What both models have come to.
+/// Results of both models on the other measurement.
 pub(crate) struct Tried<'a> {
     pub causes: &'a [Cause],
     pub models: &'a ValidatedModels,
     pub gain: Option<&'a Gain>,
-    /// Verdict before and after.
+    /// Verdict before and after the validation.
     pub verdicts: Option<(Verdict, Verdict)>,
     pub noise_known: bool,
 }
 
 impl Tried<'_> {
-    /// What they come to, the gain first.
+    /// The sentences, that on the gain first.
     pub fn remarks(&self) -> Vec<String> {
         let ValidatedModels { base, extended } = self.models;
         let mut said = vec![self.gained()];
@@ -66,7 +66,7 @@ impl Tried<'_> {
         said
     }
 
-    /// What the causes gain.
+    /// The sentence on the gain of the causes.
     fn gained(&self) -> String {
         let Self { causes, models, gain, verdicts, .. } = self;
         let per_cent = |nrmse: Option<f64>| {
@@ -111,14 +111,14 @@ impl Tried<'_> {
 
 fn leaves_more_than_noise(model: &ValidatedModel) -> bool {
     model.chi2_per_dof.is_some_and(|each| {
-        // Two real numbers a component but the means; these few more make it no stricter.
+        // Two real numbers for each component. Means have one; the few more hardly matter.
         let data = 2.0 * model.components as f64;
         let law = ChiSquared::new(data).map(|law| law.sf(each * data));
         law.is_ok_and(|p| p < MORE_THAN_NOISE)
     })
 }
 
-/// What the data themselves ask to be minded.
+/// Remarks on the data: whether they were fitted, their units, their order of acquisition.
 pub(crate) fn of_data(
     answer: &Answer,
     measurement: &Measurement,
@@ -155,7 +155,7 @@ pub(crate) fn of_data(
     said
 }
 
-/// What makes an estimated beginning unlikely.
+/// Says what is implausible in an estimated initial state, if anything is.
 fn implausible(number: usize, model: &str, values: &[BeginningValue]) -> Option<String> {
     let unlikely = |begun: &BeginningValue| {
         let why = begun.implausible.as_ref()?;
@@ -216,7 +216,7 @@ pub(crate) fn of_motions(
     said
 }
 
-/// What was held out.
+/// What was held out, in words.
 pub(crate) fn heldout(comparison: &Comparison, experiments: &[&ComparedExperiment]) -> String {
     let highest = |e: &&ComparedExperiment| {
         let excited = e.harmonics.iter().filter(|h| h.input != [0.0, 0.0]).map(|h| h.order);
@@ -240,6 +240,6 @@ pub(crate) fn heldout(comparison: &Comparison, experiments: &[&ComparedExperimen
 fn range(values: impl Iterator<Item = f64> + Clone) -> String {
     let low = values.clone().fold(f64::INFINITY, f64::min);
     let high = values.fold(0.0, f64::max);
-    // Files round.
+    // Values in files are rounded.
     if high - low <= 1e-6 * high { format!("{low:.4}") } else { format!("{low:.4} to {high:.4}") }
 }

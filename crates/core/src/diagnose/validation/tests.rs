@@ -7,10 +7,10 @@ use crate::measurement::{Metadata, Quantity};
 use crate::observer::Silent;
 use crate::plant::{Actuator, Friction, Plant};
 
-/// Standard deviation that the measurement tells.
+/// Standard deviation that the measurement states.
 const STD: f64 = 1e-3;
 
-/// An axis with static friction, without noise: 2 magnitudes, 6 frequencies.
+/// A noise-free measurement of an axis with static friction: 2 magnitudes, 6 frequencies.
 fn measurement(std: Option<f64>) -> Measurement {
     let plant = Plant {
         viscous_rate_rad_s: 10.0,
@@ -32,7 +32,7 @@ fn measurement(std: Option<f64>) -> Measurement {
     responses.exact(std).unwrap()
 }
 
-/// The diagnosis of it, static friction as it is times `factor`.
+/// A diagnosis with that axis's parameters, but static friction times `factor`.
 fn diagnosis(factor: f64) -> Diagnosis {
     let mut answer = sample::explained();
     let set = |model: &mut Identification, values: &[(&str, f64)]| {
@@ -57,7 +57,7 @@ fn tried(diagnosis: Diagnosis, measurement: &Measurement) -> Validation {
     validate(&answer, measurement, &Silent).unwrap()
 }
 
-// The two simulators agree to 3e-6 of the largest response, which is 1 in 2.5 here.
+// The two simulators agree to 3e-6 of the largest response.
 #[test]
 fn the_true_extension_leaves_nothing_and_the_base_model_what_it_misses() {
     let found = tried(diagnosis(1.0), &measurement(Some(STD)));
@@ -65,7 +65,7 @@ fn the_true_extension_leaves_nothing_and_the_base_model_what_it_misses() {
     assert!(extended.nrmse.unwrap() < 1e-5 && base.nrmse.unwrap() > 1e-3, "{found:?}");
     // 12 experiments, harmonics 0 to 5.
     assert_eq!((base.components, extended.components), (72, 72));
-    // χ² is of re and im, of a mean of re alone.
+    // χ² counts re and im, of the mean re alone.
     let chi2 = base.rms.powi(2) * 72.0 / STD.powi(2) / (12.0 * 11.0);
     assert!((base.chi2_per_dof.unwrap() / chi2 - 1.0).abs() < 1e-9, "{found:?}");
     let gain = found.gain.as_ref().unwrap();
@@ -93,12 +93,12 @@ fn an_extension_that_hurts_lowers_the_verdict_by_one_step_and_says_so() {
     assert_eq!(answer.verdict, Verdict::Improved);
     assert_eq!(answer.gain, found.gain);
     assert_eq!(answer.limitations.last(), Some(said));
-    // The step was taken: the same data take no second one.
+    // The verdict was lowered already; the same data do not lower it again.
     assert_eq!(tried(answer, &measurement).verdict, Some(Verdict::Improved));
 }
 
 #[test]
-fn what_one_model_has_no_response_for_counts_for_neither() {
+fn an_experiment_in_which_one_model_has_no_response_counts_for_neither() {
     let answer = Answer::Diagnosis(Box::new(diagnosis(1.0)));
     let base = sample::comparison();
     let mut extended = base.clone();
@@ -125,7 +125,7 @@ fn what_one_model_has_no_response_for_counts_for_neither() {
 }
 
 #[test]
-fn the_noise_is_what_the_measurement_says_of_it() {
+fn the_noise_is_what_the_validation_measurement_states() {
     let mut answer = diagnosis(1.0);
     answer.base.provenance.options.noise_std = Some(STD);
     let found = tried(answer, &measurement(None));
@@ -161,7 +161,7 @@ fn units_that_contradict_are_refused_and_a_missing_parameter_by_its_name() {
 }
 
 #[test]
-fn a_second_measurement_that_cannot_serve_is_refused_before_anything_is_fitted() {
+fn an_unusable_second_measurement_is_refused_before_anything_is_fitted() {
     let experiments = measurement(None).experiments().to_vec();
     let with = |sha256: &str, unit: &str| {
         let input = Quantity { name: String::new(), unit: unit.into() };

@@ -40,18 +40,18 @@ fn run<F: Fn(&[f64]) -> f64 + Sync>(
     (outcome, history)
 }
 
-/// Least at (0.3, 0.37, 0.44, …), away from centre and edges.
+/// Minimum at (0.3, 0.37, 0.44, …), away from centre and edges.
 fn sphere(point: &[f64]) -> f64 {
     point.iter().enumerate().map(|(j, x)| (x - 0.3 - 0.07 * j as f64).powi(2)).sum()
 }
 
-/// The banana valley of [−2, 2]², least at (1, 1).
+/// Rosenbrock's function on [−2, 2]², minimum at (1, 1).
 fn rosenbrock(point: &[f64]) -> f64 {
     let [x, y] = [4.0 * point[0] - 2.0, 4.0 * point[1] - 2.0];
     (1.0 - x).powi(2) + 100.0 * (y - x * x).powi(2)
 }
 
-/// [−4, 6]ⁿ, least at 0, one local minimum a unit.
+/// Rastrigin's function on [−4, 6]ⁿ, minimum at 0, one local minimum per unit.
 fn rastrigin(point: &[f64]) -> f64 {
     let term = |x: f64| x * x + 10.0 * (1.0 - (TAU * x).cos());
     point.iter().map(|x| term(10.0 * x - 4.0)).sum()
@@ -61,8 +61,8 @@ fn worst_of_seeds(dimension: usize, cost: fn(&[f64]) -> f64, options: &ColonyOpt
     (0..5).map(|seed| run(dimension, cost, options, seed).0.cost).fold(0.0, f64::max)
 }
 
-// Levels: within 1e-4 of the answer in every dimension in the first test, 1e-6 in the
-// second.
+// Limits of the costs: within 1e-4 of the minimum in every dimension in the first test, within 1e-6
+// in the second.
 #[test]
 fn the_default_colony_finds_the_bottom_of_a_sphere() {
     assert!(worst_of_seeds(5, sphere, &ColonyOptions::default()) < 1e-8);
@@ -73,13 +73,13 @@ fn the_literal_colony_finds_the_bottom_of_a_sphere_in_more_cycles() {
     assert!(worst_of_seeds(5, sphere, &options(ColonyVariant::Literal, 10, 200)) < 1e-12);
 }
 
-// A cost of 1e-4 is a point on the valley floor within 0.01 of the minimum.
+// On the valley floor, a cost of 1e-4 is within 0.01 of the minimum.
 #[test]
 fn the_default_variant_follows_the_curved_valley_of_rosenbrock() {
     assert!(worst_of_seeds(2, rosenbrock, &options(ColonyVariant::GlobalBest, 20, 200)) < 1e-4);
 }
 
-// The nearest local minimum costs 1; 1e-6 is within 1e-4 of the right one's bottom.
+// The nearest local minimum costs 1. A cost of 1e-6 is within 1e-4 of the global minimum.
 #[test]
 fn both_variants_find_the_right_basin_of_rastrigin() {
     for variant in [ColonyVariant::GlobalBest, ColonyVariant::Literal] {

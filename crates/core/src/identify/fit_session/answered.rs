@@ -1,10 +1,11 @@
-//! Models that have no response in some experiments.
+//! Models that have no periodic response in some experiments.
 //!
-//! A search passes through parameters at which the motion from rest does not settle to the period of the
-//! input. There an unstable motion of that period, or the base model's response, is used in its place, so
-//! that the search does not stop. When models are compared, only motions reached from rest count, and the
-//! base model's response where there is none: an effect gains nothing by having no response. The final
-//! model is fitted to the experiments in which it has a response, and judged by them.
+//! A search passes through parameters at which the motion from rest does not settle to the period
+//! of the input. So that it does not stop there, it uses an unstable motion of that period or, if
+//! there is none, the response of the base model. When models are compared, only motions reached
+//! from rest count, and the response of the base model where there is none: an effect gains nothing
+//! by having no response. The final model is fitted to the experiments in which it has a response,
+//! and judged by them.
 
 use crate::simulate::Counts;
 
@@ -14,9 +15,9 @@ use crate::identify::pipeline::Fitted;
 use crate::identify::refine;
 
 impl FitSession<'_> {
-    /// A fitted model as it counts among others: as it is where it has a response from rest in
-    /// every experiment, and else fitted again, by the motions that are reached from rest. Its
-    /// cost is infinite where too many experiments have none.
+    /// A fitted model as it counts in comparisons. If it has a response from rest in every
+    /// experiment it is unchanged; else it is fitted again, with only the motions from rest as
+    /// responses. Its cost is infinite if too many experiments have none.
     pub fn from_rest(&self, model: Model) -> Model {
         if !model.cost.is_finite() || self.unanswered(&model).is_empty() {
             return model;
@@ -25,7 +26,7 @@ impl FitSession<'_> {
         self.descend_by(&misfit, &model, self.patience(FitAccuracy::Settle))
     }
 
-    /// Experiments in which a model has no response from rest.
+    /// Indices of the experiments in which a model has no response from rest.
     fn unanswered(&self, model: &Model) -> Vec<usize> {
         if model.effects().is_empty() {
             return Vec::new();
@@ -34,8 +35,8 @@ impl FitSession<'_> {
         misfit.unanswered(&model.point)
     }
 
-    /// A model fitted to the experiments in which it has a response from rest, on a session of
-    /// them alone; `None` where these are all.
+    /// Fits a model to the experiments in which it has a response from rest; returns it with a
+    /// session of these alone. `None` if it has one in all.
     pub(super) fn where_answered(&self, model: &Model) -> Option<(Self, Model)> {
         let mut left_out = self.unanswered(model);
         if left_out.is_empty() {
@@ -47,7 +48,8 @@ impl FitSession<'_> {
             let weights = &rest.fitted.weights;
             let misfit = Misfit::new(&rest.problem, &model.coordinates, weights, self.observer);
             model = rest.descend_by(&misfit, &model, refine::THOROUGH);
-            // Some may have a response where the fit has led to; those that had one still do.
+            // At the new parameters more experiments may have a response; those in the fit still
+            // have one, as the misfit requires it. Fit again while the number grows.
             let still = self.unanswered(&model);
             if still.len() >= left_out.len() || self.observer.cancelled() {
                 return Some((rest, model));
@@ -56,7 +58,7 @@ impl FitSession<'_> {
         }
     }
 
-    /// The same session with nothing measured in these experiments.
+    /// The same session without the data of these experiments.
     fn without(&self, experiments: &[usize]) -> Self {
         let fitted = self.fitted.clone();
         Self {
@@ -90,8 +92,9 @@ mod tests {
     const STD: f64 = 1e-3;
     const JOINT: [f64; 4] = [0.182259, 59.97234, 0.1, 0.004244359];
 
-    /// Where the impacts of the axis with play never come to repeat.
-    const RESTLESS: [(f64, f64); 2] = [(1.7315, 3.359038), (0.8657, 3.412783)];
+    /// Magnitudes and frequencies (rad/s) at which the axis with backlash has no periodic response:
+    /// its impacts never repeat.
+    const NON_PERIODIC: [(f64, f64); 2] = [(1.7315, 3.359038), (0.8657, 3.412783)];
 
     fn axis() -> Plant {
         Plant {
@@ -105,8 +108,8 @@ mod tests {
         }
     }
 
-    /// Of twenty places where the axis with play has a response, and of those where it has none
-    /// as if it had no play.
+    /// Twenty experiments in which the axis with backlash has a response, then two in which it has
+    /// none: their data are those of the axis without backlash.
     fn measurement() -> Measurement {
         let [load_inertia_fraction, stiffness, damping, gap] = JOINT;
         let play = [simulator::Effect::Backlash { load_inertia_fraction, stiffness, damping, gap }];
@@ -129,13 +132,13 @@ mod tests {
         };
         let frequencies = (0..24).map(|i| 4.5 * 1.1_f64.powi(i));
         let places = frequencies.flat_map(|omega| [(0.8657, omega), (1.7315, omega)]);
-        let quiet = places.filter_map(|place| experiment(&play, place)).take(20);
-        let restless = RESTLESS.into_iter().filter_map(|place| experiment(&[], place));
-        joined(quiet.chain(restless).collect())
+        let periodic = places.filter_map(|place| experiment(&play, place)).take(20);
+        let non_periodic = NON_PERIODIC.into_iter().filter_map(|place| experiment(&[], place));
+        joined(periodic.chain(non_periodic).collect())
     }
 
-    // The data has no noise: where the axis has a response, hardly anything is left of the χ² of
-    // 210 that the stated deviation would make.
+    // The data has no noise. With the stated deviation noise would give a χ² of 210; where the axis
+    // has a response, hardly any of it is left.
     #[test]
     fn an_answer_is_fitted_to_the_experiments_that_its_model_answers_and_lists_the_others() {
         let measurement = measurement();
@@ -161,14 +164,16 @@ mod tests {
         let places = answer.unanswered.iter();
         let places: Vec<_> =
             places.map(|lost| (lost.magnitude.unwrap(), lost.omega_rad_s.unwrap())).collect();
-        assert_eq!(places, RESTLESS);
-        // Eleven real numbers in each of twenty experiments; six base parameters and four of play.
+        assert_eq!(places, NON_PERIODIC);
+        // Eleven real numbers in each of twenty experiments; six base parameters and four of the
+        // backlash.
         assert_eq!(answer.dof, 20 * 11 - 10);
         assert_eq!(fit.residuals.len(), 20 * 11);
         assert_eq!(fit.components.len(), 20 * 11);
         assert!(answer.chi2.unwrap() < 21.0, "{:?}", answer.chi2);
 
-        // In the search an experiment without a response is worth what the base model leaves.
+        // In comparisons, an experiment without a response contributes the misfit of the base
+        // model.
         let stood_in = session.from_rest(model.clone());
         let of_base = session.misfit(session.base()).residuals(&session.base().point).unwrap();
         let of_base = of_base.rows(20 * 11, 2 * 11).norm_squared();

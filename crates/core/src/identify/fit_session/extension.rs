@@ -1,33 +1,33 @@
-//! Models with an effect more, less, or in the place of another; none of them fitted.
+//! Builds models with an effect added, removed or replaced, without fitting them.
 
 use crate::effects::{Effect, Parameter, Range, WIDE_LANES};
 
 use super::{FitSession, Model};
 
 impl FitSession<'_> {
-    /// Where the parameters of an effect can lie, in the problem's scales.
+    /// The ranges of the parameters of an effect, in the problem's units.
     pub fn ranges(&self, effect: &dyn Effect) -> Vec<Range> {
         let scope = self.scope();
         effect.parameters().iter().map(|parameter| (parameter.range)(&scope)).collect()
     }
 
-    /// Whether the data are more than the parameters of a model with one more effect (and the
-    /// scale of the noise, where that is unknown), as fewer decide nothing, and derivatives by
-    /// all of them can be computed.
+    /// Whether a model with one more effect can be tested: there must be more data than parameters
+    /// (and the scale of the noise, if unknown), and no more parameters than derivatives can be
+    /// computed for.
     pub fn can_decide(&self, model: &Model, effect: &dyn Effect) -> bool {
         let parameters = model.parameters() + effect.parameters().len();
         let scale = usize::from(!self.noise_known());
         self.data() > parameters + scale && parameters <= WIDE_LANES
     }
 
-    /// Values of an effect's parameters to try first, in the problem's scales.
+    /// Parameter values of an effect from which to start fits, in the problem's units.
     pub fn start_points(&self, effect: &dyn Effect) -> Vec<Vec<f64>> {
         effect.start_points(&self.scope())
     }
 
-    /// A model with another effect in the place of its last: parameters that both effects
-    /// have keep their values, the others stand in the middle of where a search looks first,
-    /// or at its lower end; not fitted.
+    /// Two models with another effect in the place of the last one. Parameters that both effects
+    /// have keep their values. The others are in the middle of their search range (first model) or
+    /// at its lower end (second model). Not fitted.
     pub fn exchange(&self, model: &Model, effect: &'static dyn Effect) -> [Model; 2] {
         let last = model.effects().len() - 1;
         let (lost, from) = (model.effects()[last], model.parameters_of(last));
@@ -46,18 +46,18 @@ impl FitSession<'_> {
         exchanged
     }
 
-    /// A model with one more effect, its parameters in the middle of where a
-    /// search looks first; not fitted.
+    /// A model with one more effect, its parameters in the middle of their search ranges. Not
+    /// fitted.
     pub fn extend(&self, model: &Model, effect: &'static dyn Effect) -> Model {
         let coordinates = model.coordinates.with_effect(effect, &self.scope());
         let mut point = model.point.clone();
-        // What is not a number goes to the middle.
+        // `clamp` replaces NaN by the middle of the search range.
         point.resize(coordinates.len(), f64::NAN);
         coordinates.clamp(&mut point);
         Model { coordinates, point, cost: f64::NAN, evaluations: 0 }
     }
 
-    /// A model without the effect at `index`; not fitted.
+    /// A model without the effect at `index`. Not fitted.
     pub fn reduce(&self, model: &Model, index: usize) -> Model {
         let (coordinates, kept) = model.coordinates.without_effect(index);
         let point = kept.iter().map(|i| model.point[*i]).collect();

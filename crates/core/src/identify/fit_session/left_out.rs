@@ -1,21 +1,19 @@
-//! What a model would predict of data left out of its fit, to first order and without fitting it
-//! again.
+//! Cross-validation to first order: predicts data left out of a fit without fitting again.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::{FitSession, Linear, Model};
 
 impl FitSession<'_> {
-    /// NRMSE of what a fitted model would predict of each part of the data, had the part been
-    /// left out of its fit; over all parts together, to first order. `part` says for an
-    /// experiment and a harmonic in which part it is left out, if in any. `None` where the
-    /// model has no response, or nothing is left out.
+    /// NRMSE, over all parts together, of predicting each part of the data from a fit without it,
+    /// to first order. `part` maps an experiment and a harmonic to the part it is left out in, if
+    /// any. `None` where the model has no response, or nothing is left out.
     ///
-    /// With the residuals r and the Jacobian J of the fit and J_h those of the part left out,
-    /// the optimum of the rest is moved by δ = −(JᵀJ − J_hᵀJ_h + P)⁻¹·J_hᵀr_h, and r_h − J_hδ
-    /// is left (Cook and Weisberg 1982, Residuals and Influence in Regression, section 2.2,
-    /// for P = 0). P is what was known of the parameters before: what only the part
-    /// determines stays finite.
+    /// Let r and J be the residuals and the Jacobian of the fit, and r_h and J_h their rows of the
+    /// part left out. Without these rows the optimum moves by δ = −(JᵀJ − J_hᵀJ_h + P)⁻¹·J_hᵀr_h,
+    /// and r_h − J_hδ is the error of the prediction (Cook and Weisberg 1982, Residuals and
+    /// Influence in Regression, section 2.2, for P = 0). P is the information of the prior: it
+    /// keeps parameters finite that only the part left out determines.
     pub fn error_left_out(
         &self,
         model: &Model,
@@ -50,9 +48,9 @@ impl FitSession<'_> {
             let (jacobian, residuals) = (jacobian.select_rows(&own), residuals.select_rows(&own));
             let rest = &information - jacobian.tr_mul(&jacobian);
             let moved = rest.cholesky()?.solve(&jacobian.tr_mul(&residuals));
-            let foretold = residuals + jacobian * moved;
+            let predicted = residuals + jacobian * moved;
             let errors =
-                foretold.iter().zip(&part).map(|(left, (_, sigma))| (left * sigma).powi(2));
+                predicted.iter().zip(&part).map(|(left, (_, sigma))| (left * sigma).powi(2));
             left += errors.sum::<f64>();
         }
         Some((left / size).sqrt()).filter(|error| error.is_finite())
@@ -68,8 +66,8 @@ mod tests {
     use crate::observer::Silent;
     use crate::plant::Actuator;
 
-    // A pole at which friction is the same in both directions cannot follow data of an axis with
-    // two levels: what remains is far above rounding, and the base model's fit is near linear.
+    // The axis has an actuator and the model has none, so the residuals are far above rounding. The
+    // fit of the base model is nearly linear.
     #[test]
     fn the_error_is_that_of_fits_without_the_part() {
         let measurement = stepped_sine(&axis(Actuator::FirstOrder { corner_rad_s: 200.0 }), 3);
@@ -97,14 +95,14 @@ mod tests {
                     [left + re * re + im * im, size + a * a + b * b]
                 })
             };
-            let foretold = squares(&whole.adopt(&own, own.base()));
-            error += foretold[0];
-            size += foretold[1];
+            let predicted = squares(&whole.adopt(&own, own.base()));
+            error += predicted[0];
+            size += predicted[1];
             fitted += squares(whole.base())[0];
         }
         let expected = (error / size).sqrt();
         let found = whole.error_left_out(whole.base(), |e, _| part_of(e)).unwrap();
-        // What the model is not linear in is of second order in a change of some per cent.
+        // The nonlinearity of the model is of second order in a change of some per cent.
         assert!((found / expected - 1.0).abs() < 0.02, "{found} instead of {expected}");
         assert!(found > 1.02 * (fitted / size).sqrt(), "more than what the fit leaves of it");
     }

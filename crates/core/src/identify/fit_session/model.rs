@@ -1,4 +1,4 @@
-//! A model at some values of its parameters.
+//! A model: the base model, possibly with effects, at given parameter values.
 
 use std::ops::Range as Span;
 
@@ -6,19 +6,19 @@ use crate::effects::Effect;
 
 use crate::identify::parameters::Coordinates;
 
-/// The base model with some effects, at some values of all parameters.
+/// The base model with some effects, at given values of all parameters.
 #[derive(Debug, Clone)]
 pub struct Model {
     pub(super) coordinates: Coordinates,
     pub(super) point: Vec<f64>,
-    /// Sum of squared residuals; infinite where it has no response.
+    /// Sum of squared residuals; infinite if it has no response, NaN if it is not computed.
     pub cost: f64,
-    /// Simulations of the whole measurement that led here.
+    /// Simulations of the whole measurement that were used to find it.
     pub evaluations: u64,
 }
 
 impl Model {
-    /// Its effects.
+    /// The effects of the model.
     pub fn effects(&self) -> &[&'static dyn Effect] {
         &self.coordinates.effects
     }
@@ -28,7 +28,8 @@ impl Model {
         self.point.len()
     }
 
-    /// Moves the first parameters by these steps, each at most `most`.
+    /// Moves parameters by (index, step), each by at most `most` in its coordinate. The cost
+    /// becomes unknown.
     pub fn shift(&mut self, steps: impl Iterator<Item = (usize, f64)>, most: f64) {
         for (i, step) in steps.filter(|(_, step)| step.is_finite()) {
             self.point[i] += step.clamp(-most, most);
@@ -37,7 +38,7 @@ impl Model {
         self.cost = f64::NAN;
     }
 
-    /// Which of the parameters belong to the effect at `index`.
+    /// The indices of the parameters of the effect at `index`.
     pub fn parameters_of(&self, index: usize) -> Span<usize> {
         let count = |effect: &&dyn Effect| effect.parameters().len();
         let before: usize = self.effects()[..index].iter().map(count).sum();
@@ -45,22 +46,23 @@ impl Model {
         begin..begin + count(&self.effects()[index])
     }
 
-    /// Sets a parameter to a value in the problem's scales.
+    /// Sets a parameter to a value in the problem's units. The cost becomes unknown.
     pub fn set(&mut self, parameter: usize, value: f64) {
         self.point[parameter] = self.coordinates.coordinate(parameter, value);
         self.coordinates.clamp(&mut self.point);
         self.cost = f64::NAN;
     }
 
-    /// The value of a parameter in the problem's scales.
+    /// The value of a parameter, in the problem's units.
     pub fn value(&self, parameter: usize) -> f64 {
         self.coordinates.value(parameter, self.point[parameter]).0
     }
 
-    /// The same where every parameter acts; `None` where they do already.
-    pub(super) fn roused(&self) -> Option<Self> {
+    /// The model moved out of the dead zones of its effects, to where every parameter acts on the
+    /// response; `None` if every one does already.
+    pub(super) fn escaped(&self) -> Option<Self> {
         let friction = self.coordinates.plant(&self.point).friction;
-        let mut roused = self.clone();
+        let mut escaped = self.clone();
         for (i, effect) in self.effects().iter().enumerate() {
             let own = self.parameters_of(i);
             let before: Vec<f64> = own.clone().map(|parameter| self.value(parameter)).collect();
@@ -68,13 +70,13 @@ impl Model {
             effect.escape_dead_zone(&mut values, &friction);
             let moved =
                 own.zip(before.into_iter().zip(values)).filter(|(_, (old, new))| old != new);
-            moved.for_each(|(parameter, (_, value))| roused.set(parameter, value));
+            moved.for_each(|(parameter, (_, value))| escaped.set(parameter, value));
         }
-        (roused.point != self.point).then_some(roused)
+        (escaped.point != self.point).then_some(escaped)
     }
 
-    /// Standard deviation, before the data is seen, of each coordinate: that of
-    /// a uniform law over the range where a search looks first.
+    /// Standard deviation of the prior of a coordinate: that of a uniform distribution over its
+    /// search range.
     pub fn prior_std(&self, parameter: usize) -> f64 {
         let Coordinates { search_lower, search_upper, .. } = &self.coordinates;
         (search_upper[parameter] - search_lower[parameter]) / 12.0_f64.sqrt()

@@ -1,4 +1,5 @@
-//! Residuals and derivatives of a model at the measurement's points, and its predictions elsewhere.
+//! Residuals and derivatives of a model in the experiments of the measurement, and its predictions
+//! for other inputs.
 
 use nalgebra::DVector;
 
@@ -11,30 +12,32 @@ use super::{FitSession, Linear, Model};
 use crate::identify::problem::{Prepared, Scales, per_velocity};
 use crate::identify::refine;
 
-/// Angle over the travel beyond which a torque is sampled no more finely.
-const MOST_RADIANS: f64 = 2000.0;
+/// Limits the number of samples per period: a periodic torque whose angle changes by more than this
+/// over the travel, rad, is sampled no more finely (tuned).
+const LARGEST_SAMPLED_ANGLE: f64 = 2000.0;
 
 impl FitSession<'_> {
-    /// Ŷ/σ of a model, row by row; `None` where it has no response, or once the observer
-    /// cancels.
+    /// Ŷ/σ of a model, in the order of the residuals; `None` if it has no response, or once the
+    /// observer cancels.
     pub fn predict(&self, model: &Model) -> Option<DVector<f64>> {
-        Some(self.excess(model)? + self.data_in_sigmas())
+        Some(self.prediction_less_data(model)? + self.data_in_sigmas())
     }
 
-    /// Σ|Y − Ŷ|²/σ² of a model as it stands; `None` where it has no response, or once the
+    /// Σ|Y − Ŷ|²/σ² of a model at its parameters; `None` if it has no response, or once the
     /// observer cancels.
     pub fn cost(&self, model: &Model) -> Option<f64> {
-        Some(self.excess(model)?.norm_squared())
+        Some(self.prediction_less_data(model)?.norm_squared())
     }
 
-    /// (Ŷ − Y)/σ of a model as it stands, under the conditions of [`Self::predict`].
-    fn excess(&self, model: &Model) -> Option<DVector<f64>> {
+    /// (Ŷ − Y)/σ of a model at its parameters; `None` as for [`Self::predict`].
+    fn prediction_less_data(&self, model: &Model) -> Option<DVector<f64>> {
         if self.observer.cancelled() {
             return None;
         }
         self.misfit(model).residuals(&model.point).ok()
     }
 
+    /// Y/σ, in the order of the residuals.
     fn data_in_sigmas(&self) -> DVector<f64> {
         let mut rows = Vec::with_capacity(self.problem.data());
         for (experiment, sigma) in self.problem.experiments.iter().zip(&self.fitted.weights.sigma) {
@@ -48,11 +51,10 @@ impl FitSession<'_> {
         DVector::from_vec(rows)
     }
 
-    /// By how much each of these settings of an effect that is a torque would move
-    /// Ŷ/σ, to first order and as if the model had no other effect; the mean of
-    /// the velocity stays. `turns` is the angle of the torque per travel, in the
-    /// problem's scales. `None` where the base model has no response, or once the observer
-    /// cancels.
+    /// Change of Ŷ/σ caused by each of these `settings` of an effect that is a torque, to first
+    /// order. The model's other effects are ignored, and a constant torque keeps the mean velocity
+    /// unchanged. `turns` is the angle of the torque per unit of travel, in the problem's units.
+    /// `None` if the base model has no response, or once the observer cancels.
     pub fn torque_changes(
         &self,
         model: &Model,
@@ -87,7 +89,7 @@ impl FitSession<'_> {
                 (target.value / target.per_velocity).norm() / rate
             });
             let angle = turns * travel.fold(0.0, f64::max);
-            let samples = 4 * (angle.min(MOST_RADIANS) as usize + highest + 16);
+            let samples = 4 * (angle.min(LARGEST_SAMPLED_ANGLE) as usize + highest + 16);
             let moved =
                 simulate::respond_to_torques(&plant, excitation, *highest, &torques, samples)
                     .ok()?;
@@ -108,7 +110,7 @@ impl FitSession<'_> {
         Some(changes)
     }
 
-    /// A model's residuals and derivatives; `None` where it has no response.
+    /// The residuals of a model and their derivatives; `None` if it has no response.
     pub fn linearise(&self, model: &Model) -> Option<Linear> {
         let misfit = self.misfit(model);
         let here = misfit.linearise(&model.point).ok()?;
@@ -116,9 +118,9 @@ impl FitSession<'_> {
         Some(Linear { residuals: -here.residuals, jacobian: here.jacobian, held })
     }
 
-    /// Σ|ΔY|²/σ² between two models in an experiment with a pure cosine of this
-    /// magnitude (input units) and frequency (rad/s), σ the median deviation of
-    /// the data; `None` where one has no response.
+    /// Σ|ΔY|²/σ² between two models, in an experiment with a pure cosine of this magnitude (input
+    /// units) and frequency (rad/s). σ is the median standard deviation of the data. `None` if
+    /// either model has no response.
     pub fn separation(&self, models: [&Model; 2], magnitude: f64, omega_rad_s: f64) -> Option<f64> {
         let Scales { omega, input, .. } = self.problem.scales;
         let omega = omega_rad_s / omega;

@@ -1,5 +1,5 @@
-//! Whether a model that was fitted with equal weights comes down to the noise that the
-//! measurement states.
+//! Tests whether a model fitted with equal weights comes down to the noise that the measurement
+//! states.
 
 use crate::answers::{IdentifyOptions, Weighting};
 
@@ -9,18 +9,18 @@ use crate::identify::objective::Misfit;
 use crate::identify::refine;
 use crate::identify::refine::Patience;
 
-/// χ² per degree of freedom beyond which other weights would not bring a model down to the noise:
-/// what is left is more than four times as large.
-const BEYOND_WEIGHTS: f64 = 20.0;
+/// Above this χ² per degree of freedom no refit is tried (tuned): the residuals are more than four
+/// times the noise, and other weights would not bring them down to it.
+const LARGEST_REFITTED_CHI2: f64 = 20.0;
 
-/// Steps with the weights of the noise, from where equal weights ended.
-const STEPS: usize = 5;
+/// Most steps of the refit with the weights of the noise, which starts from the fit with equal
+/// weights (tuned).
+const MOST_STEPS: usize = 5;
 
 impl FitSession<'_> {
-    /// χ² per degree of freedom of a model by the noise that the measurement states, where the
-    /// fit set that noise aside and χ² exceeds what noise makes it by more than four standard
-    /// deviations, refitted with the weights of the noise; `None` where the noise was not set
-    /// aside, none is stated, or nothing contradicts it.
+    /// χ² per degree of freedom of a model, refitted with the noise that the measurement states, if
+    /// the fit ignored that noise and χ² exceeds its mean by more than four standard deviations.
+    /// `None` if the fit used the noise, if none is stated, or if nothing contradicts it.
     pub(super) fn contradicted_noise(&self, model: &Model, dof: i64) -> Option<f64> {
         let options = self.request.options;
         if options.weights == Weighting::Noise || dof <= 0 {
@@ -35,8 +35,8 @@ impl FitSession<'_> {
         let misfit = Misfit { weights: &weights, ..self.misfit(model) };
         let (dof, most) = (dof as f64, dof as f64 + 4.0 * (2.0 * dof as f64).sqrt());
         let here = misfit.cost(&model.point);
-        let least = if here > most && here <= BEYOND_WEIGHTS * dof {
-            let patience = Patience { steps: STEPS, ..refine::THOROUGH };
+        let least = if here > most && here <= LARGEST_REFITTED_CHI2 * dof {
+            let patience = Patience { steps: MOST_STEPS, ..refine::THOROUGH };
             refine::refine(&misfit, &model.point, patience, &mut |_, _, _| ()).cost
         } else {
             here

@@ -1,4 +1,4 @@
-//! Takes models fitted to one measurement over to another of the same machine, as starting points.
+//! Transfers models fitted to one measurement to another of the same machine, as starting points.
 
 use crate::answers::Comparison;
 use crate::measurement::Measurement;
@@ -14,11 +14,11 @@ use crate::identify::problem::{Problem, Scales};
 use crate::identify::request::{IdentifyError, IdentifyRequest};
 
 impl<'a> FitSession<'a> {
-    /// A session on `measurement` whose base model is refined from where `other`'s is.
+    /// A session on `measurement` whose base model is refined from that of `other`.
     ///
     /// # Errors
-    /// When cancelled, where the measurement cannot be fitted, or where the model has no
-    /// response to it.
+    /// When cancelled, if the measurement cannot be fitted, or if the base model has no response to
+    /// it.
     pub fn continued(
         measurement: &'a Measurement,
         request: &'a IdentifyRequest,
@@ -41,7 +41,7 @@ impl<'a> FitSession<'a> {
         Self::of(measurement, request, observer, problem, fitted, other.order_choice.clone())
     }
 
-    /// A model of another session in this one's scales; its cost is not known.
+    /// Converts a model of another session to this one's units; its cost is unknown.
     pub fn adopt(&self, other: &FitSession<'_>, model: &Model) -> Model {
         let plant = self.problem.in_scale(&other.plant_in_units(model));
         let Problem { tied_friction, prior, .. } = &self.problem;
@@ -59,7 +59,8 @@ impl<'a> FitSession<'a> {
                 };
                 let value =
                     model.value(from) * unit(other.problem.scales) / unit(self.problem.scales);
-                // Where friction is tied here and not there, what follows moves up.
+                // If friction is tied in one session and not in the other, the indices of effects
+                // differ.
                 let to = from - model.coordinates.base_len() + coordinates.base_len();
                 point[to] = coordinates.coordinate(to, value);
             }
@@ -68,7 +69,7 @@ impl<'a> FitSession<'a> {
         Model { coordinates, point, cost: f64::NAN, evaluations: model.evaluations }
     }
 
-    /// Experiments of the measurement that are `wanted` beside what a model makes of them.
+    /// Compares the measurement with a model, in the experiments that are `wanted`.
     pub fn compare(&self, model: &Model, wanted: impl Fn(usize) -> bool) -> Comparison {
         let plant = model.coordinates.plant(&model.point);
         let effects = model.coordinates.effects_at(&model.point);

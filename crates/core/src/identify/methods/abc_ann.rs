@@ -1,5 +1,5 @@
-//! `abc-ann`, the method the paper proposes: a network proposes, an artificial bee colony
-//! searches, Levenberg–Marquardt refines. The colony is that of `bee_colony`.
+//! Method `abc-ann`, the one that the paper proposes: a neural network proposes parameters, an
+//! artificial bee colony (`bee_colony`) searches, Levenberg–Marquardt refines.
 
 use std::convert::Infallible;
 
@@ -26,7 +26,7 @@ impl Optimiser for BeeColony {
     }
 
     fn budget(&self, options: &IdentifyOptions) -> usize {
-        // A colony flies whole cycles.
+        // The colony spends its budget in whole cycles.
         let ColonyOptions { food_sources, .. } = options.colony;
         food_sources * (2 * cycles(options) + 1)
     }
@@ -36,7 +36,7 @@ impl Optimiser for BeeColony {
         let (objective, initial) = (search.objective, search.initial);
         let outcome = bee_colony::search(objective, initial, &colony, rng, &mut |cycle| {
             let mean = cycle.mean_cost.is_finite().then_some(cycle.mean_cost);
-            search.hear(cycle.cycle, cycle.evaluations, cycle.best_cost, mean)
+            search.pass_on(cycle.cycle, cycle.evaluations, cycle.best_cost, mean)
         });
         search.adopt(&outcome.best, outcome.cost, outcome.evaluations);
         Err(match outcome.stop {
@@ -46,7 +46,7 @@ impl Optimiser for BeeColony {
     }
 }
 
-/// Cycles of the colony: as many as the budget pays for, where there is one.
+/// Number of cycles: as many as the evaluation budget allows, if there is one.
 fn cycles(options: &IdentifyOptions) -> usize {
     let ColonyOptions { food_sources, cycles, .. } = options.colony;
     let paid = |budget: usize| (budget / food_sources).saturating_sub(1) / 2;

@@ -1,5 +1,5 @@
-//! `aga-ann`, the paper's adaptive hybrid technique: as `ga-ann` with rates that follow the
-//! spread of the fitness.
+//! Method `aga-ann`, the paper's adaptive hybrid technique: like `ga-ann`, with rates that adapt to
+//! the spread of the fitness.
 //!
 //! ```text
 //!   p_c = k₁ (f_max − f′)/(f_max − f̄) where f′ ≥ f̄, else k₃     f′ the fitter of two parents
@@ -8,10 +8,10 @@
 //! ```
 //!
 //! M. Srinivas and L. M. Patnaik, IEEE Trans. Systems, Man, and Cybernetics 24 (1994) 656,
-//! doi:10.1109/21.286385: what is good is protected, what is below the mean is broken up, and
-//! where all are alike both rates rise. They mutate each solution at 0.005 at least, so that the
-//! best does not take over. A child has no fitness yet when it is mutated: it takes that of the
-//! parent it was made from.
+//! doi:10.1109/21.286385. Good solutions are protected, those below the mean are disrupted, and
+//! both rates rise when all solutions are alike. The authors mutate every solution with a rate of
+//! at least 0.005, so that the best does not take over the population. A child has no fitness yet
+//! when it is mutated, so the fitness of its parent is used.
 
 use super::genetic::{Fitness, Genetic, Rates};
 use super::steps::Steps;
@@ -28,7 +28,7 @@ const K2: f64 = 0.5;
 const K3: f64 = 1.0;
 const K4: f64 = 0.5;
 
-/// Mutation rate of the fittest.
+/// Smallest mutation rate, that of the fittest.
 const LEAST_MUTATION: f64 = 0.005;
 
 struct Adaptive;
@@ -43,8 +43,8 @@ impl Rates for Adaptive {
     }
 }
 
-/// (f_max − f)/(f_max − f̄), from 0 for the best to 1 for the mean; `None` below the mean, and
-/// where all are alike.
+/// (f_max − f)/(f_max − f̄): 0 for the best, 1 for the mean. `None` below the mean, and if all
+/// individuals are alike.
 fn share_below_best(fitness: &Fitness, of: f64) -> Option<f64> {
     let spread = fitness.best - fitness.mean;
     (of >= fitness.mean && spread > 0.0).then(|| (fitness.best - of) / spread)

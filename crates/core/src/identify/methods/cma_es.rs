@@ -1,14 +1,14 @@
-//! `cma-es`, a baseline: evolution with an adapted covariance matrix, then refinement. No
-//! network and no closed form help it.
+//! Method `cma-es`, a baseline: covariance matrix adaptation evolution strategy, then refinement,
+//! without network or closed form.
 //!
-//! N. Hansen, The CMA Evolution Strategy: A Tutorial, arXiv:1604.00772, whose Figure 6 is
-//! followed step by step and whose Table 1 gives every constant, but for two things. Points
-//! outside the cube are evaluated at the nearest point of it, and their cost is raised by the
-//! factor 1 + ‖x − x_near‖² (its appendix B.5 adds a term: a factor needs no weight, and scaling
-//! the cost changes nothing). And an infinite cost counts as the worst of its generation.
+//! N. Hansen, The CMA Evolution Strategy: A Tutorial, arXiv:1604.00772. The steps follow its Figure
+//! 6 and all constants its Table 1, with two exceptions. Points outside the cube are evaluated at
+//! the nearest point of the cube, and their cost is multiplied by 1 + ‖x − x_near‖². (The
+//! tutorial's appendix B.5 adds a term; a factor needs no weight, and scaling the cost changes
+//! nothing.) An infinite cost counts as the worst of its generation.
 //!
-//! Written here because the crates there are bring a second generation of linear algebra and
-//! random numbers, or evaluate where no budget is counted.
+//! Implemented here because the available crates need other versions of the linear algebra and
+//! random number crates, or evaluate the objective outside the budget.
 
 use std::convert::Infallible;
 
@@ -22,11 +22,11 @@ use super::steps::Steps;
 pub(super) const STEPS: Steps =
     Steps { closed_form: false, network: false, search: Some(&CmaEs), refinement: true };
 
-/// σ at first: the tutorial's 0.3 of the range of each coordinate.
+/// Initial σ: 0.3 of the range of each coordinate, as in the tutorial.
 const FIRST_STEP: f64 = 0.3;
 
-/// Largest standard deviation of a coordinate, as a share of [`FIRST_STEP`], below which the
-/// search has converged (the tutorial's TolX, appendix B.3).
+/// The search has converged if the largest standard deviation of a coordinate is below this share
+/// of [`FIRST_STEP`] (the tutorial's TolX, appendix B.3).
 const SMALLEST_STEP: f64 = 1e-12;
 
 struct CmaEs;
@@ -63,9 +63,9 @@ impl Optimiser for CmaEs {
     }
 }
 
-/// Table 1 of the tutorial.
+/// The constants of Table 1 of the tutorial.
 struct Constants {
-    /// λ, points a generation.
+    /// λ, points per generation.
     population: usize,
     /// w₁ … w_λ, the negative ones included.
     weights: Vec<f64>,
@@ -116,7 +116,7 @@ impl Constants {
     }
 }
 
-/// The distribution that points are drawn from.
+/// The distribution from which points are drawn.
 struct State {
     mean: DVector<f64>,
     sigma: f64,
@@ -145,7 +145,7 @@ impl State {
         }
     }
 
-    /// y = B D z (eq. 39) and x = m + σ y (eq. 40) of one generation.
+    /// Draws one generation: y = B D z (eq. 39) and x = m + σ y (eq. 40).
     fn sample(
         &self,
         constants: &Constants,
@@ -197,7 +197,7 @@ impl State {
         let SymmetricEigen { eigenvectors, eigenvalues } =
             self.covariance.clone().symmetric_eigen();
         self.axes = eigenvectors;
-        // Rounding may take the smallest below zero.
+        // Rounding can make the smallest eigenvalue negative.
         self.lengths = eigenvalues.map(|value| value.max(f64::MIN_POSITIVE).sqrt());
     }
 
@@ -224,11 +224,11 @@ mod tests {
             let positive: f64 = constants.weights.iter().filter(|w| **w > 0.0).sum();
             assert!((positive - 1.0).abs() < 1e-12, "{n}");
             assert!(constants.c_1 + constants.c_mu <= 1.0 && constants.c_sigma < 1.0);
-            // Decay of C: 1 − c₁ − c_μ Σ w stays positive.
+            // The decay factor of C, 1 − c₁ − c_μ Σ w, stays positive.
             let all: f64 = constants.weights.iter().sum();
             assert!(1.0 - constants.c_1 - constants.c_mu * all > 0.0);
         }
-        // λ = 4 + ⌊3 ln 4⌋ = 8; w₁ ∝ ln 4.5, μ_eff of four logarithmic weights.
+        // λ = 4 + ⌊3 ln 4⌋ = 8; w₁ ∝ ln 4.5, and μ_eff is that of four logarithmic weights.
         let four = Constants::new(4);
         assert_eq!(four.population, 8);
         assert!((four.effective - 2.6).abs() < 0.05, "{}", four.effective);

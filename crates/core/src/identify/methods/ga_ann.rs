@@ -1,5 +1,5 @@
-//! `ga-ann`, the paper's hybrid technique: as `abc-ann` with a genetic algorithm of fixed rates
-//! in place of the colony.
+//! Method `ga-ann`, the paper's hybrid technique: like `abc-ann`, with a genetic algorithm of fixed
+//! rates in place of the colony.
 
 use super::genetic::{Fitness, Genetic, Rates};
 use super::steps::Steps;
@@ -11,8 +11,8 @@ pub(super) const STEPS: Steps = Steps {
     refinement: true,
 };
 
-/// Nine pairs of ten are crossed, and of a child one gene on average is mutated: K. Deb and
-/// R. Agrawal, Complex Systems 9 (1995) 115, use both.
+/// Nine pairs of ten are crossed, and on average one gene of a child is mutated; both rates are
+/// those of K. Deb and R. Agrawal, Complex Systems 9 (1995) 115.
 struct Fixed;
 
 impl Rates for Fixed {

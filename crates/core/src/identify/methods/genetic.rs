@@ -1,19 +1,20 @@
-//! A real-coded genetic algorithm, with rates to be chosen.
+//! A real-coded genetic algorithm whose crossover and mutation rates are set by the method.
 //!
-//! Every generation, parents are the winners of tournaments of two. A pair is crossed at the
-//! rate p_c by simulated binary crossover,
+//! In every generation, parents are chosen by tournaments of two. A pair is crossed with
+//! probability p_c by simulated binary crossover,
 //!
 //! ```text
 //!   c₁, c₂ = ½ (x₁ + x₂) ∓ ½ β (x₁ − x₂),   β = (2u)^(1/(η+1)) or (1/(2 − 2u))^(1/(η+1)) for u > ½
 //! ```
 //!
-//! gene by gene with probability ½ (K. Deb and R. Agrawal, Complex Systems 9 (1995) 115), and
-//! every gene of a child is mutated at the rate p_m by a polynomial law of index 20 (K. Deb and
-//! M. Goyal, Comput. Sci. Inform. 26 (1996) 30). The best of a generation lives on in the place
-//! of the worst child.
+//! for each gene with probability ½ (K. Deb and R. Agrawal, Complex Systems 9 (1995) 115). Every
+//! gene of a child is mutated with probability p_m by a polynomial distribution of index 20 (K. Deb
+//! and M. Goyal, Comput. Sci. Inform. 26 (1996) 30). The best individual so far replaces the worst
+//! child if no child is better.
 //!
-//! Fitness is −ln(cost): costs here span many decades, and rates that compare with a mean would
-//! follow the worst of a population otherwise. Scaling the cost shifts it and changes nothing.
+//! Fitness is −ln(cost). Costs span many decades, and rates that compare with the mean cost would
+//! otherwise depend on the worst individual alone. Scaling the cost shifts the fitness and changes
+//! nothing.
 
 use std::convert::Infallible;
 
@@ -22,35 +23,35 @@ use rand_chacha::ChaCha8Rng;
 
 use super::super::optimiser::{Optimiser, Search, Stop};
 
-/// Individuals: with 1010 evaluations fifty generations.
+/// Number of individuals: 1010 evaluations make fifty generations.
 const POPULATION: usize = 20;
 
-/// Distribution index of the crossover: children near their parents, but not next to them.
-/// Deb and Agrawal use 2 to 5 for small populations.
+/// Distribution index η of the crossover (tuned): children lie near their parents, but not next to
+/// them. Deb and Agrawal use 2 to 5 for small populations.
 const CROSSOVER_INDEX: f64 = 5.0;
 
 /// Distribution index of the mutation: a gene moves by about 1/20 of its range.
 const MUTATION_INDEX: f64 = 20.0;
 
-/// Fitness of a generation.
+/// The fitness of a generation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fitness {
-    /// Of the best.
+    /// Fitness of the best individual.
     pub best: f64,
-    /// Mean over those that have one.
+    /// Mean fitness of the individuals with a finite cost.
     pub mean: f64,
 }
 
 /// How often parents are crossed and genes mutated.
 pub(super) trait Rates: Sync {
-    /// p_c of a pair whose fitter half has this fitness.
+    /// p_c of a pair; `fitter` is the fitness of the fitter parent.
     fn crossover(&self, fitness: &Fitness, fitter: f64) -> f64;
 
-    /// p_m of each of the genes of a child whose parent has this fitness.
+    /// p_m of each of the `genes` of a child; `of` is the fitness of its parent.
     fn mutation(&self, fitness: &Fitness, of: f64, genes: usize) -> f64;
 }
 
-/// The algorithm with its rates.
+/// The genetic algorithm with its rates.
 pub(super) struct Genetic {
     pub stage: &'static str,
     pub rates: &'static dyn Rates,
@@ -117,7 +118,7 @@ impl Genetic {
     }
 }
 
-/// The better of two; `people` are sorted by cost.
+/// The winner of a tournament of two; `people` are sorted by cost.
 fn winner<'p>(people: &'p [Individual], rng: &mut ChaCha8Rng) -> &'p Individual {
     let drawn = [rng.random_range(0..people.len()), rng.random_range(0..people.len())];
     &people[drawn[0].min(drawn[1])]
@@ -134,7 +135,7 @@ fn cross([first, second]: &mut [Vec<f64>; 2], rng: &mut ChaCha8Rng) {
     }
 }
 
-/// β at a uniform u.
+/// β for a uniformly distributed u.
 fn crossover_spread(u: f64) -> f64 {
     let odds: f64 = if u <= 0.5 { 2.0 * u } else { 1.0 / (2.0 - 2.0 * u) };
     odds.powf(1.0 / (CROSSOVER_INDEX + 1.0))
@@ -171,12 +172,12 @@ mod tests {
             assert!((pair[0][0] + pair[1][0] - 1.0).abs() < 1e-12);
             wider += usize::from((pair[0][0] - pair[1][0]).abs() > 0.02 + 1e-12);
         }
-        // Half are crossed, half of these wider: 2500 ± 4 √(10 000·0.25·0.75).
+        // Half are crossed, and half of these spread: 2500 ± 4 √(10 000·0.25·0.75).
         assert!((2330..2670).contains(&wider), "{wider}");
     }
 
     #[test]
-    fn fitness_falls_with_the_cost_and_its_differences_know_no_scale() {
+    fn fitness_falls_with_the_cost_and_its_differences_do_not_depend_on_scale() {
         let fitness = |cost| Individual { genes: Vec::new(), cost }.fitness();
         let ratio = |scale: f64| fitness(scale) - fitness(10.0 * scale);
         assert!((ratio(1.0) - ratio(1e6)).abs() < 1e-12 && ratio(1.0) > 0.0);

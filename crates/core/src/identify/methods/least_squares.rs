@@ -1,5 +1,5 @@
-//! `least-squares`, a baseline: bounded Levenberg–Marquardt from several starts, the best of
-//! which is the answer. What anybody would try first, and what a population has to beat.
+//! Method `least-squares`, a baseline: bounded Levenberg–Marquardt from several random starts
+//! (multistart). It is what anybody would try first, and what a population search has to beat.
 
 use std::convert::Infallible;
 
@@ -11,11 +11,12 @@ use super::steps::Steps;
 pub(super) const STEPS: Steps =
     Steps { closed_form: false, network: false, search: Some(&MultiStart), refinement: true };
 
-/// Starts, uniform over the search range: as many as the paper's colony has food sources.
+/// Number of starts, uniform over the search range: as many as the paper's colony has food sources.
 const STARTS: usize = 10;
 
-/// Evaluations of the shortest descent: K, the derivatives, a step and the derivatives there.
-const SHORTEST: usize = 4;
+/// Evaluations of the shortest descent: solving for K, the derivatives, one step, and the
+/// derivatives there.
+const SHORTEST_DESCENT: usize = 4;
 
 struct MultiStart;
 
@@ -26,7 +27,7 @@ impl Optimiser for MultiStart {
 
     fn search(&self, search: &mut Search<'_>, rng: &mut ChaCha8Rng) -> Result<Infallible, Stop> {
         for start in search.population(STARTS, rng) {
-            if search.left() < SHORTEST {
+            if search.left() < SHORTEST_DESCENT {
                 return Err(Stop::BudgetSpent);
             }
             search.descend(&start)?;

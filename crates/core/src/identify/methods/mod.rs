@@ -1,8 +1,8 @@
-//! The methods: one file a method, one line in the list [`METHODS`].
+//! The identification methods: one file for each, one entry in the list [`METHODS`].
 //!
-//! A method is the stages it has. They run in this order, each handing on what it found:
-//! closed form, network, search, refinement. Which of them run is up to the options too; a stage
-//! that a method lacks does not run whatever they say.
+//! A method is defined by the stages it has. They run in this order, each starting from what the
+//! previous ones found: closed form, network, search, refinement. Options can disable the stages of
+//! a method but cannot add any.
 
 mod abc_ann;
 mod aga_ann;

@@ -1,14 +1,14 @@
-//! `pso-ann`: as `abc-ann` with a particle swarm in place of the colony.
+//! Method `pso-ann`: like `abc-ann`, with particle swarm optimisation in place of the colony.
 //!
 //! ```text
 //!   vⱼ ← χ (vⱼ + φ₁ r₁ (pⱼ − xⱼ) + φ₂ r₂ (gⱼ − xⱼ)),   x ← x + v,   r uniform in [0, 1] for each j
 //! ```
 //!
-//! with p the best point of the particle, g that of the swarm, φ₁ = φ₂ = 2.05 and the
-//! constriction χ = 2/|2 − φ − √(φ² − 4φ)|, φ = φ₁ + φ₂: M. Clerc and J. Kennedy, IEEE Trans.
-//! Evolutionary Computation 6 (2002) 58, doi:10.1109/4235.985692. A particle that would leave
-//! the cube is stopped at its face, its speed across it set to 0. It begins at rest, so that
-//! proposals are looked at before they are left.
+//! with p the best point of the particle, g that of the swarm, φ₁ = φ₂ = 2.05 and the constriction
+//! χ = 2/|2 − φ − √(φ² − 4φ)|, φ = φ₁ + φ₂: M. Clerc and J. Kennedy, IEEE Trans. Evolutionary
+//! Computation 6 (2002) 58, doi:10.1109/4235.985692. A particle that would leave the cube stops at
+//! its face, and that component of its velocity becomes 0. Particles start at rest, so that the
+//! neighbourhood of the proposals is searched first.
 
 use std::convert::Infallible;
 
@@ -21,7 +21,8 @@ use super::steps::Steps;
 pub(super) const STEPS: Steps =
     Steps { closed_form: true, network: true, search: Some(&ParticleSwarm), refinement: true };
 
-/// Particles: with 1010 evaluations fifty rounds, as many as the paper's colony has cycles.
+/// Number of particles: 1010 evaluations make fifty rounds, as many as the paper's colony has
+/// cycles.
 const PARTICLES: usize = 20;
 
 /// φ₁ and φ₂.

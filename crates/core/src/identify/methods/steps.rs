@@ -2,14 +2,14 @@
 
 use crate::identify::optimiser::Optimiser;
 
-/// Stages of a method.
+/// The stages of a method.
 pub(in super::super) struct Steps {
-    /// A start from the data alone.
+    /// Whether it has a closed-form start, computed from the data alone.
     pub closed_form: bool,
-    /// A network that proposes from measured features.
+    /// Whether it has a network that proposes parameters from measured features.
     pub network: bool,
-    /// The search; `None`: the closed form is the answer.
+    /// The search; `None` if the closed form is the answer.
     pub search: Option<&'static dyn Optimiser>,
-    /// Levenberg–Marquardt from the best that was found.
+    /// Whether Levenberg–Marquardt refines the best points found.
     pub refinement: bool,
 }

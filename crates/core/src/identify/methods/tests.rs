@@ -1,4 +1,4 @@
-//! What holds for every method.
+//! Tests that hold for every method.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,10 +11,10 @@ use crate::answers::IdentifyOptions;
 use crate::identify::bee_colony::{Objective, uniform};
 use crate::identify::optimiser::{Descent, Generation, Search, Smooth, Stop};
 
-/// Where the valley lies.
+/// The minimum of the valley.
 const LOWEST: [f64; 4] = [0.3, 0.62, 0.45, 0.7];
 
-/// A valley a hundred times as steep across as along, its axes turned against the coordinates.
+/// A quadratic valley, 100 times as steep across as along, not aligned with the coordinates.
 #[derive(Default)]
 struct Valley {
     evaluated: AtomicUsize,
@@ -36,7 +36,7 @@ impl Objective for Valley {
 }
 
 impl Smooth for Valley {
-    /// Halves the distance with every second evaluation.
+    /// Halves the distance to the minimum with every two evaluations.
     fn descend(&self, from: &[f64], most: usize, on_step: &mut dyn FnMut(usize, f64)) -> Descent {
         let mut point = from.to_vec();
         let mut evaluations = 0;
@@ -110,9 +110,9 @@ fn every_search_stops_at_its_budget_and_counts_what_it_spends() {
     }
 }
 
-// With as many evaluations as the paper's colony and no proposal: the middle of ten seeds against
-// the middle of twenty draws of as many points. The luckiest of the twenty is beaten by all but
-// `aga-ann`, whose rates break up what is below the mean.
+// Each search has as many evaluations as the paper's colony, and no proposal. The median of ten
+// seeds must beat the median of twenty batches of as many random points. All but `aga-ann`, whose
+// rates disrupt solutions below the mean, also beat the best of the twenty.
 #[test]
 fn every_search_comes_down_a_narrow_valley_further_than_drawing_points_does() {
     let drawn = (1..=20).map(|seed| {

@@ -1,14 +1,16 @@
-//! Adam steps with decoupled weight decay.
+//! Adam optimiser steps with decoupled weight decay (D. Kingma and J. Ba, arXiv:1412.6980; I.
+//! Loshchilov and F. Hutter, arXiv:1711.05101).
 
-/// Step length at the first epoch, standardised units.
+/// Learning rate at the first epoch, in standardised units (tuned).
 const LEARNING_RATE: f64 = 0.01;
-/// Forgetting of the gradient's mean and mean square: the paper's defaults.
-const FIRST_MOMENT: f64 = 0.9;
-const SECOND_MOMENT: f64 = 0.999;
-/// Keeps the step finite where a gradient has always been 0.
-const TINY: f64 = 1e-8;
-/// Share of the learning rate by which weights shrink a step. Light: a few hundred
-/// samples and a thousand weights would otherwise overfit.
+/// β₁, decay rate of the running mean of the gradient: the default of Kingma and Ba.
+const FIRST_MOMENT_DECAY: f64 = 0.9;
+/// β₂, decay rate of the running mean square of the gradient: the default of Kingma and Ba.
+const SECOND_MOMENT_DECAY: f64 = 0.999;
+/// ε: keeps the step finite where a gradient has always been 0.
+const STEP_EPSILON: f64 = 1e-8;
+/// Weights shrink by this times the learning rate in every step (tuned). Without decay, a few
+/// hundred samples would be overfitted by a thousand weights.
 const WEIGHT_DECAY: f64 = 0.01;
 
 /// Running moments of the gradient.
@@ -23,8 +25,8 @@ impl Adam {
         Self { mean: vec![0.0; weights], mean_square: vec![0.0; weights], steps: 0 }
     }
 
-    /// One step down `gradient`, a sum over `samples` samples, with the learning rate
-    /// times `rate_factor`.
+    /// One step against `gradient`, a sum over `samples` samples; the learning rate is multiplied
+    /// by `rate_factor`.
     pub(super) fn step(
         &mut self,
         weights: &mut [f64],
@@ -34,14 +36,15 @@ impl Adam {
     ) {
         self.steps = self.steps.saturating_add(1);
         let rate = LEARNING_RATE * rate_factor;
-        let mean_correction = 1.0 / (1.0 - FIRST_MOMENT.powi(self.steps));
-        let square_correction = 1.0 / (1.0 - SECOND_MOMENT.powi(self.steps));
+        let mean_correction = 1.0 / (1.0 - FIRST_MOMENT_DECAY.powi(self.steps));
+        let square_correction = 1.0 / (1.0 - SECOND_MOMENT_DECAY.powi(self.steps));
         let moments = self.mean.iter_mut().zip(&mut self.mean_square);
         for ((weight, slope), (mean, square)) in weights.iter_mut().zip(gradient).zip(moments) {
             let slope = slope / samples;
-            *mean = FIRST_MOMENT * *mean + (1.0 - FIRST_MOMENT) * slope;
-            *square = SECOND_MOMENT * *square + (1.0 - SECOND_MOMENT) * slope * slope;
-            let step = *mean * mean_correction / ((*square * square_correction).sqrt() + TINY);
+            *mean = FIRST_MOMENT_DECAY * *mean + (1.0 - FIRST_MOMENT_DECAY) * slope;
+            *square = SECOND_MOMENT_DECAY * *square + (1.0 - SECOND_MOMENT_DECAY) * slope * slope;
+            let step =
+                *mean * mean_correction / ((*square * square_correction).sqrt() + STEP_EPSILON);
             *weight -= rate * (step + WEIGHT_DECAY * *weight);
         }
     }

@@ -1,17 +1,17 @@
-//! The network proper: one hidden layer of tanh, a linear output, and the gradient.
+//! The perceptron: one hidden layer of tanh neurons, a linear output, and back-propagation.
 //!
 //! ```text
 //!   hⱼ = tanh(bⱼ + Σᵢ xᵢ Wᵢⱼ)      yₖ = cₖ + Σⱼ hⱼ Vⱼₖ      loss = Σₖ (yₖ − tₖ)²/outputs
 //! ```
 //!
-//! All weights lie in one vector: W by input, b, V by output, c. In every loop the
-//! innermost index is contiguous, and sums over it are never reduced across lanes
-//! except for V, so that the compiler vectorises without reordering additions.
+//! All weights lie in one vector: W by input, b, V by output, c. The innermost index of every loop
+//! is contiguous, and only V is summed over it. The compiler can therefore vectorise without
+//! reordering additions.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// Weights of a network with one hidden layer.
+/// The weights of a network with one hidden layer.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Perceptron {
     hidden: usize,
@@ -24,7 +24,7 @@ pub(super) struct Workspace {
     hidden: Vec<f64>,
     output: Vec<f64>,
     hidden_slope: Vec<f64>,
-    /// Gradient of the summed loss, aligned with the weights.
+    /// Gradient of the summed loss, in the order of the weights.
     pub(super) gradient: Vec<f64>,
 }
 
@@ -40,7 +40,7 @@ impl Workspace {
 }
 
 impl Perceptron {
-    /// Weights uniform within ±√(6/(fan-in + fan-out)), biases 0.
+    /// Initial weights: uniform within ±√(6/(fan-in + fan-out)), biases 0 (Glorot and Bengio).
     pub(super) fn glorot(
         inputs: usize,
         hidden: usize,
@@ -64,7 +64,7 @@ impl Perceptron {
         &mut self.weights
     }
 
-    /// Where V begins: after W and b.
+    /// Index at which V begins, after W and b.
     fn output_start(&self) -> usize {
         self.weights.len() - (self.hidden + 1) * self.outputs
     }
@@ -96,7 +96,7 @@ impl Perceptron {
         squares.sum::<f64>() / self.outputs as f64
     }
 
-    /// Sum of the losses of the samples; their gradient is left in the workspace.
+    /// Sum of the losses of the samples. Their gradient is stored in the workspace.
     pub(super) fn loss_and_gradient<'s>(
         &self,
         samples: impl Iterator<Item = (&'s [f64], &'s [f64])>,
@@ -188,7 +188,7 @@ mod tests {
                 moved
             };
             let difference = (loss(&at(step)).0 - loss(&at(-step)).0) / (2.0 * step);
-            // Central differences err by step² and by rounding/step: both about 1e-10.
+            // Central differences err by step² and by rounding/step, both about 1e-10.
             assert!((slope - difference).abs() < 1e-8, "weight {index}: {slope} {difference}");
         }
     }

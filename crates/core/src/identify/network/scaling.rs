@@ -1,6 +1,6 @@
-//! Standardisation: mean 0 and deviation 1 over the samples.
+//! Standardisation: scales each component to mean 0 and standard deviation 1 over the samples.
 
-/// Mean and deviation of each component of a set of vectors.
+/// Mean and standard deviation of each component of a set of vectors.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scaling {
     means: Vec<f64>,
@@ -9,7 +9,7 @@ pub(super) struct Scaling {
 }
 
 impl Scaling {
-    /// Of samples of equal length; values that are not finite are passed over.
+    /// The scaling of samples of equal length; values that are not finite are ignored.
     pub(super) fn of<'a>(samples: impl Iterator<Item = &'a [f64]> + Clone) -> Self {
         let length = samples.clone().next().map_or(0, <[f64]>::len);
         assert!(length > 0, "samples without components");
@@ -20,7 +20,7 @@ impl Scaling {
             let mean = values().sum::<f64>() / count;
             let variance = values().map(|x| (x - mean).powi(2)).sum::<f64>() / count;
             means[component] = mean;
-            // Below this the variation is rounding.
+            // Smaller variation is rounding.
             let varies = variance.sqrt() > 1e-12 * mean.abs();
             deviations[component] = if varies { variance.sqrt() } else { 0.0 };
         }
@@ -36,8 +36,8 @@ impl Scaling {
         self.deviations[component]
     }
 
-    /// Standardises, clipped to ±`range`. What does not vary, or is not a number,
-    /// becomes 0, the mean.
+    /// Standardises `values`, clipped to ±`range`. A component that does not vary, and NaN, become
+    /// 0, the mean.
     pub(super) fn apply(&self, values: &[f64], range: f64, out: &mut [f64]) {
         assert_eq!(values.len(), self.len(), "components");
         for (component, (out, value)) in out.iter_mut().zip(values).enumerate() {
@@ -48,7 +48,7 @@ impl Scaling {
         }
     }
 
-    /// Back to the original units.
+    /// Converts standardised values back to the original units.
     pub(super) fn invert(&self, scaled: &[f64]) -> Vec<f64> {
         let terms = self.means.iter().zip(&self.deviations).zip(scaled);
         terms.map(|((mean, deviation), x)| mean + deviation * x).collect()

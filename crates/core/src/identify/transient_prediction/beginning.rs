@@ -1,16 +1,19 @@
-//! The initial state of a motion, where the upload does not give it: a maximum a posteriori estimate.
+//! The initial state of a motion, where the upload does not give it: a maximum a posteriori
+//! estimate.
 //!
-//! Its quantities are fitted by least squares to a first stretch. The prior is a normal distribution
-//! about rest, as wide as any initial state to which the axis can be brought; how much the stretch
-//! weighs against it depends on the model's own errors. With σ² the mean square of what the model
-//! leaves, s the width, and τ the samples after which the axis has forgotten its initial state,
+//! The unknown quantities are fitted by least squares to the first stretch of the motion. The prior
+//! is a normal distribution about rest. It is as wide as the initial states to which the input can
+//! bring the axis. How much the data weighs against the prior depends on the model's own error.
+//! With r the residuals, σ² the mean square of the model's error, τ the number of samples after
+//! which the axis has forgotten its initial state, x the unknowns less their values at rest, and s
+//! the standard deviations of the prior, the estimate minimises
 //!
 //! ```text
 //!   Σ r² + σ²·τ·Σ (x/s)²
 //! ```
 //!
-//! is least (one independent error in τ samples). Where rest explains the stretch as well, the axis
-//! begins at rest.
+//! (one independent error in τ samples). If rest explains the stretch as well, the axis begins at
+//! rest.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -20,48 +23,50 @@ use crate::simulate::{InitialState, NoResponse, Quantity, Unknown};
 
 use super::Model;
 
-/// Least mean square of what a model leaves, as a share of the square of the response: it keeps
-/// at rest what the stretch does not tell.
-const LEAST_ERROR: f64 = 1e-6;
+/// Smallest mean square error that is assumed of a model, as a share of the mean square of the
+/// response. It keeps the prior in force for a model that fits perfectly, so that unknowns that the
+/// stretch does not determine stay at rest.
+const SMALLEST_MODEL_ERROR: f64 = 1e-6;
 
-/// Width of the law of an unknown about rest, in its sizes: the deviation of a uniform law from
-/// one size below rest to one above, 1/√3.
-const WIDTH: f64 = 0.577_350_269_189_625_8;
+/// Standard deviation of the prior of an unknown, in units of [`Unknown::size`]: that of a uniform
+/// distribution over ±1, 1/√3.
+const PRIOR_STD: f64 = 0.577_350_269_189_625_8;
 
-/// By how much a moving beginning must lower the sum in variances of an independent error: that
-/// of one unknown at rest by chance exceeds 9 in 3 of 1000 motions.
-const CERTAIN: f64 = 9.0;
+/// A moving start must lower the sum by this many variances of an independent error, σ²·τ. If an
+/// unknown truly is at rest, that happens by chance in 3 of 1000 motions (χ² with one degree of
+/// freedom above 9).
+const LEAST_GAIN_IN_VARIANCES: f64 = 9.0;
 
-/// Share of the root mean square of the velocity by which a first velocity may differ from that
-/// which the first samples show.
-const BESIDE: f64 = 0.1;
+/// An estimated initial velocity is implausible if it differs from that of the first samples by
+/// more than this share of the rms velocity (tuned).
+const VELOCITY_TOLERANCE: f64 = 0.1;
 
-/// How much less a moving beginning must leave of the stretch than one at rest, as a share.
-const WORTH: f64 = 0.05;
+/// A moving start must also lower the sum by this share of the sum at rest (tuned).
+const LEAST_RELATIVE_GAIN: f64 = 0.05;
 
-/// Steps of the method of least squares.
-const STEPS: usize = 12;
+/// Most Levenberg–Marquardt steps (tuned).
+const MOST_STEPS: usize = 12;
 
-/// First positions that are tried where one acts on the motion.
-const POSITIONS: usize = 12;
+/// Initial positions that are tried if the position acts on the motion (tuned).
+const POSITIONS_TRIED: usize = 12;
 
-/// Positions from which least squares go on.
-const PROMISING: usize = 3;
+/// The best of these, from which least squares start (tuned).
+const POSITIONS_REFINED: usize = 3;
 
-/// A quantity that a motion was estimated to begin with.
+/// An estimated quantity of the initial state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Begun {
-    /// Which.
+    /// Which quantity.
     pub quantity: Quantity,
     /// Its value, in the units of the measurement.
     pub value: f64,
-    /// Why no axis is likely to begin so, in words.
+    /// Why the value is implausible, in words; `None` if it is plausible.
     pub implausible: Option<String>,
 }
 
 impl Model<'_> {
-    /// The beginning that explains the first `count` samples, and what in it is not as at
-    /// rest.
+    /// Estimates the initial state from the first `count` samples. Returns it with the quantities
+    /// that were estimated; there are none if the axis begins at rest.
     pub(super) fn estimated(
         &self,
         rest: InitialState,
@@ -79,19 +84,22 @@ impl Model<'_> {
             unknowns: &unknowns,
             measured: self.compared(&output[..count]),
             size,
-            error: LEAST_ERROR * independent,
+            error: SMALLEST_MODEL_ERROR * independent,
         };
         let still = vec![0.0; unknowns.len()];
         let free = search.best(search.starts()?)?;
-        // A beginning that is right leaves less of what follows than rest does; one that makes up
-        // for something else does not.
-        let later = [&still, &free.1].map(|point| self.left_later(&search.initial(point), count));
+        // The model's error σ² is measured on the samples after the stretch, for both candidates. A
+        // correct initial state also improves these. One that merely compensates for an error of
+        // the model does not, and then rest has the smaller error.
+        let later = [&still, &free.1].map(|point| self.later_error(&search.initial(point), count));
         let [rest_later, free_later] = later;
         let error = rest_later?.min(free_later?) / (size * size);
-        search.error = error.max(LEAST_ERROR) * independent;
+        search.error = error.max(SMALLEST_MODEL_ERROR) * independent;
         let at_rest = search.cost(&still)?;
         let best = search.best(vec![free.1])?;
-        if best.0 > (1.0 - WORTH) * at_rest || at_rest - best.0 < CERTAIN * search.error {
+        if best.0 > (1.0 - LEAST_RELATIVE_GAIN) * at_rest
+            || at_rest - best.0 < LEAST_GAIN_IN_VARIANCES * search.error
+        {
             return Ok((rest, Vec::new()));
         }
         let shown = self.first_velocity(count);
@@ -104,8 +112,8 @@ impl Model<'_> {
         Ok((search.initial(&best.1), begun))
     }
 
-    /// Mean square of what the model leaves of a motion behind the first `count` samples.
-    fn left_later(&self, initial: &InitialState, count: usize) -> Result<f64, NoResponse> {
+    /// Mean square error of the model after the first `count` samples.
+    fn later_error(&self, initial: &InitialState, count: usize) -> Result<f64, NoResponse> {
         let Transient { input, output, .. } = self.transient;
         let simulated = self.response(input.len(), initial)?;
         let pairs = self.compared(&output[count..]).into_iter();
@@ -114,8 +122,8 @@ impl Model<'_> {
         Ok(squares / (output.len() - count).max(1) as f64)
     }
 
-    /// The velocity that the first samples of a stretch show, and what the velocity is over the
-    /// whole motion (root mean square); `None` of an acceleration, which shows none.
+    /// The velocity that the first samples show, and the rms velocity of the whole motion; `None`
+    /// for an acceleration, from which neither can be read.
     fn first_velocity(&self, count: usize) -> Option<[f64; 2]> {
         let Transient { output, step_s, .. } = self.transient;
         let early = &output[..(count / 20).clamp(4, 50).min(output.len())];
@@ -126,7 +134,8 @@ impl Model<'_> {
                 Some([mean, rms(output.iter().map(|v| v * v).sum(), output.len())])
             }
             ResponseKind::Position => {
-                // Of neighbours as far apart as the slope is taken over, lest noise count.
+                // Take differences over the same span as the slope, so that noise does not dominate
+                // them.
                 let apart = early.len() - 1;
                 let steps = output.iter().zip(&output[apart..]);
                 let squares = steps.map(|(a, b)| ((b - a) / (apart as f64 * step_s)).powi(2));
@@ -136,7 +145,7 @@ impl Model<'_> {
         }
     }
 
-    /// Why an axis is unlikely to begin with this value of an unknown.
+    /// Why this initial value of an unknown is implausible; `None` if it is plausible.
     fn implausible(
         &self,
         unknown: &Unknown,
@@ -148,11 +157,12 @@ impl Model<'_> {
             return Some(format!("it is beyond {size:.4}, what the largest input brings it to"));
         }
         let [first, usual] = shown.filter(|_| quantity == Quantity::Velocity)?;
-        ((value - first).abs() > BESIDE * usual).then(|| {
+        ((value - first).abs() > VELOCITY_TOLERANCE * usual).then(|| {
             format!("the first samples show {first:.4}, with {usual:.4} rms over the motion")
         })
     }
 
+    /// The quantities of the initial state that act on the motion and are not given.
     fn unknowns(&self) -> Vec<Unknown> {
         let Transient { input, output, step_s, beginning, .. } = self.transient;
         let largest = input.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
@@ -183,7 +193,7 @@ impl Model<'_> {
     }
 }
 
-/// Slope of the straight line through some values, per step.
+/// Slope of the regression line through equally spaced values, per step.
 fn slope(values: &[f64]) -> f64 {
     let count = values.len() as f64;
     let about = |n: usize| n as f64 - 0.5 * (count - 1.0);
@@ -191,15 +201,16 @@ fn slope(values: &[f64]) -> f64 {
     sum * 12.0 / (count * (count * count - 1.0))
 }
 
-/// Least squares over a first stretch. Unknowns are counted from rest in their sizes.
+/// Least squares over the first stretch. A point holds, for each unknown, its distance from rest in
+/// units of [`Unknown::size`].
 struct Search<'a> {
     model: &'a Model<'a>,
     rest: InitialState,
     unknowns: &'a [Unknown],
     measured: Vec<f64>,
-    /// Of the response, root mean square.
+    /// Rms of the response.
     size: f64,
-    /// σ²·τ, in squares of the size.
+    /// σ²·τ, divided by the square of `size`.
     error: f64,
 }
 
@@ -207,8 +218,9 @@ impl Search<'_> {
     fn initial(&self, point: &[f64]) -> InitialState {
         let mut initial = self.rest;
         for (unknown, x) in self.unknowns.iter().zip(point) {
-            // At rest as it is without being told: where nothing is known of a torque it is
-            // what the actuator was told, whatever stands ahead of it.
+            // An unknown at rest is not set: the simulation has its own rest value. For a torque
+            // that is the actuator's output under the first input, after any effects ahead of the
+            // actuator.
             if *x != 0.0 || unknown.quantity == Quantity::Velocity {
                 initial.set(unknown.quantity, unknown.at_rest + x * unknown.size);
             }
@@ -216,14 +228,14 @@ impl Search<'_> {
         initial
     }
 
-    /// What is left of the stretch, and what the unknowns cost.
+    /// Residuals of the stretch, divided by `size`, then those of the prior.
     fn residuals(&self, point: &[f64]) -> Result<DVector<f64>, NoResponse> {
         let count = self.measured.len();
         let simulated = self.model.response(count, &self.initial(point))?;
         let left = self.model.compared(&simulated);
         let left = left.iter().zip(&self.measured).map(|(s, m)| (m - s) / self.size);
-        let reluctance = self.error.sqrt() / WIDTH;
-        let all: Vec<f64> = left.chain(point.iter().map(|x| reluctance * x)).collect();
+        let prior_weight = self.error.sqrt() / PRIOR_STD;
+        let all: Vec<f64> = left.chain(point.iter().map(|x| prior_weight * x)).collect();
         Ok(DVector::from_vec(all))
     }
 
@@ -231,7 +243,8 @@ impl Search<'_> {
         Ok(self.residuals(point)?.norm_squared())
     }
 
-    /// A velocity as the first samples show it, and the positions that suit them best.
+    /// Starting points: the velocity of the first samples, with the initial positions that suit it
+    /// best.
     fn starts(&self) -> Result<Vec<Vec<f64>>, NoResponse> {
         let shown = self.model.first_velocity(self.measured.len());
         let velocity = shown.map_or(0.0, |[first, _]| first);
@@ -244,17 +257,17 @@ impl Search<'_> {
         let position = self.unknowns.iter().position(|u| u.quantity == Quantity::Position);
         let Some(position) = position else { return Ok(vec![start]) };
         let mut tried = Vec::new();
-        for step in 0..POSITIONS {
+        for step in 0..POSITIONS_TRIED {
             let mut point = start.clone();
-            point[position] = 2.0 * (step as f64 + 0.5) / POSITIONS as f64 - 1.0;
+            point[position] = 2.0 * (step as f64 + 0.5) / POSITIONS_TRIED as f64 - 1.0;
             tried.push((self.cost(&point)?, point));
         }
         tried.push((self.cost(&start)?, start));
         tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(tried.into_iter().take(PROMISING).map(|(_, point)| point).collect())
+        Ok(tried.into_iter().take(POSITIONS_REFINED).map(|(_, point)| point).collect())
     }
 
-    /// The least sum, and where, that is found from these points or rest.
+    /// The least sum, and its point, found by least squares from `starts`; rest is a candidate too.
     fn best(&self, starts: Vec<Vec<f64>>) -> Result<(f64, Vec<f64>), NoResponse> {
         let still = vec![0.0; self.unknowns.len()];
         let mut best = (self.cost(&still)?, still);
@@ -267,13 +280,13 @@ impl Search<'_> {
         Ok(best)
     }
 
-    /// Levenberg–Marquardt's method with differences.
+    /// Levenberg–Marquardt with forward differences.
     fn least_squares(&self, start: Vec<f64>) -> Result<(f64, Vec<f64>), NoResponse> {
         const DIFFERENCE: f64 = 1e-5;
         let mut point = start;
         let mut left = self.residuals(&point)?;
         let mut damping = 1e-3;
-        for _ in 0..STEPS {
+        for _ in 0..MOST_STEPS {
             let mut jacobian = DMatrix::zeros(left.len(), point.len());
             for column in 0..point.len() {
                 let mut moved = point.clone();
@@ -314,9 +327,9 @@ mod tests {
     use super::*;
     use crate::identify::fixtures::{ACTUATORS, axis};
 
-    // A velocity of 0.1 over 200 samples, with a step of 0.01 s.
+    // A velocity of 0.1 for 200 samples, sampled every 0.01 s.
     #[test]
-    fn a_beginning_is_implausible_beyond_what_the_input_does_or_beside_what_is_measured() {
+    fn a_beginning_is_implausible_beyond_the_reach_of_the_input_or_far_from_the_first_samples() {
         let transient = Transient {
             step_s: 0.01,
             input: vec![1.0; 200],
@@ -337,7 +350,7 @@ mod tests {
         assert_eq!(model.implausible(&torque, 2.9, shown), None);
         assert!(model.implausible(&torque, 3.1, shown).is_some());
 
-        // The same as a position, which rises by 0.001 a step.
+        // The same motion as a position, which rises by 0.001 per step.
         let output = (0..200).map(|n| 0.001 * f64::from(n)).collect();
         let transient = Transient { output, ..transient.clone() };
         let position = Model { kind: ResponseKind::Position, transient: &transient, ..model };

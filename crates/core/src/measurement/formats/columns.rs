@@ -1,4 +1,4 @@
-//! The columns an upload may have.
+//! Names of the columns that an upload may have.
 
 /// A known column, in a CSV header or as a JSON key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,7 +50,7 @@ pub(super) const TIME_RECORD: &[Column] =
     &[Column::TimeS, Column::Input, Column::Output, Column::Segment];
 
 impl Column {
-    /// How many there are.
+    /// Number of columns.
     pub(super) const COUNT: usize = HARMONIC_TABLE.len() + TIME_RECORD.len();
 
     pub(super) fn name(self) -> &'static str {
@@ -78,7 +78,7 @@ impl Column {
         }
     }
 
-    /// The column of this name among those of a format.
+    /// The column with this name, if it is one of `among`.
     pub(super) fn find(name: &str, among: &[Column]) -> Option<Column> {
         among.iter().copied().find(|column| column.name() == name)
     }

@@ -1,8 +1,8 @@
-//! How an upload writes amplitudes and phases, and what they become.
+//! Amplitude and phase conventions of an upload, and their conversion to those of this crate.
 
 use crate::measurement::Complex;
 
-/// What phases are relative to.
+/// Signal to which phases are referred.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Reference {
     /// x(t) = Re Σ Xₖ exp(jkωt).
@@ -12,7 +12,7 @@ pub(super) enum Reference {
     Sine,
 }
 
-/// What an amplitude counts.
+/// Meaning of an amplitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum AmplitudeUnit {
     #[default]
@@ -21,7 +21,7 @@ pub(super) enum AmplitudeUnit {
     PeakToPeak,
 }
 
-/// Both.
+/// Phase reference and amplitude unit of an upload.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Convention {
     pub(super) reference: Reference,
@@ -29,7 +29,7 @@ pub(super) struct Convention {
 }
 
 impl Convention {
-    /// Peak amplitude of one unit of amplitude as written.
+    /// Factor from an amplitude as written to a peak amplitude.
     pub(super) fn peak(self) -> f64 {
         match self.amplitude {
             AmplitudeUnit::Peak => 1.0,
@@ -38,17 +38,17 @@ impl Convention {
         }
     }
 
-    /// A standard deviation of harmonic k, which is scaled as the harmonic is.
+    /// Standard deviation of harmonic k, scaled in the same way as the harmonic.
     pub(super) fn deviation(self, k: usize, std: f64) -> f64 {
         if k == 0 { std } else { std * self.peak() }
     }
 
     /// Harmonic k of an input or a response in the convention of this crate.
     ///
-    /// A mean is a mean in every convention. With a sine reference the origin
-    /// of time moves by a quarter of the period, t = t′ + T/4, so that
-    /// m·sin(ωt) = m·cos(ωt′) and Im Zₖ exp(jkωt) = Re Zₖ j^(k−1) exp(jkωt′):
-    /// harmonic k is turned by (k−1)·90°, of the input as of the response.
+    /// The mean (k = 0) is the same in every convention. With a sine reference the origin of time
+    /// moves by a quarter of a period, t = t′ + T/4. Then m·sin(ωt) = m·cos(ωt′) and
+    /// Im Zₖ exp(jkωt) = Re Zₖ j^(k−1) exp(jkωt′), so harmonic k of both input and response is
+    /// rotated by (k−1)·90°.
     pub(super) fn harmonic(self, k: usize, written: Complex) -> Complex {
         if k == 0 {
             return Complex::new(written.re, 0.0);
@@ -71,7 +71,7 @@ impl Convention {
 mod tests {
     use super::*;
 
-    /// y(t) from cosine-referenced harmonics.
+    /// y(t) at ωt = `phase` from cosine-referenced harmonics.
     fn value(harmonics: &[Complex], phase: f64) -> f64 {
         harmonics
             .iter()

@@ -1,4 +1,4 @@
-//! CSV with a preamble of `# key: value` lines: text in, a [`Table`] out.
+//! Parses CSV with a preamble of `# key: value` lines into a [`Table`].
 
 use super::columns::Column;
 use super::fault::Fault;
@@ -6,11 +6,11 @@ use super::header::Header;
 use super::limits::MAX_ROWS;
 use super::table::{Place, Table};
 
-/// A CSV file of which preamble and header are read.
+/// A CSV file whose preamble and header have been read.
 pub(super) struct CsvText<'a> {
-    /// The metadata before the header.
+    /// The metadata in the preamble.
     pub(super) header: Header,
-    /// What was not understood in it.
+    /// Remarks on unknown metadata keys.
     pub(super) notes: Vec<String>,
     names: Vec<String>,
     names_line: u64,
@@ -48,7 +48,7 @@ impl<'a> CsvText<'a> {
         self.names.iter().any(|name| name == column.name())
     }
 
-    /// A fault in the header.
+    /// A fault at the line of the column names.
     pub(super) fn fault_of_header(&self, reason: impl Into<String>) -> Fault {
         let mut reason = reason.into();
         if self.names.len() == 1 && self.names[0].contains([';', '\t']) {
@@ -57,7 +57,7 @@ impl<'a> CsvText<'a> {
         Fault::new(reason).at_line(Some(self.names_line))
     }
 
-    /// Reads all rows: the columns of one format as numbers; the others are noted.
+    /// Reads the columns of one format as numbers, and notes the names of all others.
     pub(super) fn table(
         mut self,
         format: &[Column],
@@ -119,8 +119,8 @@ impl<'a> CsvText<'a> {
     }
 }
 
-/// To the CSV reader a bare carriage return ends a row but not a comment, which
-/// would swallow the rows after it.
+/// Refuses a carriage return without a line feed. The CSV reader takes it as the end of a row but
+/// not of a comment, so a comment would swallow the rows after it.
 fn refuse_bare_returns(text: &str) -> Result<(), Fault> {
     let bytes = text.as_bytes();
     let bare = |at: &usize| bytes[*at] == b'\r' && bytes.get(at + 1) != Some(&b'\n');
@@ -130,7 +130,7 @@ fn refuse_bare_returns(text: &str) -> Result<(), Fault> {
         .at_line(Some(line)))
 }
 
-/// Metadata, remarks on it, the text from the header on, and its line.
+/// Metadata, remarks on it, the text that begins with the header, and the header's line number.
 fn preamble(text: &str) -> Result<(Header, Vec<String>, &str, u64), Fault> {
     let mut header = Header::default();
     let mut notes = Vec::new();
@@ -145,7 +145,7 @@ fn preamble(text: &str) -> Result<(Header, Vec<String>, &str, u64), Fault> {
         if let Some((key, value)) = line.trim_start_matches('#').split_once(':') {
             let key = key.trim();
             let known = header.set(Some(number), key, value.trim())?;
-            // A sentence may hold a colon; a misspelled key is one word.
+            // A free-text comment may contain a colon, but only a misspelled key is one word.
             if !known && !key.is_empty() && !key.contains(char::is_whitespace) {
                 notes.push(format!("line {number}: metadata key {key} is unknown and not used"));
             }
@@ -156,10 +156,10 @@ fn preamble(text: &str) -> Result<(Header, Vec<String>, &str, u64), Fault> {
     Ok((header, notes, rest, number))
 }
 
-/// Finds the line of a record from its byte.
+/// Finds the line number of a record from its byte offset.
 ///
-/// The reader's own line is that of the blank lines and comments before the
-/// record, and lags behind with CRLF.
+/// The CSV reader's own line number is that of the first blank line or comment before the record,
+/// and it falls behind in files with CRLF.
 struct LineCounter<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -167,7 +167,7 @@ struct LineCounter<'a> {
 }
 
 impl LineCounter<'_> {
-    /// The line of the record that the reader began to look for at `start`.
+    /// The line of the record that the reader began to search for at byte `start`.
     fn line_of_record(&mut self, start: usize) -> u64 {
         self.advance_to(start);
         while let Some(byte) = self.bytes.get(self.at) {
@@ -197,7 +197,8 @@ fn first_twice(names: &[String]) -> Option<&str> {
     names.iter().find(|name| !name.is_empty() && !seen.insert(name.as_str())).map(String::as_str)
 }
 
-/// Quotes after a space are part of the field for a CSV reader, not for people.
+/// Removes quotes around a field. The CSV reader keeps those that follow a space as part of the
+/// field.
 fn unquote(field: &str) -> &str {
     let inner = field.strip_prefix('"').and_then(|field| field.strip_suffix('"'));
     inner.unwrap_or(field).trim()
@@ -224,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_those_of_the_file_whatever_stands_between_the_rows() {
+    fn blank_lines_and_comments_count_in_line_numbers() {
         for newline in ["\n", "\r\n"] {
             let text = "# axis: X\n\n# free text\nre,im\n\n1,2\n# a remark\n\n3,4\n5,6\n\n\n"
                 .replace('\n', newline);

@@ -1,22 +1,21 @@
-//! Where an upload is wrong, and what is wrong.
+//! Errors in an upload.
 
-/// Where an upload is wrong, and what is wrong.
+/// An error in an upload: where it is, and what is wrong.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{file}{}{}: {reason}", line.map(|n| format!(", line {n}")).unwrap_or_default(),
     column.as_ref().map(|c| format!(", column {c}")).unwrap_or_default())]
 pub struct ParseError {
     /// Name of the file.
     pub file: String,
-    /// Line, from 1, where one can be named.
+    /// Line, counted from 1, if one can be named.
     pub line: Option<u64>,
-    /// Name of the column (or JSON path, or key of the metadata), where one
-    /// can be named.
+    /// Name of the column (or JSON path, or metadata key), if one can be named.
     pub column: Option<String>,
     /// What is wrong, and what would be right.
     pub reason: String,
 }
 
-/// A [`ParseError`] without its file.
+/// A [`ParseError`] without the file name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Fault {
     line: Option<u64>,

@@ -1,4 +1,4 @@
-//! One row of a harmonic table.
+//! Reads one row of a harmonic table.
 
 use super::columns::Column;
 use super::convention::Convention;
@@ -8,33 +8,33 @@ use super::limits::MAX_HARMONIC;
 use super::table::Row;
 use crate::measurement::{Complex, size};
 
-/// What makes rows one experiment.
+/// Identifies the experiment that a row belongs to: rows with equal keys form one experiment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Key {
-    /// The column `experiment`.
+    /// Value of the column `experiment`.
     Index(u64),
-    /// The same magnitude and frequency, bit by bit.
+    /// Bit patterns of magnitude and frequency.
     Pair(u64, u64),
 }
 
-/// One row, in the conventions of this crate.
+/// One row, converted to the conventions of this crate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entry {
     pub(super) key: Key,
-    /// m, peak, where the table has it.
+    /// Peak magnitude m, if the table has it.
     pub(super) magnitude: Option<f64>,
     pub(super) omega_rad_s: f64,
     pub(super) harmonic: usize,
     pub(super) repeat: u64,
     pub(super) run: Option<f64>,
-    /// Yₖ; a row may give the input alone.
+    /// Yₖ; `None` if the row gives the input alone.
     pub(super) response: Option<Complex>,
     pub(super) std: Option<f64>,
-    /// Uₖ, where measured.
+    /// Uₖ, if measured.
     pub(super) input: Option<Complex>,
     /// Index of the row in its table.
     pub(super) row: usize,
-    /// Whether the imaginary part of a mean was left out.
+    /// Whether a nonzero imaginary part of a mean was discarded.
     pub(super) mean_had_imaginary_part: bool,
 }
 
@@ -90,8 +90,10 @@ impl Entry {
         Ok(entry)
     }
 
-    /// What is wrong with the size of a value, at its column. Of a response, an input line and a
-    /// deviation only what is too large is: single ones may be as small as rounding.
+    /// Checks that no value is too large or too small, and names the column of one that is.
+    ///
+    /// A response, an input line and a deviation are checked for the upper limit only, because
+    /// single ones may be as small as rounding errors.
     fn check_sizes(&self, row: Row<'_>, layout: Layout) -> Result<(), Fault> {
         let large = |z: Option<Complex>| z.map(|z| z.re.abs().max(z.im.abs()).max(1.0));
         let response = response_column(layout.form);
@@ -133,7 +135,7 @@ fn magnitude(row: Row<'_>, layout: Layout) -> Result<Option<f64>, Fault> {
             Column::Magnitude,
             format!("magnitude {m} is negative; a phase of 180° belongs to the response"),
         )),
-        // −0 and 0 are one magnitude.
+        // −0 and 0 must give the same bits, which are part of the key.
         magnitude => Ok(magnitude.map(f64::abs)),
     }
 }
@@ -152,7 +154,8 @@ fn frequency(row: Row<'_>, layout: Layout) -> Result<f64, Fault> {
     Ok(omega_rad_s)
 }
 
-/// Two cells that are both given or both blank; a mean needs no second one.
+/// A complex number from two cells, which must be both given or both blank. For a mean the second
+/// may be blank.
 fn pair(
     row: Row<'_>,
     first: Column,
@@ -168,7 +171,7 @@ fn pair(
     }
 }
 
-/// Yₖ as written, except that a gain is multiplied by the magnitude.
+/// Yₖ in the conventions of the file, with a gain multiplied by the magnitude.
 fn response(
     row: Row<'_>,
     layout: Layout,
@@ -200,8 +203,7 @@ fn response(
                 return Err(row.fault(Column::Magnitude, "a gain needs the magnitude"));
             };
             let gain = if layout.form == Form::Gain { size } else { 10f64.powf(size / 20.0) };
-            // Both amplitudes of a gain are in the same convention, and the
-            // magnitude is a peak already.
+            // The caller multiplies the result by `peak`, but `m` is a peak value already.
             gain * m / convention.peak()
         }
         Form::Rectangular | Form::Polar => size,
@@ -209,7 +211,8 @@ fn response(
     Ok(Some(polar_deg(amplitude, phase_deg)))
 }
 
-/// Exact at multiples of 90°, so that 180° leaves no rounding in `im`.
+/// Complex number from amplitude and phase, exact at multiples of 90° (no rounding error in `im` at
+/// 180°).
 fn polar_deg(amplitude: f64, phase_deg: f64) -> Complex {
     let turn = phase_deg.rem_euclid(360.0);
     if turn == 0.0 {

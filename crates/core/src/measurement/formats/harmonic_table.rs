@@ -1,4 +1,4 @@
-//! Harmonic tables: rows of one experiment are brought together.
+//! Reads harmonic tables: groups the rows by experiment.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -18,11 +18,11 @@ pub(super) struct Group {
     pub(super) omega_rad_s: f64,
     /// Index of its first row.
     pub(super) row: usize,
-    /// By index of the repeat, in ascending order of harmonics.
+    /// Rows by index of the repeat, each in ascending order of harmonics.
     pub(super) repeats: BTreeMap<u64, Vec<Entry>>,
 }
 
-/// Experiments of a harmonic table.
+/// Reads the experiments of a harmonic table.
 pub(super) fn read(table: &Table, header: Header, mut notes: Vec<String>) -> Result<Part, Fault> {
     let layout = Layout::of(table)?;
     let entries = table
@@ -76,7 +76,7 @@ fn group(table: &Table, entries: &[Entry]) -> Result<Vec<Group>, Fault> {
     Ok(groups)
 }
 
-/// One experiment has one magnitude and one frequency.
+/// Checks that a row has the magnitude and frequency of its experiment.
 fn check_same(table: &Table, group: &Group, entry: &Entry, row: Row<'_>) -> Result<(), Fault> {
     let first = table.row(group.row).name();
     if entry.magnitude != group.magnitude {

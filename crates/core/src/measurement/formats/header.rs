@@ -1,4 +1,4 @@
-//! Metadata of one file, by its keys.
+//! Reads the `key: value` metadata of one file.
 
 use std::collections::BTreeMap;
 
@@ -8,31 +8,31 @@ use super::limits::MAX_SETTLE_PERIODS;
 use crate::measurement::units;
 use crate::measurement::{Beginning, Intersample, Loop, Metadata, Quantity, ResponseKind};
 
-/// What one file says of itself, and how its numbers are to be read.
+/// Metadata of one file, and the settings for reading its numbers.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Header {
     pub(super) metadata: Metadata,
     pub(super) convention: Convention,
     /// Period of a time record, s.
     pub(super) period_s: Option<f64>,
-    /// Whether a time record is said to have no period.
+    /// Whether the file states that a time record has no period (`period_s: none`).
     pub(super) aperiodic: bool,
-    /// What the input of such a record does between samples.
+    /// Course of the input of a record without period between samples.
     pub(super) intersample: Intersample,
-    /// How such a record begins.
+    /// Initial state of a record without period.
     pub(super) beginning: Beginning,
-    /// Periods of a time record to drop.
+    /// Periods to drop at the beginning of a time record.
     pub(super) settle_periods: usize,
-    /// Whether the repeats of a table were periods of one record.
+    /// Whether the repeats of a harmonic table are the periods of one record.
     pub(super) repeats_are_periods: bool,
     /// Line and value of every key seen.
     seen: BTreeMap<String, (Option<u64>, String)>,
 }
 
 impl Header {
-    /// Takes one `key: value`; `false` if no such key is known.
+    /// Reads one `key: value`; returns `false` if the key is unknown.
     pub(super) fn set(&mut self, line: Option<u64>, key: &str, value: &str) -> Result<bool, Fault> {
-        // A line break inside a JSON string would break the file it is written to.
+        // A JSON string may hold line breaks, which would corrupt a CSV preamble written from it.
         let value = value.split_whitespace().collect::<Vec<_>>().join(" ");
         let fault = |reason: String| Fault::new(reason).at_line(line).in_column(key);
         if !self.apply(key, &value).map_err(fault)? {
@@ -47,12 +47,12 @@ impl Header {
         Ok(true)
     }
 
-    /// Whether there is such a key.
+    /// Whether the key is known.
     pub(super) fn knows(key: &str) -> bool {
         !matches!(Self::default().apply(key, ""), Ok(false))
     }
 
-    /// Line in which a key was given.
+    /// Line of the file in which a key was given.
     pub(super) fn line_of(&self, key: &str) -> Option<u64> {
         self.seen.get(key).and_then(|(line, _)| *line)
     }
@@ -135,8 +135,8 @@ impl Header {
     }
 }
 
-/// `force N`: the first word is the name and the rest the unit;
-/// `motor current [A]`: the unit is in brackets at the end.
+/// Splits `force N` into the first word as name and the rest as unit, and `motor current [A]` at
+/// the brackets.
 fn quantity(text: &str) -> Quantity {
     let bracketed = [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
         let (name, unit) = text.strip_suffix(close)?.rsplit_once(open)?;
@@ -158,7 +158,7 @@ fn response_kind(name: &str) -> Result<ResponseKind, String> {
     }
 }
 
-/// A unit that belongs to another kind of response than the name says is a mistake in one of them.
+/// Checks that the unit of the response does not belong to another kind than its name.
 fn check_unit(metadata: &Metadata) -> Result<(), String> {
     let named = |kind: ResponseKind| format!("{kind:?}").to_lowercase();
     match units::kind_of(&metadata.response.unit) {
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn every_key_of_a_header_lands_where_it_belongs() {
+    fn every_header_key_sets_its_own_field() {
         assert_eq!(header("name", "axis test").metadata.name.as_deref(), Some("axis test"));
         assert_eq!(header("machine", "mill 3").metadata.machine.as_deref(), Some("mill 3"));
         assert_eq!(header("axis", "X").metadata.axis.as_deref(), Some("X"));

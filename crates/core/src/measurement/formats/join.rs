@@ -1,4 +1,4 @@
-//! Several files become one measurement.
+//! Joins the contents of several files into one measurement.
 
 use sha2::{Digest, Sha256};
 
@@ -7,7 +7,7 @@ use super::header::Header;
 use super::part::{Part, Source};
 use crate::measurement::{Measurement, Metadata, scatter};
 
-/// Joins what the files hold.
+/// Joins the parsed files, `parts[i]` from `sources[i]`.
 pub(super) fn join(sources: &[Source<'_>], parts: Vec<Part>) -> Result<Measurement, ParseError> {
     let several = sources.len() > 1;
     let (mut experiments, mut transients) = (Vec::new(), Vec::new());
@@ -28,7 +28,7 @@ pub(super) fn join(sources: &[Source<'_>], parts: Vec<Part>) -> Result<Measureme
         );
         for mut remarked in part.experiments {
             if several && part.runs_from_clock {
-                // The clocks of two files do not tell which came first.
+                // Clocks of different files cannot be compared, so they give no common order.
                 remarked.content.run = None;
             }
             experiments.push(remarked.content);
@@ -69,8 +69,10 @@ pub(super) fn join(sources: &[Source<'_>], parts: Vec<Part>) -> Result<Measureme
     joined.map_err(|error| fault(error.to_string()))
 }
 
-/// A quantity that one file leaves open may be what another says it is; the
-/// kind of the response is never open, since velocity is its default.
+/// Checks that a further file has the same units as those before it.
+///
+/// A name or unit that one of them does not state is compatible with any. The kind of the response
+/// always has a value, since it defaults to velocity.
 fn check_units(metadata: &Metadata, header: &Header, file: &str) -> Result<(), ParseError> {
     let fault = |key: &str, reason: String| ParseError {
         file: file.to_owned(),
@@ -95,7 +97,7 @@ fn check_units(metadata: &Metadata, header: &Header, file: &str) -> Result<(), P
     for (key, before, here) in pairs {
         let differ =
             |a: &str, b: &str| !a.is_empty() && !b.is_empty() && !a.eq_ignore_ascii_case(b);
-        // The case of a unit counts: mA is not MA.
+        // Units are case-sensitive: mA is not MA.
         let units_differ =
             !before.unit.is_empty() && !here.unit.is_empty() && before.unit != here.unit;
         if differ(&before.name, &here.name) || units_differ {
@@ -111,7 +113,8 @@ fn check_units(metadata: &Metadata, header: &Header, file: &str) -> Result<(), P
     Ok(())
 }
 
-/// Fills what is open; what contradicts is noted, and the first file holds.
+/// Takes over metadata that the earlier files do not state. Where the two contradict, keeps the
+/// earlier value and adds a note.
 fn merge(metadata: &mut Metadata, here: Metadata, file: &str, notes: &mut Vec<String>) {
     let mut differs = |key: &str| {
         notes.push(format!("{file}: {key} differs from that of the files before, which holds"));

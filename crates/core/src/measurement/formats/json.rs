@@ -1,4 +1,4 @@
-//! JSON uploads: what the CSV says, and records and tables side by side.
+//! Reads JSON uploads. They can hold the same data as CSV, and mix records and harmonic tables.
 
 use serde_json::{Map, Value};
 
@@ -12,14 +12,14 @@ use super::time_record::Read;
 use super::{harmonic_table, time_record};
 
 /// Keys that hold the data; one of them is needed.
-const DATA: [&str; 3] = ["rows", "columns", "experiments"];
+const DATA_KEYS: [&str; 3] = ["rows", "columns", "experiments"];
 
-/// Settings that one record of several may have for itself.
-const OWN: [&str; 5] =
+/// Settings that a single record of several may override.
+const RECORD_SETTINGS: [&str; 5] =
     ["period_s", "settle_periods", "initial_velocity", "initial_position", "settle_s"];
 
-/// Columns that stand beside the harmonics of an experiment.
-const LIFTED: [Column; 4] =
+/// Columns that are given once for an experiment, next to its `harmonics`.
+const SHARED_COLUMNS: [Column; 4] =
     [Column::Magnitude, Column::OmegaRadS, Column::FrequencyHz, Column::Run];
 
 /// Reads a whole upload.
@@ -40,7 +40,7 @@ pub(super) fn read(text: &str) -> Result<Part, Fault> {
         other => object(other, "")?,
     };
     let header = header(upload, &mut notes)?;
-    let mut given = DATA.iter().filter_map(|key| upload.get(*key).map(|value| (*key, value)));
+    let mut given = DATA_KEYS.iter().filter_map(|key| upload.get(*key).map(|value| (*key, value)));
     let Some((key, data)) = given.next() else {
         return Err(Fault::new("one of rows, columns and experiments is needed"));
     };
@@ -82,7 +82,7 @@ pub(super) fn read(text: &str) -> Result<Part, Fault> {
     Ok(Part { header, experiments, transients, notes, runs_from_clock: false })
 }
 
-/// What a value is, for messages.
+/// Type of a value, for messages.
 pub(super) fn kind(value: &Value) -> &'static str {
     match value {
         Value::Null => "null",
@@ -126,16 +126,17 @@ fn experiment(
     })?;
     let rows_path = join_path(path, "harmonics");
     let rows = array(harmonics, &rows_path)?;
-    let mut lifted = Vec::new();
+    let mut shared = Vec::new();
     for key in value.keys().filter(|key| *key != "harmonics") {
-        match Column::find(key, &LIFTED) {
-            Some(column) => lifted.push((column, cell(value, path, column.name())?)),
+        match Column::find(key, &SHARED_COLUMNS) {
+            Some(column) => shared.push((column, cell(value, path, column.name())?)),
             None => note_unknown(&join_path("experiments", key), notes),
         }
     }
-    // All rows are one experiment, whatever magnitudes they repeat.
-    lifted.push((Column::Experiment, Some(0.0)));
-    let table = of_rows(rows, &rows_path, columns::HARMONIC_TABLE, &lifted, notes)?;
+    // All rows belong to one experiment, even if they differ in magnitude or frequency, which is
+    // then refused.
+    shared.push((Column::Experiment, Some(0.0)));
+    let table = of_rows(rows, &rows_path, columns::HARMONIC_TABLE, &shared, notes)?;
     let mut part = harmonic_table::read(&table, header.clone(), Vec::new())?;
     for note in part.notes {
         if !notes.contains(&note) {
@@ -157,8 +158,9 @@ fn record(
     const SAMPLES: [Column; 3] = [Column::TimeS, Column::Input, Column::Output];
     let mut own = header.clone();
     for (key, setting) in value {
-        if OWN.contains(&key.as_str()) {
-            // The experiment's own setting may differ from that of the upload.
+        if RECORD_SETTINGS.contains(&key.as_str()) {
+            // A fresh header, because `set` refuses a key with two different values, and the
+            // experiment's setting may differ from that of the upload.
             let mut fresh = Header::default();
             fresh
                 .set(None, key, &scalar(setting, &join_path(path, key))?)
@@ -181,7 +183,7 @@ fn record(
     time_record::read_one(&table, run, &own)
 }
 
-/// The metadata at the top and in `metadata`.
+/// The metadata at the top level and in `metadata`.
 fn header(upload: &Map<String, Value>, notes: &mut Vec<String>) -> Result<Header, Fault> {
     let mut header = Header::default();
     for (key, value) in upload {
@@ -189,7 +191,7 @@ fn header(upload: &Map<String, Value>, notes: &mut Vec<String>) -> Result<Header
             for (key, value) in object(value, "metadata")? {
                 set(&mut header, key, value, &join_path("metadata", key), notes)?;
             }
-        } else if !DATA.contains(&key.as_str()) {
+        } else if !DATA_KEYS.contains(&key.as_str()) {
             set(&mut header, key, value, key, notes)?;
         }
     }
@@ -218,7 +220,7 @@ fn set(
     Ok(())
 }
 
-/// A string or a number as text.
+/// The text of a string or a number.
 fn scalar(value: &Value, path: &str) -> Result<String, Fault> {
     match value {
         Value::String(text) => Ok(text.clone()),
@@ -234,7 +236,7 @@ fn array<'a>(value: &'a Value, path: &str) -> Result<&'a Vec<Value>, Fault> {
     })
 }
 
-/// The finite number under a key of an object, if there is one.
+/// The number under a key of an object, if there is one.
 fn cell(object: &Map<String, Value>, path: &str, key: &str) -> Result<Option<f64>, Fault> {
     object
         .get(key)

@@ -1,4 +1,4 @@
-//! JSON rows and columns: values in, a [`Table`] out.
+//! Converts JSON rows (an array of objects) and columns (an object of arrays) into a [`Table`].
 
 use serde_json::{Map, Value};
 
@@ -8,21 +8,21 @@ use super::json::kind;
 use super::limits::MAX_ROWS;
 use super::table::{Place, Table, join_path};
 
-/// A table of an array of objects. What is in `lifted` stands beside the
-/// array and holds for all its rows.
+/// A table from an array of objects. `shared` are cells that are given once outside the array and
+/// apply to all its rows.
 pub(super) fn of_rows(
     rows: &[Value],
     path: &str,
     format: &[Column],
-    lifted: &[(Column, Option<f64>)],
+    shared: &[(Column, Option<f64>)],
     notes: &mut Vec<String>,
 ) -> Result<Table, Fault> {
     check_count(rows.len(), path)?;
-    let mut columns: Vec<Column> = lifted.iter().map(|(column, _)| *column).collect();
+    let mut columns: Vec<Column> = shared.iter().map(|(column, _)| *column).collect();
     for (index, row) in rows.iter().enumerate() {
         for key in object(row, &element(path, index))?.keys() {
             match Column::find(key, format) {
-                Some(column) if lifted.iter().any(|(held, _)| *held == column) => {
+                Some(column) if shared.iter().any(|(held, _)| *held == column) => {
                     return Err(Fault::new("given both here and beside the rows")
                         .in_column(join_path(&element(path, index), key)));
                 }
@@ -37,7 +37,7 @@ pub(super) fn of_rows(
         let row_path = element(path, index);
         let row = object(row, &row_path)?;
         let cells =
-            columns.iter().enumerate().map(|(position, column)| match lifted.get(position) {
+            columns.iter().enumerate().map(|(position, column)| match shared.get(position) {
                 Some((_, value)) => Ok(*value),
                 None => row.get(column.name()).map_or(Ok(None), number),
             });
@@ -46,7 +46,7 @@ pub(super) fn of_rows(
     Ok(table)
 }
 
-/// A table of an object of arrays.
+/// A table from an object of arrays.
 pub(super) fn of_columns(
     object: &Map<String, Value>,
     path: &str,
@@ -94,7 +94,7 @@ pub(super) fn object<'a>(value: &'a Value, path: &str) -> Result<&'a Map<String,
     })
 }
 
-/// Says once that a key is not known.
+/// Adds a note that a key is unknown, unless there is one already.
 pub(super) fn note_unknown(path: &str, notes: &mut Vec<String>) {
     let note = format!("{path} is unknown and not used");
     if !notes.contains(&note) {
@@ -102,7 +102,7 @@ pub(super) fn note_unknown(path: &str, notes: &mut Vec<String>) {
     }
 }
 
-/// A number, or none where the value is null.
+/// A number, or `None` if the value is null.
 pub(super) fn number(value: &Value) -> Result<Option<f64>, String> {
     match value {
         Value::Null => Ok(None),

@@ -1,23 +1,23 @@
-//! Which of the possible column sets a harmonic table has.
+//! Determines which of the possible sets of columns a harmonic table has.
 
 use super::columns::Column;
 use super::fault::Fault;
 use super::table::Table;
 
-/// How a table writes a harmonic of the response.
+/// Columns in which a table gives a harmonic of the response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Form {
     /// `re`, `im`.
     Rectangular,
     /// `amplitude`, `phase_deg`.
     Polar,
-    /// `gain`, `phase_deg`, of harmonic 1.
+    /// `gain`, `phase_deg`; harmonic 1 only.
     Gain,
-    /// `gain_db`, `phase_deg`, of harmonic 1.
+    /// `gain_db`, `phase_deg`; harmonic 1 only.
     GainDb,
 }
 
-/// The columns of a harmonic table, free of contradictions.
+/// The columns of a harmonic table, checked for contradictions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Layout {
     pub(super) form: Form,
@@ -32,8 +32,10 @@ pub(super) struct Layout {
 const FORMS: &str = "re,im or amplitude,phase_deg or gain,phase_deg or gain_db,phase_deg";
 
 impl Layout {
+    /// The layout of a table.
+    ///
     /// # Errors
-    /// A missing column, with its alternatives, or columns that contradict.
+    /// If a column is missing (the message names its alternatives) or columns contradict.
     pub(super) fn of(table: &Table) -> Result<Self, Fault> {
         let form = form(table)?;
         let hertz = match (table.has(Column::OmegaRadS), table.has(Column::FrequencyHz)) {

@@ -1,21 +1,21 @@
-//! How much one upload may hold.
+//! Limits on the size of one upload.
 //!
-//! A few bytes of text can ask for gigabytes of memory (harmonic 10⁹ of a
-//! measured input), so counts are limited before anything is allocated.
+//! A few bytes of text can demand gigabytes of memory (harmonic 10⁹ of a measured input), so
+//! counts are checked before anything is allocated.
 
-/// Rows of one table, samples of one file of records: 13 minutes at 2.5 kHz.
+/// Most rows of one table or samples of one file of time records: 13 minutes at 2.5 kHz.
 pub const MAX_ROWS: usize = 2_000_000;
 
-/// Highest harmonic a table may name.
+/// Highest harmonic in a table.
 pub const MAX_HARMONIC: usize = 100_000;
 
-/// Lines of measured inputs, over all experiments and repeats of one file:
-/// they are stored without gaps from 0 to the highest.
+/// Most lines of measured inputs, summed over all experiments and repeats of one file. Each input
+/// is stored without gaps from line 0 to its highest.
 pub const MAX_INPUT_LINES: usize = 10_000_000;
 
-/// Largest `experiment`, `repeat` or `segment` index: up to here every integer
-/// has a floating-point number of its own.
+/// Upper limit of an `experiment`, `repeat` or `segment` index, 2⁵³: every smaller integer has an
+/// exact floating-point representation.
 pub const MAX_INDEX: f64 = 9_007_199_254_740_992.0;
 
-/// Most periods that `settle_periods` may drop.
+/// Largest `settle_periods`.
 pub const MAX_SETTLE_PERIODS: usize = 1_000_000;

@@ -1,38 +1,35 @@
-//! File formats: bytes in, a [`Measurement`] out, or where and why not.
+//! File formats: parses bytes into a [`Measurement`], or reports what is wrong and where.
 //!
-//! The format is seen from the content. All of them give a table of numbers
-//! under known columns, and the columns say what it is:
+//! The format is detected from the content. Every format contains a table of numbers, and the
+//! names of its columns tell which kind it is:
 //!
-//! - **Harmonic table** (CSV): `magnitude`; `omega_rad_s` or `frequency_hz`;
-//!   `re,im`, `amplitude,phase_deg`, `gain,phase_deg` or `gain_db,phase_deg`;
-//!   and optionally `experiment`, `harmonic`, `std`, `repeat`, `run`,
-//!   `u_re,u_im`. With a measured input `magnitude` may be missing (it is then
-//!   half the peak-to-peak value of the input), and a row may give the input
-//!   alone. `std` is in response units, in the amplitude convention of the
-//!   file, also beside a gain; of several repeats it is each repeat's own.
+//! - **Harmonic table** (CSV): `magnitude`; `omega_rad_s` or `frequency_hz`; `re,im`,
+//!   `amplitude,phase_deg`, `gain,phase_deg` or `gain_db,phase_deg`; and optionally `experiment`,
+//!   `harmonic`, `std`, `repeat`, `run`, `u_re,u_im`. If the input was measured, `magnitude` may
+//!   be missing (it is then half the peak-to-peak value of the input), and a row may contain the
+//!   input alone. `std` is in response units and in the amplitude convention of the file, also
+//!   next to a gain; where there are repeats, it is that of the single repeat.
 //! - **Time record** (CSV): `time_s`, `input`, `output`, optionally `segment`.
 //! - **JSON**: see [below](self#json).
 //!
-//! A record whose input has no period, or that says `period_s: none`, is one motion, which a
-//! validation takes and a fit refuses. `initial_velocity` and `initial_position` say how it
-//! begins, `settle_s` how much of its beginning is not compared, and `intersample` (`linear`
-//! or `hold`) what its input does between samples.
+//! A record without a period (none is found in the input, or the file states `period_s: none`) is
+//! read as one motion. It can be used for validation but not for fitting. `initial_velocity` and
+//! `initial_position` give its initial state, `settle_s` the length of its beginning that is not
+//! compared, and `intersample` (`linear` or `hold`) the course of its input between samples.
 //!
-//! CSV may begin with `# key: value` lines of metadata (`input`, `response`,
-//! `period_s`, `settle_periods`, `reference`, `amplitude`, `loop`, `name`,
-//! `machine`, `axis`, `measured_at`, `operator`, `label.*`, and `repeats`,
-//! whose value `periods` says that the repeats of a table are the periods of a
-//! record). `input: torque N m` is a name and a unit; a name of several words
-//! has its unit in brackets: `motor current [A]`.
+//! A CSV file may begin with `# key: value` lines of metadata: `input`, `response`, `period_s`,
+//! `settle_periods`, `reference`, `amplitude`, `loop`, `name`, `machine`, `axis`, `measured_at`,
+//! `operator`, `label.*`, and `repeats` (the value `periods` states that the repeats of a table
+//! are the periods of one record). `input: torque N m` is a name and a unit; a name of several
+//! words needs its unit in brackets: `motor current [A]`.
 //!
-//! Several files form one measurement if their units agree. The experiments
-//! of each file are its own: the same magnitude and frequency in two files are
-//! two experiments.
+//! Several files form one measurement if their units agree. Experiments are never merged across
+//! files: the same magnitude and frequency in two files are two experiments.
 //!
 //! # JSON
 //!
-//! An object with the keys of the metadata at the top or in an object
-//! `metadata` (`labels` may be an object), and one of
+//! An object with the metadata keys at the top level or in an object `metadata` (`labels` may be
+//! an object), and one of
 //!
 //! ```json
 //! {"rows": [{"magnitude": 1, "omega_rad_s": 2, "harmonic": 1, "re": 0.4, "im": -0.1}]}
@@ -42,10 +39,10 @@
 //!   {"magnitude": 1, "omega_rad_s": 2, "harmonics": [{"harmonic": 1, "re": 0.4, "im": -0.1}]}]}
 //! ```
 //!
-//! or the array of rows alone. Rows and columns have the names of the CSV's
-//! columns. An experiment with a record may have its own `period_s`,
-//! `settle_periods`, `initial_velocity`, `initial_position`, `settle_s` and `run`; one with harmonics has `magnitude`,
-//! `omega_rad_s` or `frequency_hz`, and `run` beside them.
+//! or the array of rows alone. Rows and columns use the names of the CSV columns. An experiment
+//! with a record may have its own `period_s`, `settle_periods`, `initial_velocity`,
+//! `initial_position`, `settle_s` and `run`. One with harmonics has `magnitude`, `omega_rad_s` or
+//! `frequency_hz`, and `run` next to `harmonics`.
 
 mod columns;
 mod convention;
@@ -79,11 +76,11 @@ use super::Measurement;
 
 /// Reads one or several files that together form one measurement.
 ///
-/// The digest of the measurement is the SHA-256 of the files' bytes, one after
-/// the other. Remarks on experiments number them from 1.
+/// The digest of the measurement is the SHA-256 of the concatenated bytes of the files. Remarks
+/// number the experiments from 1.
 ///
 /// # Errors
-/// The first thing that is wrong; nothing is half-read.
+/// The first fault in any of the files; a faulty file is never read in part.
 pub fn read(sources: &[Source<'_>]) -> Result<Measurement, ParseError> {
     let parts = sources
         .iter()

@@ -1,4 +1,4 @@
-//! What one file of an upload is, and what it holds.
+//! One file of an upload, and its parsed content.
 
 use crate::measurement::{Experiment, Transient};
 
@@ -13,17 +13,17 @@ pub struct Source<'a> {
     pub bytes: &'a [u8],
 }
 
-/// What one file holds.
+/// Parsed content of one file.
 pub(super) struct Part {
     pub header: Header,
     pub experiments: Vec<Remarked<Experiment>>,
     pub transients: Vec<Remarked<Transient>>,
     pub notes: Vec<String>,
-    /// Whether the order of acquisition was seen from the clock of this file.
+    /// Whether the order of acquisition was inferred from the time stamps of this file.
     pub runs_from_clock: bool,
 }
 
-/// An experiment or a motion, and the remarks of its reader.
+/// An experiment or a motion, with the remarks of the file reader.
 pub(super) struct Remarked<T> {
     pub content: T,
     pub remarks: Vec<String>,

@@ -1,4 +1,4 @@
-//! The repeats of one experiment of a harmonic table: mean and deviations.
+//! Mean and deviations of the repeats of one experiment in a harmonic table.
 
 use super::columns::Column;
 use super::fault::Fault;
@@ -9,7 +9,7 @@ use super::table::Table;
 use crate::measurement::waveform::half_peak_to_peak;
 use crate::measurement::{Complex, Experiment, Harmonic, Repeat};
 
-/// Joins the rows of one experiment.
+/// Makes an experiment of the rows of one group.
 pub(super) fn experiment(
     table: &Table,
     group: &Group,
@@ -43,7 +43,7 @@ pub(super) fn experiment(
 
     let inputs: Vec<Vec<Complex>> = repeats.iter().filter_map(|entries| input(entries)).collect();
     let measured = !inputs.is_empty();
-    // Inputs that repeat to the last digit are settings, not measurements.
+    // Inputs that are identical in all repeats are settings, not measurements.
     let input_scatters = inputs.windows(2).any(|pair| pair[0] != pair[1]);
     let mean_input = match (group.magnitude, inputs.first()) {
         (_, Some(first)) => {
@@ -99,7 +99,7 @@ pub(super) fn experiment(
     })
 }
 
-/// Repeats of one experiment give the same harmonics, of input and response.
+/// Checks that all repeats of an experiment have the same harmonics of input and response.
 fn check_alike(table: &Table, group: &Group) -> Result<(), Fault> {
     let orders = |entries: &[Entry]| -> [(&str, Vec<usize>); 2] {
         let of = |given: fn(&&Entry) -> bool| {
@@ -138,7 +138,7 @@ fn list(orders: &[usize]) -> String {
     format!("[{}{rest}]", shown.join(" "))
 }
 
-/// Uₖ from 0 to the highest given, 0 where not given.
+/// Uₖ for k from 0 to the highest given one, with 0 for those that are not given.
 fn input(entries: &[Entry]) -> Option<Vec<Complex>> {
     let highest = entries.iter().rfind(|entry| entry.input.is_some())?.harmonic;
     let mut input = vec![Complex::ZERO; highest.max(1) + 1];
@@ -161,7 +161,7 @@ fn mean(values: &[Vec<Complex>]) -> Vec<Complex> {
     sum
 }
 
-/// Standard deviation of a mean of M values: √(Σ sᵢ²)/M, if all are known.
+/// Standard deviation √(Σ sᵢ²)/M of the mean of M values with deviations sᵢ, if all are known.
 fn deviation_of_mean(stds: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let stds = stds.collect::<Option<Vec<f64>>>()?;
     match stds[..] {
@@ -170,8 +170,8 @@ fn deviation_of_mean(stds: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     }
 }
 
-/// Position of the experiment: the mean over its rows, as the repeats of one
-/// experiment may be spread over the whole acquisition.
+/// Position of the experiment in the order of acquisition: the mean over its rows, since its
+/// repeats may be spread over the whole acquisition.
 fn run(repeats: &[&[Entry]], remarks: &mut Vec<String>) -> Option<f64> {
     let runs: Vec<f64> = repeats.iter().copied().flatten().filter_map(|entry| entry.run).collect();
     let first = *runs.first()?;

@@ -1,13 +1,13 @@
-//! Rows of numbers under known columns, wherever they were written.
+//! A table of numbers with named columns, independent of the file format.
 //!
-//! CSV rows, JSON rows and JSON columns all become a [`Table`]; what the
-//! numbers mean is decided once, from the table. Each row remembers its place
-//! for messages.
+//! CSV rows, JSON rows and JSON columns are all converted into a [`Table`], so that the meaning of
+//! the numbers is interpreted in one place only. Each row remembers where it was written, for
+//! messages.
 
 use super::columns::Column;
 use super::fault::Fault;
 
-/// Where a row was written.
+/// Location of a row in its file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Place {
     /// In this line of a CSV file.
@@ -37,14 +37,14 @@ impl Place {
     }
 }
 
-/// Rows of numbers under known columns.
+/// Rows of numbers with named columns.
 #[derive(Debug, Clone)]
 pub(super) struct Table {
     columns: Vec<Column>,
     position: [Option<usize>; Column::COUNT],
     cells: Vec<Option<f64>>,
     places: Vec<Place>,
-    /// Where the columns are named.
+    /// Location of the column names.
     header: Option<Place>,
 }
 
@@ -61,7 +61,7 @@ impl Table {
         self.position[column as usize].is_some()
     }
 
-    /// Adds a row, one cell a column.
+    /// Adds a row with one cell per column.
     pub(super) fn push(
         &mut self,
         place: Place,
@@ -114,7 +114,7 @@ impl Row<'_> {
         self.index
     }
 
-    /// The number in a column, if there is such a column and it is not blank.
+    /// The number in a column, if the table has the column and the cell is not blank.
     pub(super) fn get(&self, column: Column) -> Option<f64> {
         let position = self.table.position[column as usize]?;
         self.table.cells[self.index * self.table.columns.len() + position]
@@ -125,7 +125,7 @@ impl Row<'_> {
         self.get(column).ok_or_else(|| self.fault(column, "the value is missing"))
     }
 
-    /// An index (0, 1, 2 …) in a column, if it is not blank.
+    /// The index (0, 1, 2 …) in a column, if the cell is not blank.
     pub(super) fn index_in(&self, column: Column) -> Result<Option<u64>, Fault> {
         let Some(value) = self.get(column) else { return Ok(None) };
         if value < 0.0 || value.fract() != 0.0 {
@@ -137,7 +137,7 @@ impl Row<'_> {
         Ok(Some(value as u64))
     }
 
-    /// An index in a column that, if there is such a column, must not be blank.
+    /// The index in a column; `None` if the table lacks the column, an error if the cell is blank.
     pub(super) fn required_index(&self, column: Column) -> Result<Option<u64>, Fault> {
         if self.table.has(column) {
             self.require(column)?;
@@ -153,7 +153,7 @@ impl Row<'_> {
         self.place().fault(None, reason.into())
     }
 
-    /// What to call this row in a message about another one.
+    /// Name of this row in a message about another row.
     pub(super) fn name(&self) -> String {
         match self.place() {
             Place::Line(line) => format!("line {line}"),
@@ -167,7 +167,7 @@ impl Row<'_> {
     }
 }
 
-/// Path of a key of the object at a path.
+/// JSON path of a key in the object at `path`.
 pub(super) fn join_path(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }

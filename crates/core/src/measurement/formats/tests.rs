@@ -1,4 +1,4 @@
-//! Every form an upload may have, and what is said of every form it must not.
+//! Tests of every accepted form of upload, and of the error for every refused one.
 
 use super::*;
 use crate::measurement::Complex;
@@ -19,13 +19,13 @@ fn ok(text: &str) -> Measurement {
     of(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// Line, column and reason of what is wrong.
+/// Line, column and reason of the error for a faulty text.
 fn fault(text: &str) -> (Option<u64>, Option<String>, String) {
     let error = of(text).map(|_| ()).expect_err(text);
     (error.line, error.column, error.reason)
 }
 
-/// Asserts where a text is wrong, and a word of why.
+/// Asserts the line and column of the error for a faulty text, and that its reason contains `word`.
 #[track_caller]
 fn refused(text: &str, line: impl Into<Option<u64>>, column: &str, word: &str) {
     let (found_line, found_column, reason) = fault(text);
@@ -39,7 +39,7 @@ fn y(measurement: &Measurement, experiment: usize, k: usize) -> Complex {
     measurement.experiments()[experiment].harmonic(k).expect("measured").value
 }
 
-/// A record of `periods` periods of `samples` samples, 1 ms apart.
+/// A time record of `periods` periods with `samples` samples each, 1 ms apart.
 fn record(samples: usize, periods: usize) -> String {
     let mut text = String::from("time_s,input,output\n");
     for n in 0..samples * periods {

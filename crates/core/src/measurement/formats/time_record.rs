@@ -1,4 +1,4 @@
-//! Time records: samples of one segment are brought together.
+//! Reads time records: groups the samples by segment.
 
 use super::columns::{self, Column};
 use super::fault::Fault;
@@ -9,23 +9,23 @@ use crate::measurement::record::{Record, RecordError};
 use crate::measurement::transient::FEWEST;
 use crate::measurement::{Experiment, Transient};
 
-/// A segment and the index of its first row.
+/// Samples of one segment, and the index of its first row in the table.
 struct Segment {
     index: Option<u64>,
     row: usize,
     record: Record,
 }
 
-/// What one segment is.
+/// Result of reading one segment.
 pub(super) enum Read {
-    /// Periods of an experiment.
+    /// A periodic experiment.
     Periods(Remarked<Experiment>),
     /// A motion that does not repeat.
     Motion(Remarked<Transient>),
 }
 
 impl Read {
-    /// Takes its place among others of its kind.
+    /// Appends it to the list of its kind.
     pub(super) fn push(
         self,
         experiments: &mut Vec<Remarked<Experiment>>,
@@ -38,7 +38,7 @@ impl Read {
     }
 }
 
-/// Experiments of a time record, one a segment.
+/// Reads a time record, one experiment or motion per segment.
 pub(super) fn read(table: &Table, header: Header, notes: Vec<String>) -> Result<Part, Fault> {
     let mut segments = segments(table)?;
     let runs_from_clock = number_runs(&mut segments);
@@ -49,7 +49,7 @@ pub(super) fn read(table: &Table, header: Header, notes: Vec<String>) -> Result<
     Ok(Part { header, experiments, transients, notes, runs_from_clock })
 }
 
-/// The experiment of a table that is one segment.
+/// Reads a table that is a single segment.
 pub(super) fn read_one(table: &Table, run: Option<f64>, header: &Header) -> Result<Read, Fault> {
     let mut segments = segments(table)?;
     let Some(mut segment) = segments.pop() else {
@@ -128,7 +128,8 @@ fn segments(table: &Table) -> Result<Vec<Segment>, Fault> {
     Ok(segments)
 }
 
-/// Where one clock runs through all segments, their order is that of acquisition.
+/// Numbers the segments in order of acquisition if one clock runs through all of them, and returns
+/// whether it does.
 fn number_runs(segments: &mut [Segment]) -> bool {
     let one_clock = segments
         .windows(2)

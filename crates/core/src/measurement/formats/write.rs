@@ -1,4 +1,4 @@
-//! Harmonic tables, written.
+//! Writes a measurement as a harmonic table in CSV.
 
 use std::io::{self, Write};
 
@@ -6,7 +6,7 @@ use crate::measurement::{
     Complex, Experiment, Harmonic, Loop, Measurement, Metadata, Quantity, ResponseKind,
 };
 
-/// Columns that only some measurements need.
+/// Which of the optional columns to write.
 #[derive(Debug, Clone, Copy)]
 struct Optional {
     std: bool,
@@ -17,14 +17,14 @@ struct Optional {
 
 /// Writes a measurement as a harmonic table.
 ///
-/// Metadata first, then one row a (experiment, repeat, harmonic), with the
-/// columns `std`, `repeat`, `run` and `u_re,u_im` only where some experiment
-/// needs them. Repeats are the mean plus their deviation. Numbers have the
-/// fewest digits that read back as the same number, so that reading the text
-/// gives the measurement back to rounding, but for notes and digest.
+/// The metadata comes first, then one row per (experiment, repeat, harmonic). The columns `std`,
+/// `repeat`, `run` and `u_re,u_im` are written only if some experiment needs them. A repeat is
+/// written as the mean plus its deviation. Numbers have the fewest digits that read back as the
+/// same number. Reading the text therefore reproduces the measurement to rounding error, except
+/// for its notes and digest.
 ///
 /// # Errors
-/// Those of `out`.
+/// Any error of `out`.
 pub fn write_harmonic_csv(measurement: &Measurement, out: &mut impl Write) -> io::Result<()> {
     write_metadata(measurement, out)?;
     let experiments = measurement.experiments();
@@ -55,7 +55,7 @@ pub fn write_harmonic_csv(measurement: &Measurement, out: &mut impl Write) -> io
     Ok(())
 }
 
-/// Whether the input is more than the pure cosine that is assumed without it.
+/// Whether the input differs from m·cos(ωt), which the reader assumes if no input is given.
 fn needs_input(experiment: &Experiment) -> bool {
     let cosine = [Complex::ZERO, Complex::new(experiment.magnitude, 0.0)];
     experiment.input_mean_measured
@@ -73,7 +73,7 @@ fn write_repeat(
     let deviation = experiment.repeats.get(repeat);
     let with_input = needs_input(experiment);
     let lines = if with_input { experiment.input.len() } else { 0 };
-    // The reader gives a mean of M repeats 1/√M of the deviation of each.
+    // The reader divides the deviation of each of M repeats by √M to get that of their mean.
     let std_factor = (experiment.repeats.len().max(1) as f64).sqrt();
     let mut response = experiment.response.iter().enumerate().peekable();
     for order in 0..lines.max(experiment.highest_harmonic() + 1) {
@@ -116,7 +116,7 @@ fn write_complex(out: &mut impl Write, value: Option<Complex>) -> io::Result<()>
 }
 
 fn write_number(out: &mut impl Write, value: Option<f64>) -> io::Result<()> {
-    // `{:?}` has the fewest digits too, and an exponent where it is shorter.
+    // `{:?}` writes the fewest digits, as `{}` does, but uses an exponent where that is shorter.
     match value {
         Some(value) => write!(out, ",{value:?}"),
         None => write!(out, ","),

@@ -1,12 +1,12 @@
-//! Motion under a pure cosine torque.
+//! Periodic motion under a pure cosine torque Re T·exp(jωt).
 //!
-//! In phase φ = ωt + arg T, with torque and friction divided by |T| and
-//! z = x·ω/|T|, the motion is z' = −α·z + cos φ − f, α = a/ω. A period has at
-//! most one slide in each direction. With symmetric friction and no rest the
-//! start of the forward slide is closed form: w(φ) = −(c/α)·tanh(απ/2) with
-//! w = sin(φ + atan α)/√(1 + α²). From there two unknown instants are found by
-//! Newton's method. Where that motion is not possible the axis rests, a rest
-//! forgets what came before, and the slides follow one after the other.
+//! With the phase φ = ωt + arg T, torque and friction divided by |T|, and z = x·ω/|T|, the equation
+//! while sliding is z' = −α·z + cos φ − f, where α = a/ω. A period has at most one slide in each
+//! direction. With symmetric friction c and no rest, the forward slide starts where
+//! w(φ) = −(c/α)·tanh(απ/2), with w = sin(φ + atan α)/√(1 + α²). From this guess Newton's method
+//! finds the starts of both slides. If there is no such motion, the slides are followed one by one
+//! from rest. A slide that starts from rest does not depend on what came before, so that such a
+//! motion soon repeats.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,7 +16,7 @@ use crate::plant::Plant;
 use super::switching_times::{Motion, Phase, SwitchingTimes};
 use crate::simulate::response::NoResponse;
 
-/// Levels and pole, without dimension.
+/// Dimensionless α = a/ω, and Coulomb (c) and static (s) levels divided by |T|.
 struct Normalised {
     alpha: f64,
     c_plus: f64,
@@ -25,7 +25,7 @@ struct Normalised {
     s_minus: f64,
 }
 
-/// Half-cycles after which a motion from rest counts as not periodic.
+/// Most phases followed from rest; beyond that the motion counts as not periodic.
 const MOST_HALF_CYCLES: usize = 4000;
 
 /// The motion reached from rest under the torque Re T·exp(jωt).
@@ -47,9 +47,8 @@ pub(crate) fn orbit(
         s_plus: friction.fs_plus / amplitude,
         s_minus: friction.fs_minus / amplitude,
     };
-    // With Fs = Fc two motions from different states approach each other, so
-    // the periodic one is unique however it is found. Otherwise only the one
-    // reached from rest counts.
+    // With Fs = Fc any two motions approach each other, so that there is only one periodic motion
+    // and any method may find it. Otherwise only the motion reached from rest counts.
     let unique = friction.fs_plus == friction.fc_plus && friction.fs_minus == friction.fc_minus;
     let phases = match normalised.first_guess().filter(|_| unique) {
         Some(guess) => normalised.slide_through(guess),
@@ -67,7 +66,7 @@ pub(crate) fn orbit(
 }
 
 impl Normalised {
-    /// w(φ): steady response of 1/(d/dφ + α) to cos φ.
+    /// w(φ): steady response of the linear lag 1/(d/dφ + α) to cos φ.
     fn steady(&self, sin: f64, cos: f64) -> f64 {
         (self.alpha * cos + sin) / (self.alpha * self.alpha + 1.0)
     }
@@ -81,19 +80,19 @@ impl Normalised {
         (sine > -1.0).then(|| sine.asin() - self.alpha.atan())
     }
 
-    /// Newton's method on the starts of both slides; `None` where sliding
-    /// through without rest is not possible.
+    /// Newton's method for the starts of both slides; `None` where there is no motion without rest.
     fn slide_through(&self, forward_guess: f64) -> Option<Vec<Phase>> {
         let (mut forward, mut backward) = (forward_guess, forward_guess + PI);
         for _ in 0..12 {
             let (sin_f, cos_f) = forward.sin_cos();
             let (sin_b, cos_b) = backward.sin_cos();
             let (w_f, w_b) = (self.steady(sin_f, cos_f), self.steady(sin_b, cos_b));
+            // `lost` is 1 − exp(−α·duration); `end` is z at the end of a slide, which must be 0.
             let lost_f = -(-self.alpha * (backward - forward)).exp_m1();
             let lost_b = -(-self.alpha * (forward + TAU - backward)).exp_m1();
             let end_f = w_b - w_f * (1.0 - lost_f) - self.c_plus * lost_f / self.alpha;
             let end_b = w_f - w_b * (1.0 - lost_b) + self.c_minus * lost_b / self.alpha;
-            // Jacobian of (end_f, end_b) by (forward, backward).
+            // Jacobian of (end_f, end_b) with respect to (forward, backward).
             let j11 = -(1.0 - lost_f) * (cos_f - self.c_plus);
             let j12 = cos_b - self.c_plus;
             let j21 = cos_f + self.c_minus;
@@ -108,7 +107,7 @@ impl Normalised {
             let damping = if longest > 0.5 { 0.5 / longest } else { 1.0 };
             forward -= damping * step_f;
             backward -= damping * step_b;
-            // Newton's error after the step is of the order of the step squared.
+            // After a Newton step the error is of the order of the step squared.
             if longest < 1e-8 {
                 return self.possible(forward, backward).then(|| {
                     vec![
@@ -121,7 +120,7 @@ impl Normalised {
         None
     }
 
-    /// Whether both reversals exceed the static level, in the right order.
+    /// Whether the torque exceeds the static level at both reversals, which are in the right order.
     fn possible(&self, forward: f64, backward: f64) -> bool {
         forward.cos() > self.s_plus
             && backward.cos() < -self.s_minus
@@ -129,7 +128,7 @@ impl Normalised {
             && backward < forward + TAU
     }
 
-    /// Follows the motion from rest until a period repeats.
+    /// Follows the motion from rest until it repeats; returns one period of it.
     fn reached_from_rest(&self) -> Result<Vec<Phase>, NoResponse> {
         let (start, motion) = self.breakaway(-PI);
         let mut phases = vec![Phase { start_s: start, motion }];
@@ -154,8 +153,8 @@ impl Normalised {
         Err(NoResponse::NotPeriodic { periods: MOST_HALF_CYCLES / 2 })
     }
 
-    /// The last period of `phases`, if the slide that starts now repeats one
-    /// that started a period ago.
+    /// The last period of `phases`, if the slide that starts at `start` repeats the slide of a
+    /// period ago. `rested`: whether the axis rests just before `start`.
     fn repeats(
         &self,
         phases: &[Phase],
@@ -167,7 +166,8 @@ impl Normalised {
         let change = start - phases[earlier].start_s - TAU;
         let last_period = &phases[earlier..];
         if rested || last_period.iter().any(|phase| phase.motion == Motion::Stuck) {
-            // Both started from rest at the same level: equal up to rounding.
+            // Both slides start from rest at the same torque level: their phases are equal to
+            // rounding.
             return (change.abs() < 1e-9 && rested).then(|| last_period.to_vec());
         }
         if change.abs() < 1e-4
@@ -179,12 +179,12 @@ impl Normalised {
         (change.abs() < 1e-12).then(|| last_period.to_vec())
     }
 
-    /// First instant from `from` on at which the torque exceeds a static level
-    /// that holds the axis, and the direction it then moves in.
+    /// The first phase from `from` on at which the torque exceeds a static level, and the direction
+    /// in which the axis then moves.
     fn breakaway(&self, from: f64) -> (f64, Motion) {
         let next = |phase: f64| {
             let after = (phase - from).rem_euclid(TAU);
-            // An instant that rounding put just before `from` is not a period away.
+            // If rounding puts it just before `from`, it is at `from`, not a period later.
             from + if after > TAU - 1e-9 { after - TAU } else { after }
         };
         let forward = (self.s_plus < 1.0).then(|| next(-self.s_plus.acos()));
@@ -199,10 +199,10 @@ impl Normalised {
 
     /// End of a slide that starts at `start` with v = 0.
     ///
-    /// z rises while the torque exceeds the friction and falls from then until
-    /// it exceeds it again: the end lies within that fall, where z is monotone.
+    /// z stays positive while the torque exceeds the friction. From then until the torque exceeds
+    /// it again, z falls as long as it is positive, so that the end is its only zero there.
     fn end_of_slide(&self, start: f64, motion: Motion) -> f64 {
-        // A backward slide is a forward one half a period away.
+        // By symmetry, a backward slide is a forward slide shifted by half a period.
         let (shift, level) = match motion {
             Motion::Backward => (PI, self.c_minus),
             _ => (0.0, self.c_plus),

@@ -1,9 +1,9 @@
 //! The base model's motion: one mass with Coulomb friction behind a linear actuator.
 //!
-//! Between two switches of the friction the equation is linear, so that a periodic motion is
-//! nothing but its switching times. `cosine` finds them for a pure cosine, in closed form but for
-//! one scalar equation; `periodic` finds them for any periodic input by following the motion until
-//! it repeats. Harmonics (`spectrum`) and derivatives (`sensitivity`) follow from the times alone.
+//! Between two switches of the friction the equation is linear, so that the switching times
+//! determine a periodic motion completely. `cosine` finds them for a pure cosine, by Newton's
+//! method from a closed form; `periodic` for any periodic input, by integrating the motion until it
+//! repeats. Harmonics (`spectrum`) and derivatives (`sensitivity`) follow from the times alone.
 
 pub(super) mod cosine;
 pub(super) mod periodic;
@@ -21,14 +21,14 @@ use super::signal::excitation::Excitation;
 use super::signal::samples::Samples;
 use switching_times::{Motion, SwitchingTimes};
 
-/// A plant, the torque on its mechanics, and the motion it leads to.
+/// A plant, the torque on its mechanics, and the periodic motion under that torque.
 pub(super) struct Settled<'a> {
     pub(super) plant: Plant,
     pub(super) excitation: &'a Excitation,
     /// Torque lines Tₗ = A(jlω)·Uₗ.
     pub(super) lines: Vec<Complex>,
     pub(super) orbit: SwitchingTimes,
-    /// The torque on the grid, where the input is general.
+    /// The torque sampled on the grid; `None` for a pure cosine.
     torque: Option<Samples>,
 }
 
@@ -38,7 +38,8 @@ impl Settled<'_> {
         !self.orbit.switches() && self.orbit.phases[0].motion == Motion::Stuck
     }
 
-    /// ∫ τ exp(−jkωt) dt over the phases of rest, k = 0 … `highest`.
+    /// ∫ τ exp(−jkωt) dt over the phases of rest, where the friction equals the torque;
+    /// k = 0 … `highest`.
     pub(super) fn held(&self, highest: usize) -> Vec<Complex> {
         match &self.torque {
             Some(torque) => self.held_samples(torque, highest),
@@ -73,7 +74,11 @@ impl Settled<'_> {
     }
 }
 
-/// The base model's motion, with the friction levels of the axis.
+/// Finds the periodic motion of the base model with the plant and the friction levels of the axis.
+/// All other effects are ignored.
+///
+/// # Errors
+/// [`NoResponse::NotPeriodic`].
 pub(super) fn settle<'a>(
     axis: &Axis,
     excitation: &'a Excitation,

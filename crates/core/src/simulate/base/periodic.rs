@@ -1,10 +1,11 @@
 //! The base model's motion under any periodic torque.
 //!
-//! The torque τ, and the steady response w of 1/(s + a) to it, are sampled on a uniform grid. While
-//! the axis slides, x = w − σ/a + C·exp(−a·t). One pass over the period looks in every cell of the
-//! grid for a change of sign of x, or of the torque's excess over the static level, and a bracketed
-//! Newton's method finds its time. Periods are integrated from rest until the state repeats; Newton's
-//! method on the return map (Poincaré map), whose slope the pass gives, speeds that up.
+//! The torque τ, and the steady response w of the lag 1/(s + a) to it, are sampled on a uniform
+//! grid. While the axis slides with friction σ, x = w − σ/a + C·exp(−a·t). A pass over one period
+//! looks in every cell of the grid for a change of sign of x while sliding, or of the torque's
+//! excess over the static level while at rest; a bracketed Newton's method finds the time. Periods
+//! are integrated from rest until the state repeats. Newton's method on the return map (Poincaré
+//! map), whose slope the pass gives, accelerates this.
 
 mod event_location;
 mod sampled_torque;
@@ -20,17 +21,21 @@ use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::samples::Samples;
 use sampled_torque::SampledTorque;
 
-/// Periods after which a motion from rest counts as not periodic.
+/// Most periods integrated from rest; beyond that the motion counts as not periodic.
 const MOST_PERIODS: usize = 400;
 
-/// Share of the largest x that is lost in rounding.
-const ROUNDING: f64 = 1e-13;
+/// Rounding error of x as a share of the largest |w|: the tolerance for a periodic motion, and for
+/// the sign of x just after a switch.
+const RELATIVE_ROUNDING: f64 = 1e-13;
 
-/// Switches of one cell beyond which time has stopped passing.
+/// Most switches in one cell; more mean that the switching times accumulate.
 const MOST_SWITCHES_PER_CELL: usize = 64;
 
-/// The motion reached from rest under a general input, and the torque it was
-/// found with; `lines` are the torque lines.
+/// The periodic motion reached from rest under a general input, and the sampled torque. `lines` are
+/// the torque lines Tₗ = A(jlω)·Uₗ.
+///
+/// # Errors
+/// [`NoResponse::NotPeriodic`].
 pub(crate) fn orbit(
     plant: &Plant,
     lines: &[Complex],
@@ -42,25 +47,28 @@ pub(crate) fn orbit(
     Ok((orbit, waves.torque))
 }
 
-/// The motion reached from rest.
+/// The periodic motion reached from rest under a sampled torque.
 fn follow(
     plant: &Plant,
-    course: &SampledTorque,
+    sampled: &SampledTorque,
     period_s: f64,
 ) -> Result<SwitchingTimes, NoResponse> {
-    let scale = (0..course.cells()).fold(0.0, |most: f64, n| most.max(course.node(n).1.abs()));
+    let scale = (0..sampled.cells()).fold(0.0, |most: f64, n| most.max(sampled.node(n).1.abs()));
     let friction = plant.friction;
-    let motion = Followed { a: plant.viscous_rate_rad_s, friction, course, scale };
+    let motion = AxisOnGrid { a: plant.viscous_rate_rad_s, friction, sampled, scale };
     let unique = friction.fs_plus == friction.fc_plus && friction.fs_minus == friction.fc_minus;
     let mut start = State { x: 0.0, motion: Motion::Stuck };
     for period in 0..MOST_PERIODS {
         let pass = motion.pass(start).ok_or(NoResponse::NotPeriodic { periods: period })?;
         let change = pass.end.x - start.x;
-        // `start` of the first pass is a guess (rest), never part of the motion.
-        if period > 0 && pass.end.motion == start.motion && change.abs() <= ROUNDING * scale {
+        // The first pass starts from rest, which need not be part of the periodic motion.
+        if period > 0
+            && pass.end.motion == start.motion
+            && change.abs() <= RELATIVE_ROUNDING * scale
+        {
             return Ok(pass.into_orbit(period_s));
         }
-        // Newton's step may only jump where every start leads to the same motion.
+        // A Newton step is taken only if it cannot lead to another periodic motion.
         let jump = unique || change.abs() < 1e-3 * scale;
         let next = start.x + change / (1.0 - pass.slope);
         let same_side = match pass.end.motion {
@@ -76,18 +84,18 @@ fn follow(
     Err(NoResponse::NotPeriodic { periods: MOST_PERIODS })
 }
 
-/// State of the axis: x = v/K, and what it does.
+/// State of the axis: x = v/K, and whether it slides or rests.
 #[derive(Clone, Copy)]
 struct State {
     x: f64,
     motion: Motion,
 }
 
-/// What one pass over a period found.
+/// Result of one pass over a period.
 struct Pass {
     phases: Vec<Phase>,
     end: State,
-    /// Derivative of the final x by the initial one.
+    /// Slope of the return map: derivative of the final x by the initial x.
     slope: f64,
 }
 
@@ -101,16 +109,16 @@ impl Pass {
     }
 }
 
-/// A motion under a sampled torque.
-struct Followed<'a> {
+/// The mechanics of an axis under a sampled torque.
+struct AxisOnGrid<'a> {
     a: f64,
     friction: Friction,
-    course: &'a SampledTorque,
+    sampled: &'a SampledTorque,
     /// Largest |w|.
     scale: f64,
 }
 
-/// A point of the motion from which x is continued.
+/// A point of the motion, from which x is continued; `steady` is w there.
 #[derive(Clone, Copy)]
 struct Anchor {
     time_s: f64,
@@ -118,28 +126,28 @@ struct Anchor {
     steady: f64,
 }
 
-impl Followed<'_> {
-    /// Follows the motion over one period; `None` where it switches without end.
+impl AxisOnGrid<'_> {
+    /// Follows the motion over one period; `None` where the switching times accumulate.
     fn pass(&self, start: State) -> Option<Pass> {
-        let course = self.course;
+        let sampled = self.sampled;
         let mut phases = Vec::new();
         let mut slope = 1.0;
         let mut state = start;
-        let mut anchor = Anchor { time_s: 0.0, x: start.x, steady: course.node(0).1 };
-        // Instant and torque of the last switch.
+        let mut anchor = Anchor { time_s: 0.0, x: start.x, steady: sampled.node(0).1 };
+        // Time and torque of the last switch.
         let mut last: Option<(f64, f64)> = None;
-        for cell in 0..course.cells() {
-            let cell_end = course.time(cell + 1);
-            let steady_end = course.node(cell + 1).1;
+        for cell in 0..sampled.cells() {
+            let cell_end = sampled.time(cell + 1);
+            let steady_end = sampled.node(cell + 1).1;
             let most_phases = phases.len() + MOST_SWITCHES_PER_CELL;
             loop {
                 let friction = sliding_friction(&self.friction, state.motion);
                 let switch = match friction {
                     None => self.breakaway(cell, anchor.time_s),
                     Some(friction) => {
-                        let whole_cell = anchor.time_s <= course.time(cell);
+                        let whole_cell = anchor.time_s <= sampled.time(cell);
                         let kept = if whole_cell {
-                            course.kept
+                            sampled.kept
                         } else {
                             (-self.a * (cell_end - anchor.time_s)).exp()
                         };
@@ -157,8 +165,8 @@ impl Followed<'_> {
                 if phases.len() == most_phases {
                     return None;
                 }
-                let (torque, steady) = course.both(cell, time_s);
-                // Derivative of this instant by the one before, or by the initial x.
+                let (torque, steady) = sampled.both(cell, time_s);
+                // Derivative of this time by that of the switch before, or by the initial x.
                 slope *= match (friction, last) {
                     (None, _) => 0.0,
                     (Some(friction), None) => -(-self.a * time_s).exp() / (torque - friction),
@@ -176,7 +184,7 @@ impl Followed<'_> {
                 anchor = Anchor { time_s: cell_end, x: 0.0, steady: steady_end };
             }
         }
-        let end_s = course.time(course.cells());
+        let end_s = sampled.time(sampled.cells());
         slope *= match (last, sliding_friction(&self.friction, state.motion)) {
             (_, None) => 0.0,
             (None, Some(_)) => (-self.a * end_s).exp(),

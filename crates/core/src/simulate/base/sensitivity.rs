@@ -1,10 +1,10 @@
 //! Derivatives of the harmonics by implicit differentiation of the switching times.
 //!
-//! A slide from t_s to t_e with friction σ ends where
-//! g = w(t_e) − w(t_s)·E − σ·(1 − E)/a = 0, E = exp(−a(t_e − t_s)), w being the steady response of
-//! 1/(s + a) to τ; a phase of rest ends where τ meets the static level. Differentiating these
-//! equations gives every time's derivative as a linear function of the one before; around the period,
-//! that is one linear equation for the first. The cost is linear in the number of switches.
+//! A slide with friction σ from t_s to t_e ends where g = w(t_e) − w(t_s)·E − σ·(1 − E)/a = 0. Here
+//! E = exp(−a(t_e − t_s)), and w is the steady response of 1/(s + a) to τ. A phase of rest ends
+//! where τ meets the static level. Differentiating these equations gives the derivative of each
+//! switching time as a linear function of the one before. Around the period they close to one
+//! linear equation for the first. The cost is linear in the number of switches.
 
 use crate::effects::{Axis, Wide};
 use crate::measurement::Complex;
@@ -15,14 +15,14 @@ use super::spectrum::{PhaseIntegrals, sliding_friction, weight};
 use super::switching_times::{Motion, SwitchingTimes};
 use crate::simulate::signal::excitation::Excitation;
 
-/// A direction in which parameters and torque change together.
+/// A direction of differentiation: how fast parameters and torque lines change along it.
 pub(crate) struct Direction {
     viscous_rate: f64,
     fc_plus: f64,
     fc_minus: f64,
     fs_plus: f64,
     fs_minus: f64,
-    /// Change of the torque lines; empty where they do not change.
+    /// Change of the torque lines; empty if they do not change.
     lines: Vec<Complex>,
 }
 
@@ -38,11 +38,12 @@ impl Direction {
         }
     }
 
-    /// The input changes by `deviation` (δU₀, δU₁ …).
+    /// The direction in which the input changes by `deviation` (δU₀, δU₁ …).
     pub fn of_input(plant: &Plant, excitation: &Excitation, deviation: &[Complex]) -> Self {
         Self { lines: excitation.through(&plant.actuator, deviation), ..Self::none() }
     }
 
+    /// Change of the friction while sliding.
     fn sliding(&self, motion: Motion) -> f64 {
         match motion {
             Motion::Forward => self.fc_plus,
@@ -51,6 +52,7 @@ impl Direction {
         }
     }
 
+    /// Change of the torque at which a motion starts from rest.
     fn breakaway(&self, motion: Motion) -> f64 {
         match motion {
             Motion::Forward => self.fs_plus,
@@ -60,7 +62,7 @@ impl Direction {
     }
 }
 
-/// Derivatives of the torque lines by the actuator's parameters, in order.
+/// Derivatives of the torque lines by the actuator's parameters (p; or ωₙ and ζ), in this order.
 pub(crate) fn actuator_derivatives(
     actuator: &Actuator,
     excitation: &Excitation,
@@ -96,8 +98,8 @@ pub(crate) fn actuator_derivatives(
     }
 }
 
-/// One direction for each of a, Fc⁺, Fc⁻, Fs⁺, Fs⁻ and up to two numbers of the
-/// actuator (p; or ωₙ and ζ).
+/// One direction for each of a, Fc⁺, Fc⁻, Fs⁺, Fs⁻ and two parameters of the actuator (p; or ωₙ and
+/// ζ), zero for those that it does not have.
 pub(crate) fn parameter_directions(plant: &Plant, excitation: &Excitation) -> Vec<Direction> {
     let mut actuator = actuator_derivatives(&plant.actuator, excitation).into_iter();
     let mut by_actuator =
@@ -113,8 +115,8 @@ pub(crate) fn parameter_directions(plant: &Plant, excitation: &Excitation) -> Ve
     ]
 }
 
-/// Derivatives by every lane of an axis, from those by its numbers, in the order
-/// of [`parameter_directions`].
+/// Chain rule: derivatives of the harmonics by every lane of an axis. `by_number` are the
+/// derivatives by the axis's numbers, in the order of [`parameter_directions`].
 pub(crate) fn by_lane(
     axis: &Axis<Wide>,
     velocity: &[Complex],
@@ -139,7 +141,7 @@ pub(crate) fn by_lane(
         numbers.zip(by_number).filter_map(|(number, row)| Some((number?, row))).collect();
     (0..lanes)
         .map(|lane| {
-            // K scales the response and nothing else.
+            // The response is proportional to K.
             let by_constant = plant.constant.lane(lane) / plant.constant.value();
             let mut row: Vec<Complex> = velocity.iter().map(|v| v * by_constant).collect();
             for (number, derivatives) in &weighted {
@@ -153,7 +155,7 @@ pub(crate) fn by_lane(
         .collect()
 }
 
-/// Derivatives of V₀ … V_H along each direction.
+/// Derivatives of V₀ … V_H, one row per direction.
 pub(crate) fn along(
     settled: &Settled<'_>,
     velocity: &[Complex],
@@ -198,14 +200,14 @@ pub(crate) fn along(
         .collect()
 }
 
-/// What is needed of the signals at each switching instant.
+/// The signals at each switching time.
 struct Instants<'a> {
     orbit: &'a SwitchingTimes,
     torque: Vec<f64>,
     torque_rate: Vec<f64>,
     /// w: steady response of 1/(s + a) to the torque.
     steady: Vec<f64>,
-    /// Change of τ and of w along each direction, by direction and instant.
+    /// Change of τ and of w along each direction, indexed by direction and switching time.
     torque_change: Vec<Vec<f64>>,
     steady_change: Vec<Vec<f64>>,
 }
@@ -256,7 +258,7 @@ impl<'a> Instants<'a> {
         instants
     }
 
-    /// The two coefficients of dtᵢ = A·dtᵢ₋₁ + B.
+    /// The coefficients A and B of dtᵢ = A·dtᵢ₋₁ + B.
     fn link(&self, plant: &Plant, direction: &Direction, d: usize, i: usize) -> (f64, f64) {
         let previous = self.orbit.before(i);
         let (start, end, motion) = self.orbit.span(previous);
@@ -278,14 +280,15 @@ impl<'a> Instants<'a> {
         (kept * (self.torque[previous] - friction) / slope, -change / slope)
     }
 
-    /// Adds what the moving instants contribute to ∫ f exp(−jkωt) dt.
+    /// Adds the contribution of the shifting switching times to ∫ f exp(−jkωt) dt: the jump of f
+    /// there times the derivative of the time.
     fn add_moves(&self, plant: &Plant, direction: &Direction, d: usize, friction: &mut [Complex]) {
         let count = self.orbit.phases.len();
         let links: Vec<(f64, f64)> =
             (0..count).map(|i| self.link(plant, direction, d, i)).collect();
         let (product, offset) =
             links.iter().fold((1.0, 0.0), |(p, b), (a_i, b_i)| (p * a_i, b * a_i + b_i));
-        // The last instant's derivative closes the chain.
+        // After a period the derivative of the last time must be the same again.
         let mut change = offset / (1.0 - product);
         let omega = std::f64::consts::TAU / self.orbit.period_s;
         for (i, (a_i, b_i)) in links.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Harmonics of a motion from its switching times.
+//! Harmonics of a periodic motion from its switching times.
 //!
-//! x' = −a·x + τ − f holds at all times, at rest too (there f = τ). So Vₖ = K·(Tₖ − Fₖ)/(jkω + a),
-//! and Fₖ, the harmonic of the friction, is an integral over phases in which f is either constant or
-//! equal to τ.
+//! x' = −a·x + τ − f holds at all times, also at rest, where f = τ. Hence
+//! Vₖ = K·(Tₖ − Fₖ)/(jkω + a), with Tₖ and Fₖ the harmonics of torque and friction. Fₖ is a sum of
+//! integrals over the phases, in each of which f is either constant or equal to τ.
 
 use crate::measurement::Complex;
 use crate::plant::{Friction, Scalar};
@@ -10,7 +10,7 @@ use crate::plant::{Friction, Scalar};
 use super::Settled;
 use super::switching_times::{Motion, SwitchingTimes};
 
-/// V₀ … V_H of a settled motion.
+/// Velocity harmonics V₀ … V_H of a periodic motion.
 pub(crate) fn velocity(settled: &Settled<'_>, highest: usize) -> Vec<Complex> {
     let Settled { plant, lines, orbit, .. } = settled;
     let zero = Complex::new(0.0, 0.0);
@@ -33,12 +33,12 @@ pub(crate) fn velocity(settled: &Settled<'_>, highest: usize) -> Vec<Complex> {
         .collect()
 }
 
-/// Factor from ∫ g exp(−jkωt) dt to the harmonic Gₖ of g.
+/// Factor by which ∫ g exp(−jkωt) dt over a period gives the harmonic Gₖ of g.
 pub(crate) fn weight(k: usize, period_s: f64) -> f64 {
     if k == 0 { 1.0 / period_s } else { 2.0 / period_s }
 }
 
-/// Friction while sliding; what it is at rest the torque decides.
+/// Friction while sliding; `None` at rest, where it equals the torque.
 pub(crate) fn sliding_friction<S: Scalar>(friction: &Friction<S>, motion: Motion) -> Option<S> {
     match motion {
         Motion::Forward => Some(friction.fc_plus),
@@ -47,7 +47,7 @@ pub(crate) fn sliding_friction<S: Scalar>(friction: &Friction<S>, motion: Motion
     }
 }
 
-/// ∫ exp(−jkωt) dt over all phases of each motion, k = 0, 1 …
+/// ∫ exp(−jkωt) dt over all phases of each kind of motion, k = 0, 1 …
 pub(crate) struct PhaseIntegrals {
     /// Over the forward phases, seconds.
     pub forward: Vec<Complex>,
@@ -76,7 +76,7 @@ impl PhaseIntegrals {
             };
             sums[0] += end - start;
             if !orbit.switches() {
-                continue; // over a whole period every other harmonic vanishes
+                continue; // the integral over a whole period is 0 for k > 0
             }
             let (start_turn, end_turn) =
                 (Complex::from_polar(1.0, -omega * start), Complex::from_polar(1.0, -omega * end));

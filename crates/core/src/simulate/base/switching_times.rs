@@ -1,6 +1,7 @@
-//! A periodic motion as the times at which it changes between forward, backward and rest.
+//! A periodic motion, described by the times at which it switches between forward, backward and
+//! rest.
 
-/// What the axis does during a phase.
+/// Motion of the axis during a phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Motion {
     /// v > 0.
@@ -11,22 +12,22 @@ pub enum Motion {
     Stuck,
 }
 
-/// A phase: it lasts from its start to the start of the next.
+/// A phase of the motion, from its start to the start of the next phase.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
-    /// Start, seconds; the input's time origin is 0.
+    /// Start, seconds, from the input's time origin.
     pub start_s: f64,
-    /// What the axis does.
+    /// Motion of the axis during the phase.
     pub motion: Motion,
 }
 
-/// One period of motion: phases in cyclic order.
+/// One period of a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SwitchingTimes {
     /// Period, seconds.
     pub period_s: f64,
-    /// Phases in order; the last one lasts until the first one's start, a
-    /// period later. A single phase lasts the whole period and never switches.
+    /// Phases in cyclic order; the last one ends a period after the start of the first one. A
+    /// single phase lasts the whole period: the motion never switches.
     pub phases: Vec<Phase>,
 }
 
@@ -36,7 +37,7 @@ impl SwitchingTimes {
         Self { period_s, phases: vec![Phase { start_s: 0.0, motion }] }
     }
 
-    /// Whether there is any switch at all.
+    /// Whether the motion switches at all.
     pub(crate) fn switches(&self) -> bool {
         self.phases.len() > 1
     }
@@ -51,7 +52,7 @@ impl SwitchingTimes {
         (phase.start_s, end, phase.motion)
     }
 
-    /// The phase before phase `i`.
+    /// Index of the phase before phase `i`, cyclically.
     pub(crate) fn before(&self, i: usize) -> usize {
         if i == 0 { self.phases.len() - 1 } else { i - 1 }
     }

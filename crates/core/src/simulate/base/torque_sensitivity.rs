@@ -1,4 +1,4 @@
-//! The change of the response under a small additional torque, to first order.
+//! First-order change of the response under a small additional torque.
 
 use std::f64::consts::TAU;
 
@@ -12,17 +12,17 @@ use crate::effects::Axis;
 use crate::simulate::response::{NoResponse, check};
 use crate::simulate::signal::excitation::Excitation;
 
-/// Harmonics from which the motion is made.
-const HARMONICS: usize = 16;
+/// Fewest harmonics from which v(t) and θ(t) are reconstructed.
+const FEWEST_HARMONICS: usize = 16;
 
-/// Torques g(v, θ) that act against the motion; θ has zero mean.
+/// A torque g(v, θ) that acts against the motion; θ has zero mean.
 pub type Torque<'a> = dyn Fn(f64, f64) -> f64 + Sync + 'a;
 
-/// The change of every velocity harmonic when each of `torques` is added to a
-/// base model, to first order, switching included, together with the constant
-/// torque that leaves the mean of the velocity as it is.
+/// The first-order change of every velocity harmonic when one of `torques` is added to the base
+/// model, including the shift of the switching times. A constant torque is added that keeps the
+/// mean velocity unchanged. One row per torque.
 ///
-/// `samples` a period: more than twice the cycles of a torque.
+/// `samples` of a period: more than twice the cycles of a torque.
 ///
 /// # Errors
 /// See [`NoResponse`].
@@ -36,7 +36,7 @@ pub fn respond_to_torques(
     let axis = Axis::base(*plant);
     check(&axis)?;
     let settled = settle(&axis, excitation)?;
-    let velocity = spectrum::velocity(&settled, highest.max(HARMONICS));
+    let velocity = spectrum::velocity(&settled, highest.max(FEWEST_HARMONICS));
     let turns: Vec<Complex> =
         (0..samples).map(|n| Complex::from_polar(1.0, TAU * n as f64 / samples as f64)).collect();
     // exp(jkωt) at every sample.
@@ -54,14 +54,14 @@ pub fn respond_to_torques(
             at.1 += turned.im * by_rate;
         }
     }
-    let lines = highest.max(HARMONICS).min(samples / 2 - 1);
+    let lines = highest.max(FEWEST_HARMONICS).min(samples / 2 - 1);
     let deviation = |torque: &&Torque<'_>| -> Vec<Complex> {
         let values: Vec<f64> = motion.iter().map(|(v, position)| torque(*v, *position)).collect();
         let component = |k: usize| {
             let sum: Complex = values.iter().zip(line(k)).map(|(g, turn)| turn.conj() * *g).sum();
             let weight = if k == 0 { 1.0 } else { 2.0 } / samples as f64;
             let omega = k as f64 * excitation.omega_rad_s();
-            // A torque behind the actuator is an input A(jkω) times smaller.
+            // As an input, a torque behind the actuator is divided by A(jkω).
             -sum * weight / plant.actuator.response(omega)
         };
         (0..=lines).map(component).collect()

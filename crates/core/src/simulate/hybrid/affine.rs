@@ -1,10 +1,10 @@
-//! Exact steps of mechanics that are affine between switches.
+//! Exact steps of mechanics that are affine between switches: x' = A·x + b·τ + d.
 //!
-//! x' = A·x + b·τ + d with τ a quintic over the step. The solution's power series is c₀ = x,
-//! cₘ₊₁ = (A·cₘ + b·τₘ + d·[m = 0])·h/(m + 1). For a step length that occurs often, the sums are
-//! kept as matrices: x goes to Φx + Σ τᵢΓᵢ + δ (Φ is the matrix exponential of A·h). A, b and d are
-//! read off the equations of motion by evaluating them at unit vectors. The steps have no truncation
-//! error, so that a stiff joint does not shorten them; only the search for switches does.
+//! τ is a quintic over the step, with coefficients τₘ. The solution over a step of length h has the
+//! power series c₀ = x, cₘ₊₁ = (A·cₘ + b·τₘ + d·[m = 0])·h/(m + 1). It is summed to rounding, so
+//! that a step has no truncation error. For a step length that occurs often the sums are cached as
+//! matrices: x goes to Φx + Σ τᵢΓᵢ + δ, where Φ is the matrix exponential of A·h. A, b and d are
+//! found by evaluating the equations of motion at unit vectors.
 
 use crate::plant::Scalar;
 
@@ -13,32 +13,36 @@ use super::runge_kutta::Vector;
 use super::series::Series;
 use crate::simulate::signal::piecewise_quintic::Quintic;
 
-/// Largest rate times length of a step.
-pub(super) const REACH: f64 = 1.2;
+/// Longest step as a multiple of the inverse of the fastest rate: `SERIES_TERMS` terms suffice.
+pub(super) const LONGEST_RATE_TIMES_STEP: f64 = 1.2;
 
-/// Terms of the series: 1.2²⁰/20! = 2e-17.
-const TERMS: usize = 20;
+/// Terms of the series; the last one is at most 1.2²⁰/20! = 2e-17.
+const SERIES_TERMS: usize = 20;
 
 type Matrix<S, const M: usize> = [Vector<S, M>; M];
 
-/// The equations of one mode.
+/// The equations of one mode: A, b and d.
 pub(super) struct Affine<S, const M: usize> {
     pub mode: Mode,
     /// Columns of A.
     matrix: Matrix<S, M>,
+    /// b.
     by_torque: Vector<S, M>,
+    /// d.
     constant: Vector<S, M>,
-    /// A and b where they do not vary: half the effort.
+    /// A and b as plain numbers, if they have no derivatives; this halves the effort.
     numbers: Option<([[f64; M]; M], [f64; M])>,
-    kept: Option<Kept<S, M>>,
+    cached: Option<CachedStep<S, M>>,
 }
 
-/// A step of a length that comes again.
-struct Kept<S, const M: usize> {
+/// The matrices of a step of one length.
+struct CachedStep<S, const M: usize> {
     length_s: f64,
     /// Columns of Φ.
     propagator: Matrix<S, M>,
+    /// Γ₀ … Γ₅.
     gains: [Vector<S, M>; 6],
+    /// δ.
     drift: Vector<S, M>,
 }
 
@@ -47,58 +51,58 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         let zero = S::constant(0.0);
         let rest = [zero; M];
         let constant = mechanics.linear_slope(mode, zero, &rest);
-        let beyond = |slope: Vector<S, M>| {
+        let minus_constant = |slope: Vector<S, M>| {
             let mut left = slope;
             left.iter_mut().zip(&constant).for_each(|(value, at_rest)| *value -= *at_rest);
             left
         };
-        let by_torque = beyond(mechanics.linear_slope(mode, S::constant(1.0), &rest));
+        let by_torque = minus_constant(mechanics.linear_slope(mode, S::constant(1.0), &rest));
         let mut matrix = [rest; M];
         for (i, column) in matrix.iter_mut().enumerate() {
-            *column = beyond(mechanics.linear_slope(mode, zero, &unit(i)));
+            *column = minus_constant(mechanics.linear_slope(mode, zero, &unit(i)));
         }
         let fixed = |vector: &Vector<S, M>| {
             vector.iter().all(|entry| (0..S::LANES).all(|lane| entry.lane(lane) == 0.0))
         };
         let numbers = (fixed(&by_torque) && matrix.iter().all(fixed))
             .then(|| (matrix.map(|column| column.map(S::value)), by_torque.map(S::value)));
-        Self { mode, matrix, by_torque, constant, numbers, kept: None }
+        Self { mode, matrix, by_torque, constant, numbers, cached: None }
     }
 
-    /// The state after a step under the torque `powers`; a length that comes
-    /// `again` is kept.
+    /// The state after a step under the torque `powers`. `reuse` caches the matrices of the step
+    /// for later steps of the same length.
     #[inline]
     pub fn step(
         &mut self,
         state: &Vector<S, M>,
         powers: &Quintic<S>,
         length_s: f64,
-        again: bool,
+        reuse: bool,
     ) -> Vector<S, M> {
-        if !again {
+        if !reuse {
             return self.series(state, powers, &self.constant, length_s);
         }
-        if self.kept.as_ref().is_none_or(|kept| kept.length_s != length_s) {
-            self.kept = Some(self.keep(length_s));
+        if self.cached.as_ref().is_none_or(|cached| cached.length_s != length_s) {
+            self.cached = Some(self.matrices_of_step(length_s));
         }
-        let Some(kept) = &self.kept else { return *state };
-        let mut end = kept.drift;
-        for (column, value) in kept.propagator.iter().zip(state) {
+        let Some(cached) = &self.cached else { return *state };
+        let mut end = cached.drift;
+        for (column, value) in cached.propagator.iter().zip(state) {
             add(&mut end, &scaled(column, *value));
         }
-        for (gain, power) in kept.gains.iter().zip(powers) {
+        for (gain, power) in cached.gains.iter().zip(powers) {
             add(&mut end, &scaled(gain, *power));
         }
         end
     }
 
-    fn keep(&self, length_s: f64) -> Kept<S, M> {
-        let (zero, silence) = ([S::constant(0.0); M], [S::constant(0.0); 6]);
-        Kept {
+    fn matrices_of_step(&self, length_s: f64) -> CachedStep<S, M> {
+        let (zero, no_torque) = ([S::constant(0.0); M], [S::constant(0.0); 6]);
+        CachedStep {
             length_s,
-            propagator: std::array::from_fn(|i| self.series(&unit(i), &silence, &zero, length_s)),
+            propagator: std::array::from_fn(|i| self.series(&unit(i), &no_torque, &zero, length_s)),
             gains: std::array::from_fn(|i| self.series(&zero, &unit(i), &zero, length_s)),
-            drift: self.series(&zero, &silence, &self.constant, length_s),
+            drift: self.series(&zero, &no_torque, &self.constant, length_s),
         }
     }
 
@@ -110,7 +114,7 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         length_s: f64,
     ) -> Vector<S, M> {
         let (mut term, mut sum) = (*state, *state);
-        for m in 0..TERMS {
+        for m in 0..SERIES_TERMS {
             term = self.next_term(m, &term, powers, constant, length_s);
             add(&mut sum, &term);
         }
@@ -139,7 +143,9 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         next
     }
 
-    /// A step of as much of a length as its errors allow; `against` gives the last term of a further torque along terms so far.
+    /// A step by Taylor series over `length_s`, or over the part of it in which no state errs by
+    /// more than `allowed`. `nonlinear` gives the next term of the nonlinear torques from the terms
+    /// of the states so far.
     #[inline]
     pub fn reach(
         &self,
@@ -147,13 +153,13 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         powers: &Quintic<S>,
         length_s: f64,
         allowed: &[f64; M],
-        mut against: Option<impl FnMut(&[Vector<S, M>]) -> S>,
+        mut nonlinear: Option<impl FnMut(&[Vector<S, M>]) -> S>,
     ) -> Series<S, M> {
-        Series::new(state, length_s, allowed, against.is_some(), |terms| {
+        Series::new(state, length_s, allowed, nonlinear.is_some(), |terms| {
             let m = terms.len() - 1;
             let mut next = self.next_term(m, &terms[m], powers, &self.constant, length_s);
-            if let Some(against) = &mut against {
-                let torque = against(terms) * (-length_s / (m + 1) as f64);
+            if let Some(nonlinear) = &mut nonlinear {
+                let torque = nonlinear(terms) * (-length_s / (m + 1) as f64);
                 add(&mut next, &self.driven(torque));
             }
             next
@@ -184,7 +190,7 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         let mut product = [S::constant(0.0); M];
         for (column, value) in matrix.iter().zip(vector) {
             for (sum, factor) in product.iter_mut().zip(column) {
-                // Most couplings are absent.
+                // Most entries of A are 0.
                 if *factor != 0.0 {
                     *sum += *value * *factor;
                 }

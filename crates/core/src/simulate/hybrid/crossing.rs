@@ -1,7 +1,7 @@
-//! Zero crossings of a signal within a step: a bracket by halving, then regula falsi.
+//! Zero crossings of a signal within a step: halving finds a bracket, regula falsi the root.
 
-/// A position at which a signal that begins at zero has gone negative, before
-/// it is positive at `end`; 0 where it has not.
+/// For a signal that is 0 at position 0 and positive at `end`: a position between at which it is
+/// negative, found by halving; 0 if there is none.
 pub(super) fn departure(signal: &impl Fn(f64) -> f64, end: f64) -> f64 {
     let mut at = 0.5 * end;
     for _ in 0..24 {
@@ -13,8 +13,8 @@ pub(super) fn departure(signal: &impl Fn(f64) -> f64, end: f64) -> f64 {
     0.0
 }
 
-/// The root of a signal that is not positive at `low` and positive at `high`
-/// (regula falsi, Illinois: Dowell, Jarratt 1971, doi:10.1007/BF01934364).
+/// The root of a signal that is ≤ 0 at `low` and > 0 at `high`, by the Illinois variant of regula
+/// falsi (Dowell, Jarratt 1971, doi:10.1007/BF01934364).
 pub(super) fn root(mut low: f64, mut high: f64, signal: impl Fn(f64) -> f64) -> f64 {
     let (mut below, mut above) = (signal(low), signal(high));
     let mut last = 0;
@@ -26,7 +26,7 @@ pub(super) fn root(mut low: f64, mut high: f64, signal: impl Fn(f64) -> f64) -> 
         let share = below / (below - above);
         at = if share.is_finite() { low + share * (high - low) } else { 0.5 * (low + high) };
         let there = signal(at);
-        // One end of the bracket may still be far.
+        // This is the root to rounding, even if the other end of the bracket is still far away.
         if there.abs() < 1e-15 * above.abs().max(below.abs()) {
             break;
         }
@@ -57,7 +57,7 @@ mod tests {
         assert!((root - 0.3_f64.cbrt()).abs() < 1e-12, "{root}");
     }
 
-    // The first secant of a straight line meets its root to rounding, from wherever it comes.
+    // The first secant of a straight line gives its root to rounding, wherever that is.
     #[test]
     fn the_root_of_a_straight_line_is_found_to_rounding() {
         for step in 1..1000 {

@@ -1,24 +1,26 @@
-//! An initial value problem: one motion from a given state to the end of an input that need not
-//! repeat.
+//! Initial value problem: one motion from a given state, over an input that need not be periodic.
 
 use crate::effects::Axis;
 
-use super::integrate_period::{LOOSE, PeriodIntegration, Precision, TIGHT};
+use super::integrate_period::{LOOSE_TOLERANCE, PeriodIntegration, Precision, TIGHT_TOLERANCE};
 use super::mechanics::{MOST_STATES, Mechanics};
 use crate::simulate::response::NoResponse;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 use crate::simulate::transient::motion::InitialState;
 use crate::simulate::transient::recorder::Recorder;
 
-/// Effort for a motion, in exact steps, and what is added for each cell: it bounds a record
-/// of 25 000 samples to seconds.
-const EFFORT: usize = 1_000_000;
+/// Most effort for a motion, in exact steps: a constant part and a part for each cell of the
+/// torque. Bounds the time for a record of 25 000 samples to seconds.
+const BASE_EFFORT: usize = 1_000_000;
 const EFFORT_PER_CELL: usize = 400;
 
-/// Radians of a ripple within which the error of θ is a share.
-const RIPPLE: f64 = 1.0;
+/// Largest size of θ that the tolerance refers to, in radians of a torque that is periodic in θ.
+const LARGEST_RIPPLE_ANGLE: f64 = 1.0;
 
-/// Follows the motion and lets `recorder` see every step of it.
+/// Integrates the motion; `recorder` receives every step.
+///
+/// # Errors
+/// [`NoResponse::Endless`].
 pub(in super::super) fn follow(
     axis: &Axis,
     wave: &PiecewiseQuintic<f64>,
@@ -30,14 +32,16 @@ pub(in super::super) fn follow(
         mechanics.balance = initial.balance.unwrap_or_else(|| mechanics.first_balance());
     }
     match mechanics.states {
-        1 => of_states::<1>(axis, &mechanics, wave, initial, recorder),
-        2 => of_states::<2>(axis, &mechanics, wave, initial, recorder),
-        3 => of_states::<3>(axis, &mechanics, wave, initial, recorder),
-        _ => of_states::<MOST_STATES>(axis, &mechanics, wave, initial, recorder),
+        1 => follow_states::<1>(axis, &mechanics, wave, initial, recorder),
+        2 => follow_states::<2>(axis, &mechanics, wave, initial, recorder),
+        3 => follow_states::<3>(axis, &mechanics, wave, initial, recorder),
+        _ => follow_states::<MOST_STATES>(axis, &mechanics, wave, initial, recorder),
     }
 }
 
-fn of_states<const M: usize>(
+/// The same for M states. A loose pass finds the sizes of the states, to which the tolerance of the
+/// second pass refers.
+fn follow_states<const M: usize>(
     axis: &Axis,
     mechanics: &Mechanics<f64>,
     wave: &PiecewiseQuintic<f64>,
@@ -50,9 +54,9 @@ fn of_states<const M: usize>(
     for (size, value) in sizes.iter_mut().zip(&start) {
         *size = size.max(value.abs());
     }
-    let mut effort = EFFORT + EFFORT_PER_CELL * wave.cells.len();
+    let mut effort = BASE_EFFORT + EFFORT_PER_CELL * wave.cells.len();
     let mut run = |tolerance: f64, sizes: [f64; M], trace: Option<&mut Recorder>| {
-        // Every swing on bristles counts: there is no period over which they average out.
+        // All oscillations on bristles are integrated: there is no period that averages them out.
         let precision = Precision { tolerance, sizes, most_swings: usize::MAX };
         let mut pass = PeriodIntegration {
             mechanics,
@@ -66,13 +70,13 @@ fn of_states<const M: usize>(
         };
         pass.run(&start).map(|_| pass.largest).ok_or(NoResponse::Endless)
     };
-    let largest = run(LOOSE, sizes, None)?;
+    let largest = run(LOOSE_TOLERANCE, sizes, None)?;
     for (size, largest) in sizes.iter_mut().zip(largest) {
         *size = if largest > 0.0 { largest } else { *size };
     }
     let ripple = axis.ripple_rate();
     if let Some(i) = mechanics.position.filter(|_| ripple > 0.0) {
-        sizes[i] = sizes[i].min(RIPPLE / ripple);
+        sizes[i] = sizes[i].min(LARGEST_RIPPLE_ANGLE / ripple);
     }
-    run(TIGHT, sizes, Some(recorder)).map(|_| ())
+    run(TIGHT_TOLERANCE, sizes, Some(recorder)).map(|_| ())
 }

@@ -1,5 +1,5 @@
-//! Integrates one period, or one transient, step by step and through every switch, and sums its
-//! Fourier integrals on the way.
+//! Integrates the motion over one period, or over one transient, step by step and through every
+//! switch, and sums the Fourier integrals of v on the way.
 
 mod event_handling;
 
@@ -20,18 +20,19 @@ use event_handling::Event;
 /// Most switches in one cell; more mean that the switching times accumulate (Zeno behaviour).
 const MOST_SWITCHES_PER_CELL: usize = 1024;
 
-/// Effort of locating a switch, in exact steps.
+/// Effort of locating a switch, as a number of exact steps; subtracted from the remaining effort.
 const SWITCH_EFFORT: usize = 12;
 
-/// A bristle counts as fully deflected within this many errors of a step, since the integration
-/// itself does not come closer.
-const YIELDING: f64 = 4.0;
+/// A bristle counts as fully deflected if its force differs from the Coulomb level by less than
+/// this multiple of the step tolerance (relative). The integration does not come closer than that.
+const YIELD_TOLERANCE_FACTOR: f64 = 4.0;
 
-/// Largest error of a step while the periodic motion is looked for, as a share of the states' sizes.
-pub(super) const LOOSE: f64 = 2e-4;
+/// Largest error of a step, as a share of the states' sizes, while the periodic motion is searched
+/// for. Tuned.
+pub(super) const LOOSE_TOLERANCE: f64 = 2e-4;
 
-/// The same for the motion that is reported.
-pub(super) const TIGHT: f64 = 1e-6;
+/// The same for the motion that is reported. Tuned.
+pub(super) const TIGHT_TOLERANCE: f64 = 1e-6;
 
 /// How precisely a period is integrated.
 pub(super) struct Precision<const M: usize> {
@@ -39,25 +40,25 @@ pub(super) struct Precision<const M: usize> {
     pub tolerance: f64,
     /// Sizes of the states.
     pub sizes: [f64; M],
-    /// Most oscillations of an axis on its presliding bristles that are integrated; the rest is left
-    /// out. After n of them about 3/n of the amplitude remains, and its effect on the motion averages
+    /// Most oscillations of an axis on its presliding bristles that are integrated; later ones are
+    /// left out. After n oscillations about 3/n of the amplitude remains, and its effect averages
     /// out.
     pub most_swings: usize,
 }
 
-/// A remainder of a cell shorter than this share of it gets no step of its own.
-const SLIVER: f64 = 1e-9;
+/// A remainder of a cell shorter than this share of the cell is skipped: it is rounding.
+const SHORTEST_REMAINDER: f64 = 1e-9;
 
 /// The integration of a motion over one period, or over a transient.
 pub(super) struct PeriodIntegration<'a, 'g, S, const M: usize> {
     pub mechanics: &'a Mechanics<S>,
     pub wave: &'a PiecewiseQuintic<S>,
     pub precision: &'a Precision<M>,
-    /// The Fourier integrals of v, if they are wanted.
+    /// Sums of the Fourier integrals of v, if wanted.
     pub sums: Option<&'a mut Fourier<'g, S>>,
-    /// Who is given every step of v, if anybody; the torque may then jump between cells.
+    /// Receives every step of v (transients only). The torque may then jump between cells.
     pub trace: Option<&'a mut Recorder>,
-    /// Largest |state| seen.
+    /// Largest absolute value of each state so far.
     pub largest: [f64; M],
     /// Oscillations on the presliding bristles so far.
     pub swings: usize,
@@ -66,8 +67,8 @@ pub(super) struct PeriodIntegration<'a, 'g, S, const M: usize> {
 }
 
 impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
-    /// Integrates the motion from `start` over one period; `None` where it switches without end or
-    /// the effort is used up.
+    /// Integrates the motion from `start` over all cells and returns the final state; `None` if the
+    /// switching times accumulate or the effort is used up.
     pub fn run(&mut self, start: &Vector<S, M>) -> Option<Vector<S, M>> {
         let mut state = *start;
         let wave = self.wave;
@@ -86,16 +87,21 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                     return None;
                 }
                 if mode.motion == Motion::Stuck {
-                    let now = self.mechanics.motion_held(mode.contact, cell.fixed(from), &state);
+                    let now =
+                        self.mechanics.motion_if_stuck(mode.contact, cell.fixed(from), &state);
                     if now != Motion::Stuck {
                         (mode.motion, slope) = (now, None);
-                        self.set_off(mode, cell, from, &mut state);
+                        self.leave_rest_on_bristles(mode, cell, from, &mut state);
                         switches += 1;
                     }
                 }
-                if self.mechanics.yields(mode, &state, YIELDING * self.precision.tolerance) {
+                if self.mechanics.yields(
+                    mode,
+                    &state,
+                    YIELD_TOLERANCE_FACTOR * self.precision.tolerance,
+                ) {
                     mode.yields = true;
-                    self.mechanics.bend(mode, &mut state);
+                    self.mechanics.deflect_fully(mode, &mut state);
                     (slope, self.swings) = (None, 0);
                 }
                 let begin = slope
@@ -114,7 +120,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                         self.add(cell, from, width, &step);
                         state = *step.end();
                         slope = Some(*step.end_slope());
-                        let ends = from + width >= 1.0 - SLIVER;
+                        let ends = from + width >= 1.0 - SHORTEST_REMAINDER;
                         from = if ends { 1.0 } else { from + width };
                     }
                     Some(switch) => {
@@ -130,32 +136,40 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                         switches += 1;
                         mode = self.switched(mode, switch.event, cell.fixed(from), &mut state);
                         if matches!(switch.event, Event::Starts(_)) {
-                            self.set_off(mode, cell, from, &mut state);
+                            self.leave_rest_on_bristles(mode, cell, from, &mut state);
                         }
-                        self.fix(mode, cell.fixed(from), &mut state, late_s);
+                        self.to_plain_time(mode, cell.fixed(from), &mut state, late_s);
                         slope = None;
                     }
                 }
-                self.note(&state);
+                self.update_largest(&state);
             }
         }
         Some(state)
     }
 
-    /// Sets the states of the bristles as they begin to yield.
-    fn set_off(&mut self, mode: Mode, cell: &Cell<S>, at: f64, state: &mut Vector<S, M>) {
+    /// Starts an axis from rest on its bristles, with a new count of oscillations.
+    fn leave_rest_on_bristles(
+        &mut self,
+        mode: Mode,
+        cell: &Cell<S>,
+        at: f64,
+        state: &mut Vector<S, M>,
+    ) {
         self.swings = 0;
         let rate = cell.slope(S::constant(at)) * (1.0 / cell.length_s);
-        self.mechanics.set_off(mode, cell.fixed(at), rate, state);
+        self.mechanics.leave_rest_on_bristles(mode, cell.fixed(at), rate, state);
     }
 
-    fn note(&mut self, state: &Vector<S, M>) {
+    /// Updates the largest absolute values.
+    fn update_largest(&mut self, state: &Vector<S, M>) {
         for (largest, value) in self.largest.iter_mut().zip(state) {
             *largest = largest.max(value.value().abs());
         }
     }
 
-    /// A step from `from` over at most `width` of a cell; `width` is set to what was taken.
+    /// A step from position `from` over at most `width` of a cell; sets `width` to the length
+    /// taken.
     #[inline]
     fn step(
         &self,
@@ -181,20 +195,20 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
             StepControl::Series { modes, jets } => {
                 let allowed = self.precision.sizes.map(|size| size * self.precision.tolerance);
                 let affine = modes.of(mode, self.mechanics);
-                let bends = mode.motion != Motion::Stuck && !jets.is_empty();
-                let against =
-                    bends.then_some(|terms: &[_]| self.mechanics.bent_term(mode, jets, terms));
-                let series = affine.reach(state, &torque(), length_s, &allowed, against);
+                let is_nonlinear = mode.motion != Motion::Stuck && !jets.is_empty();
+                let nonlinear = is_nonlinear
+                    .then_some(|terms: &[_]| self.mechanics.nonlinear_term(mode, jets, terms));
+                let series = affine.reach(state, &torque(), length_s, &allowed, nonlinear);
                 *width *= series.share;
                 Step::Series(series)
             }
-            StepControl::Exact { modes, again, .. } => {
+            StepControl::Exact { modes, reuse, .. } => {
                 let (affine, powers) = (modes.of(mode, self.mechanics), torque());
-                let end = affine.step(state, &powers, length_s, *again);
+                let end = affine.step(state, &powers, length_s, *reuse);
                 let end_slope = affine.slope(&end, polynomial(&powers, 1.0));
                 let (states, slopes) = ([*state, end], [*slope, end_slope]);
                 let mut ends = Ends { length_s, states, slopes, curvatures: None };
-                if self.is_seen() || !ends.stays_beyond(VELOCITY, 0.0) {
+                if self.needs_interior() || !ends.stays_beyond(VELOCITY, 0.0) {
                     let rate = 1.0 / length_s;
                     let last = wave_slope(&powers, S::constant(1.0));
                     ends.curvatures = Some([
@@ -207,8 +221,8 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         }
     }
 
-    /// A step's error as a multiple of the error allowed. Of a step without error control it is 0, and
-    /// NaN where the state is no longer finite.
+    /// A step's error as a multiple of the allowed error. For a step without error control it is 0,
+    /// or NaN if the state is not finite.
     fn error(&self, step: &Step<S, M>, state: &Vector<S, M>) -> f64 {
         let Step::Stages(stages) = step else { return step.end()[VELOCITY].value() * 0.0 };
         let mut sizes = self.precision.sizes;
@@ -217,11 +231,12 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         stages.error(&sizes) / self.precision.tolerance
     }
 
-    /// Whether the course of v within a step is needed, not only its ends.
-    fn is_seen(&self) -> bool {
+    /// Whether v is needed within a step, not only at its ends.
+    fn needs_interior(&self) -> bool {
         self.sums.is_some() || self.trace.is_some()
     }
 
+    /// Passes a step of v on to the recorder and to the Fourier integrals.
     fn add(&mut self, cell: &Cell<S>, from: f64, width: f64, step: &Step<S, M>) {
         if let Some(trace) = self.trace.as_deref_mut() {
             let (from_s, length_s) = (cell.from_s + from * cell.length_s, width * cell.length_s);

@@ -1,4 +1,5 @@
-//! Equations of motion in each mode, and the conditions under which the mode changes.
+//! The mechanics behind the actuator: states, modes, and the conditions under which the mode
+//! changes. The equations of motion themselves are in `dynamics`.
 
 mod dynamics;
 mod initial_state;
@@ -9,46 +10,46 @@ use crate::plant::Scalar;
 use super::runge_kutta::Vector;
 use crate::simulate::base::switching_times::Motion;
 
-/// Most states of a motion: velocity, position, its integral, bristle, load and twist.
+/// Most states: v, θ, ∫θ dt, deflection of the bristle, velocity of the load, and twist of the
+/// joint.
 pub(super) const MOST_STATES: usize = 6;
 
-/// Index of v in every state.
+/// Index of v in every state vector.
 pub(super) const VELOCITY: usize = 0;
 
-/// What the joint to a second mass does.
+/// Contact in the joint to a second mass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Contact {
-    /// There is no gap, or no second mass.
+    /// Always in contact, as there is no gap; or no second mass.
     Linked,
     /// Inside the gap.
     Open,
     /// At its upper end, φ ≥ gap/2.
     Upper,
-    /// At its lower end.
+    /// At its lower end, φ ≤ −gap/2.
     Lower,
 }
 
-/// Share of its level up to which friction on bristles is taken to balance what
-/// drives the axis, once their oscillation is left out.
-const BALANCED: f64 = 0.9;
+/// Once the oscillations on the bristles are left out, the axis counts as at rest while the torque
+/// stays below this share of the Coulomb level. Tuned.
+const BRISTLE_HOLDING_SHARE: f64 = 0.9;
 
-/// Which equations hold.
+/// Which of the equations of motion hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Mode {
     pub motion: Motion,
     pub contact: Contact,
-    /// Whether the bristle is bent as far as it goes, so that its force is constant until
-    /// v turns.
+    /// Whether the bristle is fully deflected: its force is then constant until v reverses.
     pub yields: bool,
 }
 
-/// A torque that is not linear, and where the state holds what it depends on.
-struct Bent<S> {
+/// A nonlinear torque, and the index of the state that it depends on.
+struct NonlinearTorque<S> {
     law: Law<S>,
     argument: usize,
 }
 
-/// The axis behind its actuator.
+/// The mechanics of an axis. Arrays of two hold the values forward and backward; levels are signed.
 pub(super) struct Mechanics<S> {
     viscous_rate: [S; 2],
     constant: S,
@@ -56,20 +57,20 @@ pub(super) struct Mechanics<S> {
     breakaway: [S; 2],
     curve: Option<Law<S>>,
     bristle: Option<S>,
-    /// Linear torques, and others.
+    /// Torques that are linear in v and θ.
     linear: Vec<Law<S>>,
-    bent: Vec<Bent<S>>,
+    nonlinear: Vec<NonlinearTorque<S>>,
     second_mass: Option<SecondMass<S>>,
     /// Constant torque that keeps the mean of v zero.
     pub balance: S,
     /// Number of states.
     pub states: usize,
-    /// Where θ stands in the state, and so on.
+    /// Index of θ in the state vector; the following are indices too.
     pub position: Option<usize>,
     bristle_at: usize,
     pub load_velocity: usize,
     pub twist: usize,
-    /// ∫θ dt, where the mean of θ matters.
+    /// ∫θ dt, if the mean of θ must be zero.
     pub position_integral: Option<usize>,
 }
 
@@ -88,13 +89,13 @@ impl<S: Scalar> Mechanics<S> {
         let (load_velocity, twist) =
             if axis.second_mass.is_some() { (next(), next()) } else { (0, 0) };
         let position_integral = axis.balanced.then(&mut next);
-        let (linear, bent): (Vec<_>, Vec<_>) =
+        let (linear, nonlinear): (Vec<_>, Vec<_>) =
             axis.torques.iter().partition(|law| law.form().is_linear());
         let of = |law: Law<S>| {
             let argument = if law.form().uses_position() { position } else { None };
-            Bent { law, argument: argument.unwrap_or(VELOCITY) }
+            NonlinearTorque { law, argument: argument.unwrap_or(VELOCITY) }
         };
-        let bent = bent.into_iter().map(of).collect();
+        let nonlinear = nonlinear.into_iter().map(of).collect();
         Self {
             viscous_rate: axis.viscous_rates(),
             constant: axis.plant.constant,
@@ -103,7 +104,7 @@ impl<S: Scalar> Mechanics<S> {
             curve: axis.friction_curve,
             bristle: axis.bristle,
             linear,
-            bent,
+            nonlinear,
             second_mass: axis.second_mass,
             balance: S::constant(0.0),
             states,
@@ -115,7 +116,8 @@ impl<S: Scalar> Mechanics<S> {
         }
     }
 
-    /// Whether two motions under the same torque always approach each other.
+    /// Whether any two motions under the same torque approach each other: the periodic one is
+    /// unique.
     pub fn contracts(&self) -> bool {
         let play = self.second_mass.is_some_and(|mass| mass.gap.value() > 0.0);
         self.curve.is_none()
@@ -124,8 +126,8 @@ impl<S: Scalar> Mechanics<S> {
             && self.torques().all(|law| law.form().contracts())
     }
 
-    /// Size of an error of v that matters at velocity v: near zero a friction curve
-    /// makes much of little.
+    /// Size of v that an error of v is compared with at this velocity. Near zero a friction curve
+    /// is steep and the size is small.
     pub fn velocity_size(&self, velocity: f64, size: f64) -> f64 {
         match self.curve.as_ref().and_then(Law::velocity_scale) {
             Some(scale) => (velocity.abs() + scale).min(size),
@@ -135,28 +137,28 @@ impl<S: Scalar> Mechanics<S> {
 
     /// Whether the equations are affine between switches.
     pub fn is_affine(&self) -> bool {
-        self.has_series() && self.bent.is_empty()
+        self.has_series() && self.nonlinear.is_empty()
     }
 
-    /// Whether the motion between switches is a power series whose terms are known.
+    /// Whether the Taylor series of the motion between switches can be computed.
     pub fn has_series(&self) -> bool {
         self.curve.is_none()
             && self.bristle.is_none()
-            && self.bent.iter().all(|bent| bent.law.form().has_series())
+            && self.nonlinear.iter().all(|nonlinear| nonlinear.law.form().has_series())
     }
 
     fn torques(&self) -> impl Iterator<Item = &Law<S>> {
-        self.linear.iter().chain(self.bent.iter().map(|bent| &bent.law))
+        self.linear.iter().chain(self.nonlinear.iter().map(|nonlinear| &nonlinear.law))
     }
 
-    /// What follows the torques that are not linear along a motion.
+    /// Empty Taylor series of the nonlinear torques, for [`Self::nonlinear_term`].
     pub fn jets(&self) -> Vec<TaylorSeries> {
-        self.bent.iter().map(|bent| bent.law.jet()).collect()
+        self.nonlinear.iter().map(|nonlinear| nonlinear.law.jet()).collect()
     }
 
-    /// The last term of the torques that are not linear along a motion of these terms.
+    /// The sum of the next Taylor terms of the nonlinear torques, from the terms of the states.
     #[inline]
-    pub fn bent_term<const M: usize>(
+    pub fn nonlinear_term<const M: usize>(
         &self,
         mode: Mode,
         jets: &mut [TaylorSeries],
@@ -164,15 +166,15 @@ impl<S: Scalar> Mechanics<S> {
     ) -> S {
         let direction = if mode.motion == Motion::Backward { -1.0 } else { 1.0 };
         let mut sum = S::constant(0.0);
-        for (Bent { law, argument }, jet) in self.bent.iter().zip(jets) {
+        for (NonlinearTorque { law, argument }, jet) in self.nonlinear.iter().zip(jets) {
             jet.direction = direction;
             sum += law.term(jet, |m| terms[m][*argument], terms.len() - 1);
         }
         sum
     }
 
-    /// The fastest rate at which the state changes between switches, where the
-    /// equations are affine there.
+    /// An upper estimate of the fastest rate of the motion between switches, rad/s, from the linear
+    /// torques alone.
     pub fn fastest_rate(&self) -> f64 {
         let constant = self.constant.value().abs();
         let mut inverse_inertia = constant;
@@ -192,18 +194,18 @@ impl<S: Scalar> Mechanics<S> {
         damping.max((inverse_inertia * stiffness).sqrt())
     }
 
-    /// Whether no constant torque lets a torque of this range move the axis.
+    /// Whether a torque of this range, plus a suitable constant torque, cannot move the axis.
     pub fn rests_balanced(&self, (least, most): (f64, f64)) -> bool {
         let [forward, backward] = self.breakaway.map(S::value);
         most - least <= forward - backward
     }
 
-    /// Whether no motion under a torque of this range lasts.
+    /// Whether every motion of an axis with a spring dies out under a torque of this range.
     ///
-    /// With c between what the torque can exceed friction by forward (most − Fc⁺) and
-    /// backward (least + Fc⁻), (τ − f)·v ≤ c·v, and v²/2K less c·θ and with the energy of
-    /// what restores θ falls as −a·v²/K: v vanishes, be it that an axis creeps ever more
-    /// slowly to where it sticks.
+    /// The condition is most − Fc⁺ ≤ least + Fc⁻. Let c lie between the two; then (τ − f)·v ≤ c·v
+    /// in both directions. With E(θ) the energy of the spring, v²/2K + E(θ) − c·θ changes at a rate
+    /// of at most −a·v²/K. Hence v vanishes, though the axis may creep ever more slowly to where it
+    /// sticks.
     pub fn comes_to_rest(&self, (least, most): (f64, f64)) -> bool {
         let (still, unit) = (S::constant(0.0), S::constant(1.0));
         let least_curve = self.curve.map_or(1.0, |curve| curve.at(still, still).value().min(1.0));
@@ -214,12 +216,13 @@ impl<S: Scalar> Mechanics<S> {
         self.bristle.is_none() && self.torques().any(restores) && most - least <= forward - backward
     }
 
-    /// A constant torque that balances what friction holds back on average.
+    /// First guess of [`Self::balance`]: the mean of the signed friction levels forward and
+    /// backward.
     pub fn first_balance(&self) -> f64 {
         0.5 * (self.coulomb[0].value() + self.coulomb[1].value())
     }
 
-    /// What the axis does in a state, where nothing says what it did before.
+    /// The mode in a state, if the mode before is not known.
     pub fn mode_at<const M: usize>(&self, torque: S, state: &Vector<S, M>) -> Mode {
         let contact = match self.half_gap() {
             None => Contact::Linked,
@@ -237,25 +240,25 @@ impl<S: Scalar> Mechanics<S> {
         Mode { motion, contact, yields: false }
     }
 
-    /// What friction lets an axis do that has v = 0.
+    /// The motion that follows v = 0.
     pub fn motion_at_rest<const M: usize>(
         &self,
         contact: Contact,
         torque: S,
         state: &Vector<S, M>,
     ) -> Motion {
-        let Some(sigma) = self.bristle else { return self.motion_held(contact, torque, state) };
-        // A bristle holds nothing: it pulls one way or the other.
-        let bent = sigma * state[self.bristle_at];
-        match self.net(contact, torque, state).value() < bent.value() {
+        let Some(sigma) = self.bristle else { return self.motion_if_stuck(contact, torque, state) };
+        // A bristle does not hold the axis: the net force accelerates it one way or the other.
+        let bristle_force = sigma * state[self.bristle_at];
+        match self.net(contact, torque, state).value() < bristle_force.value() {
             true => Motion::Backward,
             false => Motion::Forward,
         }
     }
 
-    /// Whether a bristle of constant friction is, within `tolerance`, bent as far as it goes
-    /// and not known to be yet. What it lacks falls as exp(−σ/Fc·travel), however stiff it
-    /// makes the equations.
+    /// Whether a bristle has just become fully deflected, to within the relative `tolerance`. The
+    /// missing deflection decays as exp(−σ/Fc·travel). Only for friction that does not depend on
+    /// |v|.
     pub fn yields<const M: usize>(&self, mode: Mode, state: &Vector<S, M>, tolerance: f64) -> bool {
         let Some(sigma) = self.bristle.filter(|_| !mode.yields && self.curve.is_none()) else {
             return false;
@@ -264,8 +267,8 @@ impl<S: Scalar> Mechanics<S> {
         (sigma.value() * state[self.bristle_at].value() - level).abs() < tolerance * level.abs()
     }
 
-    /// Bends the bristle as far as it goes.
-    pub fn bend<const M: usize>(&self, mode: Mode, state: &mut Vector<S, M>) {
+    /// Deflects the bristle fully.
+    pub fn deflect_fully<const M: usize>(&self, mode: Mode, state: &mut Vector<S, M>) {
         if let Some(sigma) = self.bristle {
             state[self.bristle_at] = self.level(mode) / sigma;
         }
@@ -276,49 +279,50 @@ impl<S: Scalar> Mechanics<S> {
         self.coulomb[usize::from(mode.motion == Motion::Backward)]
     }
 
-    /// Whether friction can hold the axis at all.
+    /// Whether friction can hold the axis at rest: not if it acts through a bristle.
     pub fn can_rest(&self) -> bool {
         self.bristle.is_none()
     }
 
-    /// gap/2, where there is a gap.
+    /// gap/2; `None` without a gap.
     pub fn half_gap(&self) -> Option<f64> {
         self.second_mass.map(|mass| 0.5 * mass.gap.value()).filter(|half| *half > 0.0)
     }
 
-    /// gap/2 − φ at the upper end, gap/2 + φ at the lower: positive inside.
+    /// Distance to an end of the gap, gap/2 − φ (upper) or gap/2 + φ (lower): positive inside.
     pub fn clearance<const M: usize>(&self, upper: bool, state: &Vector<S, M>) -> S {
         let gap = self.second_mass.map_or(S::constant(0.0), |mass| mass.gap);
         let twist = state[self.twist];
         if upper { gap * 0.5 - twist } else { gap * 0.5 + twist }
     }
 
-    /// What friction balances while the axis does not move: forward, backward.
-    fn held(&self) -> [S; 2] {
+    /// Net torques up to which friction holds the axis at rest: forward, backward.
+    fn holding_levels(&self) -> [S; 2] {
         match self.bristle {
-            Some(_) => self.coulomb.map(|level| level * BALANCED),
+            Some(_) => self.coulomb.map(|level| level * BRISTLE_HOLDING_SHARE),
             None => self.breakaway,
         }
     }
 
-    /// What an axis does that friction has held so far.
-    pub fn motion_held<const M: usize>(
+    /// The motion of an axis that friction has held at rest so far.
+    pub fn motion_if_stuck<const M: usize>(
         &self,
         contact: Contact,
         torque: S,
         state: &Vector<S, M>,
     ) -> Motion {
         let net = self.net(contact, torque, state).value();
-        match self.held().map(S::value) {
+        match self.holding_levels().map(S::value) {
             [forward, _] if net > forward => Motion::Forward,
             [_, backward] if net < backward => Motion::Backward,
             _ => Motion::Stuck,
         }
     }
 
-    /// Bends the bristles of an axis that they have held so far as they balance what
-    /// drives it, and moves it as that changes at this rate: σ·v·(1 − σz/Fc) = τ'.
-    pub fn set_off<const M: usize>(
+    /// Starts an axis that has been at rest on its bristles: sets the deflection z at which they
+    /// balance the net torque, and the velocity at which they go on to balance it while the torque
+    /// changes at `torque_rate`: σ·v·(1 − σz/Fc) = τ'. No effect without bristles.
+    pub fn leave_rest_on_bristles<const M: usize>(
         &self,
         mode: Mode,
         torque: S,

@@ -1,14 +1,15 @@
-//! Axes that are not linear between switches, have more than one mass, or depend on the position:
-//! numerical integration with event location, and Newton's method for the periodic motion.
+//! Axes that are not linear between switches, have two masses, or depend on the position: numerical
+//! integration with event location, and Newton's method for the periodic motion.
 //!
 //! - `mechanics`: the equations of motion in each mode (sliding, sticking, contact or gap).
-//! - `affine`, `series`, `runge_kutta`: one step, exactly by the matrix exponential where the
-//!   equations are affine, by the Taylor series where that is known, and by Dormand and Prince's pair
-//!   otherwise. `step_control` chooses among them and sets the length.
-//! - `integrate_period`: one period, cut at every switch.
+//! - `affine`, `series`, `runge_kutta`: one step: exactly, where the equations are affine; by
+//!   Taylor series, where its terms are known; by the Dormand–Prince pair otherwise. `step_control`
+//!   chooses among them and sets the length; `step` is the result.
+//! - `crossing`: the zeros of a signal within a step.
+//! - `integrate_period`: the integration over one period, through every switch.
 //! - `return_map`: the state at the beginning of the period, by Newton's method on the return map
 //!   (single shooting), with derivatives in dual numbers.
-//! - `initial_value`: a motion that need not repeat.
+//! - `initial_value`: a motion that need not be periodic.
 //!
 //! Where several periodic motions exist, the one reached from rest counts.
 
@@ -36,13 +37,16 @@ use super::signal::complex_dual::ComplexDual;
 use super::signal::excitation::Excitation;
 pub(super) use initial_value::follow;
 use mechanics::{MOST_STATES, Mechanics};
-use return_map::{Followed, Periodic};
+use return_map::{PeriodResult, Periodic};
 
-/// Cells of a period of a cosine in the end, at least: its quintics miss by 8e-8.
-const TIGHT_CELLS: usize = 16;
+/// Fewest cells of a period of a cosine for the reported motion: the quintics then err by 8e-8.
+const FEWEST_CELLS: usize = 16;
 
-/// Velocity harmonics of the periodic motion reached from rest, or of what `counts` in its
-/// place.
+/// Velocity harmonics of the periodic motion reached from rest, or of another one if `counts`
+/// allows it.
+///
+/// # Errors
+/// [`NoResponse::NotPeriodic`].
 pub(super) fn respond(
     axis: &Axis,
     excitation: &Excitation,
@@ -57,7 +61,7 @@ pub(super) fn respond(
     }
 }
 
-/// The same, with derivatives by the first `rows` lanes of the axis.
+/// The same, with derivatives by the first `rows` lanes of the axis, one row per lane.
 pub(super) fn differentiate(
     axis: &Axis<Wide>,
     values: &Axis,
@@ -83,9 +87,9 @@ pub(super) fn differentiate(
     Ok((velocity, sensitivities))
 }
 
-/// Cells of a period of a cosine for harmonics up to the highest.
+/// Number of cells of a period of a cosine, for harmonics up to `highest`.
 fn cells(highest: usize) -> usize {
-    TIGHT_CELLS.max(2 * highest)
+    FEWEST_CELLS.max(2 * highest)
 }
 
 fn velocity<const M: usize>(
@@ -103,7 +107,8 @@ fn velocity<const M: usize>(
     Ok(followed.velocity.into_iter().map(ComplexDual::value).collect())
 }
 
-/// As many derivatives as fit in N lanes along with the M unknowns.
+/// Velocity harmonics, and derivatives by the first of the lanes `rows`: as many as fit in N lanes
+/// beside the M unknowns.
 fn chunk<const M: usize, const N: usize>(
     axis: &Axis<Wide>,
     values: &Axis,
@@ -117,7 +122,8 @@ fn chunk<const M: usize, const N: usize>(
     let count = rows.len().min(N - M);
     let narrow = shooting::narrowed::<N>(axis, rows.start, count);
     let torque = drive::torque_of_few(&narrow, excitation, cells(highest));
-    let Followed { velocity, residuals } = periodic.velocity(&narrow, torque, highest, count)?;
+    let PeriodResult { velocity, residuals } =
+        periodic.velocity(&narrow, torque, highest, count)?;
     let rows = shooting::differentiate(&velocity, &residuals, count);
     Ok((velocity.into_iter().map(ComplexDual::value).collect(), rows))
 }

@@ -1,4 +1,9 @@
-//! The periodic motion reached from rest: a fixed point of the return map, by Newton's method.
+//! The periodic motion as a fixed point of the return map (the state after a period as a function
+//! of the state before it), by Newton's method in dual numbers.
+//!
+//! `periodic_orbit` searches for the motion reached from rest with a loose tolerance,
+//! `continuation` for that of a balanced axis. [`Periodic::velocity`] then finishes Newton's method
+//! at full precision.
 
 mod continuation;
 mod periodic_orbit;
@@ -8,7 +13,7 @@ use crate::effects::Axis;
 use crate::plant::Scalar;
 
 use super::super::shooting;
-use super::integrate_period::{LOOSE, PeriodIntegration, Precision, TIGHT};
+use super::integrate_period::{LOOSE_TOLERANCE, PeriodIntegration, Precision, TIGHT_TOLERANCE};
 use super::mechanics::{self, Mechanics};
 use super::runge_kutta::Vector;
 use crate::simulate::base::spectrum;
@@ -22,75 +27,78 @@ use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 use trust_region::TrustRegion;
 
-/// Oscillations on presliding bristles that are integrated while the periodic motion is looked for,
-/// and for the motion that is reported; see [`Precision::most_swings`].
+/// Oscillations on presliding bristles that are integrated in the loose search, and for the motion
+/// that is reported; see [`Precision::most_swings`].
 const LOOSE_SWINGS: usize = 16;
 const TIGHT_SWINGS: usize = 32;
 
-/// Cells of a period of a cosine while the motion is looked for; interpolated by quintics, its error
-/// is 5e-6.
+/// Cells of a period of a cosine in the loose search: the quintics err by 5e-6.
 const LOOSE_CELLS: usize = 8;
 
 /// Most Newton steps; after them the motion counts as not periodic.
 const MOST_ITERATIONS: usize = 60;
 
-/// Most effort for one point, in exact steps; beyond it the point counts as not periodic. The first
-/// number is the same for every input. To it comes an effort for each cell of the input, larger for
-/// the first `FEW_CELLS` than for the rest: one pass over a long record takes more than all passes
-/// over a cosine. Most motions that settle take a fiftieth of this (of a record a fifth), and those
-/// that take more hardly ever settle. A cosine takes a few milliseconds at most.
-const EFFORT: usize = 40_000;
+/// Most effort for one point, as a number of exact steps; beyond it the point counts as not
+/// periodic. `BASE_EFFORT` is the same for every input. Each cell of the input adds to it: the
+/// first `FEW_CELLS` cells `EFFORT_PER_CELL[0]` each, the others `EFFORT_PER_CELL[1]`. One pass
+/// over a long record takes more steps than all passes over a cosine. Tuned: most motions that
+/// settle take a fiftieth of this (a fifth for a record), and those that take more hardly ever
+/// settle. A cosine takes a few milliseconds at most.
+const BASE_EFFORT: usize = 40_000;
 const FEW_CELLS: usize = 256;
 const EFFORT_PER_CELL: [usize; 2] = [500, 50];
 
-/// First length of the trust region, as a share of the states' sizes: where several periodic motions
-/// may exist, and where there is only one.
-const FIRST_REGION: [f64; 2] = [0.2, 4.0];
+/// Initial radius of the trust region, as a share of the states' sizes: if several periodic motions
+/// may exist, and if there is only one. Tuned.
+const INITIAL_TRUST_RADIUS: [f64; 2] = [0.2, 4.0];
 
 fn effort(cells: usize) -> usize {
     let few = cells.min(FEW_CELLS);
-    EFFORT + EFFORT_PER_CELL[0] * few + EFFORT_PER_CELL[1] * (cells - few)
+    BASE_EFFORT + EFFORT_PER_CELL[0] * few + EFFORT_PER_CELL[1] * (cells - few)
 }
 
-/// Length of a Newton step, as a share of the states' sizes, below which the loose search ends and
-/// the precise one begins.
-const NEAR: f64 = 1e-2;
+/// The loose search ends at a Newton step below this share of the states' sizes.
+const LOOSE_STEP_TOLERANCE: f64 = 1e-2;
 
-/// Length of a Newton step below which the search ends: what remains is its square, which is less
-/// than the error of the integration.
-const CLOSED: f64 = 5e-4;
+/// The precise search ends at a Newton step below this share of the states' sizes. The error left
+/// is of the order of its square, less than the error of the integration.
+const STEP_TOLERANCE: f64 = 5e-4;
 
-/// The same for the angle of a torque that is periodic in the position, radians.
-const CLOSED_TURN: f64 = 1.4e-3;
+/// The same for the step of the angle of a torque that is periodic in the position, radians.
+const ANGLE_STEP_TOLERANCE: f64 = 1.4e-3;
 
-/// A velocity below this share of its size is set to zero after a Newton step: rounding would
-/// otherwise move an axis that friction holds.
-const STILL: f64 = 1e-9;
+/// A velocity below this share of its size is set to zero after a Newton step. Otherwise rounding
+/// would move an axis that friction holds.
+const ZERO_VELOCITY_SHARE: f64 = 1e-9;
 
-/// Error of a period as a multiple of the error of a step.
-const PASS_ERROR: f64 = 10.0;
+/// Error of the integration over a period, as a multiple of the largest error of a step. Tuned.
+const PERIOD_ERROR_RATIO: f64 = 10.0;
 
 /// The unknowns of a periodic motion of M states: the states at the beginning of a period.
 pub(super) struct Periodic<const M: usize> {
-    /// States; where the mean of θ matters the last is the constant torque.
+    /// The states. If the mean of θ must be zero, the last unknown is the constant torque instead.
     state: Vector<f64, M>,
+    /// Initial radius of the trust region.
     region: f64,
     precision: Precision<M>,
-    /// Sizes of the unknowns: those of the states, and of the torque.
+    /// Sizes of the unknowns: of the states, and of the constant torque.
     sizes: [f64; M],
     /// Remaining effort, in exact steps.
     effort: usize,
 }
 
-/// Harmonics of v, and what must vanish over a period.
-pub(super) struct Followed<S, const M: usize> {
+/// Result of one period: the harmonics of v, and the residuals, which vanish for a periodic motion.
+pub(super) struct PeriodResult<S, const M: usize> {
     pub velocity: Vec<ComplexDual<S>>,
     pub residuals: Vector<S, M>,
 }
 
 impl<const M: usize> Periodic<M> {
-    /// Finds the periodic motion reached from rest, or one that `counts` instead; `None` where the
-    /// axis stays at rest.
+    /// Finds the periodic motion reached from rest, or another one if `counts` allows it, at loose
+    /// precision; `None` if the axis stays at rest.
+    ///
+    /// # Errors
+    /// [`NoResponse::NotPeriodic`].
     pub fn find(
         axis: &Axis,
         excitation: &Excitation,
@@ -109,8 +117,8 @@ impl<const M: usize> Periodic<M> {
         let sizes = mechanics.sizes(range.0.abs().max(range.1.abs()), wave.period_s);
         let mut periodic = Self {
             state: [0.0; M],
-            region: FIRST_REGION[usize::from(mechanics.contracts() || axis.balanced)],
-            precision: Precision { tolerance: LOOSE, sizes, most_swings: LOOSE_SWINGS },
+            region: INITIAL_TRUST_RADIUS[usize::from(mechanics.contracts() || axis.balanced)],
+            precision: Precision { tolerance: LOOSE_TOLERANCE, sizes, most_swings: LOOSE_SWINGS },
             sizes,
             effort: effort(wave.cells.len()),
         };
@@ -118,8 +126,9 @@ impl<const M: usize> Periodic<M> {
             mechanics.balance = mechanics.first_balance();
             periodic.state[i] = mechanics.balance;
         }
-        let (end, largest) =
-            periodic.plain(&mechanics, &wave).ok_or(NoResponse::NotPeriodic { periods: 1 })?;
+        let (end, largest) = periodic
+            .integrate_plain(&mechanics, &wave)
+            .ok_or(NoResponse::NotPeriodic { periods: 1 })?;
         if largest.iter().all(|size| *size == 0.0) && !axis.balanced {
             return Ok(None);
         }
@@ -135,9 +144,9 @@ impl<const M: usize> Periodic<M> {
         Ok(Some(periodic))
     }
 
-    /// Integrates one period from the present state; returns the state after it and the largest
-    /// states on the way.
-    fn plain(
+    /// Integrates one period from the present state, without derivatives. Returns the state after
+    /// it and the largest absolute values of the states.
+    fn integrate_plain(
         &mut self,
         mechanics: &Mechanics<f64>,
         wave: &PiecewiseQuintic<f64>,
@@ -163,41 +172,43 @@ impl<const M: usize> Periodic<M> {
         Some((end, pass.largest))
     }
 
-    /// A step's largest entry as a share of the states' sizes.
-    fn longest(&self, step: &[f64]) -> f64 {
+    /// Size of a Newton step: its largest entry as a share of the unknowns' sizes.
+    fn step_size(&self, step: &[f64]) -> f64 {
         largest_share(step.iter().copied(), &self.sizes)
     }
 
-    /// The largest residual as a share of the size of the state it is a change of.
-    fn left<S: Scalar>(&self, residuals: &Vector<S, M>) -> f64 {
+    /// The largest residual as a share of the size of its state.
+    fn largest_residual<S: Scalar>(&self, residuals: &Vector<S, M>) -> f64 {
         largest_share(residuals.iter().map(|r| r.value()), &self.precision.sizes)
     }
 
-    /// Whether a period changes the states no more than its own error does, as
-    /// where they settle over many periods.
+    /// Whether the states change over a period by no more than the error of the integration. This
+    /// also ends the search where the return map is nearly the identity and Newton steps stay
+    /// large.
     fn within_error<S: Scalar>(&self, residuals: &Vector<S, M>) -> bool {
-        self.left(residuals) < PASS_ERROR * self.precision.tolerance
+        self.largest_residual(residuals) < PERIOD_ERROR_RATIO * self.precision.tolerance
     }
 
+    /// Moves the unknowns by `scale` times a Newton step.
     fn advance(&mut self, step: &[f64], scale: f64) {
         for (state, move_by) in self.state.iter_mut().zip(step) {
             *state += scale * move_by;
         }
         let v = &mut self.state[mechanics::VELOCITY];
-        if v.abs() < STILL * self.sizes[mechanics::VELOCITY] {
+        if v.abs() < ZERO_VELOCITY_SHARE * self.sizes[mechanics::VELOCITY] {
             *v = 0.0;
         }
     }
 
-    /// Integrates one period in dual numbers: derivatives by `parameters` lanes of the axis, then by
-    /// the unknowns. Sums the Fourier integrals of v if asked.
+    /// Integrates one period in dual numbers. The first `parameters` lanes are those of the axis,
+    /// the next ones the unknowns. Sums the Fourier integrals of v if `sums` is given.
     fn follow<S: Scalar>(
         &mut self,
         axis: &Axis<S>,
         wave: &PiecewiseQuintic<S>,
         mut sums: Option<Fourier<'_, S>>,
         parameters: usize,
-    ) -> Option<Followed<S, M>> {
+    ) -> Option<PeriodResult<S, M>> {
         let mut mechanics = Mechanics::new(axis);
         let unknown = |value: f64, lane: usize| {
             S::with_lanes(value, |l| f64::from(u8::from(l == parameters + lane)))
@@ -232,40 +243,45 @@ impl<const M: usize> Periodic<M> {
             if k == 0 { ComplexDual::real(scaled.re) } else { scaled }
         };
         let sums = sums.map(|sums| sums.finish().into_iter().enumerate().map(weighted).collect());
-        Some(Followed { velocity: sums.unwrap_or_default(), residuals })
+        Some(PeriodResult { velocity: sums.unwrap_or_default(), residuals })
     }
 
     /// Harmonics of v at full precision, with derivatives by `parameters` lanes of the axis and, in
     /// the lanes after those, by the unknowns.
+    ///
+    /// # Errors
+    /// [`NoResponse::NotPeriodic`].
     pub fn velocity<S: Scalar>(
         &mut self,
         axis: &Axis<S>,
         (wave, grid): (PiecewiseQuintic<S>, &Grid),
         highest: usize,
         parameters: usize,
-    ) -> Result<Followed<S, M>, NoResponse> {
+    ) -> Result<PeriodResult<S, M>, NoResponse> {
         let omega = std::f64::consts::TAU / wave.period_s;
-        (self.precision.tolerance, self.precision.most_swings) = (TIGHT, TIGHT_SWINGS);
+        (self.precision.tolerance, self.precision.most_swings) = (TIGHT_TOLERANCE, TIGHT_SWINGS);
         let mut region = TrustRegion::new(self.region);
         let position = Mechanics::new(axis).position;
-        let turns = axis.ripple_rate() * position.map_or(0.0, |i| self.sizes[i]);
+        let angle_per_size = axis.ripple_rate() * position.map_or(0.0, |i| self.sizes[i]);
         for _ in 0..MOST_ITERATIONS {
             let sums = Fourier::new(grid, omega, highest);
             let Some(mut followed) = self.follow(axis, &wave, Some(sums), parameters) else {
                 break;
             };
             let step = shooting::newton_step(&followed.residuals, parameters);
-            let longest = self.longest(step.as_slice());
-            let rests = longest < self.region && self.within_error(&followed.residuals);
-            let turn = longest * turns;
-            if (longest < CLOSED && turn < CLOSED_TURN) || (rests && !axis.balanced) {
+            let step_size = self.step_size(step.as_slice());
+            let settled = step_size < self.region && self.within_error(&followed.residuals);
+            let angle = step_size * angle_per_size;
+            if (step_size < STEP_TOLERANCE && angle < ANGLE_STEP_TOLERANCE)
+                || (settled && !axis.balanced)
+            {
                 shooting::correct(&mut followed.velocity, step.as_slice(), parameters);
                 return Ok(followed);
             }
-            if !longest.is_finite() {
+            if !step_size.is_finite() {
                 break;
             }
-            self.advance(step.as_slice(), region.share(longest));
+            self.advance(step.as_slice(), region.share(step_size));
         }
         Err(NoResponse::NotPeriodic { periods: MOST_ITERATIONS })
     }

@@ -1,13 +1,13 @@
-//! Steps of Dormand and Prince's pair of orders 5 and 4 (1980,
-//! doi:10.1016/0771-050X(80)90013-3), with its continuous extension of order 4
-//! (Hairer, Nørsett, Wanner 1993, Solving Ordinary Differential Equations I, II.6).
+//! Steps of the Runge–Kutta pair of orders 5 and 4 of Dormand and Prince (1980,
+//! doi:10.1016/0771-050X(80)90013-3), with its continuous extension of order 4 (Hairer, Nørsett,
+//! Wanner 1993, Solving Ordinary Differential Equations I, II.6).
 
 use crate::plant::Scalar;
 
 /// State of a motion, or its derivative by time.
 pub(super) type Vector<S, const M: usize> = [S; M];
 
-/// Position of the stages within a step.
+/// Positions of stages 2 to 6 within a step.
 pub(super) const NODES: [f64; 5] = [0.2, 0.3, 0.8, 8.0 / 9.0, 1.0];
 
 const A2: [f64; 1] = [0.2];
@@ -19,7 +19,7 @@ const A6: [f64; 5] =
 const A7: [f64; 6] =
     [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0];
 
-/// Difference of both orders.
+/// Weights of the error estimate: the difference of the formulas of orders 5 and 4.
 const ERROR: [f64; 7] = [
     71.0 / 57600.0,
     0.0,
@@ -30,7 +30,7 @@ const ERROR: [f64; 7] = [
     -1.0 / 40.0,
 ];
 
-/// Last coefficient of the continuous extension.
+/// Weights of the highest coefficient of the continuous extension.
 const DENSE: [f64; 7] = [
     -12_715_105_075.0 / 11_282_082_432.0,
     0.0,
@@ -45,15 +45,15 @@ const DENSE: [f64; 7] = [
 pub(super) struct Stages<S, const M: usize> {
     pub length_s: f64,
     pub start: Vector<S, M>,
-    /// State at its end.
+    /// State at the end.
     pub end: Vector<S, M>,
     /// Derivatives by time at every stage.
     pub slopes: [Vector<S, M>; 7],
 }
 
 impl<S: Scalar, const M: usize> Stages<S, M> {
-    /// From `start`, where the derivative is `slope`, over `length_s`; `f` gives
-    /// the derivative at stage 0 … 4 of [`NODES`].
+    /// A step from `start`, where the derivative is `slope`, over `length_s`. `f` gives the
+    /// derivative at a stage, numbered 0 … 4 as in [`NODES`], for the state there.
     #[inline]
     pub fn new(
         start: &Vector<S, M>,
@@ -74,10 +74,10 @@ impl<S: Scalar, const M: usize> Stages<S, M> {
         this
     }
 
-    /// The start moved along the first slopes.
+    /// The start plus the first slopes with these weights, times the length.
     #[inline(always)]
     fn moved<const W: usize>(&self, weights: &[f64; W]) -> Vector<S, M> {
-        // Loops: `array::from_fn` is not inlined.
+        // Loops, since `array::from_fn` is not inlined.
         let mut state = self.start;
         for (i, entry) in state.iter_mut().enumerate() {
             let mut sum = self.slopes[0][i] * (weights[0] * self.length_s);
@@ -91,8 +91,7 @@ impl<S: Scalar, const M: usize> Stages<S, M> {
         state
     }
 
-    /// Estimated error of the end, as a share of `scale`, the largest over all
-    /// states.
+    /// Estimated error at the end, as a share of `scale`; the largest of all states.
     #[inline]
     pub fn error(&self, scale: &[f64; M]) -> f64 {
         (0..M)
@@ -104,7 +103,8 @@ impl<S: Scalar, const M: usize> Stages<S, M> {
             .fold(0.0, f64::max)
     }
 
-    /// Part of state `i` over the step, as powers of u from 0 to 1.
+    /// Coefficients of state `i` over the step as a polynomial in u, 0 to 1; `part` converts the
+    /// values.
     #[inline]
     pub fn powers<T: Scalar>(&self, i: usize, part: impl Fn(S) -> T) -> [T; 5] {
         let (h, start) = (self.length_s, part(self.start[i]));
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn ends_are_of_fifth_order_and_the_extension_of_fourth() {
         let (coarse, fine) = (errors(0.2), errors(0.1));
-        // Local errors: one order more, 2⁶ and 2⁵.
+        // Local errors are of one order more: ratios 2⁶ and 2⁵.
         assert!(coarse.0 / fine.0 > 50.0, "{coarse:?} {fine:?}");
         assert!(coarse.1 / fine.1 > 25.0, "{coarse:?} {fine:?}");
     }

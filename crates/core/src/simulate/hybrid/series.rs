@@ -1,52 +1,51 @@
 //! Steps by the Taylor series of the solution.
 //!
-//! x' = A·x + b·(τ − g(x)) + d with τ a quintic and g a law whose own Taylor series follows term by
-//! term from that of its argument (automatic differentiation). The size of the last terms says how
-//! long the step may be, so that no step is refused, and a switch is located on the series itself.
-//! Between contacts of a joint with play the motion is as slow as the torque: there such steps are
-//! long, where those of a fixed length would be bound by the contact's stiffness.
+//! x' = A·x + b·(τ − g(x)) + d, where τ is a quintic and g a torque law. The Taylor series of g
+//! follows term by term from that of its argument (automatic differentiation). The size of the last
+//! terms gives the length of the step, so that no step is rejected, and switches are located on the
+//! series itself. Inside the gap of a joint with play the motion is slow and the steps are long;
+//! steps of fixed length would be limited by the contact's stiffness there too.
 
 use crate::effects::MOST_TERMS;
 use crate::plant::Scalar;
 
 use super::runge_kutta::Vector;
 
-/// Highest power of a series. A step's cost grows with it as its length does.
+/// Order of a series. Both the cost and the length of a step grow with it.
 const ORDER: usize = MOST_TERMS - 1;
 
-/// The same where the effort for a term grows with those before it.
-const ORDER_BENT: usize = 9;
+/// Order with nonlinear torques, where the cost of a term grows with the number of terms before it.
+const ORDER_NONLINEAR: usize = 9;
 
-/// Powers of the longest polynomial in a step.
+/// Most coefficients of a polynomial over a step.
 pub(super) const MOST_POWERS: usize = ORDER + 1;
 
-/// A step.
+/// A step by Taylor series.
 pub(super) struct Series<S, const M: usize> {
-    /// Powers of u from 0 to 1, all states each.
+    /// Coefficients of the powers of u, which goes from 0 to 1 over the step; one vector per power.
     terms: [Vector<S, M>; ORDER + 1],
     order: usize,
     pub length_s: f64,
-    /// The share it covers of the length asked for.
+    /// Share of the requested length that the step covers.
     pub share: f64,
-    /// State at its end.
+    /// State at the end.
     pub end: Vector<S, M>,
-    /// Derivative by time at its end.
+    /// Derivative by time at the end.
     pub end_slope: Vector<S, M>,
 }
 
 impl<S: Scalar, const M: usize> Series<S, M> {
-    /// From `start` over `length_s` or less, so that no state errs by more than
-    /// `allowed`, of equations that are `bent` or not; `next` makes the term that comes
-    /// after those it is given.
+    /// A step from `start` over at most `length_s`, in which no state errs by more than `allowed`.
+    /// `next` computes the next term from the terms so far.
     #[inline]
     pub fn new(
         start: &Vector<S, M>,
         length_s: f64,
         allowed: &[f64; M],
-        bent: bool,
+        nonlinear: bool,
         mut next: impl FnMut(&[Vector<S, M>]) -> Vector<S, M>,
     ) -> Self {
-        let order = if bent { ORDER_BENT } else { ORDER };
+        let order = if nonlinear { ORDER_NONLINEAR } else { ORDER };
         let mut this = Self {
             terms: [*start; ORDER + 1],
             order,
@@ -72,8 +71,8 @@ impl<S: Scalar, const M: usize> Series<S, M> {
         this
     }
 
-    /// The share of its length after which the last terms are as small as allowed; where
-    /// two steps are due they are even.
+    /// The share of the length within which the last two terms are as small as `allowed`. A share
+    /// between 0.5 and 1 becomes 0.5: two equal steps cover the length as well.
     fn reach(&self, allowed: &[f64; M]) -> f64 {
         let share = |m: usize| {
             let errors = self.terms[m].iter().zip(allowed).map(|(t, a)| (t.value() / a).abs());
@@ -87,7 +86,7 @@ impl<S: Scalar, const M: usize> Series<S, M> {
         }
     }
 
-    /// State at u, and its derivative by time.
+    /// State at position u, and its derivative by time.
     pub fn at(&self, u: f64) -> (Vector<S, M>, Vector<S, M>) {
         let (mut state, mut slope) = (self.terms[self.order], [S::constant(0.0); M]);
         for term in self.terms[..self.order].iter().rev() {
@@ -100,7 +99,7 @@ impl<S: Scalar, const M: usize> Series<S, M> {
         (state, slope)
     }
 
-    /// Whether state `i` cannot have met `level` within the step.
+    /// Whether state `i` certainly does not reach `level` within the step.
     #[inline]
     pub fn stays_beyond(&self, i: usize, level: f64) -> bool {
         let departs: f64 =
@@ -108,7 +107,7 @@ impl<S: Scalar, const M: usize> Series<S, M> {
         (self.terms[0][i].value() - level).abs() > departs
     }
 
-    /// Part of state `i` over the step, as powers of u from 0 to 1.
+    /// Coefficients of state `i` over the step, each converted by `part`.
     #[inline]
     pub fn powers<T: Scalar>(&self, i: usize, part: impl Fn(S) -> T) -> [T; ORDER + 1] {
         let mut powers = [T::constant(0.0); ORDER + 1];

@@ -1,4 +1,4 @@
-//! A completed step of any method: its length, its ends, and the polynomial between them.
+//! A completed step of any method: its length, its end, and the polynomial over it.
 
 use crate::plant::Scalar;
 
@@ -9,11 +9,11 @@ use crate::simulate::signal::piecewise_quintic::{Quintic, polynomial, through};
 
 /// A step of a motion.
 pub(super) enum Step<S, const M: usize> {
-    /// Of Runge–Kutta stages.
+    /// By Runge–Kutta stages.
     Stages(Stages<S, M>),
-    /// Of power series.
+    /// By Taylor series.
     Series(Series<S, M>),
-    /// Of exact ends.
+    /// Exact, known at its ends.
     Ends(Ends<S, M>),
 }
 
@@ -23,11 +23,11 @@ pub(super) struct Ends<S, const M: usize> {
     pub states: [Vector<S, M>; 2],
     /// Derivatives by time.
     pub slopes: [Vector<S, M>; 2],
-    /// Second derivatives, where what lies between matters.
+    /// Second derivatives by time, if v is needed between the ends.
     pub curvatures: Option<[Vector<S, M>; 2]>,
 }
 
-/// A state over a step as powers of u from 0 to 1, derivatives aside.
+/// One state over a step as a polynomial in u, which goes from 0 to 1; values only, no derivatives.
 #[derive(Clone, Copy)]
 pub(super) struct Powers {
     powers: [f64; MOST_POWERS],
@@ -35,7 +35,7 @@ pub(super) struct Powers {
 }
 
 impl Powers {
-    /// Of a state that does not matter.
+    /// Placeholder for a state that is not needed.
     pub const NONE: Self = Self { powers: [0.0; MOST_POWERS], count: 0 };
 
     fn new(some: &[f64]) -> Self {
@@ -49,7 +49,7 @@ impl Powers {
         polynomial(self.all(), u)
     }
 
-    /// The powers, lowest first.
+    /// The coefficients, lowest power first.
     pub fn all(&self) -> &[f64] {
         &self.powers[..self.count]
     }
@@ -65,7 +65,7 @@ impl<S: Scalar, const M: usize> Step<S, M> {
         }
     }
 
-    /// Its length, seconds.
+    /// Length, seconds.
     pub fn length_s(&self) -> f64 {
         match self {
             Step::Stages(stages) => stages.length_s,
@@ -83,7 +83,7 @@ impl<S: Scalar, const M: usize> Step<S, M> {
         }
     }
 
-    /// Whether state `i` cannot have met `level` within the step.
+    /// Whether state `i` certainly does not reach `level` within the step.
     #[inline]
     pub fn stays_beyond(&self, i: usize, level: f64) -> bool {
         match self {
@@ -95,7 +95,7 @@ impl<S: Scalar, const M: usize> Step<S, M> {
         }
     }
 
-    /// State `i` over the step.
+    /// State `i` over the step, without derivatives.
     #[inline]
     pub fn numbers(&self, i: usize) -> Powers {
         match self {
@@ -105,7 +105,8 @@ impl<S: Scalar, const M: usize> Step<S, M> {
         }
     }
 
-    /// Adds up state `i` over a step that begins at `from_s`, up to position `reach`.
+    /// Adds state `i` to the Fourier integrals, over a step that begins at `from_s`, up to position
+    /// `reach`.
     pub fn add(&self, i: usize, sums: &mut Fourier<'_, S>, from_s: f64, reach: f64) {
         let same = |x| x;
         match self {
@@ -119,13 +120,13 @@ impl<S: Scalar, const M: usize> Step<S, M> {
 }
 
 impl<S: Scalar, const M: usize> Ends<S, M> {
-    /// Whether state `i` cannot have met `level` within the step.
+    /// Whether state `i` certainly does not reach `level` within the step.
     pub fn stays_beyond(&self, i: usize, level: f64) -> bool {
         let [[start, end], [first, last]] = [&self.states, &self.slopes];
         cubic_stays_beyond([start, end], [first, last], self.length_s, i, level)
     }
 
-    /// Part of state `i` over the step, as powers of u from 0 to 1.
+    /// Coefficients of state `i` over the step, of the values converted by `part`.
     #[inline]
     pub fn powers<T: Scalar>(&self, i: usize, part: impl Fn(S) -> T) -> Quintic<T> {
         let h = self.length_s;
@@ -134,7 +135,7 @@ impl<S: Scalar, const M: usize> Ends<S, M> {
         let [begin, finish] = match &self.curvatures {
             Some(both) => [0, 1].map(|at| part(both[at][i]) * (h * h)),
             None => {
-                // The cubic: its own second derivatives.
+                // Second derivatives of the cubic through values and slopes.
                 let mean = (end - start) * 3.0;
                 [(mean - first * 2.0 - last) * 2.0, (first + last * 2.0 - mean) * 2.0]
             }
@@ -143,8 +144,9 @@ impl<S: Scalar, const M: usize> Ends<S, M> {
     }
 }
 
-/// From values at both ends a cubic departs by 4/27 of what its slopes there make, at
-/// most.
+/// Whether the cubic through values and slopes at both ends certainly does not reach `level`. It
+/// leaves the interval between the end values by at most 4/27 of the sum of |slope|·length; 0.2 is
+/// safe.
 #[inline]
 fn cubic_stays_beyond<S: Scalar, const M: usize>(
     [start, end]: [&Vector<S, M>; 2],

@@ -4,30 +4,30 @@
 use crate::effects::TaylorSeries;
 use crate::plant::Scalar;
 
-use super::affine::{Affine, REACH};
+use super::affine::{Affine, LONGEST_RATE_TIMES_STEP};
 use super::mechanics::{Mechanics, Mode};
 use crate::simulate::signal::piecewise_quintic::Cell;
 
-/// Safety factor on the length for which the error would just be allowed; with a larger one too many
-/// steps are refused.
+/// Safety factor on the length for which the error would just be allowed; with a larger one too
+/// many steps are rejected. Tuned.
 const SAFETY: f64 = 0.8;
 
-/// How steps are taken.
+/// The method that takes the steps, and its state.
 pub(super) enum StepControl<S, const M: usize> {
-    /// Exactly, no longer than this. The matrices of a step are kept for use `again` where its length
-    /// is an even part of a cell.
-    Exact { longest_s: f64, modes: Modes<S, M>, again: bool },
-    /// By power series, as far as the error allows.
+    /// Exact steps, no longer than `longest_s`. With `reuse`, the step's length is an equal part of
+    /// a cell, and its matrices are cached.
+    Exact { longest_s: f64, modes: Modes<S, M>, reuse: bool },
+    /// Taylor series, each step as long as its error allows.
     Series { modes: Modes<S, M>, jets: Vec<TaylorSeries> },
-    /// By Runge–Kutta stages, as long as the error allows.
+    /// Runge–Kutta steps with error control; `length_s` is the length to try next.
     Controlled { length_s: f64 },
 }
 
-/// The affine equations of every mode that has occurred.
+/// The affine equations of every mode that has occurred so far.
 pub(super) struct Modes<S, const M: usize>(Vec<Affine<S, M>>);
 
 impl<S: Scalar, const M: usize> Modes<S, M> {
-    /// Those of a mode.
+    /// The equations of a mode.
     #[inline]
     pub fn of(&mut self, mode: Mode, mechanics: &Mechanics<S>) -> &mut Affine<S, M> {
         let at = self.0.iter().position(|affine| affine.mode == mode).unwrap_or_else(|| {
@@ -46,13 +46,13 @@ impl<S: Scalar, const M: usize> StepControl<S, M> {
             return StepControl::Controlled { length_s: cell_s };
         }
         if mechanics.is_affine() && mechanics.half_gap().is_none() {
-            let longest_s = REACH / mechanics.fastest_rate();
-            return StepControl::Exact { longest_s, modes, again: false };
+            let longest_s = LONGEST_RATE_TIMES_STEP / mechanics.fastest_rate();
+            return StepControl::Exact { longest_s, modes, reuse: false };
         }
         StepControl::Series { modes, jets: mechanics.jets() }
     }
 
-    /// Effort of a step, in exact steps.
+    /// Effort of a step, as a number of exact steps.
     pub fn effort(&self) -> usize {
         match self {
             StepControl::Exact { .. } => 1,
@@ -60,19 +60,19 @@ impl<S: Scalar, const M: usize> StepControl<S, M> {
         }
     }
 
-    /// The share of a cell to try from position `from`.
+    /// The length of the next step from position `from`, as a share of the cell.
     #[inline]
     pub fn width(&mut self, cell: &Cell<S>, from: f64) -> f64 {
         let left = 1.0 - from;
         match self {
-            StepControl::Exact { longest_s, again, .. } => {
-                // Even parts of the cell, so that the same matrices serve again.
+            StepControl::Exact { longest_s, reuse, .. } => {
+                // The cell is divided into equal parts, so that the cached matrices fit.
                 let parts = (cell.length_s / *longest_s).ceil().max(1.0);
                 let done = from * parts;
-                // Only rounding is left of the cell.
+                // At the end of the cell only a rounding error may be left, which is no part.
                 let begins = (done - done.round()).abs() < 1e-6 && done.round() < parts;
-                *again = cell.whole.is_some() && begins;
-                if *again {
+                *reuse = cell.whole.is_some() && begins;
+                if *reuse {
                     return 1.0 / parts;
                 }
                 (((done + 1e-6).floor() + 1.0) / parts).min(1.0) - from
@@ -80,13 +80,13 @@ impl<S: Scalar, const M: usize> StepControl<S, M> {
             StepControl::Series { .. } => left,
             StepControl::Controlled { length_s } => {
                 let share = *length_s / cell.length_s;
-                // No sliver at the end of a cell.
+                // Avoids a very short step at the end of the cell.
                 if share * 1.1 >= left { left } else { share }
             }
         }
     }
 
-    /// Whether a step's error is allowed, and how long the next may be.
+    /// Whether a step's error is allowed; if so, sets the length of the next step.
     #[inline]
     pub fn accepts(&mut self, error: f64, tried_s: f64, cell_s: f64) -> bool {
         if self.refuses(error, tried_s) {
@@ -99,7 +99,7 @@ impl<S: Scalar, const M: usize> StepControl<S, M> {
         true
     }
 
-    /// Whether a step's error is too large, and then how long the next may be.
+    /// Whether a step's error is too large; if so, sets the length of the next attempt.
     #[inline]
     pub fn refuses(&mut self, error: f64, tried_s: f64) -> bool {
         match self {
@@ -112,7 +112,8 @@ impl<S: Scalar, const M: usize> StepControl<S, M> {
     }
 }
 
-/// How much longer a step can be for an error that is just allowed.
+/// Factor on the length that brings a step of this error just below the allowed error (5th-order
+/// formula).
 fn growth(error: f64) -> f64 {
     SAFETY * f64::from((error.max(1e-10) as f32).powf(-0.2))
 }
@@ -126,7 +127,7 @@ mod tests {
         let cell = Cell { from_s: 0.0, length_s: 1.0, powers: [0.0; 6], whole: Some(0) };
         for (longest_s, parts) in [(2.0, 1.0), (0.4, 3.0)] {
             let modes = Modes(Vec::new());
-            let mut pace = StepControl::<f64, 1>::Exact { longest_s, modes, again: false };
+            let mut pace = StepControl::<f64, 1>::Exact { longest_s, modes, reuse: false };
             for from in [0.0, 0.3, 1.0 / 3.0, 2.0 / 3.0, 1.0 - 1e-8, 1.0 - 1e-14] {
                 let width = pace.width(&cell, from);
                 assert!(width > 0.0 && width <= 1.0 / parts + 1e-15, "{from}: {width}");

@@ -1,9 +1,10 @@
-//! From the input to the torque behind the actuator, through static maps and a rate limiter.
+//! The torque behind the actuator in the periodic steady state: the input passes through static
+//! maps, a rate limiter and the actuator.
 //!
-//! The input is a piecewise quintic. Static maps are piecewise linear: they split the pieces where
-//! their slope changes, and act on each part exactly. The rate limiter replaces parts by ramps. The
-//! actuator's modes (`modal`) answer each part exactly, from their own periodic state. All signals are
-//! continuous, so that a split which moves with a parameter has no derivative of its own.
+//! The input is a piecewise quintic. Static maps are piecewise linear: cells are split where the
+//! slope of a map changes, and the map is exact on each part. The rate limiter replaces parts by
+//! ramps. The response of the actuator's modes (`modal`) to each part is exact. All signals are
+//! continuous, so that the positions of the splits need no derivatives by the parameters.
 
 mod modal;
 
@@ -18,14 +19,15 @@ use crate::simulate::signal::excitation::Excitation;
 use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic};
 pub(crate) use modal::{Mode, modes};
-use modal::{RADIANS_PER_CELL, delivered};
+use modal::{RADIANS_PER_CELL, actuator_output};
 
-/// Natural frequency, in the highest frequency of the input, above which an actuator that
-/// rings is a delay: of the torque it changes a millionth, and of the velocity less.
-const FAST: f64 = 1000.0;
+/// Above this ratio of its natural frequency to the highest frequency of the input, an oscillatory
+/// actuator (ζ < 2) is treated as a delay. This changes the torque by a millionth, and the velocity
+/// by less.
+const DELAY_FREQUENCY_RATIO: f64 = 1000.0;
 
-/// The torque on the mechanics, and the grid of its cells: at least `fewest` of
-/// them for a period of a cosine.
+/// The torque on the mechanics, and the grid of its cells. For a cosine the grid has at least
+/// `fewest` cells.
 pub(crate) fn torque<'e, S: Scalar>(
     axis: &Axis<S>,
     excitation: &'e Excitation,
@@ -37,16 +39,17 @@ pub(crate) fn torque<'e, S: Scalar>(
         let grid = excitation.grid().unwrap_or_else(|| Grid::at_least(fewest));
         return (linear(actuator, excitation, grid), grid);
     }
-    // Well damped, it dies out in the layers behind a kink.
+    // An oscillatory actuator needs cells as short as its oscillation; for a well-damped one
+    // (ζ ≥ 2), short cells behind each kink suffice (`modal`).
     let ringing = match actuator.map(Scalar::value) {
         Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } if damping_ratio < 2.0 => {
             natural_frequency_rad_s
         }
         _ => 0.0,
     };
-    // A delay does not mind whether it comes before or after what bends the input.
+    // A delay commutes with static maps and rate limiter: such an actuator may act ahead of them.
     let highest = omega * (excitation.input().len() - 1) as f64;
-    let delays = ringing > FAST * highest;
+    let delays = ringing > DELAY_FREQUENCY_RATIO * highest;
     let ringing = if delays { 0.0 } else { ringing };
     let [ahead, behind] = match delays {
         true => [actuator, &Actuator::Direct],
@@ -64,11 +67,11 @@ pub(crate) fn torque<'e, S: Scalar>(
     if let Some(rate) = axis.rate_limit {
         wave = rate_limit::limited(&wave, rate);
     }
-    (delivered(behind, wave), grid)
+    (actuator_output(behind, wave), grid)
 }
 
-/// The same for an axis of many variables: the torque depends on those few that
-/// stand ahead of the mechanics, and is computed with them alone.
+/// The same for an axis with many lanes. The torque depends only on the few parameters of actuator,
+/// maps and rate limiter, and is computed with their lanes alone.
 pub(crate) fn torque_of_few<'e, const N: usize>(
     axis: &Axis<Dual<N>>,
     excitation: &'e Excitation,
@@ -81,22 +84,22 @@ pub(crate) fn torque_of_few<'e, const N: usize>(
     }
     let used: Vec<usize> =
         (0..N).filter(|lane| ahead.iter().any(|value| value.lane(*lane) != 0.0)).collect();
-    if used.len() > FEW {
+    if used.len() > FEW_LANES {
         return torque(axis, excitation, fewest);
     }
     let few = axis.map(|x| {
-        Dual::<FEW>::with_lanes(x.value(), |lane| used.get(lane).map_or(0.0, |l| x.lane(*l)))
+        Dual::<FEW_LANES>::with_lanes(x.value(), |lane| used.get(lane).map_or(0.0, |l| x.lane(*l)))
     });
     let (wave, grid) = torque(&few, excitation, fewest);
-    let mut place = [FEW; N];
+    let mut place = [FEW_LANES; N];
     used.iter().enumerate().for_each(|(i, lane)| place[*lane] = i);
     (wave.map(|x| Dual::with_lanes(x.value(), |lane| x.lane(place[lane]))), grid)
 }
 
-/// Variables of a torque that are few.
-const FEW: usize = 4;
+/// Most lanes for which the torque is computed in shorter dual numbers.
+const FEW_LANES: usize = 4;
 
-/// A(s)·u where nothing bends u.
+/// A(s)·u without maps and rate limiter.
 fn linear<S: Scalar>(
     actuator: &Actuator<S>,
     excitation: &Excitation,
@@ -141,7 +144,7 @@ pub(crate) fn response<S: Scalar>(actuator: &Actuator<S>, omega: f64) -> Complex
     }
 }
 
-/// The wave behind a static map.
+/// The signal behind a static map.
 fn mapped<S: Scalar>(wave: &PiecewiseQuintic<S>, map: &InputMap<S>) -> PiecewiseQuintic<S> {
     let mut cells = Vec::with_capacity(wave.cells.len() + 8);
     let breaks: Vec<f64> = map.breaks.iter().map(|at| at.value()).collect();
@@ -166,12 +169,12 @@ fn mapped<S: Scalar>(wave: &PiecewiseQuintic<S>, map: &InputMap<S>) -> Piecewise
     PiecewiseQuintic { cells, period_s: wave.period_s }
 }
 
-/// Where a cell passes a level, in either direction.
+/// The positions at which a cell crosses a level, in either direction: at most two.
 fn crossings<S: Scalar>(cell: &Cell<S>, level: f64) -> Vec<f64> {
     let start = cell.number(0.0) - level;
     let sign = if start > 0.0 { -1.0 } else { 1.0 };
     let Some(first) = cell.crossing(0.0, level, sign) else { return vec![] };
-    // Where it turned back between both ends it crosses twice.
+    // If both ends are on the same side of the level, there is a second crossing.
     let returns = sign * (cell.number(1.0) - level) < 0.0;
     let second = if returns { cell.crossing(first, level, -sign) } else { None };
     std::iter::once(first).chain(second).collect()

@@ -1,8 +1,8 @@
-//! Axes that are linear between switches but not base models: static maps bend the input, a rate
-//! limiter follows it, or the damping depends on the direction.
+//! Axes that are linear between switches but are not base models: with static maps of the input, a
+//! rate limiter, or damping that depends on the direction.
 //!
-//! `drive` gives the torque behind the actuator as a piecewise quintic, `stick_slip_motion` the
-//! exact motion under it, and `stick_slip_periodic` closes that motion to a period.
+//! `drive` computes the torque behind the actuator as a piecewise quintic (with `rate_limit`),
+//! `stick_slip_motion` the exact motion under it, and `stick_slip_periodic` the periodic motion.
 
 pub(super) mod drive;
 mod rate_limit;

@@ -1,35 +1,35 @@
-//! A rate limiter in its own periodic steady state.
+//! A rate limiter with input u and output w, in its own periodic steady state.
 //!
-//! w' = ±rate until w meets u again, w = u while |u'| ≤ rate. A w that never
-//! follows u is a triangle, the sides of which change where it meets u.
+//! w = u while |u'| ≤ rate; otherwise w' = ±rate until w meets u again. If w never follows u, w is
+//! a triangle that turns where it meets u.
 
 use crate::plant::Scalar;
 
 use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic, bisect};
 
-/// Periods after which a limiter that never follows counts as settled.
+/// Most periods until a limiter that never follows its input counts as settled.
 const MOST_PERIODS: usize = 400;
 
-/// Share of a cell in which a ramp that has just left the input does not return.
-const AWAY: f64 = 1e-4;
+/// A ramp that has just left the input is not checked for a return within this share of a cell.
+const RETURN_SEARCH_OFFSET: f64 = 1e-4;
 
-/// What the limiter does.
+/// State of the limiter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum State<S> {
     /// w = u.
     Following,
-    /// w goes up (+1) or down (−1) from a value at an instant.
+    /// w rises (+1) or falls (−1) at the rate limit, from `value` at time `from_s`.
     Ramp { sign: f64, from_s: S, value: S },
 }
 
-/// The wave behind a limiter of |w'| to `rate`, input units per second.
+/// The output of a limiter of |w'| to `rate`, input units per second.
 pub(crate) fn limited<S: Scalar>(wave: &PiecewiseQuintic<S>, rate: S) -> PiecewiseQuintic<S> {
     let fastest = wave.cells.iter().map(steepest).fold(0.0, f64::max);
     if fastest <= rate.value() {
         return wave.clone();
     }
-    // One period to forget the start wherever w follows u at all; a triangle
-    // forgets it little by little.
+    // The first period depends on the start. Later ones do not if w ever follows u; a triangle
+    // converges gradually.
     let start = wave.cells[0].at(S::constant(0.0));
     let mut state = State::Following;
     if wave.cells[0].number_slope(0.0).abs() / wave.cells[0].length_s > rate.value() {
@@ -54,8 +54,8 @@ pub(crate) fn limited<S: Scalar>(wave: &PiecewiseQuintic<S>, rate: S) -> Piecewi
     PiecewiseQuintic { cells, period_s: wave.period_s }
 }
 
-/// The triangle of amplitude rate·T/4 and zero mean that turns where it meets
-/// an input whose halves mirror each other.
+/// The steady state at time 0 of a limiter that never follows an input with u(t + T/2) = −u(t): a
+/// triangle of amplitude rate·T/4 and zero mean. `None` for other inputs.
 fn triangle<S: Scalar>(wave: &PiecewiseQuintic<S>, rate: S) -> Option<State<S>> {
     let amplitude = rate * (0.25 * wave.period_s);
     let numbers = |time_s: f64| {
@@ -70,7 +70,7 @@ fn triangle<S: Scalar>(wave: &PiecewiseQuintic<S>, rate: S) -> Option<State<S>> 
     if !mirrored {
         return None;
     }
-    // It turns downwards where u falls through the amplitude.
+    // The triangle turns downwards where u falls through the amplitude.
     let (cell, u) = wave.cells.iter().find_map(|cell| {
         (cell.number(0.0) >= amplitude.value())
             .then(|| cell.crossing(0.0, amplitude.value(), -1.0))?
@@ -80,7 +80,7 @@ fn triangle<S: Scalar>(wave: &PiecewiseQuintic<S>, rate: S) -> Option<State<S>> 
     let moved = (amplitude - cell.at(at)) / cell.slope(at);
     let from_s = (at + moved) * cell.length_s + cell.from_s;
     let ramp = State::Ramp { sign: -1.0, from_s, value: amplitude };
-    // The same ramp, or the one before it, at the start of the period.
+    // The rising ramp begins half a period before this falling one.
     let half = 0.5 * wave.period_s;
     Some(if from_s.value() >= half {
         State::Ramp { sign: 1.0, from_s: from_s - half, value: -amplitude }
@@ -94,6 +94,7 @@ fn triangle<S: Scalar>(wave: &PiecewiseQuintic<S>, rate: S) -> Option<State<S>> 
     })
 }
 
+/// Estimate of the largest |u'| in a cell, from three positions.
 fn steepest<S: Scalar>(cell: &Cell<S>) -> f64 {
     let slopes = [0.0, 0.5, 1.0].map(|u| cell.number_slope(u).abs());
     slopes.into_iter().fold(0.0, f64::max) / cell.length_s
@@ -108,6 +109,7 @@ fn a_period_earlier<S: Scalar>(state: State<S>, period_s: f64) -> State<S> {
     }
 }
 
+/// Difference of two states: of the ramps' values, extrapolated to time 0.
 fn distance<S: Scalar>(a: State<S>, b: State<S>, rate: f64) -> f64 {
     match (a, b) {
         (State::Following, State::Following) => 0.0,
@@ -122,8 +124,8 @@ fn distance<S: Scalar>(a: State<S>, b: State<S>, rate: f64) -> f64 {
     }
 }
 
-/// Follows the limiter over one period: its cells, whether it ever followed the
-/// input, and its state at the end.
+/// Simulates the limiter over one period. Returns its output, whether w ever followed u, and the
+/// state at the end.
 fn pass<S: Scalar>(
     wave: &PiecewiseQuintic<S>,
     rate: S,
@@ -133,8 +135,7 @@ fn pass<S: Scalar>(
     let mut followed = false;
     for cell in &wave.cells {
         let mut from = 0.0;
-        // Within one cell w may follow, leave and meet u; more changes than this
-        // would be rounding.
+        // Within one cell w may follow, leave and meet u again; more changes come from rounding.
         for _ in 0..8 {
             let (to, next) = match state {
                 State::Following => leaves(cell, from, rate),
@@ -158,13 +159,14 @@ fn pass<S: Scalar>(
     (cells, followed, state)
 }
 
+/// The ramp over the time of `part`.
 fn ramp<S: Scalar>(part: &Cell<S>, slope: S, from_s: S, value: S) -> Cell<S> {
     let zero = S::constant(0.0);
     let start = value + slope * (-from_s + part.from_s);
     Cell { powers: [start, slope * part.length_s, zero, zero, zero, zero], ..*part }
 }
 
-/// Where |u'| exceeds the rate from `from` on, and the ramp that follows.
+/// The position from `from` on at which |u'| exceeds the rate, and the ramp that follows.
 fn leaves<S: Scalar>(cell: &Cell<S>, from: f64, rate: S) -> (f64, Option<State<S>>) {
     let limit = rate.value() * cell.length_s;
     let slow = |u: f64| cell.number_slope(u).abs() <= limit;
@@ -179,12 +181,12 @@ fn leaves<S: Scalar>(cell: &Cell<S>, from: f64, rate: S) -> (f64, Option<State<S
     };
     let sign = cell.number_slope(at).signum();
     let u = S::constant(at);
-    // The slope is the rate there: the instant's own derivative cancels.
+    // There u' = ±rate, so that the derivative of this time cancels and is left out.
     let from_s = S::constant(cell.from_s + at * cell.length_s);
     (at, Some(State::Ramp { sign, from_s, value: cell.at(u) }))
 }
 
-/// Where the ramp meets u from `from` on, and what follows.
+/// The position from `from` on at which the ramp meets u, and the state after it.
 fn meets<S: Scalar>(
     cell: &Cell<S>,
     from: f64,
@@ -200,10 +202,10 @@ fn meets<S: Scalar>(
     ahead.powers = ahead.powers.map(|power| -power * sign);
     ahead.powers[0] += start * sign;
     ahead.powers[1] += slope * sign;
-    // It begins at zero where it has just left u: look for its return a little later,
-    // where what it has fallen behind exceeds rounding.
+    // A ramp that has just left u begins at w − u = 0: the search starts where the difference
+    // exceeds rounding.
     let just_left = ahead.number(from) > -1e-13 * start.value().abs().max(slope.value().abs());
-    let begin = if just_left { from + AWAY } else { from };
+    let begin = if just_left { from + RETURN_SEARCH_OFFSET } else { from };
     if begin >= 1.0 {
         return (1.0, None);
     }

@@ -2,9 +2,9 @@
 //! depend on the direction alone.
 //!
 //! While the axis slides, x = v/K is the response of a first-order lag, exact for each quintic
-//! (`exponential_integrator`). One pass over the period finds the times at which it stops and starts.
-//! The harmonics follow from x' = −a·x + τ − f, integrated over the slides of each direction, at both
-//! ends of which x is zero: Xₖ = ∫(τ − f)·exp(−jkωt) dt/(jkω + a).
+//! (`exponential_integrator`). One pass over the period finds the times at which the axis stops and
+//! starts. The harmonics follow from x' = −a·x + τ − f: since x = 0 at both ends of each slide,
+//! Xₖ = ∫(τ − f)·exp(−jkωt) dt/(jkω + a), integrated over the slides of each direction.
 
 mod slide_end;
 
@@ -19,33 +19,35 @@ use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic, Quintic, restricted};
 use slide_end::Sliding;
 
-/// Share of the largest x that is lost in rounding.
-const ROUNDING: f64 = 1e-13;
+/// Rounding error of x as a share of its size; decides the sign of x just after a switch.
+const RELATIVE_ROUNDING: f64 = 1e-13;
 
-/// Switches of one cell beyond which time has stopped passing.
+/// Most switches in one cell; more mean that the switching times accumulate.
 const MOST_SWITCHES_PER_CELL: usize = 64;
 
-/// State of the axis: x = v/K, and what it does.
+/// State of the axis: x = v/K, and whether it slides or rests.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct State<S> {
     pub x: S,
     pub motion: Motion,
 }
 
-/// Damping and friction by direction (forward, backward).
+/// One mass with damping and signed friction levels; arrays hold (forward, backward).
 pub(crate) struct OneMass<S> {
     viscous_rate: [S; 2],
     coulomb: [S; 2],
     breakaway: [S; 2],
     /// Smallest and largest torque.
     range: (f64, f64),
-    /// A size that x may reach.
+    /// An estimate of the largest |x|.
     scale: f64,
+    /// Steps over a whole cell.
     relaxation: [ExponentialIntegrator<S>; 2],
+    /// Length of a whole cell, seconds.
     whole_s: f64,
 }
 
-/// Integrals over the slides of each direction, or of both where they damp alike.
+/// Fourier integrals of τ − f over the slides, by direction unless both have the same damping.
 pub(crate) struct Slides<'g, S> {
     by_direction: Vec<Fourier<'g, S>>,
 }
@@ -100,7 +102,7 @@ impl<S: Scalar> OneMass<S> {
         }
     }
 
-    /// The same with other numbers: what `f` makes of every one.
+    /// Converts every number with `f`.
     pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T + Copy) -> OneMass<T> {
         let viscous_rate = self.viscous_rate.map(f);
         OneMass {
@@ -114,24 +116,24 @@ impl<S: Scalar> OneMass<S> {
         }
     }
 
-    /// A size that x may reach.
+    /// An estimate of the largest |x|.
     pub fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// Whether two motions under the same torque always approach each other.
+    /// Whether any two motions under the same torque approach each other.
     pub fn contracts(&self) -> bool {
         self.coulomb.map(S::value) == self.breakaway.map(S::value)
     }
 
-    /// Whether the torque never exceeds what holds the axis.
+    /// Whether the torque never exceeds the static levels.
     pub fn rests(&self) -> bool {
         let (least, most) = self.range;
         most <= self.breakaway[0].value() && least >= self.breakaway[1].value()
     }
 
-    /// Follows the motion over one period, adding up its slides if asked;
-    /// `None` where it switches without end.
+    /// Follows the motion over one period, adding its slides to `slides` if given; `None` if the
+    /// switching times accumulate.
     pub fn pass(
         &self,
         wave: &PiecewiseQuintic<S>,
@@ -167,6 +169,7 @@ impl<S: Scalar> OneMass<S> {
         Some(state)
     }
 
+    /// Adds the slide between two positions of a cell to the integrals.
     fn add(&self, slides: &mut Slides<'_, S>, cell: &Cell<S>, from: S, to: S, direction: usize) {
         let last = slides.by_direction.len() - 1;
         let sums = &mut slides.by_direction[direction.min(last)];
@@ -183,14 +186,14 @@ impl<S: Scalar> OneMass<S> {
         }
     }
 
-    /// τ − f.
+    /// τ − f while sliding in this direction.
     fn driving(&self, powers: &Quintic<S>, direction: usize) -> Quintic<S> {
         let mut powers = *powers;
         powers[0] -= self.coulomb[direction];
         powers
     }
 
-    /// Rest from position `from` of a cell on: until when, and what follows.
+    /// Rest from position `from` of a cell on: the position of its end, and the state that follows.
     fn breakaway_in(&self, cell: &Cell<S>, from: S) -> (S, Option<State<S>>) {
         let start = cell.number(from.value());
         for (direction, motion) in MOVING.into_iter().enumerate() {
@@ -207,7 +210,7 @@ impl<S: Scalar> OneMass<S> {
         (S::constant(1.0), None)
     }
 
-    /// x at position `to` of a slide that has x at position `from`.
+    /// x at position `to` of a slide, from its value at position `from`.
     fn slid(&self, cell: &Cell<S>, from: S, to: S, x: S, direction: usize) -> S {
         let is_whole = from == S::constant(0.0) && to == S::constant(1.0);
         if is_whole {
@@ -223,7 +226,7 @@ impl<S: Scalar> OneMass<S> {
             .step(x, &powers, length_s)
     }
 
-    /// A slide from position `from` of a cell on: until when, and what follows.
+    /// A slide from position `from` of a cell on: the position of its end, and the state there.
     fn slide_in(&self, cell: &Cell<S>, from: S, x: S, direction: usize) -> (S, Option<State<S>>) {
         let one = S::constant(1.0);
         let end = self.slid(cell, from, one, x, direction);
@@ -231,7 +234,7 @@ impl<S: Scalar> OneMass<S> {
         let Some(u) = numbers.stop(cell, from.value(), x.value(), end.value()) else {
             return (one, Some(State { x: end, motion: MOVING[direction] }));
         };
-        // One step of Newton's method gives the instant its derivatives.
+        // One Newton step in dual numbers gives the derivatives of the position.
         let at = S::constant(u);
         let rate = (cell.at(at) - self.coulomb[direction]) * cell.length_s;
         let at = at - self.slid(cell, from, at, x, direction) / rate;
@@ -241,12 +244,13 @@ impl<S: Scalar> OneMass<S> {
         (at, Some(State { x: S::constant(0.0), motion }))
     }
 
+    /// The slide without derivatives.
     fn numbers(&self, direction: usize) -> Sliding {
         Sliding {
             sign: SIGN[direction],
             rate: self.viscous_rate[direction].value(),
             friction: self.coulomb[direction].value(),
-            least: ROUNDING * self.scale,
+            rounding: RELATIVE_ROUNDING * self.scale,
         }
     }
 }

@@ -14,24 +14,28 @@ use crate::simulate::shooting;
 use crate::simulate::signal::excitation::Excitation;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 
-/// Newton's steps after which a motion counts as not periodic.
+/// Most Newton steps; after them the motion counts as not periodic.
 const MOST_ITERATIONS: usize = 400;
 
-/// Share of x's size that a step may move it where motions may not be unique.
-const LEASH: f64 = 0.2;
+/// Longest Newton step, as a share of x's size, if there may be several periodic motions. A larger
+/// change over a period is always allowed. Tuned.
+const LONGEST_STEP_SHARE: f64 = 0.2;
 
-/// Change a period, as a share of x's size, at which the motion is periodic.
-const CLOSED: f64 = 1e-12;
+/// The motion is periodic if x changes over a period by no more than this share of its size.
+const PERIODICITY_TOLERANCE: f64 = 1e-12;
 
-/// Cells of a period of a cosine, at least: its quintics miss by 8e-8.
-const CELLS: usize = 16;
+/// Fewest cells of a period of a cosine: the quintics then err by 8e-8.
+const FEWEST_CELLS: usize = 16;
 
-/// Cells of a period of a cosine for harmonics up to the highest.
+/// Number of cells of a period of a cosine, for harmonics up to `highest`.
 fn cells(highest: usize) -> usize {
-    CELLS.max(2 * highest)
+    FEWEST_CELLS.max(2 * highest)
 }
 
-/// Velocity harmonics of the periodic motion.
+/// Velocity harmonics of the periodic motion reached from rest.
+///
+/// # Errors
+/// [`NoResponse::NotPeriodic`].
 pub(crate) fn respond(
     axis: &Axis,
     excitation: &Excitation,
@@ -49,7 +53,7 @@ pub(crate) fn respond(
     Ok(velocity.into_iter().map(|v| v.value()).collect())
 }
 
-/// The same with derivatives by the first `rows` lanes of the axis.
+/// The same with derivatives by the first `rows` lanes of the axis, one row per lane.
 pub(crate) fn differentiate(
     axis: &Axis<Wide>,
     values: &Axis,
@@ -64,7 +68,7 @@ pub(crate) fn differentiate(
         return Ok((zero.clone(), vec![zero; rows]));
     }
     let start = periodic(&mass, &wave)?;
-    // One lane carries the state at the start.
+    // One lane carries the derivative by the state at the start.
     let run = |first: usize| match rows {
         ..=7 => chunk::<8>(axis, start, excitation, highest, first..rows),
         _ => chunk::<16>(axis, start, excitation, highest, first..rows),
@@ -76,7 +80,8 @@ pub(crate) fn differentiate(
     Ok((velocity, sensitivities))
 }
 
-/// As many derivatives as fit in N lanes along with the state.
+/// Velocity harmonics, and derivatives by the first of the lanes `rows`: as many as fit in N lanes
+/// beside the state.
 fn chunk<const N: usize>(
     axis: &Axis<Wide>,
     start: State<f64>,
@@ -105,7 +110,7 @@ fn chunk<const N: usize>(
     Ok((harmonics.iter().map(|v| v.value()).collect(), sensitivities))
 }
 
-/// State at the beginning of the period of the motion reached from rest.
+/// The state at the beginning of the period, for the periodic motion reached from rest.
 fn periodic(mass: &OneMass<f64>, wave: &PiecewiseQuintic<f64>) -> Result<State<f64>, NoResponse> {
     let failed = |periods: usize| NoResponse::NotPeriodic { periods };
     let rest = State { x: 0.0, motion: Motion::Stuck };
@@ -124,12 +129,12 @@ fn periodic(mass: &OneMass<f64>, wave: &PiecewiseQuintic<f64>) -> Result<State<f
         if end.motion == Motion::Stuck {
             return Ok(State { x, motion: end.motion });
         }
-        if end.motion == start.motion && change.abs() <= CLOSED * size {
+        if end.motion == start.motion && change.abs() <= PERIODICITY_TOLERANCE * size {
             return Ok(start);
         }
         let mut step = change / (1.0 - slope);
         if !mass.contracts() {
-            let region = change.abs().max(LEASH * size);
+            let region = change.abs().max(LONGEST_STEP_SHARE * size);
             step = step.clamp(-region, region);
         }
         let next = start.x + step;
@@ -139,7 +144,7 @@ fn periodic(mass: &OneMass<f64>, wave: &PiecewiseQuintic<f64>) -> Result<State<f
         };
         let jumps = same_side && end.motion == start.motion && slope != 0.0;
         start = State { x: if jumps { next } else { x }, motion: end.motion };
-        // Newton's error after a step is of the order of the step squared.
+        // The error after a Newton step is of the order of the step squared.
         if jumps && step.abs() <= 1e-6 * size {
             return Ok(start);
         }

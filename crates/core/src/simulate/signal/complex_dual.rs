@@ -1,4 +1,4 @@
-//! Complex numbers over any scalar, dual numbers among them.
+//! Complex numbers whose real and imaginary parts may carry derivatives.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -21,17 +21,17 @@ impl<S: Scalar> ComplexDual<S> {
         Self { re, im: S::constant(0.0) }
     }
 
-    /// The number itself.
+    /// The value without the derivatives.
     pub fn value(self) -> Complex {
         Complex::new(self.re.value(), self.im.value())
     }
 
-    /// Its derivative along direction `lane`.
+    /// The derivative along direction `lane`.
     pub fn lane(self, lane: usize) -> Complex {
         Complex::new(self.re.lane(lane), self.im.lane(lane))
     }
 
-    /// f(self), given f and f' there: f is analytic.
+    /// f(self) by the chain rule, from the value and the derivative of an analytic f at `self`.
     pub fn chain(self, value: Complex, slope: Complex) -> Self {
         let lane = |l: usize| slope * self.lane(l);
         Self {

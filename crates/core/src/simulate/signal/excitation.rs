@@ -1,4 +1,4 @@
-//! A periodic input, prepared once for many simulations.
+//! A periodic input, prepared once (grid and FFT plan) for many simulations.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ pub struct Excitation {
 }
 
 impl Excitation {
-    /// Prepares u(t) = Re Σ Uₖ exp(jkωt); `input` holds U₀, U₁ …
+    /// Prepares u(t) = Re Σ Uₖ exp(jkωt); `input` holds U₀, U₁ … in input units.
     pub fn new(omega_rad_s: f64, input: Vec<Complex>) -> Self {
         let zero = Complex::new(0.0, 0.0);
         let pure_cosine =
@@ -26,13 +26,13 @@ impl Excitation {
         Self { omega_rad_s, input, grid, run_share: 0.0 }
     }
 
-    /// The same at `share` (0 first, 1 last) of the acquisition.
+    /// The same input at another position in the order of acquisition: 0 first, 1 last.
     #[must_use]
     pub fn at_run_share(self, share: f64) -> Self {
         Self { run_share: share, ..self }
     }
 
-    /// Where in the acquisition it stands: 0 first, 1 last.
+    /// Position in the order of acquisition: 0 first, 1 last.
     pub fn run_share(&self) -> f64 {
         self.run_share
     }
@@ -52,7 +52,7 @@ impl Excitation {
         &self.input
     }
 
-    /// Whether the fundamental is all there is.
+    /// Whether the fundamental is the only line.
     pub fn is_pure_cosine(&self) -> bool {
         self.grid.is_none()
     }
@@ -62,12 +62,12 @@ impl Excitation {
         std::f64::consts::TAU / self.omega_rad_s
     }
 
-    /// Tₗ = A(jlω)·Uₗ: the torque behind the actuator.
+    /// The lines of the torque behind the actuator, Tₗ = A(jlω)·Uₗ.
     pub(crate) fn torque_lines(&self, actuator: &Actuator) -> Vec<Complex> {
         self.through(actuator, &self.input)
     }
 
-    /// A(jlω)·Xₗ for any lines of the same fundamental.
+    /// A(jlω)·Xₗ for other lines with the same fundamental.
     pub(crate) fn through(&self, actuator: &Actuator, lines: &[Complex]) -> Vec<Complex> {
         lines
             .iter()
@@ -76,7 +76,7 @@ impl Excitation {
             .collect()
     }
 
-    /// The sampling grid; only general inputs have one.
+    /// The sampling grid; `None` for a pure cosine.
     pub(crate) fn grid(&self) -> Option<&Grid> {
         self.grid.as_ref()
     }

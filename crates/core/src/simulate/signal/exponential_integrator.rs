@@ -1,10 +1,10 @@
-//! The exact response of a first-order lag to a quintic, by the φ-functions of exponential integrators
-//! (Hochbruck and Ostermann 2010, doi:10.1017/S0962492910000048).
+//! The exact response of a first-order lag to a quintic, by the φ-functions of exponential
+//! integrators (Hochbruck and Ostermann 2010, doi:10.1017/S0962492910000048).
 //!
-//! y' = −λy + q over a step of length h takes y to exp(−z)·y + h·Σ cᵢφᵢ(z), with z = λh and
-//! φᵢ(z) = ∫₀¹ uⁱ exp(−z(1 − u)) du. Of these, φ₆ has a series that converges for every z without
-//! loss while |z| ≤ 7, and φᵢ₋₁ = (1 − zφᵢ)/i takes it down stably; for larger z the same recursion
-//! is stable upwards. Their derivatives are φᵢ' = φᵢ₊₁ − φᵢ.
+//! A step of length h of y' = −λy + q, where q has the coefficients cᵢ, takes y to
+//! exp(−z)·y + h·Σ cᵢφᵢ(z), with z = λh and φᵢ(z) = ∫₀¹ uⁱ exp(−z(1 − u)) du. For |z| ≤ 7 the power
+//! series of φ₆ converges without loss of digits, and the recursion φᵢ₋₁ = (1 − zφᵢ)/i is stable
+//! downwards. For larger |z| the recursion is stable upwards. The derivatives are φᵢ' = φᵢ₊₁ − φᵢ.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -14,11 +14,10 @@ use crate::plant::Scalar;
 use super::complex_dual::ComplexDual;
 use super::piecewise_quintic::Quintic;
 
-/// Beyond this |z| the recursion goes upwards.
-const LARGE: f64 = 7.0;
+/// For |z| above this the recursion runs upwards.
+const UPWARD_RECURSION_ABOVE: f64 = 7.0;
 
-/// What is left of the state after a step, and what each power of the input
-/// adds to it for each second of the step.
+/// The factors of a step: exp(−z) for the state, and φᵢ for each power of the input.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ExponentialIntegrator<T> {
     kept: T,
@@ -26,11 +25,11 @@ pub(crate) struct ExponentialIntegrator<T> {
 }
 
 impl<S: Scalar> ExponentialIntegrator<S> {
-    /// Over a step of z = λh time constants.
+    /// The factors of a step of z = λh.
     #[inline]
     pub fn new(z: S) -> Self {
         let number = z.value();
-        let phi = if number > LARGE {
+        let phi = if number > UPWARD_RECURSION_ABOVE {
             upwards(number, (1.0 - (-number).exp()) / number, 1.0)
         } else {
             downwards(number, series(number, number.abs(), 1.0), 1.0)
@@ -55,7 +54,7 @@ impl<S: Scalar> ExponentialIntegrator<ComplexDual<S>> {
     pub fn complex(z: ComplexDual<S>) -> Self {
         let number = z.value();
         let one = Complex::new(1.0, 0.0);
-        let phi = if number.norm() > LARGE {
+        let phi = if number.norm() > UPWARD_RECURSION_ABOVE {
             upwards(number, (one - (-number).exp()) / number, one)
         } else {
             downwards(number, series(number, number.norm(), one), one)
@@ -99,6 +98,7 @@ where
     sum
 }
 
+/// φ₀ … φ₆ from φ₆.
 fn downwards<T>(z: T, last: T, one: T) -> [T; 7]
 where
     T: Copy + Sub<Output = T> + Mul<Output = T> + Mul<f64, Output = T>,
@@ -110,6 +110,7 @@ where
     phi
 }
 
+/// φ₀ … φ₆ from φ₀.
 fn upwards<T>(z: T, first: T, one: T) -> [T; 7]
 where
     T: Copy + Sub<Output = T> + Div<Output = T> + Mul<f64, Output = T>,
@@ -126,7 +127,7 @@ mod tests {
     use super::*;
     use crate::plant::Dual;
 
-    /// ∫₀¹ uⁱ exp(−z(1 − u)) du by Simpson's rule on 2000 intervals: 1e-11 of it.
+    /// ∫₀¹ uⁱ exp(−z(1 − u)) du by Simpson's rule on 2000 intervals.
     fn quadrature(i: i32, z: f64) -> f64 {
         let count = 2000;
         let f = |n: usize| {
@@ -159,7 +160,7 @@ mod tests {
                 (ExponentialIntegrator::new(z + step), ExponentialIntegrator::new(z - step));
             for i in 0..6 {
                 let numeric = (up.gains[i] - down.gains[i]) / (2.0 * step);
-                // Central differences: step² and rounding over the step.
+                // Error of a central difference: step², and rounding over the step.
                 assert!((relaxation.gains[i].lane(0) - numeric).abs() < 1e-9, "{z} {i}");
             }
         }

@@ -1,9 +1,9 @@
-//! ∫ x(t) exp(−jkωt) dt of a signal that comes piece by piece.
+//! Fourier integrals ∫ x(t) exp(−jkωt) dt of a signal that is given piece by piece.
 //!
-//! Pieces that are whole cells of the grid are integrated by Filon's method
-//! (1928): the polynomial times the exponential exactly, summed over all cells
-//! by FFT. Other pieces are integrated by Gauss–Legendre quadrature, whose nodes are summed
-//! one by one or, for many harmonics, all together (`points`).
+//! Pieces that are whole cells of the grid are integrated by Filon's method (1928): the product of
+//! polynomial and exponential is integrated exactly, and an FFT sums over all cells. Other pieces
+//! are integrated by Gauss–Legendre quadrature. The nodes are summed one by one or, for many
+//! harmonics, all together (`points`).
 
 mod points;
 
@@ -16,9 +16,9 @@ use super::piecewise_quintic::{Quintic, polynomial, value};
 use super::samples::GAUSS_5;
 use points::Points;
 
-/// Radians of the highest harmonic up to which three and four nodes miss 1e-8 of a part
-/// (θ⁶/2e6, θ⁸/2e9).
-const SHORT: [f64; 2] = [0.5, 1.3];
+/// Largest angle θ of the highest harmonic over a part for which three, or four, nodes err by less
+/// than 1e-8 of the part (θ⁶/2e6, θ⁸/2e9).
+const LARGEST_ANGLES: [f64; 2] = [0.5, 1.3];
 
 /// Nodes and weights of Gauss–Legendre quadrature with 3 points.
 const GAUSS_3: [(f64, f64); 3] =
@@ -32,16 +32,17 @@ const GAUSS_4: [(f64, f64); 4] = [
     (0.861_136_311_594_052_6, 0.347_854_845_137_453_9),
 ];
 
-/// Harmonics from which on summing the nodes of all pieces together is quicker.
-const MANY: usize = 48;
+/// From this harmonic on, summing the nodes of all pieces together is faster. Tuned.
+const MANY_HARMONICS: usize = 48;
 
-/// Sums of one signal.
+/// The Fourier integrals of one signal.
 pub(crate) struct Fourier<'g, S> {
     grid: &'g Grid,
     omega: f64,
-    /// Powers of u in the whole cells seen so far; empty before the first.
+    /// Coefficients of the signal in each whole cell, 0 where none was added; empty before the
+    /// first.
     whole: Vec<Quintic<S>>,
-    /// Nodes of the other pieces; `None` where they are summed at once.
+    /// Nodes of the other pieces; `None` if they are summed one by one.
     points: Option<Points<S>>,
     sums: Vec<ComplexDual<S>>,
 }
@@ -50,7 +51,7 @@ impl<'g, S: Scalar> Fourier<'g, S> {
     /// For harmonics 0 … `highest`.
     pub fn new(grid: &'g Grid, omega: f64, highest: usize) -> Self {
         let zero = ComplexDual::real(S::constant(0.0));
-        let points = if highest < MANY { None } else { Points::new(grid, highest) };
+        let points = if highest < MANY_HARMONICS { None } else { Points::new(grid, highest) };
         Self { grid, omega, whole: Vec::new(), points, sums: vec![zero; highest + 1] }
     }
 
@@ -62,7 +63,7 @@ impl<'g, S: Scalar> Fourier<'g, S> {
         self.whole[n] = powers;
     }
 
-    /// Adds a signal between two instants, as powers of u from 0 to 1.
+    /// Adds the signal between two times, as a polynomial in u, 0 to 1.
     pub fn add_part(&mut self, from_s: S, length_s: S, powers: &Quintic<S>) {
         if (0..S::LANES).all(|l| from_s.lane(l) == 0.0 && length_s.lane(l) == 0.0) {
             return self.add_fixed(from_s.value(), length_s.value(), 1.0, powers);
@@ -80,8 +81,8 @@ impl<'g, S: Scalar> Fourier<'g, S> {
         }
     }
 
-    /// The same between instants that do not vary, as any number of powers of a u that
-    /// goes to `reach`; `length_s` is what 1 is worth.
+    /// The same between times without derivatives, for a polynomial of any degree. It begins at
+    /// `from_s` with u = 0 and ends at u = `reach`; u = 1 is `length_s` later than u = 0.
     #[inline]
     pub fn add_fixed(&mut self, from_s: f64, length_s: f64, reach: f64, powers: &[S]) {
         let nodes = if powers.len() > 6 { &GAUSS_5[..] } else { self.nodes(reach * length_s) };
@@ -103,10 +104,10 @@ impl<'g, S: Scalar> Fourier<'g, S> {
         }
     }
 
-    /// Nodes of a part so long, for no more than a quintic.
+    /// Quadrature nodes for a part of this length and a polynomial of at most degree 5.
     fn nodes(&self, length_s: f64) -> &'static [(f64, f64)] {
         let turned = self.omega * length_s * self.sums.len() as f64;
-        match SHORT.iter().filter(|most| turned > **most).count() {
+        match LARGEST_ANGLES.iter().filter(|most| turned > **most).count() {
             0 => &GAUSS_3,
             1 => &GAUSS_4,
             _ => &GAUSS_5,
@@ -141,10 +142,11 @@ impl<'g, S: Scalar> Fourier<'g, S> {
         self.sums
     }
 
+    /// The integrals over the whole cells, of the numbers that `part` takes from the coefficients.
     fn filon(&self, part: impl Fn(&S) -> f64) -> Vec<Complex> {
         let samples = self.grid.samples();
         let step_s = std::f64::consts::TAU / self.omega / samples as f64;
-        // Two real sequences ride on one complex transform.
+        // One complex FFT transforms two real sequences.
         let transforms: [Vec<Complex>; 3] = std::array::from_fn(|pair| {
             let mut signal: Vec<Complex> = self
                 .whole

@@ -1,4 +1,4 @@
-//! A uniform grid over one period, with its Fourier transforms.
+//! A uniform grid over one period, with FFTs and tables.
 
 use std::sync::{Arc, OnceLock};
 
@@ -6,13 +6,13 @@ use rustfft::{Fft, FftPlanner};
 
 use crate::measurement::Complex;
 
-/// Samples per period and highest line, at least: see `samples` for the error.
+/// Fewest samples per cycle of the highest line; see `samples` for the interpolation error.
 const SAMPLES_PER_HIGHEST_CYCLE: usize = 12;
 
-/// Fewest samples a period of a general input is divided into.
+/// Fewest samples per period of a general input.
 const FEWEST_SAMPLES: usize = 1024;
 
-/// A uniform grid over one period, with its transforms.
+/// A uniform grid of N samples over one period, with its FFTs.
 #[derive(Clone)]
 pub(crate) struct Grid {
     inverse: Arc<dyn Fft<f64>>,
@@ -20,24 +20,24 @@ pub(crate) struct Grid {
     tables: Arc<Tables>,
 }
 
-/// What does not depend on the signal.
+/// Tables that do not depend on the signal.
 struct Tables {
     /// exp(2πj·n/N), n = 0 … N.
     turns: Vec<Complex>,
-    /// ∫₀¹ uⁱ exp(−jθu) du at θ = 2πk/N, for the lowest harmonics.
+    /// ∫₀¹ uⁱ exp(−jθu) du at θ = 2πk/N, i = 0 … 5, for the lowest harmonics k.
     moments: Vec<[Complex; 6]>,
 }
 
-/// Grids of the ladder: 8, 12, 16, 24 … samples.
+/// Number of fixed grid sizes, the ladder: 8, 12, 16, 24 … samples.
 const LADDER: usize = 28;
 
-/// Samples of a grid of the ladder.
+/// Number of samples of a grid of the ladder.
 const fn rung(step: usize) -> usize {
     if step.is_multiple_of(2) { 8 << (step / 2) } else { 12 << (step / 2) }
 }
 
 impl Grid {
-    /// The grid of a signal with lines up to this one.
+    /// A grid for a signal with lines up to this one.
     pub fn new(highest_line: usize) -> Self {
         let samples = (SAMPLES_PER_HIGHEST_CYCLE * highest_line).max(FEWEST_SAMPLES);
         Self::of(next_quick_length(samples))
@@ -59,8 +59,8 @@ impl Grid {
         }
     }
 
-    /// The smallest grid of the ladder with at least so many samples, or the
-    /// largest of all; made once.
+    /// The smallest grid of the ladder with at least this many samples, or the largest one. Each is
+    /// created once and shared.
     pub fn at_least(samples: usize) -> &'static Self {
         static GRIDS: [OnceLock<Grid>; LADDER] = [const { OnceLock::new() }; LADDER];
         let step = (0..LADDER).find(|step| rung(*step) >= samples).unwrap_or(LADDER - 1);
@@ -78,23 +78,23 @@ impl Grid {
         self.tables.moments.get(k).copied().unwrap_or_else(|| moments(theta))
     }
 
-    /// Samples of a period.
+    /// Number N of samples per period.
     pub fn samples(&self) -> usize {
         self.forward.len()
     }
 
-    /// Lines to samples, in place, without scaling.
+    /// Inverse FFT from lines to samples, in place, unscaled.
     pub fn inverse(&self, signal: &mut [Complex]) {
         self.inverse.process(signal);
     }
 
-    /// Samples to Σ x exp(−jkωt), in place, without scaling.
+    /// FFT from samples x to Σ x exp(−jkωt), in place, unscaled.
     pub fn forward(&self, signal: &mut [Complex]) {
         self.forward.process(signal);
     }
 }
 
-/// The next length that has no prime factor above 5: transforms of it are quick.
+/// The next length without prime factors above 5, for which FFTs are fast.
 fn next_quick_length(at_least: usize) -> usize {
     let left_over = |mut n: usize| {
         for factor in [2, 3, 5] {

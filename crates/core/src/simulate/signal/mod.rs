@@ -1,4 +1,4 @@
-//! Signals over time and their Fourier integrals: what every way to simulate is made of.
+//! Signals over time and their Fourier integrals, shared by all simulation methods.
 
 pub(super) mod complex_dual;
 pub(super) mod excitation;

@@ -1,9 +1,8 @@
 //! A periodic signal in pieces, each a quintic in time.
 //!
-//! A period is divided into the cells of a uniform grid; a cell is divided
-//! further where the signal has a kink. Through the values and two derivatives
-//! at both ends of a cell the quintic misses a line with n cells per cycle by
-//! (2π/n)⁶/46080 of it.
+//! A period is divided into the cells of a uniform grid, and a cell is divided further at a kink of
+//! the signal. The quintic matches the value and two derivatives at both ends of a cell. For a
+//! sinusoid with n cells per cycle its error is (2π/n)⁶/46080 of the amplitude.
 
 use std::ops::{Mul, Sub};
 
@@ -14,19 +13,19 @@ use super::complex_dual::ComplexDual;
 use super::grid::Grid;
 use super::samples::Samples;
 
-/// Powers of u of a quintic.
+/// Coefficients of a quintic, lowest power first.
 pub(crate) type Quintic<S> = [S; 6];
 
-/// A piece: u runs from 0 at its start to 1 at its end.
+/// A piece of the signal, on which u runs from 0 to 1.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cell<S> {
     /// Start, seconds.
     pub from_s: f64,
     /// Length, seconds.
     pub length_s: f64,
-    /// The signal as powers of u.
+    /// Coefficients of the signal as a polynomial in u.
     pub powers: Quintic<S>,
-    /// Which cell of the grid it is, if it is a whole one.
+    /// Index of the grid cell, if the piece is a whole cell.
     pub whole: Option<usize>,
 }
 
@@ -37,7 +36,7 @@ impl<S: Scalar> Cell<S> {
         value(&self.powers, u)
     }
 
-    /// The signal at a position that does not vary.
+    /// The signal at a position without derivatives.
     #[inline]
     pub fn fixed(&self, u: f64) -> S {
         polynomial(&self.powers, u)
@@ -49,13 +48,13 @@ impl<S: Scalar> Cell<S> {
         slope(&self.powers, u)
     }
 
-    /// Its value at u, derivatives aside.
+    /// The value at u, without derivatives by parameters.
     #[inline]
     pub fn number(&self, u: f64) -> f64 {
         self.powers.iter().rev().fold(0.0, |sum, c| sum * u + c.value())
     }
 
-    /// Its derivative by u, derivatives by parameters aside.
+    /// The derivative by u, without derivatives by parameters.
     #[inline]
     pub fn number_slope(&self, u: f64) -> f64 {
         (1..6).rev().fold(0.0, |sum, i| sum * u + i as f64 * self.powers[i].value())
@@ -79,15 +78,15 @@ impl<S: Scalar> Cell<S> {
         self.from_s + self.length_s
     }
 
-    /// Where it first takes `level` after position `after`, going in direction
-    /// `sign` (+1 up, −1 down) from the other side.
+    /// The first position after `after` at which the signal crosses `level`, upwards (`sign` = +1)
+    /// or downwards (−1).
     pub fn crossing(&self, after: f64, level: f64, sign: f64) -> Option<f64> {
         let above = |u: f64| sign * (self.number(u) - level);
         if above(1.0) > 0.0 {
             return Some(root(after, 1.0, above, |u| sign * self.number_slope(u)));
         }
-        // It may exceed the level between both ends: its top does, then. The tangents
-        // at both ends say how high that can be.
+        // The signal may still cross the level between the ends, if its extremum lies beyond it.
+        // The tangents at both ends bound the extremum.
         let rises = |u: f64| sign * self.number_slope(u);
         let (begins, ends) = (rises(after), rises(1.0));
         if !(begins > 0.0 && ends < 0.0) {
@@ -126,14 +125,15 @@ pub(crate) fn slope<S: Scalar>(powers: &Quintic<S>, u: S) -> S {
     (((f * 5.0 * u + e * 4.0) * u + d * 3.0) * u + c * 2.0) * u + b
 }
 
-/// A quintic's powers on the part from `from` to `to`, which may vary or not.
+/// Coefficients of a quintic on the part from `from` to `to`, positions with or without
+/// derivatives.
 pub(crate) fn restricted<S, T>(powers: &Quintic<S>, from: T, to: T) -> Quintic<S>
 where
     S: Scalar + Mul<T, Output = S>,
     T: Copy + Sub<Output = T> + Mul<Output = T>,
 {
     let mut shifted = *powers;
-    // Horner's scheme, repeated: the Taylor coefficients at `from`.
+    // Repeated Horner's scheme gives the Taylor coefficients at `from`.
     for i in 0..5 {
         for j in (i..5).rev() {
             let above = shifted[j + 1];
@@ -154,7 +154,7 @@ where
 pub(crate) fn through<S: Scalar>(left: [S; 3], right: [S; 3]) -> Quintic<S> {
     let [y, d, e] = left;
     let half = e * 0.5;
-    // What the parabola from the left end misses at the right end.
+    // Differences at the right end from the parabola through the left end.
     let value = right[0] - y - d - half;
     let slope = right[1] - d - e;
     let curvature = right[2] - e;
@@ -168,8 +168,8 @@ pub(crate) fn through<S: Scalar>(left: [S; 3], right: [S; 3]) -> Quintic<S> {
     ]
 }
 
-/// The root of a function that is ≤ 0 at `low` and > 0 at `high`, by Newton's
-/// method kept between them.
+/// The root of a function that is ≤ 0 at `low` and > 0 at `high`, by Newton's method, with
+/// bisection where a step leaves the bracket.
 pub(crate) fn root(
     mut low: f64,
     mut high: f64,
@@ -195,10 +195,10 @@ pub(crate) fn root(
     u
 }
 
-/// Halvings that find the top of a quintic: its value is then good to rounding.
+/// Bisections for the extremum of a quintic: the value there is then accurate to rounding.
 const BISECTIONS: usize = 26;
 
-/// The end of the stretch from `low` on which `holds`; it fails at `high`.
+/// The position from `low` on at which `holds` becomes false, by bisection; it is false at `high`.
 pub(crate) fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
@@ -207,18 +207,17 @@ pub(crate) fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -
     0.5 * (low + high)
 }
 
-/// A periodic signal.
+/// A periodic signal, or one over a time record.
 #[derive(Debug, Clone)]
 pub(crate) struct PiecewiseQuintic<S> {
-    /// Its pieces in order, from 0 to the period.
+    /// Pieces in order, from time 0 to the period.
     pub cells: Vec<Cell<S>>,
-    /// Period, seconds.
+    /// Period, or length of the record, seconds.
     pub period_s: f64,
 }
 
 impl<S: Scalar> PiecewiseQuintic<S> {
-    /// From values and two derivatives by time at every sample of the grid; the
-    /// first sample is repeated at the end.
+    /// From the value and two derivatives by time at every sample of the grid, 0 … N.
     fn of_nodes(grid: &Grid, period_s: f64, node: impl Fn(usize) -> [S; 3]) -> Self {
         let count = grid.samples();
         let h = period_s / count as f64;
@@ -246,8 +245,8 @@ impl<S: Scalar> PiecewiseQuintic<S> {
         })
     }
 
-    /// Re Σ Xₗ exp(jlωt), with derivatives: the lanes of X are `lanes` of
-    /// coefficients times derivative lines.
+    /// Re Σ Xₗ exp(jlωt) with derivatives. `derivatives` holds parameters and the derivatives of
+    /// the lines by them.
     pub fn of_lines(
         grid: &Grid,
         omega: f64,
@@ -273,7 +272,7 @@ impl<S: Scalar> PiecewiseQuintic<S> {
         })
     }
 
-    /// The same signal in other scalars: what `f` makes of every number.
+    /// Converts every coefficient with `f`.
     pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T) -> PiecewiseQuintic<T> {
         let cells = self.cells.iter().map(|cell| Cell {
             from_s: cell.from_s,

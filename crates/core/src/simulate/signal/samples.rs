@@ -1,21 +1,20 @@
-//! A periodic signal on a uniform grid, exact between samples too.
+//! A periodic signal on a uniform grid, interpolated by quintics.
 //!
-//! Values and two derivatives at every sample come from the signal's lines by
-//! FFT; between samples the quintic through both ends' values and derivatives
-//! stands for it. Its error for a line with n samples per cycle is
-//! (2π/n)⁶/46080 of that line.
+//! FFTs compute the value and two derivatives at every sample from the signal's lines. Between
+//! samples the quintic through these at both ends approximates the signal. For a line with n
+//! samples per cycle its error is (2π/n)⁶/46080 of that line.
 
 use crate::measurement::Complex;
 
 use super::grid::Grid;
 
-/// Terms of the power series of exp(−jθu) over one cell: θ stays below 1, so
-/// the first one left out is below 1e-13.
+/// Terms of the power series of exp(−jθu) over one cell. θ, the angle of the highest harmonic,
+/// stays below 1, so that the first omitted term is below 1e-13.
 const SERIES_TERMS: usize = 16;
 
 /// A sampled periodic signal.
 pub(crate) struct Samples {
-    /// Distance of samples, seconds.
+    /// Distance between samples, seconds.
     pub step_s: f64,
     /// Values; the first sample is repeated at the end.
     pub value: Vec<f64>,
@@ -26,13 +25,13 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    /// Samples Re Σ Xₗ exp(jlωt) and, along with it, a second signal of the
-    /// same grid by its values alone.
+    /// Samples of Re Σ Xₗ exp(jlωt) and, by the same FFTs, the values of a second signal with the
+    /// lines `other`.
     pub fn of(grid: &Grid, omega: f64, lines: &[Complex], other: &[Complex]) -> (Self, Vec<f64>) {
         let zero = Complex::new(0.0, 0.0);
         let j = Complex::new(0.0, 1.0);
         let samples = grid.samples();
-        // Two real signals ride on one complex transform.
+        // One complex FFT transforms two real signals.
         let mut values = vec![zero; samples];
         let mut derivatives = vec![zero; samples];
         for (l, line) in lines.iter().enumerate() {
@@ -63,25 +62,25 @@ impl Samples {
         (these, wrapped(&values, |z| z.im))
     }
 
-    /// Cells of the grid.
+    /// Number of cells.
     pub fn cells(&self) -> usize {
         self.value.len() - 1
     }
 
-    /// The cell an instant of the period lies in.
+    /// The cell that contains a time of the period.
     pub fn cell_of(&self, time_s: f64) -> usize {
         ((time_s / self.step_s) as usize).min(self.cells() - 1)
     }
 
-    /// The signal at an instant of the cell.
+    /// The signal at a time in the cell.
     pub fn at(&self, cell: usize, time_s: f64) -> f64 {
         if time_s <= cell as f64 * self.step_s {
-            return self.value[cell]; // most cells are asked for their start alone
+            return self.value[cell]; // usually only the start of a cell is needed
         }
         self.quintic(cell).value(time_s / self.step_s - cell as f64)
     }
 
-    /// Its derivative there, per second.
+    /// The derivative there, per second.
     pub fn slope_at(&self, cell: usize, time_s: f64) -> f64 {
         self.quintic(cell).slope(time_s / self.step_s - cell as f64) / self.step_s
     }
@@ -94,9 +93,9 @@ impl Samples {
 
     /// ∫ x(t) exp(−jkωt) dt, k = 0 … `highest`, over the given spans of time.
     ///
-    /// Whole cells are integrated by Filon's method (1928): the quintic times
-    /// the exponential exactly, summed over all cells by FFT; what a span has of
-    /// a cell at either end by Gauss–Legendre quadrature.
+    /// Whole cells are integrated by Filon's method (1928): the product of quintic and exponential
+    /// exactly, and an FFT sums over all cells. Parts of cells at the ends of a span are integrated
+    /// by Gauss–Legendre quadrature.
     pub fn integrals(
         &self,
         grid: &Grid,
@@ -107,8 +106,8 @@ impl Samples {
         let zero = Complex::new(0.0, 0.0);
         let period_s = std::f64::consts::TAU / omega;
         let mut sums = vec![zero; highest + 1];
-        // Left ends of whole cells; what their right ends add is the same but
-        // for the first and the last sample of every span.
+        // Samples at the left ends of whole cells. The right ends are the same samples, except for
+        // the first and the last one of every span.
         let mut left = [vec![zero; grid.samples()], vec![zero; grid.samples()]];
         let mut ends: Vec<(usize, f64)> = Vec::new();
         for (start, end) in spans.flat_map(|span| within_period(span, period_s)) {
@@ -152,7 +151,7 @@ impl Samples {
             }
             let theta = k as f64 * omega * self.step_s;
             let weights = filon_weights(theta, &moments);
-            // A right end's cell begins one step earlier.
+            // The cell of a right end begins one step earlier.
             let back = Complex::from_polar(1.0, theta);
             let h = self.step_s;
             for (i, scale) in [h, h * h, h * h * h].into_iter().enumerate() {
@@ -162,6 +161,7 @@ impl Samples {
         sums
     }
 
+    /// Adds the integrals over a part of a cell.
     fn add_part(&self, cell: usize, from_s: f64, to_s: f64, omega: f64, sums: &mut [Complex]) {
         let quintic = self.quintic(cell);
         let (middle, half) = (0.5 * (from_s + to_s), 0.5 * (to_s - from_s));
@@ -200,7 +200,7 @@ pub(crate) fn within_period(
     std::iter::once(first).chain(rest)
 }
 
-/// Transforms of two real signals from that of x + j·y, at n and at −n.
+/// The transforms of two real signals x and y from that of x + j·y at n and at −n.
 fn unpack(here: Complex, mirrored: Complex) -> (Complex, Complex) {
     let mirrored = mirrored.conj();
     let difference = here - mirrored;
@@ -213,7 +213,7 @@ struct Quintic([f64; 6]);
 impl Quintic {
     fn through(left: [f64; 3], right: [f64; 3]) -> Self {
         let [y, d, e] = left;
-        // What the parabola from the left end misses at the right end.
+        // Differences at the right end from the parabola through the left end.
         let value = right[0] - (y + d + 0.5 * e);
         let slope = right[1] - (d + e);
         let curvature = right[2] - e;
@@ -236,12 +236,12 @@ impl Quintic {
     }
 }
 
-/// The quintic with the given ends at u, for a signal sampled elsewhere.
+/// The quintic through value, slope and curvature at both ends, at u.
 pub(crate) fn quintic_at(left: [f64; 3], right: [f64; 3], u: f64) -> f64 {
     Quintic::through(left, right).value(u)
 }
 
-/// ∫₀¹ uᵐ·H(u) du/m! for the six basis quintics H and m = 0 ….
+/// ∫₀¹ uᵐ·H(u) du/m! for m = 0, 1 … and the six Hermite basis quintics H.
 fn moments() -> [[f64; 6]; SERIES_TERMS] {
     let mut rows = [[0.0; 6]; SERIES_TERMS];
     for basis in 0..6 {
@@ -260,7 +260,7 @@ fn moments() -> [[f64; 6]; SERIES_TERMS] {
     rows
 }
 
-/// ∫₀¹ H(u) exp(−jθu) du for the six basis quintics.
+/// ∫₀¹ H(u) exp(−jθu) du for the six Hermite basis quintics H.
 fn filon_weights(theta: f64, moments: &[[f64; 6]; SERIES_TERMS]) -> [Complex; 6] {
     let mut weights = [Complex::new(0.0, 0.0); 6];
     let mut power = Complex::new(1.0, 0.0);

@@ -1,7 +1,7 @@
 //! The actuator's transient response, as a piecewise quintic.
 //!
-//! The input is straight piece by piece, and every kink excites the actuator's own modes. Pieces of
-//! the response are short where a mode still decays and as long as the input's piece after that.
+//! The input is piecewise linear, and every kink excites the actuator's modes. The cells of the
+//! response are short while a mode decays, and as long as the input's piece after that.
 
 use crate::plant::Actuator;
 
@@ -12,21 +12,22 @@ use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;
 use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic, through};
 
-/// Radians, or time constants, of the actuator in one cell: its quintic misses by 7e-5 of
-/// what a kink sets off.
-const REACH: f64 = 1.2;
+/// Largest angle (or number of time constants) of a mode in one cell. The quintic then misses 7e-5
+/// of the response to a kink.
+const CELL_ANGLE: f64 = 1.2;
 
-/// Growth of the cells behind a kink, while what it set off dies out.
+/// Ratio of successive cell boundaries behind a kink, as times since the kink, while a real mode
+/// decays. Tuned.
 const GROWTH: f64 = 1.5;
 
-/// Time constants after which nothing of it is left.
-const OVER: f64 = 14.0;
+/// Time constants after which a mode has decayed: exp(−14) = 8e-7.
+const LAYER_END: f64 = 14.0;
 
-/// The torque over all `lines`; before them the actuator was told `told`.
+/// The torque over all `lines`. Before them the actuator's input was `input_before`.
 pub(super) fn torque(
     actuator: &Actuator,
     lines: &[Line],
-    told: f64,
+    input_before: f64,
     initial: &InitialState,
 ) -> PiecewiseQuintic<f64> {
     let period_s = lines.last().map_or(0.0, |line| line.from_s + line.length_s);
@@ -40,7 +41,7 @@ pub(super) fn torque(
         });
         return PiecewiseQuintic { cells: cells.collect(), period_s };
     }
-    let mut states = start(&modes, told, initial);
+    let mut states = start(&modes, input_before, initial);
     let mut cells = Vec::with_capacity(lines.len());
     let mut division = Division::new(&modes, 0.0);
     for line in lines {
@@ -69,17 +70,18 @@ pub(super) fn torque(
     PiecewiseQuintic { cells, period_s }
 }
 
+/// A straight line as a quintic.
 fn straight(start: f64, change: f64) -> [f64; 6] {
     [start, change, 0.0, 0.0, 0.0, 0.0]
 }
 
-/// States of the modes: at rest under what the actuator was told, where nothing else is given.
-fn start(modes: &[Mode<f64>], told: f64, initial: &InitialState) -> Vec<ComplexDual<f64>> {
-    let torque = initial.torque.unwrap_or(told);
+/// Initial states of the modes: at rest under `input_before`, unless `initial` gives other values.
+fn start(modes: &[Mode<f64>], input_before: f64, initial: &InitialState) -> Vec<ComplexDual<f64>> {
+    let torque = initial.torque.unwrap_or(input_before);
     let rate = initial.torque_rate.unwrap_or(0.0);
     match modes {
         [Mode { rate: l, residue, count: 2.0 }] => {
-            // τ = 2 Re z and τ' = 2 Re λz, where z is the residue's share of the state.
+            // τ = 2 Re z and τ' = 2 Re λz, where z is the state times the residue.
             let re = 0.5 * torque;
             let z = ComplexDual::new(re, (l.re * re - 0.5 * rate) / l.im);
             vec![z * residue.inverse()]
@@ -94,7 +96,7 @@ fn start(modes: &[Mode<f64>], told: f64, initial: &InitialState) -> Vec<ComplexD
     }
 }
 
-/// τ, τ' and τ'' where the actuator is told u, which changes at this rate.
+/// τ, τ' and τ'' under the input u, which changes at the rate `slope`.
 fn node(modes: &[Mode<f64>], states: &[ComplexDual<f64>], u: f64, slope: f64) -> [f64; 3] {
     let mut sums = [0.0; 3];
     for (mode, state) in modes.iter().zip(states) {
@@ -107,14 +109,15 @@ fn node(modes: &[Mode<f64>], states: &[ComplexDual<f64>], u: f64, slope: f64) ->
     sums
 }
 
-/// How a piece of some length is divided into cells.
+/// Division of an input piece of one length into cells.
 struct Division {
     length_s: f64,
     parts: Vec<Part>,
-    /// Whether all parts are of one length.
+    /// Whether all parts have the same length.
     even: bool,
 }
 
+/// A cell; `from` is its start within the piece, `steps` has an integrator for each mode.
 struct Part {
     from: f64,
     length_s: f64,
@@ -123,19 +126,19 @@ struct Part {
 
 impl Division {
     fn new(modes: &[Mode<f64>], length_s: f64) -> Self {
-        // Of every mode how fast it turns, and how fast it dies out.
+        // |λ| and decay rate of every mode.
         let rates = modes.iter().map(|m| (m.rate.value().norm(), -m.rate.re));
         let allowed = |since: f64| {
             let allow = |(size, decay): (f64, f64)| match decay * since {
-                over if over > OVER => f64::INFINITY,
-                // A mode that does not turn fades as well as it can.
-                _ if decay >= 0.999 * size => REACH.max((GROWTH - 1.0) * size * since) / size,
-                _ => REACH / size,
+                over if over > LAYER_END => f64::INFINITY,
+                // A real mode: the cells may grow as it decays.
+                _ if decay >= 0.999 * size => CELL_ANGLE.max((GROWTH - 1.0) * size * since) / size,
+                _ => CELL_ANGLE / size,
             };
             rates.clone().map(allow).fold(f64::INFINITY, f64::min)
         };
         let count = (length_s / allowed(0.0)).ceil();
-        // Two even halves serve better than a layer.
+        // Up to four equal parts are better than parts of growing length.
         let even = count <= 4.0;
         let mut bounds = vec![0.0];
         while let Some(from) = bounds.last().copied().filter(|from| *from < length_s) {

@@ -1,14 +1,14 @@
-//! The input of the actuator, straight piece by piece: delayed, mapped and rate-limited.
+//! The input of the actuator, piecewise linear in time: delayed, mapped and rate-limited.
 
 use crate::effects::{Axis, InputMap};
 
 use super::motion::SampledInput;
 use crate::measurement::Intersample;
 
-/// Share of a step below which a piece is rounding.
-const SLIVER: f64 = 1e-9;
+/// Pieces shorter than this share of a sampling step are dropped: they come from rounding.
+const SHORTEST_PIECE: f64 = 1e-9;
 
-/// A straight piece of a signal.
+/// A linear piece of a signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Line {
     /// Start, seconds.
@@ -17,7 +17,7 @@ pub(super) struct Line {
     pub length_s: f64,
     /// Value at the start.
     pub start: f64,
-    /// Change a second.
+    /// Change per second.
     pub slope: f64,
 }
 
@@ -31,20 +31,20 @@ impl Line {
     }
 }
 
-/// The pieces over the record, and what the actuator was told before them, where the input
-/// had always been `before`.
+/// The pieces over the record, and the actuator's input before the record, when the input was
+/// constant at `before`.
 pub(super) fn of(axis: &Axis, input: &SampledInput<'_>, before: f64) -> (Vec<Line>, f64) {
     let mut lines = delayed(sampled(input), axis.delay, before);
-    let mut told = before;
-    let shortest_s = SLIVER * input.step_s;
+    let mut input_before = before;
+    let shortest_s = SHORTEST_PIECE * input.step_s;
     for map in &axis.input_maps {
         lines = mapped(&lines, map, shortest_s);
-        told = mapped_value(map, told);
+        input_before = mapped_value(map, input_before);
     }
     if let Some(rate) = axis.rate_limit {
-        lines = limited(&lines, rate, told, shortest_s);
+        lines = limited(&lines, rate, input_before, shortest_s);
     }
-    (lines, told)
+    (lines, input_before)
 }
 
 fn sampled(input: &SampledInput<'_>) -> Vec<Line> {
@@ -61,11 +61,11 @@ fn sampled(input: &SampledInput<'_>) -> Vec<Line> {
     input.values.windows(2).enumerate().map(line).collect()
 }
 
-/// The same `delay` later, cut at the end of the record.
+/// The signal delayed by `delay`, cut to the time of the record; `before` is its value before it.
 fn delayed(lines: Vec<Line>, delay: f64, before: f64) -> Vec<Line> {
     let Some(last) = lines.last() else { return lines };
     let end_s = last.from_s + last.length_s;
-    let shortest_s = SLIVER * last.length_s;
+    let shortest_s = SHORTEST_PIECE * last.length_s;
     if delay.abs() <= shortest_s {
         return lines;
     }
@@ -84,11 +84,13 @@ fn delayed(lines: Vec<Line>, delay: f64, before: f64) -> Vec<Line> {
         .collect()
 }
 
+/// The output of a static map.
 fn mapped_value(map: &InputMap<f64>, u: f64) -> f64 {
     let (offset, slope) = map.piece(map.breaks.iter().filter(|at| **at < u).count());
     offset + slope * u
 }
 
+/// The signal behind a static map, cut where the slope of the map changes.
 fn mapped(lines: &[Line], map: &InputMap<f64>, shortest_s: f64) -> Vec<Line> {
     let mut out = Vec::with_capacity(lines.len() + lines.len() / 8);
     for line in lines {
@@ -109,8 +111,8 @@ fn mapped(lines: &[Line], map: &InputMap<f64>, shortest_s: f64) -> Vec<Line> {
     out
 }
 
-/// w' = ±rate towards the signal until it is met, the signal itself while it changes no
-/// faster; w begins at `w`.
+/// The output w of a rate limiter, which begins at `w`: w' = ±rate until w meets the signal, then w
+/// is the signal while that changes no faster than `rate`.
 fn limited(lines: &[Line], rate: f64, mut w: f64, shortest_s: f64) -> Vec<Line> {
     let mut out = Vec::with_capacity(lines.len() + lines.len() / 8);
     for line in lines {
@@ -118,7 +120,7 @@ fn limited(lines: &[Line], rate: f64, mut w: f64, shortest_s: f64) -> Vec<Line> 
         while line.length_s - done > shortest_s {
             let left_s = line.length_s - done;
             let apart = line.at(done) - w;
-            // Rounding of a w that follows.
+            // A w that follows the signal differs from it by rounding.
             let follows = apart.abs() <= 1e-12 * w.abs();
             if follows && line.slope.abs() <= rate {
                 let whole = done == 0.0;
@@ -152,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn a_delayed_input_is_before_its_first_sample_as_there() {
+    fn a_delayed_input_has_the_value_of_its_first_sample_before_it() {
         let lines = vec![line(0.0, 1.0, 2.0, 1.0), line(1.0, 1.0, 3.0, -1.0)];
         let moved = delayed(lines, 0.25, 2.0);
         assert_eq!(moved[0], line(0.0, 0.25, 2.0, 0.0));
@@ -162,7 +164,7 @@ mod tests {
 
     #[test]
     fn a_limited_rate_ramps_until_it_meets() {
-        // A step held for a second, then back: ramps of half a second each.
+        // A step up, and a second later a step down: ramps of half a second each.
         let lines = vec![line(0.0, 1.0, 1.0, 0.0), line(1.0, 1.0, 0.0, 0.0)];
         let out = limited(&lines, 2.0, 0.0, 1e-9);
         let expected = [
@@ -172,7 +174,7 @@ mod tests {
             line(1.5, 0.5, 0.0, 0.0),
         ];
         assert_eq!(out, expected);
-        // A signal too fast throughout is met on its way back.
+        // A signal that is always too fast is met on its way back.
         let lines = vec![line(0.0, 1.0, 0.0, 3.0), line(1.0, 1.0, 3.0, -3.0)];
         let out = limited(&lines, 1.0, 0.0, 1e-9);
         assert_eq!(out[..2], [line(0.0, 1.0, 0.0, 1.0), line(1.0, 0.5, 1.0, 1.0)]);

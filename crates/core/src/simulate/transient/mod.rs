@@ -1,9 +1,9 @@
-//! Motion under a sampled input that need not be periodic, from a given state.
+//! Transient motion: the response to a sampled input that need not be periodic, from a given state.
 //!
 //! Between two samples the input is linear or held. Delay, static maps and rate limiter keep it
-//! straight piece by piece (`command`). Behind the actuator it is a piecewise quintic that starts from
-//! the actuator's own state (`actuator`). The mechanics are integrated once, from the first sample to
-//! the last (`hybrid`), and read at the samples' times, through the sensor's lag (`recorder`).
+//! piecewise linear (`command`). The torque behind the actuator is a piecewise quintic that starts
+//! from the actuator's given state (`actuator`). The mechanics are integrated once, from the first
+//! sample to the last (`hybrid`), and sampled through the sensor's lags (`recorder`).
 
 mod actuator;
 mod command;
@@ -19,19 +19,20 @@ use super::hybrid;
 use super::response::{NoResponse, check};
 use recorder::Recorder;
 
-/// A quantity that the motion of an axis depends on from its beginning.
+/// A quantity of the initial state that the motion depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unknown {
     /// Which.
     pub quantity: Quantity,
-    /// What it is at rest, under the first sample of the input.
+    /// Its value at rest under the first sample of the input.
     pub at_rest: f64,
-    /// How far it may be from there: of an angle of a ripple half a turn.
+    /// How far it may be from that value. For the position under a torque that is periodic in it,
+    /// at most half a period.
     pub size: f64,
 }
 
-/// What of its beginning the motion of an axis depends on, the velocity first, for an input
-/// that begins at `first` and reaches `largest`, and a position that covers `travel`.
+/// The quantities of the initial state that the motion of an axis depends on, the velocity first.
+/// The input begins at `first` and reaches `largest`; the position covers `travel`.
 pub fn unknowns(
     plant: &Plant,
     effects: &[ActiveEffect],
@@ -71,15 +72,15 @@ pub fn unknowns(
     unknowns
 }
 
-/// Follows the motion from `initial` over all samples of an input, at `run_share` (0 first,
-/// 1 last) of the acquisition.
+/// Simulates the motion from `initial` over all samples of an input, at the position `run_share` in
+/// the order of acquisition (0 first, 1 last).
 ///
-/// With the input as it is between its samples, affine motions are exact up to rounding and
-/// to 1e-6 of the torque behind an actuator, others to about 1e-6 of their size.
+/// Affine motions are exact up to rounding and, with an actuator, to 1e-6 of its torque; others to
+/// about 1e-6 of their size.
 ///
 /// # Errors
-/// [`NoResponse::Unphysical`] for a plant that cannot be, [`NoResponse::Endless`] where the
-/// motion switches without end.
+/// [`NoResponse::Unphysical`] for impossible parameters, [`NoResponse::Endless`] if the switching
+/// times accumulate.
 pub fn follow(
     plant: &Plant,
     effects: &[ActiveEffect],
@@ -91,8 +92,8 @@ pub fn follow(
     check(&axis)?;
     let Some(first) = input.values.first() else { return Ok(Trajectory::default()) };
     let axis = with_quick_actuator_as_delay(axis, input.step_s);
-    let (lines, told) = command::of(&axis, input, *first);
-    let wave = actuator::torque(&axis.plant.actuator, &lines, told, initial);
+    let (lines, input_before) = command::of(&axis, input, *first);
+    let wave = actuator::torque(&axis.plant.actuator, &lines, input_before, initial);
     let mut recorder = Recorder::new(input, &axis.sensor_lags, initial);
     if !wave.cells.is_empty() {
         hybrid::follow(&axis, &wave, initial, &mut recorder)?;
@@ -100,15 +101,16 @@ pub fn follow(
     Ok(recorder.finish())
 }
 
-/// Radians that an actuator may turn between samples; one that rings faster is a delay.
-const MOST_RADIANS: f64 = 24.0;
+/// Largest angle ωₙ·step of an oscillatory actuator between two samples; a faster one is treated as
+/// a delay. Tuned.
+const MOST_RADIANS_PER_SAMPLE: f64 = 24.0;
 
-/// An actuator that rings many times from one sample to the next shows nothing of it: to
-/// first order in s/ωₙ it is a delay of 2ζ/ωₙ.
+/// Replaces an actuator that oscillates many times between two samples by a delay of 2ζ/ωₙ, to
+/// which it is equal to first order in s/ωₙ.
 fn with_quick_actuator_as_delay(axis: Axis, step_s: f64) -> Axis {
     match axis.plant.actuator {
         Actuator::SecondOrder { natural_frequency_rad_s: wn, damping_ratio: zeta }
-            if zeta < 1.0 && wn * step_s > MOST_RADIANS =>
+            if zeta < 1.0 && wn * step_s > MOST_RADIANS_PER_SAMPLE =>
         {
             let plant = Plant { actuator: Actuator::Direct, ..axis.plant };
             Axis { plant, delay: axis.delay + 2.0 * zeta / wn, ..axis }

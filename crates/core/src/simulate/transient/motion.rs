@@ -1,49 +1,50 @@
-//! What a transient begins with, and what it comes to.
+//! Input, initial state and result of a transient simulation.
 
 use crate::measurement::Intersample;
 
-/// An input at equal steps of time, from 0.
+/// An input sampled at equal steps, from time 0.
 #[derive(Debug, Clone, Copy)]
 pub struct SampledInput<'a> {
     /// Step, seconds.
     pub step_s: f64,
-    /// Samples, input units. Before the first the input was as there.
+    /// Samples, input units. Before the first sample the input had the same value as there.
     pub values: &'a [f64],
-    /// What it does between them.
+    /// Course of the input between the samples.
     pub between: Intersample,
 }
 
-/// Where a motion begins. What is `None` is as at a constant velocity under a constant input.
+/// Initial state of a motion. A quantity that is `None` has the value of a motion at constant
+/// velocity under a constant input.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct InitialState {
-    /// v, velocity units; the load's, too, where there is one.
+    /// v, velocity units; of the load too, if there is one.
     pub velocity: f64,
-    /// θ, position units: zero at a spring's rest.
+    /// θ, position units: zero where a spring is at rest.
     pub position: f64,
     /// τ behind an actuator of order 1 or 2, input units.
     pub torque: Option<f64>,
     /// τ' behind an actuator of order 2, input units per second.
     pub torque_rate: Option<f64>,
-    /// How far the bristle is bent, −1 to 1 of as far as it goes.
+    /// Deflection of the bristle as a share of its largest deflection, −1 to 1.
     pub bristle: Option<f64>,
     /// Twist of the joint, position units.
     pub twist: Option<f64>,
-    /// Constant torque beside one that ripples over θ, input units.
+    /// Constant torque that acts together with a torque that is periodic in θ, input units.
     pub balance: Option<f64>,
 }
 
-/// A motion at the samples' times, as the sensor reports it.
+/// A motion as the sensor reports it, at the times of the input's samples.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Trajectory {
     /// Velocity units.
     pub velocity: Vec<f64>,
     /// Position units, from [`InitialState::position`] on.
     pub position: Vec<f64>,
-    /// Velocity units per second; where it jumps, what it was before.
+    /// Velocity units per second; at a jump, the value before it.
     pub acceleration: Vec<f64>,
 }
 
-/// One quantity of a beginning.
+/// A quantity of an initial state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// [`InitialState::velocity`].
@@ -63,7 +64,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its name for a person.
+    /// Its name in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Velocity => "velocity",

@@ -1,28 +1,30 @@
-//! Reads a motion at the times of the samples, as the sensor reports it.
+//! Samples a motion at the times of the input's samples, as the sensor reports it.
 //!
-//! With one lag of time constant T the sensor reports y' = (v − y)/T, so that its
-//! acceleration is (v − y)/T and its position θ − T·(y − y₀).
+//! A sensor with one lag of time constant T reports y with y' = (v − y)/T. So its acceleration is
+//! (v − y)/T, and its position, the integral of y, is θ − T·(y − y₀).
 
 use super::motion::{InitialState, SampledInput, Trajectory};
 use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;
 use crate::simulate::signal::piecewise_quintic::{polynomial, restricted, slope, through};
 
-/// Share of a step by which a sample's time may lie beyond the end of a piece.
-const ROUNDING: f64 = 1e-9;
+/// A sample's time may lie beyond the end of a piece by this share of a sampling step, by rounding.
+const TIME_ROUNDING: f64 = 1e-9;
 
-/// Parts into which a piece of more powers than a quintic has is divided, for lags.
-const PARTS: usize = 4;
+/// A piece of a degree above 5 is divided into this many parts, each replaced by a quintic, for the
+/// lags.
+const HIGH_DEGREE_PARTS: usize = 4;
 
-/// What becomes of a motion while it is followed.
+/// Samples a motion while it is integrated, piece by piece.
 pub(in super::super) struct Recorder {
     step_s: f64,
     count: usize,
     trajectory: Trajectory,
+    /// θ at the end of the last piece.
     position: f64,
     lags: Vec<Lag>,
 }
 
-/// A lag of the sensor: T and what it reports, at first and now.
+/// A lag of the sensor: T, and its output at the beginning and at the end of the last piece.
 #[derive(Debug, Clone, Copy)]
 struct Lag {
     time_constant_s: f64,
@@ -43,7 +45,8 @@ impl Recorder {
         }
     }
 
-    /// Goes on with a piece of the velocity, as powers of u, up to u = `reach`.
+    /// Adds the next piece of the velocity, a polynomial in u, from u = 0 to `reach`; u = 1 is
+    /// `length_s` after u = 0.
     pub(in super::super) fn add(&mut self, from_s: f64, length_s: f64, powers: &[f64], reach: f64) {
         if reach <= 0.0 || length_s <= 0.0 {
             return;
@@ -51,7 +54,7 @@ impl Recorder {
         while self.trajectory.velocity.len() < self.count {
             let time_s = self.trajectory.velocity.len() as f64 * self.step_s;
             let u = (time_s - from_s) / length_s;
-            if u > reach + ROUNDING * self.step_s / length_s {
+            if u > reach + TIME_ROUNDING * self.step_s / length_s {
                 break;
             }
             self.read(length_s, powers, u.clamp(0.0, reach));
@@ -62,7 +65,7 @@ impl Recorder {
         self.lags = lags;
     }
 
-    /// What the sensor reports at u.
+    /// Records what the sensor reports at u.
     fn read(&mut self, length_s: f64, powers: &[f64], u: f64) {
         let mut velocity = polynomial(powers, u);
         let mut position = self.position + length_s * integral(powers, u);
@@ -81,7 +84,7 @@ impl Recorder {
         self.trajectory.acceleration.push(acceleration);
     }
 
-    /// All samples: those that no piece has reached are as at its end.
+    /// The complete trajectory. Samples after the last piece repeat the values at its end.
     pub(super) fn finish(mut self) -> Trajectory {
         let rest = |values: &mut Vec<f64>, count: usize, first: f64| {
             let last = values.last().copied().unwrap_or(first);
@@ -95,12 +98,12 @@ impl Recorder {
     }
 }
 
-/// Takes the lags along a piece, one behind the other.
+/// Integrates the lags, which are in series, over a piece.
 fn advance(lags: &mut [Lag], length_s: f64, powers: &[f64], reach: f64) {
     if lags.is_empty() || reach <= 0.0 {
         return;
     }
-    let parts = if powers.len() > 6 { PARTS } else { 1 };
+    let parts = if powers.len() > 6 { HIGH_DEGREE_PARTS } else { 1 };
     for part in 0..parts {
         let bounds = [part, part + 1].map(|i| reach * i as f64 / parts as f64);
         let length_s = length_s * (bounds[1] - bounds[0]);
@@ -121,7 +124,7 @@ fn advance(lags: &mut [Lag], length_s: f64, powers: &[f64], reach: f64) {
     }
 }
 
-/// The piece between two positions as a quintic from 0 to 1.
+/// The part of a piece between two positions as a quintic in u, 0 to 1.
 fn quintic(powers: &[f64], [from, to]: [f64; 2]) -> [f64; 6] {
     if powers.len() <= 6 {
         let mut quintic = [0.0; 6];
@@ -137,6 +140,7 @@ fn quintic(powers: &[f64], [from, to]: [f64; 2]) -> [f64; 6] {
     through(node(from), node(to))
 }
 
+/// Coefficients of the derivative of a polynomial.
 fn derived(powers: &[f64]) -> Vec<f64> {
     powers.iter().enumerate().skip(1).map(|(i, power)| i as f64 * power).collect()
 }
@@ -147,6 +151,7 @@ fn integral(powers: &[f64], u: f64) -> f64 {
     terms.fold(0.0, |sum, (i, power)| sum * u + power / (i + 1) as f64) * u
 }
 
+/// The derivative of a polynomial at u.
 fn derivative(powers: &[f64], u: f64) -> f64 {
     let terms = powers.iter().enumerate().skip(1).rev();
     terms.fold(0.0, |sum, (i, power)| sum * u + i as f64 * power)

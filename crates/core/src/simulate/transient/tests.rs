@@ -33,13 +33,13 @@ fn a_step_from_rest_is_that_of_the_formula() {
         let motion = moved(&plant(Actuator::Direct, 0.5, 0.4), &values, between, &rest);
         assert!(worst(&motion.velocity, |t| 1.0 - (-10.0 * t).exp()) < 1e-12);
         assert!(worst(&motion.acceleration, |t| 10.0 * (-10.0 * t).exp()) < 1e-11);
-        // The quintic through both ends of a step of a tenth of the time constant.
+        // v is a quintic over each step of a tenth of the time constant.
         let position = |t: f64| t - 0.1 * (1.0 - (-10.0 * t).exp());
         assert!(worst(&motion.position, position) < 1e-11);
     }
 }
 
-// Released at v = 1 without torque it stops after ln(1 + a·v/(K·Fc))/a and stays.
+// Released at v = 1 without torque, the axis stops after ln(1 + a·v/(K·Fc))/a and stays at rest.
 #[test]
 fn an_axis_that_coasts_stops_and_stays() {
     let initial = InitialState { velocity: 1.0, ..InitialState::default() };
@@ -64,11 +64,12 @@ fn behind_an_actuator_the_torque_starts_from_its_own_state() {
         let (slow, fast) = ((-10.0 * t).exp(), (-30.0 * t).exp());
         1.0 - slow + (fast - slow)
     };
-    // Quintics for 0.3 time constants: (0.3)⁶/46080 of τ.
+    // Error of quintics over 0.3 time constants: (0.3)⁶/46080 of τ.
     assert!(worst(&motion.velocity, v) < 1e-7, "{}", worst(&motion.velocity, v));
 }
 
-// Without friction (τ, τ', v) less what they come to are exp(At) of what they begin with.
+// Without friction, the deviation of (τ, τ', v) from its final value is exp(At) times its initial
+// value.
 #[test]
 fn behind_an_actuator_of_order_2_the_torque_starts_with_its_rate() {
     let natural_frequency_rad_s: f64 = 30.0;
@@ -83,8 +84,8 @@ fn behind_an_actuator_of_order_2_the_torque_starts_with_its_rate() {
         let begin = Vector3::new(-1.0, 40.0, 0.0);
         let end = Vector3::new(1.0, 0.0, 1.0);
         let v = |t: f64| ((matrix * t).exp() * (begin - end) + end)[2];
-        // Quintics for half of a time constant: (0.47)⁶/46080 of τ − 1, a tenth of which is v in
-        // a step.
+        // Error of quintics over half a time constant: (0.47)⁶/46080 of τ − 1, of which a tenth
+        // enters v in a step.
         let apart = worst(&motion.velocity, v);
         assert!(apart < 1e-7, "{damping_ratio}: {apart:e}");
     }
@@ -98,9 +99,10 @@ fn an_actuator_too_quick_to_see_is_a_delay() {
         let actuator = Actuator::SecondOrder { natural_frequency_rad_s: wn, damping_ratio: 0.5 };
         moved(&plant(actuator, 0.5, 0.4), &values, Intersample::Linear, &rest)
     };
-    // On either side of where one becomes the other, 2·0.5/ωₙ being 4e-4 s.
+    // Just below and just above the frequency at which the actuator becomes a delay of
+    // 2·0.5/ωₙ = 4e-4 s.
     let (below, above) = (follow(2390.0), follow(2410.0));
     let apart = below.velocity.iter().zip(&above.velocity).map(|(a, b)| (a - b).abs());
-    // The kinks at the samples, 0.005 of slope each, ring with 1/ωₙ² of it.
+    // Each kink at a sample changes the slope by 0.005 and excites an oscillation of 1/ωₙ² of that.
     assert!(apart.fold(0.0, f64::max) < 1e-4);
 }

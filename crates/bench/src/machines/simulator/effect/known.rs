@@ -1,6 +1,6 @@
-//! Ids and parameters of the effects that a diagnosis may name.
+//! Ids and parameters of the effects that a diagnosis can name.
 
-/// What a parameter must be.
+/// Allowed range of a parameter.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Range {
     Any,
@@ -13,8 +13,8 @@ pub(super) enum Range {
 }
 
 impl Range {
-    /// Whether a parameter may have this value.
-    pub(super) fn holds(self, value: f64) -> bool {
+    /// Whether a value is within the range.
+    pub(super) fn contains(self, value: f64) -> bool {
         value.is_finite()
             && match self {
                 Range::Any => true,
@@ -27,7 +27,7 @@ impl Range {
             }
     }
 
-    /// The same in words.
+    /// The range in words.
     pub(super) fn words(self) -> &'static str {
         match self {
             Range::Any => "a number",
@@ -46,7 +46,7 @@ const JOINT: (&str, Range) = ("stiffness", Range::Positive);
 const DAMPING: (&str, Range) = ("damping", Range::NotNegative);
 const SPRING: (&str, Range) = ("stiffness", Range::NotNegative);
 
-/// Every effect's id with its parameters.
+/// The id of every effect, with the names and ranges of its parameters.
 pub(super) const KNOWN: [(&str, &[(&str, Range)]); 17] = [
     ("static_friction", &[("fs_plus", Range::NotNegative), ("fs_minus", Range::NotNegative)]),
     ("stribeck", &[("fs_over_fc", Range::AtLeastOne), ("stribeck_velocity", Range::Positive)]),
@@ -74,12 +74,12 @@ pub(super) const KNOWN: [(&str, &[(&str, Range)]); 17] = [
     ("slew_limit", &[("rate", Range::Positive)]),
 ];
 
-/// What may be asked for, in words.
+/// List of the known ids, for messages.
 pub(super) fn known_ids() -> String {
     KNOWN.map(|(id, _)| id).join(", ")
 }
 
-/// What an effect has, in words.
+/// List of the parameters of an effect, for messages.
 pub(super) fn known_parameters(id: &str) -> String {
     let known = KNOWN.iter().find(|(known, _)| *known == id);
     let names = known.map(|(_, parameters)| parameters.iter().map(|(name, _)| *name));

@@ -1,28 +1,28 @@
-//! The elastic joint of two masses, with or without a gap.
+//! The elastic joint between motor and load, with or without a gap.
 
 use super::VELOCITY;
 
-/// What the joint between motor and load does at the moment.
+/// Contact state of the joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in super::super) enum Contact {
     /// The twist is within the gap.
     Free,
-    /// It is beyond the gap on this side, +1 or −1.
+    /// The twist is beyond the gap on this side, +1 or −1.
     At(f64),
 }
 
-/// The elastic joint of two masses.
+/// The elastic joint between motor and load.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Joint {
     /// ρ.
     pub(super) load_fraction: f64,
-    /// k, input units per response unit and second.
+    /// k, input units/(response unit·s).
     pub(super) stiffness: f64,
     /// c, input units per response unit.
     pub(super) damping: f64,
-    /// Half of the gap, response units and seconds.
+    /// Half of the gap, response units·s.
     pub(super) half_gap: f64,
-    /// Index of φ; v_load follows it.
+    /// Index of the state φ; v_load is the next state.
     pub(super) twist: usize,
 }
 
@@ -41,7 +41,7 @@ impl Joint {
         self.stiffness * beyond + self.damping * self.rate(state)
     }
 
-    /// The contact in which a state moves on.
+    /// The contact state that applies from `state` on.
     pub(super) fn contact<const N: usize>(&self, state: &[f64; N]) -> Contact {
         let twist = state[self.twist];
         let outwards = twist.signum() * self.rate(state);
@@ -55,7 +55,7 @@ impl Joint {
         }
     }
 
-    /// Whether an edge of the gap has been met or left.
+    /// Whether the twist has entered or left the gap, so that `contact` no longer applies.
     #[inline]
     pub(super) fn is_over<const N: usize>(&self, contact: Contact, state: &[f64; N]) -> bool {
         let twist = state[self.twist];
@@ -66,7 +66,8 @@ impl Joint {
             }
     }
 
-    /// The state at an edge of the gap, exactly, and the contact beyond it.
+    /// Sets the twist exactly to the edge of the gap, and returns the contact state after the
+    /// event.
     pub(super) fn at_edge<const N: usize>(
         &self,
         contact: Contact,

@@ -1,9 +1,9 @@
-//! When other equations of motion begin to hold.
+//! Conditions for switching between the modes of motion and contact.
 
 use super::{Contact, Mechanics, Mode, Motion, VELOCITY};
 
 impl Mechanics {
-    /// The mode in which a state moves on.
+    /// The mode that applies from `state` on.
     pub(in super::super) fn mode<const N: usize>(&self, torque: f64, state: &[f64; N]) -> Mode {
         let contact = self.contact(state);
         let motion = match state[VELOCITY] {
@@ -13,8 +13,8 @@ impl Mechanics {
         Mode { motion, contact }
     }
 
-    /// How friction meets an axis at v = 0: it holds it unless the torque exceeds the static
-    /// level. A bristle holds nothing.
+    /// The motion of an axis at v = 0: it sticks unless the torque exceeds the static level. With
+    /// a bristle it never sticks.
     pub(in super::super) fn at_zero<const N: usize>(
         &self,
         contact: Contact,
@@ -35,8 +35,8 @@ impl Mechanics {
         }
     }
 
-    /// Whether the motion has come to its end: sliding at v = 0 or beyond, sticking where
-    /// the torque exceeds the static level.
+    /// Whether the current motion has ended: a sliding axis has reached or passed v = 0, or the
+    /// torque on a sticking axis exceeds the static level.
     #[inline]
     pub(in super::super) fn motion_is_over<const N: usize>(
         &self,
@@ -50,7 +50,7 @@ impl Mechanics {
         }
     }
 
-    /// Whether the joint has met or left an edge of its gap.
+    /// Whether the twist of the joint has entered or left the gap.
     #[inline]
     pub(in super::super) fn contact_is_over<const N: usize>(
         &self,
@@ -60,7 +60,8 @@ impl Mechanics {
         N > 2 && self.joint.is_some_and(|joint| joint.is_over(mode.contact, state))
     }
 
-    /// The state at an edge of the gap, exactly, and the contact beyond it.
+    /// Sets the twist exactly to the edge of the gap, and returns the contact state after the
+    /// event.
     pub(in super::super) fn at_edge<const N: usize>(
         &self,
         contact: Contact,

@@ -1,9 +1,9 @@
-//! Effects against what is known of them in closed form.
+//! Tests of the effects against closed-form results.
 
 use crate::machines::simulator::*;
 use crate::plant::Friction;
 
-/// a = 10 1/s, K = 10, an actuator of order 0.
+/// A plant with a = 10 1/s, K = 10 and an actuator of order 0.
 fn plant(fc_plus: f64, fc_minus: f64) -> Plant {
     Plant {
         viscous_rate_rad_s: 10.0,
@@ -28,13 +28,13 @@ fn worst(left: &[Complex], right: &[Complex]) -> f64 {
     left.iter().zip(right).map(|(l, r)| (l - r).norm()).fold(0.0, f64::max)
 }
 
-/// Without friction: harmonics 0 to 7 of a machine whose transfer function is `response`.
+/// Harmonics 0 to 7 of a linear machine with the transfer function `response`.
 fn linear(response: impl Fn(Complex) -> Complex, omega: f64, input: &[Complex]) -> Vec<Complex> {
     let line = |k: usize| input.get(k).copied().unwrap_or_default();
     (0..8).map(|k| response(Complex::new(0.0, k as f64 * omega)) * line(k)).collect()
 }
 
-// The tolerance on transients is 1e-9 of each state.
+// The tolerance for transients is 1e-9 of each state.
 #[test]
 fn without_friction_linear_effects_are_their_transfer_functions() {
     let (a, constant) = (10.0, 10.0);
@@ -63,10 +63,9 @@ fn without_friction_linear_effects_are_their_transfer_functions() {
         let hardening = Effect::HardeningSpring { stiffness, cubic_stiffness };
         compare("hardening spring", &found(hardening), &expected);
 
-        // Without a mean and a friction nothing else is constant: the same spring.
         let (rho, k, c) = (0.3, 40.0, 0.05);
         let flexible = |s: Complex| {
-            // Multiplied by s, so that the mean is no quotient of zeros.
+            // Numerator and denominator are multiplied by s to avoid 0/0 at s = 0.
             let joint = k + c * s;
             let load = rho / constant * s * s + joint;
             let motor = (1.0 - rho) / constant * s + a / constant;
@@ -78,8 +77,8 @@ fn without_friction_linear_effects_are_their_transfer_functions() {
     }
 }
 
-// c₁ of a clipped cosine, m/π·(2φ + sin 2φ) with φ = arcsin(limit/m): the input's
-// describing function, and its third harmonic by Simpson's rule.
+// The fundamental of a clipped cosine is m/π·(2φ + sin 2φ) with φ = arcsin(limit/m) (describing
+// function of a saturation). Its third harmonic is integrated by the midpoint rule.
 #[test]
 fn without_friction_a_saturated_input_drives_the_mechanics_by_its_harmonics() {
     let (magnitude, limit, omega) = (2.0, 1.2, 7.0);
@@ -125,7 +124,7 @@ fn a_dead_zone_an_asymmetric_gain_and_a_limit_act_in_this_order() {
         let factor = if k == 0 { 1.0 } else { 2.0 };
         let line = (0..count).map(integrand).sum::<Complex>() * factor / f64::from(count);
         let expected = plant(0.0, 0.0).mechanics_response(k as f64 * omega) * line;
-        // The midpoint rule: (2π/count)² at each kink.
+        // The midpoint rule has an error of (2π/count)² at each kink.
         assert!((found - expected).norm() < 5e-9, "harmonic {k}");
     }
 }
@@ -160,7 +159,7 @@ fn a_slew_limit_above_every_slope_and_a_limit_above_every_value_change_nothing()
         Effect::Stribeck { fs_over_fc: 1.0, stribeck_velocity: 0.1 },
     ] {
         let found = with(&[effect], plant(0.3, 0.2), 6.0, &input);
-        // The tolerance on transients; a load of a billionth.
+        // The tolerance for transients, and a load of a billionth of the inertia.
         assert!(worst(&base, &found) < 3e-9, "{effect:?}: {:e}", worst(&base, &found));
     }
 }
@@ -174,7 +173,7 @@ fn a_general_input_and_its_cosine_agree_through_the_chain() {
     ];
     let omega = 12.0;
     let plain = with(&effects, plant(0.5, 0.4), omega, &cosine(3.0));
-    // The same cosine as the second line of half the fundamental, a quarter period earlier.
+    // The same cosine, as the second line of half the fundamental and a quarter period earlier.
     let input = [ZERO, ZERO, Complex::new(0.0, 3.0)];
     let doubled = with(&effects, plant(0.5, 0.4), omega / 2.0, &input);
     for k in 0..4 {
@@ -207,23 +206,24 @@ fn cogging_holds_the_means_of_velocity_and_position_at_zero() {
     let mechanics = Mechanics::of(&plant, &cogging, 0.0);
     let command = Command::periodic(&cogging, omega, &cosine(1.5));
     let drive = Drive::periodic(&plant.actuator, &command, command.period_s() / 2048.0);
-    let held = hold::<2>(&mechanics, &drive, &settings).unwrap().unwrap();
-    let mechanics = mechanics.with_cogging(held.constant_torque, 1.0);
+    let found = cogging_state::<2>(&mechanics, &drive, &settings).unwrap().unwrap();
+    let mechanics = mechanics.with_cogging(found.constant_torque, 1.0);
     let mut series = [FourierSeries::new(1, omega), FourierSeries::new(1, omega)];
-    let mut axis = Axis::new(&mechanics, &drive, held.state);
+    let mut axis = Axis::new(&mechanics, &drive, found.state);
     axis.run_period(&mut |piece| {
         series[0].add(piece, 0, |v| v);
         series[1].add(piece, 1, |v| v);
     });
     let [velocity, position] = series.map(|series| series.harmonics());
-    // The tolerance on transients, a few times over.
-    assert!(worst(&[axis.state()[0].into()], &[held.state[0].into()]) < 1e-8);
+    // A few times the tolerance for transients.
+    assert!(worst(&[axis.state()[0].into()], &[found.state[0].into()]) < 1e-8);
     assert!(velocity[0].norm() < 1e-8 && position[0].norm() < 1e-8);
     assert!((velocity[1] - position[1] * Complex::new(0.0, omega)).norm() < 1e-8);
-    assert!(velocity[1].norm() > 0.1 && held.constant_torque.abs() > 1e-3);
+    assert!(velocity[1].norm() > 0.1 && found.constant_torque.abs() > 1e-3);
 }
 
-// For small motions sin(Nθ + φ) is sin φ, which b balances, and the spring N·cos φ.
+// For small θ, T·sin(Nθ + φ) ≈ T·sin φ + T·N·cos φ·θ. The constant torque b balances the first
+// term, and the second is a spring.
 #[test]
 fn without_friction_cogging_of_a_small_motion_is_a_spring() {
     let (amplitude, cycles_per_unit, phase, omega) = (0.5, 4.0, 0.6_f64, 5.0);
@@ -231,7 +231,7 @@ fn without_friction_cogging_of_a_small_motion_is_a_spring() {
     let found = with(&cogging, plant(0.0, 0.0), omega, &cosine(1e-5));
     let spring = [Effect::Spring { stiffness: amplitude * cycles_per_unit * phase.cos() }];
     let expected = with(&spring, plant(0.0, 0.0), omega, &cosine(1e-5));
-    // θ is 1e-6; the next term of the sine is Nθ/2 of the spring's.
+    // θ is about 1e-6, and the next term of the sine is Nθ/2 times that of the spring.
     assert!(worst(&found, &expected) < 1e-5 * expected[1].norm());
 }
 
@@ -243,14 +243,14 @@ fn cogging_leaves_an_axis_stuck_whose_torque_spans_less_than_its_static_levels()
     assert!(with(&cogging, plant(0.5, 0.4), 2.0, &cosine(0.46))[1].norm() > 1e-6);
 }
 
-// The bristle is a spring σ below its level.
+// Well below breakaway the bristle is a spring of stiffness σ.
 #[test]
 fn a_bristle_moves_below_breakaway_as_a_spring() {
     let (sigma, omega) = (20.0, 5.0);
     let found = with(&[Effect::Presliding { sigma }], plant(0.5, 0.4), omega, &cosine(1e-4));
     let spring = Complex::new(10.0 * sigma - omega * omega, 10.0 * omega);
     let expected = 1e-4 * 10.0 * Complex::new(0.0, omega) / spring;
-    // It gives way by z·σ/Fc, 2e-4 of its slope.
+    // The relative error of this linearisation is z·σ/Fc, about 2e-4.
     assert!((found[1] - expected).norm() < 5e-4 * expected.norm());
 }
 
@@ -315,8 +315,8 @@ fn half_the_step_leaves_a_sixteenth_of_the_error_with_every_kind_of_effect() {
         };
         let exact = with_steps(16_384);
         let errors = [256, 512, 1024].map(|steps| worst(&with_steps(steps), &exact));
-        // Between third and fifth order, twice: where an event or a kink falls within its
-        // step scatters the error.
+        // Two halvings, each with a factor between 2³ and 2⁵: the error of a fourth-order method
+        // varies with the position of events and kinks within their steps.
         let gain = errors[0] / errors[2];
         assert!((8.0 * 8.0..32.0 * 32.0).contains(&gain), "{effects:?}: {errors:?}");
     }
@@ -343,7 +343,7 @@ fn sets_of_effects_that_make_no_machine_are_refused() {
     assert!(refused(&[], 1.5).starts_with("the share of the run is 1.5"));
 }
 
-// A load on a hardly damped joint rattles in its gap without end.
+// A load on a joint with little damping rattles in its gap for ever.
 #[test]
 fn a_load_that_rattles_has_no_periodic_response() {
     let rattling = [Effect::Backlash {
@@ -357,8 +357,8 @@ fn a_load_that_rattles_has_no_periodic_response() {
     assert!(matches!(result, Err(SimulatorError::NotPeriodic { .. })), "{result:?}");
 }
 
-// The torque hardly exceeds the level on one side: the spring is wound up by ever less a
-// period, as the square of what is left.
+// The torque hardly exceeds the friction level on one side. Each period winds the spring up by
+// less, in proportion to the square of the remaining distance.
 #[test]
 fn an_axis_that_creeps_against_its_spring_comes_to_rest() {
     let spring = [Effect::Spring { stiffness: 0.8 }];

@@ -1,4 +1,4 @@
-//! Harmonic tables in every form of the contract.
+//! Accepted harmonic tables, in every form of the contract.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -106,7 +106,7 @@ fn repeats_become_a_mean_and_deviations() {
     assert_eq!(experiment.repeats.len(), 2);
     assert_eq!(experiment.repeats[0].response, [Complex::new(-1.0, -1.0)]);
     assert!(experiment.repeats[0].input.is_empty());
-    // √(3² + 4²)/2, the deviation of the mean.
+    // The deviation of the mean is √(3² + 4²)/2.
     assert_eq!(experiment.response[0].std, Some(2.5));
     assert_eq!(experiment.run, Some(5.0));
     assert!(m.notes()[0].starts_with("experiment 1: "));

@@ -42,7 +42,7 @@ fn records_and_tables_stand_side_by_side_in_their_order() {
     let column = |index: usize| {
         let cells: Vec<&str> =
             csv.lines().skip(1).map(|row| row.split(',').nth(index).unwrap()).collect();
-        // JSON knows no leading zeros beyond one, as these have.
+        // These numbers have one leading zero at most, so they are valid JSON.
         format!("[{}]", cells.join(","))
     };
     let (time, input, output) = (column(0), column(1), column(2));

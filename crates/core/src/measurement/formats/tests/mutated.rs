@@ -1,4 +1,4 @@
-//! Whatever the bytes, an answer and no panic.
+//! Fuzzing with random mutations of valid files: the reader returns a result and never panics.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -9,7 +9,7 @@ fn a_record_gives_harmonics_of_its_last_periods() {
     let experiment = &m.experiments()[0];
     assert_eq!(experiment.repeats.len(), 3);
     assert_eq!(experiment.input.len(), 51);
-    // Six printed decimals, and a scatter of up to 10⁻³.
+    // Tolerances: six printed decimals, and a scatter of up to 10⁻³.
     assert!((experiment.magnitude - 2.0).abs() < 1e-5);
     assert!((y(&m, 0, 1) - Complex::from_polar(1.0, -0.5)).norm() < 1e-3);
     assert!((y(&m, 0, 3) - Complex::new(0.0, -0.1)).norm() < 1e-3);
@@ -33,14 +33,14 @@ fn segments_are_experiments_with_periods_of_their_own() {
     let [first, second, third] = m.experiments() else { panic!("three experiments") };
     for (experiment, period) in [(first, 0.06237), (second, 0.04), (third, 0.1015)] {
         let found = std::f64::consts::TAU / experiment.omega_rad_s;
-        // Seven printed digits and an interpolation good to 10⁻⁵.
+        // Seven printed digits, and an interpolation accurate to 10⁻⁵.
         assert!((found / period - 1.0).abs() < 1e-5, "{found} for {period}");
         assert!((experiment.magnitude - 2.0).abs() < 1e-4);
         let gain = experiment.harmonic(1).unwrap().value / experiment.input[1];
         assert!((gain - Complex::from_polar(0.15, -1.0)).norm() < 1e-4, "{gain}");
         assert!((experiment.harmonic(0).unwrap().value.re - 0.2).abs() < 1e-4);
     }
-    // One clock ran through all segments.
+    // One clock runs through all segments.
     assert_eq!([first.run, second.run, third.run], [Some(0.0), Some(1.0), Some(2.0)]);
 }
 
@@ -68,8 +68,8 @@ fn periods_that_are_copies_say_nothing_of_the_noise() {
 fn an_input_that_contradicts_its_period_is_refused_and_one_of_noise_is_said() {
     let wrong = record(100, 5);
     refused(&format!("# period_s: 0.13\n{wrong}"), 3, "input", "period_s: none");
-    // A ramp of three times the amplitude over five periods: 0.6 of it from one to the next, and
-    // of the amplitude's root mean square and the ramp's together more than half.
+    // A ramp of three amplitudes over five periods changes by 0.6 amplitudes per period. That is
+    // more than half the rms of sine and ramp together.
     let mut drifting = String::from("# period_s: 0.1\ntime_s,input,output\n");
     for n in 0..500 {
         let angle = std::f64::consts::TAU * f64::from(n) / 100.0;
@@ -77,7 +77,8 @@ fn an_input_that_contradicts_its_period_is_refused_and_one_of_noise_is_said() {
         drifting += &format!("{:.3},{input:.6},{:.6}\n", f64::from(n) * 1e-3, angle.cos());
     }
     refused(&drifting, 3, "input", "changes by 5");
-    // Every other sample 0.1 higher in every other period: no course of its own.
+    // In every other period every other sample is 0.2 higher: the change is not correlated from
+    // sample to sample.
     let mut noisy = String::from("# period_s: 0.1\ntime_s,input,output\n");
     for n in 0..500 {
         let angle = std::f64::consts::TAU * f64::from(n) / 100.0;

@@ -1,4 +1,4 @@
-//! What is refused, where, and why.
+//! Refused files, with the location and reason of the error.
 
 use super::*;
 
@@ -155,7 +155,7 @@ fn mixed_units_are_refused() {
         assert_eq!(error.column.as_deref(), Some(key));
         assert!(error.reason.contains("mixed units"), "{error}");
     }
-    // Velocity is the default, so silence is not agreement with a position.
+    // Velocity is the default, so a file without `response` contradicts a position.
     assert!(two("# response: position m", "# axis: X").is_err());
     assert!(two("# input: current A", "# axis: X").is_ok());
 }

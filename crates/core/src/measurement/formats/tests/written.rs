@@ -1,4 +1,4 @@
-//! What is written reads back.
+//! Written files read back as the same measurement.
 
 use super::*;
 use crate::measurement::Complex;
@@ -9,7 +9,7 @@ fn round_trip(measurement: &Measurement) -> Measurement {
     ok(std::str::from_utf8(&text).unwrap())
 }
 
-/// Equal to rounding of a mean and a deviation, added and taken apart.
+/// Asserts equality up to the rounding errors of adding mean and deviation and separating them.
 fn assert_same(a: &Measurement, b: &Measurement) {
     let close = |a: Complex, b: Complex, size: f64| (a - b).norm() <= 1e-14 * size;
     assert_eq!(a.metadata(), b.metadata());

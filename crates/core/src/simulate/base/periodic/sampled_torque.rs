@@ -1,4 +1,5 @@
-//! The torque of a general input and the linear response to it, sampled on a uniform grid.
+//! The torque of a general input, and the linear response to it, on a uniform grid over one period.
+//! Node n is the boundary between cells n − 1 and n.
 
 use crate::measurement::Complex;
 use crate::plant::Plant;
@@ -7,14 +8,14 @@ use crate::simulate::signal::excitation::Excitation;
 use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::samples::{Samples, quintic_at};
 
-/// Torque and steady response on the grid.
+/// The torque τ and the steady response w to it, at the nodes.
 pub(crate) struct SampledTorque {
     a: f64,
     /// τ and its derivatives.
     pub torque: Samples,
     /// w: steady response of 1/(s + a) to the torque.
     steady: Vec<f64>,
-    /// exp(−ah) over the length h of a cell.
+    /// exp(−ah), where h is the length of a cell.
     pub kept: f64,
 }
 
@@ -32,17 +33,17 @@ impl SampledTorque {
         Self { a, torque, steady, kept }
     }
 
-    /// Cells of the period.
+    /// Number of cells in the period.
     pub fn cells(&self) -> usize {
         self.torque.cells()
     }
 
-    /// Where cell n begins, or n − 1 ends, seconds.
+    /// Time of node n, seconds.
     pub fn time(&self, n: usize) -> f64 {
         n as f64 * self.torque.step_s
     }
 
-    /// τ and w where cell n begins, or n − 1 ends.
+    /// τ and w at node n.
     pub fn node(&self, n: usize) -> (f64, f64) {
         (self.torque.value[n], self.steady[n])
     }
@@ -52,13 +53,13 @@ impl SampledTorque {
         self.torque.first[cell + 1]
     }
 
-    /// τ and τ' within a cell.
+    /// τ and τ' at a time within a cell.
     pub fn torque(&self, cell: usize, time_s: f64) -> (f64, f64) {
         (self.torque.at(cell, time_s), self.torque.slope_at(cell, time_s))
     }
 
-    /// τ and w within a cell; w by the quintic through values and two derivatives, which
-    /// w' = −a·w + τ gives exactly.
+    /// τ and w at a time within a cell. w is the quintic through its value and two derivatives at
+    /// both nodes; w' = −a·w + τ gives the derivatives exactly.
     pub fn both(&self, cell: usize, time_s: f64) -> (f64, f64) {
         let h = self.torque.step_s;
         let end = |n: usize| {

@@ -1,4 +1,4 @@
-//! Events: which switch comes first within a step, when, and the mode and state after it.
+//! Event location: which switch comes first within a step, when, and the mode and state after it.
 
 use crate::plant::Scalar;
 
@@ -11,27 +11,28 @@ use crate::simulate::hybrid::step::{Powers, Step};
 use crate::simulate::hybrid::step_control::StepControl;
 use crate::simulate::signal::piecewise_quintic::Cell;
 
-/// Share of its size below which a state counts as zero.
-const ROUNDING: f64 = 1e-13;
+/// An event's signal counts as zero below this share of its size.
+const RELATIVE_ROUNDING: f64 = 1e-13;
 
-/// Positions within a step at which switches are looked for.
-const LOOKS: [f64; 3] = [0.35, 0.7, 1.0];
+/// Positions within a step at which the signals of the events are checked for a change of sign.
+const SIGN_CHECKS: [f64; 3] = [0.35, 0.7, 1.0];
 
-/// The same in a step by series, over which contact may come and go.
-const LOOKS_IN_SERIES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
+/// The same for a step by Taylor series, which is so long that a contact may close and open in it.
+const SIGN_CHECKS_IN_SERIES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 
 /// A switch within a step.
 pub(super) struct Switch {
-    /// Where in the step, 0 to 1.
+    /// Position in the step, 0 to 1.
     pub at: f64,
     pub event: Event,
 }
 
+/// Kinds of switches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Event {
     /// v reaches zero.
     Stops,
-    /// Breakaway, forward or backward.
+    /// Breakaway, forward (0) or backward (1).
     Starts(usize),
     /// The twist φ reaches the upper (true) or lower end of the gap.
     Touches(bool),
@@ -49,9 +50,9 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         width: f64,
         step: &Step<S, M>,
     ) -> Option<Switch> {
-        let looks: &[f64] = match step {
-            Step::Series(_) => &LOOKS_IN_SERIES,
-            _ => &LOOKS,
+        let positions: &[f64] = match step {
+            Step::Series(_) => &SIGN_CHECKS_IN_SERIES,
+            _ => &SIGN_CHECKS,
         };
         let mut first: Option<Switch> = None;
         let mut consider = |event: Event| {
@@ -68,25 +69,25 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                     self.signal(event, mode, torque, &state).value()
                 }
             };
-            let least = self.least(event);
-            // The signal that has just switched is zero here and moves away from zero.
-            let fresh = signal(0.0).abs() <= least;
-            let threshold = if fresh { least } else { 0.0 };
+            let rounding_size = self.rounding_size(event);
+            // If this event ended the last step, its signal is zero here and moves away from zero.
+            let starts_at_zero = signal(0.0).abs() <= rounding_size;
+            let threshold = if starts_at_zero { rounding_size } else { 0.0 };
             let end = first.as_ref().map_or(1.0, |switch| switch.at);
             let mut low = 0.0;
-            for look in looks.iter().map(|look| look * end) {
-                // At first the signal is as small as the polynomial's error.
-                if fresh && look < end {
+            for position in positions.iter().map(|position| position * end) {
+                // At first such a signal is no larger than the polynomial's error.
+                if starts_at_zero && position < end {
                     continue;
                 }
-                if signal(look) > threshold {
-                    if fresh && low == 0.0 {
-                        low = departure(&signal, look);
+                if signal(position) > threshold {
+                    if starts_at_zero && low == 0.0 {
+                        low = departure(&signal, position);
                     }
-                    first = Some(Switch { at: root(low, look, signal), event });
+                    first = Some(Switch { at: root(low, position, signal), event });
                     return;
                 }
-                low = look;
+                low = position;
             }
         };
         match mode.motion {
@@ -116,8 +117,8 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         first
     }
 
-    /// For an event that depends on one state alone: the state, the direction in which it crosses its
-    /// level, and the level; `None` where the event depends on several.
+    /// For an event that depends on one state alone: the index of the state, the direction in which
+    /// it crosses its level, and the level. `None` for an event that depends on several states.
     fn state_of(&self, event: Event, mode: Mode) -> Option<(usize, f64, f64)> {
         let half = self.mechanics.half_gap().unwrap_or(0.0);
         let twist = self.mechanics.twist;
@@ -132,10 +133,10 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         }
     }
 
-    /// Size below which an event's signal is only rounding.
-    fn least(&self, event: Event) -> f64 {
+    /// Size below which an event's signal is only rounding error.
+    fn rounding_size(&self, event: Event) -> f64 {
         let sizes = &self.precision.sizes;
-        ROUNDING
+        RELATIVE_ROUNDING
             * match event {
                 Event::Stops => sizes[VELOCITY],
                 Event::Starts(_) => self.wave.cells[0].number(0.0).abs(),
@@ -143,7 +144,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
             }
     }
 
-    /// The signal that turns positive at an event.
+    /// The signal of an event: it becomes positive when the event happens.
     fn signal(&self, event: Event, mode: Mode, torque: S, state: &Vector<S, M>) -> S {
         match event {
             Event::Stops if mode.motion == Motion::Forward => -state[VELOCITY],
@@ -156,10 +157,10 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         }
     }
 
-    /// Takes the step again up to a switch. Returns the state there, the position in the cell, and
-    /// the correction of the switching time: its value is at most a step's error, and its dual
-    /// part the derivative of the switching time. `None` where the step to the switch needs to be
-    /// shorter: a step beyond a stop may have passed over the steep end of the friction curve.
+    /// Repeats the step up to a switch. Returns the state there, the position in the cell, and a
+    /// dual number of value 0 whose derivatives are those of the switching time. `None` if the
+    /// repeated step is not accurate enough, as may happen near a stop, where a friction curve is
+    /// steep; a shorter step must be tried.
     #[expect(clippy::too_many_arguments, reason = "what a step is made of")]
     pub(super) fn up_to(
         &mut self,
@@ -180,8 +181,8 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                 (step, switch.at, end, end_slope)
             }
             _ => {
-                if let StepControl::Exact { again, .. } = pace {
-                    *again = false;
+                if let StepControl::Exact { reuse, .. } = pace {
+                    *reuse = false;
                 }
                 cut = self.step(pace, mode, cell, (from, &mut part), state, slope);
                 if pace.refuses(self.error(&cut, state), part * cell.length_s) {
@@ -194,7 +195,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         let rate_s = match self.state_of(switch.event, mode) {
             Some((i, sign, _)) => sign * end_slope[i].value(),
             None => {
-                // Of several states: central differences along the motion.
+                // A signal of several states: central difference along the motion.
                 let du = 1e-4 * width;
                 let ahead = |du: f64| {
                     let by_s = du * cell.length_s;
@@ -206,7 +207,8 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
             }
         };
         let late_s = if rate_s != 0.0 { -there * (1.0 / rate_s) } else { S::constant(0.0) };
-        // One step of Newton's method, no longer than a step's error.
+        // One Newton step for the switching time. A correction of more than 1 % of the step is too
+        // large to be an error of the step: then only its derivatives are used.
         let most_s = 1e-2 * width * cell.length_s;
         let late_s = if late_s.value().abs() > most_s { late_s - late_s.value() } else { late_s };
         for (value, slope) in end.iter_mut().zip(&end_slope) {
@@ -225,10 +227,10 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         Some((end, from + part + later, late_s - late_s.value()))
     }
 
-    /// Moves the state after a switch to the time without its dual part, so that all times of a pass
-    /// are plain numbers. v is continuous at a switch: what the Fourier integrals gain before it they
-    /// lose after it.
-    pub(super) fn fix(&self, mode: Mode, torque: S, state: &mut Vector<S, M>, late_s: S) {
+    /// Moves the state after a switch from the switching time as a dual number to its plain value,
+    /// so that all times of a pass are plain numbers. The Fourier integrals need no correction: v
+    /// is continuous, so that they gain before the switch what they lose after it.
+    pub(super) fn to_plain_time(&self, mode: Mode, torque: S, state: &mut Vector<S, M>, late_s: S) {
         if S::LANES == 0 {
             return;
         }
@@ -255,7 +257,8 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                 } else {
                     self.swings += 1;
                     let held = self.swings > self.precision.most_swings
-                        && self.mechanics.motion_held(mode.contact, torque, state) == Motion::Stuck;
+                        && self.mechanics.motion_if_stuck(mode.contact, torque, state)
+                            == Motion::Stuck;
                     match mode.motion {
                         _ if held => Motion::Stuck,
                         Motion::Forward => Motion::Backward,
@@ -267,20 +270,20 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
             Event::Starts(direction) => Mode { motion: moving[direction], ..mode },
             Event::Touches(upper) => {
                 let contact = if upper { Contact::Upper } else { Contact::Lower };
-                self.held_again(Mode { contact, ..mode }, torque, state)
+                self.after_contact_change(Mode { contact, ..mode }, torque, state)
             }
             Event::Leaves(_) => {
-                self.held_again(Mode { contact: Contact::Open, ..mode }, torque, state)
+                self.after_contact_change(Mode { contact: Contact::Open, ..mode }, torque, state)
             }
         }
     }
 
-    /// The mode after a contact has closed or opened: the jump of the joint's torque may set an axis in
-    /// motion that was at rest.
-    fn held_again(&self, mode: Mode, torque: S, state: &Vector<S, M>) -> Mode {
+    /// The mode after a contact has closed or opened: the torque of the joint jumps, which may
+    /// start an axis at rest.
+    fn after_contact_change(&self, mode: Mode, torque: S, state: &Vector<S, M>) -> Mode {
         match mode.motion {
             Motion::Stuck => {
-                let motion = self.mechanics.motion_held(mode.contact, torque, state);
+                let motion = self.mechanics.motion_if_stuck(mode.contact, torque, state);
                 Mode { motion, ..mode }
             }
             _ => mode,

@@ -1,13 +1,14 @@
-//! The right-hand side of the equations of motion in one mode.
+//! The equations of motion in one mode: the derivative of the state by time.
 
 use crate::plant::Scalar;
 
 use super::super::runge_kutta::Vector;
-use super::{Bent, Contact, Mechanics, Mode, VELOCITY};
+use super::{Contact, Mechanics, Mode, NonlinearTorque, VELOCITY};
 use crate::simulate::base::switching_times::Motion;
 
 impl<S: Scalar> Mechanics<S> {
-    /// By how much what is not friction exceeds what it can balance: forward, backward.
+    /// By how much the net torque exceeds the level that friction can hold: forward, backward.
+    /// Positive at breakaway.
     pub fn excess<const M: usize>(
         &self,
         contact: Contact,
@@ -15,7 +16,7 @@ impl<S: Scalar> Mechanics<S> {
         state: &Vector<S, M>,
     ) -> [S; 2] {
         let net = self.net(contact, torque, state);
-        let [forward, backward] = self.held();
+        let [forward, backward] = self.holding_levels();
         [net - forward, backward - net]
     }
 
@@ -27,21 +28,21 @@ impl<S: Scalar> Mechanics<S> {
         torque: S,
         state: &Vector<S, M>,
     ) -> S {
-        self.linear_net(contact, torque - self.bent_torque(state), state)
+        self.linear_net(contact, torque - self.nonlinear_torque(state), state)
     }
 
-    /// Torques that are not linear.
+    /// Sum of the nonlinear torques.
     #[inline(always)]
-    fn bent_torque<const M: usize>(&self, state: &Vector<S, M>) -> S {
+    fn nonlinear_torque<const M: usize>(&self, state: &Vector<S, M>) -> S {
         let position = self.position.map_or(S::constant(0.0), |i| state[i]);
         let mut sum = S::constant(0.0);
-        for Bent { law, .. } in &self.bent {
+        for NonlinearTorque { law, .. } in &self.nonlinear {
             sum += law.at(state[VELOCITY], position);
         }
         sum
     }
 
-    /// τ − g − T_s without the torques that are not linear.
+    /// τ − g − T_s without the nonlinear torques.
     #[inline(always)]
     fn linear_net<const M: usize>(&self, contact: Contact, torque: S, state: &Vector<S, M>) -> S {
         let mut net = torque + self.balance;
@@ -53,7 +54,7 @@ impl<S: Scalar> Mechanics<S> {
         net - self.joint(contact, state)
     }
 
-    /// T_s.
+    /// Torque T_s of the joint: k·(φ beyond the gap) + c·(v − v_load) in contact, 0 inside the gap.
     #[inline(always)]
     fn joint<const M: usize>(&self, contact: Contact, state: &Vector<S, M>) -> S {
         let Some(mass) = self.second_mass else { return S::constant(0.0) };
@@ -75,14 +76,14 @@ impl<S: Scalar> Mechanics<S> {
         torque: S,
         state: &Vector<S, M>,
     ) -> Vector<S, M> {
-        let bent = match mode.motion {
+        let nonlinear = match mode.motion {
             Motion::Stuck => S::constant(0.0),
-            _ => self.bent_torque(state),
+            _ => self.nonlinear_torque(state),
         };
-        self.linear_slope(mode, torque - bent, state)
+        self.linear_slope(mode, torque - nonlinear, state)
     }
 
-    /// The same without the torques that are not linear.
+    /// The same without the nonlinear torques.
     #[inline(always)]
     pub fn linear_slope<const M: usize>(
         &self,
@@ -103,7 +104,7 @@ impl<S: Scalar> Mechanics<S> {
                 Some(sigma) => {
                     let bristle = state[self.bristle_at];
                     driving -= sigma * bristle;
-                    // |v|/Fc(sgn v) is v over the signed level.
+                    // |v|/Fc(sgn v) equals v divided by the signed level.
                     slope[self.bristle_at] = v - v * sigma * bristle / level;
                 }
                 _ => driving -= level,
@@ -128,7 +129,7 @@ impl<S: Scalar> Mechanics<S> {
         slope
     }
 
-    /// Sizes the states may reach under a torque of this amplitude and period.
+    /// Estimates of the sizes that the states reach under a torque of this amplitude and period.
     pub fn sizes<const M: usize>(&self, amplitude: f64, period_s: f64) -> [f64; M] {
         let time_s = period_s / std::f64::consts::TAU;
         let slowest = self.viscous_rate[0].value().min(self.viscous_rate[1].value());

@@ -1,4 +1,4 @@
-//! The state vector at the beginning of a transient, from the quantities that a user gives.
+//! The state vector at the beginning of a transient, from the quantities that the user gives.
 
 use crate::plant::Scalar;
 
@@ -7,9 +7,9 @@ use crate::simulate::hybrid::runge_kutta::Vector;
 use crate::simulate::transient::motion::InitialState;
 
 impl<S: Scalar> Mechanics<S> {
-    /// The state that a motion begins in under a torque: what is not given is as at a constant
-    /// velocity, where friction bends bristles all the way, and as they balance the torque of
-    /// an axis at rest.
+    /// The initial state under an initial torque. Quantities that are not given have the values of
+    /// a motion at constant velocity, in which the bristle is fully deflected. For an axis at rest
+    /// the bristle balances the torque as far as it can.
     pub fn start<const M: usize>(&self, torque: S, initial: &InitialState) -> Vector<S, M> {
         let mut state = [S::constant(0.0); M];
         let v = initial.velocity;

@@ -1,5 +1,6 @@
-//! From rest to the periodic motion: periods are integrated until they hardly change, then Newton's
-//! method finds the fixed point.
+//! The search for the periodic motion reached from rest: periods are integrated until the state
+//! hardly changes, then Newton's method finds the fixed point of the return map. Floquet
+//! multipliers tell whether it is stable.
 
 use nalgebra::{Complex, DMatrix, Schur};
 
@@ -7,43 +8,46 @@ use crate::effects::Axis;
 use crate::plant::{Dual, Scalar as _};
 
 use super::trust_region::TrustRegion;
-use super::{MOST_ITERATIONS, NEAR, Periodic, effort, largest_share};
+use super::{LOOSE_STEP_TOLERANCE, MOST_ITERATIONS, Periodic, effort, largest_share};
 use crate::simulate::hybrid::mechanics::Mechanics;
 use crate::simulate::hybrid::runge_kutta::Vector;
 use crate::simulate::response::{Counts, NoResponse};
 use crate::simulate::shooting;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 
-/// Newton steps in a row that may fail to reduce the residual.
-const PATIENT: usize = 3;
+/// Newton steps in a row that may fail to shrink before the method stops. Tuned.
+const MOST_STALLED_STEPS: usize = 3;
 
-/// Most Newton steps from one starting point once an unstable periodic motion is known nearby. By
-/// experience more do not converge there.
-const MOST_STEPS: usize = 20;
+/// Most Newton steps from one starting point once an unstable periodic motion is known. Tuned: with
+/// more it does not converge either.
+const MOST_STEPS_NEAR_UNSTABLE: usize = 20;
 
-/// Periods integrated before Newton's method is tried again for the first time; doubled each time.
-const FIRST_PERIODS: usize = 4;
+/// Periods integrated before Newton's method is tried for the second time; doubled for each further
+/// attempt. Tuned.
+const PERIODS_BEFORE_RETRY: usize = 4;
 
-/// Change of the states over one period, as a share of their sizes, above which Newton's method may
-/// jump to another of several periodic motions.
-const FAR: f64 = 0.05;
+/// If several periodic motions may exist, Newton's method starts when the states change over a
+/// period by less than this share of their sizes. From farther away it may find another motion.
+/// Tuned.
+const LARGEST_CHANGE_BEFORE_NEWTON: f64 = 0.05;
 
-/// Most periods integrated until the change is below [`FAR`].
-const APPROACH: usize = 8;
+/// Most periods integrated until the change is below [`LARGEST_CHANGE_BEFORE_NEWTON`].
+const MOST_APPROACH_PERIODS: usize = 8;
 
-/// Periods integrated from rest after which the motion counts as not periodic.
+/// Most periods integrated from rest; beyond that the motion counts as not periodic.
 const MOST_PERIODS: usize = 500;
 
-/// Size of a Floquet multiplier above which a motion is unstable. Some multipliers are exactly 1
-/// (a joint at rest anywhere within its play); rounding and the error of a step change those by
-/// less than 0.02.
-const UNSTABLE: f64 = 1.02;
+/// A motion is unstable if a Floquet multiplier is at least this large. Some multipliers are
+/// exactly 1 (a joint may rest anywhere within its play); rounding and integration errors change
+/// them by less than 0.02.
+const SMALLEST_UNSTABLE_MULTIPLIER: f64 = 1.02;
 
-/// Most sweeps of the QR algorithm for the Floquet multipliers; it needs a few for each state.
+/// Most iterations of the QR algorithm for the Floquet multipliers; it needs a few for each state.
 const MOST_SWEEPS: usize = 200;
 
-/// An unstable motion that is used in the end gets at least 1/RESERVE of the effort of one point.
-const RESERVE: usize = 4;
+/// If an unstable motion is reported in the end, the effort left for it is at least the effort of
+/// one point divided by this.
+const RESERVED_EFFORT_DIVISOR: usize = 4;
 
 /// How Newton's method ended.
 enum Convergence {
@@ -55,12 +59,12 @@ enum Convergence {
 impl<const M: usize> Periodic<M> {
     /// Finds the periodic motion reached from rest, at loose precision.
     ///
-    /// Newton's method starts from the end of the first period; where several periodic motions
-    /// may exist, from the end of a period that hardly changes the state. Where it does not
-    /// converge, more periods are integrated before it is tried again, twice as many each time.
-    /// Where it converges to an unstable motion, that one is passed over and integration goes on
-    /// from rest; it is used in the end if `counts` allows it and no stable one is found. For a
-    /// balanced axis continuation takes the place of integration.
+    /// Newton's method starts from the end of the first period; where several periodic motions may
+    /// exist, from the end of a period that hardly changes the state. Where it does not converge,
+    /// more periods are integrated before it is tried again, twice as many each time. If it
+    /// converges to an unstable motion, this is stored and integration from rest goes on; it is
+    /// reported in the end if `counts` allows it and no stable one is found. For a balanced axis
+    /// continuation takes the place of integration.
     ///
     /// # Errors
     /// [`NoResponse::NotPeriodic`] where none is found.
@@ -74,14 +78,14 @@ impl<const M: usize> Periodic<M> {
         self.find_stable(axis, wave, &mut unstable).or_else(|error| match (counts, unstable) {
             (Counts::EvenUnstable, Some(state)) => {
                 self.state = state;
-                self.effort = self.effort.max(effort(wave.cells.len()) / RESERVE);
+                self.effort = self.effort.max(effort(wave.cells.len()) / RESERVED_EFFORT_DIVISOR);
                 Ok(())
             }
             _ => Err(error),
         })
     }
 
-    /// The same for stable motions only; stores the first unstable one that it meets.
+    /// The same for stable motions only; stores the first unstable one in `unstable`.
     fn find_stable(
         &mut self,
         axis: &Axis,
@@ -94,39 +98,40 @@ impl<const M: usize> Periodic<M> {
             periods +=
                 self.approach(&mechanics, wave).ok_or(NoResponse::NotPeriodic { periods })?;
         }
-        let mut rested = self.state;
-        let mut patience = FIRST_PERIODS;
+        let mut from_rest = self.state;
+        let mut extra_periods = PERIODS_BEFORE_RETRY;
         loop {
             let failed = NoResponse::NotPeriodic { periods };
-            let beside = unstable.map(|_| rested);
-            match self.newton(axis, wave, beside.as_ref()).ok_or(failed)? {
+            let state_from_rest = unstable.map(|_| from_rest);
+            match self.newton(axis, wave, state_from_rest.as_ref()).ok_or(failed)? {
                 Convergence::Stable => return Ok(()),
                 Convergence::Unstable if unstable.is_none() => {
                     *unstable = Some(self.state);
-                    patience = FIRST_PERIODS;
+                    extra_periods = PERIODS_BEFORE_RETRY;
                 }
                 Convergence::Unstable | Convergence::None => {}
             }
             if axis.balanced {
-                self.state = rested;
+                self.state = from_rest;
                 return self.continue_to_periodic(axis, wave);
             }
-            // What Newton's method has reached is nearer to the periodic motion than where it
-            // began, unless an unstable motion has led it away.
+            // Integration goes on from the state that Newton's method has reached, which is usually
+            // nearer to the periodic motion. Near an unstable motion it goes on from the last state
+            // of the motion from rest.
             if unstable.is_some() {
-                self.state = rested;
+                self.state = from_rest;
             }
-            for _ in 0..patience {
-                self.state = self.plain(&mechanics, wave).ok_or(failed)?.0;
+            for _ in 0..extra_periods {
+                self.state = self.integrate_plain(&mechanics, wave).ok_or(failed)?.0;
             }
             if unstable.is_some() {
-                rested = self.state;
+                from_rest = self.state;
             }
-            periods += patience;
+            periods += extra_periods;
             if periods > MOST_PERIODS {
                 return Err(NoResponse::NotPeriodic { periods });
             }
-            patience *= 2;
+            extra_periods *= 2;
         }
     }
 
@@ -137,46 +142,50 @@ impl<const M: usize> Periodic<M> {
         mechanics: &Mechanics<f64>,
         wave: &PiecewiseQuintic<f64>,
     ) -> Option<usize> {
-        for period in 1..=APPROACH {
+        for period in 1..=MOST_APPROACH_PERIODS {
             let before = self.state;
-            self.state = self.plain(mechanics, wave)?.0;
-            if self.distance_from(&before) < FAR {
+            self.state = self.integrate_plain(mechanics, wave)?.0;
+            if self.distance_from(&before) < LARGEST_CHANGE_BEFORE_NEWTON {
                 return Some(period);
             }
         }
-        Some(APPROACH)
+        Some(MOST_APPROACH_PERIODS)
     }
 
-    /// Newton's method from the present state. `beside` is the state reached from rest, where an
-    /// unstable motion is known. Returns `None` where the motion cannot be integrated.
+    /// Newton's method from the present state. `state_from_rest` is the last state of the motion
+    /// from rest; it is given once an unstable motion is known. `None` if the motion cannot be
+    /// integrated.
     fn newton(
         &mut self,
         axis: &Axis,
         wave: &PiecewiseQuintic<f64>,
-        beside: Option<&Vector<f64, M>>,
+        state_from_rest: Option<&Vector<f64, M>>,
     ) -> Option<Convergence> {
         let (lifted_axis, lifted) = (axis.map(Dual::<M>::constant), wave.map(Dual::<M>::constant));
         let mut region = TrustRegion::new(self.region);
-        let most = if beside.is_some() { MOST_STEPS } else { MOST_ITERATIONS };
-        for _ in 0..most {
+        let most_steps =
+            if state_from_rest.is_some() { MOST_STEPS_NEAR_UNSTABLE } else { MOST_ITERATIONS };
+        for _ in 0..most_steps {
             let followed = self.follow(&lifted_axis, &lifted, None, 0)?;
             let step = shooting::newton_step(&followed.residuals, 0);
-            let longest = self.longest(step.as_slice());
-            if !longest.is_finite() {
+            let step_size = self.step_size(step.as_slice());
+            if !step_size.is_finite() {
                 return None;
             }
-            if longest < NEAR || self.within_error(&followed.residuals) {
-                // Where the motion from rest is at this point already, it is stable, whatever the
-                // derivative says: next to a kink that is one-sided.
-                let stays = beside.is_some_and(|rested| self.distance_from(rested) < NEAR);
+            if step_size < LOOSE_STEP_TOLERANCE || self.within_error(&followed.residuals) {
+                // If the motion from rest has already come to this point, the motion is stable,
+                // even if the multipliers say otherwise: at a kink of the return map they hold on
+                // one side only.
+                let stays = state_from_rest
+                    .is_some_and(|from_rest| self.distance_from(from_rest) < LOOSE_STEP_TOLERANCE);
                 if !(axis.balanced || stays || is_stable(&followed.residuals)) {
                     return Some(Convergence::Unstable);
                 }
-                self.advance(step.as_slice(), (self.region / longest).min(1.0));
+                self.advance(step.as_slice(), (self.region / step_size).min(1.0));
                 return Some(Convergence::Stable);
             }
-            let share = region.share(longest);
-            if region.stalled >= PATIENT {
+            let share = region.share(step_size);
+            if region.stalled >= MOST_STALLED_STEPS {
                 break;
             }
             self.advance(step.as_slice(), share);
@@ -184,22 +193,22 @@ impl<const M: usize> Periodic<M> {
         Some(Convergence::None)
     }
 
-    /// The largest difference from other states, as a share of the states' sizes.
+    /// The largest difference from another state vector, as a share of the states' sizes.
     fn distance_from(&self, other: &Vector<f64, M>) -> f64 {
         largest_share(self.state.iter().zip(other).map(|(here, there)| here - there), &self.sizes)
     }
 }
 
-/// Whether a periodic motion is stable: no Floquet multiplier (eigenvalue of the derivative of the
-/// state after a period by the state before) exceeds [`UNSTABLE`]. `residuals` are the states
-/// after a period less those before. A motion whose eigenvalues the QR algorithm does not find
-/// counts as stable.
+/// Whether a periodic motion is stable: all Floquet multipliers (eigenvalues of the monodromy
+/// matrix, the derivative of the state after a period by the state before it) are smaller than
+/// [`SMALLEST_UNSTABLE_MULTIPLIER`]. `residuals` are the states after a period minus those before
+/// it. If the QR algorithm does not converge, the motion counts as stable.
 fn is_stable<const M: usize>(residuals: &Vector<Dual<M>, M>) -> bool {
     let monodromy = DMatrix::from_fn(M, M, |row, column| {
         residuals[row].lane(column) + f64::from(u8::from(row == column))
     });
     let schur = Schur::try_new(monodromy, f64::EPSILON, MOST_SWEEPS);
-    let repels = |multiplier: &Complex<f64>| multiplier.norm() >= UNSTABLE;
+    let repels = |multiplier: &Complex<f64>| multiplier.norm() >= SMALLEST_UNSTABLE_MULTIPLIER;
     !schur.is_some_and(|schur| schur.complex_eigenvalues().iter().any(repels))
 }
 
@@ -223,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn multipliers_that_are_no_numbers_do_not_hold_up_the_simulation() {
+    fn multipliers_that_are_not_finite_do_not_make_the_qr_algorithm_loop() {
         assert!(is_stable(&map([[f64::NAN, 0.3], [0.1, 0.5]])));
         assert!(!is_stable(&map([[f64::INFINITY, 0.3], [0.1, 0.5]])));
     }

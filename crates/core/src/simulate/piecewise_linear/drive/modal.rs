@@ -1,5 +1,5 @@
-//! The actuator's response to a piecewise quintic, by its modes: each is a first-order lag, real or
-//! complex.
+//! The actuator's periodic response to a piecewise quintic, by modal decomposition: each mode is a
+//! first-order lag with a real or complex rate, whose response to a quintic is exact.
 
 use crate::plant::{Actuator, Scalar};
 
@@ -7,25 +7,28 @@ use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;
 use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic, through};
 
-/// Radians of an oscillation in one cell: its quintic misses by 7e-5 of what
-/// rings after a kink, itself a hundredth of the torque at most.
+/// Largest angle (or number of time constants) of a mode in one cell. The quintic then misses 7e-5
+/// of the oscillation after a kink, which is itself at most a hundredth of the torque.
 pub(crate) const RADIANS_PER_CELL: f64 = 1.2;
 
-/// Growth of the cells behind a kink, while what it excited dies out.
+/// Longest cell behind a kink, as a multiple of the time since the kink, while the modes that it
+/// excited decay. Tuned.
 const LAYER_GROWTH: f64 = 1.5;
 
-/// Time constants after which nothing of it is left.
+/// Time constants after which such a mode has decayed: exp(−14) = 8e-7.
 const LAYER_END: f64 = 14.0;
 
-/// A first-order mode η' = λη + u of the actuator, and what it adds to τ.
+/// A first-order mode η' = λη + u of the actuator, which adds Re(residue·η)·count to τ.
 #[derive(Clone, Copy)]
 pub(crate) struct Mode<S> {
+    /// λ, 1/s.
     pub rate: ComplexDual<S>,
     pub residue: ComplexDual<S>,
-    /// 2 where its conjugate adds the same.
+    /// 2 for a complex mode, whose conjugate adds the same; otherwise 1.
     pub count: f64,
 }
 
+/// The partial fractions of A(s).
 pub(crate) fn modes<S: Scalar>(actuator: &Actuator<S>) -> Vec<Mode<S>> {
     match *actuator {
         Actuator::Direct => vec![],
@@ -33,7 +36,7 @@ pub(crate) fn modes<S: Scalar>(actuator: &Actuator<S>) -> Vec<Mode<S>> {
             vec![Mode { rate: ComplexDual::real(-p), residue: ComplexDual::real(p), count: 1.0 }]
         }
         Actuator::SecondOrder { natural_frequency_rad_s: wn, damping_ratio: zeta } => {
-            // A = ωₙ²/((s − λ₁)(s − λ₂)); where both are the same, next to it.
+            // A = ωₙ²/((s − λ₁)(s − λ₂)). For a double pole ζ² is changed slightly.
             let mut inside = zeta * zeta - 1.0;
             if inside.value().abs() < 1e-8 {
                 inside = inside + 2e-8;
@@ -64,8 +67,8 @@ pub(crate) fn modes<S: Scalar>(actuator: &Actuator<S>) -> Vec<Mode<S>> {
     }
 }
 
-/// The wave behind the actuator, in its periodic state.
-pub(crate) fn delivered<S: Scalar>(
+/// The signal behind the actuator, in the periodic steady state.
+pub(crate) fn actuator_output<S: Scalar>(
     actuator: &Actuator<S>,
     wave: PiecewiseQuintic<S>,
 ) -> PiecewiseQuintic<S> {
@@ -73,7 +76,7 @@ pub(crate) fn delivered<S: Scalar>(
     if modes.is_empty() {
         return wave;
     }
-    let wave = layered(wave, &modes);
+    let wave = refined_behind_kinks(wave, &modes);
     let zero = S::constant(0.0);
     // τ, τ' and τ'' at both ends of every cell.
     let mut ends = vec![([zero; 3], [zero; 3]); wave.cells.len()];
@@ -113,7 +116,7 @@ pub(crate) fn delivered<S: Scalar>(
     PiecewiseQuintic { cells: cells.collect(), period_s: wave.period_s }
 }
 
-/// The step of a mode over each cell: whole cells share theirs.
+/// The integrator of a mode for each cell; all whole cells share one.
 struct Steps<S> {
     whole: Option<ExponentialIntegrator<ComplexDual<S>>>,
     others: Vec<ExponentialIntegrator<ComplexDual<S>>>,
@@ -131,7 +134,7 @@ impl<S: Scalar> Steps<S> {
         }
     }
 
-    /// The steps in the order of the cells.
+    /// The integrators in the order of the cells.
     fn over<'a>(
         &'a self,
         wave: &'a PiecewiseQuintic<S>,
@@ -144,9 +147,12 @@ impl<S: Scalar> Steps<S> {
     }
 }
 
-/// The wave with cells behind a kink so short that a quintic follows what the
-/// kink excites in real modes.
-fn layered<S: Scalar>(wave: PiecewiseQuintic<S>, modes: &[Mode<S>]) -> PiecewiseQuintic<S> {
+/// The same signal, with cells behind each kink divided so that quintics can represent the response
+/// of the real modes to the kink.
+fn refined_behind_kinks<S: Scalar>(
+    wave: PiecewiseQuintic<S>,
+    modes: &[Mode<S>],
+) -> PiecewiseQuintic<S> {
     let rates: Vec<f64> = modes
         .iter()
         .filter(|mode| mode.rate.im.value() == 0.0)
@@ -172,7 +178,7 @@ fn layered<S: Scalar>(wave: PiecewiseQuintic<S>, modes: &[Mode<S>]) -> Piecewise
             before.number_slope(1.0) / before.length_s - here.number_slope(0.0) / here.length_s;
         jump.abs() > 1e-6 * steepest
     };
-    // Begin at the last kink before the period, as seen from its start.
+    // At the start of the period, the time since the last kink of the period before.
     let last = (0..count).rev().find(|i| kink(*i));
     let mut since = last.map_or(f64::INFINITY, |i| wave.period_s - wave.cells[i].from_s);
     let mut cells = Vec::with_capacity(2 * count);
@@ -183,7 +189,7 @@ fn layered<S: Scalar>(wave: PiecewiseQuintic<S>, modes: &[Mode<S>]) -> Piecewise
         let mut from = 0.0;
         while from < 1.0 {
             let share = allowed(since) / cell.length_s;
-            // No sliver at the end of the cell.
+            // Avoids a very short part at the end of the cell.
             let to = if from + 1.2 * share >= 1.0 { 1.0 } else { from + share };
             cells.push(if from == 0.0 && to == 1.0 { *cell } else { cell.part(from, to) });
             since += (to - from) * cell.length_s;

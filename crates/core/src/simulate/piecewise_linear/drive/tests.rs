@@ -46,7 +46,7 @@ fn a_clipped_cosine_has_the_describing_function_of_saturation() {
     }
 }
 
-// A triangle of amplitude r·T/4 has the fundamental (8/π²)·r·T/4 and odd ones 1/k².
+// A triangle of amplitude r·T/4 has the fundamental (8/π²)·r·T/4, and odd harmonics 1/k² of it.
 #[test]
 fn a_limiter_that_never_follows_makes_the_triangle_of_the_contract() {
     let (omega, rate) = (5.0, 2.0);
@@ -89,7 +89,7 @@ fn behind_the_actuator_every_harmonic_is_filtered_by_it() {
             let behind = harmonics(&axis(actuator, &bent), &excitation);
             for k in 0..=5 {
                 let expected = ahead[k] * actuator.response(3.0 * k as f64);
-                // What rings or dies out behind a kink is followed to 1e-5 of it.
+                // The modes excited by a kink are represented to 1e-5 of their size.
                 let error = (behind[k] - expected).norm();
                 assert!(error < 3e-6, "{actuator:?} {k}: {error:e}");
             }

@@ -1,4 +1,5 @@
-//! The time at which a slide ends: the first zero of the velocity within a piece.
+//! Event location: the position at which a slide ends, the first zero of the velocity within a
+//! cell.
 
 use crate::plant::Scalar;
 
@@ -7,31 +8,33 @@ use crate::simulate::signal::piecewise_quintic::{
     Cell, bisect, restricted, root, slope, through, value,
 };
 
-/// A slide in one direction, derivatives aside.
+/// A slide in one direction, in plain numbers.
 pub(crate) struct Sliding {
-    /// +1 or −1.
+    /// +1 forward, −1 backward.
     pub sign: f64,
     /// a, rad/s.
     pub rate: f64,
     /// The Coulomb level, with the direction's sign.
     pub friction: f64,
-    /// What rounding may make of x = 0.
-    pub least: f64,
+    /// Rounding error of x.
+    pub rounding: f64,
 }
 
 impl Sliding {
-    /// The position within the cell at which the slide ends.
+    /// The position from `from` on at which the slide ends in the cell; `None` if it goes on. x is
+    /// `start` at `from`, and would be `end` at the end of the cell.
     pub fn stop<S: Scalar>(&self, cell: &Cell<S>, from: f64, start: f64, end: f64) -> Option<f64> {
         let h = cell.length_s;
         let growth =
             |u: f64, x: f64| h * self.sign * (-self.rate * x + cell.number(u) - self.friction);
-        // A slide that began within the cell leaves zero, whatever rounding makes of
-        // its first instants: a stop there would be a breakaway again, for ever.
+        // A slide that began within the cell starts at x = 0, and rounding may give x the wrong
+        // sign at first. A stop found there would be followed by a breakaway at the same time,
+        // without end.
         let fresh = start == 0.0;
-        let crosses = self.sign * end < if fresh { -self.least } else { 0.0 };
+        let crosses = self.sign * end < if fresh { -self.rounding } else { 0.0 };
         let begins = growth(from, start);
         if !crosses {
-            // It may dip below zero between both ends, if its tangent does.
+            // |x| may fall to zero between both ends, but only if its tangent does.
             let reaches = self.sign * start + begins * (1.0 - from) < 0.0;
             if fresh || !(begins < 0.0 && growth(1.0, end) > 0.0 && reaches) {
                 return None;
@@ -59,14 +62,14 @@ impl Sliding {
                 return None;
             }
         } else if fresh && begins > 0.0 {
-            // It leaves zero and returns to it within the cell: look beyond the top.
+            // |x| rises from zero and returns to it within the cell: search after its maximum.
             low = bisect(low, high, |u| growth(u, x(u)) > 0.0);
         }
         let fallen = |u: f64| -self.sign * x(u);
         Some(root(low, high, fallen, |u| -growth(u, x(u))))
     }
 
-    /// Where the quintic through both ends of x meets zero.
+    /// The zero of the quintic through x and its two derivatives at both ends.
     fn meets_zero<S: Scalar>(
         &self,
         cell: &Cell<S>,
@@ -86,8 +89,8 @@ impl Sliding {
     }
 }
 
-/// Newton's method from a good guess; `None` where it leaves the bracket or takes
-/// more than a few steps.
+/// Newton's method from a good guess; `None` if it leaves the bracket or does not converge in five
+/// steps.
 fn newton(
     mut u: f64,
     (low, high): (f64, f64),

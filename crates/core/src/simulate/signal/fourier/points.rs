@@ -1,13 +1,15 @@
-//! Σ xₙ exp(−jkωtₙ) over points that lie anywhere, for many k.
+//! Nonuniform discrete Fourier transform: Σ xₙ exp(−jkωtₙ) over points at arbitrary times, for many
+//! k.
 //!
-//! With s from −1 to 1 over a cell of the grid around t_c, h long,
+//! For a cell of the grid with centre t_c and length h, and s from −1 to 1 over the cell,
 //!
 //! ```text
 //!   exp(−jkω(t_c + sh/2)) = exp(−jkωt_c) Σ_d (2d + 1)(−j)^d j_d(kωh/2) P_d(s)
 //! ```
 //!
-//! (Abramowitz and Stegun 1964, 10.1.47), so that the points' Legendre moments in every cell
-//! are all that is kept of them, and one FFT over the cells for each d makes the sums.
+//! (Abramowitz and Stegun 1964, 10.1.47), with the Legendre polynomials P_d and the spherical
+//! Bessel functions j_d. So only the Legendre moments of the points in each cell are stored, and
+//! one FFT over the cells for each d gives the sums.
 
 use crate::measurement::Complex;
 use crate::plant::Scalar;
@@ -15,28 +17,30 @@ use crate::plant::Scalar;
 use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::grid::Grid;
 
-/// Share of a point that what is left out of the series comes to, at most.
-const LEFT_OUT: f64 = 1e-10;
+/// Largest truncation error of the series, as a share of the point. Sets the number of degrees d.
+const TRUNCATION_ERROR: f64 = 1e-10;
 
-/// Highest degree there can be; it serves up to j_d(4).
-const MOST: usize = 20;
+/// Most degrees d; they are enough for arguments of j_d up to 4.
+const MOST_DEGREES: usize = 20;
 
 /// Points of one signal.
 pub(crate) struct Points<S> {
-    /// Σ (2d + 1) x P_d(s), d = 0 … of each cell.
-    moments: Vec<[S; MOST]>,
+    /// Σ (2d + 1) x P_d(s) over the points of each cell, for d = 0, 1 …
+    moments: Vec<[S; MOST_DEGREES]>,
+    /// Number of degrees used.
     degrees: usize,
 }
 
 impl<S: Scalar> Points<S> {
-    /// For sums up to k = `highest`; `None` where cells are too long for that.
+    /// For sums up to k = `highest`; `None` if the cells are too long for them.
     pub fn new(grid: &Grid, highest: usize) -> Option<Self> {
         let most = half_turn(grid, highest);
-        let degrees = (1..=MOST).find(|d| first_term(*d, most) * (2 * d + 1) as f64 <= LEFT_OUT)?;
-        Some(Self { moments: vec![[S::constant(0.0); MOST]; grid.samples()], degrees })
+        let degrees = (1..=MOST_DEGREES)
+            .find(|d| first_term(*d, most) * (2 * d + 1) as f64 <= TRUNCATION_ERROR)?;
+        Some(Self { moments: vec![[S::constant(0.0); MOST_DEGREES]; grid.samples()], degrees })
     }
 
-    /// Adds x at the share `at` of the period.
+    /// Adds a point x at the time `at`, as a share of the period.
     #[inline]
     pub fn add(&mut self, at: f64, x: S) {
         let cells = self.moments.len();
@@ -52,7 +56,7 @@ impl<S: Scalar> Points<S> {
         }
     }
 
-    /// Adds the sums for k = 0 … to these.
+    /// Adds the sums for k = 0, 1 … to `sums`.
     pub fn add_to(&self, grid: &Grid, sums: &mut [ComplexDual<S>]) {
         let orders = sums.len();
         let weights: Vec<Vec<f64>> = (0..orders)
@@ -78,7 +82,7 @@ impl<S: Scalar> Points<S> {
         self.moments.iter().any(|cell| cell[..self.degrees].iter().any(|x| x.lane(lane) != 0.0))
     }
 
-    /// The sums of one part of the points.
+    /// The sums of the numbers that `part` takes from the points.
     fn transformed(
         &self,
         grid: &Grid,
@@ -87,9 +91,9 @@ impl<S: Scalar> Points<S> {
     ) -> Vec<Complex> {
         let samples = grid.samples();
         let mut sums = vec![Complex::ZERO; weights.len()];
-        // Two real sequences ride on one complex transform.
+        // One complex FFT transforms two real sequences.
         for first in (0..self.degrees).step_by(2) {
-            let second = |cell: &[S; MOST]| {
+            let second = |cell: &[S; MOST_DEGREES]| {
                 if first + 1 < self.degrees { part(&cell[first + 1]) } else { 0.0 }
             };
             let mut signal: Vec<Complex> = self
@@ -98,7 +102,7 @@ impl<S: Scalar> Points<S> {
                 .map(|cell| Complex::new(part(&cell[first]), second(cell)))
                 .collect();
             grid.forward(&mut signal);
-            // (−j)^d with d even, and with the next.
+            // (−j)^d for the even degree, and for the next one.
             let sign = if first % 4 == 0 { 1.0 } else { -1.0 };
             let turned = Complex::new(0.0, -sign);
             for (k, (sum, weights)) in sums.iter_mut().zip(weights).enumerate() {
@@ -124,12 +128,12 @@ fn half_turn(grid: &Grid, k: usize) -> f64 {
     std::f64::consts::PI * k as f64 / grid.samples() as f64
 }
 
-/// x^d/(2d + 1)!!, which j_d(x) does not exceed (Abramowitz and Stegun, 10.1.2 and 10.1.14).
+/// x^d/(2d + 1)!!, an upper bound of |j_d(x)| (Abramowitz and Stegun, 10.1.2 and 10.1.14).
 fn first_term(d: usize, x: f64) -> f64 {
     (1..=d).fold(1.0, |product, i| product * x / (2 * i + 1) as f64)
 }
 
-/// j_d(x) by its power series (Abramowitz and Stegun, 10.1.2), for x up to some units.
+/// j_d(x) by its power series (Abramowitz and Stegun, 10.1.2), for x of order 1.
 fn bessel(d: usize, x: f64) -> f64 {
     let (mut term, mut sum) = (1.0, 1.0);
     for m in 1.. {
@@ -174,8 +178,11 @@ mod tests {
         for (k, sum) in sums.iter().enumerate() {
             let turn = |at: f64| Complex::from_polar(1.0, -std::f64::consts::TAU * k as f64 * at);
             let expected: Complex = points.iter().map(|(at, x)| turn(*at) * *x).sum();
-            // 500 points, each to what the series leaves out.
-            assert!((sum.value() - expected).norm() < 500.0 * LEFT_OUT, "{k}: {sum:?} {expected}");
+            // 500 points, each with the truncation error.
+            assert!(
+                (sum.value() - expected).norm() < 500.0 * TRUNCATION_ERROR,
+                "{k}: {sum:?} {expected}"
+            );
         }
     }
 

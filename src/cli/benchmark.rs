@@ -1,5 +1,7 @@
 //! `servoscope benchmark`
 
+mod ablation;
+
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,8 +11,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use servoscope_bench::naming::effect_draws::ids;
 use servoscope_bench::naming::{
-    Case, Kind, Outcome, Plan, Settings, Sizing, Summary, Unmade, case_text, known_effect,
-    misses_text, run_all, run_case, summary_text,
+    Case, Kind, Outcome, Plan, SettingChange, Settings, Sizing, Summary, Unmade, case_text,
+    known_effect, misses_text, run_all, run_case, summary_text,
 };
 use servoscope_core::observer::Observer;
 
@@ -66,6 +68,17 @@ pub(super) struct Args {
     /// diagnosis tells apart.
     #[arg(long)]
     nearest: bool,
+    /// Changes a setting of the search for causes; may be repeated.
+    #[arg(long, value_name = "NAME=VALUE")]
+    setting: Vec<SettingChange>,
+    /// Lists the settings of the search with their values, and runs nothing.
+    #[arg(long)]
+    settings: bool,
+    /// Diagnoses every draw with each setting of the search halved and doubled, and prints a table
+    /// of the answers and the processor time; only settings whose names begin like this [default:
+    /// all but those of records].
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', num_args = 0..)]
+    ablation: Option<Vec<String>>,
     /// Draws at once, each with its share of the cores [default: one a core].
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
@@ -106,26 +119,36 @@ impl Args {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let jobs = self.jobs.unwrap_or(threads);
         let sizing = if self.by_character { Sizing::Character } else { Sizing::Amount };
+        let search = ablation::changed(&self.setting);
         let Self { seed, order_from_data, separate, nearest, .. } = *self;
-        Settings { seed, sizing, order_from_data, separate, nearest, jobs, threads }
+        Settings { seed, sizing, order_from_data, search, separate, nearest, jobs, threads }
     }
 
     /// What repeats a draw of this run, but for its key.
     fn command(&self) -> String {
         let sizing = if self.by_character { " --by-character" } else { "" };
         let order = if self.order_from_data { " --order-from-data" } else { "" };
-        format!("servoscope benchmark --seed {}{sizing}{order}", self.seed)
+        let changes = self.setting.iter().map(|change| format!(" --setting {change}"));
+        let changes: String = changes.collect();
+        format!("servoscope benchmark --seed {}{sizing}{order}{changes}", self.seed)
     }
 }
 
 /// Runs the draws and prints what they come to.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    if args.settings {
+        let text = ablation::listing(&args.settings().search);
+        return std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other);
+    }
     if let Some(case) = &args.case {
         return one(case, args);
     }
     let cases = args.plan().cases();
     if cases.is_empty() {
         return Err(Failure::Input("no draw is left of these kinds, levels and numbers".into()));
+    }
+    if let Some(names) = &args.ablation {
+        return ablation::run(&cases, args, names);
     }
     let watch = Watch::new(cases.len());
     let done = |case: &Case, result: &Result<Outcome, Unmade>| watch.done(case, result);
@@ -257,14 +280,27 @@ mod tests {
     }
 
     #[test]
+    fn a_setting_that_does_not_exist_is_an_error_that_lists_those_that_do() {
+        let error = asked("--setting rivals=2").unwrap_err();
+        assert!(error.contains("`rivals` is no setting") && error.contains("rival_share"));
+        let listed =
+            ablation::listing(&asked("--setting rival_share=0.25").unwrap().settings().search);
+        assert!(listed.contains("rival_share=0.25\n") && listed.contains("glance_steps=4\n"));
+    }
+
+    #[test]
     fn the_command_that_repeats_a_draw_has_what_it_depends_on() {
-        let args = asked("--seed 9 --by-character --order-from-data --orders 1 --jobs 1").unwrap();
-        let command = "servoscope benchmark --seed 9 --by-character --order-from-data";
+        let line = "--seed 9 --by-character --order-from-data --orders 1 --jobs 1 \
+                    --setting rival_share=0.25 --setting glance_steps=6";
+        let args = asked(line).unwrap();
+        let command = "servoscope benchmark --seed 9 --by-character --order-from-data \
+                       --setting rival_share=0.25 --setting glance_steps=6";
         assert_eq!(args.command(), command);
         let repeated = format!("{} --case clean-60-o1-0", args.command());
         let again = asked(repeated.trim_start_matches("servoscope benchmark ")).unwrap();
         let settings = Settings { jobs: again.settings().jobs, ..args.settings() };
         assert_eq!(again.settings(), settings);
+        assert_eq!((settings.search.rival_share, settings.search.glance_steps), (0.25, 6));
         assert_eq!(again.case, "clean-60-o1-0".parse().ok());
     }
 }

@@ -51,13 +51,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Answer::Diagnosis(_) => JobKind::Diagnose,
     };
     let plant = actuator_order.map(|actuator_order| PlantRequest { actuator_order });
-    let request = IdentifyRequest {
-        plant,
-        method: answer.base().method,
-        options,
-        methods: METHODS,
-        ..IdentifyRequest::default()
-    };
+    let method = answer.base().method;
+    let request =
+        IdentifyRequest { plant, method, options, methods: METHODS, ..Default::default() };
     let watch = computation::Watch::new();
     let again = BuiltIn.answer(kind, &measurement, second.as_ref(), &request, &watch);
     watch.finish();

@@ -69,13 +69,8 @@ impl JobRequest {
 
     /// The same for the numeric core.
     pub fn identify(&self) -> IdentifyRequest {
-        IdentifyRequest {
-            plant: self.plant,
-            method: self.method,
-            options: self.options,
-            methods: METHODS,
-            ..IdentifyRequest::default()
-        }
+        let Self { plant, method, options, .. } = *self;
+        IdentifyRequest { plant, method, options, methods: METHODS, ..IdentifyRequest::default() }
     }
 }
 

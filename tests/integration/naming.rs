@@ -6,20 +6,23 @@ use servoscope_bench::naming::{
 use servoscope_core::answers::{PlantRequest, Verdict};
 use servoscope_core::diagnose::diagnose;
 use servoscope_core::effects::find;
-use servoscope_core::identify::{FitAccuracy, FitSession, IdentifyRequest};
+use servoscope_core::identify::{FitAccuracy, FitSession, IdentifyRequest, SearchSettings};
 use servoscope_core::observer::Silent;
 
 use crate::reference;
 
-const SETTINGS: Settings = Settings {
-    seed: 1,
-    sizing: Sizing::Amount,
-    order_from_data: false,
-    separate: false,
-    nearest: false,
-    jobs: 1,
-    threads: 1,
-};
+fn settings() -> Settings {
+    Settings {
+        seed: 1,
+        sizing: Sizing::Amount,
+        order_from_data: false,
+        search: SearchSettings::default(),
+        separate: false,
+        nearest: false,
+        jobs: 1,
+        threads: 1,
+    }
+}
 
 /// Effects of every sort (friction, viscous, acquisition, joint, position, chain, sensor) over
 /// all orders and levels; those with index 4 carry repeats.
@@ -41,7 +44,7 @@ fn case(key: &str) -> Case {
 }
 
 fn outcome(key: &str) -> Outcome {
-    run_case(&case(key), &SETTINGS, &Silent).unwrap_or_else(|e| panic!("{e:?}")).outcome
+    run_case(&case(key), &settings(), &Silent).unwrap_or_else(|e| panic!("{e:?}")).outcome
 }
 
 /// Whether the 95 % interval, twice as wide, holds the truth: of a hundred true intervals so
@@ -154,7 +157,7 @@ fn are_explained(settings: Settings, keys: &[&str]) {
 #[test]
 #[ignore = "slow: 2 diagnoses"]
 fn a_joint_that_swings_near_the_actuators_own_frequency_is_found() {
-    let settings = Settings { seed: 41032, ..SETTINGS };
+    let settings = Settings { seed: 41032, ..settings() };
     are_explained(settings, &["single-60-flexible_mode-o2-13", "single-60-backlash-o2-6"]);
 }
 
@@ -162,7 +165,7 @@ fn a_joint_that_swings_near_the_actuators_own_frequency_is_found() {
 #[test]
 #[ignore = "slow: 2 diagnoses"]
 fn neither_impacts_nor_a_sharp_resonance_hold_a_fit_in_the_wrong_valley() {
-    let settings = Settings { seed: 41034, ..SETTINGS };
+    let settings = Settings { seed: 41034, ..settings() };
     are_explained(settings, &["single-60-backlash-o2-11", "single-50-flexible_mode-o2-8"]);
 }
 
@@ -171,7 +174,7 @@ fn neither_impacts_nor_a_sharp_resonance_hold_a_fit_in_the_wrong_valley() {
 #[test]
 #[ignore = "slow: 1 diagnosis"]
 fn a_fit_leaves_a_valley_that_two_parameters_hold_it_in() {
-    let settings = Settings { seed: 41041, sizing: Sizing::Character, ..SETTINGS };
+    let settings = Settings { seed: 41041, sizing: Sizing::Character, ..settings() };
     are_explained(settings, &["single-60-backlash-o1-7"]);
 }
 
@@ -179,7 +182,7 @@ fn a_fit_leaves_a_valley_that_two_parameters_hold_it_in() {
 #[test]
 #[ignore = "slow: 2 diagnoses"]
 fn a_joint_far_stiffer_than_the_band_is_wide_is_not_taken_for_a_light_load_in_it() {
-    let settings = Settings { seed: 41041, sizing: Sizing::Character, ..SETTINGS };
+    let settings = Settings { seed: 41041, sizing: Sizing::Character, ..settings() };
     for key in ["single-60-flexible_mode-o0-12", "single-60-backlash-o1-13"] {
         let outcome = run_case(&case(key), &settings, &Silent).unwrap().outcome;
         assert!(outcome.named_first(), "{key}: {:?}", outcome.causes());

@@ -12,7 +12,10 @@
 //! - `judge`: compares one answer with the truth. `rate`, `summary`, `text`: statistics of all
 //!   answers.
 //! - `run`: runs many draws in parallel.
+//! - `search_setting`, `ablation`: the settings of the search by name, and what halving and
+//!   doubling each of them does.
 
+mod ablation;
 mod build_case;
 mod case;
 pub mod effect_draws;
@@ -25,11 +28,13 @@ pub mod outsiders;
 mod rate;
 mod rivals;
 mod run;
+mod search_setting;
 mod separation;
 mod sizing;
 mod summary;
 mod text;
 
+pub use ablation::{Ablation, Trial, Trials, ablate};
 pub use build_case::{Hidden, Made, MakeError, build_case};
 pub use case::{Case, Kind, Plan, known_effect};
 pub use excess::{DETECTABLE, base_excess};
@@ -38,6 +43,7 @@ pub use judge::{Answer, Estimated, Named, Outcome, Seconds};
 pub use rate::Rate;
 pub use rivals::{Nearest, Rivals};
 pub use run::{Run, Settings, Unmade, run_all, run_case};
+pub use search_setting::{SettingChange, search_settings};
 pub use separation::Separation;
 pub use sizing::Sizing;
 pub use summary::{ConfidenceBin, Confusion, EffectRates, Line, NONE, Summary, Times, Wanted};

@@ -8,7 +8,7 @@ use std::time::Instant;
 use rand::RngExt;
 use servoscope_core::answers::{Diagnosis, IdentifyOptions, PlantRequest};
 use servoscope_core::diagnose::diagnose;
-use servoscope_core::identify::IdentifyRequest;
+use servoscope_core::identify::{IdentifyRequest, SearchSettings};
 use servoscope_core::observer::Observer;
 
 use super::build_case::{MakeError, build_case};
@@ -19,7 +19,7 @@ use super::separation::separate;
 use super::sizing::Sizing;
 
 /// How draws are run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Base seed of all random numbers.
     pub seed: u64,
@@ -27,6 +27,8 @@ pub struct Settings {
     pub sizing: Sizing,
     /// Whether the diagnosis must choose the actuator's order from the data.
     pub order_from_data: bool,
+    /// Settings of the diagnosis' search. Draws are made with the default ones.
+    pub search: SearchSettings,
     /// Whether to try the proposed next experiment of single draws.
     pub separate: bool,
     /// Whether to find the nearest rival of a single hidden effect.
@@ -64,14 +66,7 @@ pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Re
     let made = build_case(case, settings.seed, settings.sizing, observer)
         .map_err(|error| Unmade { key: case.to_string(), reason: error.to_string() })?;
     let data = began.elapsed().as_secs_f64();
-    let given = PlantRequest { actuator_order: case.order };
-    // A different stream than that of the draw. 32 bits, so that the seed is easy to type.
-    let seed = u64::from(case.rng(!settings.seed).random::<u32>());
-    let request = IdentifyRequest {
-        plant: (!settings.order_from_data).then_some(given),
-        options: IdentifyOptions { seed, ..IdentifyOptions::default() },
-        ..IdentifyRequest::default()
-    };
+    let request = request(case, settings);
     let began = Instant::now();
     let answer = diagnose(&made.measurement, &request, observer);
     let seconds = Seconds { data, job: began.elapsed().as_secs_f64() };
@@ -97,6 +92,19 @@ pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Re
     Ok(Run { outcome, diagnosis: answer.ok() })
 }
 
+/// The request with which a draw is diagnosed.
+pub(super) fn request(case: &Case, settings: &Settings) -> IdentifyRequest {
+    let given = PlantRequest { actuator_order: case.order };
+    // A different stream than that of the draw. 32 bits, so that the seed is easy to type.
+    let seed = u64::from(case.rng(!settings.seed).random::<u32>());
+    IdentifyRequest {
+        plant: (!settings.order_from_data).then_some(given),
+        options: IdentifyOptions { seed, ..IdentifyOptions::default() },
+        search: settings.search,
+        ..IdentifyRequest::default()
+    }
+}
+
 /// Runs draws in parallel; the results are in the order of the cases. When the observer cancels,
 /// draws that are not finished are left out. `done` is called with every result, from any thread.
 ///
@@ -110,6 +118,18 @@ pub fn run_all(
     observer: &dyn Observer,
     done: &(dyn Fn(&Case, &Result<Outcome, Unmade>) + Sync),
 ) -> Result<Vec<Result<Outcome, Unmade>>, rayon::ThreadPoolBuildError> {
+    let run = |case: &Case| run_case(case, settings, observer).map(|run| run.outcome);
+    for_all(cases, settings, observer, run, done)
+}
+
+/// Does the same with every case, several at once: see [`run_all`].
+pub(super) fn for_all<T: Send>(
+    cases: &[Case],
+    settings: &Settings,
+    observer: &dyn Observer,
+    run: impl Fn(&Case) -> T + Sync,
+    done: &(dyn Fn(&Case, &T) + Sync),
+) -> Result<Vec<T>, rayon::ThreadPoolBuildError> {
     let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::new());
     let work = || loop {
@@ -118,7 +138,7 @@ pub fn run_all(
         if observer.cancelled() {
             return;
         }
-        let result = run_case(case, settings, observer).map(|run| run.outcome);
+        let result = run(case);
         if observer.cancelled() {
             return;
         }
@@ -151,6 +171,7 @@ mod tests {
             seed: 7,
             sizing: Sizing::Amount,
             order_from_data: false,
+            search: SearchSettings::default(),
             separate: false,
             nearest: true,
             jobs,

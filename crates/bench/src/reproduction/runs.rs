@@ -195,11 +195,9 @@ impl Case<'_> {
     ) -> Result<Identification, IdentifyError> {
         let plant = Some(PlantRequest { actuator_order: self.system.actuator_order() });
         let options = IdentifyOptions { seed: self.seed, ..IdentifyOptions::default() };
-        identify(
-            measurement,
-            &IdentifyRequest { plant, method, options, methods: METHODS, ..Default::default() },
-            watch,
-        )
+        let request =
+            IdentifyRequest { plant, method, options, methods: METHODS, ..Default::default() };
+        identify(measurement, &request, watch)
     }
 
     fn run(

@@ -17,7 +17,7 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 use crate::effects::{Effect, check_slots};
-use crate::identify::{FitAccuracy, FitSession, Model};
+use crate::identify::{FitAccuracy, FitSession, Model, SearchBreadth, SearchSettings};
 use crate::observer::Observer as _;
 
 use super::progress::Part;
@@ -27,31 +27,6 @@ use super::selection::models::{Key, Models, ScoredModel, key};
 use fitter::Fitter;
 use linearization::Linearization;
 use score_tests::{Changes, Probed};
-
-/// How widely models are tried.
-struct Breadth {
-    /// Effects that are fitted beside one and beside two others, those of the largest gain.
-    further: [usize; 2],
-    /// Starts of a fit beside none, one and two others of which a few steps are taken.
-    starts: [usize; 3],
-    /// Starts that are followed to their end.
-    followed: usize,
-    /// Single effects to which others are added.
-    grown: usize,
-    /// Further starts of what was chosen, where its misfit has many valleys.
-    deeper: usize,
-}
-
-/// The same of cosines.
-const WIDE: Breadth =
-    Breadth { further: [5, 3], starts: [4, 4, 2], followed: 2, grown: 4, deeper: 8 };
-
-/// The same of records, whose simulation takes a thousand times longer.
-const NARROW: Breadth =
-    Breadth { further: [3, 1], starts: [2, 1, 1], followed: 1, grown: 1, deeper: 0 };
-
-/// Share of the limit that a probe's gain must reach for a fit to be worthwhile.
-const PROMISING: f64 = 0.7;
 
 /// Shares of the first part: what every effect would change, and every effect alone.
 const PROBING: [f64; 2] = [0.0, 0.4];
@@ -65,19 +40,13 @@ const COMBINATIONS: f64 = 0.2;
 pub(super) struct Search<'a> {
     session: &'a FitSession<'a>,
     seed: u64,
-    breadth: Breadth,
+    breadth: SearchBreadth,
     /// Everything that was fitted.
     pub models: Models,
     /// What every effect changes beside the base model.
     changes: Vec<Changes>,
     /// Models from which larger ones were grown.
     grown: BTreeSet<Key>,
-}
-
-/// Whether an effect may gain more than chance; `scale` is the noise's variance in
-/// units of the weights.
-fn promises(probed: &Probed, family: &FamilywiseThreshold, scale: f64) -> bool {
-    probed.promise() / scale > PROMISING * family.limit(probed.effect.id())
 }
 
 impl<'a> Search<'a> {
@@ -90,7 +59,8 @@ impl<'a> Search<'a> {
     ) -> Self {
         let models = Models::new(session.base().clone(), noise_scale);
         let (changes, grown) = (Vec::new(), BTreeSet::new());
-        let breadth = if session.has_cosines_alone() { WIDE } else { NARROW };
+        let SearchSettings { cosines, records, .. } = *session.search();
+        let breadth = if session.has_cosines_alone() { cosines } else { records };
         let mut this = Self { session, seed, breadth, models, changes, grown };
         this.singles(part);
         this
@@ -105,7 +75,7 @@ impl<'a> Search<'a> {
         let family = self.family(&linearization, &probed);
         let scale = self.models.noise_scale.variance(linearization.model.cost);
         let stage = part.part(CANDIDATES).stage("candidates", probed.len());
-        let promising = |probed: &Probed| promises(probed, &family, scale);
+        let promising = |probed: &Probed| self.promises(probed, &family, scale);
         let fits = self.fitter(part, 0).fit(&linearization.model, &probed, promising, &stage);
         self.models.family = Some(family);
         self.keep(fits);
@@ -128,7 +98,7 @@ impl<'a> Search<'a> {
             let enough = sufficient(model);
             let mut grown = self.grow(&best, enough, &mut part);
             if size == 1 && !enough {
-                for other in self.models.ranked(size).into_iter().take(self.breadth.grown) {
+                for other in self.models.ranked(size).into_iter().take(self.breadth.grown_singles) {
                     let found = self.models.best_supported();
                     if self.models.get(&found).is_some_and(&sufficient) {
                         break;
@@ -170,10 +140,10 @@ impl<'a> Search<'a> {
         let mut probed = self.probe(&linearization, part);
         let family = self.family(&linearization, &probed);
         let scale = self.models.noise_scale.variance(linearization.model.cost);
-        let promising = |probed: &Probed| promises(probed, &family, scale);
+        let promising = |probed: &Probed| self.promises(probed, &family, scale);
         probed.retain(|probed| !enough || promising(probed));
         probed.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
-        probed.truncate(self.breadth.further[from.len() - 1]);
+        probed.truncate(self.breadth.partners(from.len()));
         let stage = part.stage("combinations", probed.len());
         let fits =
             self.fitter(part, from.len()).fit(&linearization.model, &probed, promising, &stage);
@@ -205,9 +175,16 @@ impl<'a> Search<'a> {
         'a: 'p,
     {
         let (session, noise_scale) = (self.session, self.models.noise_scale);
-        let Breadth { starts, followed, .. } = self.breadth;
-        let (starts, patient) = (starts[beside], beside < 2);
+        let (starts, followed) = (self.breadth.starts(beside), self.breadth.followed_starts);
+        let patient = beside < 2;
         Fitter { session, part, noise_scale, starts, followed, patient }
+    }
+
+    /// Whether an effect may gain more than chance; `scale` is the noise's variance in units of
+    /// the weights.
+    fn promises(&self, probed: &Probed, family: &FamilywiseThreshold, scale: f64) -> bool {
+        let least = self.session.search().promising_share * family.limit(probed.effect.id());
+        probed.promise() / scale > least
     }
 
     fn keep(&mut self, fits: Vec<Model>) {
@@ -288,7 +265,8 @@ mod tests {
         let noise_scale = NoiseScale { known: true, rounding: 0.0, dof: 100.0 };
         let models = Models::new(session.base().clone(), noise_scale);
         let (changes, grown) = (Vec::new(), BTreeSet::new());
-        Search { session, seed: 1, breadth: WIDE, models, changes, grown }
+        let breadth = session.search().cosines;
+        Search { session, seed: 1, breadth, models, changes, grown }
     }
 
     // Settled costs are good to 1e-5.

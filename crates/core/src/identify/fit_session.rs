@@ -27,6 +27,7 @@ use super::problem::Problem;
 use super::refine;
 use super::refine::Patience;
 use super::request::{IdentifyError, IdentifyRequest, no_response};
+use super::search_settings::SearchSettings;
 use super::solve::{Solved, answer, solve};
 use super::summary::Intervals;
 pub use model::Model;
@@ -131,6 +132,11 @@ impl<'a> FitSession<'a> {
         self.measurement
     }
 
+    /// The settings of the search.
+    pub fn search(&self) -> &'a SearchSettings {
+        &self.request.search
+    }
+
     /// Whether the size of the noise is known.
     pub fn noise_known(&self) -> bool {
         self.fitted.weights.source != NoiseSource::Estimated
@@ -198,13 +204,14 @@ impl<'a> FitSession<'a> {
 
     fn patience(&self, effort: FitAccuracy) -> Patience {
         let negligible = if self.noise_known() { self.data() as f64 } else { self.rounding() };
-        let patience = Patience { negligible, ..refine::THOROUGH };
-        match effort {
-            FitAccuracy::Glance => Patience { steps: 4, cost_tolerance: 1e-3, ..patience },
-            FitAccuracy::Brief => Patience { steps: 5, cost_tolerance: 1e-3, ..patience },
-            FitAccuracy::Settle => Patience { steps: 60, cost_tolerance: 1e-5, ..patience },
-            FitAccuracy::Thorough => refine::THOROUGH,
-        }
+        let search = self.search();
+        let (steps, cost_tolerance) = match effort {
+            FitAccuracy::Glance => (search.glance_steps, search.trial_tolerance),
+            FitAccuracy::Brief => (search.brief_steps, search.trial_tolerance),
+            FitAccuracy::Settle => (search.settle_steps, search.settle_tolerance),
+            FitAccuracy::Thorough => return refine::THOROUGH,
+        };
+        Patience { steps, cost_tolerance, negligible, ..refine::THOROUGH }
     }
 
     fn descend(&self, model: &Model, patience: Patience) -> Model {

@@ -16,28 +16,18 @@ use nalgebra::DVector;
 use super::objective::{Linearisation, Misfit};
 use super::parameters::Coordinates;
 use super::refine::{self, Patience};
+use super::search_settings::SearchSettings;
 use super::uncertainty::Uncertainty;
 
 /// The curvature's end is kept if the root of the rise (see `Profile::root`) there lies within this
 /// of 1. If both ends are too near by this share, an interval covers 92 % instead of 95 %.
 const CURVATURE_TOLERANCE: f64 = 0.1;
 
-/// A refitted end is accepted if the root of the rise there lies within this of 1 (tuned).
+/// A refitted end is accepted if the root of the rise there lies within this of 1.
 const END_TOLERANCE: f64 = 0.03;
 
-/// Most refits for one end; the last value tried is then taken as the end.
-const MOST_REFITS: usize = 6;
-
-/// Largest ratio of one distance tried to the one before it.
-const LARGEST_EXTRAPOLATION: f64 = 3.0;
-
-/// A few steps suffice, because every refit starts near its minimum. For a χ² of 1000 the cost
-/// tolerance is about a hundredth of the rise.
-const REFIT_PATIENCE: Patience =
-    Patience { steps: 8, evaluations: u64::MAX, cost_tolerance: 3e-5, negligible: 0.0 };
-
 /// Profiles are computed only if a Gauss–Newton step from the fitted point would lower the cost by
-/// at most this share of the rise (tuned): a profile needs a point that is a minimum.
+/// at most this share of the rise: a profile needs a point that is a minimum.
 const LARGEST_GAIN_LEFT: f64 = 0.05;
 
 /// The profile of the sum of squares about a fitted point.
@@ -49,6 +39,7 @@ pub(super) struct Profile<'a> {
     quantile: f64,
     /// (t·s)²: the rise of the sum of squares at an end.
     rise: f64,
+    search: &'a SearchSettings,
 }
 
 impl<'a> Profile<'a> {
@@ -60,18 +51,14 @@ impl<'a> Profile<'a> {
         here: &Linearisation,
         uncertainty: &Uncertainty,
         [quantile, scale]: [f64; 2],
+        search: &'a SearchSettings,
     ) -> Option<Self> {
         let gradient = here.jacobian.tr_mul(&here.residuals);
         let predicted_gain = gradient.dot(&(&uncertainty.covariance * &gradient)) / scale.powi(2);
         let rise = (quantile * scale).powi(2);
         let cost = here.residuals.norm_squared();
-        (predicted_gain <= LARGEST_GAIN_LEFT * rise).then_some(Self {
-            misfit,
-            point,
-            cost,
-            quantile,
-            rise,
-        })
+        let this = Self { misfit, point, cost, quantile, rise, search };
+        (predicted_gain <= LARGEST_GAIN_LEFT * rise).then_some(this)
     }
 
     /// How far below and above the point the interval of a coordinate reaches. `None` if the
@@ -112,8 +99,9 @@ impl<'a> Profile<'a> {
         // (distance, root of the rise) of the last trial before the end, and of the last one beyond
         // it.
         let (mut before, mut beyond) = ((distance, root), None);
-        for _ in 0..MOST_REFITS {
-            let next = next_distance(before, beyond).min(room);
+        for _ in 0..self.search.interval_refits {
+            let most = self.search.interval_extrapolation;
+            let next = next_distance(before, beyond, most).min(room);
             let share = next / distance;
             let start: Vec<f64> =
                 self.point.iter().zip(&last).map(|(p, l)| p + share * (l - p)).collect();
@@ -144,17 +132,23 @@ impl<'a> Profile<'a> {
         let mut coordinates = self.misfit.coordinates.clone();
         (coordinates.lower[i], coordinates.upper[i]) = (value, value);
         let misfit = Misfit { coordinates: &coordinates, ..*self.misfit };
-        let patience = Patience { negligible: self.rise, ..REFIT_PATIENCE };
+        let patience = Patience {
+            steps: self.search.interval_steps,
+            evaluations: u64::MAX,
+            cost_tolerance: self.search.interval_tolerance,
+            negligible: self.rise,
+        };
         let refined = refine::refine(&misfit, start, patience, &mut |_, _, _| ());
         (refined.point, self.root(refined.cost))
     }
 }
 
 /// The distance to try next, given (distance, root of the rise) before the end and, once there is
-/// one, beyond it. Interpolates linearly: the root is nearly proportional to the distance.
-fn next_distance((near, low): (f64, f64), beyond: Option<(f64, f64)>) -> f64 {
+/// one, beyond it. Interpolates linearly: the root is nearly proportional to the distance. Until
+/// there is one beyond, the next distance is at most `most` times the one before.
+fn next_distance((near, low): (f64, f64), beyond: Option<(f64, f64)>, most: f64) -> f64 {
     match beyond {
-        None => near * (1.0 / low).min(LARGEST_EXTRAPOLATION),
+        None => near * (1.0 / low).min(most),
         Some((far, high)) if high.is_finite() => near + (far - near) * (1.0 - low) / (high - low),
         Some((far, _)) => 0.5 * (near + far),
     }
@@ -188,7 +182,9 @@ mod tests {
         let unit = Uncertainty::new(&here, &held, 1.0).covariance[(CONSTANT, CONSTANT)];
         let scale = share / unit.sqrt();
         let uncertainty = Uncertainty::new(&here, &held, scale);
-        let profile = Profile::new(&misfit, &point, &here, &uncertainty, [2.0, scale]).unwrap();
+        let search = SearchSettings::default();
+        let profile =
+            Profile::new(&misfit, &point, &here, &uncertainty, [2.0, scale], &search).unwrap();
         profile.reaches(CONSTANT, &uncertainty)
     }
 
@@ -226,9 +222,9 @@ mod tests {
 
     #[test]
     fn the_next_distance_is_interpolated_linearly_in_the_root() {
-        assert_eq!(next_distance((1.0, 0.5), None), 2.0);
-        assert_eq!(next_distance((1.0, 0.0), None), 3.0);
-        assert_eq!(next_distance((1.0, 0.5), Some((2.0, 1.5))), 1.5);
-        assert_eq!(next_distance((1.0, 0.5), Some((2.0, f64::INFINITY))), 1.5);
+        assert_eq!(next_distance((1.0, 0.5), None, 3.0), 2.0);
+        assert_eq!(next_distance((1.0, 0.0), None, 3.0), 3.0);
+        assert_eq!(next_distance((1.0, 0.5), Some((2.0, 1.5)), 3.0), 1.5);
+        assert_eq!(next_distance((1.0, 0.5), Some((2.0, f64::INFINITY)), 3.0), 1.5);
     }
 }

@@ -5,6 +5,8 @@ use crate::effects::Library;
 
 use super::methods::Methods;
 
+use super::search_settings::SearchSettings;
+
 /// Why an identification failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IdentifyError {
@@ -35,6 +37,8 @@ pub struct IdentifyRequest {
     pub library: Library,
     /// The methods that may be named.
     pub methods: Methods,
+    /// Settings of the search, which results do not report: only the benchmark changes them.
+    pub search: SearchSettings,
 }
 
 /// The error for a fitted plant that has no periodic response.

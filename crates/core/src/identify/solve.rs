@@ -63,10 +63,10 @@ pub(super) fn answer(
     order_choice: Option<OrderChoice>,
     intervals: Intervals,
 ) -> Result<Identification, IdentifyError> {
-    let IdentifyRequest { plant, method, options, .. } = request;
+    let IdentifyRequest { plant, method, options, search, .. } = request;
     let Misfit { problem, weights, .. } = misfit;
-    let summary =
-        summary::summarise(measurement, misfit, fitted, intervals).ok_or_else(no_response)?;
+    let summary = summary::summarise(measurement, misfit, fitted, intervals, search)
+        .ok_or_else(no_response)?;
     let limitations = limitations::of(measurement, problem, *method, options, fitted, &summary);
     let stop_reason = fitted.stages.last().map_or("nothing to do", |stage| &stage.stop_reason);
     Ok(Identification {

@@ -13,6 +13,7 @@ use super::pipeline::Fitted;
 use super::problem::Problem;
 use super::profile::Profile;
 use super::refine;
+use super::search_settings::SearchSettings;
 use super::uncertainty::Uncertainty;
 
 /// Significance level of the χ² test of adequacy: with a smaller p-value the residuals are more
@@ -47,6 +48,7 @@ pub(super) fn summarise(
     misfit: &Misfit<'_>,
     fitted: &Fitted,
     intervals: Intervals,
+    search: &SearchSettings,
 ) -> Option<Summary> {
     let problem = misfit.problem;
     let here = misfit.linearise(&fitted.point).ok()?;
@@ -65,7 +67,8 @@ pub(super) fn summarise(
     let profile = match intervals {
         Intervals::Curvature => None,
         Intervals::Profile => {
-            Profile::new(misfit, &fitted.point, &here, &uncertainty, [quantile, scale])
+            let noise = [quantile, scale];
+            Profile::new(misfit, &fitted.point, &here, &uncertainty, noise, search)
         }
     };
     let reaches = |i| profile.as_ref()?.reaches(i, &uncertainty);

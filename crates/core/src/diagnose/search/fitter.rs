@@ -4,31 +4,12 @@
 use rayon::prelude::*;
 
 use crate::effects::{are_confusable, are_nested};
-use crate::identify::{FitAccuracy, FitSession, Model};
+use crate::identify::{FitAccuracy, FitSession, Model, SearchSettings};
 use crate::observer::Observer as _;
 
 use super::score_tests::{Probe, Probed};
 use crate::diagnose::progress::{Part, Stage};
 use crate::diagnose::selection::evidence::NoiseScale;
-
-/// Share of the leader's gain that a rival must have come to in its first steps.
-const RIVAL: f64 = 0.5;
-
-/// The same of an effect that may be one of several, where none explains the data.
-const HOPEFUL: f64 = 0.02;
-
-/// Share of what is beyond noise that the best effect leaves at most for it to be tried from
-/// aside.
-const HELPFUL: f64 = 0.5;
-
-/// The same share that another valley leaves at most for the search to go on from there.
-const LOWER: f64 = 0.9;
-
-/// How far aside, in standard deviations of where a search looks first.
-const ASIDE: f64 = 0.35;
-
-/// Starts from aside that are followed to their end.
-const FROM_ASIDE: usize = 3;
 
 /// Models that have a response, the best first.
 fn best_first(mut models: Vec<Model>) -> Vec<Model> {
@@ -78,13 +59,16 @@ impl Fitter<'_> {
         };
         let (probed, models) = tried.remove(first);
         let leader = self.settled(models, self.followed).unwrap_or_else(|| from.clone());
+        let SearchSettings { rival_share, hopeful_share, restart_remainder, .. } =
+            *self.session.search();
         let unexplained = !self.noise_scale.explains(leader.cost);
         let most = from.cost - leader.cost;
         let follow = |(rival, models): (&Probed, Vec<Model>)| {
             let gain = from.cost - models[0].cost;
-            if are_confusable(probed.effect, rival.effect) || gain > RIVAL * most {
+            if are_confusable(probed.effect, rival.effect) || gain > rival_share * most {
                 self.settled(models, self.followed)
-            } else if self.patient && unexplained && promising(rival) && gain > HOPEFUL * most {
+            } else if self.patient && unexplained && promising(rival) && gain > hopeful_share * most
+            {
                 self.settled(models, 1)
             } else {
                 models.into_iter().next()
@@ -92,7 +76,7 @@ impl Fitter<'_> {
         };
         let mut fits: Vec<Model> = tried.into_par_iter().filter_map(follow).collect();
         fits.push(leader);
-        let hopes = if self.patient && unexplained { HOPEFUL } else { RIVAL };
+        let hopes = if self.patient && unexplained { hopeful_share } else { rival_share };
         let counts = |kin: &&Model| from.cost - kin.cost > hopes * most;
         let kin: Vec<&Model> = fits.iter().filter(counts).collect();
         let again = |fit| self.refit_from_kin(fit, &kin);
@@ -100,7 +84,7 @@ impl Fitter<'_> {
         fits.extend(again);
         let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
         fits.extend(best.and_then(|best| {
-            self.out_of_valleys(&best, HELPFUL * self.noise_scale.beyond(from.cost))
+            self.out_of_valleys(&best, restart_remainder * self.noise_scale.beyond(from.cost))
         }));
         fits
     }
@@ -114,7 +98,8 @@ impl Fitter<'_> {
             return None;
         }
         let next = self.refit_from_aside(fit).filter(|next| next.cost < fit.cost)?;
-        let is_lower = beyond(&next) < LOWER * beyond(fit);
+        let least = self.session.search().restart_improvement;
+        let is_lower = beyond(&next) < (1.0 - least) * beyond(fit);
         let further = is_lower.then(|| self.out_of_valleys(&next, most)).flatten();
         Some(further.unwrap_or(next))
     }
@@ -123,7 +108,8 @@ impl Fitter<'_> {
     /// limits divide the misfit into valleys, and a fit ends in the nearest.
     fn refit_from_aside(&self, fit: &Model) -> Option<Model> {
         let own = fit.parameters_of(fit.effects().len().checked_sub(1)?);
-        let sides = own.flat_map(|i| [(i, -ASIDE), (i, ASIDE)]);
+        let SearchSettings { restart_displacement, followed_restarts, .. } = *self.session.search();
+        let sides = own.flat_map(|i| [(i, -restart_displacement), (i, restart_displacement)]);
         let sides: Vec<(usize, f64)> =
             sides.map(|(i, side)| (i, side * fit.prior_std(i))).collect();
         let alone = sides.iter().map(|side| vec![*side]);
@@ -138,7 +124,7 @@ impl Fitter<'_> {
         };
         let aside: Vec<Model> = alone.chain(both).map(shifted).collect();
         let tried = aside.par_iter().map(|model| self.refine(model, FitAccuracy::Glance)).collect();
-        self.settled(best_first(tried), FROM_ASIDE)
+        self.settled(best_first(tried), followed_restarts)
     }
 
     /// A fit again, from where the best of its kin ended, if that fits better: what contains

@@ -8,20 +8,11 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::effects::{Effect, Range};
-use crate::identify::FitSession;
+use crate::identify::{FitSession, SearchSettings};
 
 use super::linearization::Linearization;
 use super::score_tests::Tried;
 use crate::diagnose::residuals::subspace::Subspace;
-
-/// Places from which a fit may start.
-const PLACES: usize = 6;
-
-/// Steps of the angle over the longest travel, radians.
-const STEP: f64 = 1.0;
-
-/// Longest step of the pitch, as a factor.
-const LONGEST: f64 = 1.15;
 
 /// What the sine and the cosine of a pitch change, each of size 1.
 pub(crate) struct Pitch {
@@ -38,7 +29,10 @@ pub(crate) fn pitches(
 ) -> Vec<Pitch> {
     let [low, high] = ranges[1].likely;
     let travel = 0.5 / low;
-    let next = |pitch: &f64| Some((pitch * LONGEST).min(pitch + STEP / travel));
+    let SearchSettings { ripple_angle_step_rad, ripple_relative_step, .. } = *session.search();
+    let next = |pitch: &f64| {
+        Some((pitch * (1.0 + ripple_relative_step)).min(pitch + ripple_angle_step_rad / travel))
+    };
     let grid: Vec<f64> =
         std::iter::successors(Some(low), next).take_while(|pitch| *pitch < high).collect();
     grid.par_iter()
@@ -51,13 +45,14 @@ pub(crate) fn pitches(
         .collect()
 }
 
-/// Where the effect promises most at a linearization at which this is left, and the span of
-/// every pitch.
+/// Where the effect promises most at a linearization at which this is left, `most` places, and
+/// the span of every pitch.
 pub(crate) fn peaks(
     linearization: &Linearization,
     left: &DVector<f64>,
     ranges: &[Range],
     pitches: &[Pitch],
+    most: usize,
 ) -> (Vec<Tried>, Vec<Subspace>) {
     let spans: Vec<Subspace> = pitches
         .iter()
@@ -77,5 +72,5 @@ pub(crate) fn peaks(
         let change: DVector<f64> = changes * sizes;
         Some(Tried { values, change, gain: gain(i) })
     };
-    (peaks.into_iter().take(PLACES).filter_map(tried).collect(), spans)
+    (peaks.into_iter().take(most).filter_map(tried).collect(), spans)
 }

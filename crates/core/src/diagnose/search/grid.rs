@@ -2,15 +2,12 @@
 
 use crate::effects::{Coordinate, Effect, Range};
 
-/// Places of an effect's parameters, at most.
-const MOST_PLACES: usize = 24;
-
 /// Shares of the way from where an effect vanishes to the end of its likely range, of
 /// an effect with one parameter, with two, and with more, whose others say its shape.
 const SIZES: [&[f64]; 3] = [&[0.05, 0.2, 0.5, 0.8], &[0.15, 0.6], &[0.15]];
 
-/// Values to try: every combination of a few of each parameter.
-pub(crate) fn of(effect: &dyn Effect, ranges: &[Range]) -> Vec<Vec<f64>> {
+/// Values to try, `most` at most: every combination of a few of each parameter.
+pub(crate) fn of(effect: &dyn Effect, ranges: &[Range], most: usize) -> Vec<Vec<f64>> {
     let sizes = SIZES[ranges.len().min(SIZES.len()) - 1];
     let mut step = if ranges.len() == 1 { 4.0_f64 } else { 1.4 };
     loop {
@@ -21,7 +18,7 @@ pub(crate) fn of(effect: &dyn Effect, ranges: &[Range]) -> Vec<Vec<f64>> {
             .map(|(parameter, range)| axis(parameter.coordinate, range, step, sizes))
             .collect();
         let count: usize = axes.iter().map(Vec::len).product();
-        if count <= MOST_PLACES || step > 100.0 {
+        if count <= most || step > 100.0 {
             return axes.iter().fold(vec![Vec::new()], |points, axis| {
                 let longer = |point: &Vec<f64>| {
                     let point = point.clone();

@@ -11,21 +11,18 @@ use super::score_tests::Probed;
 use crate::diagnose::progress::Part;
 use crate::diagnose::selection::models::Key;
 
-/// An effect that gains this many times the chance threshold is not fitted again.
-const MUCH: f64 = 10.0;
-
 impl Search<'_> {
     /// Fits again, from the starting points that were passed over, those effects of a model that
     /// gain little and whose misfit has several minima, and the effects that may be confused with
     /// them: the search may have missed the deepest minimum. An effect that gains much has no
     /// rival that an overlooked minimum could hide, and is left alone.
     pub fn deepen(&mut self, chosen: &Key, part: Part<'_>) {
-        let (most, tried) = (self.breadth.deeper, self.breadth.starts);
+        let most = self.breadth.deepening_starts;
         let is_hidden = |effect: &&&'static dyn Effect| {
             let id = effect.id();
             chosen.contains(&id)
                 && !self.session.start_points(**effect).is_empty()
-                && !self.models.exceeds(chosen, id, MUCH)
+                && !self.models.exceeds(chosen, id, self.session.search().deepening_limit)
         };
         let hidden: Vec<&dyn Effect> =
             self.session.library().iter().filter(|_| most > 0).filter(is_hidden).copied().collect();
@@ -38,8 +35,9 @@ impl Search<'_> {
             probed.retain(|Probed { effect: other, .. }| {
                 other.id() == effect.id() || effects::are_confusable(effect, *other)
             });
+            let tried = self.breadth.starts(rest.len());
             for Probed { probes, .. } in &mut probed {
-                probes.drain(..tried[rest.len()].min(probes.len()));
+                probes.drain(..tried.min(probes.len()));
             }
             let stage = part.stage("valleys", probed.len());
             let fitter = Fitter { starts: most, ..self.fitter(part, rest.len()) };

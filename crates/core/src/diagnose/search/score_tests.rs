@@ -14,28 +14,13 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::effects::{ALL, Effect, Range};
-use crate::identify::{FitSession, Model};
+use crate::identify::{FitSession, Model, SearchSettings};
 
 use super::frequency_scan;
 use super::frequency_scan::Pitch;
 use super::grid;
 use super::linearization::Linearization;
 use crate::diagnose::residuals::subspace::Subspace;
-
-/// Longest step of a parameter of the linearization on the way to a start.
-const LONGEST_SHIFT: f64 = 0.3;
-
-/// Cosine above which two start points show the same.
-const SAME: f64 = 0.9999;
-
-/// Cosine below which a start shows something else than one before it.
-const DIFFERENT: f64 = 0.9;
-
-/// By how much a change may be scaled up to fit the residuals.
-const LARGEST_SCALE: f64 = 1.5;
-
-/// The same of a start, at least: where an effect is absent its shape is lost.
-const LEAST_SCALE: f64 = 0.02;
 
 /// What an effect changes, at many values of its parameters.
 pub(crate) struct Changes {
@@ -98,7 +83,7 @@ impl Changes {
         let own = extended.parameters_of(extended.effects().len() - 1);
         let mut start_points = session.start_points(effect);
         if start_points.is_empty() {
-            start_points = grid::of(effect, &this.ranges);
+            start_points = grid::of(effect, &this.ranges, session.search().grid_points);
         }
         let place = |values: Vec<f64>| {
             let mut extended = extended.clone();
@@ -116,12 +101,14 @@ impl Changes {
             let (probes, spans) = Default::default();
             return Probed { effect: self.effect, probes, spans, energy: 0.0 };
         };
+        let search = session.search();
         let (start_points, spans);
         if self.effect.is_scanned() {
+            let most = search.ripple_starts;
             (start_points, spans) =
-                frequency_scan::peaks(linearization, &aim.left, &self.ranges, &self.pitches);
+                frequency_scan::peaks(linearization, &aim.left, &self.ranges, &self.pitches, most);
         } else {
-            let scaled = |place| self.scaled(place, linearization, &aim.left);
+            let scaled = |place| self.scaled(place, linearization, &aim.left, search);
             start_points = self.start_points.iter().filter_map(scaled).collect();
             let directions: Vec<DVector<f64>> = self
                 .start_points
@@ -130,16 +117,16 @@ impl Changes {
                 .filter(|direction| direction.norm() > 0.0)
                 .map(|direction| direction.normalize())
                 .collect();
-            spans = neighbourhoods(&directions, self.effect.parameters().len());
+            spans = neighbourhoods(&directions, self.effect.parameters().len(), search);
         }
-        let probes: Vec<Probe> = different_first(start_points, &linearization.fitted)
+        let probes: Vec<Probe> = different_first(start_points, &linearization.fitted, search)
             .into_iter()
             .map(|Tried { values, change, gain }| {
                 let mut start = session.extend(&linearization.model, self.effect);
                 let own = start.parameters_of(start.effects().len() - 1);
                 own.zip(&values).for_each(|(i, value)| start.set(i, *value));
                 let left = &linearization.residuals - change - &aim.balancing;
-                start.shift(linearization.steps(&left).into_iter(), LONGEST_SHIFT);
+                start.shift(linearization.steps(&left).into_iter(), search.longest_start_shift);
                 Probe { start, gain: gain - aim.price }
             })
             .collect();
@@ -153,15 +140,16 @@ impl Changes {
         place: &Place,
         linearization: &Linearization,
         left: &DVector<f64>,
+        search: &SearchSettings,
     ) -> Option<Tried> {
         let direction = linearization.fitted.complement(&place.change);
         let (size, slope) = (direction.norm_squared(), direction.dot(left));
         if !(size > 0.0 && size.is_finite()) {
             return None;
         }
-        let scale = (slope / size).clamp(0.0, LARGEST_SCALE);
+        let scale = (slope / size).clamp(0.0, search.largest_scale);
         let mut values = place.values.clone();
-        (self.effect.search().resize)(&mut values, &self.ranges, scale.max(LEAST_SCALE));
+        (self.effect.search().resize)(&mut values, &self.ranges, scale.max(search.smallest_scale));
         let gain = scale * (2.0 * slope - scale * size);
         Some(Tried { values, change: &place.change * scale, gain })
     }
@@ -210,13 +198,18 @@ pub(crate) struct Tried {
 
 /// Places by their gain, those first that show something else, beside what is `fitted`, than any
 /// of a larger gain: a fit from beside another ends where that one does.
-fn different_first(mut start_points: Vec<Tried>, fitted: &Subspace) -> Vec<Tried> {
+fn different_first(
+    mut start_points: Vec<Tried>,
+    fitted: &Subspace,
+    search: &SearchSettings,
+) -> Vec<Tried> {
+    let most = 1.0 - search.different_direction;
     start_points.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let mut shown: Vec<DVector<f64>> = Vec::new();
     let (mut different, mut others) = (Vec::new(), Vec::new());
     for tried in start_points {
         let direction = fitted.complement(&tried.change).normalize();
-        if shown.iter().all(|other| other.dot(&direction).abs() < DIFFERENT) {
+        if shown.iter().all(|other| other.dot(&direction).abs() < most) {
             shown.push(direction);
             different.push(tried);
         } else {
@@ -229,11 +222,16 @@ fn different_first(mut start_points: Vec<Tried>, fitted: &Subspace) -> Vec<Tried
 
 /// The spans of each direction with its nearest: an effect with p parameters,
 /// refitted, follows noise in p directions around the best place.
-fn neighbourhoods(directions: &[DVector<f64>], parameters: usize) -> Vec<Subspace> {
+fn neighbourhoods(
+    directions: &[DVector<f64>],
+    parameters: usize,
+    search: &SearchSettings,
+) -> Vec<Subspace> {
+    let most = 1.0 - search.same_direction;
     let cosine = |a: &DVector<f64>, b: &DVector<f64>| a.dot(b).abs();
     let mut different: Vec<&DVector<f64>> = Vec::new();
     for direction in directions {
-        if different.iter().all(|other| cosine(direction, other) < SAME) {
+        if different.iter().all(|other| cosine(direction, other) < most) {
             different.push(direction);
         }
     }
@@ -261,7 +259,7 @@ mod tests {
         // Of the second, most is fitted; the rest shows what the first does.
         let start_points =
             [(unit(1), 3.0), (unit(1) + 5.0 * unit(0), 2.0), (unit(2), 1.0)].map(tried);
-        let found = different_first(start_points.into(), &fitted);
+        let found = different_first(start_points.into(), &fitted, &SearchSettings::default());
         assert_eq!(found.iter().map(|tried| tried.gain).collect::<Vec<_>>(), [3.0, 1.0, 2.0]);
     }
 }

@@ -1,0 +1,16 @@
+#!/bin/sh
+# Measures what halving and doubling each setting of the search does to the answers and to the
+# processor time, and prints the table of docs/search-settings.md. Arguments are beginnings of names
+# of settings, to measure those alone, and further options of `servoscope benchmark`:
+#
+#   benches/ablation.sh                          all settings, one draw a core
+#   benches/ablation.sh rival_share --jobs 1     one setting, one draw after the other
+#
+# DRAWS replaces the draws below.
+set -eu
+cd "$(dirname "$0")/.."
+cargo build --release --bin servoscope
+draws="${DRAWS:---seed 24024 --kinds single,pair --levels 60 --orders 0 --effects cogging --draws 1 --pairs 1}"
+# The options in $draws are separate words.
+# shellcheck disable=SC2086
+exec nice "${CARGO_TARGET_DIR:-target}/release/servoscope" benchmark $draws --ablation "$@"

@@ -1,0 +1,65 @@
+//! `servoscope benchmark --settings` and `--ablation`: the settings of the search.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+use servoscope_bench::naming::{
+    Ablation, Case, SettingChange, Settings, Trials, Unmade, ablate, search_settings,
+};
+use servoscope_core::identify::SearchSettings;
+
+use super::{Args, Watch};
+use crate::cli::Failure;
+
+/// Settings that `--ablation` leaves out unless they are named: no draw is a record.
+const OF_RECORDS: &str = "records.";
+
+/// The default settings with these changes.
+pub(super) fn changed(changes: &[SettingChange]) -> SearchSettings {
+    // Each change was checked when it was parsed, and settings do not depend on each other.
+    let apply = |search, change: &SettingChange| change.apply(&search).unwrap_or(search);
+    changes.iter().fold(SearchSettings::default(), apply)
+}
+
+/// All settings with their values, one a line.
+pub(super) fn listing(search: &SearchSettings) -> String {
+    let mut text = String::new();
+    for (name, value) in search_settings(search) {
+        let _ = writeln!(text, "{name}={value}");
+    }
+    text
+}
+
+/// Diagnoses every draw with each setting halved and doubled, and prints the table.
+pub(super) fn run(cases: &[Case], args: &Args, names: &[String]) -> Result<(), Failure> {
+    let settings = args.settings();
+    let all = || {
+        let names = search_settings(&settings.search).into_iter().map(|setting| setting.0);
+        names.filter(|name| !name.starts_with(OF_RECORDS)).collect()
+    };
+    let names = if names.is_empty() { all() } else { names.to_vec() };
+    let ablation = Ablation::new(settings.search, &names).map_err(Failure::Input)?;
+    let watch = Watch::new(cases.len());
+    let done = |case: &Case, trials: &Trials| {
+        let first = trials.as_ref().map_err(Clone::clone);
+        watch.done(case, &first.map(|trials| trials[0].outcome.clone()));
+    };
+    let results = ablate(cases, &settings, &ablation, &watch, &done).map_err(Failure::other)?;
+    watch.bar.finish_and_clear();
+    let text = text(cases, &settings, &ablation, results);
+    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)
+}
+
+fn text(cases: &[Case], settings: &Settings, ablation: &Ablation, results: Vec<Trials>) -> String {
+    let (mut draws, mut unmade) = (Vec::new(), String::new());
+    for result in results {
+        match result {
+            Ok(trials) => draws.push(trials),
+            Err(Unmade { key, reason }) => {
+                let _ = writeln!(unmade, "\n{key} was not made: {reason}");
+            }
+        }
+    }
+    let (made, of, seed) = (draws.len(), cases.len(), settings.seed);
+    format!("{made} draws of {of}, seed {seed}\n\n{}{unmade}", ablation.table(&draws))
+}

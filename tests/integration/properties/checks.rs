@@ -9,6 +9,7 @@ use servoscope_core::measurement::Measurement;
 use servoscope_core::measurement::formats::{Source, read};
 
 use super::cases::Case;
+use super::records::RecordCase;
 use crate::machines::Watcher;
 
 /// Questions whether to go on that a case may take: a search that does not end asks without end.
@@ -37,39 +38,59 @@ pub struct Findings {
 /// Reads and identifies a case, and diagnoses it where that is asked for.
 pub fn examine(case: &Case, depth: Depth) -> Findings {
     let mut findings = Findings::default();
-    let text = case.text();
-    let source = Source { name: "case.csv", bytes: text.as_bytes() };
-    let Some(read) = guarded(&mut findings, "reading", || read(&[source])) else { return findings };
     // What is refused is refused by line and column; that is the formats' own test.
-    let Ok(measurement) = read else { return findings };
+    if let Some(measurement) = read_text(&case.text(), &mut findings) {
+        examine_measurement(&measurement, depth, &mut findings);
+    }
+    findings
+}
+
+/// The same of a record. A stated period that is not one of the input must be refused, or said to
+/// be wrong.
+pub fn examine_record(case: &RecordCase, depth: Depth) -> Findings {
+    let mut findings = Findings::default();
+    let Some(text) = case.text() else { return findings };
+    let Some(measurement) = read_text(&text, &mut findings) else { return findings };
+    let said = measurement.notes().iter().any(|note| note.contains("period"));
+    if !case.is_periodic() && !said {
+        findings.faults.push("a stated period that is wrong is used without a word".into());
+    }
+    examine_measurement(&measurement, depth, &mut findings);
+    findings
+}
+
+/// What was measured, unless it is refused.
+fn read_text(text: &str, findings: &mut Findings) -> Option<Measurement> {
+    let source = Source { name: "case.csv", bytes: text.as_bytes() };
+    guarded(findings, "reading", || read(&[source]))?.ok()
+}
+
+fn examine_measurement(measurement: &Measurement, depth: Depth, findings: &mut Findings) {
     let request = IdentifyRequest::default();
     let watcher = Watcher::cancelling_after(MOST_QUESTIONS);
-    let identified =
-        guarded(&mut findings, "identify", || identify(&measurement, &request, &watcher));
+    let identified = guarded(findings, "identify", || identify(measurement, &request, &watcher));
     match identified {
         Some(Ok(answer)) => {
             findings.answered = true;
-            check_identification(&measurement, &answer, &mut findings);
+            check_identification(measurement, &answer, findings);
         }
-        Some(Err(error)) => check_refusal("identify", &error, &mut findings),
+        Some(Err(error)) => check_refusal("identify", &error, findings),
         None => {}
     }
     if depth == Depth::Identify {
-        return findings;
+        return;
     }
-    let diagnosed =
-        guarded(&mut findings, "diagnose", || diagnose(&measurement, &request, &watcher));
+    let diagnosed = guarded(findings, "diagnose", || diagnose(measurement, &request, &watcher));
     match diagnosed {
         Some(Ok(answer)) => {
-            check_diagnosis(&measurement, &answer, &mut findings);
+            check_diagnosis(measurement, &answer, findings);
         }
         Some(Err(DiagnoseError::Identify(error))) => {
-            check_refusal("diagnose", &error, &mut findings);
+            check_refusal("diagnose", &error, findings);
         }
         Some(Err(error)) => findings.faults.push(format!("diagnose: {error}")),
         None => {}
     }
-    findings
 }
 
 fn guarded<T>(findings: &mut Findings, what: &str, compute: impl FnOnce() -> T) -> Option<T> {

@@ -92,7 +92,8 @@ pub fn records() -> impl Strategy<Value = RecordCase> {
         3 => select(vec![0.5, 0.9, 0.97, 0.99, 1.01, 1.05, 1.3, 1.5]).prop_map(Some),
     ];
     let noise = prop_oneof![1 => Just(0.0), 4 => (-5.0..-1.0).prop_map(|e| 10f64.powf(e))];
-    let decades = prop_oneof![3 => Just([0; 2]), 1 => (-20..=20, -20..=20).prop_map(|(u, y)| [u, y])];
+    let decades =
+        prop_oneof![3 => Just([0; 2]), 1 => (-20..=20, -20..=20).prop_map(|(u, y)| [u, y])];
     let design = (1.0..6.0, select(vec![64usize, 100, 128]));
     (lines, friction, design, stated, noise, decades, 0..1000u64).prop_map(
         |(lines, friction, (periods, samples), stated, noise, decades, seed)| RecordCase {

@@ -9,6 +9,7 @@ use crate::measurement::Complex;
 use crate::observer::Observer;
 use crate::simulate::{self, Counts, NoResponse, Response};
 
+use super::levenberg_marquardt::Linearisation;
 use super::noise::Weights;
 use super::parameters::{CONSTANT, Coordinates};
 use super::problem::{Prepared, Problem};
@@ -47,14 +48,6 @@ impl<'a> Misfit<'a> {
 
 /// Share of the experiments in which a model may lack a response.
 const UNANSWERED: f64 = 0.1;
-
-/// Residuals and their derivatives.
-pub(super) struct Linearisation {
-    /// (Ŷ − Y)/σ, re and im one after the other.
-    pub residuals: DVector<f64>,
-    /// One column a coordinate.
-    pub jacobian: DMatrix<f64>,
-}
 
 impl Misfit<'_> {
     /// Simulated value of every target, by experiment, in scale.

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use crate::effects;
 
-use super::objective::Linearisation;
+use super::levenberg_marquardt::Linearisation;
 use super::parameters::{Coordinate, Coordinates};
 
 /// A direction whose effect on the response is this much smaller than that of

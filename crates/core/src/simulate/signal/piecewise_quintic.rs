@@ -12,6 +12,7 @@ use crate::plant::Scalar;
 
 use super::complex_dual::ComplexDual;
 use super::grid::Grid;
+use super::root_finding::{bisect, root};
 use super::samples::Samples;
 
 /// Powers of u of a quintic.
@@ -166,45 +167,6 @@ pub(crate) fn through<S: Scalar>(left: [S; 3], right: [S; 3]) -> Quintic<S> {
         slope * 7.0 - value * 15.0 - curvature,
         value * 6.0 - slope * 3.0 + curvature * 0.5,
     ]
-}
-
-/// The root of a function that is ≤ 0 at `low` and > 0 at `high`, by Newton's
-/// method kept between them.
-pub(crate) fn root(
-    mut low: f64,
-    mut high: f64,
-    f: impl Fn(f64) -> f64,
-    slope: impl Fn(f64) -> f64,
-) -> f64 {
-    let mut u = 0.5 * (low + high);
-    for _ in 0..60 {
-        let value = f(u);
-        if value > 0.0 {
-            high = u
-        } else {
-            low = u
-        }
-        let newton = u - value / slope(u);
-        let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-        let moved = (next - u).abs();
-        u = next;
-        if moved <= 1e-13 {
-            break;
-        }
-    }
-    u
-}
-
-/// Halvings that find the top of a quintic: its value is then good to rounding.
-const BISECTIONS: usize = 26;
-
-/// The end of the stretch from `low` on which `holds`; it fails at `high`.
-pub(crate) fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (low + high);
-        if holds(middle) { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }
 
 /// A periodic signal.

@@ -2,7 +2,7 @@
 
 use super::{Anchor, Followed, ROUNDING};
 use crate::simulate::base::switching_times::Motion;
-use crate::simulate::signal::piecewise_quintic::{bisect, root};
+use crate::simulate::signal::root_finding::{bisect, newton, root};
 
 /// Share of a cell that Newton's step may move an instant at last: its error
 /// after the step is of the order of the step squared.
@@ -134,26 +134,10 @@ impl Followed<'_> {
 /// within that bracket. `rising` gives its value and rate; `length_s` is what the last step is
 /// measured by.
 fn passing(
-    [mut low, mut high]: [f64; 2],
+    [low, high]: [f64; 2],
     first: f64,
     length_s: f64,
     rising: impl Fn(f64) -> (f64, f64),
 ) -> f64 {
-    let mut time_s = first;
-    for _ in 0..60 {
-        let (value, rate) = rising(time_s);
-        if value >= 0.0 {
-            high = time_s;
-        } else {
-            low = time_s;
-        }
-        let newton = time_s - value / rate;
-        let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-        let moved = (next - time_s).abs();
-        time_s = next;
-        if moved <= LAST_STEP * length_s {
-            break;
-        }
-    }
-    time_s
+    newton([low, high], first, 60, rising, |step| step.length <= LAST_STEP * length_s)
 }

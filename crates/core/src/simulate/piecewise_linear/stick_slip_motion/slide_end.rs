@@ -3,9 +3,8 @@
 use crate::plant::Scalar;
 
 use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;
-use crate::simulate::signal::piecewise_quintic::{
-    Cell, bisect, restricted, root, slope, through, value,
-};
+use crate::simulate::signal::piecewise_quintic::{Cell, restricted, slope, through, value};
+use crate::simulate::signal::root_finding::{bisect, root};
 
 /// A slide in one direction, derivatives aside.
 pub(crate) struct Sliding {

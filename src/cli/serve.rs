@@ -19,6 +19,8 @@ use super::{Failure, config, demo, logging};
 const DRAIN: Duration = Duration::from_secs(3);
 /// Time that the worker has to hand its jobs back.
 const HAND_BACK: Duration = Duration::from_secs(1);
+/// Bytes of a mebibyte.
+const MIB: usize = 1 << 20;
 
 /// Arguments of `serve`.
 #[derive(Debug, clap::Args)]
@@ -46,7 +48,8 @@ pub(super) fn run(args: &Args, verbose: u8) -> Result<(), Failure> {
 
 async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     let mut terminations = Terminations::new().map_err(Failure::other)?;
-    let store = Sqlite::open_limited(&config.data_dir, config.max_store_bytes);
+    let store_limit = config.max_store_mib.map(|size| (size * MIB) as u64);
+    let store = Sqlite::open_limited(&config.data_dir, store_limit);
     let store: Arc<dyn Store> = Arc::new(store.await.map_err(|error| {
         Failure::Other(format!("cannot keep data in {}: {error}", config.data_dir.display()))
     })?);
@@ -58,12 +61,13 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     let signals = Arc::new(Signals::default());
     let service = Service::new(Arc::clone(&store), Arc::new(BuiltIn), Arc::clone(&signals));
     let settings = worker::Settings {
-        lease: config.lease,
-        limit: config.job_limit,
-        ..worker::Settings::new(config.workers.get())
+        lease: seconds(config.lease_seconds),
+        limit: seconds(config.job_minutes * 60),
+        ..worker::Settings::new(config.workers)
     };
     let worker = worker::start(Arc::clone(&store), service.clone(), Arc::clone(&signals), settings);
-    if let Some(age) = config.keep {
+    if let Some(days) = config.keep_days {
+        let age = seconds(days * 24 * 3600);
         tokio::spawn(worker::forget(store, Arc::clone(&signals), age));
     }
     let stopping = Arc::clone(&signals);
@@ -85,8 +89,8 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     }
     let origins = config.cors_origins.iter().map(|origin| HeaderValue::from_str(origin));
     let limits = http::Limits {
-        sent_bytes: config.max_upload_bytes,
-        unpacked_bytes: config.max_unpacked_bytes,
+        sent_bytes: config.max_upload_mib * MIB,
+        unpacked_bytes: config.max_unpacked_mib * MIB,
         origins: origins.collect::<Result<_, _>>().map_err(Failure::input)?,
     };
     let app = http::app(service, limits);
@@ -96,4 +100,8 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
         info!("a job was not handed back; it is queued again when its lease expires");
     }
     served.map_err(Failure::other)
+}
+
+fn seconds(count: usize) -> Duration {
+    Duration::from_secs(count as u64)
 }

@@ -10,93 +10,93 @@ use super::cached;
 use super::problem::Problem;
 
 const CSV: &str = "text/csv; charset=utf-8";
+const JSON: &str = "application/json";
 
-/// The data of a measurement as a harmonic table, which can be uploaded again.
-///
-/// Units are in the lines before the header, and in the names of the columns.
-/// Records are given as the harmonics that were computed from them.
-#[utoipa::path(
-    get, path = "/v1/measurements/{id}/data.csv", tag = "measurements",
-    operation_id = "get_measurement_csv",
-    params(
-        ("id" = String, Path, description = "Id of the measurement"),
-        ("If-None-Match" = Option<String>, Header, description = "`ETag` of an earlier answer"),
-    ),
-    responses(
-        (status = 200, body = String, content_type = "text/csv"),
-        (status = 304, description = "The data is what `If-None-Match` names"),
-        (status = "4XX", body = Problem, content_type = "application/problem+json"),
-    )
-)]
-pub(super) async fn measurement_csv(
-    State(service): State<Service>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    Ok(cached::answer(&headers, CSV, service.measurement_csv(&id).await?, true))
+/// Declares the handler of a table that a client may keep: `service` is the method of
+/// [`Service`] that makes it of an id, and the rest is what the document says of it.
+macro_rules! export {
+    (
+        $(#[$doc:meta])+
+        $handler:ident,
+        path: $path:literal,
+        tag: $tag:literal,
+        operation: $operation:literal,
+        id: $of_what:literal,
+        service: $make:ident -> $media_type:ident,
+        body: $body:ty as $documented_type:literal,
+        unchanged: $unchanged:literal
+    ) => {
+        $(#[$doc])+
+        #[utoipa::path(
+            get, path = $path, tag = $tag, operation_id = $operation,
+            params(
+                ("id" = String, Path, description = $of_what),
+                ("If-None-Match" = Option<String>, Header,
+                 description = "`ETag` of an earlier answer"),
+            ),
+            responses(
+                (status = 200, body = $body, content_type = $documented_type),
+                (status = 304, description = $unchanged),
+                (status = "4XX", body = Problem, content_type = "application/problem+json"),
+            )
+        )]
+        pub(super) async fn $handler(
+            State(service): State<Service>,
+            Path(id): Path<String>,
+            headers: HeaderMap,
+        ) -> Result<Response, Problem> {
+            Ok(cached::answer(&headers, $media_type, service.$make(&id).await?, true))
+        }
+    };
 }
 
-/// The same as JSON.
-#[utoipa::path(
-    get, path = "/v1/measurements/{id}/data.json", tag = "measurements",
-    operation_id = "get_measurement_json",
-    params(
-        ("id" = String, Path, description = "Id of the measurement"),
-        ("If-None-Match" = Option<String>, Header, description = "`ETag` of an earlier answer"),
-    ),
-    responses(
-        (status = 200, body = Object),
-        (status = 304, description = "The data is what `If-None-Match` names"),
-        (status = "4XX", body = Problem, content_type = "application/problem+json"),
-    )
-)]
-pub(super) async fn measurement_json(
-    State(service): State<Service>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    let json = service.measurement_json(&id).await?;
-    Ok(cached::answer(&headers, "application/json", json, true))
+export! {
+    /// The data of a measurement as a harmonic table, which can be uploaded again.
+    ///
+    /// Units are in the lines before the header, and in the names of the columns.
+    /// Records are given as the harmonics that were computed from them.
+    measurement_csv,
+    path: "/v1/measurements/{id}/data.csv",
+    tag: "measurements",
+    operation: "get_measurement_csv",
+    id: "Id of the measurement",
+    service: measurement_csv -> CSV,
+    body: String as "text/csv",
+    unchanged: "The data is what `If-None-Match` names"
 }
 
-/// The parameters of a result, one row each with its interval and unit.
-#[utoipa::path(
-    get, path = "/v1/jobs/{id}/parameters.csv", tag = "jobs", operation_id = "get_parameters_csv",
-    params(
-        ("id" = String, Path, description = "Id of the job"),
-        ("If-None-Match" = Option<String>, Header, description = "`ETag` of an earlier answer"),
-    ),
-    responses(
-        (status = 200, body = String, content_type = "text/csv"),
-        (status = 304, description = "The table is what `If-None-Match` names"),
-        (status = "4XX", body = Problem, content_type = "application/problem+json"),
-    )
-)]
-pub(super) async fn parameters_csv(
-    State(service): State<Service>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    Ok(cached::answer(&headers, CSV, service.parameters_csv(&id).await?, true))
+export! {
+    /// The same as JSON.
+    measurement_json,
+    path: "/v1/measurements/{id}/data.json",
+    tag: "measurements",
+    operation: "get_measurement_json",
+    id: "Id of the measurement",
+    service: measurement_json -> JSON,
+    body: Object as "application/json",
+    unchanged: "The data is what `If-None-Match` names"
 }
 
-/// Measured and simulated harmonics of a result, units in the header.
-#[utoipa::path(
-    get, path = "/v1/jobs/{id}/comparison.csv", tag = "jobs", operation_id = "get_comparison_csv",
-    params(
-        ("id" = String, Path, description = "Id of the job"),
-        ("If-None-Match" = Option<String>, Header, description = "`ETag` of an earlier answer"),
-    ),
-    responses(
-        (status = 200, body = String, content_type = "text/csv"),
-        (status = 304, description = "The table is what `If-None-Match` names"),
-        (status = "4XX", body = Problem, content_type = "application/problem+json"),
-    )
-)]
-pub(super) async fn comparison_csv(
-    State(service): State<Service>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    Ok(cached::answer(&headers, CSV, service.comparison_csv(&id).await?, true))
+export! {
+    /// The parameters of a result, one row each with its interval and unit.
+    parameters_csv,
+    path: "/v1/jobs/{id}/parameters.csv",
+    tag: "jobs",
+    operation: "get_parameters_csv",
+    id: "Id of the job",
+    service: parameters_csv -> CSV,
+    body: String as "text/csv",
+    unchanged: "The table is what `If-None-Match` names"
+}
+
+export! {
+    /// Measured and simulated harmonics of a result, units in the header.
+    comparison_csv,
+    path: "/v1/jobs/{id}/comparison.csv",
+    tag: "jobs",
+    operation: "get_comparison_csv",
+    id: "Id of the job",
+    service: comparison_csv -> CSV,
+    body: String as "text/csv",
+    unchanged: "The table is what `If-None-Match` names"
 }

@@ -1,10 +1,12 @@
 //! What the base model misses, as a diagnosis names it.
 
-use servoscope_core::answers::{Candidate, Cause, Diagnosis, Gain, Identification};
+use servoscope_core::answers::{Cause, Diagnosis, Gain, Identification};
 
 use super::columns::{Side, align_points, table};
-use super::number::{digits, significant};
-use super::text::{flags, in_digits, section};
+use super::number::significant;
+use super::tables::{self, flags, in_digits};
+use super::text::section;
+use super::written::lines;
 
 /// Probability above which another digit says nothing.
 const ALL_BUT_CERTAIN: f64 = 0.999;
@@ -56,29 +58,7 @@ pub(super) fn held_out<'a>(gains: &[(String, &'a Gain)]) -> Vec<&'a str> {
 
 /// The error on data that neither a fit nor the choice of the causes has seen.
 fn gained(gains: &[(String, &Gain)]) -> Vec<String> {
-    let title = ["", "before", "after", "ratio", "95 % from", "to", "χ² each before", "after"];
-    let mut rows = vec![title.map(str::to_owned)];
-    rows.extend(gains.iter().map(|(name, gain)| {
-        let per_cent = |error: f64| format!("{} %", digits(100.0 * error, 3));
-        let each = |value: Option<f64>| value.map_or(String::new(), |v| digits(v, 3));
-        let [low, high] = gain.interval95.map(|end| digits(end, 3));
-        [
-            name.clone(),
-            per_cent(gain.heldout_nrmse_before),
-            per_cent(gain.heldout_nrmse_after),
-            digits(gain.ratio, 3),
-            low,
-            high,
-            each(gain.chi2_per_dof_before),
-            each(gain.chi2_per_dof_after),
-        ]
-    }));
-    for column in 1..title.len() {
-        align_points(rows.iter_mut().skip(1).map(|row| &mut row[column]));
-    }
-    let mut sides = [Side::Right; 8];
-    sides[0] = Side::Left;
-    let mut lines = table(sides, &rows);
+    let mut lines = lines(&tables::gains(gains));
     lines.extend(held_out(gains).into_iter().map(|text| format!("held out: {text}")));
     lines
 }
@@ -108,7 +88,8 @@ fn named(number: usize, cause: &Cause) -> Vec<String> {
         .collect();
     align_points(rows.iter_mut().map(|row| &mut row[1]));
     let (left, right) = (Side::Left, Side::Right);
-    let below = std::iter::once(explanation.clone()).chain(table([left, right, left, left], &rows));
+    let below =
+        std::iter::once(explanation.clone()).chain(table(&[left, right, left, left], &rows));
     lines.extend(below.map(|line| format!("   {line}")));
     if !equivalents.is_empty() {
         let others = equivalents.join(" or ");
@@ -128,53 +109,8 @@ pub(super) fn per_cent(probability: f64) -> String {
 
 /// The misfit of the base model above that with the causes.
 fn explained(base: &Identification, extended: &Identification, with: &str) -> Vec<String> {
-    let row = |name: &str, answer: &Identification| {
-        let fit = &answer.fit;
-        let number = |value: Option<f64>, count| value.map_or(String::new(), |v| digits(v, count));
-        [
-            name.to_owned(),
-            number(fit.chi2, 4),
-            fit.dof.to_string(),
-            number(fit.chi2_per_dof, 3),
-            format!("{} %", digits(100.0 * fit.nrmse, 3)),
-        ]
-    };
-    let title = ["", "χ²", "degrees of freedom", "each", "left of the response (NRMSE)"];
-    let mut rows = vec![title.map(str::to_owned), row("base model", base), row(with, extended)];
-    for column in [1, 3] {
-        align_points(rows.iter_mut().skip(1).map(|row| &mut row[column]));
-    }
-    let (left, right) = (Side::Left, Side::Right);
-    table([left, right, right, right, right], &rows)
-}
-
-/// Every effect that was tried. Where a fit was given up before it came to as
-/// little as the base model leaves, it has gained nothing.
-pub(super) fn tried(candidates: &[Candidate]) -> Vec<String> {
-    let measured = candidates.iter().any(|candidate| candidate.heldout_error.is_some());
-    let held_out = if measured { "held out" } else { "" };
-    let mut rows = vec![["effect", "Δχ²", "criterion", held_out, ""].map(str::to_owned)];
-    rows.extend(candidates.iter().map(|candidate| {
-        let Candidate { effect, delta_chi2, criterion, heldout_error, rejected, .. } = candidate;
-        let [gained, criterion] = match *delta_chi2 > 0.0 {
-            true => [format!("{delta_chi2:.1}"), format!("{criterion:.1}")],
-            false => ["none".to_owned(), String::new()],
-        };
-        let error = heldout_error.map_or(String::new(), |e| format!("{} %", digits(100.0 * e, 3)));
-        let what = rejected.clone().unwrap_or("named".to_owned());
-        [effect.clone(), gained, criterion, error, what]
-    }));
-    for column in [1, 3] {
-        align_points(rows.iter_mut().skip(1).map(|row| &mut row[column]));
-    }
-    let (left, right) = (Side::Left, Side::Right);
-    if measured {
-        return table([left, right, right, right, left], &rows);
-    }
-    let without =
-        |[effect, gained, criterion, _, what]: [String; 5]| [effect, gained, criterion, what];
-    let rows: Vec<[String; 4]> = rows.into_iter().map(without).collect();
-    table([left, right, right, left], &rows)
+    let models = [("base model", &base.fit), (with, &extended.fit)];
+    lines(&tables::misfit(models.into_iter()).arranged(&[0, 2, 3, 4, 1]))
 }
 
 #[cfg(test)]
@@ -266,13 +202,13 @@ mod tests {
 
     #[test]
     fn a_candidate_says_what_it_gains_and_why_it_is_no_cause() {
-        let text = tried(&sample::explained().candidates).join("\n");
+        let text = lines(&tables::tried(&sample::explained().candidates)).join("\n");
         assert_eq!(line(&text, "static_friction"), "static_friction  2131.9      632.2  named");
         assert!(line(&text, "stribeck").ends_with("static_friction explains the data better"));
         assert!(!text.contains("held out"), "{text}");
         let mut candidates = sample::explained().candidates;
         candidates[0].heldout_error = Some(0.0124);
-        let with_error = tried(&candidates).join("\n");
+        let with_error = lines(&tables::tried(&candidates)).join("\n");
         assert!(line(&with_error, "static_friction").contains("632.2    1.24 %  named"));
         let given_up = line(&text, "cogging").split_whitespace().collect::<Vec<_>>();
         assert_eq!(given_up[..3], ["cogging", "none", "it"]);

@@ -5,27 +5,26 @@
 pub(super) enum Side {
     Left,
     Right,
+    /// On the right, decimal points below each other.
+    Point,
 }
 
 /// Lines of a table, columns two spaces apart.
-pub(super) fn table<const COLUMNS: usize>(
-    sides: [Side; COLUMNS],
-    rows: &[[String; COLUMNS]],
-) -> Vec<String> {
-    let mut widths = [0; COLUMNS];
+pub(super) fn table(sides: &[Side], rows: &[impl AsRef<[String]>]) -> Vec<String> {
+    let mut widths = vec![0; sides.len()];
     for row in rows {
-        for (width, cell) in widths.iter_mut().zip(row) {
+        for (width, cell) in widths.iter_mut().zip(row.as_ref()) {
             *width = (*width).max(width_of(cell));
         }
     }
-    let line = |row: &[String; COLUMNS]| {
-        let cells = row.iter().zip(sides).zip(widths).map(|((cell, side), width)| match side {
+    let line = |row: &[String]| {
+        let cells = row.iter().zip(sides).zip(&widths).map(|((cell, side), &width)| match side {
             Side::Left => format!("{cell:<width$}"),
-            Side::Right => format!("{cell:>width$}"),
+            Side::Right | Side::Point => format!("{cell:>width$}"),
         });
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     };
-    rows.iter().map(line).collect()
+    rows.iter().map(|row| line(row.as_ref())).collect()
 }
 
 /// Makes the decimal points of numbers stand below each other: pads what is
@@ -51,7 +50,7 @@ mod tests {
     #[test]
     fn columns_are_as_wide_as_their_widest_cell() {
         let rows = [["a", "1"], ["χ²", "100"]].map(|row| row.map(str::to_owned));
-        assert_eq!(table([Side::Left, Side::Right], &rows), ["a     1", "χ²  100"]);
+        assert_eq!(table(&[Side::Left, Side::Right], &rows), ["a     1", "χ²  100"]);
     }
 
     #[test]
@@ -59,6 +58,6 @@ mod tests {
         let mut cells = ["-10.25", "7", "0.125"].map(str::to_owned);
         align_points(&mut cells);
         let rows = cells.map(|cell| [cell]);
-        assert_eq!(table([Side::Right], &rows), ["-10.25", "  7", "  0.125"]);
+        assert_eq!(table(&[Side::Right], &rows), ["-10.25", "  7", "  0.125"]);
     }
 }

@@ -1,14 +1,13 @@
 //! A diagnosis as plain text for a terminal.
 
-use servoscope_core::answers::{
-    Diagnosis, Discrepancy, NoiseSource, Pattern, ResidualGroup, Verdict,
-};
+use servoscope_core::answers::{Diagnosis, Discrepancy, NoiseSource, Pattern, Verdict};
 
-use super::causes::{self, tried, with_causes};
-use super::columns::{Side, align_points, table};
-use super::number::{digits, significant};
-use super::text::{identification, parameters, section};
+use super::causes::{self, with_causes};
+use super::columns::Side;
+use super::tables::{self, Cell, Column, Table};
+use super::text::{identification, section};
 use super::validation;
+use super::written::lines;
 
 /// Writes a diagnosis the way it is read: what it comes to and why, where the
 /// simulation is wrong, how both were judged, and the model: with the causes,
@@ -19,23 +18,23 @@ pub fn diagnosis(answer: &Diagnosis) -> String {
     let mut sections = vec![section(verdict(answer.verdict), vec![discrepancy.sentence.clone()])];
     sections.extend(causes::sections(answer));
     if !answer.limitations.is_empty() {
-        let lines = answer.limitations.iter().map(|text| format!("- {text}"));
-        sections.push(section("Limitations", lines.collect()));
+        let texts = answer.limitations.iter().map(|text| format!("- {text}"));
+        sections.push(section("Limitations", texts.collect()));
     }
     sections.extend(validation::of_second(answer));
     if !discrepancy.patterns.is_empty() {
         sections.push(section("Where it is wrong", patterns(&discrepancy.patterns)));
     }
-    sections.push(section("What is left", left(discrepancy, base.noise)));
-    sections.push(section("Is it noise?", tests(discrepancy)));
+    sections.push(section("What is left", lines(&left(discrepancy, base.noise))));
+    sections.push(section("Is it noise?", lines(&tables::tests(&discrepancy.tests))));
     if !answer.candidates.is_empty() {
-        sections.push(section("What was tried", tried(&answer.candidates)));
+        sections.push(section("What was tried", lines(&tables::tried(&answer.candidates))));
     }
     match extended {
         None => sections.push(format!("The base model\n\n{}", identification(base))),
         Some(extended) => {
             let title = "Parameters of the base model, which takes the causes for its own";
-            sections.push(section(title, parameters(&base.parameters)));
+            sections.push(section(title, lines(&tables::parameters(&base.parameters, ""))));
             let title = format!("The model {}", with_causes(&answer.causes));
             sections.push(format!("{title}\n\n{}", identification(extended)));
         }
@@ -61,54 +60,19 @@ fn patterns(patterns: &[Pattern]) -> Vec<String> {
 
 /// Residuals by magnitude and harmonic; by frequency and run, too, where it
 /// matters where they are.
-fn left(discrepancy: &Discrepancy, noise: NoiseSource) -> Vec<String> {
-    let unit = if noise == NoiseSource::Estimated { "of the rest" } else { "sigmas" };
-    let mut rows = vec![["by", "", "count", unit, "response", "relative"].map(str::to_owned)];
-    let axes = [
-        ("magnitude", &discrepancy.by_magnitude),
-        ("harmonic", &discrepancy.by_harmonic),
-        ("frequency, Hz", &discrepancy.by_frequency),
-        ("run", &discrepancy.by_run),
-    ];
-    let shown = if discrepancy.noise_like { 2 } else { axes.len() };
-    for (axis, groups) in axes.into_iter().take(shown) {
-        for (i, group) in groups.iter().enumerate() {
-            rows.push(row(if i == 0 { axis } else { "" }, group));
-        }
-    }
-    let (left, right) = (Side::Left, Side::Right);
-    align_points(rows.iter_mut().skip(1).map(|row| &mut row[3]));
-    table([left, left, right, right, right, right], &rows)
-}
-
-fn row(axis: &str, group: &ResidualGroup) -> [String; 6] {
-    let (from, to) = (significant(group.from, 3), significant(group.to, 3));
-    [
-        axis.to_owned(),
-        if from == to { from } else { format!("{from} to {to}") },
-        group.count.to_string(),
-        digits(group.rms_sigmas, 3),
-        digits(group.rms_response, 3),
-        format!("{} %", digits(100.0 * group.relative, 2)),
-    ]
-}
-
-fn tests(discrepancy: &Discrepancy) -> Vec<String> {
-    let mut rows = vec![["test", "p", "", "meaning"].map(str::to_owned)];
-    rows.extend(discrepancy.tests.iter().map(|test| {
-        let p_value = match test.p_value {
-            None => String::new(),
-            Some(p) if p < 1e-6 => "< 1e-6".to_owned(),
-            Some(p) => significant(p, 2),
-        };
-        let mark = match (test.p_value, test.passed) {
-            (None, _) => "",
-            (_, true) => "passed",
-            (_, false) => "FAILED",
-        };
-        [test.name.clone(), p_value, mark.to_owned(), test.explanation.clone()]
-    }));
-    table([Side::Left, Side::Right, Side::Left, Side::Left], &rows)
+fn left(discrepancy: &Discrepancy, noise: NoiseSource) -> Table {
+    let tables = tables::residuals(discrepancy, noise);
+    let columns = &tables[0].1.columns;
+    let by = Column { heading: "by", side: Side::Left, on_page: None };
+    let columns = std::iter::once(by).chain(columns.iter().copied()).collect();
+    let shown = if discrepancy.noise_like { 2 } else { tables.len() };
+    let rows = tables.into_iter().take(shown).flat_map(|(axis, table)| {
+        table.rows.into_iter().enumerate().map(move |(index, row)| {
+            let axis = if index == 0 { axis } else { "" };
+            std::iter::once(Cell::Words(axis.to_owned())).chain(row).collect()
+        })
+    });
+    Table { columns, rows: rows.collect() }
 }
 
 #[cfg(test)]

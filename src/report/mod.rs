@@ -6,8 +6,10 @@ mod diagnosis;
 pub mod figures;
 mod number;
 pub mod page;
+mod tables;
 mod text;
 mod validation;
+mod written;
 
 use servoscope_core::answers::Answer;
 

@@ -2,14 +2,14 @@
 
 use std::fmt::Write as _;
 
-use indexmap::IndexMap;
-
 use servoscope_core::answers::{
     Fit, Identification, NoiseSource, OrderChoice, ParameterEstimate, Stage, TransferFunction,
 };
 
-use super::columns::{Side, align_points, table};
-use super::number::{Rounding, digits, significant};
+use super::columns::{Side, table};
+use super::number::{Rounding, significant};
+use super::tables;
+use super::written::lines;
 
 /// Writes an identification the way it is read: whether the model can be
 /// trusted, what to mind, what was found, and how.
@@ -19,7 +19,8 @@ pub fn identification(answer: &Identification) -> String {
         let lines = answer.limitations.iter().map(|text| format!("- {text}"));
         sections.push(section("Limitations", lines.collect()));
     }
-    sections.push(section("Parameters", parameters(&answer.parameters)));
+    let parameters = tables::parameters(&answer.parameters, "");
+    sections.push(section("Parameters", lines(&parameters)));
     sections.push(section("Transfer function", transfer_function(answer)));
     if let Some(choice) = &answer.order_choice {
         sections.push(section("Actuator order", order(choice, answer)));
@@ -73,53 +74,7 @@ fn fit(answer: &Identification) -> Vec<String> {
         let text = format!("{chi2} over {dof} degrees of freedom, {each} each");
         rows.insert(1, ["χ²".to_owned(), text]);
     }
-    table([Side::Left, Side::Left], &rows)
-}
-
-/// A table of parameters.
-pub(super) fn parameters(parameters: &IndexMap<String, ParameterEstimate>) -> Vec<String> {
-    let mut rows: Vec<[String; 7]> = parameters
-        .iter()
-        .map(|(name, estimate)| {
-            let ParameterEstimate { value, std, interval95, unit, .. } = estimate;
-            let write = |number: f64| in_digits(estimate, number);
-            let [low, high] = interval95.map_or_else(Default::default, |ends| ends.map(write));
-            [
-                name.clone(),
-                value.map_or("unknown".to_owned(), write),
-                std.map_or(String::new(), write),
-                low,
-                high,
-                unit.clone(),
-                flags(estimate).to_owned(),
-            ]
-        })
-        .collect();
-    for column in 1..=4 {
-        align_points(rows.iter_mut().map(|row| &mut row[column]));
-    }
-    rows.insert(0, ["", "value", "std", "95 % from", "to", "unit", ""].map(str::to_owned));
-    let (left, right) = (Side::Left, Side::Right);
-    table([left, right, right, right, right, left, left], &rows)
-}
-
-/// A number with the digits that the estimate's deviation leaves it.
-pub(super) fn in_digits(estimate: &ParameterEstimate, number: f64) -> String {
-    let known = estimate.value.zip(estimate.std);
-    match known.and_then(|(value, std)| Rounding::of(value, std)) {
-        Some(rounding) => rounding.write(number),
-        None => significant(number, 6),
-    }
-}
-
-/// What to mind of an estimate.
-pub(super) fn flags(estimate: &ParameterEstimate) -> &'static str {
-    match (estimate.identifiable, estimate.at_bound) {
-        (true, false) => "",
-        (true, true) => "at the bound of what is possible",
-        (false, false) => "not determined by this data",
-        (false, true) => "not determined by this data, at the bound of what is possible",
-    }
+    table(&[Side::Left, Side::Left], &rows)
 }
 
 /// Digits that the coefficients of the transfer function deserve.
@@ -145,19 +100,8 @@ fn transfer_function(answer: &Identification) -> Vec<String> {
 }
 
 fn order(choice: &OrderChoice, answer: &Identification) -> Vec<String> {
-    let mut rows =
-        vec![["order", cost_name(&answer.fit), "parameters", "criterion"].map(str::to_owned)];
-    rows.extend(choice.candidates.iter().map(|candidate| {
-        [
-            candidate.actuator_order.to_string(),
-            digits(candidate.chi2, 4),
-            candidate.parameters.to_string(),
-            digits(candidate.criterion, 4),
-        ]
-    }));
-    let mut lines = vec![choice.explanation.clone()];
-    lines.extend(table([Side::Right; 4], &rows));
-    lines
+    let tried = lines(&tables::orders(choice, &answer.fit));
+    std::iter::once(choice.explanation.clone()).chain(tried).collect()
 }
 
 /// The stages of the model that is reported, with their names in words, and
@@ -175,30 +119,13 @@ pub(super) fn stages(answer: &Identification) -> (Vec<(String, &Stage)>, Vec<&St
 
 fn stage_lines(answer: &Identification) -> Vec<String> {
     let (of_chosen, others) = stages(answer);
-    let mut rows =
-        vec![["", cost_name(&answer.fit), "evaluations", "seconds", "ended"].map(str::to_owned)];
-    rows.extend(of_chosen.into_iter().map(|(name, stage)| {
-        [
-            name,
-            digits(stage.cost, 4),
-            stage.evaluations.to_string(),
-            format!("{:.2}", stage.seconds),
-            stage.stop_reason.clone(),
-        ]
-    }));
-    let (left, right) = (Side::Left, Side::Right);
-    let mut lines = table([left, right, right, right, left], &rows);
+    let mut lines = lines(&tables::stages(&of_chosen, &answer.fit));
     if !others.is_empty() {
         let evaluations: u64 = others.iter().map(|stage| stage.evaluations).sum();
         let seconds: f64 = others.iter().map(|stage| stage.seconds).sum();
         lines.push(format!("the other orders: {evaluations} evaluations, {seconds:.2} s"));
     }
     lines
-}
-
-/// What the cost is: χ² where the noise is known.
-pub(super) fn cost_name(fit: &Fit) -> &'static str {
-    if fit.chi2.is_some() { "χ²" } else { "cost" }
 }
 
 /// A polynomial in s from its coefficients, highest power first.

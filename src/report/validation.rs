@@ -67,7 +67,7 @@ fn figures(answer: &Validation) -> Vec<String> {
         align_points(rows.iter_mut().skip(1).map(|row| &mut row[column]));
     }
     let (left, right) = (Side::Left, Side::Right);
-    let mut lines = table([left, right, right, right, right], &rows);
+    let mut lines = table(&[left, right, right, right, right], &rows);
     if let Some(gain) = &answer.gain {
         let [low, high] = gain.interval95.map(|end| digits(end, 3));
         let ratio = digits(gain.ratio, 3);

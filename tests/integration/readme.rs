@@ -1,5 +1,6 @@
 //! What the README tells a reader to type.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
@@ -94,6 +95,18 @@ fn every_flag_and_subcommand_is_one_of_the_program() {
         count += 1;
     }
     assert!(count > 4, "the README shows only {count} commands");
+}
+
+#[test]
+fn every_setting_of_the_server_has_its_row_and_no_row_has_another() {
+    let text = readme();
+    let table = text.split("\n| setting | meaning |\n").nth(1).unwrap();
+    let rows = table.lines().skip(1).take_while(|line| line.starts_with("| "));
+    let cells = rows.map(|row| row.split('|').nth(1).unwrap().trim());
+    let listed: BTreeSet<&str> =
+        cells.flat_map(|cell| cell.split(", ")).map(|name| name.trim_matches('`')).collect();
+    let entries = servoscope::config::Settings::default().entries();
+    assert_eq!(listed, entries.into_iter().map(|(name, _)| name).collect());
 }
 
 #[test]

@@ -1,13 +1,13 @@
 //! What the simulation misses.
 
 use maud::{Markup, html};
-use servoscope_core::answers::{Cause, ParameterEstimate, Verdict};
+use servoscope_core::answers::{Cause, Verdict};
 
 use crate::report::causes::per_cent;
-use crate::report::text::{flags, in_digits};
+use crate::report::tables;
 
-use super::table::{Cell, table};
-use super::words::{confidence, effect, list, parameter, sentence};
+use super::described::described;
+use super::words::{confidence, effect, list, sentence};
 use super::{Content, Section};
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
@@ -45,7 +45,7 @@ fn article(cause: &Cause) -> Markup {
                 strong { (per_cent(*probability)) } " — " (confidence(*probability))
             }
             p { (sentence(explanation)) }
-            (estimates(parameters.iter(), |name| parameter(&format!("{id}.{name}"))))
+            (described("", &tables::parameters(parameters, &format!("{id}.")), &[]))
             @if !cause.equivalents.is_empty() {
                 p {
                     "This measurement cannot tell it from "
@@ -54,25 +54,4 @@ fn article(cause: &Cause) -> Markup {
             }
         }
     }
-}
-
-/// A table of parameters, with what `name` makes of their ids.
-pub(super) fn estimates<'a>(
-    parameters: impl Iterator<Item = (&'a String, &'a ParameterEstimate)>,
-    name: impl Fn(&str) -> Markup,
-) -> Markup {
-    let row = |(id, estimate): (&String, &ParameterEstimate)| {
-        let number = |value: f64| Cell::number(in_digits(estimate, value));
-        let optional = |value: Option<f64>| value.map_or_else(Cell::empty, number);
-        let [low, high] = match estimate.interval95 {
-            Some(ends) => ends.map(number),
-            None => [Cell::empty(), Cell::empty()],
-        };
-        let value = estimate.value.map_or_else(|| Cell::Number("unknown".into()), number);
-        let (unit, note) = (Cell::text(&estimate.unit), Cell::text(flags(estimate)));
-        vec![Cell::Text(name(id)), value, optional(estimate.std), low, high, unit, note]
-    };
-    let rows: Vec<Vec<Cell>> = parameters.map(row).collect();
-    let titles = ["Parameter", "value", "std", "95 % from", "to", "unit", ""];
-    table("", &titles, &rows)
 }

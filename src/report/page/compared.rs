@@ -4,10 +4,10 @@ use maud::{Markup, html};
 use servoscope_core::answers::{Gain, Identification};
 
 use crate::report::causes::{gains, held_out};
-use crate::report::number::digits;
+use crate::report::tables;
 
+use super::described::described;
 use super::figure::figure;
-use super::table::{Cell, table};
 use super::words::{number, per_cent, with_causes};
 use super::{Content, Section};
 
@@ -33,23 +33,10 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
 
 /// What both models leave of the data they were fitted to.
 fn misfit(base: &Identification, extended: Option<&Identification>, name: &str) -> Markup {
-    let row = |name: &str, answer: &Identification| {
-        let fit = &answer.fit;
-        let optional = |value: Option<f64>, count| {
-            value.map_or_else(Cell::empty, |value| Cell::plain(value, count))
-        };
-        vec![
-            Cell::text(name),
-            Cell::number(digits(100.0 * fit.nrmse, 3)),
-            optional(fit.chi2, 4),
-            Cell::number(fit.dof.to_string()),
-            optional(fit.chi2_per_dof, 3),
-        ]
-    };
-    let mut rows = vec![row("base model", base)];
-    rows.extend(extended.map(|extended| row(name, extended)));
-    let titles = ["Model", "left (NRMSE), %", "χ²", "degrees of freedom", "χ² for each"];
-    table("What is left of the data the models were fitted to", &titles, &rows)
+    let base = ("base model", &base.fit);
+    let models = std::iter::once(base).chain(extended.map(|extended| (name, &extended.fit)));
+    let caption = "What is left of the data the models were fitted to";
+    described(caption, &tables::misfit(models), &[])
 }
 
 pub(super) fn gain(content: &Content<'_>) -> Option<Section> {
@@ -69,7 +56,11 @@ pub(super) fn gain(content: &Content<'_>) -> Option<Section> {
     let body = html! {
         (body)
         @if !gains.is_empty() {
-            (rows(&gains))
+            (described(
+                "Error (NRMSE) of the base model and with the causes on what was held out",
+                &tables::gains(&gains),
+                &[],
+            ))
             @for heldout in held_out(&gains) { p { "Held out: " (heldout.trim_end_matches('.')) "." } }
         }
     };
@@ -89,32 +80,5 @@ fn said(gain: &Gain) -> String {
     format!(
         "On data that neither a fit nor the choice of the cause has seen, the error {verb} from \
          {before} to {after} of the response, by a factor of {ratio} (95\u{a0}%: {low} to {high}){chance}."
-    )
-}
-
-fn rows(gains: &[(String, &Gain)]) -> Markup {
-    let row = |(name, gain): &(String, &Gain)| {
-        let [low, high] = gain.interval95.map(|end| Cell::number(digits(end, 3)));
-        let optional = |value: Option<f64>| {
-            value.map_or_else(Cell::empty, |value| Cell::number(digits(value, 3)))
-        };
-        vec![
-            Cell::text(name.replace('_', " ")),
-            Cell::number(digits(100.0 * gain.heldout_nrmse_before, 3)),
-            Cell::number(digits(100.0 * gain.heldout_nrmse_after, 3)),
-            Cell::number(digits(gain.ratio, 3)),
-            low,
-            high,
-            optional(gain.chi2_per_dof_before),
-            optional(gain.chi2_per_dof_after),
-        ]
-    };
-    let rows: Vec<Vec<Cell>> = gains.iter().map(row).collect();
-    let titles =
-        ["Model", "before, %", "after, %", "ratio", "95 % from", "to", "χ²/dof before", "after"];
-    table(
-        "Error (NRMSE) of the base model and with the causes on what was held out",
-        &titles,
-        &rows,
     )
 }

@@ -1,19 +1,15 @@
 //! Where the simulation departs from the measurement.
 
 use maud::{Markup, html};
-use servoscope_core::answers::{
-    Discrepancy, NoiseSource, Pattern, ResidualGroup, ResidualTest, Verdict,
-};
+use servoscope_core::answers::{Discrepancy, NoiseSource, Pattern, Verdict};
 
-use crate::report::number::{digits, significant};
+use crate::report::tables;
 
+use super::described::described;
 use super::figure::figure;
 use super::table::{Cell, table};
 use super::words::sentence;
 use super::{Content, Section};
-
-/// Probability below which another power of ten says nothing.
-const LEAST_P: f64 = 1e-6;
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let Some(answer) = content.answer.diagnosis() else { return fit(content) };
@@ -32,7 +28,7 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
         h3 { "Is it noise?" }
         p { "Each test holds what the model leaves against noise; " i { "p" } " is how often noise \
             alone looks as bad." }
-        (tests(&found.tests))
+        @if !found.tests.is_empty() { (described("", &tables::tests(&found.tests), &[])) }
         h3 { "What is left, part by part" }
         (left(found, answer.base.noise))
     };
@@ -66,38 +62,8 @@ fn patterns(patterns: &[Pattern]) -> Markup {
     html! { @if !rows.is_empty() { (table("Patterns, largest share of the misfit first", &titles, &rows)) } }
 }
 
-fn tests(tests: &[ResidualTest]) -> Markup {
-    let row = |test: &ResidualTest| {
-        let p_value = match test.p_value {
-            None => Cell::empty(),
-            Some(p) if p < LEAST_P => Cell::Number("< 10⁻⁶".into()),
-            Some(p) => Cell::number(significant(p, 2)),
-        };
-        let mark = match (test.p_value, test.passed) {
-            (None, _) => html! { "not tested" },
-            (_, true) => html! { "passed" },
-            (_, false) => html! { strong { "failed" } },
-        };
-        vec![
-            Cell::text(&test.name),
-            p_value,
-            Cell::Text(mark),
-            Cell::Sentence(sentence(&test.explanation)),
-        ]
-    };
-    let rows: Vec<Vec<Cell>> = tests.iter().map(row).collect();
-    html! { @if !rows.is_empty() { (table("", &["Test", "p", "", "What it says"], &rows)) } }
-}
-
 /// Residuals by what the measurement has several of.
 fn left(found: &Discrepancy, noise: NoiseSource) -> Markup {
-    let unit = if noise == NoiseSource::Estimated { "of the rest" } else { "sigmas" };
-    let axes = [
-        ("Magnitude", &found.by_magnitude),
-        ("Harmonic", &found.by_harmonic),
-        ("Frequency, Hz", &found.by_frequency),
-        ("Run", &found.by_run),
-    ];
     html! {
         p {
             @match noise {
@@ -112,25 +78,9 @@ fn left(found: &Discrepancy, noise: NoiseSource) -> Markup {
             }
         }
         div.columns {
-            @for (axis, groups) in axes {
-                @if !groups.is_empty() {
-                    (table("", &[axis, unit, "response", "relative, %"], &rows(groups)))
-                }
+            @for (_, by) in tables::residuals(found, noise) {
+                @if !by.rows.is_empty() { (described("", &by, &[])) }
             }
         }
     }
-}
-
-fn rows(groups: &[ResidualGroup]) -> Vec<Vec<Cell>> {
-    let row = |group: &ResidualGroup| {
-        let [from, to] = [group.from, group.to].map(|end| super::words::number(end, 3));
-        let range = if from == to { from } else { format!("{from} to {to}") };
-        vec![
-            Cell::text(range),
-            Cell::number(digits(group.rms_sigmas, 3)),
-            Cell::number(digits(group.rms_response, 3)),
-            Cell::number(digits(100.0 * group.relative, 2)),
-        ]
-    };
-    groups.iter().map(row).collect()
 }

@@ -7,6 +7,7 @@
 
 mod causes;
 mod compared;
+mod described;
 mod discrepancy;
 mod figure;
 mod head;

@@ -4,12 +4,12 @@ use maud::{Markup, html};
 use servoscope_core::answers::{Identification, OrderChoice};
 
 use crate::report::figures::Subject;
-use crate::report::text::{coefficient_digits, cost_name, stages};
+use crate::report::tables;
+use crate::report::text::{coefficient_digits, stages};
 
-use super::causes::estimates;
+use super::described::described;
 use super::figure::figure;
-use super::table::{Cell, table};
-use super::words::{number, parameter, sentence, with_causes};
+use super::words::{number, sentence, with_causes};
 use super::{Content, Section};
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
@@ -23,19 +23,23 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let body = html! {
         (transfer_function(answer.model()))
         @match answer.extended() {
-            None => (estimates(answer.base().parameters.iter(), parameter)),
+            None => (estimates(answer.base())),
             Some(extended) => {
                 h3 { "Parameters " (name) }
-                (estimates(extended.parameters.iter(), parameter))
+                (estimates(extended))
                 h3 { "Parameters of the base model" }
                 p { "Without the causes these parameters absorb what is missing." }
-                (estimates(answer.base().parameters.iter(), parameter))
+                (estimates(answer.base()))
             }
         }
         (figure("friction", &moved, "", "Friction of this model over velocity, and the range in \
             which the measurement moved."))
     };
     Section::new("model", "The model", body)
+}
+
+fn estimates(answer: &Identification) -> Markup {
+    described("", &tables::parameters(&answer.parameters, ""), &[])
 }
 
 fn transfer_function(answer: &Identification) -> Markup {
@@ -86,24 +90,13 @@ fn polynomial(coefficients: &[f64], digits: usize) -> Markup {
 pub(super) fn computed(content: &Content<'_>) -> Option<Section> {
     let model = content.answer.model();
     let (of_model, others) = stages(model);
-    let row = |(name, stage): &(String, &servoscope_core::answers::Stage)| {
-        vec![
-            Cell::text(name),
-            Cell::plain(stage.cost, 4),
-            Cell::number(stage.evaluations.to_string()),
-            Cell::number(format!("{:.2}", stage.seconds)),
-            Cell::text(&stage.stop_reason),
-        ]
-    };
-    let rows: Vec<Vec<Cell>> = of_model.iter().map(row).collect();
-    let titles = ["Stage", cost_name(&model.fit), "evaluations", "seconds", "ended"];
     let evaluations: u64 = others.iter().map(|stage| stage.evaluations).sum();
     let seconds: f64 = others.iter().map(|stage| stage.seconds).sum();
     let subject = content.subject("");
     let body = html! {
         @if let Some(choice) = &model.order_choice { (order(choice, model)) }
         h3 { "Stages" }
-        (table("", &titles, &rows))
+        (described("", &tables::stages(&of_model, &model.fit), &[]))
         @if !others.is_empty() {
             p.small { "The other orders of the actuator took " (evaluations) " evaluations and "
                 (format!("{seconds:.2}")) " s." }
@@ -114,20 +107,10 @@ pub(super) fn computed(content: &Content<'_>) -> Option<Section> {
 }
 
 fn order(choice: &OrderChoice, answer: &Identification) -> Markup {
-    let row = |candidate: &servoscope_core::answers::OrderCandidate| {
-        vec![
-            Cell::text(candidate.actuator_order.to_string()),
-            Cell::plain(candidate.chi2, 4),
-            Cell::number(candidate.parameters.to_string()),
-            Cell::plain(candidate.criterion, 4),
-        ]
-    };
-    let rows: Vec<Vec<Cell>> = choice.candidates.iter().map(row).collect();
-    let titles = ["Order", cost_name(&answer.fit), "parameters", "criterion"];
     html! {
         h3 { "Order of the actuator" }
         p { (sentence(&choice.explanation)) }
-        (table("", &titles, &rows))
+        (described("", &tables::orders(choice, &answer.fit), &[]))
     }
 }
 

@@ -18,6 +18,7 @@ mod fit_session;
 #[cfg(test)]
 mod fixtures;
 mod history;
+mod levenberg_marquardt;
 mod limitations;
 mod linear_least_squares;
 mod methods;

@@ -9,6 +9,7 @@ use crate::measurement::Complex;
 use crate::observer::Observer;
 use crate::simulate::{self, Counts, NoResponse, Response};
 
+use super::levenberg_marquardt::Linearisation;
 use super::noise::Weights;
 use super::parameters::{CONSTANT, Coordinates};
 use super::problem::{Prepared, Problem};
@@ -45,15 +46,6 @@ impl<'a> Misfit<'a> {
 
 /// Largest share of the experiments in which a model may lack a response (tuned).
 const LARGEST_UNANSWERED_SHARE: f64 = 0.1;
-
-/// Residuals and their Jacobian.
-pub(super) struct Linearisation {
-    /// (Ŷ − Y)/σ: real and imaginary part of each datum in turn, harmonic 0 with its real part
-    /// alone.
-    pub residuals: DVector<f64>,
-    /// One row for each residual, one column for each coordinate.
-    pub jacobian: DMatrix<f64>,
-}
 
 impl Misfit<'_> {
     /// Simulated value of every target, by experiment, in scale.

@@ -13,7 +13,8 @@
 
 use nalgebra::DVector;
 
-use super::objective::{Linearisation, Misfit};
+use super::levenberg_marquardt::Linearisation;
+use super::objective::Misfit;
 use super::parameters::Coordinates;
 use super::refine::{self, Patience};
 use super::search_settings::SearchSettings;

@@ -1,47 +1,40 @@
-//! Bounded Levenberg–Marquardt refinement.
-//!
-//! Levenberg's damping with Marquardt's scaling (1963, doi:10.1137/0111030) by the largest
-//! curvature so far (Moré 1978, doi:10.1007/BFb0067700). Coordinates on a bound that the gradient
-//! pushes outwards are held; steps are cut at the bounds.
+//! Refinement of a misfit's coordinates by Levenberg and Marquardt's method.
 
-use nalgebra::{DMatrix, DVector};
+use crate::simulate::NoResponse;
 
-use super::objective::{Linearisation, Misfit};
+use super::levenberg_marquardt::{self, LeastSquares, Linearisation};
+use super::objective::Misfit;
 
-/// When a refinement ends.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Patience {
-    /// Most steps.
-    pub steps: usize,
-    /// Most evaluations.
-    pub evaluations: u64,
-    /// Converged if a step lowers the cost by less than this share of cost + `negligible`.
-    pub cost_tolerance: f64,
-    /// Cost below which relative decreases do not matter: see `cost_tolerance`.
-    pub negligible: f64,
-}
+pub(super) use super::levenberg_marquardt::{Patience, Refined};
 
 /// To the accuracy of the arithmetic.
 pub(super) const THOROUGH: Patience =
     Patience { steps: 100, evaluations: u64::MAX, cost_tolerance: 1e-14, negligible: 0.0 };
 
-/// Converged if no coordinate moves by more than this (in logarithms or in units of the input).
-const STEP_TOLERANCE: f64 = 1e-11;
+/// Coordinates are logarithms and shares of input scales; an evaluation is a simulation of the
+/// whole measurement.
+impl LeastSquares for Misfit<'_> {
+    type Error = NoResponse;
 
-/// Longest step of any coordinate: a factor of e, or the largest input.
-const LONGEST_STEP: f64 = 1.0;
+    fn cost(&self, point: &[f64]) -> f64 {
+        Misfit::cost(self, point)
+    }
 
-/// Where refinement ended.
-#[derive(Debug, Clone)]
-pub(super) struct Refined {
-    /// The point.
-    pub point: Vec<f64>,
-    /// Its sum of squares.
-    pub cost: f64,
-    /// Number of simulations of the whole measurement.
-    pub evaluations: u64,
-    /// Why it ended.
-    pub stop: &'static str,
+    fn linearise(&self, point: &[f64]) -> Result<Linearisation, NoResponse> {
+        Misfit::linearise(self, point)
+    }
+
+    fn bounds(&self, coordinate: usize) -> [f64; 2] {
+        [self.coordinates.lower[coordinate], self.coordinates.upper[coordinate]]
+    }
+
+    fn clamp(&self, point: &mut [f64]) {
+        self.coordinates.clamp(point);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.observer.cancelled()
+    }
 }
 
 /// Refines a point; `on_step` receives the step number, the evaluations and the cost.
@@ -51,139 +44,12 @@ pub(super) fn refine(
     patience: Patience,
     on_step: &mut dyn FnMut(u64, u64, f64),
 ) -> Refined {
-    let coordinates = misfit.coordinates;
-    let mut point = start.to_vec();
-    coordinates.clamp(&mut point);
-    let mut evaluations = 1;
-    let Ok(mut here) = misfit.linearise(&point) else {
-        return Refined { point, cost: f64::INFINITY, evaluations, stop: "no response" };
-    };
-    let mut cost = here.residuals.norm_squared();
-    let mut scaling = DVector::from_element(point.len(), 0.0);
-    let mut damping = 1e-3;
-    on_step(0, evaluations, cost);
-    for step in 1..=patience.steps {
-        if misfit.observer.cancelled() {
-            return Refined { point, cost, evaluations, stop: "cancelled" };
-        }
-        // A step takes at least two evaluations: a trial, and the derivatives at the new point.
-        let spent = |evaluations: u64| evaluations + 2 > patience.evaluations;
-        let gradient = here.jacobian.tr_mul(&here.residuals);
-        let curvature = here.jacobian.tr_mul(&here.jacobian);
-        for i in 0..point.len() {
-            scaling[i] = curvature[(i, i)].max(scaling[i]).max(f64::MIN_POSITIVE);
-        }
-        let mut accepted = None;
-        while damping < 1e15 {
-            let trial = damped_step(misfit, &point, &gradient, &curvature, &scaling, damping);
-            let moved = trial.iter().zip(&point).map(|(t, p)| (t - p).abs()).fold(0.0, f64::max);
-            if moved <= f64::EPSILON {
-                break;
-            }
-            if spent(evaluations) {
-                return Refined { point, cost, evaluations, stop: "evaluation budget spent" };
-            }
-            evaluations += 1;
-            let trial_cost = misfit.cost(&trial);
-            if trial_cost < cost {
-                accepted = Some((trial, trial_cost, moved));
-                damping = (damping * 0.1).max(1e-12);
-                break;
-            }
-            damping *= if damping < 1e-6 { 100.0 } else { 5.0 };
-        }
-        let Some((trial, trial_cost, moved)) = accepted else {
-            return Refined { point, cost, evaluations, stop: "no further descent" };
-        };
-        let decrease = cost - trial_cost;
-        point = trial;
-        evaluations += 1;
-        match misfit.linearise(&point) {
-            Ok(linearisation) => here = linearisation,
-            Err(_) => return Refined { point, cost: trial_cost, evaluations, stop: "no response" },
-        }
-        let matters = patience.cost_tolerance * (cost + patience.negligible);
-        let converged = decrease <= matters || moved < STEP_TOLERANCE;
-        cost = trial_cost;
-        on_step(step as u64, evaluations, cost);
-        if converged {
-            return Refined { point, cost, evaluations, stop: "converged" };
-        }
-    }
-    Refined { point, cost, evaluations, stop: "step limit" }
-}
-
-/// The damped step within the bounds, with no coordinate moved by more than [`LONGEST_STEP`]. The
-/// coordinate that exceeds its limit most is set to the limit, and the others are solved for again.
-/// A coordinate that the data does not determine thus does not shorten the step of the others.
-fn damped_step(
-    misfit: &Misfit<'_>,
-    point: &[f64],
-    gradient: &DVector<f64>,
-    curvature: &DMatrix<f64>,
-    scaling: &DVector<f64>,
-    damping: f64,
-) -> Vec<f64> {
-    let coordinates = misfit.coordinates;
-    let limits = |i: usize| {
-        let least = (coordinates.lower[i] - point[i]).max(-LONGEST_STEP);
-        let most = (coordinates.upper[i] - point[i]).min(LONGEST_STEP);
-        [least, most]
-    };
-    let mut free = free_coordinates(misfit, point, gradient);
-    let mut step = DVector::zeros(point.len());
-    while !free.is_empty() {
-        let pushed = gradient + curvature * &step;
-        let right = DVector::from_fn(free.len(), |r, _| -pushed[free[r]]);
-        let mut system = curvature.select_rows(&free).select_columns(&free);
-        for (r, i) in free.iter().enumerate() {
-            system[(r, r)] += damping * scaling[*i];
-        }
-        let Some(factor) = system.cholesky() else { return point.to_vec() };
-        let found = factor.solve(&right);
-        let beyond = |r: usize| {
-            let [least, most] = limits(free[r]);
-            (least - found[r]).max(found[r] - most)
-        };
-        let worst = (0..free.len()).max_by(|a, b| beyond(*a).total_cmp(&beyond(*b)));
-        match worst.filter(|r| beyond(*r) > 0.0) {
-            Some(r) => {
-                let i = free.remove(r);
-                let [least, most] = limits(i);
-                step[i] = found[r].clamp(least, most);
-            }
-            None => {
-                free.iter().enumerate().for_each(|(r, i)| step[*i] = found[r]);
-                break;
-            }
-        }
-    }
-    let mut trial: Vec<f64> = point.iter().zip(&step).map(|(p, s)| p + s).collect();
-    coordinates.clamp(&mut trial);
-    trial
-}
-
-/// Indices of the coordinates that are not held: held ones lie on a bound that the gradient pushes
-/// them against.
-fn free_coordinates(misfit: &Misfit<'_>, point: &[f64], gradient: &DVector<f64>) -> Vec<usize> {
-    let coordinates = misfit.coordinates;
-    (0..point.len())
-        .filter(|i| {
-            let held_below = point[*i] <= coordinates.lower[*i] && gradient[*i] > 0.0;
-            let held_above = point[*i] >= coordinates.upper[*i] && gradient[*i] < 0.0;
-            !(held_below || held_above)
-        })
-        .collect()
+    levenberg_marquardt::minimise(misfit, start, patience, on_step)
 }
 
 /// Which coordinates are held by a bound at a refined point.
 pub(super) fn held(misfit: &Misfit<'_>, point: &[f64], here: &Linearisation) -> Vec<bool> {
-    let gradient = here.jacobian.tr_mul(&here.residuals);
-    let free = free_coordinates(misfit, point, &gradient);
-    let on_bound = |i: usize| {
-        point[i] <= misfit.coordinates.lower[i] || point[i] >= misfit.coordinates.upper[i]
-    };
-    (0..point.len()).map(|i| !free.contains(&i) || on_bound(i)).collect()
+    levenberg_marquardt::held(misfit, point, here)
 }
 
 #[cfg(test)]

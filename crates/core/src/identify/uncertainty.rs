@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use crate::effects;
 
-use super::objective::Linearisation;
+use super::levenberg_marquardt::Linearisation;
 use super::parameters::{Coordinate, Coordinates};
 
 /// A direction is undetermined if its singular value is below this share of the largest one: its

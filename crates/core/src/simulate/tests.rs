@@ -250,6 +250,7 @@ fn presliding_approaches_set_valued_friction_as_its_bristles_stiffen() {
 
 // A phase φ of the input shifts the response in time: Yₖ becomes Yₖ·exp(jkφ). The limiter never
 // follows its input here (rate·T/4 is a third of m or less), so that its output is a triangle.
+// Simulations are required to be accurate to 1e-6 of the largest response (contract, section 3).
 #[test]
 fn a_triangle_behind_a_slew_limit_is_shifted_with_the_phase_of_the_input() {
     let axis = plant(Actuator::Direct, Friction::coulomb(0.5, 0.4));
@@ -269,6 +270,6 @@ fn a_triangle_behind_a_slew_limit_is_shifted_with_the_phase_of_the_input() {
             .map(|(k, value)| value * Complex::from_polar(1.0, k as f64 * phase))
             .collect();
         let difference = largest_difference(&with_phase(phase), &expected);
-        assert!(difference < 1e-8, "phase {phase}: {difference:e}");
+        assert!(difference < 1e-6 * unshifted[1].norm(), "phase {phase}: {difference:e}");
     }
 }

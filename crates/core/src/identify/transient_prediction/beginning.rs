@@ -17,6 +17,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::identify::levenberg_marquardt::{LeastSquares, Linearisation, Patience, minimise};
 use crate::measurement::{ResponseKind, Transient};
 use crate::simulate;
 use crate::simulate::{InitialState, NoResponse, Quantity, Unknown};
@@ -44,8 +45,12 @@ const VELOCITY_TOLERANCE: f64 = 0.1;
 /// A moving start must also lower the sum by this share of the sum at rest (tuned).
 const LEAST_RELATIVE_GAIN: f64 = 0.05;
 
-/// Most Levenberg–Marquardt steps (tuned).
-const MOST_STEPS: usize = 12;
+/// When the least-squares fit ends (tuned): a beginning is not known more accurately than this.
+const PATIENCE: Patience =
+    Patience { steps: 12, evaluations: u64::MAX, cost_tolerance: 1e-6, negligible: 0.0 };
+
+/// Step of an unknown, in units of its size, for finite differences.
+const DIFFERENCE: f64 = 1e-5;
 
 /// Initial positions that are tried if the position acts on the motion (tuned).
 const POSITIONS_TRIED: usize = 12;
@@ -95,7 +100,7 @@ impl Model<'_> {
         let [rest_later, free_later] = later;
         let error = rest_later?.min(free_later?) / (size * size);
         search.error = error.max(SMALLEST_MODEL_ERROR) * independent;
-        let at_rest = search.cost(&still)?;
+        let at_rest = search.sum(&still)?;
         let best = search.best(vec![free.1])?;
         if best.0 > (1.0 - LEAST_RELATIVE_GAIN) * at_rest
             || at_rest - best.0 < LEAST_GAIN_IN_VARIANCES * search.error
@@ -239,7 +244,8 @@ impl Search<'_> {
         Ok(DVector::from_vec(all))
     }
 
-    fn cost(&self, point: &[f64]) -> Result<f64, NoResponse> {
+    /// The sum that is to be least.
+    fn sum(&self, point: &[f64]) -> Result<f64, NoResponse> {
         Ok(self.residuals(point)?.norm_squared())
     }
 
@@ -260,9 +266,9 @@ impl Search<'_> {
         for step in 0..POSITIONS_TRIED {
             let mut point = start.clone();
             point[position] = 2.0 * (step as f64 + 0.5) / POSITIONS_TRIED as f64 - 1.0;
-            tried.push((self.cost(&point)?, point));
+            tried.push((self.sum(&point)?, point));
         }
-        tried.push((self.cost(&start)?, start));
+        tried.push((self.sum(&start)?, start));
         tried.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(tried.into_iter().take(POSITIONS_REFINED).map(|(_, point)| point).collect())
     }
@@ -270,55 +276,35 @@ impl Search<'_> {
     /// The least sum, and its point, found by least squares from `starts`; rest is a candidate too.
     fn best(&self, starts: Vec<Vec<f64>>) -> Result<(f64, Vec<f64>), NoResponse> {
         let still = vec![0.0; self.unknowns.len()];
-        let mut best = (self.cost(&still)?, still);
+        let mut best = (self.sum(&still)?, still);
         for start in starts {
-            let found = self.least_squares(start)?;
-            if found.0 < best.0 {
-                best = found;
+            let found = minimise(self, &start, PATIENCE, &mut |_, _, _| ());
+            if found.cost < best.0 {
+                best = (found.cost, found.point);
             }
         }
         Ok(best)
     }
+}
 
-    /// Levenberg–Marquardt with forward differences.
-    fn least_squares(&self, start: Vec<f64>) -> Result<(f64, Vec<f64>), NoResponse> {
-        const DIFFERENCE: f64 = 1e-5;
-        let mut point = start;
-        let mut left = self.residuals(&point)?;
-        let mut damping = 1e-3;
-        for _ in 0..MOST_STEPS {
-            let mut jacobian = DMatrix::zeros(left.len(), point.len());
-            for column in 0..point.len() {
-                let mut moved = point.clone();
-                moved[column] += DIFFERENCE;
-                let change = (self.residuals(&moved)? - &left) / DIFFERENCE;
-                jacobian.set_column(column, &change);
-            }
-            let normal = jacobian.transpose() * &jacobian;
-            let slope = jacobian.transpose() * &left;
-            let mut improved = false;
-            while damping < 1e6 {
-                let mut damped = normal.clone();
-                for i in 0..point.len() {
-                    damped[(i, i)] += damping * normal[(i, i)].max(f64::MIN_POSITIVE);
-                }
-                let step = damped.lu().solve(&slope).unwrap_or_else(|| DVector::zeros(point.len()));
-                let next: Vec<f64> = point.iter().zip(step.iter()).map(|(x, s)| x - s).collect();
-                let tried = self.residuals(&next)?;
-                let gained = left.norm_squared() - tried.norm_squared();
-                if gained > 0.0 {
-                    improved = gained > 1e-6 * left.norm_squared();
-                    (point, left) = (next, tried);
-                    damping = (0.1 * damping).max(1e-9);
-                    break;
-                }
-                damping *= 10.0;
-            }
-            if !improved {
-                break;
-            }
+impl LeastSquares for Search<'_> {
+    type Error = NoResponse;
+
+    fn cost(&self, point: &[f64]) -> f64 {
+        self.sum(point).unwrap_or(f64::INFINITY)
+    }
+
+    /// Derivatives by differences.
+    fn linearise(&self, point: &[f64]) -> Result<Linearisation, NoResponse> {
+        let residuals = self.residuals(point)?;
+        let mut jacobian = DMatrix::zeros(residuals.len(), point.len());
+        for column in 0..point.len() {
+            let mut moved = point.to_vec();
+            moved[column] += DIFFERENCE;
+            let change = (self.residuals(&moved)? - &residuals) / DIFFERENCE;
+            jacobian.set_column(column, &change);
         }
-        Ok((left.norm_squared(), point))
+        Ok(Linearisation { residuals, jacobian })
     }
 }
 

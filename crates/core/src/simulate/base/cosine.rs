@@ -15,6 +15,7 @@ use crate::plant::Plant;
 
 use super::switching_times::{Motion, Phase, SwitchingTimes};
 use crate::simulate::response::NoResponse;
+use crate::simulate::signal::root_finding::newton;
 
 /// Dimensionless α = a/ω, and Coulomb (c) and static (s) levels divided by |T|.
 struct Normalised {
@@ -209,28 +210,20 @@ impl Normalised {
         };
         let start = start - shift;
         let turn = level.min(1.0).acos();
-        let mut low = start + (turn - start).rem_euclid(TAU);
-        let mut high = low + TAU - 2.0 * turn;
+        let low = start + (turn - start).rem_euclid(TAU);
+        let high = low + TAU - 2.0 * turn;
         let (sin, cos) = start.sin_cos();
         let at_start = self.steady(sin, cos);
-        let mut end = (start + PI).clamp(low + 0.1 * (high - low), high - 0.1 * (high - low));
-        for _ in 0..80 {
+        let first = (start + PI).clamp(low + 0.1 * (high - low), high - 0.1 * (high - low));
+        let falling = |end: f64| {
             let (sin, cos) = end.sin_cos();
             let lost = -(-self.alpha * (end - start)).exp_m1();
             let z = self.steady(sin, cos) - at_start * (1.0 - lost) - level * lost / self.alpha;
-            if z > 0.0 {
-                low = end;
-            } else {
-                high = end;
-            }
-            let newton = end - z / (cos - level - self.alpha * z);
-            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-            let step = (next - end).abs();
-            end = next;
-            if step < 1e-15 * end.abs().max(1.0) || high - low < 1e-15 * end.abs().max(1.0) {
-                break;
-            }
-        }
+            (-z, -(cos - level - self.alpha * z))
+        };
+        let end = newton([low, high], first, 80, falling, |step| {
+            step.length.min(step.bracket) < 1e-15 * step.to.abs().max(1.0)
+        });
         end + shift
     }
 }

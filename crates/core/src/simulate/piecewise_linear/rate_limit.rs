@@ -5,7 +5,8 @@
 
 use crate::plant::Scalar;
 
-use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic, bisect};
+use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic};
+use crate::simulate::signal::root_finding::bisect;
 
 /// Most periods until a limiter that never follows its input counts as settled.
 const MOST_PERIODS: usize = 400;

@@ -6,4 +6,5 @@ pub(super) mod exponential_integrator;
 pub(super) mod fourier;
 pub(super) mod grid;
 pub(super) mod piecewise_quintic;
+pub(super) mod root_finding;
 pub(super) mod samples;

@@ -11,6 +11,7 @@ use crate::plant::Scalar;
 
 use super::complex_dual::ComplexDual;
 use super::grid::Grid;
+use super::root_finding::{bisect, root};
 use super::samples::Samples;
 
 /// Coefficients of a quintic, lowest power first.
@@ -166,45 +167,6 @@ pub(crate) fn through<S: Scalar>(left: [S; 3], right: [S; 3]) -> Quintic<S> {
         slope * 7.0 - value * 15.0 - curvature,
         value * 6.0 - slope * 3.0 + curvature * 0.5,
     ]
-}
-
-/// The root of a function that is ≤ 0 at `low` and > 0 at `high`, by Newton's method, with
-/// bisection where a step leaves the bracket.
-pub(crate) fn root(
-    mut low: f64,
-    mut high: f64,
-    f: impl Fn(f64) -> f64,
-    slope: impl Fn(f64) -> f64,
-) -> f64 {
-    let mut u = 0.5 * (low + high);
-    for _ in 0..60 {
-        let value = f(u);
-        if value > 0.0 {
-            high = u
-        } else {
-            low = u
-        }
-        let newton = u - value / slope(u);
-        let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-        let moved = (next - u).abs();
-        u = next;
-        if moved <= 1e-13 {
-            break;
-        }
-    }
-    u
-}
-
-/// Bisections for the extremum of a quintic: the value there is then accurate to rounding.
-const BISECTIONS: usize = 26;
-
-/// The position from `low` on at which `holds` becomes false, by bisection; it is false at `high`.
-pub(crate) fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (low + high);
-        if holds(middle) { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }
 
 /// A periodic signal, or one over a time record.

@@ -2,7 +2,7 @@
 
 use super::{Anchor, AxisOnGrid, RELATIVE_ROUNDING};
 use crate::simulate::base::switching_times::Motion;
-use crate::simulate::signal::piecewise_quintic::{bisect, root};
+use crate::simulate::signal::root_finding::{bisect, newton, root};
 
 /// Newton's method stops after a step shorter than this share of the interval searched: the error
 /// left is of the order of the step squared.
@@ -137,26 +137,10 @@ impl AxisOnGrid<'_> {
 /// The time between `low` and `high` at which a signal rises through zero, by Newton's method from
 /// `first`. `rising` returns the signal and its rate; the tolerance is relative to `length_s`.
 fn rising_root(
-    [mut low, mut high]: [f64; 2],
+    [low, high]: [f64; 2],
     first: f64,
     length_s: f64,
     rising: impl Fn(f64) -> (f64, f64),
 ) -> f64 {
-    let mut time_s = first;
-    for _ in 0..60 {
-        let (value, rate) = rising(time_s);
-        if value >= 0.0 {
-            high = time_s;
-        } else {
-            low = time_s;
-        }
-        let newton = time_s - value / rate;
-        let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-        let moved = (next - time_s).abs();
-        time_s = next;
-        if moved <= NEWTON_TOLERANCE * length_s {
-            break;
-        }
-    }
-    time_s
+    newton([low, high], first, 60, rising, |step| step.length <= NEWTON_TOLERANCE * length_s)
 }

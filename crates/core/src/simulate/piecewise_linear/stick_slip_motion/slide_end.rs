@@ -4,9 +4,8 @@
 use crate::plant::Scalar;
 
 use crate::simulate::signal::exponential_integrator::ExponentialIntegrator;
-use crate::simulate::signal::piecewise_quintic::{
-    Cell, bisect, restricted, root, slope, through, value,
-};
+use crate::simulate::signal::piecewise_quintic::{Cell, restricted, slope, through, value};
+use crate::simulate::signal::root_finding::{bisect, root};
 
 /// A slide in one direction, in plain numbers.
 pub(crate) struct Sliding {

@@ -1,0 +1,279 @@
+//! Bounded nonlinear least squares by the Levenberg–Marquardt method.
+//!
+//! Levenberg's damping with Marquardt's scaling (1963, doi:10.1137/0111030) by the largest
+//! curvature so far (Moré 1978, doi:10.1007/BFb0067700). Coordinates on a bound that the gradient
+//! pushes outwards are held; steps are cut at the bounds.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Residuals and their Jacobian.
+pub(super) struct Linearisation {
+    /// Residuals; of a misfit (Ŷ − Y)/σ: real and imaginary part of each datum in turn, harmonic 0
+    /// with its real part alone.
+    pub residuals: DVector<f64>,
+    /// One row for each residual, one column for each coordinate.
+    pub jacobian: DMatrix<f64>,
+}
+
+/// A sum of squares to be minimised. Its coordinates are scaled so that 1 is the longest sensible
+/// step.
+pub(super) trait LeastSquares {
+    /// Why a point has no residuals.
+    type Error;
+
+    /// The sum of squares at a point; infinite where it has no residuals.
+    fn cost(&self, point: &[f64]) -> f64;
+
+    /// Residuals and their derivatives at a point.
+    fn linearise(&self, point: &[f64]) -> Result<Linearisation, Self::Error>;
+
+    /// Lower and upper bound of a coordinate.
+    fn bounds(&self, _coordinate: usize) -> [f64; 2] {
+        [f64::NEG_INFINITY, f64::INFINITY]
+    }
+
+    /// Moves a point onto the bounds it exceeds.
+    fn clamp(&self, point: &mut [f64]) {
+        for (i, value) in point.iter_mut().enumerate() {
+            let [least, most] = self.bounds(i);
+            *value = value.clamp(least, most);
+        }
+    }
+
+    /// Whether to stop before the next step.
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// When a refinement ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Patience {
+    /// Most steps.
+    pub steps: usize,
+    /// Most evaluations.
+    pub evaluations: u64,
+    /// Converged if a step lowers the cost by less than this share of cost + `negligible`.
+    pub cost_tolerance: f64,
+    /// Cost below which relative decreases do not matter: see `cost_tolerance`.
+    pub negligible: f64,
+}
+
+/// Converged if no coordinate moves by more than this.
+const STEP_TOLERANCE: f64 = 1e-11;
+
+/// Longest step of any coordinate.
+const LONGEST_STEP: f64 = 1.0;
+
+/// Where refinement ended.
+#[derive(Debug, Clone)]
+pub(super) struct Refined {
+    /// The point.
+    pub point: Vec<f64>,
+    /// Its sum of squares.
+    pub cost: f64,
+    /// Evaluations of the residuals, with or without their derivatives.
+    pub evaluations: u64,
+    /// Why it ended.
+    pub stop: &'static str,
+}
+
+/// Minimises from a point; `on_step` sees the step number, evaluations and cost.
+pub(super) fn minimise<P: LeastSquares>(
+    problem: &P,
+    start: &[f64],
+    patience: Patience,
+    on_step: &mut dyn FnMut(u64, u64, f64),
+) -> Refined {
+    let mut point = start.to_vec();
+    problem.clamp(&mut point);
+    let mut evaluations = 1;
+    let Ok(mut here) = problem.linearise(&point) else {
+        return Refined { point, cost: f64::INFINITY, evaluations, stop: "no response" };
+    };
+    let mut cost = here.residuals.norm_squared();
+    let mut scaling = DVector::from_element(point.len(), 0.0);
+    let mut damping = 1e-3;
+    on_step(0, evaluations, cost);
+    for step in 1..=patience.steps {
+        if problem.cancelled() {
+            return Refined { point, cost, evaluations, stop: "cancelled" };
+        }
+        // A step takes at least two evaluations: a trial, and the derivatives at the new point.
+        let spent = |evaluations: u64| evaluations + 2 > patience.evaluations;
+        let gradient = here.jacobian.tr_mul(&here.residuals);
+        let curvature = here.jacobian.tr_mul(&here.jacobian);
+        for i in 0..point.len() {
+            scaling[i] = curvature[(i, i)].max(scaling[i]).max(f64::MIN_POSITIVE);
+        }
+        let mut accepted = None;
+        while damping < 1e15 {
+            let trial = damped_step(problem, &point, &gradient, &curvature, &scaling, damping);
+            let moved = trial.iter().zip(&point).map(|(t, p)| (t - p).abs()).fold(0.0, f64::max);
+            if moved <= f64::EPSILON {
+                break;
+            }
+            if spent(evaluations) {
+                return Refined { point, cost, evaluations, stop: "evaluation budget spent" };
+            }
+            evaluations += 1;
+            let trial_cost = problem.cost(&trial);
+            if trial_cost < cost {
+                accepted = Some((trial, trial_cost, moved));
+                damping = (damping * 0.1).max(1e-12);
+                break;
+            }
+            damping *= if damping < 1e-6 { 100.0 } else { 5.0 };
+        }
+        let Some((trial, trial_cost, moved)) = accepted else {
+            return Refined { point, cost, evaluations, stop: "no further descent" };
+        };
+        let decrease = cost - trial_cost;
+        point = trial;
+        evaluations += 1;
+        match problem.linearise(&point) {
+            Ok(linearisation) => here = linearisation,
+            Err(_) => return Refined { point, cost: trial_cost, evaluations, stop: "no response" },
+        }
+        let matters = patience.cost_tolerance * (cost + patience.negligible);
+        let converged = decrease <= matters || moved < STEP_TOLERANCE;
+        cost = trial_cost;
+        on_step(step as u64, evaluations, cost);
+        if converged {
+            return Refined { point, cost, evaluations, stop: "converged" };
+        }
+    }
+    Refined { point, cost, evaluations, stop: "step limit" }
+}
+
+/// The damped step within the bounds, with no coordinate moved by more than [`LONGEST_STEP`]. The
+/// coordinate that exceeds its limit most is set to the limit, and the others are solved for again.
+/// A coordinate that the data does not determine thus does not shorten the step of the others.
+fn damped_step(
+    problem: &impl LeastSquares,
+    point: &[f64],
+    gradient: &DVector<f64>,
+    curvature: &DMatrix<f64>,
+    scaling: &DVector<f64>,
+    damping: f64,
+) -> Vec<f64> {
+    let limits = |i: usize| {
+        let [lower, upper] = problem.bounds(i);
+        [(lower - point[i]).max(-LONGEST_STEP), (upper - point[i]).min(LONGEST_STEP)]
+    };
+    let mut free = free_coordinates(problem, point, gradient);
+    let mut step = DVector::zeros(point.len());
+    while !free.is_empty() {
+        let pushed = gradient + curvature * &step;
+        let right = DVector::from_fn(free.len(), |r, _| -pushed[free[r]]);
+        let mut system = curvature.select_rows(&free).select_columns(&free);
+        for (r, i) in free.iter().enumerate() {
+            system[(r, r)] += damping * scaling[*i];
+        }
+        let Some(factor) = system.cholesky() else { return point.to_vec() };
+        let found = factor.solve(&right);
+        let beyond = |r: usize| {
+            let [least, most] = limits(free[r]);
+            (least - found[r]).max(found[r] - most)
+        };
+        let worst = (0..free.len()).max_by(|a, b| beyond(*a).total_cmp(&beyond(*b)));
+        match worst.filter(|r| beyond(*r) > 0.0) {
+            Some(r) => {
+                let i = free.remove(r);
+                let [least, most] = limits(i);
+                step[i] = found[r].clamp(least, most);
+            }
+            None => {
+                free.iter().enumerate().for_each(|(r, i)| step[*i] = found[r]);
+                break;
+            }
+        }
+    }
+    let mut trial: Vec<f64> = point.iter().zip(&step).map(|(p, s)| p + s).collect();
+    problem.clamp(&mut trial);
+    trial
+}
+
+/// Coordinates that are not held by a bound the cost pushes them against.
+fn free_coordinates(
+    problem: &impl LeastSquares,
+    point: &[f64],
+    gradient: &DVector<f64>,
+) -> Vec<usize> {
+    (0..point.len())
+        .filter(|i| {
+            let [lower, upper] = problem.bounds(*i);
+            let held_below = point[*i] <= lower && gradient[*i] > 0.0;
+            let held_above = point[*i] >= upper && gradient[*i] < 0.0;
+            !(held_below || held_above)
+        })
+        .collect()
+}
+
+/// Which coordinates are held by a bound at a point.
+pub(super) fn held(problem: &impl LeastSquares, point: &[f64], here: &Linearisation) -> Vec<bool> {
+    let gradient = here.jacobian.tr_mul(&here.residuals);
+    let free = free_coordinates(problem, point, &gradient);
+    let on_bound = |i: usize| {
+        let [lower, upper] = problem.bounds(i);
+        point[i] <= lower || point[i] >= upper
+    };
+    (0..point.len()).map(|i| !free.contains(&i) || on_bound(i)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PATIENCE: Patience =
+        Patience { steps: 100, evaluations: u64::MAX, cost_tolerance: 1e-14, negligible: 0.0 };
+
+    /// Rosenbrock's function as a sum of squares, 10(y − x²) and 1 − x: least at (1, 1). Its x
+    /// has an upper bound.
+    struct Rosenbrock(f64);
+
+    impl LeastSquares for Rosenbrock {
+        type Error = ();
+
+        fn cost(&self, point: &[f64]) -> f64 {
+            self.linearise(point).map_or(f64::INFINITY, |here| here.residuals.norm_squared())
+        }
+
+        fn linearise(&self, point: &[f64]) -> Result<Linearisation, ()> {
+            let [x, y] = [point[0], point[1]];
+            let residuals = DVector::from_vec(vec![10.0 * (y - x * x), 1.0 - x]);
+            let jacobian = DMatrix::from_row_slice(2, 2, &[-20.0 * x, 10.0, -1.0, 0.0]);
+            if x.is_finite() { Ok(Linearisation { residuals, jacobian }) } else { Err(()) }
+        }
+
+        fn bounds(&self, coordinate: usize) -> [f64; 2] {
+            [f64::NEG_INFINITY, if coordinate == 0 { self.0 } else { f64::INFINITY }]
+        }
+    }
+
+    fn minimum(problem: &Rosenbrock, start: [f64; 2]) -> Refined {
+        minimise(problem, &start, PATIENCE, &mut |_, _, _| ())
+    }
+
+    #[test]
+    fn a_curved_valley_is_followed_to_its_end() {
+        let found = minimum(&Rosenbrock(f64::INFINITY), [-1.2, 1.0]);
+        assert!(found.point.iter().all(|x| (x - 1.0).abs() < 1e-9), "{found:?}");
+    }
+
+    #[test]
+    fn a_bound_holds_its_coordinate_and_lets_the_others_go() {
+        let problem = Rosenbrock(0.5);
+        let found = minimum(&problem, [-1.2, 1.0]);
+        assert!(found.point[0] == 0.5 && (found.point[1] - 0.25).abs() < 1e-9, "{found:?}");
+        let here = problem.linearise(&found.point).unwrap();
+        assert_eq!(held(&problem, &found.point, &here), [true, false]);
+    }
+
+    #[test]
+    fn a_start_without_residuals_has_no_cost() {
+        let found = minimum(&Rosenbrock(f64::INFINITY), [f64::INFINITY, 0.0]);
+        assert_eq!((found.stop, found.evaluations), ("no response", 1));
+        assert_eq!(found.cost, f64::INFINITY);
+    }
+}

@@ -1,9 +1,9 @@
-//! Which effects the base model lacks: forward selection with backward elimination.
+//! Finds the effects that the base model lacks, by forward selection with backward elimination.
 //!
-//! Every effect is fitted together with the base model, from several starting points; then pairs and
-//! triples grow from the best. An effect stays only while the model without it, refitted, is worse by
-//! more than chance makes any effect of the library gain (`familywise_threshold`). Among the models
-//! of which that holds, the evidence decides (`evidence`, `models`).
+//! Every effect is fitted together with the base model, from several starting points. Pairs and
+//! triples are then grown from the best models. An effect counts only if the model without it,
+//! refitted, is worse by more than the family-wise threshold (`familywise_threshold`). Among models
+//! whose effects all count, the evidence decides (`evidence`, `models`).
 
 pub(super) mod fitter;
 mod frequency_scan;
@@ -28,29 +28,29 @@ use fitter::Fitter;
 use linearization::Linearization;
 use score_tests::{Changes, Probed};
 
-/// Shares of the first part: what every effect would change, and every effect alone.
+/// Spans of the progress bar: the score tests, and the fits of every effect alone.
 const PROBING: [f64; 2] = [0.0, 0.4];
 const CANDIDATES: [f64; 2] = [0.4, 1.0];
 
-/// Share of what is left of a search that adding one more effect takes: how often that
-/// will be done is not known.
+/// Share of the remaining progress bar that one round of adding an effect takes. The number of
+/// rounds is not known beforehand.
 const COMBINATIONS: f64 = 0.2;
 
-/// A search for what a session's base model lacks.
+/// A search for the effects that a session's base model lacks.
 pub(super) struct Search<'a> {
     session: &'a FitSession<'a>,
     seed: u64,
     breadth: SearchBreadth,
-    /// Everything that was fitted.
+    /// Every model that was fitted.
     pub models: Models,
-    /// What every effect changes beside the base model.
+    /// How every effect changes the response of the base model.
     changes: Vec<Changes>,
-    /// Models from which larger ones were grown.
+    /// Models to which a further effect was already added.
     grown: BTreeSet<Key>,
 }
 
 impl<'a> Search<'a> {
-    /// With every effect fitted alone.
+    /// Starts a search: fits every effect alone.
     pub fn new(
         session: &'a FitSession<'a>,
         part: Part<'_>,
@@ -81,9 +81,9 @@ impl<'a> Search<'a> {
         self.keep(fits);
     }
 
-    /// Fits pairs and triples, up to `most` effects, as long as `sufficient` does not hold
-    /// of the best model or an effect beside it promises something, and one more effect
-    /// `adds` to the model without it.
+    /// Fits pairs and triples, up to `most` effects. It ends when the best model is `sufficient` and
+    /// no further effect is promising, or when one more effect does not `add` to the model without
+    /// it.
     pub fn combine(
         &mut self,
         part: Part<'_>,
@@ -109,8 +109,8 @@ impl<'a> Search<'a> {
             if !grown {
                 break;
             }
-            // The best of the larger models is held against all that it contains,
-            // and a pair against its rivals in the place of each of its effects.
+            // The best larger model is compared with every model it contains, and a pair with the
+            // pairs in which one of its effects is replaced.
             if let Some(next) = self.models.ranked(size + 1).first().cloned() {
                 if let (Some(without), Some(with)) =
                     (self.models.get(&best), self.models.get(&next))
@@ -127,8 +127,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Fits models with one more effect than `from`, those that promise most, or where it
-    /// is not enough those that gain most; says whether there was any.
+    /// Fits models with one more effect than `from`: the most promising effects, or, if `from` is
+    /// not `enough`, those with the largest score. Returns whether there was any.
     fn grow(&mut self, from: &Key, enough: bool, part: &mut Remaining<'_>) -> bool {
         if part.0.cancelled() || !self.grown.insert(from.clone()) {
             return false;
@@ -152,8 +152,8 @@ impl<'a> Search<'a> {
         any
     }
 
-    /// Fits what a model is without each of its effects, where it was not yet or was worse than
-    /// the first steps from here.
+    /// Fits a model without each of its effects in turn, if that model was not fitted yet or the
+    /// first steps of a fit from here are already better.
     fn shrink(&mut self, from: &Key, part: Part<'_>) {
         let Some(model) = self.models.get(from) else { return };
         let fitter = self.fitter(part, from.len() - 1);
@@ -169,7 +169,7 @@ impl<'a> Search<'a> {
         self.keep(fits);
     }
 
-    /// Who fits effects beside so many others.
+    /// The settings for fits of an effect beside so many others.
     fn fitter<'p>(&self, part: Part<'p>, beside: usize) -> Fitter<'p>
     where
         'a: 'p,
@@ -180,8 +180,8 @@ impl<'a> Search<'a> {
         Fitter { session, part, noise_scale, starts, followed, patient }
     }
 
-    /// Whether an effect may gain more than chance; `scale` is the noise's variance in units of
-    /// the weights.
+    /// Whether an effect may gain more than the family-wise threshold; `scale` is the variance of
+    /// the noise in units of the weights.
     fn promises(&self, probed: &Probed, family: &FamilywiseThreshold, scale: f64) -> bool {
         let least = self.session.search().promising_share * family.limit(probed.effect.id());
         probed.promise() / scale > least
@@ -194,7 +194,7 @@ impl<'a> Search<'a> {
         fits.into_iter().for_each(|scored| self.models.keep(scored));
     }
 
-    /// What every effect of the library changes that can be tested.
+    /// How each testable effect of the library changes the response.
     fn changes(&self, linearization: &Linearization, part: Part<'_>) -> Vec<Changes> {
         let (session, base) = (self.session, &linearization.model);
         let testable = |effect: &&&'static dyn Effect| {
@@ -211,7 +211,7 @@ impl<'a> Search<'a> {
         effects.into_par_iter().filter(|_| !part.cancelled()).map(changes).collect()
     }
 
-    /// Probes of every effect that the model lacks and can have.
+    /// Score tests of every effect that can be added to the model.
     fn probe(&self, linearization: &Linearization, part: Part<'_>) -> Vec<Probed> {
         let (own, session) = (linearization.model.effects(), self.session);
         let lacks = |changes: &&Changes| {
@@ -225,7 +225,8 @@ impl<'a> Search<'a> {
             .into_par_iter()
             .filter(|_| !part.cancelled())
             .map(|changes| match settles && changes.effect.search().forces_zero_mean {
-                // Half of what it changes beside the base model is there already.
+                // The model has an effect that forces a zero mean already, so the change beside
+                // the base model, which includes that, does not apply.
                 true => Changes::of(session, linearization, changes.effect)
                     .probe(session, linearization),
                 false => changes.probe(session, linearization),
@@ -239,11 +240,11 @@ impl<'a> Search<'a> {
     }
 }
 
-/// What is left of a part whose steps are not counted beforehand.
+/// The rest of a span of the progress bar whose number of steps is not known beforehand.
 struct Remaining<'a>(Part<'a>);
 
 impl<'a> Remaining<'a> {
-    /// Takes a share of it.
+    /// Takes a share of the rest.
     fn take(&mut self, share: f64) -> Part<'a> {
         let taken = self.0.part([0.0, share]);
         self.0 = self.0.part([share, 1.0]);
@@ -269,7 +270,7 @@ mod tests {
         Search { session, seed: 1, breadth, models, changes, grown }
     }
 
-    // Settled costs are good to 1e-5.
+    // A settled cost is accurate to 1e-5.
     #[test]
     fn what_a_pair_is_without_one_effect_replaces_a_fit_of_the_other_alone_that_was_worse() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());

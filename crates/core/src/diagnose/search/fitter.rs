@@ -1,5 +1,8 @@
-//! Nonlinear fits of effects beside a model, from the starting points that the score tests rank
-//! highest.
+//! Nonlinear fits of effects added to a model, from the starting points that the score tests rank
+//! highest (multistart).
+//!
+//! All promising effects are fitted for a few steps from several starts. Only the best starts of the
+//! effects that may still win are then followed until they converge.
 
 use rayon::prelude::*;
 
@@ -11,34 +14,35 @@ use super::score_tests::{Probe, Probed};
 use crate::diagnose::progress::{Part, Stage};
 use crate::diagnose::selection::evidence::NoiseScale;
 
-/// Models that have a response, the best first.
+/// Sorts models by cost and drops those without a response.
 fn best_first(mut models: Vec<Model>) -> Vec<Model> {
     models.retain(|model| model.cost.is_finite());
     models.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     models
 }
 
-/// Who fits.
+/// Fits effects added to a model.
 pub(crate) struct Fitter<'a> {
-    /// Where.
+    /// The measurement and its base model.
     pub session: &'a FitSession<'a>,
-    /// Who may cancel.
+    /// Progress, and whether the search was cancelled.
     pub part: Part<'a>,
-    /// What a good fit is.
+    /// The scale of costs: when a fit explains the data.
     pub noise_scale: NoiseScale,
-    /// Starts that are tried of an effect that promises something.
+    /// Number of starts of a promising effect.
     pub starts: usize,
-    /// Of them, those that are followed to their end.
+    /// Number of them that are followed until they converge.
     pub followed: usize,
-    /// Whether an effect is followed to its end though little was gained so far, where
-    /// none explains the data.
+    /// Whether effects that gained little so far are followed, too, if no effect explains the data
+    /// alone.
     pub patient: bool,
 }
 
 impl Fitter<'_> {
-    /// Fits every effect beside those of `from`, from its probes. What promises
-    /// something is followed from several starts; once one explains the data, only what
-    /// may be mistaken for it or is as good so far is followed to the end.
+    /// Adds every effect to `from` and fits it from its probes. Promising effects are tried from
+    /// several starts. The best of them, the leader, is followed until it converges. If it explains
+    /// the data, only effects that are easily confused with it, or nearly as good so far, are
+    /// followed as well.
     pub fn fit(
         &self,
         from: &Model,
@@ -89,9 +93,9 @@ impl Fitter<'_> {
         fits
     }
 
-    /// The best that a fit comes to from aside, and from aside of that, where it leaves less than
-    /// `most` beyond noise and does not explain the data: perhaps it is of the right effect, in
-    /// the wrong valley.
+    /// The best fit reached by repeated restarts from displaced parameters. It applies to fits that
+    /// leave less than `most` of excess misfit but do not explain the data: they may have the right
+    /// effect in a wrong local minimum.
     fn out_of_valleys(&self, fit: &Model, most: f64) -> Option<Model> {
         let beyond = |model: &Model| self.noise_scale.beyond(model.cost);
         if beyond(fit) >= most || self.noise_scale.explains(fit.cost) {
@@ -104,8 +108,8 @@ impl Fitter<'_> {
         Some(further.unwrap_or(next))
     }
 
-    /// A fit again, from where one or two parameters of its last effect stand aside. Impacts and
-    /// limits divide the misfit into valleys, and a fit ends in the nearest.
+    /// Restarts a fit with one or two parameters of its last effect displaced. Impacts and limits
+    /// give the misfit many local minima, and a fit ends in the nearest.
     fn refit_from_aside(&self, fit: &Model) -> Option<Model> {
         let own = fit.parameters_of(fit.effects().len().checked_sub(1)?);
         let SearchSettings { restart_displacement, followed_restarts, .. } = *self.session.search();
@@ -127,8 +131,8 @@ impl Fitter<'_> {
         self.settled(best_first(tried), followed_restarts)
     }
 
-    /// A fit again, from where the best of its kin ended, if that fits better: what contains
-    /// another can do no worse, and what is contained may do as well.
+    /// Restarts a fit from the parameters of the best nested model, if that fits better: a model
+    /// that contains another can fit no worse, and the contained one may fit as well.
     fn refit_from_kin(&self, fit: &Model, kin: &[&Model]) -> Option<Model> {
         let own = *fit.effects().last()?;
         let is_kin = |other: &&&Model| other.effects().last().is_some_and(|o| are_nested(own, *o));
@@ -137,7 +141,7 @@ impl Fitter<'_> {
         self.settled(self.session.exchange(best, own).into(), self.followed)
     }
 
-    /// The first steps from an effect's probes, the best first.
+    /// Fits of a few steps from the probes of an effect, the best first.
     fn tried(&self, probed: &Probed, promising: bool) -> Vec<Model> {
         let (starts, effort) = match promising {
             true => (self.starts, FitAccuracy::Glance),
@@ -148,7 +152,7 @@ impl Fitter<'_> {
         best_first(tried)
     }
 
-    /// The best of what the first of these come to.
+    /// Follows the first of these models until they converge, and returns the best.
     fn settled(&self, mut tried: Vec<Model>, followed: usize) -> Option<Model> {
         tried.truncate(followed);
         let settled =
@@ -156,7 +160,7 @@ impl Fitter<'_> {
         best_first(settled).into_iter().next()
     }
 
-    /// A model, fitted; as it is once cancelled.
+    /// Fits a model; after a cancellation it is returned unchanged.
     pub fn refine(&self, model: &Model, effort: FitAccuracy) -> Model {
         match self.part.cancelled() {
             true => model.clone(),
@@ -173,7 +177,7 @@ mod tests {
     use crate::machines::draw::NoiseStatement;
     use crate::observer::Silent;
 
-    // What contains it must come to its cost at least; a settled cost is good to 1e-5.
+    // A model that contains another must reach its cost; a settled cost is accurate to 1e-5.
     #[test]
     fn play_that_fits_worse_than_the_joint_without_it_starts_again_from_there() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());

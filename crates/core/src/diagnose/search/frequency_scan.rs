@@ -1,8 +1,9 @@
-//! Fine frequency scans for effects whose misfit has many minima.
+//! Fine scans over a spatial frequency, for torques that are sinusoidal in the position.
 //!
-//! A torque that is sinusoidal in the position fits only where its spatial frequency is right to a
-//! radian over the travel. So a grid as fine as that is tried with first-order responses: those to the
-//! sine and the cosine at each spatial frequency, whose sizes follow from linear least squares.
+//! Such a torque fits only if its spatial frequency is right to about a radian over the travel: the
+//! misfit has a minimum for every radian. So a grid that fine is scanned. At each spatial frequency
+//! the first-order responses to the sine and the cosine are computed once, and their sizes follow
+//! from linear least squares.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -14,13 +15,13 @@ use super::linearization::Linearization;
 use super::score_tests::Tried;
 use crate::diagnose::residuals::subspace::Subspace;
 
-/// What the sine and the cosine of a pitch change, each of size 1.
+/// The change of the response by a sine and a cosine of size 1, at one spatial frequency.
 pub(crate) struct Pitch {
     pitch: f64,
     changes: DMatrix<f64>,
 }
 
-/// The changes of every pitch, beside the linearization's model.
+/// The changes at every spatial frequency, beside the linearization's model.
 pub(crate) fn pitches(
     session: &FitSession<'_>,
     linearization: &Linearization,
@@ -45,8 +46,8 @@ pub(crate) fn pitches(
         .collect()
 }
 
-/// Where the effect promises most at a linearization at which this is left, `most` places, and
-/// the span of every pitch.
+/// The `most` highest peaks of the gain over spatial frequency, given the residuals `left`, and the
+/// subspace of every spatial frequency.
 pub(crate) fn peaks(
     linearization: &Linearization,
     left: &DVector<f64>,

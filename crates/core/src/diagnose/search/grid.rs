@@ -1,12 +1,12 @@
-//! Starting points of an effect that names none of its own: a coarse grid over the likely ranges.
+//! A coarse grid over the likely ranges: the starting points of effects that list none of their own.
 
 use crate::effects::{Coordinate, Effect, Range};
 
-/// Shares of the way from where an effect vanishes to the end of its likely range, of
-/// an effect with one parameter, with two, and with more, whose others say its shape.
+/// Sizes of an effect on the grid, as shares of the way from where it vanishes to the end of its
+/// likely range: for effects with one, two, and more parameters. The other parameters set its shape.
 const SIZES: [&[f64]; 3] = [&[0.05, 0.2, 0.5, 0.8], &[0.15, 0.6], &[0.15]];
 
-/// Values to try, `most` at most: every combination of a few of each parameter.
+/// At most `most` points: all combinations of a few values of each parameter.
 pub(crate) fn of(effect: &dyn Effect, ranges: &[Range], most: usize) -> Vec<Vec<f64>> {
     let sizes = SIZES[ranges.len().min(SIZES.len()) - 1];
     let mut step = if ranges.len() == 1 { 4.0_f64 } else { 1.4 };
@@ -31,7 +31,7 @@ pub(crate) fn of(effect: &dyn Effect, ranges: &[Range], most: usize) -> Vec<Vec<
     }
 }
 
-/// A few values of one parameter; logarithms in steps of about this factor.
+/// A few values of one parameter; logarithmic ones are spaced by about the factor `step`.
 fn axis(coordinate: Coordinate, range: &Range, step: f64, sizes: &[f64]) -> Vec<f64> {
     let [low, high] = range.likely;
     let ends = || [low, high].into_iter();

@@ -1,4 +1,4 @@
-//! A fitted model, linearized: its residuals, and the subspace of what its parameters can take up.
+//! The linearization of a fitted model: its residuals, and the subspace that its parameters span.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,7 +6,7 @@ use crate::identify::{FitSession, Linear, Model};
 
 use crate::diagnose::residuals::subspace::Subspace;
 
-/// A fitted model, its prediction, and what its parameters can take up.
+/// A fitted model with its prediction, residuals and Jacobian.
 pub(crate) struct Linearization {
     /// The model.
     pub model: Model,
@@ -14,16 +14,16 @@ pub(crate) struct Linearization {
     pub prediction: DVector<f64>,
     /// (Y − Ŷ)/σ.
     pub residuals: DVector<f64>,
-    /// ∂Ŷ/∂p/σ by every parameter that no bound holds.
+    /// ∂Ŷ/∂p/σ, one column for each parameter that is not held at a bound.
     pub jacobian: DMatrix<f64>,
-    /// Its span.
+    /// The column space of the Jacobian: changes that the parameters can absorb.
     pub fitted: Subspace,
-    /// Which parameters the columns are of.
+    /// The parameters of the columns.
     free: Vec<usize>,
 }
 
 impl Linearization {
-    /// Of a fitted model; `None` where it has no response.
+    /// Linearizes a fitted model; `None` if it has no response.
     pub fn new(session: &FitSession<'_>, model: &Model) -> Option<Self> {
         let prediction = session.predict(model)?;
         let Linear { residuals, jacobian, held } = session.linearise(model)?;
@@ -33,7 +33,7 @@ impl Linearization {
         Some(Self { model: model.clone(), prediction, residuals, jacobian, fitted, free })
     }
 
-    /// Steps of the parameters that take up this, to first order.
+    /// Gauss–Newton steps of the parameters that absorb these residuals, by parameter.
     pub fn steps(&self, left: &DVector<f64>) -> Vec<(usize, f64)> {
         let normal = self.jacobian.tr_mul(&self.jacobian);
         let Some(factor) = normal.cholesky() else { return Vec::new() };
@@ -41,7 +41,7 @@ impl Linearization {
         self.free.iter().copied().zip(steps.iter().copied()).collect()
     }
 
-    /// Residuals less free parameters.
+    /// Degrees of freedom: residuals less free parameters, at least 1.
     pub fn dof(&self) -> f64 {
         (self.residuals.len() - self.fitted.dimension()).max(1) as f64
     }

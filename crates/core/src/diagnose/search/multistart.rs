@@ -1,5 +1,5 @@
-//! Multistart: effects of the chosen model that gain little, and those easily confused with them, are
-//! fitted again from further starting points, and the deepest minimum is kept.
+//! Multistart for the chosen model: its effects that gain little, and those easily confused with them,
+//! are fitted again from further starting points, and the lowest minimum is kept.
 
 use crate::effects;
 use crate::effects::Effect;
@@ -12,10 +12,10 @@ use crate::diagnose::progress::Part;
 use crate::diagnose::selection::models::Key;
 
 impl Search<'_> {
-    /// Fits again, from the starting points that were passed over, those effects of a model that
-    /// gain little and whose misfit has several minima, and the effects that may be confused with
-    /// them: the search may have missed the deepest minimum. An effect that gains much has no
-    /// rival that an overlooked minimum could hide, and is left alone.
+    /// Fits effects of a model again, from the starting points that were not used yet, if they gain
+    /// little and their misfit has several minima; and with them the effects that are easily
+    /// confused with them. The search may have missed the lowest minimum. An effect with a large
+    /// gain is left alone: no overlooked minimum of a rival could outweigh it.
     pub fn deepen(&mut self, chosen: &Key, part: Part<'_>) {
         let most = self.breadth.deepening_starts;
         let is_hidden = |effect: &&&'static dyn Effect| {

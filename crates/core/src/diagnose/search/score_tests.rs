@@ -1,14 +1,15 @@
-//! Score tests: what one more effect would explain, at many values of its parameters.
+//! Score tests: how much one more effect would explain, at many values of its parameters.
 //!
 //! Under the null hypothesis most parameters of an effect are not identified, and with large effects
-//! the misfit has several minima. So the response with the effect is computed on a grid over where its
-//! parameters are likely. The part of the change that the fitted parameters cannot take up is the
-//! direction in which the effect would show; its product with the residuals says how much it would
-//! explain (the score of Rao 1948, doi:10.1017/S0305004100023987, with a finite change in place of a
-//! derivative).
+//! the misfit has several minima. So the response with the effect is computed on a grid over the
+//! likely ranges of its parameters. The part of its change that the fitted parameters cannot absorb
+//! is the direction in which the effect would show. The product of that direction with the residuals
+//! is the score (Rao 1948, doi:10.1017/S0305004100023987), with a finite change in place of a
+//! derivative.
 //!
-//! An effect changes the response nearly alike beside other small effects: what was computed once
-//! serves for every model that it may be added to.
+//! An effect changes the response almost equally beside other small effects. The changes are
+//! therefore computed once, beside the base model, and used for every model that the effect is added
+//! to.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -22,7 +23,7 @@ use super::grid;
 use super::linearization::Linearization;
 use crate::diagnose::residuals::subspace::Subspace;
 
-/// What an effect changes, at many values of its parameters.
+/// How an effect changes the response, at many values of its parameters.
 pub(crate) struct Changes {
     /// The effect.
     pub effect: &'static dyn Effect,
@@ -31,41 +32,41 @@ pub(crate) struct Changes {
     pitches: Vec<Pitch>,
 }
 
-/// Values of an effect's parameters, and by how much they change Ŷ/σ.
+/// Values of an effect's parameters, and the change of Ŷ/σ by them.
 struct Place {
     values: Vec<f64>,
     change: DVector<f64>,
 }
 
-/// An effect with values of its parameters, tried at a linearization.
+/// A starting point of an effect, with its score.
 pub(crate) struct Probe {
-    /// Where a fit may start.
+    /// The model from which a fit may start.
     pub start: Model,
-    /// By how much it would lower χ².
+    /// Estimated decrease of χ².
     gain: f64,
 }
 
-/// What trying an effect at a linearization showed.
+/// The score tests of one effect at a linearization.
 pub(crate) struct Probed {
     /// The effect.
     pub effect: &'static dyn Effect,
-    /// Its probes, in the order in which fits start from them: that of the largest gain first.
+    /// Its starting points, in the order in which fits use them: the largest gain first.
     pub probes: Vec<Probe>,
-    /// The directions in which it would show around each place of its parameters.
+    /// For each point of the grid, the subspace of directions in which the effect would show nearby.
     pub spans: Vec<Subspace>,
-    /// The most that such directions take up of the residuals.
+    /// The largest share of χ² that one of these subspaces takes up.
     energy: f64,
 }
 
 impl Probed {
-    /// By how much the effect may lower χ².
+    /// The largest decrease of χ² that the effect may reach.
     pub fn promise(&self) -> f64 {
         self.probes.first().map_or(self.energy, |probe| probe.gain.max(self.energy))
     }
 }
 
 impl Changes {
-    /// Those of an effect beside the linearization's model.
+    /// The changes by an effect beside the linearization's model.
     pub fn of(
         session: &FitSession<'_>,
         linearization: &Linearization,
@@ -95,7 +96,7 @@ impl Changes {
         this
     }
 
-    /// Tries the effect at a linearization.
+    /// The score tests of the effect at a linearization.
     pub fn probe(&self, session: &FitSession<'_>, linearization: &Linearization) -> Probed {
         let Some(aim) = Aim::of(session, linearization, self.effect) else {
             let (probes, spans) = Default::default();
@@ -134,7 +135,7 @@ impl Changes {
         Probed { effect: self.effect, probes, spans, energy: energy - aim.price }
     }
 
-    /// A place, made as large as fits what is left best.
+    /// A point of the grid, scaled to the size that fits the residuals best.
     fn scaled(
         &self,
         place: &Place,
@@ -155,14 +156,14 @@ impl Changes {
     }
 }
 
-/// What an effect would have to explain at a linearization.
+/// The residuals that an effect would have to explain at a linearization.
 struct Aim {
-    /// What an effect changes however small it is: with one that settles, the mean of the
-    /// velocity becomes zero.
+    /// The change by the effect at size zero: an effect that forces a zero mean velocity changes
+    /// the response by that alone.
     balancing: DVector<f64>,
-    /// Residuals once that is so, less what the linearization's parameters take up.
+    /// The residuals after that change, less what the linearization's parameters absorb.
     left: DVector<f64>,
-    /// By how much they are larger for it, in χ².
+    /// The increase of χ² by that change.
     price: f64,
 }
 
@@ -177,7 +178,7 @@ impl Aim {
             let balancing = DVector::zeros(before.len());
             return Some(Self { balancing, left: before, price: 0.0 });
         }
-        // A ripple of no size only balances.
+        // A ripple of size zero does nothing but force the mean to zero.
         let ripple = ALL.iter().find(|effect| effect.is_scanned())?;
         let mut balanced = session.extend(&linearization.model, *ripple);
         let size = balanced.parameters_of(balanced.effects().len() - 1).start;
@@ -189,15 +190,16 @@ impl Aim {
     }
 }
 
-/// Values of an effect's parameters, what they change, and by how much that lowers χ².
+/// Values of an effect's parameters, the change by them, and the estimated decrease of χ².
 pub(crate) struct Tried {
     pub values: Vec<f64>,
     pub change: DVector<f64>,
     pub gain: f64,
 }
 
-/// Places by their gain, those first that show something else, beside what is `fitted`, than any
-/// of a larger gain: a fit from beside another ends where that one does.
+/// Orders points by their gain, but puts those first whose direction differs from all points of
+/// larger gain: two fits that start in the same direction usually end in the same minimum. Directions
+/// are compared outside the subspace `fitted`.
 fn different_first(
     mut start_points: Vec<Tried>,
     fitted: &Subspace,
@@ -220,8 +222,8 @@ fn different_first(
     different
 }
 
-/// The spans of each direction with its nearest: an effect with p parameters,
-/// refitted, follows noise in p directions around the best place.
+/// For each direction, the subspace of it and its nearest neighbours: refitting an effect with p
+/// parameters follows noise in p directions around the best point.
 fn neighbourhoods(
     directions: &[DVector<f64>],
     parameters: usize,
@@ -256,7 +258,7 @@ mod tests {
         let unit = |row: usize| DVector::from_fn(3, |i, _| if i == row { 1.0 } else { 0.0 });
         let fitted = Subspace::of(&DMatrix::from_columns(&[unit(0)]));
         let tried = |(change, gain)| Tried { values: Vec::new(), change, gain };
-        // Of the second, most is fitted; the rest shows what the first does.
+        // Most of the second change is absorbed; the rest has the direction of the first.
         let start_points =
             [(unit(1), 3.0), (unit(1) + 5.0 * unit(0), 2.0), (unit(2), 1.0)].map(tried);
         let found = different_first(start_points.into(), &fitted, &SearchSettings::default());

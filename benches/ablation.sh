@@ -1,7 +1,7 @@
 #!/bin/sh
 # Measures what halving and doubling each setting of the search does to the answers and to the
-# processor time, and prints the table of docs/search-settings.md. Arguments are beginnings of names
-# of settings, to measure those alone, and further options of `servoscope benchmark`:
+# processor time, and prints the table that docs/search-settings.md describes. Arguments are names
+# of settings, or their beginnings, to measure those alone, and options of `servoscope benchmark`:
 #
 #   benches/ablation.sh                          all settings, one draw a core
 #   benches/ablation.sh rival_share --jobs 1     one setting, one draw after the other

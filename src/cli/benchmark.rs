@@ -257,7 +257,7 @@ mod tests {
         args: Args,
     }
 
-    fn asked(line: &str) -> Result<Args, String> {
+    pub(super) fn asked(line: &str) -> Result<Args, String> {
         let words = std::iter::once("benchmark").chain(line.split_whitespace());
         Line::try_parse_from(words).map(|line| line.args).map_err(|error| error.to_string())
     }
@@ -277,15 +277,6 @@ mod tests {
         assert!(asked("--effects sprng").unwrap_err().contains("hardening_spring"));
         assert!(asked("--kinds none").unwrap_err().contains("outsider"));
         assert!(asked("--orders 3").is_err() && asked("--case spring").is_err());
-    }
-
-    #[test]
-    fn a_setting_that_does_not_exist_is_an_error_that_lists_those_that_do() {
-        let error = asked("--setting rivals=2").unwrap_err();
-        assert!(error.contains("`rivals` is no setting") && error.contains("rival_share"));
-        let listed =
-            ablation::listing(&asked("--setting rival_share=0.25").unwrap().settings().search);
-        assert!(listed.contains("rival_share=0.25\n") && listed.contains("glance_steps=4\n"));
     }
 
     #[test]

@@ -63,3 +63,27 @@ fn text(cases: &[Case], settings: &Settings, ablation: &Ablation, results: Vec<T
     let (made, of, seed) = (draws.len(), cases.len(), settings.seed);
     format!("{made} draws of {of}, seed {seed}\n\n{}{unmade}", ablation.table(&draws))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::asked;
+    use super::*;
+
+    #[test]
+    fn a_setting_that_does_not_exist_is_an_error_that_lists_those_that_do() {
+        let error = asked("--setting rivals=2").unwrap_err();
+        assert!(error.contains("`rivals` is no setting") && error.contains("rival_share"));
+        let listed = listing(&asked("--setting rival_share=0.25").unwrap().settings().search);
+        assert!(listed.contains("rival_share=0.25\n") && listed.contains("glance_steps=4\n"));
+    }
+
+    #[test]
+    fn an_ablation_is_of_all_settings_or_of_those_that_are_named() {
+        let named = |line: &str| asked(line).unwrap().ablation;
+        assert_eq!(named("--jobs 1"), None);
+        assert_eq!(named("--ablation"), Some(Vec::new()));
+        let two = Some(vec!["rival_share".to_owned(), "glance".to_owned()]);
+        assert_eq!(named("--ablation rival_share glance --jobs 1"), two);
+        assert_eq!(named("--ablation rival_share,glance"), two);
+    }
+}

@@ -1,8 +1,8 @@
 //! The tuned settings of the search: where fits start, how many are followed, and how far.
 //!
 //! None of them decides whether an effect is present. That is decided by significance levels and
-//! prior odds, which are constants beside the code that uses them. `docs/search-settings.md` lists
-//! what halving and doubling each setting does, and the command that measures it.
+//! prior odds, which are constants beside the code that uses them. `benches/ablation.sh` measures
+//! what halving and doubling each setting does; `docs/search-settings.md` describes it.
 
 use serde::{Deserialize, Serialize};
 

@@ -88,19 +88,19 @@ impl Form for Ripple {
         true
     }
 
-    fn extend(&self, [t, n, phase]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut TaylorSeries) {
-        let [sin, cos, rates] = &mut jet.kept;
-        rates[m] = m as f64 * n * jet.argument[m];
+    fn extend(&self, [t, n, phase]: &[f64; LAW_PARAMETERS], m: usize, series: &mut TaylorSeries) {
+        let [sin, cos, rates] = &mut series.kept;
+        rates[m] = m as f64 * n * series.argument[m];
         (sin[m], cos[m]) = match m {
-            0 => (n * jet.argument[0] + phase).sin_cos(),
+            0 => (n * series.argument[0] + phase).sin_cos(),
             _ => taylor_series::sin_cos(rates, sin, cos, m),
         };
-        jet.value[m] = t * sin[m];
-        jet.by_argument[m] = t * n * cos[m];
-        if jet.parameters_vary {
-            let by_cycles = t * taylor_series::product(cos, &jet.argument, m);
+        series.value[m] = t * sin[m];
+        series.by_argument[m] = t * n * cos[m];
+        if series.parameters_vary {
+            let by_cycles = t * taylor_series::product(cos, &series.argument, m);
             let all = [sin[m], by_cycles, t * cos[m]];
-            jet.by_parameter.iter_mut().zip(all).for_each(|(terms, term)| terms[m] = term);
+            series.by_parameter.iter_mut().zip(all).for_each(|(terms, term)| terms[m] = term);
         }
     }
 

@@ -57,16 +57,16 @@ impl Form for Hardening {
         true
     }
 
-    fn extend(&self, [k, k3, _]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut TaylorSeries) {
-        let position = jet.argument[m];
-        let [square, ..] = &mut jet.kept;
-        square[m] = taylor_series::product(&jet.argument, &jet.argument, m);
-        let cube = taylor_series::product(square, &jet.argument, m);
+    fn extend(&self, [k, k3, _]: &[f64; LAW_PARAMETERS], m: usize, series: &mut TaylorSeries) {
+        let position = series.argument[m];
+        let [square, ..] = &mut series.kept;
+        square[m] = taylor_series::product(&series.argument, &series.argument, m);
+        let cube = taylor_series::product(square, &series.argument, m);
         let linear = if m == 0 { *k } else { 0.0 };
-        jet.value[m] = k * position + k3 * cube;
-        jet.by_argument[m] = linear + 3.0 * k3 * square[m];
-        jet.by_parameter[0][m] = position;
-        jet.by_parameter[1][m] = cube;
+        series.value[m] = k * position + k3 * cube;
+        series.by_argument[m] = linear + 3.0 * k3 * square[m];
+        series.by_parameter[0][m] = position;
+        series.by_parameter[1][m] = cube;
     }
 
     fn contracts(&self) -> bool {

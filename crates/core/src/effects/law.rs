@@ -49,9 +49,9 @@ pub trait Form: Debug + Sync {
         false
     }
 
-    /// Computes coefficient `m` of every series of a jet from the coefficients up to `m` of the
-    /// argument and those below `m` of all series.
-    fn extend(&self, _parameters: &[f64; LAW_PARAMETERS], _m: usize, _jet: &mut TaylorSeries) {}
+    /// Computes coefficient `m` of the value and of every derivative, from the coefficients up to
+    /// `m` of the argument and those below `m` of all others.
+    fn extend(&self, _parameters: &[f64; LAW_PARAMETERS], _m: usize, _series: &mut TaylorSeries) {}
 
     /// Whether it is sinusoidal in θ; then its first parameters are amplitude and spatial
     /// frequency.
@@ -110,33 +110,33 @@ impl<S: Scalar> Law<S> {
     }
 
     /// Empty Taylor series of the law along a motion, for [`Self::term`].
-    pub fn jet(&self) -> TaylorSeries {
+    pub fn series(&self) -> TaylorSeries {
         let varies = |p: &S| (0..S::LANES).any(|lane| p.lane(lane) != 0.0);
         TaylorSeries::new(self.parameters.iter().any(varies))
     }
 
     /// Taylor coefficient `m` of the law along a motion. `argument(i)` is coefficient i ≤ m of θ if
-    /// the form uses θ, otherwise of v. The jet must hold the coefficients below `m` already.
+    /// the form uses θ, otherwise of v. The series must hold the coefficients below `m` already.
     ///
     /// The derivative of coefficient m is Σⱼ (∂f/∂x)ₘ₋ⱼ·xⱼ' + Σₚ (∂f/∂p)ₘ·p', where x is the
     /// argument, p a parameter, a prime the derivative along a lane, and j = 0 … m.
     #[inline]
-    pub fn term(&self, jet: &mut TaylorSeries, argument: impl Fn(usize) -> S, m: usize) -> S {
-        jet.argument[m] = argument(m).value();
-        self.form.extend(&self.values, m, jet);
+    pub fn term(&self, series: &mut TaylorSeries, argument: impl Fn(usize) -> S, m: usize) -> S {
+        series.argument[m] = argument(m).value();
+        self.form.extend(&self.values, m, series);
         let mut sum = S::constant(0.0);
         if S::LANES > 0 {
-            for (j, by) in jet.by_argument[..=m].iter().rev().enumerate() {
+            for (j, by) in series.by_argument[..=m].iter().rev().enumerate() {
                 sum += argument(j) * *by;
             }
-            if jet.parameters_vary {
-                for (by, parameter) in jet.by_parameter.iter().zip(&self.parameters) {
+            if series.parameters_vary {
+                for (by, parameter) in series.by_parameter.iter().zip(&self.parameters) {
                     sum += *parameter * by[m];
                 }
             }
         }
         // `sum` has the right derivatives, but its value is not the coefficient: replace it.
-        sum + (jet.value[m] - sum.value())
+        sum + (series.value[m] - sum.value())
     }
 
     /// The law at velocity v and position θ.

@@ -54,12 +54,12 @@ impl Form for Drag {
         true
     }
 
-    fn extend(&self, [c, ..]: &[f64; LAW_PARAMETERS], m: usize, jet: &mut TaylorSeries) {
-        let direction = jet.direction;
-        let square = direction * taylor_series::product(&jet.argument, &jet.argument, m);
-        jet.value[m] = c * square;
-        jet.by_argument[m] = 2.0 * c * direction * jet.argument[m];
-        jet.by_parameter[0][m] = square;
+    fn extend(&self, [c, ..]: &[f64; LAW_PARAMETERS], m: usize, series: &mut TaylorSeries) {
+        let direction = series.direction;
+        let square = direction * taylor_series::product(&series.argument, &series.argument, m);
+        series.value[m] = c * square;
+        series.by_argument[m] = 2.0 * c * direction * series.argument[m];
+        series.by_parameter[0][m] = square;
     }
 
     fn contracts(&self) -> bool {

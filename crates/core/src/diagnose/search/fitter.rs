@@ -81,14 +81,14 @@ impl Fitter<'_> {
         let mut fits: Vec<Model> = tried.into_par_iter().filter_map(follow).collect();
         fits.push(leader);
         let hopes = if self.patient && unexplained { hopeful_share } else { rival_share };
-        let counts = |kin: &&Model| from.cost - kin.cost > hopes * most;
-        let kin: Vec<&Model> = fits.iter().filter(counts).collect();
-        let again = |fit| self.refit_from_kin(fit, &kin);
+        let counts = |nested: &&Model| from.cost - nested.cost > hopes * most;
+        let nested: Vec<&Model> = fits.iter().filter(counts).collect();
+        let again = |fit| self.refit_from_nested(fit, &nested);
         let again: Vec<Model> = fits.par_iter().filter_map(again).collect();
         fits.extend(again);
         let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
         fits.extend(best.and_then(|best| {
-            self.out_of_valleys(&best, restart_remainder * self.noise_scale.beyond(from.cost))
+            self.leave_local_minimum(&best, restart_remainder * self.noise_scale.beyond(from.cost))
         }));
         fits
     }
@@ -96,21 +96,21 @@ impl Fitter<'_> {
     /// The best fit reached by repeated restarts from displaced parameters. It applies to fits that
     /// leave less than `most` of excess misfit but do not explain the data: they may have the right
     /// effect in a wrong local minimum.
-    fn out_of_valleys(&self, fit: &Model, most: f64) -> Option<Model> {
+    fn leave_local_minimum(&self, fit: &Model, most: f64) -> Option<Model> {
         let beyond = |model: &Model| self.noise_scale.beyond(model.cost);
         if beyond(fit) >= most || self.noise_scale.explains(fit.cost) {
             return None;
         }
-        let next = self.refit_from_aside(fit).filter(|next| next.cost < fit.cost)?;
+        let next = self.refit_displaced(fit).filter(|next| next.cost < fit.cost)?;
         let least = self.session.search().restart_improvement;
         let is_lower = beyond(&next) < (1.0 - least) * beyond(fit);
-        let further = is_lower.then(|| self.out_of_valleys(&next, most)).flatten();
+        let further = is_lower.then(|| self.leave_local_minimum(&next, most)).flatten();
         Some(further.unwrap_or(next))
     }
 
     /// Restarts a fit with one or two parameters of its last effect displaced. Impacts and limits
     /// give the misfit many local minima, and a fit ends in the nearest.
-    fn refit_from_aside(&self, fit: &Model) -> Option<Model> {
+    fn refit_displaced(&self, fit: &Model) -> Option<Model> {
         let own = fit.parameters_of(fit.effects().len().checked_sub(1)?);
         let SearchSettings { restart_displacement, followed_restarts, .. } = *self.session.search();
         let sides = own.flat_map(|i| [(i, -restart_displacement), (i, restart_displacement)]);
@@ -122,21 +122,23 @@ impl Fitter<'_> {
             others.map(|other| vec![*one, *other])
         });
         let shifted = |steps: Vec<(usize, f64)>| {
-            let mut aside = fit.clone();
-            aside.shift(steps.into_iter(), f64::INFINITY);
-            aside
+            let mut displaced = fit.clone();
+            displaced.shift(steps.into_iter(), f64::INFINITY);
+            displaced
         };
-        let aside: Vec<Model> = alone.chain(both).map(shifted).collect();
-        let tried = aside.par_iter().map(|model| self.refine(model, FitAccuracy::Glance)).collect();
+        let displaced: Vec<Model> = alone.chain(both).map(shifted).collect();
+        let tried =
+            displaced.par_iter().map(|model| self.refine(model, FitAccuracy::Glance)).collect();
         self.settled(best_first(tried), followed_restarts)
     }
 
     /// Restarts a fit from the parameters of the best nested model, if that fits better: a model
     /// that contains another can fit no worse, and the contained one may fit as well.
-    fn refit_from_kin(&self, fit: &Model, kin: &[&Model]) -> Option<Model> {
+    fn refit_from_nested(&self, fit: &Model, nested: &[&Model]) -> Option<Model> {
         let own = *fit.effects().last()?;
-        let is_kin = |other: &&&Model| other.effects().last().is_some_and(|o| are_nested(own, *o));
-        let better = kin.iter().filter(is_kin).filter(|other| other.cost < fit.cost);
+        let is_nested =
+            |other: &&&Model| other.effects().last().is_some_and(|o| are_nested(own, *o));
+        let better = nested.iter().filter(is_nested).filter(|other| other.cost < fit.cost);
         let best = better.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         self.settled(self.session.exchange(best, own).into(), self.followed)
     }
@@ -199,11 +201,11 @@ mod tests {
             model
         };
         let lost = costing(2.0 * joint.cost, "backlash");
-        let found = fitter.refit_from_kin(&lost, &[&joint]).unwrap();
+        let found = fitter.refit_from_nested(&lost, &[&joint]).unwrap();
         assert_eq!(found.effects()[0].id(), "backlash");
         assert!(found.cost < joint.cost * (1.0 + 1e-5), "{} {}", found.cost, joint.cost);
-        assert!(fitter.refit_from_kin(&joint, &[&lost]).is_none());
-        assert!(fitter.refit_from_kin(&costing(f64::MAX, "spring"), &[&joint]).is_none());
+        assert!(fitter.refit_from_nested(&joint, &[&lost]).is_none());
+        assert!(fitter.refit_from_nested(&costing(f64::MAX, "spring"), &[&joint]).is_none());
     }
 
     #[test]
@@ -218,12 +220,12 @@ mod tests {
         };
         let lag = session.extend(session.base(), find("sensor_lag").unwrap());
         let lag = fitter(1.0).refine(&lag, FitAccuracy::Brief);
-        assert!(fitter(1.0).out_of_valleys(&lag, 0.5 * lag.cost).is_none());
-        assert!(fitter(lag.cost).out_of_valleys(&lag, 2.0 * lag.cost).is_none());
+        assert!(fitter(1.0).leave_local_minimum(&lag, 0.5 * lag.cost).is_none());
+        assert!(fitter(lag.cost).leave_local_minimum(&lag, 2.0 * lag.cost).is_none());
         let mut astray = lag.clone();
         astray.set(lag.parameters_of(0).start, 5.0 * lag.value(lag.parameters_of(0).start));
         astray.cost = 10.0 * lag.cost;
-        let found = fitter(1.0).out_of_valleys(&astray, f64::INFINITY).unwrap();
+        let found = fitter(1.0).leave_local_minimum(&astray, f64::INFINITY).unwrap();
         assert!(found.cost < 1.01 * lag.cost, "{} {}", found.cost, lag.cost);
     }
 }

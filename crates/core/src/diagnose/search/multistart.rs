@@ -39,7 +39,7 @@ impl Search<'_> {
             for Probed { probes, .. } in &mut probed {
                 probes.drain(..tried.min(probes.len()));
             }
-            let stage = part.stage("valleys", probed.len());
+            let stage = part.stage("further starts", probed.len());
             let fitter = Fitter { starts: most, ..self.fitter(part, rest.len()) };
             let fits = fitter.fit(&linearization.model, &probed, |_| true, &stage);
             self.keep(fits);

@@ -23,7 +23,7 @@ const LARGEST_RIPPLE_ANGLE: f64 = 1.0;
 /// [`NoResponse::Endless`].
 pub(in super::super) fn follow(
     axis: &Axis,
-    wave: &PiecewiseQuintic<f64>,
+    forcing: &PiecewiseQuintic<f64>,
     initial: &InitialState,
     recorder: &mut Recorder,
 ) -> Result<(), NoResponse> {
@@ -32,10 +32,10 @@ pub(in super::super) fn follow(
         mechanics.balance = initial.balance.unwrap_or_else(|| mechanics.first_balance());
     }
     match mechanics.states {
-        1 => follow_states::<1>(axis, &mechanics, wave, initial, recorder),
-        2 => follow_states::<2>(axis, &mechanics, wave, initial, recorder),
-        3 => follow_states::<3>(axis, &mechanics, wave, initial, recorder),
-        _ => follow_states::<MOST_STATES>(axis, &mechanics, wave, initial, recorder),
+        1 => follow_states::<1>(axis, &mechanics, forcing, initial, recorder),
+        2 => follow_states::<2>(axis, &mechanics, forcing, initial, recorder),
+        3 => follow_states::<3>(axis, &mechanics, forcing, initial, recorder),
+        _ => follow_states::<MOST_STATES>(axis, &mechanics, forcing, initial, recorder),
     }
 }
 
@@ -44,23 +44,23 @@ pub(in super::super) fn follow(
 fn follow_states<const M: usize>(
     axis: &Axis,
     mechanics: &Mechanics<f64>,
-    wave: &PiecewiseQuintic<f64>,
+    forcing: &PiecewiseQuintic<f64>,
     initial: &InitialState,
     recorder: &mut Recorder,
 ) -> Result<(), NoResponse> {
-    let (least, most) = wave.range();
-    let start = mechanics.start::<M>(wave.cells[0].number(0.0), initial);
-    let mut sizes: [f64; M] = mechanics.sizes(least.abs().max(most.abs()), wave.period_s);
+    let (least, most) = forcing.range();
+    let start = mechanics.start::<M>(forcing.cells[0].number(0.0), initial);
+    let mut sizes: [f64; M] = mechanics.sizes(least.abs().max(most.abs()), forcing.period_s);
     for (size, value) in sizes.iter_mut().zip(&start) {
         *size = size.max(value.abs());
     }
-    let mut effort = BASE_EFFORT + EFFORT_PER_CELL * wave.cells.len();
+    let mut effort = BASE_EFFORT + EFFORT_PER_CELL * forcing.cells.len();
     let mut run = |tolerance: f64, sizes: [f64; M], trace: Option<&mut Recorder>| {
         // All oscillations on bristles are integrated: there is no period that averages them out.
         let precision = Precision { tolerance, sizes, most_swings: usize::MAX };
         let mut pass = PeriodIntegration {
             mechanics,
-            wave,
+            forcing,
             precision: &precision,
             sums: None,
             trace,

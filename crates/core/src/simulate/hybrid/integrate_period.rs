@@ -52,7 +52,7 @@ const SHORTEST_REMAINDER: f64 = 1e-9;
 /// The integration of a motion over one period, or over a transient.
 pub(super) struct PeriodIntegration<'a, 'g, S, const M: usize> {
     pub mechanics: &'a Mechanics<S>,
-    pub wave: &'a PiecewiseQuintic<S>,
+    pub forcing: &'a PiecewiseQuintic<S>,
     pub precision: &'a Precision<M>,
     /// Sums of the Fourier integrals of v, if wanted.
     pub sums: Option<&'a mut Fourier<'g, S>>,
@@ -71,11 +71,11 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
     /// switching times accumulate or the effort is used up.
     pub fn run(&mut self, start: &Vector<S, M>) -> Option<Vector<S, M>> {
         let mut state = *start;
-        let wave = self.wave;
-        let mut mode = self.mechanics.mode_at(wave.cells[0].fixed(0.0), &state);
+        let forcing = self.forcing;
+        let mut mode = self.mechanics.mode_at(forcing.cells[0].fixed(0.0), &state);
         let mut slope: Option<Vector<S, M>> = None;
-        let mut pace = StepControl::new(self.mechanics, wave.cells[0].length_s);
-        for cell in &wave.cells {
+        let mut pace = StepControl::new(self.mechanics, forcing.cells[0].length_s);
+        for cell in &forcing.cells {
             let mut from = 0.0;
             let mut switches = 0;
             if self.trace.is_some() {

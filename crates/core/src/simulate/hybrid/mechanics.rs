@@ -153,7 +153,7 @@ impl<S: Scalar> Mechanics<S> {
 
     /// Empty Taylor series of the nonlinear torques, for [`Self::nonlinear_term`].
     pub fn jets(&self) -> Vec<TaylorSeries> {
-        self.nonlinear.iter().map(|nonlinear| nonlinear.law.jet()).collect()
+        self.nonlinear.iter().map(|nonlinear| nonlinear.law.series()).collect()
     }
 
     /// The sum of the next Taylor terms of the nonlinear torques, from the terms of the states.
@@ -166,9 +166,9 @@ impl<S: Scalar> Mechanics<S> {
     ) -> S {
         let direction = if mode.motion == Motion::Backward { -1.0 } else { 1.0 };
         let mut sum = S::constant(0.0);
-        for (NonlinearTorque { law, argument }, jet) in self.nonlinear.iter().zip(jets) {
-            jet.direction = direction;
-            sum += law.term(jet, |m| terms[m][*argument], terms.len() - 1);
+        for (NonlinearTorque { law, argument }, series) in self.nonlinear.iter().zip(jets) {
+            series.direction = direction;
+            sum += law.term(series, |m| terms[m][*argument], terms.len() - 1);
         }
         sum
     }

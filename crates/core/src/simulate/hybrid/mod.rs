@@ -101,8 +101,8 @@ fn velocity<const M: usize>(
     let Some(mut periodic) = Periodic::<M>::find(axis, excitation, counts)? else {
         return Ok(vec![Complex::new(0.0, 0.0); highest + 1]);
     };
-    let (wave, grid) = drive::torque(axis, excitation, cells(highest));
-    let lifted = (wave.map(Dual::<M>::constant), grid);
+    let (forcing, grid) = drive::torque(axis, excitation, cells(highest));
+    let lifted = (forcing.map(Dual::<M>::constant), grid);
     let followed = periodic.velocity(&axis.map(Dual::<M>::constant), lifted, highest, 0)?;
     Ok(followed.velocity.into_iter().map(ComplexDual::value).collect())
 }

@@ -104,9 +104,9 @@ impl<const M: usize> Periodic<M> {
         excitation: &Excitation,
         counts: Counts,
     ) -> Result<Option<Self>, NoResponse> {
-        let (wave, _) = drive::torque(axis, excitation, LOOSE_CELLS);
+        let (forcing, _) = drive::torque(axis, excitation, LOOSE_CELLS);
         let mut mechanics = Mechanics::new(axis);
-        let range = wave.range();
+        let range = forcing.range();
         let rests = match axis.balanced {
             true => mechanics.rests_balanced(range),
             false => mechanics.comes_to_rest(range),
@@ -114,20 +114,20 @@ impl<const M: usize> Periodic<M> {
         if rests {
             return Ok(None);
         }
-        let sizes = mechanics.sizes(range.0.abs().max(range.1.abs()), wave.period_s);
+        let sizes = mechanics.sizes(range.0.abs().max(range.1.abs()), forcing.period_s);
         let mut periodic = Self {
             state: [0.0; M],
             region: INITIAL_TRUST_RADIUS[usize::from(mechanics.contracts() || axis.balanced)],
             precision: Precision { tolerance: LOOSE_TOLERANCE, sizes, most_swings: LOOSE_SWINGS },
             sizes,
-            effort: effort(wave.cells.len()),
+            effort: effort(forcing.cells.len()),
         };
         if let Some(i) = mechanics.position_integral {
             mechanics.balance = mechanics.first_balance();
             periodic.state[i] = mechanics.balance;
         }
         let (end, largest) = periodic
-            .integrate_plain(&mechanics, &wave)
+            .integrate_plain(&mechanics, &forcing)
             .ok_or(NoResponse::NotPeriodic { periods: 1 })?;
         if largest.iter().all(|size| *size == 0.0) && !axis.balanced {
             return Ok(None);
@@ -140,7 +140,7 @@ impl<const M: usize> Periodic<M> {
         if let Some(i) = mechanics.position_integral {
             periodic.sizes[i] = range.0.abs().max(range.1.abs());
         }
-        periodic.find_periodic(axis, &wave, counts)?;
+        periodic.find_periodic(axis, &forcing, counts)?;
         Ok(Some(periodic))
     }
 
@@ -149,11 +149,11 @@ impl<const M: usize> Periodic<M> {
     fn integrate_plain(
         &mut self,
         mechanics: &Mechanics<f64>,
-        wave: &PiecewiseQuintic<f64>,
+        forcing: &PiecewiseQuintic<f64>,
     ) -> Option<(Vector<f64, M>, [f64; M])> {
         let mut pass = PeriodIntegration {
             mechanics,
-            wave,
+            forcing,
             precision: &self.precision,
             sums: None,
             trace: None,
@@ -205,7 +205,7 @@ impl<const M: usize> Periodic<M> {
     fn follow<S: Scalar>(
         &mut self,
         axis: &Axis<S>,
-        wave: &PiecewiseQuintic<S>,
+        forcing: &PiecewiseQuintic<S>,
         mut sums: Option<Fourier<'_, S>>,
         parameters: usize,
     ) -> Option<PeriodResult<S, M>> {
@@ -218,13 +218,13 @@ impl<const M: usize> Periodic<M> {
             mechanics.balance = unknown(self.state[i], i);
             start[i] = S::constant(0.0);
         }
-        let torque = wave.cells[0].fixed(0.0);
+        let torque = forcing.cells[0].fixed(0.0);
         if mechanics.mode_at(torque, &start).motion == Motion::Stuck {
             start[mechanics::VELOCITY] = S::constant(0.0);
         }
         let mut pass = PeriodIntegration {
             mechanics: &mechanics,
-            wave,
+            forcing,
             precision: &self.precision,
             sums: sums.as_mut(),
             trace: None,
@@ -239,7 +239,7 @@ impl<const M: usize> Periodic<M> {
         };
         let residuals = std::array::from_fn(residual);
         let weighted = |(k, sum): (usize, ComplexDual<S>)| {
-            let scaled = sum.scaled(S::constant(spectrum::weight(k, wave.period_s)));
+            let scaled = sum.scaled(S::constant(spectrum::weight(k, forcing.period_s)));
             if k == 0 { ComplexDual::real(scaled.re) } else { scaled }
         };
         let sums = sums.map(|sums| sums.finish().into_iter().enumerate().map(weighted).collect());
@@ -254,18 +254,18 @@ impl<const M: usize> Periodic<M> {
     pub fn velocity<S: Scalar>(
         &mut self,
         axis: &Axis<S>,
-        (wave, grid): (PiecewiseQuintic<S>, &Grid),
+        (forcing, grid): (PiecewiseQuintic<S>, &Grid),
         highest: usize,
         parameters: usize,
     ) -> Result<PeriodResult<S, M>, NoResponse> {
-        let omega = std::f64::consts::TAU / wave.period_s;
+        let omega = std::f64::consts::TAU / forcing.period_s;
         (self.precision.tolerance, self.precision.most_swings) = (TIGHT_TOLERANCE, TIGHT_SWINGS);
         let mut region = TrustRegion::new(self.region);
         let position = Mechanics::new(axis).position;
         let angle_per_size = axis.ripple_rate() * position.map_or(0.0, |i| self.sizes[i]);
         for _ in 0..MOST_ITERATIONS {
             let sums = Fourier::new(grid, omega, highest);
-            let Some(mut followed) = self.follow(axis, &wave, Some(sums), parameters) else {
+            let Some(mut followed) = self.follow(axis, &forcing, Some(sums), parameters) else {
                 break;
             };
             let step = shooting::newton_step(&followed.residuals, parameters);

@@ -60,14 +60,14 @@ pub(crate) fn torque<'e, S: Scalar>(
     let grid = own.unwrap_or_else(|| {
         Grid::at_least(cells.max(excitation.grid().map_or(fewest, Grid::samples)))
     });
-    let mut wave = linear(ahead, excitation, grid);
+    let mut forcing = linear(ahead, excitation, grid);
     for map in &axis.input_maps {
-        wave = mapped(&wave, map);
+        forcing = mapped(&forcing, map);
     }
     if let Some(rate) = axis.rate_limit {
-        wave = rate_limit::limited(&wave, rate);
+        forcing = rate_limit::limited(&forcing, rate);
     }
-    (actuator_output(behind, wave), grid)
+    (actuator_output(behind, forcing), grid)
 }
 
 /// The same for an axis with many lanes. The torque depends only on the few parameters of actuator,
@@ -90,10 +90,10 @@ pub(crate) fn torque_of_few<'e, const N: usize>(
     let few = axis.map(|x| {
         Dual::<FEW_LANES>::with_lanes(x.value(), |lane| used.get(lane).map_or(0.0, |l| x.lane(*l)))
     });
-    let (wave, grid) = torque(&few, excitation, fewest);
+    let (forcing, grid) = torque(&few, excitation, fewest);
     let mut place = [FEW_LANES; N];
     used.iter().enumerate().for_each(|(i, lane)| place[*lane] = i);
-    (wave.map(|x| Dual::with_lanes(x.value(), |lane| x.lane(place[lane]))), grid)
+    (forcing.map(|x| Dual::with_lanes(x.value(), |lane| x.lane(place[lane]))), grid)
 }
 
 /// Most lanes for which the torque is computed in shorter dual numbers.
@@ -145,11 +145,11 @@ pub(crate) fn response<S: Scalar>(actuator: &Actuator<S>, omega: f64) -> Complex
 }
 
 /// The signal behind a static map.
-fn mapped<S: Scalar>(wave: &PiecewiseQuintic<S>, map: &InputMap<S>) -> PiecewiseQuintic<S> {
-    let mut cells = Vec::with_capacity(wave.cells.len() + 8);
+fn mapped<S: Scalar>(forcing: &PiecewiseQuintic<S>, map: &InputMap<S>) -> PiecewiseQuintic<S> {
+    let mut cells = Vec::with_capacity(forcing.cells.len() + 8);
     let breaks: Vec<f64> = map.breaks.iter().map(|at| at.value()).collect();
     let pieces: Vec<(S, S)> = (0..map.slopes.len()).map(|i| map.piece(i)).collect();
-    for cell in &wave.cells {
+    for cell in &forcing.cells {
         let mut cuts = vec![0.0, 1.0];
         for level in &breaks {
             cuts.extend(crossings(cell, *level));
@@ -166,7 +166,7 @@ fn mapped<S: Scalar>(wave: &PiecewiseQuintic<S>, map: &InputMap<S>) -> Piecewise
             cells.push(part);
         }
     }
-    PiecewiseQuintic { cells, period_s: wave.period_s }
+    PiecewiseQuintic { cells, period_s: forcing.period_s }
 }
 
 /// The positions at which a cell crosses a level, in either direction: at most two.

@@ -24,55 +24,56 @@ enum State<S> {
 }
 
 /// The output of a limiter of |w'| to `rate`, input units per second.
-pub(crate) fn limited<S: Scalar>(wave: &PiecewiseQuintic<S>, rate: S) -> PiecewiseQuintic<S> {
-    let fastest = wave.cells.iter().map(steepest).fold(0.0, f64::max);
+pub(crate) fn limited<S: Scalar>(forcing: &PiecewiseQuintic<S>, rate: S) -> PiecewiseQuintic<S> {
+    let fastest = forcing.cells.iter().map(steepest).fold(0.0, f64::max);
     if fastest <= rate.value() {
-        return wave.clone();
+        return forcing.clone();
     }
     // The first period depends on the start. Later ones do not if w ever follows u; a triangle
     // converges gradually.
-    let start = wave.cells[0].at(S::constant(0.0));
+    let start = forcing.cells[0].at(S::constant(0.0));
     let mut state = State::Following;
-    if wave.cells[0].number_slope(0.0).abs() / wave.cells[0].length_s > rate.value() {
-        let sign = wave.cells[0].number_slope(0.0).signum();
+    if forcing.cells[0].number_slope(0.0).abs() / forcing.cells[0].length_s > rate.value() {
+        let sign = forcing.cells[0].number_slope(0.0).signum();
         state = State::Ramp { sign, from_s: S::constant(0.0), value: start };
     }
-    let (mut cells, _, mut end) = pass(wave, rate, state);
+    let (mut cells, _, mut end) = pass(forcing, rate, state);
     for _ in 0..MOST_PERIODS {
-        let next = a_period_earlier(end, wave.period_s);
-        let settled = distance(next, state, rate.value()) <= 1e-13 * fastest * wave.period_s;
+        let next = a_period_earlier(end, forcing.period_s);
+        let settled = distance(next, state, rate.value()) <= 1e-13 * fastest * forcing.period_s;
         state = next;
         let followed;
-        (cells, followed, end) = pass(wave, rate, state);
-        if !followed && let Some(triangle) = triangle(wave, rate) {
-            (cells, _, _) = pass(wave, rate, triangle);
+        (cells, followed, end) = pass(forcing, rate, state);
+        if !followed && let Some(triangle) = triangle(forcing, rate) {
+            (cells, _, _) = pass(forcing, rate, triangle);
             break;
         }
         if settled && (followed || S::LANES == 0) {
             break;
         }
     }
-    PiecewiseQuintic { cells, period_s: wave.period_s }
+    PiecewiseQuintic { cells, period_s: forcing.period_s }
 }
 
 /// The steady state at time 0 of a limiter that never follows an input with u(t + T/2) = −u(t): a
 /// triangle of amplitude rate·T/4 and zero mean. `None` for other inputs.
-fn triangle<S: Scalar>(wave: &PiecewiseQuintic<S>, rate: S) -> Option<State<S>> {
-    let amplitude = rate * (0.25 * wave.period_s);
+fn triangle<S: Scalar>(forcing: &PiecewiseQuintic<S>, rate: S) -> Option<State<S>> {
+    let amplitude = rate * (0.25 * forcing.period_s);
     let numbers = |time_s: f64| {
-        let cell = wave.cells.iter().find(|cell| time_s <= cell.end_s()).or(wave.cells.last());
+        let cell =
+            forcing.cells.iter().find(|cell| time_s <= cell.end_s()).or(forcing.cells.last());
         cell.map_or(0.0, |cell| cell.number((time_s - cell.from_s) / cell.length_s))
     };
-    let scale = wave.range().1;
+    let scale = forcing.range().1;
     let mirrored = (0..8).all(|i| {
-        let time_s = wave.period_s * f64::from(i) / 16.0;
-        (numbers(time_s) + numbers(time_s + 0.5 * wave.period_s)).abs() <= 1e-9 * scale
+        let time_s = forcing.period_s * f64::from(i) / 16.0;
+        (numbers(time_s) + numbers(time_s + 0.5 * forcing.period_s)).abs() <= 1e-9 * scale
     });
     if !mirrored {
         return None;
     }
     // The triangle turns downwards where u falls through the amplitude.
-    let (cell, u) = wave.cells.iter().find_map(|cell| {
+    let (cell, u) = forcing.cells.iter().find_map(|cell| {
         (cell.number(0.0) >= amplitude.value())
             .then(|| cell.crossing(0.0, amplitude.value(), -1.0))?
             .map(|u| (cell, u))
@@ -81,11 +82,11 @@ fn triangle<S: Scalar>(wave: &PiecewiseQuintic<S>, rate: S) -> Option<State<S>> 
     let moved = (amplitude - cell.at(at)) / cell.slope(at);
     let from_s = (at + moved) * cell.length_s + cell.from_s;
     // Of the ramps, the one that began last before time 0.
-    let half = 0.5 * wave.period_s;
+    let half = 0.5 * forcing.period_s;
     Some(if from_s.value() < half {
         State::Ramp { sign: 1.0, from_s: from_s - half, value: -amplitude }
     } else {
-        State::Ramp { sign: -1.0, from_s: from_s - wave.period_s, value: amplitude }
+        State::Ramp { sign: -1.0, from_s: from_s - forcing.period_s, value: amplitude }
     })
 }
 
@@ -122,13 +123,13 @@ fn distance<S: Scalar>(a: State<S>, b: State<S>, rate: f64) -> f64 {
 /// Simulates the limiter over one period. Returns its output, whether w ever followed u, and the
 /// state at the end.
 fn pass<S: Scalar>(
-    wave: &PiecewiseQuintic<S>,
+    forcing: &PiecewiseQuintic<S>,
     rate: S,
     mut state: State<S>,
 ) -> (Vec<Cell<S>>, bool, State<S>) {
-    let mut cells = Vec::with_capacity(wave.cells.len() + 8);
+    let mut cells = Vec::with_capacity(forcing.cells.len() + 8);
     let mut followed = false;
-    for cell in &wave.cells {
+    for cell in &forcing.cells {
         let mut from = 0.0;
         // Within one cell w may follow, leave and meet u again; more changes come from rounding.
         for _ in 0..8 {

@@ -83,14 +83,14 @@ impl<'g, S: Scalar> Slides<'g, S> {
 }
 
 impl<S: Scalar> OneMass<S> {
-    pub fn new(axis: &Axis<S>, wave: &PiecewiseQuintic<S>) -> Self {
+    pub fn new(axis: &Axis<S>, forcing: &PiecewiseQuintic<S>) -> Self {
         let levels = axis.levels();
         let viscous_rate = axis.viscous_rates();
-        let (least, most) = wave.range();
+        let (least, most) = forcing.range();
         let slowest = viscous_rate[0].value().min(viscous_rate[1].value());
-        let reach = (1.0 / slowest).min(wave.period_s / std::f64::consts::TAU);
-        let whole = wave.cells.iter().find(|cell| cell.whole.is_some());
-        let whole_s = whole.map_or(wave.period_s, |cell| cell.length_s);
+        let reach = (1.0 / slowest).min(forcing.period_s / std::f64::consts::TAU);
+        let whole = forcing.cells.iter().find(|cell| cell.whole.is_some());
+        let whole_s = whole.map_or(forcing.period_s, |cell| cell.length_s);
         Self {
             viscous_rate,
             coulomb: [levels.fc_plus, -levels.fc_minus],
@@ -136,13 +136,13 @@ impl<S: Scalar> OneMass<S> {
     /// switching times accumulate.
     pub fn pass(
         &self,
-        wave: &PiecewiseQuintic<S>,
+        forcing: &PiecewiseQuintic<S>,
         start: State<S>,
         mut slides: Option<&mut Slides<'_, S>>,
     ) -> Option<State<S>> {
         let zero = S::constant(0.0);
         let mut state = start;
-        for cell in &wave.cells {
+        for cell in &forcing.cells {
             let mut from = zero;
             let mut switches = 0;
             loop {

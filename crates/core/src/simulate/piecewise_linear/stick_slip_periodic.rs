@@ -41,15 +41,15 @@ pub(crate) fn respond(
     excitation: &Excitation,
     highest: usize,
 ) -> Result<Vec<Complex>, NoResponse> {
-    let (wave, grid) = drive::torque(axis, excitation, cells(highest));
-    let mass = OneMass::new(axis, &wave);
+    let (forcing, grid) = drive::torque(axis, excitation, cells(highest));
+    let mass = OneMass::new(axis, &forcing);
     if mass.rests() {
         return Ok(vec![Complex::new(0.0, 0.0); highest + 1]);
     }
-    let start = periodic(&mass, &wave)?;
+    let start = periodic(&mass, &forcing)?;
     let mut slides = Slides::new(&mass, grid, excitation.omega_rad_s(), highest);
-    mass.pass(&wave, start, Some(&mut slides)).ok_or(NoResponse::NotPeriodic { periods: 1 })?;
-    let velocity = slides.velocity(&mass, axis.plant.constant, wave.period_s);
+    mass.pass(&forcing, start, Some(&mut slides)).ok_or(NoResponse::NotPeriodic { periods: 1 })?;
+    let velocity = slides.velocity(&mass, axis.plant.constant, forcing.period_s);
     Ok(velocity.into_iter().map(|v| v.value()).collect())
 }
 
@@ -61,13 +61,13 @@ pub(crate) fn differentiate(
     highest: usize,
     rows: usize,
 ) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
-    let (wave, _) = drive::torque(values, excitation, cells(highest));
-    let mass = OneMass::new(values, &wave);
+    let (forcing, _) = drive::torque(values, excitation, cells(highest));
+    let mass = OneMass::new(values, &forcing);
     if mass.rests() {
         let zero = vec![Complex::new(0.0, 0.0); highest + 1];
         return Ok((zero.clone(), vec![zero; rows]));
     }
-    let start = periodic(&mass, &wave)?;
+    let start = periodic(&mass, &forcing)?;
     // One lane carries the derivative by the state at the start.
     let run = |first: usize| match rows {
         ..=7 => chunk::<8>(axis, start, excitation, highest, first..rows),
@@ -91,17 +91,17 @@ fn chunk<const N: usize>(
 ) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
     let count = rows.len().min(N - 1);
     let narrow = shooting::narrowed::<N>(axis, rows.start, count);
-    let (wave, grid) = drive::torque_of_few(&narrow, excitation, cells(highest));
-    let mass = OneMass::new(&narrow, &wave);
+    let (forcing, grid) = drive::torque_of_few(&narrow, excitation, cells(highest));
+    let mass = OneMass::new(&narrow, &forcing);
     let x = match start.motion {
         Motion::Stuck => Dual::constant(0.0),
         _ => Dual::variable(start.x, count),
     };
     let mut slides = Slides::new(&mass, grid, excitation.omega_rad_s(), highest);
     let state = State { x, motion: start.motion };
-    let end = mass.pass(&wave, state, Some(&mut slides));
+    let end = mass.pass(&forcing, state, Some(&mut slides));
     let end = end.ok_or(NoResponse::NotPeriodic { periods: 1 })?;
-    let harmonics = slides.velocity(&mass, narrow.plant.constant, wave.period_s);
+    let harmonics = slides.velocity(&mass, narrow.plant.constant, forcing.period_s);
     let residual = match start.motion {
         Motion::Stuck => Dual::constant(0.0),
         _ => end.x - x,
@@ -111,19 +111,22 @@ fn chunk<const N: usize>(
 }
 
 /// The state at the beginning of the period, for the periodic motion reached from rest.
-fn periodic(mass: &OneMass<f64>, wave: &PiecewiseQuintic<f64>) -> Result<State<f64>, NoResponse> {
+fn periodic(
+    mass: &OneMass<f64>,
+    forcing: &PiecewiseQuintic<f64>,
+) -> Result<State<f64>, NoResponse> {
     let failed = |periods: usize| NoResponse::NotPeriodic { periods };
     let rest = State { x: 0.0, motion: Motion::Stuck };
-    let mut start = mass.pass(wave, rest, None).ok_or(failed(1))?;
+    let mut start = mass.pass(forcing, rest, None).ok_or(failed(1))?;
     if start.motion == Motion::Stuck {
         return Ok(start);
     }
-    let lifted_wave = wave.map(Dual::<1>::constant);
+    let lifted_forcing = forcing.map(Dual::<1>::constant);
     let lifted = mass.map(Dual::<1>::constant);
     let size = mass.scale();
     for iteration in 1..MOST_ITERATIONS {
         let state = State { x: Dual::<1>::variable(start.x, 0), motion: start.motion };
-        let end = lifted.pass(&lifted_wave, state, None).ok_or(failed(iteration))?;
+        let end = lifted.pass(&lifted_forcing, state, None).ok_or(failed(iteration))?;
         let (x, slope) = (end.x.value(), end.x.lane(0));
         let change = x - start.x;
         if end.motion == Motion::Stuck {

@@ -93,10 +93,10 @@ pub fn follow(
     let Some(first) = input.values.first() else { return Ok(Trajectory::default()) };
     let axis = with_quick_actuator_as_delay(axis, input.step_s);
     let (lines, input_before) = command::of(&axis, input, *first);
-    let wave = actuator::torque(&axis.plant.actuator, &lines, input_before, initial);
+    let forcing = actuator::torque(&axis.plant.actuator, &lines, input_before, initial);
     let mut recorder = Recorder::new(input, &axis.sensor_lags, initial);
-    if !wave.cells.is_empty() {
-        hybrid::follow(&axis, &wave, initial, &mut recorder)?;
+    if !forcing.cells.is_empty() {
+        hybrid::follow(&axis, &forcing, initial, &mut recorder)?;
     }
     Ok(recorder.finish())
 }

@@ -139,7 +139,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         RELATIVE_ROUNDING
             * match event {
                 Event::Stops => sizes[VELOCITY],
-                Event::Starts(_) => self.wave.cells[0].number(0.0).abs(),
+                Event::Starts(_) => self.forcing.cells[0].number(0.0).abs(),
                 Event::Touches(_) | Event::Leaves(_) => sizes[self.mechanics.twist],
             }
     }

@@ -35,9 +35,9 @@ impl<const M: usize> Periodic<M> {
     pub(super) fn continue_to_periodic(
         &mut self,
         axis: &Axis,
-        wave: &PiecewiseQuintic<f64>,
+        forcing: &PiecewiseQuintic<f64>,
     ) -> Result<(), NoResponse> {
-        let lifted = wave.map(Dual::<M>::constant);
+        let lifted = forcing.map(Dual::<M>::constant);
         let (mut share, mut growth, mut periods) = (0.0, 1.0, 0);
         loop {
             let before = self.state;
@@ -64,12 +64,12 @@ impl<const M: usize> Periodic<M> {
     fn correct_damped(
         &mut self,
         axis: &Axis<Dual<M>>,
-        wave: &PiecewiseQuintic<Dual<M>>,
+        forcing: &PiecewiseQuintic<Dual<M>>,
         periods: &mut usize,
     ) -> bool {
         let mut follow = |this: &mut Self| {
             *periods += 1;
-            this.follow(axis, wave, None, 0).map(|followed| followed.residuals)
+            this.follow(axis, forcing, None, 0).map(|followed| followed.residuals)
         };
         let Some(mut residuals) = follow(self) else { return false };
         for _ in 0..MOST_NEWTON_STEPS {

@@ -71,14 +71,15 @@ impl<const M: usize> Periodic<M> {
     pub(super) fn find_periodic(
         &mut self,
         axis: &Axis,
-        wave: &PiecewiseQuintic<f64>,
+        forcing: &PiecewiseQuintic<f64>,
         counts: Counts,
     ) -> Result<(), NoResponse> {
         let mut unstable = None;
-        self.find_stable(axis, wave, &mut unstable).or_else(|error| match (counts, unstable) {
+        self.find_stable(axis, forcing, &mut unstable).or_else(|error| match (counts, unstable) {
             (Counts::EvenUnstable, Some(state)) => {
                 self.state = state;
-                self.effort = self.effort.max(effort(wave.cells.len()) / RESERVED_EFFORT_DIVISOR);
+                self.effort =
+                    self.effort.max(effort(forcing.cells.len()) / RESERVED_EFFORT_DIVISOR);
                 Ok(())
             }
             _ => Err(error),
@@ -89,21 +90,21 @@ impl<const M: usize> Periodic<M> {
     fn find_stable(
         &mut self,
         axis: &Axis,
-        wave: &PiecewiseQuintic<f64>,
+        forcing: &PiecewiseQuintic<f64>,
         unstable: &mut Option<Vector<f64, M>>,
     ) -> Result<(), NoResponse> {
         let mechanics = Mechanics::new(axis);
         let mut periods = 1;
         if !axis.balanced && !mechanics.contracts() {
             periods +=
-                self.approach(&mechanics, wave).ok_or(NoResponse::NotPeriodic { periods })?;
+                self.approach(&mechanics, forcing).ok_or(NoResponse::NotPeriodic { periods })?;
         }
         let mut from_rest = self.state;
         let mut extra_periods = PERIODS_BEFORE_RETRY;
         loop {
             let failed = NoResponse::NotPeriodic { periods };
             let state_from_rest = unstable.map(|_| from_rest);
-            match self.newton(axis, wave, state_from_rest.as_ref()).ok_or(failed)? {
+            match self.newton(axis, forcing, state_from_rest.as_ref()).ok_or(failed)? {
                 Convergence::Stable => return Ok(()),
                 Convergence::Unstable if unstable.is_none() => {
                     *unstable = Some(self.state);
@@ -113,7 +114,7 @@ impl<const M: usize> Periodic<M> {
             }
             if axis.balanced {
                 self.state = from_rest;
-                return self.continue_to_periodic(axis, wave);
+                return self.continue_to_periodic(axis, forcing);
             }
             // Integration goes on from the state that Newton's method has reached, which is usually
             // nearer to the periodic motion. Near an unstable motion it goes on from the last state
@@ -122,7 +123,7 @@ impl<const M: usize> Periodic<M> {
                 self.state = from_rest;
             }
             for _ in 0..extra_periods {
-                self.state = self.integrate_plain(&mechanics, wave).ok_or(failed)?.0;
+                self.state = self.integrate_plain(&mechanics, forcing).ok_or(failed)?.0;
             }
             if unstable.is_some() {
                 from_rest = self.state;
@@ -140,11 +141,11 @@ impl<const M: usize> Periodic<M> {
     fn approach(
         &mut self,
         mechanics: &Mechanics<f64>,
-        wave: &PiecewiseQuintic<f64>,
+        forcing: &PiecewiseQuintic<f64>,
     ) -> Option<usize> {
         for period in 1..=MOST_APPROACH_PERIODS {
             let before = self.state;
-            self.state = self.integrate_plain(mechanics, wave)?.0;
+            self.state = self.integrate_plain(mechanics, forcing)?.0;
             if self.distance_from(&before) < LARGEST_CHANGE_BEFORE_NEWTON {
                 return Some(period);
             }
@@ -158,10 +159,11 @@ impl<const M: usize> Periodic<M> {
     fn newton(
         &mut self,
         axis: &Axis,
-        wave: &PiecewiseQuintic<f64>,
+        forcing: &PiecewiseQuintic<f64>,
         state_from_rest: Option<&Vector<f64, M>>,
     ) -> Option<Convergence> {
-        let (lifted_axis, lifted) = (axis.map(Dual::<M>::constant), wave.map(Dual::<M>::constant));
+        let (lifted_axis, lifted) =
+            (axis.map(Dual::<M>::constant), forcing.map(Dual::<M>::constant));
         let mut region = TrustRegion::new(self.region);
         let most_steps =
             if state_from_rest.is_some() { MOST_STEPS_NEAR_UNSTABLE } else { MOST_ITERATIONS };

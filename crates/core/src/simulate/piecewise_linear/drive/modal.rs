@@ -70,26 +70,26 @@ pub(crate) fn modes<S: Scalar>(actuator: &Actuator<S>) -> Vec<Mode<S>> {
 /// The signal behind the actuator, in the periodic steady state.
 pub(crate) fn actuator_output<S: Scalar>(
     actuator: &Actuator<S>,
-    wave: PiecewiseQuintic<S>,
+    forcing: PiecewiseQuintic<S>,
 ) -> PiecewiseQuintic<S> {
     let modes = modes(actuator);
     if modes.is_empty() {
-        return wave;
+        return forcing;
     }
-    let wave = refined_behind_kinks(wave, &modes);
+    let forcing = refined_behind_kinks(forcing, &modes);
     let zero = S::constant(0.0);
     // τ, τ' and τ'' at both ends of every cell.
-    let mut ends = vec![([zero; 3], [zero; 3]); wave.cells.len()];
+    let mut ends = vec![([zero; 3], [zero; 3]); forcing.cells.len()];
     for mode in &modes {
-        let steps = Steps::new(mode, &wave);
-        let travelled = wave
+        let steps = Steps::new(mode, &forcing);
+        let travelled = forcing
             .cells
             .iter()
-            .zip(steps.over(&wave))
+            .zip(steps.over(&forcing))
             .fold(ComplexDual::real(zero), |state, (cell, step)| {
                 step.step(state, &cell.powers, cell.length_s)
             });
-        let kept = mode.rate.scaled(S::constant(wave.period_s)).exp();
+        let kept = mode.rate.scaled(S::constant(forcing.period_s)).exp();
         let left = ComplexDual::new(-kept.re + 1.0, -kept.im);
         let mut state = travelled * left.inverse();
         let node = |state: ComplexDual<S>, u: S, slope: S, into: &mut [S; 3]| {
@@ -99,7 +99,8 @@ pub(crate) fn actuator_output<S: Scalar>(
                 *sum += (part * mode.residue).re * mode.count;
             }
         };
-        for ((cell, step), (left, right)) in wave.cells.iter().zip(steps.over(&wave)).zip(&mut ends)
+        for ((cell, step), (left, right)) in
+            forcing.cells.iter().zip(steps.over(&forcing)).zip(&mut ends)
         {
             let per_second = 1.0 / cell.length_s;
             node(state, cell.powers[0], cell.powers[1] * per_second, left);
@@ -108,12 +109,12 @@ pub(crate) fn actuator_output<S: Scalar>(
             node(state, cell.at(one), cell.slope(one) * per_second, right);
         }
     }
-    let cells = wave.cells.iter().zip(ends).map(|(cell, (left, right))| {
+    let cells = forcing.cells.iter().zip(ends).map(|(cell, (left, right))| {
         let h = cell.length_s;
         let scaled = |[value, first, second]: [S; 3]| [value, first * h, second * (h * h)];
         Cell { powers: through(scaled(left), scaled(right)), ..*cell }
     });
-    PiecewiseQuintic { cells: cells.collect(), period_s: wave.period_s }
+    PiecewiseQuintic { cells: cells.collect(), period_s: forcing.period_s }
 }
 
 /// The integrator of a mode for each cell; all whole cells share one.
@@ -123,24 +124,24 @@ struct Steps<S> {
 }
 
 impl<S: Scalar> Steps<S> {
-    fn new(mode: &Mode<S>, wave: &PiecewiseQuintic<S>) -> Self {
+    fn new(mode: &Mode<S>, forcing: &PiecewiseQuintic<S>) -> Self {
         let new = |cell: &Cell<S>| {
             let rate = ComplexDual::new(-mode.rate.re, -mode.rate.im);
             ExponentialIntegrator::complex(rate.scaled(S::constant(cell.length_s)))
         };
         Self {
-            whole: wave.cells.iter().find(|cell| cell.whole.is_some()).map(new),
-            others: wave.cells.iter().filter(|cell| cell.whole.is_none()).map(new).collect(),
+            whole: forcing.cells.iter().find(|cell| cell.whole.is_some()).map(new),
+            others: forcing.cells.iter().filter(|cell| cell.whole.is_none()).map(new).collect(),
         }
     }
 
     /// The integrators in the order of the cells.
     fn over<'a>(
         &'a self,
-        wave: &'a PiecewiseQuintic<S>,
+        forcing: &'a PiecewiseQuintic<S>,
     ) -> impl Iterator<Item = &'a ExponentialIntegrator<ComplexDual<S>>> {
         let mut others = self.others.iter();
-        wave.cells.iter().filter_map(move |cell| match cell.whole {
+        forcing.cells.iter().filter_map(move |cell| match cell.whole {
             Some(_) => self.whole.as_ref(),
             None => others.next(),
         })
@@ -150,7 +151,7 @@ impl<S: Scalar> Steps<S> {
 /// The same signal, with cells behind each kink divided so that quintics can represent the response
 /// of the real modes to the kink.
 fn refined_behind_kinks<S: Scalar>(
-    wave: PiecewiseQuintic<S>,
+    forcing: PiecewiseQuintic<S>,
     modes: &[Mode<S>],
 ) -> PiecewiseQuintic<S> {
     let rates: Vec<f64> = modes
@@ -158,9 +159,9 @@ fn refined_behind_kinks<S: Scalar>(
         .filter(|mode| mode.rate.im.value() == 0.0)
         .map(|mode| -mode.rate.re.value())
         .collect();
-    let longest = wave.cells.iter().map(|cell| cell.length_s).fold(0.0, f64::max);
+    let longest = forcing.cells.iter().map(|cell| cell.length_s).fold(0.0, f64::max);
     if rates.iter().all(|rate| rate * longest <= RADIANS_PER_CELL) {
-        return wave;
+        return forcing;
     }
     let allowed = |since: f64| {
         let allow = |rate: &f64| match rate * since {
@@ -169,20 +170,20 @@ fn refined_behind_kinks<S: Scalar>(
         };
         rates.iter().map(allow).fold(f64::INFINITY, f64::min)
     };
-    let count = wave.cells.len();
-    let steepest = wave.cells.iter().map(|c| c.number_slope(0.0).abs() / c.length_s);
+    let count = forcing.cells.len();
+    let steepest = forcing.cells.iter().map(|c| c.number_slope(0.0).abs() / c.length_s);
     let steepest = steepest.fold(0.0, f64::max);
     let kink = |i: usize| {
-        let (before, here) = (&wave.cells[(i + count - 1) % count], &wave.cells[i]);
+        let (before, here) = (&forcing.cells[(i + count - 1) % count], &forcing.cells[i]);
         let jump =
             before.number_slope(1.0) / before.length_s - here.number_slope(0.0) / here.length_s;
         jump.abs() > 1e-6 * steepest
     };
     // At the start of the period, the time since the last kink of the period before.
     let last = (0..count).rev().find(|i| kink(*i));
-    let mut since = last.map_or(f64::INFINITY, |i| wave.period_s - wave.cells[i].from_s);
+    let mut since = last.map_or(f64::INFINITY, |i| forcing.period_s - forcing.cells[i].from_s);
     let mut cells = Vec::with_capacity(2 * count);
-    for (i, cell) in wave.cells.iter().enumerate() {
+    for (i, cell) in forcing.cells.iter().enumerate() {
         if kink(i) {
             since = 0.0;
         }
@@ -196,5 +197,5 @@ fn refined_behind_kinks<S: Scalar>(
             from = to;
         }
     }
-    PiecewiseQuintic { cells, period_s: wave.period_s }
+    PiecewiseQuintic { cells, period_s: forcing.period_s }
 }

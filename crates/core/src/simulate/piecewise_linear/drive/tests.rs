@@ -21,9 +21,9 @@ fn axis(actuator: Actuator, effects: &[(&str, f64)]) -> Axis {
 /// Harmonics 0 … 5 of the torque.
 fn harmonics(axis: &Axis, excitation: &Excitation) -> Vec<Complex> {
     let omega = excitation.omega_rad_s();
-    let (wave, grid) = torque(axis, excitation, 32);
+    let (forcing, grid) = torque(axis, excitation, 32);
     let mut sums = Fourier::new(grid, omega, 5);
-    for cell in &wave.cells {
+    for cell in &forcing.cells {
         match cell.whole {
             Some(n) => sums.add_whole(n, cell.powers),
             None => sums.add_part(cell.from_s, cell.length_s, &cell.powers),
@@ -70,7 +70,7 @@ fn a_limiter_that_is_fast_enough_changes_nothing() {
 
 #[test]
 fn behind_the_actuator_every_harmonic_is_filtered_by_it() {
-    let bent = [("actuator_dead_zone", 0.4), ("gain_asymmetry", 0.2)];
+    let maps = [("actuator_dead_zone", 0.4), ("gain_asymmetry", 0.2)];
     let actuators = [
         Actuator::FirstOrder { corner_rad_s: 7.0 },
         Actuator::FirstOrder { corner_rad_s: 700.0 },
@@ -84,9 +84,9 @@ fn behind_the_actuator_every_harmonic_is_filtered_by_it() {
         Excitation::cosine(3.0, 2.0),
         Excitation::new(3.0, [0.1, 1.0, 0.5].map(|x| Complex::new(x, 0.2 * x)).to_vec()),
     ] {
-        let ahead = harmonics(&axis(Actuator::Direct, &bent), &excitation);
+        let ahead = harmonics(&axis(Actuator::Direct, &maps), &excitation);
         for actuator in actuators {
-            let behind = harmonics(&axis(actuator, &bent), &excitation);
+            let behind = harmonics(&axis(actuator, &maps), &excitation);
             for k in 0..=5 {
                 let expected = ahead[k] * actuator.response(3.0 * k as f64);
                 // The modes excited by a kink are represented to 1e-5 of their size.

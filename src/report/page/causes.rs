@@ -7,7 +7,7 @@ use crate::report::causes::per_cent;
 use crate::report::tables;
 
 use super::described::described;
-use super::words::{confidence, effect, list, sentence};
+use super::words::{confidence, effect, equation, list, sentence};
 use super::{Content, Section};
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
@@ -45,6 +45,7 @@ fn article(cause: &Cause) -> Markup {
                 strong { (per_cent(*probability)) } " — " (confidence(*probability))
             }
             p { (sentence(explanation)) }
+            @if let Some(equation) = equation(id) { p.equation { (equation) } }
             (described("", &tables::parameters(parameters, &format!("{id}.")), &[]))
             @if !cause.equivalents.is_empty() {
                 p {

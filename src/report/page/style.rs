@@ -94,6 +94,7 @@ tbody th,tbody td{border-bottom:1px solid var(--grid)}
 td[data-pad]::after{content:attr(data-pad);visibility:hidden}
 .columns{display:flex;flex-wrap:wrap;gap:0 3.5rem;align-items:flex-start}
 .symbol{white-space:nowrap}
+.equation{font-style:italic}
 sub,sup{line-height:0;font-size:.72em}
 .formula{font-size:1.15rem}
 .fraction{display:inline-flex;flex-direction:column;vertical-align:middle;text-align:center}

@@ -64,6 +64,11 @@ pub(super) fn a(id: &str) -> String {
     }
 }
 
+/// The equation of an effect.
+pub(super) fn equation(id: &str) -> Option<&'static str> {
+    find(id).map(|effect| effect.descriptor().equation)
+}
+
 /// A text of a diagnosis with these ids as words.
 pub(super) fn without_ids<'a>(text: &str, ids: impl IntoIterator<Item = &'a str>) -> String {
     // The longest first: one id may be part of another.

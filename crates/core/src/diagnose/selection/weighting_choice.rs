@@ -82,7 +82,7 @@ fn choose_weighting(
     let equal_weights = equal_weights(FIRST_WEIGHTING_SPAN)?;
     let is_near =
         chi2_of(measurement, request, &equal_weights)? <= EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM;
-    let by_noise = if is_near { Some(by_noise(AGAIN)?) } else { None };
+    let by_noise = if is_near { Some(by_noise(SECOND_WEIGHTING_SPAN)?) } else { None };
     Ok(match by_noise {
         Some(by_noise) if noise_limits(&by_noise) => by_noise,
         by_noise => smaller_residual(by_noise, equal_weights),

@@ -32,10 +32,13 @@ const LARGEST_DIFFERENCE: f64 = 0.25;
 pub(super) const SHORTEST: f64 = 4.0;
 
 /// Samples on each side of a point that its interpolation uses.
-const INTERPOLATION_REACH: usize = 8;
+pub(super) const INTERPOLATION_REACH: usize = 8;
 
 /// Largest number of samples compared at one lag; bounds the cost on long records.
 const MOST_COMPARED: usize = 50_000;
+
+/// Largest number of samples compared at each lag of the search near a stated period.
+const MOST_SEARCHED: usize = 5000;
 
 /// Number of samples compared in the quick check that rejects most lags.
 const QUICK_CHECK_SAMPLES: usize = 500;
@@ -63,6 +66,44 @@ pub(super) fn find(signal: &[f64]) -> Option<f64> {
     let multiple = minimum_near(&signal, best as f64);
     let period = smallest_part(&signal, &similarity, shortest, multiple);
     Some(refined(&signal, period))
+}
+
+/// Best period within `searched` times `stated` of it, in samples, from the change over at most
+/// `periods` periods; `None` if the signal is too short for one of them.
+pub(super) fn find_near(signal: &[f64], stated: f64, searched: f64, periods: f64) -> Option<f64> {
+    let mean = signal.iter().sum::<f64>() / signal.len() as f64;
+    let signal: Vec<f64> = signal.iter().map(|x| x - mean).collect();
+    let last = signal.len().checked_sub(4 * INTERPOLATION_REACH)?;
+    let lags = [1.0 - searched, 1.0 + searched].map(|share| (share * stated).round() as usize);
+    let apart = |lag: usize| {
+        let places = signal.len() - lag;
+        let stride = places.div_ceil(MOST_SEARCHED);
+        let (mut squares, mut energy) = (0.0, 0.0);
+        for (earlier, later) in signal.iter().zip(&signal[lag..]).step_by(stride) {
+            squares += (earlier - later).powi(2);
+            energy += earlier * earlier + later * later;
+        }
+        if energy > 0.0 { squares / energy } else { 1.0 }
+    };
+    let best = (lags[0].max(SHORTEST as usize)..=lags[1].min(last))
+        .map(|lag| (apart(lag), lag))
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(refined_over(&signal, minimum_near(&signal, best.1 as f64), periods))
+}
+
+/// The changes x(n + lag) − x(n) for two lags, at the same n.
+pub(super) fn changes(signal: &[f64], lags: [f64; 2]) -> [Vec<f64>; 2] {
+    let longest = lags[0].max(lags[1]).floor() as usize;
+    let count = signal.len().saturating_sub(longest + 2 * INTERPOLATION_REACH);
+    let places = INTERPOLATION_REACH..INTERPOLATION_REACH + count;
+    lags.map(|lag| {
+        let (whole, weights) = (lag.floor() as usize, interpolation(lag.fract()));
+        let change = |n: usize| {
+            let around = &signal[n + whole + 1 - INTERPOLATION_REACH..];
+            around.iter().zip(&weights).map(|(x, w)| x * w).sum::<f64>() - signal[n]
+        };
+        places.clone().map(change).collect()
+    })
 }
 
 /// 1 − r(L) at the integer lags 0 … n/2, by FFT.
@@ -186,7 +227,11 @@ fn smallest_part(signal: &[f64], similarity: &[f64], shortest: usize, multiple: 
 /// The period, refined over the longest multiple of it that fits in the record.
 fn refined(signal: &[f64], period: f64) -> f64 {
     let room = signal.len() as f64 - period.max(2.0 * INTERPOLATION_REACH as f64) - 1.0;
-    let most = (room / period).floor().max(1.0);
+    refined_over(signal, period, (room / period).floor().max(1.0))
+}
+
+/// The same over `most` periods.
+fn refined_over(signal: &[f64], period: f64, most: f64) -> f64 {
     let mut period = period;
     let mut multiple = 1.0;
     // Doubling the multiple keeps the error of the starting lag within the ±1 sample that

@@ -5,7 +5,7 @@ use super::spectrum::{self, Periods};
 use super::waveform::half_peak_to_peak;
 use super::{
     Beginning, Complex, Experiment, Harmonic, Intersample, Repeat, Transient, period, sampling,
-    significance,
+    significance, stated_period,
 };
 
 /// Largest relative difference between a period in samples and a whole number at which it is
@@ -88,6 +88,17 @@ pub enum RecordError {
         /// Change of the input from one period to the next, % of its root mean square.
         percent: f64,
     },
+    /// The input repeats with another period than the given one.
+    #[error(
+        "the input does not repeat with the period of {period_s} s that is given, but with \
+         {found_s} s: give that as period_s, or leave period_s out to have the period found"
+    )]
+    OtherPeriod {
+        /// The given period, s.
+        period_s: f64,
+        /// The period that the input shows, s.
+        found_s: f64,
+    },
     /// The period has too few samples.
     #[error("the period {period_s} s has {samples:.3} samples, and at least 4 are needed")]
     Undersampled {
@@ -138,18 +149,27 @@ impl Record {
         let mut remarks = Vec::new();
         let step_s = self.step_s()?;
         let duration_s = step_s * self.time_s.len() as f64;
-        let samples = match period_s {
-            Some(period_s) => period_s / step_s,
-            None => period::find(&self.input).ok_or(RecordError::NoPeriodFound { duration_s })?,
+        if let Some(period_s) = period_s {
+            enough_samples(period_s, step_s)?;
+        }
+        let (samples, period_s) = match period_s {
+            Some(period_s) => {
+                let (samples, remark) = stated_period::checked(&self.input, period_s, step_s)?;
+                remarks.extend(remark);
+                let is_stated =
+                    (samples * step_s / period_s - 1.0).abs() <= WHOLE_SAMPLES_TOLERANCE;
+                (samples, if is_stated { period_s } else { rounded(samples * step_s) })
+            }
+            None => {
+                let found = period::find(&self.input);
+                let found = found.ok_or(RecordError::NoPeriodFound { duration_s })?;
+                enough_samples(found * step_s, step_s)?;
+                let found_s = rounded(found * step_s);
+                remarks.push(format!("the period of {found_s} s is found from the input"));
+                (whole_if_nearly(found), found_s)
+            }
         };
-        if samples < period::SHORTEST {
-            return Err(RecordError::Undersampled { period_s: samples * step_s, samples });
-        }
-        let samples = whole_if_nearly(samples);
         let change = Change::of(&self.input, samples);
-        if let (Some(period_s), Some(change)) = (period_s, change.filter(|it| it.contradicts())) {
-            return Err(RecordError::NotRepeating { period_s, percent: 100.0 * change.share });
-        }
         if let Some(Change { share, .. }) = change.filter(|change| change.is_large()) {
             let percent = 100.0 * share;
             remarks.push(format!(
@@ -157,11 +177,6 @@ impl Record {
                  square"
             ));
         }
-        let period_s = period_s.unwrap_or_else(|| {
-            let found_s = rounded(samples * step_s);
-            remarks.push(format!("the period of {found_s} s is found from the input"));
-            found_s
-        });
         let available = (self.time_s.len() as f64 / samples + WHOLE_SAMPLES_TOLERANCE) as usize;
         let count = available.saturating_sub(settle_periods);
         if count == 0 {
@@ -266,7 +281,16 @@ fn unsettled(deviations: &[Vec<Complex>]) -> Option<f64> {
     (times > UNSETTLED_RATIO && power(first) > largest).then_some(times)
 }
 
-fn whole_if_nearly(samples: f64) -> f64 {
+fn enough_samples(period_s: f64, step_s: f64) -> Result<(), RecordError> {
+    let samples = period_s / step_s;
+    match samples < period::SHORTEST {
+        true => Err(RecordError::Undersampled { period_s, samples }),
+        false => Ok(()),
+    }
+}
+
+/// The nearest whole number if `samples` hardly differs from it, else `samples`.
+pub(super) fn whole_if_nearly(samples: f64) -> f64 {
     let whole = samples.round();
     if (samples - whole).abs() <= WHOLE_SAMPLES_TOLERANCE * samples { whole } else { samples }
 }

@@ -15,6 +15,15 @@ const CORRELATED_CHANGE_LIMIT: f64 = 0.3;
 /// reaches. Tuned.
 const CORRELATION_LIMIT: f64 = 0.5;
 
+/// Fewest samples of d.
+const FEWEST: usize = 8;
+
+/// Standard errors by which limits are widened where d has few samples. Of c samples of white
+/// noise, the rms has a relative standard error of 1/√(2c), and the lag-one autocorrelation one of
+/// about 1/√(c + 9): of a million drawings, at most 1e-4 exceed the widened limit, for any c from 8
+/// to 64.
+const STANDARD_ERRORS: f64 = 4.0;
+
 /// rms(d)/rms(x) above which the user is told of the change.
 const REMARK_LIMIT: f64 = 0.1;
 
@@ -23,33 +32,42 @@ const REMARK_LIMIT: f64 = 0.1;
 pub(super) struct Change {
     /// rms(d)/rms(x).
     pub share: f64,
-    /// Lag-one autocorrelation of d.
+    /// Lag-one autocorrelation of d, as 1 − ½·mean(Δd²)/mean(d²): 1 for a constant.
     lag_one_correlation: f64,
+    /// Number of samples of d.
+    compared: usize,
 }
 
 impl Change {
-    /// Computes it for a signal with `samples` samples per period; `None` if the signal is shorter
-    /// than one and a half periods, or constant.
+    /// Computes it for a signal with `samples` samples per period; `None` if the signal is hardly
+    /// longer than one period, or constant.
     pub fn of(signal: &[f64], samples: f64) -> Option<Self> {
         let (whole, fraction) = (samples.floor() as usize, samples.fract());
-        let count = signal.len().checked_sub(whole + 1).filter(|count| *count > whole / 2)?;
+        let count = signal.len().checked_sub(whole + 1).filter(|count| *count >= FEWEST)?;
         let mean = signal.iter().sum::<f64>() / signal.len() as f64;
         let size = signal.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / signal.len() as f64;
         let later =
             |n: usize| signal[n + whole] + fraction * (signal[n + whole + 1] - signal[n + whole]);
         let changes: Vec<f64> = (0..count).map(|n| later(n) - signal[n]).collect();
         let squares: f64 = changes.iter().map(|d| d * d).sum();
-        let products: f64 = changes.windows(2).map(|pair| pair[0] * pair[1]).sum();
-        let lag_one_correlation = if squares > 0.0 { products / squares } else { 0.0 };
-        (size > 0.0)
-            .then(|| Self { share: (squares / count as f64 / size).sqrt(), lag_one_correlation })
+        let steps: f64 = changes.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+        let mean_ratio = steps / squares * count as f64 / (count - 1) as f64;
+        let lag_one_correlation = if squares > 0.0 { 1.0 - 0.5 * mean_ratio } else { 0.0 };
+        (size > 0.0).then(|| Self {
+            share: (squares / count as f64 / size).sqrt(),
+            lag_one_correlation,
+            compared: count,
+        })
     }
 
     /// Whether the signal contradicts the period.
     pub fn contradicts(self) -> bool {
-        self.share > CHANGE_LIMIT
+        let compared = self.compared as f64;
+        let change_limit = CHANGE_LIMIT * (1.0 + STANDARD_ERRORS / (2.0 * compared).sqrt());
+        let correlation_limit = CORRELATION_LIMIT.max(STANDARD_ERRORS / (compared + 9.0).sqrt());
+        self.share > change_limit
             || (self.share > CORRELATED_CHANGE_LIMIT
-                && self.lag_one_correlation > CORRELATION_LIMIT)
+                && self.lag_one_correlation > correlation_limit)
     }
 
     /// Whether the change is large enough for a remark.
@@ -68,7 +86,11 @@ mod tests {
 
     /// Ten periods of a signal with two lines, with noise of standard deviation `noise`.
     fn signal(samples: f64, noise: f64) -> Vec<f64> {
-        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        signal_of(3, samples, noise)
+    }
+
+    fn signal_of(seed: u64, samples: f64, noise: f64) -> Vec<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let value = |n: usize| {
             let angle = std::f64::consts::TAU * n as f64 / samples;
             let noise: f64 = noise * Distribution::<f64>::sample(&StandardNormal, &mut rng);
@@ -101,8 +123,20 @@ mod tests {
     }
 
     #[test]
+    fn a_few_samples_of_a_second_period_contradict_a_wrong_period_and_noise_does_not() {
+        // Nine samples are compared: with what the signal is 80 samples later, and with where it
+        // repeats.
+        let smooth = signal(250.0, 0.0);
+        assert!(Change::of(&smooth[..340], 330.0).unwrap().contradicts());
+        for seed in 0..200 {
+            let noisy = signal_of(seed, 250.0, 0.3);
+            assert!(!Change::of(&noisy[..260], 250.0).unwrap().contradicts(), "{seed}");
+        }
+    }
+
+    #[test]
     fn one_period_or_a_constant_cannot_be_tested() {
-        assert_eq!(Change::of(&signal(250.0, 0.0)[..260], 250.0), None);
+        assert_eq!(Change::of(&signal(250.0, 0.0)[..258], 250.0), None);
         assert_eq!(Change::of(&[2.0; 1000], 100.0), None);
     }
 }

@@ -88,9 +88,9 @@ fn fault(table: &Table, segment: &Segment, error: RecordError) -> Fault {
         RecordError::NotIncreasing { sample, .. } | RecordError::UnequalSampling { sample, .. } => {
             table.row(segment.row + sample).fault(Column::TimeS, reason)
         }
-        RecordError::NoPeriodFound { .. } | RecordError::NotRepeating { .. } => {
-            table.row(segment.row).fault(Column::Input, reason)
-        }
+        RecordError::NoPeriodFound { .. }
+        | RecordError::NotRepeating { .. }
+        | RecordError::OtherPeriod { .. } => table.row(segment.row).fault(Column::Input, reason),
         RecordError::TooShort { .. }
         | RecordError::Undersampled { .. }
         | RecordError::NoWholePeriod { .. } => table.row(segment.row).fault(Column::TimeS, reason),

@@ -215,9 +215,9 @@ mod tests {
 
     const TABLE: &str = "# input: current A\n# response: velocity rad/s\n# label.site: north\n\
         magnitude,omega_rad_s,experiment,harmonic,re,im,std,repeat,run\n\
-        1.0,2.0,0,1,0.5,-0.25,0.01,0,3.0\n1.0,2.0,0,3,0.125,0.0,0.01,0,3.0\n\
-        1.0,2.0,0,1,0.75,-0.25,0.01,1,3.0\n1.0,2.0,0,3,0.125,1e-9,0.01,1,3.0\n\
-        2.0,7.5,1,1,0.5,-0.5,0.01,0,4.0\n2.0,7.5,1,1,0.5,-0.5,0.01,1,4.0\n";
+        1.0,2.0,0,1,0.5,-0.25,0.1,0,3.0\n1.0,2.0,0,3,0.125,0.0,0.1,0,3.0\n\
+        1.0,2.0,0,1,0.75,-0.25,0.1,1,3.0\n1.0,2.0,0,3,0.125,1e-9,0.1,1,3.0\n\
+        2.0,7.5,1,1,0.5,-0.5,0.1,0,4.0\n2.0,7.5,1,1,0.5,-0.5,0.1,1,4.0\n";
 
     fn measurement(name: &str, text: &str) -> Measurement {
         read(&[Source { name, bytes: text.as_bytes() }]).unwrap()

@@ -5,6 +5,7 @@
 //! the estimate.
 
 mod beginning;
+mod first_samples;
 
 use crate::answers::{Identification, Unanswered};
 use crate::effects::ActiveEffect;

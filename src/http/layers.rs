@@ -12,7 +12,6 @@ use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::cors::CorsLayer;
-use tower_http::decompression::RequestDecompressionLayer;
 use tower_http::request_id::{MakeRequestUuid, PropagateRequestIdLayer, SetRequestIdLayer};
 use tower_http::timeout::RequestBodyTimeoutLayer;
 use tower_http::trace::{DefaultOnResponse, TraceLayer};
@@ -21,7 +20,7 @@ use tracing::{Level, Span, info_span};
 use crate::service::Service;
 
 use super::problem::{MEDIA_TYPE, Problem};
-use super::{Limits, body};
+use super::{Limits, body, unpacking};
 
 /// How long a client may pause while it sends a body.
 const BODY_PAUSE: Duration = Duration::from_secs(30);
@@ -45,7 +44,9 @@ pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router
     let Limits { sent_bytes, unpacked_bytes, origins } = limits;
     let router = router
         .layer(DefaultBodyLimit::max(unpacked_bytes))
-        .layer(RequestDecompressionLayer::new())
+        .layer(from_fn(move |request: Request, next: Next| {
+            unpacking::unpacked(request, next, unpacked_bytes)
+        }))
         .layer(CatchPanicLayer::custom(panicked))
         .layer(from_fn(move |request: Request, next: Next| body::whole(request, next, sent_bytes)))
         .layer(from_fn(move |request: Request, next: Next| {

@@ -2,7 +2,6 @@
 
 use axum::Json;
 use axum::body::Bytes;
-use axum::extract::multipart::MultipartError;
 use axum::extract::{FromRequest, Multipart, Path, Request, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -191,29 +190,15 @@ async fn upload(name: Option<String>, request: Request) -> Result<Upload, Respon
     Ok(Upload { name, files: vec![file] })
 }
 
-/// A form that cannot be read to its end. What fails below the form, such as a body that is not
-/// the gzip it claims to be, the form's reader takes for a fault of the server.
-fn unreadable_form(error: MultipartError) -> Response {
-    if !error.status().is_server_error() {
-        return error.into_response();
-    }
-    let detail = format!(
-        "the form cannot be read to its end ({}): the body is cut short, or is not what \
-         `Content-Encoding` says; send it again",
-        error.body_text()
-    );
-    Problem::of_status(StatusCode::BAD_REQUEST, detail).into_response()
-}
-
 async fn form(name: Option<String>, request: Request) -> Result<Upload, Response> {
     let mut parts =
         Multipart::from_request(request, &()).await.map_err(IntoResponse::into_response)?;
     let mut files = Vec::new();
-    while let Some(part) = parts.next_field().await.map_err(unreadable_form)? {
+    while let Some(part) = parts.next_field().await.map_err(IntoResponse::into_response)? {
         let position = files.len() + 1;
         let file_name = part.file_name().or(part.name()).map(str::to_owned);
         let content_type = part.content_type().unwrap_or("text/csv").to_owned();
-        let bytes = part.bytes().await.map_err(unreadable_form)?;
+        let bytes = part.bytes().await.map_err(IntoResponse::into_response)?;
         files.push(FileRow {
             name: file_name.unwrap_or_else(|| format!("part {position}")),
             content_type,

@@ -24,6 +24,7 @@ mod routes;
 mod server;
 #[cfg(test)]
 mod tests;
+mod unpacking;
 mod validations;
 mod views;
 

@@ -399,6 +399,36 @@ fn a_body_that_is_not_the_gzip_it_claims_to_be_is_the_callers_fault() {
 }
 
 #[test]
+fn all_members_of_a_gzip_are_read_on_every_route_and_its_name_in_any_case() {
+    let server = Server::start();
+    let pack = |text: &str| {
+        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+        std::io::Write::write_all(&mut encoder, text.as_bytes()).unwrap();
+        encoder.finish().unwrap()
+    };
+    let halves = |text: &str| {
+        let (first, second) = text.split_at(text.len() / 2);
+        [pack(first), pack(second)].concat()
+    };
+    for name in ["gzip", "GZIP", "x-gzip"] {
+        for (kind, text) in [("text/csv", "any"), ("multipart/form-data; boundary=x", FORM)] {
+            let headers = [("content-type", kind), ("content-encoding", name)];
+            let whole = server.post("/v1/measurements", &[headers[0]], text.as_bytes());
+            let sha256 = json_of(whole, 201)["sha256"].clone();
+            let packed = server.post("/v1/measurements", &headers, &halves(text));
+            assert_eq!(json_of(packed, 201)["sha256"], sha256);
+            let garbage = [&halves(text)[..], b"garbage"].concat();
+            problem(server.post("/v1/measurements", &headers, &garbage), 400);
+        }
+        let headers = [("content-type", "application/json"), ("content-encoding", name)];
+        for path in ["/v1/jobs", "/v1/validations"] {
+            let answer = problem(server.post(path, &headers, &halves("{\"none\": 1}")), 422);
+            assert!(answer.to_string().contains("none"), "{answer}");
+        }
+    }
+}
+
+#[test]
 fn a_form_that_is_cut_short_or_has_another_boundary_is_the_callers_fault() {
     let server = Server::start();
     let post = |boundary: &str, body: &str| {

@@ -13,6 +13,7 @@ mod record;
 mod repetition;
 mod sampling;
 mod scatter;
+mod settling;
 mod significance;
 mod size;
 mod spectrum;

@@ -5,7 +5,7 @@ use super::spectrum::{self, Periods};
 use super::waveform::half_peak_to_peak;
 use super::{
     Beginning, Complex, Experiment, Harmonic, Intersample, Repeat, Transient, period, sampling,
-    significance, stated_period,
+    settling, significance, stated_period,
 };
 
 /// Largest relative difference between a period in samples and a whole number at which it is
@@ -15,14 +15,6 @@ const WHOLE_SAMPLES_TOLERANCE: f64 = 1e-6;
 /// Deviations between periods below this share of the spectrum's norm are rounding errors of the
 /// Fourier transform: the periods are copies of each other.
 const ROUNDING_SHARE: f64 = 1e-13;
-
-/// Fewest periods besides the first that the check for an unsettled first period needs.
-const MIN_OTHER_PERIODS: usize = 3;
-
-/// The first period has not settled if its deviation from the mean exceeds that of the others by
-/// this factor. Tuned: deviations due to noise alone are nearly equal, since each is a sum over
-/// all lines.
-const UNSETTLED_RATIO: f64 = 2.5;
 
 /// Input and response of one axis, sampled together.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -135,16 +127,17 @@ impl Record {
     /// how they were found.
     ///
     /// Without `period_s` the period is found from the input. The first `settle_periods` are
-    /// dropped. Phases refer to the beginning of the first period used. The harmonics of the input
-    /// reach up to the Nyquist frequency, since all of them drive the machine; those of the
-    /// response end where it disappears in the noise.
+    /// dropped; without it, those in which the response has not settled, if enough others follow.
+    /// Phases refer to the beginning of the first period used. The harmonics of the input reach up
+    /// to the Nyquist frequency, since all of them drive the machine; those of the response end
+    /// where it disappears in the noise.
     ///
     /// # Errors
     /// See [`RecordError`].
     pub fn experiment(
         &self,
         period_s: Option<f64>,
-        settle_periods: usize,
+        settle_periods: Option<usize>,
     ) -> Result<(Experiment, Vec<String>), RecordError> {
         let mut remarks = Vec::new();
         let step_s = self.step_s()?;
@@ -178,15 +171,33 @@ impl Record {
             ));
         }
         let available = (self.time_s.len() as f64 / samples + WHOLE_SAMPLES_TOLERANCE) as usize;
-        let count = available.saturating_sub(settle_periods);
+        let count = available.saturating_sub(settle_periods.unwrap_or(0));
         if count == 0 {
+            let settle_periods = settle_periods.unwrap_or(0);
             return Err(RecordError::NoWholePeriod { duration_s, period_s, settle_periods });
         }
+        let mut outputs = spectrum::of_periods(&self.output, Periods { samples, count });
+        if settle_periods.is_none() {
+            let unsettled = settling::unsettled_periods(&outputs);
+            if unsettled > 0 {
+                let periods = match unsettled {
+                    1 => "period".to_owned(),
+                    more => format!("{more} periods"),
+                };
+                remarks.push(format!(
+                    "in the first {periods} the response has not settled: left out; state \
+                     settle_periods to choose for yourself"
+                ));
+            }
+            outputs = outputs.split_off(unsettled);
+        }
+        let count = outputs.len();
         let periods = Periods { samples, count };
         let inputs = spectrum::of_periods(&self.input, periods);
-        let outputs = spectrum::of_periods(&self.output, periods);
         remarks.push(format!("the last {count} whole periods of {period_s} s are used"));
+        let beginning = settling::Beginning::of(&outputs, &self.output, samples);
         let experiment = self.joined(period_s, &inputs, &outputs, &mut remarks);
+        remarks.extend(beginning.remark(count));
         Ok((experiment, remarks))
     }
 
@@ -236,12 +247,6 @@ impl Record {
             remarks.push("the periods are copies and say nothing of the noise".into());
         }
         remarks.push(format!("{highest} output harmonics above the noise are used"));
-        if let Some(times) = unsettled(&output_deviations) {
-            remarks.push(format!(
-                "the response of the first period departs from the mean {times:.1} times as far as \
-                 that of the others: it has not settled; give more settle_periods"
-            ));
-        }
         let repeats = input_deviations
             .into_iter()
             .zip(output_deviations)
@@ -268,19 +273,6 @@ impl Record {
     }
 }
 
-/// Ratio of the first period's deviation from the mean to the others' root mean square deviation;
-/// `None` if scatter alone explains it.
-fn unsettled(deviations: &[Vec<Complex>]) -> Option<f64> {
-    let [first, others @ ..] = deviations else { return None };
-    if others.len() < MIN_OTHER_PERIODS {
-        return None;
-    }
-    let largest = others.iter().map(|other| power(other)).fold(0.0, f64::max);
-    let mean = others.iter().map(|other| power(other)).sum::<f64>() / others.len() as f64;
-    let times = (power(first) / mean).sqrt();
-    (times > UNSETTLED_RATIO && power(first) > largest).then_some(times)
-}
-
 fn enough_samples(period_s: f64, step_s: f64) -> Result<(), RecordError> {
     let samples = period_s / step_s;
     match samples < period::SHORTEST {
@@ -300,11 +292,11 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
-fn power(harmonics: &[Complex]) -> f64 {
+pub(super) fn power(harmonics: &[Complex]) -> f64 {
     harmonics.iter().map(Complex::norm_sqr).sum()
 }
 
-fn mean_and_deviations(spectra: &[Vec<Complex>]) -> (Vec<Complex>, Vec<Vec<Complex>>) {
+pub(super) fn mean_and_deviations(spectra: &[Vec<Complex>]) -> (Vec<Complex>, Vec<Vec<Complex>>) {
     let count = spectra.len() as f64;
     let mean: Vec<Complex> = (0..spectra[0].len())
         .map(|k| spectra.iter().map(|spectrum| spectrum[k]).sum::<Complex>() / count)

@@ -64,10 +64,13 @@ impl Change {
     pub fn contradicts(self) -> bool {
         let compared = self.compared as f64;
         let change_limit = CHANGE_LIMIT * (1.0 + STANDARD_ERRORS / (2.0 * compared).sqrt());
-        let correlation_limit = CORRELATION_LIMIT.max(STANDARD_ERRORS / (compared + 9.0).sqrt());
-        self.share > change_limit
-            || (self.share > CORRELATED_CHANGE_LIMIT
-                && self.lag_one_correlation > correlation_limit)
+        self.share > change_limit || (self.share > CORRELATED_CHANGE_LIMIT && self.is_smooth())
+    }
+
+    /// Whether the change is correlated from sample to sample, as noise is not.
+    pub fn is_smooth(self) -> bool {
+        let chance = STANDARD_ERRORS / (self.compared as f64 + 9.0).sqrt();
+        self.lag_one_correlation > CORRELATION_LIMIT.max(chance)
     }
 
     /// Whether the change is large enough for a remark.

@@ -21,8 +21,8 @@ pub(super) struct Header {
     pub(super) intersample: Intersample,
     /// Initial state of a record without period.
     pub(super) beginning: Beginning,
-    /// Periods to drop at the beginning of a time record.
-    pub(super) settle_periods: usize,
+    /// Periods to drop at the beginning of a time record, if stated.
+    pub(super) settle_periods: Option<usize>,
     /// Whether the repeats of a harmonic table are the periods of one record.
     pub(super) repeats_are_periods: bool,
     /// Line and value of every key seen.
@@ -113,7 +113,7 @@ impl Header {
                 settle_s if settle_s >= 0.0 => self.beginning.settle_s = Some(settle_s),
                 _ => return Err(format!("`{value}` is not a number of seconds ≥ 0")),
             },
-            "settle_periods" => self.settle_periods = settle_periods(value)?,
+            "settle_periods" => self.settle_periods = Some(settle_periods(value)?),
             "repeats" => {
                 self.repeats_are_periods = match value {
                     "periods" => true,
@@ -229,7 +229,7 @@ mod tests {
         assert_eq!(header("operator", "Ada").metadata.operator.as_deref(), Some("Ada"));
         assert_eq!(header("label.shift", "night").metadata.labels["shift"], "night");
         assert_eq!(header("loop", "closed").metadata.feedback, Some(Loop::Closed));
-        assert_eq!(header("settle_periods", "2").settle_periods, 2);
+        assert_eq!(header("settle_periods", "2").settle_periods, Some(2));
         assert_eq!(header("period_s", "6.24").period_s, Some(6.24));
         assert!(header("period_s", "none").aperiodic);
         assert_eq!(header("intersample", "hold").intersample, Intersample::Hold);

@@ -89,18 +89,48 @@ fn an_input_that_contradicts_its_period_is_refused_and_one_of_noise_is_said() {
     assert!(ok(&noisy).notes().iter().any(|note| note.contains("the input changes by 20 %")));
 }
 
-#[test]
-fn a_first_period_that_has_not_settled_is_said() {
+/// `periods` periods of 0.1 s of a response that settles with the time constant `settling_s`.
+fn settling(periods: usize, settling_s: f64) -> String {
     let mut text = String::from("# period_s: 0.1\ntime_s,input,output\n");
-    for n in 0..600 {
-        let angle = std::f64::consts::TAU * f64::from(n) / 100.0;
-        let noise = 0.01 * f64::from((n * 7919) % 101 - 50) / 50.0;
-        let output = angle.cos() + (-f64::from(n) / 30.0).exp() + noise;
-        text += &format!("{:.3},{:.6},{output:.6}\n", f64::from(n) * 1e-3, angle.sin());
+    for n in 0..100 * periods {
+        let (time, angle) = (n as f64 * 1e-3, std::f64::consts::TAU * n as f64 / 100.0);
+        let noise = 0.01 * (((n * 7919) % 101) as f64 - 50.0) / 50.0;
+        let output = angle.cos() + (-time / settling_s).exp() + noise;
+        text += &format!("{time:.3},{:.6},{output:.6}\n", angle.sin());
     }
-    let says = |text: &str| ok(text).notes().iter().any(|note| note.contains("settle_periods"));
-    assert!(says(&text));
-    assert!(!says(&format!("# settle_periods: 1\n{text}")));
+    text
+}
+
+fn notes(text: &str) -> String {
+    ok(text).notes().join("; ")
+}
+
+#[test]
+fn periods_that_have_not_settled_are_left_out_unless_their_number_is_stated() {
+    let text = settling(6, 0.03);
+    assert!(notes(&text).contains("in the first period the response"), "{}", notes(&text));
+    assert_eq!(ok(&text).experiments()[0].repeats.len(), 5);
+    let stated = format!("# settle_periods: 0\n{text}");
+    assert!(notes(&stated).contains("has not settled; give more settle_periods"));
+    assert_eq!(ok(&stated).experiments()[0].repeats.len(), 6);
+    assert!(!notes(&format!("# settle_periods: 1\n{text}")).contains("settled"));
+    // Two periods each divide what remains by e: after ten, it is below the noise.
+    let slow = ok(&settling(20, 0.2));
+    assert!((8..=14).contains(&slow.experiments()[0].repeats.len()), "{:?}", slow.notes());
+    assert!(y(&slow, 0, 0).norm() < 0.02, "{}", y(&slow, 0, 0));
+}
+
+#[test]
+fn two_or_three_periods_that_change_smoothly_are_said() {
+    for periods in [2, 3] {
+        let said = notes(&settling(periods, 0.2));
+        assert!(said.contains("the response changes smoothly by"), "{said}");
+        let said = notes(&settling(periods, 1e-9));
+        assert!(!said.contains("settled"), "{said}");
+    }
+    // Too few of five periods have settled for the others to be left out.
+    let said = notes(&settling(5, 0.2));
+    assert!(said.contains("it has not settled; give more"), "{said}");
 }
 
 #[test]

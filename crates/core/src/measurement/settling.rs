@@ -11,9 +11,9 @@ const MIN_OTHER_PERIODS: usize = 3;
 /// all lines.
 const UNSETTLED_RATIO: f64 = 2.5;
 
-/// Change of the response from the first of two or three periods to the last, as a share of its
-/// root mean square, above which the user is told if it is smooth. Smaller changes hardly matter
-/// for a model of such a short record.
+/// Change of the response from the first period to the last, as a share of its root mean square,
+/// above which the user is told if it is smooth. A smaller change moves parameters by about as
+/// little.
 const CHANGE_SHARE: f64 = 0.01;
 
 /// What is known of the beginning of the periods that are used.
@@ -23,7 +23,7 @@ pub(super) enum Beginning {
     Settled,
     /// The first period deviates from the mean this many times as far as the others.
     Unsettled(f64),
-    /// The response changes smoothly by this share from the first of few periods to the last.
+    /// The response changes smoothly by this share from the first period to the last.
     Changing(f64),
 }
 
@@ -31,8 +31,8 @@ impl Beginning {
     /// Of the last periods of a response with `samples` samples each.
     pub(super) fn of(spectra: &[Vec<Complex>], output: &[f64], samples: f64) -> Self {
         let count = spectra.len();
-        if count > MIN_OTHER_PERIODS {
-            return ratio(spectra).map_or(Self::Settled, Self::Unsettled);
+        if let Some(times) = Some(spectra).filter(|_| count > MIN_OTHER_PERIODS).and_then(ratio) {
+            return Self::Unsettled(times);
         }
         let used = (samples * count as f64).ceil() as usize;
         let used = &output[output.len() - used.min(output.len())..];

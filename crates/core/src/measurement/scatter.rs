@@ -35,7 +35,7 @@ fn sum_of_squares(experiments: &[Experiment]) -> [f64; 2] {
 pub(super) fn remark(experiments: &[Experiment]) -> Option<String> {
     let [chi2, dof] = sum_of_squares(experiments);
     let excess = (chi2 / dof).sqrt();
-    if !(excess < 1.0 / REMARK_RATIO || excess > REMARK_RATIO) {
+    if (1.0 / REMARK_RATIO..=REMARK_RATIO).contains(&excess) {
         return None;
     }
     let chance = ChiSquared::new(dof).ok()?;

@@ -10,6 +10,7 @@ mod metadata;
 mod period;
 mod period_drift;
 mod record;
+mod record_error;
 mod repetition;
 mod sampling;
 mod scatter;
@@ -24,7 +25,8 @@ mod waveform;
 
 pub use experiment::{Experiment, Harmonic, Repeat};
 pub use metadata::{Loop, Metadata, Quantity, ResponseKind};
-pub use record::{Record, RecordError};
+pub use record::Record;
+pub use record_error::RecordError;
 pub use transient::{Beginning, Intersample, Transient};
 
 /// Complex number; angles in radians.

@@ -25,6 +25,10 @@ use rustfft::FftPlanner;
 
 use super::Complex;
 
+/// Largest relative difference between a period in samples and a whole number at which it is
+/// rounded to that number.
+pub(super) const WHOLE_SAMPLES_TOLERANCE: f64 = 1e-6;
+
 /// Largest r at the best lag for which the signal counts as periodic. Tuned.
 const LARGEST_DIFFERENCE: f64 = 0.25;
 
@@ -249,6 +253,12 @@ fn refined_over(signal: &[f64], period: f64, most: f64) -> f64 {
     // raises r by more than 30·r/n, plus 1 % because the interpolation smooths noise.
     let accepted = least * (1.01 + 30.0 / signal.len() as f64) + 1e-12;
     if difference(signal, most * whole, MOST_COMPARED) <= accepted { whole } else { period }
+}
+
+/// The nearest whole number if `samples` hardly differs from it, else `samples`.
+pub(super) fn whole_if_nearly(samples: f64) -> f64 {
+    let whole = samples.round();
+    if (samples - whole).abs() <= WHOLE_SAMPLES_TOLERANCE * samples { whole } else { samples }
 }
 
 #[cfg(test)]

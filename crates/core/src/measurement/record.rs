@@ -1,16 +1,14 @@
 //! Converts a sampled time record into the harmonics of its periods.
 
+use super::period::{WHOLE_SAMPLES_TOLERANCE, whole_if_nearly};
+use super::record_error::RecordError;
 use super::repetition::Change;
-use super::spectrum::{self, Periods};
+use super::spectrum::{self, Periods, mean_and_deviations, power};
 use super::waveform::half_peak_to_peak;
 use super::{
     Beginning, Complex, Experiment, Harmonic, Intersample, Repeat, Transient, period, sampling,
     settling, significance, stated_period,
 };
-
-/// Largest relative difference between a period in samples and a whole number at which it is
-/// rounded to that number.
-const WHOLE_SAMPLES_TOLERANCE: f64 = 1e-6;
 
 /// Deviations between periods below this share of the spectrum's norm are rounding errors of the
 /// Fourier transform: the periods are copies of each other.
@@ -27,91 +25,6 @@ pub struct Record {
     pub output: Vec<f64>,
     /// Position in the order of acquisition, if known.
     pub run: Option<f64>,
-}
-
-/// Why a record cannot be converted into an experiment. Sample indices start at 0.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum RecordError {
-    /// Time stands still or runs backwards.
-    #[error("time does not increase: {time_s} s comes after {before_s} s")]
-    NotIncreasing {
-        /// The later sample.
-        sample: usize,
-        /// Its time, s.
-        time_s: f64,
-        /// Time of the sample before, s.
-        before_s: f64,
-    },
-    /// The time steps are not equal.
-    #[error("sampling is unequal: a step of {step_s:.6e} s where {usual_s:.6e} s is usual")]
-    UnequalSampling {
-        /// The sample at the end of the step that differs most.
-        sample: usize,
-        /// That step, s.
-        step_s: f64,
-        /// The median step, s.
-        usual_s: f64,
-    },
-    /// The record has too few samples.
-    #[error("the record has {samples} samples, which is too few")]
-    TooShort {
-        /// Number of samples.
-        samples: usize,
-    },
-    /// No period was given, and none is found in the input.
-    #[error(
-        "no period is found in the input of {duration_s} s, which must hold at least two: \
-         give period_s"
-    )]
-    NoPeriodFound {
-        /// Duration of the record, s.
-        duration_s: f64,
-    },
-    /// The input does not repeat with the given period.
-    #[error(
-        "the input does not repeat with the period of {period_s} s that is given: from one period \
-         to the next it changes by {percent:.0} % of its root mean square; give the right \
-         period_s, leave it out to have the period found, or say period_s: none where the record \
-         does not repeat"
-    )]
-    NotRepeating {
-        /// The period, s.
-        period_s: f64,
-        /// Change of the input from one period to the next, % of its root mean square.
-        percent: f64,
-    },
-    /// The input repeats with another period than the given one.
-    #[error(
-        "the input does not repeat with the period of {period_s} s that is given, but with \
-         {found_s} s: give that as period_s, or leave period_s out to have the period found"
-    )]
-    OtherPeriod {
-        /// The given period, s.
-        period_s: f64,
-        /// The period that the input shows, s.
-        found_s: f64,
-    },
-    /// The period has too few samples.
-    #[error("the period {period_s} s has {samples:.3} samples, and at least 4 are needed")]
-    Undersampled {
-        /// The period, s.
-        period_s: f64,
-        /// Samples in it.
-        samples: f64,
-    },
-    /// The record does not hold one whole period after the dropped ones.
-    #[error(
-        "no whole period: the record lasts {duration_s:.6} s, its period is {period_s} s, and \
-         {settle_periods} periods are dropped"
-    )]
-    NoWholePeriod {
-        /// Duration of the record, s.
-        duration_s: f64,
-        /// The period, s.
-        period_s: f64,
-        /// Periods dropped at its beginning.
-        settle_periods: usize,
-    },
 }
 
 impl Record {
@@ -281,29 +194,7 @@ fn enough_samples(period_s: f64, step_s: f64) -> Result<(), RecordError> {
     }
 }
 
-/// The nearest whole number if `samples` hardly differs from it, else `samples`.
-pub(super) fn whole_if_nearly(samples: f64) -> f64 {
-    let whole = samples.round();
-    if (samples - whole).abs() <= WHOLE_SAMPLES_TOLERANCE * samples { whole } else { samples }
-}
-
 /// `value` to twelve digits. A step fitted to decimal times has rounding errors beyond them.
 fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
-}
-
-pub(super) fn power(harmonics: &[Complex]) -> f64 {
-    harmonics.iter().map(Complex::norm_sqr).sum()
-}
-
-pub(super) fn mean_and_deviations(spectra: &[Vec<Complex>]) -> (Vec<Complex>, Vec<Vec<Complex>>) {
-    let count = spectra.len() as f64;
-    let mean: Vec<Complex> = (0..spectra[0].len())
-        .map(|k| spectra.iter().map(|spectrum| spectrum[k]).sum::<Complex>() / count)
-        .collect();
-    let deviations = spectra
-        .iter()
-        .map(|spectrum| spectrum.iter().zip(&mean).map(|(value, mean)| value - mean).collect())
-        .collect();
-    (mean, deviations)
 }

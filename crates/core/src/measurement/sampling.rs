@@ -1,6 +1,6 @@
 //! Checks that samples are equally spaced, and finds the sampling interval.
 
-use super::record::RecordError;
+use super::record_error::RecordError;
 
 /// Largest accepted distance of a sample from the regular grid, as a share of the step.
 const JITTER: f64 = 1e-3;

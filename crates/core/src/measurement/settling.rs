@@ -2,6 +2,7 @@
 
 use super::Complex;
 use super::repetition::Change;
+use super::spectrum::{mean_and_deviations, power};
 
 /// Fewest periods besides the first whose scatter the first is compared with.
 const MIN_OTHER_PERIODS: usize = 3;
@@ -71,9 +72,8 @@ pub(super) fn unsettled_periods(spectra: &[Vec<Complex>]) -> usize {
 /// Ratio of the first period's deviation from the mean to the others' root mean square deviation;
 /// `None` if scatter alone explains it.
 fn ratio(spectra: &[Vec<Complex>]) -> Option<f64> {
-    let (_, deviations) = super::record::mean_and_deviations(spectra);
-    let powers: Vec<f64> =
-        deviations.iter().map(|deviation| super::record::power(deviation)).collect();
+    let (_, deviations) = mean_and_deviations(spectra);
+    let powers: Vec<f64> = deviations.iter().map(|deviation| power(deviation)).collect();
     let (first, others) = powers.split_first()?;
     let largest = others.iter().copied().fold(0.0, f64::max);
     let mean = others.iter().sum::<f64>() / others.len() as f64;

@@ -116,6 +116,24 @@ fn normal_matrix(count: usize, step: f64, highest: usize) -> DMatrix<f64> {
     })
 }
 
+/// Sum of the squared moduli of harmonics.
+pub(super) fn power(harmonics: &[Complex]) -> f64 {
+    harmonics.iter().map(Complex::norm_sqr).sum()
+}
+
+/// Mean over the periods, and the deviation of each period from it.
+pub(super) fn mean_and_deviations(spectra: &[Vec<Complex>]) -> (Vec<Complex>, Vec<Vec<Complex>>) {
+    let count = spectra.len() as f64;
+    let mean: Vec<Complex> = (0..spectra[0].len())
+        .map(|k| spectra.iter().map(|spectrum| spectrum[k]).sum::<Complex>() / count)
+        .collect();
+    let deviations = spectra
+        .iter()
+        .map(|spectrum| spectrum.iter().zip(&mean).map(|(value, mean)| value - mean).collect())
+        .collect();
+    (mean, deviations)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,8 @@
 //! Checks a stated period against the input.
 
+use super::period::whole_if_nearly;
 use super::period_drift;
-use super::record::RecordError;
+use super::record_error::RecordError;
 use super::repetition::Change;
 
 /// Largest relative error of a stated period that is mended instead of refused: that of
@@ -22,7 +23,7 @@ pub(super) fn checked(
     period_s: f64,
     step_s: f64,
 ) -> Result<(f64, Option<String>), RecordError> {
-    let stated = super::record::whole_if_nearly(period_s / step_s);
+    let stated = whole_if_nearly(period_s / step_s);
     let share = input.len() as f64 / stated - 1.0;
     let change = Change::of(input, stated);
     let not_repeating =

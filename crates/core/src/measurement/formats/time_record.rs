@@ -5,7 +5,8 @@ use super::fault::Fault;
 use super::header::Header;
 use super::part::{Part, Remarked};
 use super::table::Table;
-use crate::measurement::record::{Record, RecordError};
+use crate::measurement::record::Record;
+use crate::measurement::record_error::RecordError;
 use crate::measurement::transient::FEWEST;
 use crate::measurement::{Experiment, Transient};
 

@@ -2,7 +2,10 @@
 
 use std::io::IsTerminal;
 
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::fmt::layer;
+use tracing_subscriber::layer::SubscriberExt as _;
+use tracing_subscriber::util::SubscriberInitExt as _;
 
 use crate::config::LogFormat;
 
@@ -14,13 +17,17 @@ pub(super) fn start(level: &str, verbose: u8, format: LogFormat) {
         1 => "debug,sqlx=info",
         _ => "trace",
     };
-    let filter = match std::env::var(EnvFilter::DEFAULT_ENV) {
-        Ok(text) if verbose == 0 => EnvFilter::new(text),
-        _ => EnvFilter::new(default),
+    let asked = std::env::var("RUST_LOG").ok().filter(|_| verbose == 0);
+    let filter = |text: &str| {
+        text.parse::<Targets>().unwrap_or_else(|error| {
+            eprintln!("`{text}` does not say what to log ({error}); `info` is logged");
+            Targets::new().with_default(tracing::Level::INFO)
+        })
     };
-    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
+    let log = tracing_subscriber::registry().with(filter(asked.as_deref().unwrap_or(default)));
+    let lines = layer().with_writer(std::io::stderr);
     match format {
-        LogFormat::Text => log.with_ansi(std::io::stderr().is_terminal()).init(),
-        LogFormat::Json => log.json().flatten_event(true).init(),
+        LogFormat::Text => log.with(lines.with_ansi(std::io::stderr().is_terminal())).init(),
+        LogFormat::Json => log.with(lines.json().flatten_event(true)).init(),
     }
 }

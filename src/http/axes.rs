@@ -43,8 +43,7 @@ pub(super) struct ResultsQuery {
 }
 
 impl ResultsQuery {
-    #[expect(clippy::result_large_err, reason = "made once for a request that fails")]
-    fn filter(self) -> Result<ResultFilter, Problem> {
+    fn filter(self) -> Result<ResultFilter, Box<Problem>> {
         Ok(ResultFilter {
             from_ms: lists::time("from", self.from.as_deref())?,
             to_ms: lists::time("to", self.to.as_deref())?,
@@ -68,7 +67,7 @@ impl ResultsQuery {
 pub(super) async fn results_json(
     State(service): State<Service>,
     Query(query): Query<ResultsQuery>,
-) -> Result<Json<Rows<ResultRow>>, Problem> {
+) -> Result<Json<Rows<ResultRow>>, Box<Problem>> {
     Ok(Json(Rows { rows: service.results(&query.filter()?).await? }))
 }
 
@@ -84,7 +83,7 @@ pub(super) async fn results_json(
 pub(super) async fn results_csv(
     State(service): State<Service>,
     Query(query): Query<ResultsQuery>,
-) -> Result<Response, Problem> {
+) -> Result<Response, Box<Problem>> {
     flat::csv(ResultRow::COLUMNS, &service.results(&query.filter()?).await?)
 }
 
@@ -109,7 +108,7 @@ pub(super) struct AxesQuery {
 pub(super) async fn list(
     State(service): State<Service>,
     Query(query): Query<AxesQuery>,
-) -> Result<Json<List<Axis>>, Problem> {
+) -> Result<Json<List<Axis>>, Box<Problem>> {
     Ok(Json(List::new(service.axes(query.machine.as_deref()).await?)))
 }
 
@@ -134,8 +133,7 @@ pub(super) struct AxisQuery {
 }
 
 impl AxisQuery {
-    #[expect(clippy::result_large_err, reason = "made once for a request that fails")]
-    fn check(self) -> Result<HistoryQuery, Problem> {
+    fn check(self) -> Result<HistoryQuery, Box<Problem>> {
         Ok(HistoryQuery {
             from_ms: lists::time("from", self.from.as_deref())?,
             to_ms: lists::time("to", self.to.as_deref())?,
@@ -163,7 +161,7 @@ impl AxisQuery {
 pub(super) async fn history_json(
     State(service): State<Service>,
     Query(query): Query<AxisQuery>,
-) -> Result<Json<Rows<HistoryRow>>, Problem> {
+) -> Result<Json<Rows<HistoryRow>>, Box<Problem>> {
     Ok(Json(Rows { rows: service.axis_history(&query.check()?).await? }))
 }
 
@@ -179,7 +177,7 @@ pub(super) async fn history_json(
 pub(super) async fn history_csv(
     State(service): State<Service>,
     Query(query): Query<AxisQuery>,
-) -> Result<Response, Problem> {
+) -> Result<Response, Box<Problem>> {
     flat::csv(HistoryRow::COLUMNS, &service.axis_history(&query.check()?).await?)
 }
 
@@ -223,7 +221,7 @@ pub(super) async fn history_svg(
     State(service): State<Service>,
     Query(query): Query<FigureQuery>,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Result<Response, Box<Problem>> {
     let FigureQuery { machine, axis, parameter, from, to, theme, width, height } = query;
     let format = PlotQuery { theme, width, height }.format()?;
     let query = AxisQuery { machine, axis, parameter, changed: None, from, to }.check()?;

@@ -39,8 +39,7 @@ pub(super) async fn whole(request: Request, next: Next, max_bytes: usize) -> Res
 }
 
 /// A body as what it should say.
-#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
-pub(super) fn json<T: DeserializeOwned>(headers: &HeaderMap, body: &[u8]) -> Result<T, Problem> {
+pub(super) fn json<T: DeserializeOwned>(headers: &HeaderMap, body: &[u8]) -> Result<T, Box<Problem>> {
     let content_type = media_type(headers);
     if content_type != "application/json" {
         return Err(not_read(&content_type, "application/json"));
@@ -57,7 +56,7 @@ pub(super) fn json<T: DeserializeOwned>(headers: &HeaderMap, body: &[u8]) -> Res
 }
 
 /// Says that a body of this type is not read, and what is.
-pub(super) fn not_read(content_type: &str, readable: &str) -> Problem {
+pub(super) fn not_read(content_type: &str, readable: &str) -> Box<Problem> {
     let detail = match content_type {
         "" => format!("the request does not say in `Content-Type` what it is; send {readable}"),
         other => format!("`{other}` is not read here; send {readable}"),

@@ -28,7 +28,7 @@ pub(super) async fn page(headers: HeaderMap) -> Response {
 pub(super) async fn asset(
     Path(name): Path<String>,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Result<Response, Box<Problem>> {
     let found = web::asset(&name);
     let missing =
         || Problem::of_status(StatusCode::NOT_FOUND, format!("there is no file `{name}`"));

@@ -41,7 +41,7 @@ pub(super) async fn follow(
     State(service): State<Service>,
     Path(id): Path<String>,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Result<Response, Box<Problem>> {
     let after = last_event(&headers)?;
     let Some(events) = service.events(&id, after).await? else {
         return Ok(StatusCode::NO_CONTENT.into_response());
@@ -54,8 +54,7 @@ pub(super) async fn follow(
     Ok((unbuffered, Sse::new(events).keep_alive(alive)).into_response())
 }
 
-#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
-fn last_event(headers: &HeaderMap) -> Result<i64, Problem> {
+fn last_event(headers: &HeaderMap) -> Result<i64, Box<Problem>> {
     let Some(value) = headers.get("last-event-id") else { return Ok(0) };
     let number = value.to_str().ok().and_then(|text| text.trim().parse::<u32>().ok());
     number.map(i64::from).ok_or_else(|| {

@@ -44,7 +44,7 @@ macro_rules! export {
             State(service): State<Service>,
             Path(id): Path<String>,
             headers: HeaderMap,
-        ) -> Result<Response, Problem> {
+        ) -> Result<Response, Box<Problem>> {
             Ok(cached::answer(&headers, $media_type, service.$make(&id).await?, true))
         }
     };

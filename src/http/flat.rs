@@ -7,8 +7,7 @@ use serde::Serialize;
 use super::problem::Problem;
 
 /// Rows as CSV.
-#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
-pub(super) fn csv(columns: &[&str], rows: &[impl Serialize]) -> Result<Response, Problem> {
+pub(super) fn csv(columns: &[&str], rows: &[impl Serialize]) -> Result<Response, Box<Problem>> {
     let internal = |error: &dyn std::fmt::Display| {
         let status = StatusCode::INTERNAL_SERVER_ERROR;
         Problem::internal(status, "this cannot be written as a table", error)

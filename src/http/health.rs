@@ -27,7 +27,7 @@ pub(super) async fn live() -> &'static str {
         (status = 503, body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub(super) async fn ready(State(service): State<Service>) -> Result<&'static str, Problem> {
+pub(super) async fn ready(State(service): State<Service>) -> Result<&'static str, Box<Problem>> {
     service.ready().await?;
     Ok("ok\n")
 }
@@ -40,7 +40,7 @@ pub(super) async fn ready(State(service): State<Service>) -> Result<&'static str
         (status = 503, body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub(super) async fn metrics(State(service): State<Service>) -> Result<Response, Problem> {
+pub(super) async fn metrics(State(service): State<Service>) -> Result<Response, Box<Problem>> {
     let media_type = "application/openmetrics-text; version=1.0.0; charset=utf-8";
     let text = service.metrics_text().await?;
     Ok(([(header::CONTENT_TYPE, media_type)], text).into_response())

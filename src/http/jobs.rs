@@ -48,7 +48,7 @@ pub(super) async fn submit(
     State(service): State<Service>,
     headers: HeaderMap,
     body: Bytes,
-) -> Result<Response, Problem> {
+) -> Result<Response, Box<Problem>> {
     let key = idempotency_key(&headers)?;
     let submission = submission(&headers, &body)?;
     let view = JobView::from(service.submit(&submission, key).await?.resource);
@@ -83,7 +83,7 @@ pub(super) async fn get(
     State(service): State<Service>,
     Path(id): Path<String>,
     Query(query): Query<GetQuery>,
-) -> Result<Response, Problem> {
+) -> Result<Response, Box<Problem>> {
     let patience = Duration::from_secs(query.wait.unwrap_or(0).min(MAX_WAIT_S).into());
     let job = service.job_when_ended(&id, patience).await?;
     let ended = job.row.status.is_final();
@@ -138,7 +138,7 @@ pub(super) struct ListQuery {
 pub(super) async fn list(
     State(service): State<Service>,
     Query(query): Query<ListQuery>,
-) -> Result<Json<List<JobView>>, Problem> {
+) -> Result<Json<List<JobView>>, Box<Problem>> {
     let filter = JobFilter {
         labels: lists::labels(&query.label)?,
         since_ms: lists::time("since", query.since.as_deref())?,
@@ -165,7 +165,7 @@ pub(super) async fn list(
 pub(super) async fn delete(
     State(service): State<Service>,
     Path(id): Path<String>,
-) -> Result<StatusCode, Problem> {
+) -> Result<StatusCode, Box<Problem>> {
     service.delete_job(&id).await?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -186,13 +186,12 @@ pub(super) async fn delete(
 pub(super) async fn cancel(
     State(service): State<Service>,
     Path(id): Path<String>,
-) -> Result<Response, Problem> {
+) -> Result<Response, Box<Problem>> {
     let job = service.cancel(&id).await?;
     Ok((StatusCode::ACCEPTED, Json(JobView::from(job))).into_response())
 }
 
-#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
-fn submission(headers: &HeaderMap, body: &[u8]) -> Result<Submission, Problem> {
+fn submission(headers: &HeaderMap, body: &[u8]) -> Result<Submission, Box<Problem>> {
     let job: SubmitJob = body::json(headers, body)?;
     Ok(Submission {
         measurement_id: job.measurement_id,

@@ -8,8 +8,7 @@ use super::problem::Problem;
 pub(super) const DEFAULT_PAGE: u32 = 50;
 
 /// Labels from `name:value`, the form they have in a query.
-#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
-pub(super) fn labels(texts: &[String]) -> Result<Vec<(String, String)>, Problem> {
+pub(super) fn labels(texts: &[String]) -> Result<Vec<(String, String)>, Box<Problem>> {
     let pair = |text: &String| match text.split_once(':') {
         Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
         _ => Err(Problem::invalid_query(
@@ -21,8 +20,7 @@ pub(super) fn labels(texts: &[String]) -> Result<Vec<(String, String)>, Problem>
 }
 
 /// A time from RFC 3339.
-#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
-pub(super) fn time(member: &str, text: Option<&str>) -> Result<Option<Millis>, Problem> {
+pub(super) fn time(member: &str, text: Option<&str>) -> Result<Option<Millis>, Box<Problem>> {
     let Some(text) = text else { return Ok(None) };
     match text.parse::<jiff::Timestamp>() {
         Ok(time) => Ok(Some(time.as_millisecond())),

@@ -57,7 +57,7 @@ pub(super) async fn add(
     let added = service
         .add_measurement(upload, key)
         .await
-        .map_err(|error| Problem::from(error).into_response())?;
+        .map_err(|error| Box::<Problem>::from(error).into_response())?;
     let view = MeasurementView::from(added.resource);
     let location = [(header::LOCATION, format!("/v1/measurements/{}", view.id))];
     Ok((StatusCode::CREATED, location, Json(view)).into_response())
@@ -75,7 +75,7 @@ pub(super) async fn add(
 pub(super) async fn get(
     State(service): State<Service>,
     Path(id): Path<String>,
-) -> Result<Json<MeasurementView>, Problem> {
+) -> Result<Json<MeasurementView>, Box<Problem>> {
     Ok(Json(service.measurement(&id).await?.into()))
 }
 
@@ -118,7 +118,7 @@ pub(super) struct ListQuery {
 pub(super) async fn list(
     State(service): State<Service>,
     Query(query): Query<ListQuery>,
-) -> Result<Json<List<MeasurementView>>, Problem> {
+) -> Result<Json<List<MeasurementView>>, Box<Problem>> {
     let filter = MeasurementFilter {
         labels: lists::labels(&query.label)?,
         since_ms: lists::time("since", query.since.as_deref())?,
@@ -145,14 +145,13 @@ pub(super) async fn list(
 pub(super) async fn delete(
     State(service): State<Service>,
     Path(id): Path<String>,
-) -> Result<StatusCode, Problem> {
+) -> Result<StatusCode, Box<Problem>> {
     service.delete_measurement(&id).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
 /// The key by which a repeated request is recognised.
-#[expect(clippy::result_large_err, reason = "made once for a request that fails")]
-pub(super) fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
+pub(super) fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Box<Problem>> {
     let Some(value) = headers.get("idempotency-key") else { return Ok(None) };
     match value.to_str() {
         Ok(text) if (1..=255).contains(&text.len()) => Ok(Some(text.to_owned())),

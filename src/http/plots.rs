@@ -42,8 +42,7 @@ pub(super) struct PlotQuery {
 const SIDES: std::ops::RangeInclusive<u32> = 50..=10_000;
 
 impl PlotQuery {
-    #[expect(clippy::result_large_err, reason = "made once for a request that fails")]
-    pub(super) fn format(&self) -> Result<Format, Problem> {
+    pub(super) fn format(&self) -> Result<Format, Box<Problem>> {
         for (name, side) in [("width", self.width), ("height", self.height)] {
             if let Some(side) = side.filter(|side| !SIDES.contains(side)) {
                 let [least, most] = [SIDES.start(), SIDES.end()];
@@ -86,7 +85,7 @@ pub(super) async fn get(
     Path((id, file)): Path<(String, String)>,
     Query(query): Query<PlotQuery>,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Result<Response, Box<Problem>> {
     let name = file.strip_suffix(".svg").unwrap_or(&file);
     let Plot { svg, settled } = service.plot(&id, name, query.format()?).await?;
     Ok(cached::answer(&headers, "image/svg+xml", svg, settled))

@@ -31,7 +31,8 @@ pub(super) enum Column {
     Name(String),
 }
 
-/// What went wrong with a request, as RFC 9457 lays it out.
+/// What went wrong with a request, as RFC 9457 lays it out. Functions return it in a `Box`: an error
+/// this large would make every successful result as large.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(super) struct Problem {
     /// Identifies the kind of problem.
@@ -62,45 +63,45 @@ pub(super) struct Problem {
 
 impl Problem {
     /// A problem that its status says everything about but the details.
-    pub(super) fn of_status(status: StatusCode, detail: impl Into<String>) -> Self {
+    pub(super) fn of_status(status: StatusCode, detail: impl Into<String>) -> Box<Self> {
         let title = status.canonical_reason().unwrap_or("Error");
-        Self { kind: "about:blank".into(), ..Self::new(status, "", title, detail) }
+        Box::new(Self { kind: "about:blank".into(), ..Self::new(status, "", title, detail) })
     }
 
     /// The caller sent something that is not JSON.
-    pub(super) fn malformed_json(error: &serde_json::Error) -> Self {
+    pub(super) fn malformed_json(error: &serde_json::Error) -> Box<Self> {
         let detail = format!("the body is not JSON: {error}");
         let status = StatusCode::BAD_REQUEST;
-        Self {
+        Box::new(Self {
             line: Some(error.line() as u64),
             column: Some(Column::Position(error.column())),
             ..Self::new(status, "malformed-json", "Malformed JSON", detail)
-        }
+        })
     }
 
     /// The caller sent JSON that does not have the members it should have.
-    pub(super) fn wrong_json(member: String, error: &serde_json::Error) -> Self {
-        Self {
+    pub(super) fn wrong_json(member: String, error: &serde_json::Error) -> Box<Self> {
+        Box::new(Self {
             line: Some(error.line() as u64),
             column: Some(Column::Position(error.column())),
             ..Self::invalid_request(member, error.to_string())
-        }
+        })
     }
 
     /// Something only the operator can look into. `log` is for the log alone.
-    pub(super) fn internal(status: StatusCode, detail: &str, log: &dyn std::fmt::Display) -> Self {
+    pub(super) fn internal(status: StatusCode, detail: &str, log: &dyn std::fmt::Display) -> Box<Self> {
         let reference = uuid::Uuid::now_v7().to_string();
         error!(reference, error = %log, "request failed");
         let detail = format!("{detail}; the log says more under the reference");
         let problem = Self::new(status, "internal", "Internal error", detail);
-        Self { reference: Some(reference), ..problem }
+        Box::new(Self { reference: Some(reference), ..problem })
     }
 
     /// The caller asks, behind the question mark, for something that is not understood.
-    pub(super) fn invalid_query(member: String, detail: String) -> Self {
+    pub(super) fn invalid_query(member: String, detail: String) -> Box<Self> {
         let status = StatusCode::BAD_REQUEST;
         let problem = Self::new(status, "invalid-request", "Invalid request", detail);
-        Self { member: Some(member), ..problem }
+        Box::new(Self { member: Some(member), ..problem })
     }
 
     fn invalid_request(member: String, detail: String) -> Self {
@@ -124,9 +125,15 @@ impl Problem {
     }
 }
 
-/// The one table from what went wrong to what the caller sees.
-impl From<ServiceError> for Problem {
+impl From<ServiceError> for Box<Problem> {
     fn from(error: ServiceError) -> Self {
+        Self::new(Problem::of_service(error))
+    }
+}
+
+impl Problem {
+    /// The one table from what went wrong to what the caller sees.
+    fn of_service(error: ServiceError) -> Self {
         let text = error.to_string();
         match error {
             ServiceError::Unknown { .. } => {
@@ -168,16 +175,16 @@ impl From<ServiceError> for Problem {
                     StoreError::ReadOnly(_) => (StatusCode::SERVICE_UNAVAILABLE, READ_ONLY),
                     _ => (StatusCode::SERVICE_UNAVAILABLE, text.as_str()),
                 };
-                Self::internal(status, text, &source)
+                *Self::internal(status, text, &source)
             }
             ServiceError::Corrupt { source, .. } => {
-                Self::internal(StatusCode::INTERNAL_SERVER_ERROR, &text, &source)
+                *Self::internal(StatusCode::INTERNAL_SERVER_ERROR, &text, &source)
             }
         }
     }
 }
 
-impl IntoResponse for Problem {
+impl IntoResponse for Box<Problem> {
     fn into_response(self) -> Response {
         let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
         let mut response = (status, Json(self)).into_response();

@@ -11,9 +11,9 @@ use super::problem::Problem;
 pub(super) struct Query<T>(pub(super) T);
 
 impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for Query<T> {
-    type Rejection = Problem;
+    type Rejection = Box<Problem>;
 
-    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Box<Problem>> {
         match axum_extra::extract::Query::from_request_parts(parts, state).await {
             Ok(axum_extra::extract::Query(value)) => Ok(Self(value)),
             Err(rejection) => Err(refused(&rejection.body_text())),
@@ -22,7 +22,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for Query<T> {
 }
 
 /// Of the words of the parser, those a caller can use: `name: what is wrong`.
-fn refused(text: &str) -> Problem {
+fn refused(text: &str) -> Box<Problem> {
     let said = text.strip_prefix("Failed to deserialize query string: ").unwrap_or(text);
     let said = said.replace("invalid digit found in string", "it is not a whole number from 0 on");
     let member = said.split_once(": ").map_or("", |(member, _)| member).to_owned();

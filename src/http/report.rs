@@ -30,7 +30,7 @@ pub(super) async fn get(
     State(service): State<Service>,
     Path(id): Path<String>,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Result<Response, Box<Problem>> {
     let page = service.report(&id).await?;
     Ok(cached::answer(&headers, "text/html; charset=utf-8", page, true))
 }

@@ -46,7 +46,7 @@ pub(super) async fn get(
     State(service): State<Service>,
     Path(id): Path<String>,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Result<Response, Box<Problem>> {
     // The JSON as it was stored: every digit, and whatever version wrote it.
     let result = service.result(&id).await?;
     Ok(cached::answer(&headers, "application/json", result, true))
@@ -64,7 +64,7 @@ pub(super) async fn get(
 pub(super) async fn convergence(
     State(service): State<Service>,
     Path(id): Path<String>,
-) -> Result<Json<Convergence>, Problem> {
+) -> Result<Json<Convergence>, Box<Problem>> {
     Ok(Json(Convergence { rows: service.convergence(&id).await? }))
 }
 
@@ -80,7 +80,7 @@ pub(super) async fn convergence(
 pub(super) async fn convergence_csv(
     State(service): State<Service>,
     Path(id): Path<String>,
-) -> Result<Response, Problem> {
+) -> Result<Response, Box<Problem>> {
     let columns = ["stage", "cycle", "evaluations", "best", "mean", "elapsed_s"];
     flat::csv(&columns, &service.convergence(&id).await?)
 }

@@ -43,7 +43,7 @@ pub(super) async fn create(
     State(service): State<Service>,
     headers: HeaderMap,
     body: Bytes,
-) -> Result<Json<Validation>, Problem> {
+) -> Result<Json<Validation>, Box<Problem>> {
     let Validate { job_id, measurement_id } = body::json(&headers, &body)?;
     Ok(Json(service.validate(&job_id, &measurement_id).await?))
 }

@@ -39,7 +39,10 @@ pub(super) async fn whole(request: Request, next: Next, max_bytes: usize) -> Res
 }
 
 /// A body as what it should say.
-pub(super) fn json<T: DeserializeOwned>(headers: &HeaderMap, body: &[u8]) -> Result<T, Box<Problem>> {
+pub(super) fn json<T: DeserializeOwned>(
+    headers: &HeaderMap,
+    body: &[u8],
+) -> Result<T, Box<Problem>> {
     let content_type = media_type(headers);
     if content_type != "application/json" {
         return Err(not_read(&content_type, "application/json"));

@@ -89,7 +89,11 @@ impl Problem {
     }
 
     /// Something only the operator can look into. `log` is for the log alone.
-    pub(super) fn internal(status: StatusCode, detail: &str, log: &dyn std::fmt::Display) -> Box<Self> {
+    pub(super) fn internal(
+        status: StatusCode,
+        detail: &str,
+        log: &dyn std::fmt::Display,
+    ) -> Box<Self> {
         let reference = uuid::Uuid::now_v7().to_string();
         error!(reference, error = %log, "request failed");
         let detail = format!("{detail}; the log says more under the reference");

@@ -94,12 +94,15 @@ pub(super) fn minimise<P: LeastSquares>(
     let mut cost = here.residuals.norm_squared();
     let mut scaling = DVector::from_element(point.len(), 0.0);
     let mut damping = 1e-3;
+    // Residuals and derivatives are computed together at the first trial of a step as long as such
+    // trials succeed: separately, they would take two simulations of the same point.
+    let mut eager = true;
     on_step(0, evaluations, cost);
     for step in 1..=patience.steps {
         if problem.cancelled() {
             return Refined { point, cost, evaluations, stop: "cancelled" };
         }
-        // A step takes at least two evaluations: a trial, and the derivatives at the new point.
+        // A step may take two evaluations: a trial, and the derivatives at the new point.
         let spent = |evaluations: u64| evaluations + 2 > patience.evaluations;
         let gradient = here.jacobian.tr_mul(&here.residuals);
         let curvature = here.jacobian.tr_mul(&here.jacobian);
@@ -107,6 +110,7 @@ pub(super) fn minimise<P: LeastSquares>(
             scaling[i] = curvature[(i, i)].max(scaling[i]).max(f64::MIN_POSITIVE);
         }
         let mut accepted = None;
+        let mut rejected = 0;
         while damping < 1e15 {
             let trial = damped_step(problem, &point, &gradient, &curvature, &scaling, damping);
             let moved = trial.iter().zip(&point).map(|(t, p)| (t - p).abs()).fold(0.0, f64::max);
@@ -117,24 +121,39 @@ pub(super) fn minimise<P: LeastSquares>(
                 return Refined { point, cost, evaluations, stop: "evaluation budget spent" };
             }
             evaluations += 1;
-            let trial_cost = problem.cost(&trial);
+            let ahead = if eager && rejected == 0 { problem.linearise(&trial).ok() } else { None };
+            let trial_cost = match &ahead {
+                Some(there) => there.residuals.norm_squared(),
+                None if eager && rejected == 0 => f64::INFINITY,
+                None => problem.cost(&trial),
+            };
             if trial_cost < cost {
-                accepted = Some((trial, trial_cost, moved));
+                accepted = Some((trial, trial_cost, moved, ahead));
                 damping = (damping * 0.1).max(1e-12);
                 break;
             }
+            rejected += 1;
             damping *= if damping < 1e-6 { 100.0 } else { 5.0 };
         }
-        let Some((trial, trial_cost, moved)) = accepted else {
+        let Some((trial, trial_cost, moved, ahead)) = accepted else {
             return Refined { point, cost, evaluations, stop: "no further descent" };
         };
+        eager = rejected == 0;
         let decrease = cost - trial_cost;
         point = trial;
-        evaluations += 1;
-        match problem.linearise(&point) {
-            Ok(linearisation) => here = linearisation,
-            Err(_) => return Refined { point, cost: trial_cost, evaluations, stop: "no response" },
-        }
+        here = match ahead {
+            Some(there) => there,
+            None => {
+                evaluations += 1;
+                match problem.linearise(&point) {
+                    Ok(there) => there,
+                    Err(_) => {
+                        let (cost, stop) = (trial_cost, "no response");
+                        return Refined { point, cost, evaluations, stop };
+                    }
+                }
+            }
+        };
         let matters = patience.cost_tolerance * (cost + patience.negligible);
         let converged = decrease <= matters || moved < STEP_TOLERANCE;
         cost = trial_cost;

@@ -95,11 +95,17 @@ fn equal(cells: &[Cell], pooled: f64) -> bool {
 /// The prior variance of each cell, from its neighbours: the lines nearby in a record; cells of the
 /// same magnitude, harmonic or experiment in a table.
 fn trend(rows: &[Vec<Cell>], flat: &[Cell]) -> Vec<f64> {
-    let mut prior = additive(flat);
+    let follows_frequency = |row: &Vec<Cell>| {
+        row.len() >= FEWEST_LINES && row.iter().all(|cell| cell.from_record && cell.dof > 0.0)
+    };
+    let mut prior = match rows.iter().all(follows_frequency) {
+        true => vec![0.0; flat.len()],
+        false => additive(flat),
+    };
     let mut start = 0;
     for row in rows {
         let cells = &flat[start..start + row.len()];
-        if row.len() >= FEWEST_LINES && row.iter().all(|cell| cell.from_record && cell.dof > 0.0) {
+        if follows_frequency(row) {
             for (i, variance) in prior[start..start + row.len()].iter_mut().enumerate() {
                 let reach = (0.5 * NEIGHBOURHOOD_DOF / cells[i].dof).ceil() as usize;
                 let near = &cells[i.saturating_sub(reach)..(i + reach + 1).min(cells.len())];
@@ -116,21 +122,24 @@ fn trend(rows: &[Vec<Cell>], flat: &[Cell]) -> Vec<f64> {
 fn additive(cells: &[Cell]) -> Vec<f64> {
     let keys: [fn(&Cell) -> u64; 3] =
         [|cell| cell.magnitude.to_bits(), |cell| cell.order as u64, |cell| cell.experiment as u64];
+    let groupings = keys.map(|key| groups(cells, key));
     // The mean of ln s² is ln σ² + ψ(ν/2) − ln(ν/2); correct for the difference.
     let log = |cell: &Cell| cell.variance.ln() - digamma(0.5 * cell.dof) + (0.5 * cell.dof).ln();
     let mut left: Vec<f64> =
         cells.iter().map(|cell| if cell.dof > 0.0 { log(cell) } else { 0.0 }).collect();
     let mut fitted = vec![0.0; cells.len()];
     for _ in 0..20 {
-        for key in keys {
-            let mut groups = std::collections::BTreeMap::<u64, (f64, f64)>::new();
-            for (cell, rest) in cells.iter().zip(&left).filter(|(cell, _)| cell.dof > 0.0) {
-                let sums = groups.entry(key(cell)).or_default();
-                sums.0 += rest * cell.dof;
-                sums.1 += cell.dof;
+        for (count, group_of) in &groupings {
+            let mut sums = vec![(0.0, 0.0); *count];
+            for ((cell, rest), group) in cells.iter().zip(&left).zip(group_of) {
+                if cell.dof > 0.0 {
+                    sums[*group].0 += rest * cell.dof;
+                    sums[*group].1 += cell.dof;
+                }
             }
-            for (i, cell) in cells.iter().enumerate() {
-                if let Some((sum, dof)) = groups.get(&key(cell)) {
+            for (i, group) in group_of.iter().enumerate() {
+                let (sum, dof) = sums[*group];
+                if dof > 0.0 {
                     fitted[i] += sum / dof;
                     left[i] -= sum / dof;
                 }
@@ -138,6 +147,17 @@ fn additive(cells: &[Cell]) -> Vec<f64> {
         }
     }
     fitted.into_iter().map(f64::exp).collect()
+}
+
+/// Number of groups of cells with the same key, and the group of every cell.
+fn groups(cells: &[Cell], key: fn(&Cell) -> u64) -> (usize, Vec<usize>) {
+    let mut known = std::collections::BTreeMap::<u64, usize>::new();
+    let mut group_of = Vec::with_capacity(cells.len());
+    for cell in cells {
+        let next = known.len();
+        group_of.push(*known.entry(key(cell)).or_insert(next));
+    }
+    (known.len(), group_of)
 }
 
 /// Degrees of freedom of the prior, from the excess of the scatter of ln s² about the prior over

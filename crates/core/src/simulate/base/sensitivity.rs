@@ -229,15 +229,18 @@ impl<'a> Instants<'a> {
             torque_change: vec![vec![0.0; count]; directions.len()],
             steady_change: vec![vec![0.0; count]; directions.len()],
         };
-        let through: Vec<Complex> = (0..lines.len())
+        // A change of the input may have more lines than the input.
+        let most =
+            directions.iter().map(|direction| direction.lines.len()).fold(lines.len(), usize::max);
+        let through: Vec<Complex> = (0..most)
             .map(|l| 1.0 / Complex::new(plant.viscous_rate_rad_s, l as f64 * omega))
             .collect();
         for i in 0..count {
             let turn = Complex::from_polar(1.0, omega * orbit.phases[i].start_s);
             let mut at = Complex::new(1.0, 0.0);
-            for (l, line) in lines.iter().enumerate() {
-                let torque = line * at;
-                let steady = torque * through[l];
+            for (l, through) in through.iter().enumerate() {
+                let torque = lines.get(l).copied().unwrap_or_default() * at;
+                let steady = torque * through;
                 instants.torque[i] += torque.re;
                 instants.torque_rate[i] -= l as f64 * omega * torque.im;
                 instants.steady[i] += steady.re;
@@ -245,11 +248,11 @@ impl<'a> Instants<'a> {
                     if let Some(change) = direction.lines.get(l) {
                         let change = change * at;
                         instants.torque_change[d][i] += change.re;
-                        instants.steady_change[d][i] += (change * through[l]).re;
+                        instants.steady_change[d][i] += (change * through).re;
                     }
                     if direction.viscous_rate != 0.0 {
                         instants.steady_change[d][i] -=
-                            direction.viscous_rate * (steady * through[l]).re;
+                            direction.viscous_rate * (steady * through).re;
                     }
                 }
                 at *= turn;

@@ -17,12 +17,17 @@ pub struct Excitation {
 }
 
 impl Excitation {
-    /// Prepares u(t) = Re Σ Uₖ exp(jkωt); `input` holds U₀, U₁ … in input units.
-    pub fn new(omega_rad_s: f64, input: Vec<Complex>) -> Self {
+    /// Prepares u(t) = Re Σ Uₖ exp(jkωt); `input` holds U₀, U₁ … in input units. Lines that the
+    /// grid of the simulation cannot hold are left out; they are less than a millionth of the
+    /// input.
+    pub fn new(omega_rad_s: f64, mut input: Vec<Complex>) -> Self {
         let zero = Complex::new(0.0, 0.0);
         let pure_cosine =
             input.len() > 1 && input.iter().enumerate().all(|(k, u)| k == 1 || *u == zero);
-        let grid = (!pure_cosine).then(|| Grid::new(input.len().saturating_sub(1)));
+        let grid = (!pure_cosine).then(|| Grid::for_lines(&input));
+        if let Some(grid) = &grid {
+            input.truncate(grid.lines());
+        }
         Self { omega_rad_s, input, grid, run_share: 0.0 }
     }
 

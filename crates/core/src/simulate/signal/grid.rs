@@ -6,8 +6,13 @@ use rustfft::{Fft, FftPlanner};
 
 use crate::measurement::Complex;
 
-/// Fewest samples per cycle of the highest line; see `samples` for the interpolation error.
-const SAMPLES_PER_HIGHEST_CYCLE: usize = 12;
+/// Largest interpolation error of a general input, as a share of its rms without the mean. The
+/// simulation reports harmonics to 1e-5 of the largest one.
+const INTERPOLATION_ERROR: f64 = 1e-6;
+
+/// Samples per cycle of the highest line with which any input is interpolated well enough:
+/// (2π/12)⁶/46080 = 4.5e-7.
+const MOST_SAMPLES_PER_CYCLE: usize = 12;
 
 /// Fewest samples per period of a general input.
 const FEWEST_SAMPLES: usize = 1024;
@@ -37,10 +42,17 @@ const fn rung(step: usize) -> usize {
 }
 
 impl Grid {
-    /// A grid for a signal with lines up to this one.
-    pub fn new(highest_line: usize) -> Self {
-        let samples = (SAMPLES_PER_HIGHEST_CYCLE * highest_line).max(FEWEST_SAMPLES);
-        Self::of(next_quick_length(samples))
+    /// The coarsest grid on which quintics interpolate a signal with these lines. It depends on
+    /// their sizes: noise far above the excited band needs few samples per cycle.
+    pub fn for_lines(lines: &[Complex]) -> Self {
+        let most = MOST_SAMPLES_PER_CYCLE * lines.len().saturating_sub(1);
+        let power = |line: &Complex| line.norm_sqr();
+        let allowed = INTERPOLATION_ERROR.powi(2) * lines.iter().skip(1).map(power).sum::<f64>();
+        let mut samples = next_quick_length(FEWEST_SAMPLES);
+        while samples < most && interpolation_error(lines, samples) > allowed {
+            samples = next_quick_length(samples + samples / 32);
+        }
+        Self::of(samples)
     }
 
     fn of(samples: usize) -> Self {
@@ -83,6 +95,11 @@ impl Grid {
         self.forward.len()
     }
 
+    /// Number of lines, 0 included, that the samples can hold: those below half their number.
+    pub fn lines(&self) -> usize {
+        self.samples().div_ceil(2)
+    }
+
     /// Inverse FFT from lines to samples, in place, unscaled.
     pub fn inverse(&self, signal: &mut [Complex]) {
         self.inverse.process(signal);
@@ -92,6 +109,17 @@ impl Grid {
     pub fn forward(&self, signal: &mut [Complex]) {
         self.forward.process(signal);
     }
+}
+
+/// Sum of the squared errors of the lines on a grid of so many samples; see `samples` for the
+/// error of one line. Lines from half the number of samples on are lost altogether.
+fn interpolation_error(lines: &[Complex], samples: usize) -> f64 {
+    let step = std::f64::consts::TAU / samples as f64;
+    let error = |(l, line): (usize, &Complex)| {
+        let relative = if 2 * l >= samples { 1.0 } else { (step * l as f64).powi(6) / 46080.0 };
+        relative * relative * line.norm_sqr()
+    };
+    lines.iter().enumerate().skip(1).map(error).sum()
 }
 
 /// The next length without prime factors above 5, for which FFTs are fast.

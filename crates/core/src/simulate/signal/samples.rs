@@ -8,10 +8,6 @@ use crate::measurement::Complex;
 
 use super::grid::Grid;
 
-/// Terms of the power series of exp(−jθu) over one cell. θ, the angle of the highest harmonic,
-/// stays below 1, so that the first omitted term is below 1e-13.
-const SERIES_TERMS: usize = 16;
-
 /// A sampled periodic signal.
 pub(crate) struct Samples {
     /// Distance between samples, seconds.
@@ -26,7 +22,7 @@ pub(crate) struct Samples {
 
 impl Samples {
     /// Samples of Re Σ Xₗ exp(jlωt) and, by the same FFTs, the values of a second signal with the
-    /// lines `other`.
+    /// lines `other`. Lines that the grid cannot hold are left out.
     pub fn of(grid: &Grid, omega: f64, lines: &[Complex], other: &[Complex]) -> (Self, Vec<f64>) {
         let zero = Complex::new(0.0, 0.0);
         let j = Complex::new(0.0, 1.0);
@@ -34,7 +30,7 @@ impl Samples {
         // One complex FFT transforms two real signals.
         let mut values = vec![zero; samples];
         let mut derivatives = vec![zero; samples];
-        for (l, line) in lines.iter().enumerate() {
+        for (l, line) in lines.iter().enumerate().take(grid.lines()) {
             let other = other.get(l).copied().unwrap_or_default();
             if l == 0 {
                 values[0] = Complex::new(line.re, other.re);
@@ -135,7 +131,6 @@ impl Samples {
         }
         left.iter_mut().for_each(|signal| grid.forward(signal));
         let samples = grid.samples();
-        let moments = moments();
         for (k, sum) in sums.iter_mut().enumerate() {
             let (n, mirrored) = (k % samples, (samples - k % samples) % samples);
             let (value, first) = unpack(left[0][n], left[0][mirrored]);
@@ -150,7 +145,7 @@ impl Samples {
                 at_right[2] += turn * self.second[*sample];
             }
             let theta = k as f64 * omega * self.step_s;
-            let weights = filon_weights(theta, &moments);
+            let weights = hermite_weights(&grid.moments(k));
             // The cell of a right end begins one step earlier.
             let back = Complex::from_polar(1.0, theta);
             let h = self.step_s;
@@ -241,34 +236,14 @@ pub(crate) fn quintic_at(left: [f64; 3], right: [f64; 3], u: f64) -> f64 {
     Quintic::through(left, right).value(u)
 }
 
-/// ∫₀¹ uᵐ·H(u) du/m! for m = 0, 1 … and the six Hermite basis quintics H.
-fn moments() -> [[f64; 6]; SERIES_TERMS] {
-    let mut rows = [[0.0; 6]; SERIES_TERMS];
-    for basis in 0..6 {
+/// ∫₀¹ H(u) exp(−jθu) du for the six Hermite basis quintics H, from the same integrals of the
+/// powers of u.
+fn hermite_weights(moments: &[Complex; 6]) -> [Complex; 6] {
+    std::array::from_fn(|basis| {
         let mut ends = [0.0; 6];
         ends[basis] = 1.0;
         let [y, d, e, y1, d1, e1] = ends;
         let quintic = Quintic::through([y, d, e], [y1, d1, e1]);
-        let mut factorial = 1.0;
-        for (m, row) in rows.iter_mut().enumerate() {
-            factorial *= m.max(1) as f64;
-            let integral: f64 =
-                quintic.0.iter().enumerate().map(|(i, c)| c / (i + m + 1) as f64).sum();
-            row[basis] = integral / factorial;
-        }
-    }
-    rows
-}
-
-/// ∫₀¹ H(u) exp(−jθu) du for the six Hermite basis quintics H.
-fn filon_weights(theta: f64, moments: &[[f64; 6]; SERIES_TERMS]) -> [Complex; 6] {
-    let mut weights = [Complex::new(0.0, 0.0); 6];
-    let mut power = Complex::new(1.0, 0.0);
-    for row in moments {
-        for (weight, moment) in weights.iter_mut().zip(row) {
-            *weight += power * moment;
-        }
-        power *= Complex::new(0.0, -theta);
-    }
-    weights
+        quintic.0.iter().zip(moments).map(|(c, moment)| moment * *c).sum()
+    })
 }

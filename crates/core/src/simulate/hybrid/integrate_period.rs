@@ -247,6 +247,10 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
             (Some(n), Step::Ends(ends)) if from == 0.0 && width == 1.0 => {
                 sums.add_whole(n, ends.powers(VELOCITY, |v| v));
             }
+            (Some(n), Step::Stages(stages)) if from == 0.0 && width == 1.0 => {
+                let [a, b, c, d, e] = stages.powers(VELOCITY, |v| v);
+                sums.add_whole(n, [a, b, c, d, e, S::constant(0.0)]);
+            }
             _ => step.add(VELOCITY, sums, cell.from_s + from * cell.length_s, 1.0),
         }
     }

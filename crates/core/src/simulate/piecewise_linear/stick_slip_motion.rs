@@ -174,15 +174,10 @@ impl<S: Scalar> OneMass<S> {
         let last = slides.by_direction.len() - 1;
         let sums = &mut slides.by_direction[direction.min(last)];
         let (zero, one) = (S::constant(0.0), S::constant(1.0));
+        let powers = self.driving(&cell.powers, direction);
         match cell.whole {
-            Some(n) if from == zero && to == one => {
-                sums.add_whole(n, self.driving(&cell.powers, direction));
-            }
-            _ => {
-                let powers = self.driving(&restricted(&cell.powers, from, to), direction);
-                let (from_s, length_s) = (from * cell.length_s + cell.from_s, to - from);
-                sums.add_part(from_s, length_s * cell.length_s, &powers);
-            }
+            Some(n) if from == zero && to == one => sums.add_whole(n, powers),
+            _ => sums.add_part(&Cell { powers, ..*cell }, from, to),
         }
     }
 

@@ -1,9 +1,9 @@
 //! Fourier integrals ∫ x(t) exp(−jkωt) dt of a signal that is given piece by piece.
 //!
-//! Pieces that are whole cells of the grid are integrated by Filon's method (1928): the product of
-//! polynomial and exponential is integrated exactly, and an FFT sums over all cells. Other pieces
-//! are integrated by Gauss–Legendre quadrature. The nodes are summed one by one or, for many
-//! harmonics, all together (`points`).
+//! For few harmonics, pieces that are whole cells of the grid are integrated by Filon's method
+//! (1928): the product of polynomial and exponential is integrated exactly, and an FFT sums over
+//! all cells. Other pieces are integrated by Gauss–Legendre quadrature, node by node. For many
+//! harmonics both kinds of pieces are summed together (`points`).
 
 mod points;
 
@@ -12,7 +12,7 @@ use crate::plant::Scalar;
 
 use super::complex_dual::ComplexDual;
 use super::grid::Grid;
-use super::piecewise_quintic::{Quintic, polynomial, value};
+use super::piecewise_quintic::{Cell, Quintic, polynomial, restricted};
 use super::samples::GAUSS_5;
 use points::Points;
 
@@ -40,9 +40,9 @@ pub(crate) struct Fourier<'g, S> {
     grid: &'g Grid,
     omega: f64,
     /// Coefficients of the signal in each whole cell, 0 where none was added; empty before the
-    /// first.
+    /// first, and with `points`.
     whole: Vec<Quintic<S>>,
-    /// Nodes of the other pieces; `None` if they are summed one by one.
+    /// All pieces, if there are many harmonics; `None` if nodes of pieces are summed one by one.
     points: Option<Points<S>>,
     sums: Vec<ComplexDual<S>>,
 }
@@ -57,31 +57,38 @@ impl<'g, S: Scalar> Fourier<'g, S> {
 
     /// Adds a signal on the whole cell `n` of the grid.
     pub fn add_whole(&mut self, n: usize, powers: Quintic<S>) {
+        if let Some(points) = &mut self.points {
+            points.add_whole(
+                n,
+                &powers,
+                std::f64::consts::TAU / self.omega / self.grid.samples() as f64,
+            );
+            return;
+        }
         if self.whole.is_empty() {
             self.whole.resize(self.grid.samples(), [S::constant(0.0); 6]);
         }
         self.whole[n] = powers;
     }
 
-    /// Adds the signal between two times, as a polynomial in u, 0 to 1.
-    pub fn add_part(&mut self, from_s: S, length_s: S, powers: &Quintic<S>) {
-        if (0..S::LANES).all(|l| from_s.lane(l) == 0.0 && length_s.lane(l) == 0.0) {
-            return self.add_fixed(from_s.value(), length_s.value(), 1.0, powers);
-        }
-        for (node, weight) in self.nodes(length_s.value()) {
-            let u = 0.5 + 0.5 * node;
-            let x = value(powers, S::constant(u)) * length_s * (0.5 * weight);
-            let (sin, cos) = ((from_s + length_s * u) * -self.omega).sin_cos();
-            let turn = ComplexDual::new(cos, sin);
-            let mut at = ComplexDual::real(x);
-            for sum in &mut self.sums {
-                *sum = *sum + at;
-                at = at * turn;
+    /// Adds the signal on a part of a cell, from position `from` to `to`.
+    ///
+    /// The ends may have derivatives. By Leibniz's rule, each adds the signal there times the
+    /// derivative of its time.
+    pub fn add_part(&mut self, cell: &Cell<S>, from: S, to: S) {
+        let ends = [from, to].map(S::value);
+        let powers = restricted(&cell.powers, ends[0], ends[1]);
+        let [from_s, to_s] = ends.map(|u| cell.from_s + u * cell.length_s);
+        self.add_fixed(from_s, to_s - from_s, 1.0, &powers);
+        for (end, at_s, sign) in [(from, from_s, -1.0), (to, to_s, 1.0)] {
+            if (0..S::LANES).any(|lane| end.lane(lane) != 0.0) {
+                let shift = (end - end.value()) * (sign * cell.length_s);
+                self.add_point(at_s, shift * cell.number(end.value()));
             }
         }
     }
 
-    /// The same between times without derivatives, for a polynomial of any degree. It begins at
+    /// Adds a signal between fixed times, as a polynomial in u of any degree. It begins at
     /// `from_s` with u = 0 and ends at u = `reach`; u = 1 is `length_s` later than u = 0.
     #[inline]
     pub fn add_fixed(&mut self, from_s: f64, length_s: f64, reach: f64, powers: &[S]) {
@@ -89,18 +96,24 @@ impl<'g, S: Scalar> Fourier<'g, S> {
         for (node, weight) in nodes {
             let u = reach * (0.5 + 0.5 * node);
             let x = polynomial(powers, u) * (0.5 * weight * reach * length_s);
-            let angle = self.omega * (from_s + length_s * u);
-            if let Some(points) = &mut self.points {
-                points.add(angle / std::f64::consts::TAU, x);
-                continue;
-            }
-            let turn = Complex::from_polar(1.0, -angle);
-            let mut at = Complex::new(1.0, 0.0);
-            for sum in &mut self.sums {
-                sum.re += x * at.re;
-                sum.im += x * at.im;
-                at *= turn;
-            }
+            self.add_point(from_s + length_s * u, x);
+        }
+    }
+
+    /// Adds x·exp(−jkωt) at one time.
+    #[inline]
+    fn add_point(&mut self, at_s: f64, x: S) {
+        let angle = self.omega * at_s;
+        if let Some(points) = &mut self.points {
+            points.add(angle / std::f64::consts::TAU, x);
+            return;
+        }
+        let turn = Complex::from_polar(1.0, -angle);
+        let mut at = Complex::new(1.0, 0.0);
+        for sum in &mut self.sums {
+            sum.re += x * at.re;
+            sum.im += x * at.im;
+            at *= turn;
         }
     }
 

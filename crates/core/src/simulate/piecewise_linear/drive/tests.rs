@@ -26,7 +26,7 @@ fn harmonics(axis: &Axis, excitation: &Excitation) -> Vec<Complex> {
     for cell in &forcing.cells {
         match cell.whole {
             Some(n) => sums.add_whole(n, cell.powers),
-            None => sums.add_part(cell.from_s, cell.length_s, &cell.powers),
+            None => sums.add_part(cell, 0.0, 1.0),
         }
     }
     let weight = |k: usize| if k == 0 { omega / TAU } else { omega / PI };

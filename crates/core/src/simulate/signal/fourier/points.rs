@@ -16,12 +16,31 @@ use crate::plant::Scalar;
 
 use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::grid::Grid;
+use crate::simulate::signal::piecewise_quintic::Quintic;
 
 /// Largest truncation error of the series, as a share of the point. Sets the number of degrees d.
 const TRUNCATION_ERROR: f64 = 1e-10;
 
-/// Most degrees d; they are enough for arguments of j_d up to 4.
+/// Most degrees d; they are enough for arguments of j_d up to 4. There are at least six, the
+/// moments of a quintic.
 const MOST_DEGREES: usize = 20;
+
+/// ∫₀¹ uⁱ P_d(2u − 1) du, one row for each power i; see [`Points::add_whole`].
+const LEGENDRE_OF_POWER: [[f64; 6]; 6] = {
+    let mut rows = [[0.0; 6]; 6];
+    let mut i = 0;
+    while i < 6 {
+        // i!²/(i!(i + 1)!) = 1/(i + 1), and the ratio of one d to the one before.
+        rows[i][0] = 1.0 / (i + 1) as f64;
+        let mut d = 1;
+        while d <= i {
+            rows[i][d] = rows[i][d - 1] * (i + 1 - d) as f64 / (i + d + 1) as f64;
+            d += 1;
+        }
+        i += 1;
+    }
+    rows
+};
 
 /// Points of one signal.
 pub(crate) struct Points<S> {
@@ -35,7 +54,7 @@ impl<S: Scalar> Points<S> {
     /// For sums up to k = `highest`; `None` if the cells are too long for them.
     pub fn new(grid: &Grid, highest: usize) -> Option<Self> {
         let most = half_turn(grid, highest);
-        let degrees = (1..=MOST_DEGREES)
+        let degrees = (6..=MOST_DEGREES)
             .find(|d| first_term(*d, most) * (2 * d + 1) as f64 <= TRUNCATION_ERROR)?;
         Some(Self { moments: vec![[S::constant(0.0); MOST_DEGREES]; grid.samples()], degrees })
     }
@@ -53,6 +72,24 @@ impl<S: Scalar> Points<S> {
             *moment += x * ((2.0 * d + 1.0) * here);
             // Legendre's recurrence (Abramowitz and Stegun, 8.5.3).
             (before, here) = (here, ((2.0 * d + 1.0) * s * here - d * before) / (d + 1.0));
+        }
+    }
+
+    /// Adds a quintic on the whole cell `n`, whose length is `length`. With P_d shifted to [0, 1],
+    ///
+    /// ```text
+    ///   ∫₀¹ uⁱ P_d(2u − 1) du = i!²/((i − d)!(i + d + 1)!)  for d ≤ i, else 0
+    /// ```
+    ///
+    /// (Abramowitz and Stegun, 22.13.8), so that a quintic has six Legendre moments.
+    #[inline]
+    pub fn add_whole(&mut self, n: usize, powers: &Quintic<S>, length: f64) {
+        for (d, moment) in self.moments[n].iter_mut().take(6).enumerate() {
+            let mut sum = S::constant(0.0);
+            for (power, row) in powers[d..].iter().zip(&LEGENDRE_OF_POWER[d..]) {
+                sum += *power * row[d];
+            }
+            *moment += sum * ((2 * d + 1) as f64 * length);
         }
     }
 
@@ -183,6 +220,29 @@ mod tests {
                 (sum.value() - expected).norm() < 500.0 * TRUNCATION_ERROR,
                 "{k}: {sum:?} {expected}"
             );
+        }
+    }
+
+    #[test]
+    fn a_quintic_on_a_whole_cell_is_the_sum_over_its_quadrature_points() {
+        let (grid, highest) = (Grid::at_least(48), 30);
+        let powers = [0.3, -1.2, 0.7, 2.1, -0.4, 0.9];
+        let mut whole = Points::new(grid, highest).unwrap();
+        whole.add_whole(5, &powers, 0.2);
+        let mut nodes = Points::new(grid, highest).unwrap();
+        // The midpoint rule errs by 1/24 of the squared step times the second derivative.
+        for n in 0..4000 {
+            let u = (f64::from(n) + 0.5) / 4000.0;
+            let value: f64 = powers.iter().rev().fold(0.0, |sum, c| sum * u + c);
+            nodes.add((5.0 + u) / grid.samples() as f64, value * 0.2 / 4000.0);
+        }
+        let sums = [whole, nodes].map(|points| {
+            let mut sums = vec![ComplexDual::real(0.0); highest + 1];
+            points.add_to(grid, &mut sums);
+            sums
+        });
+        for (whole, nodes) in sums[0].iter().zip(&sums[1]) {
+            assert!((whole.value() - nodes.value()).norm() < 1e-7, "{whole:?} {nodes:?}");
         }
     }
 

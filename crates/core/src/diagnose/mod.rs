@@ -31,7 +31,7 @@ use crate::observer::Observer;
 pub use error::{DiagnoseError, ValidateError};
 pub use validation::{diagnose_validated, validate};
 
-use progress::Part;
+use progress::{Forward, Part};
 use residuals::discrepancy;
 use selection::weighting_choice;
 
@@ -60,6 +60,7 @@ pub fn diagnose(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let whole = Part { whole: observer, span: [0.0, 1.0] };
+    let forward = Forward::new(observer);
+    let whole = Part { whole: &forward, span: [0.0, 1.0] };
     weighting_choice::diagnose(measurement, request, whole)
 }

@@ -49,6 +49,40 @@ impl Observer for Part<'_> {
     }
 }
 
+/// An observer whose fraction never decreases: a search does not know beforehand how often it
+/// repeats a stage, and a stage that is repeated begins at its old share again.
+pub(super) struct Forward<'a> {
+    whole: &'a dyn Observer,
+    reached: Mutex<f64>,
+}
+
+impl<'a> Forward<'a> {
+    pub fn new(whole: &'a dyn Observer) -> Self {
+        Self { whole, reached: Mutex::new(0.0) }
+    }
+}
+
+impl Observer for Forward<'_> {
+    fn elapsed_s(&self) -> f64 {
+        self.whole.elapsed_s()
+    }
+
+    fn progress(&self, progress: Progress) {
+        // The lock is held while reporting, so that fractions arrive in order.
+        let mut reached = self.reached.lock().unwrap_or_else(PoisonError::into_inner);
+        *reached = reached.max(progress.fraction);
+        self.whole.progress(Progress { fraction: *reached, ..progress });
+    }
+
+    fn row(&self, row: ConvergenceRow) {
+        self.whole.row(row);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.whole.cancelled()
+    }
+}
+
 /// An observer that passes on cancellation but reports no progress.
 pub(super) struct Quiet<'a>(pub &'a dyn Observer);
 
@@ -92,6 +126,18 @@ mod tests {
         fn progress(&self, progress: Progress) {
             self.0.lock().unwrap().push((progress.done, progress.fraction));
         }
+    }
+
+    #[test]
+    fn the_fraction_stays_where_a_stage_is_repeated() {
+        let log = Log::default();
+        let forward = Forward::new(&log);
+        let part = Part { whole: &forward, span: [0.2, 0.6] };
+        for _ in 0..2 {
+            part.stage("further starts", 1).step();
+        }
+        let fractions: Vec<f64> = log.0.lock().unwrap().iter().map(|seen| seen.1).collect();
+        assert_eq!(fractions, [0.2, 0.6, 0.6, 0.6]);
     }
 
     #[test]

@@ -29,10 +29,12 @@ const WORTHWHILE_NRMSE_RATIO: f64 = 0.9;
 /// at 60 dB gives some 100.
 const EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM: f64 = 5e3;
 
-/// Shares of the progress: fitting the base model, the first weighting, the second where needed.
+/// Shares of the progress: fitting the base model, the first weighting, and the second. If the
+/// base model is limited by the noise already, there is no second; else there may be.
 const BASE_FIT_SPAN: [f64; 2] = [0.0, 0.1];
-const FIRST_WEIGHTING_SPAN: [f64; 2] = [0.1, 0.95];
-const SECOND_WEIGHTING_SPAN: [f64; 2] = [0.95, 1.0];
+const ONLY_WEIGHTING_SPAN: [f64; 2] = [0.1, 1.0];
+const FIRST_WEIGHTING_SPAN: [f64; 2] = [0.1, 0.55];
+const SECOND_WEIGHTING_SPAN: [f64; 2] = [0.55, 1.0];
 
 /// Diagnoses with noise weights. If no model is limited by the noise, equal weights are tried too,
 /// and win if they leave clearly less of the response. If the base model is very far from the
@@ -73,7 +75,9 @@ fn choose_weighting(
     };
     let chi2_per_dof = first.base().cost / first.data() as f64;
     if !first.noise_known() || chi2_per_dof <= EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM {
-        let by_noise = by_noise(FIRST_WEIGHTING_SPAN)?;
+        let needs_one = !first.noise_known() || chi2_per_dof <= NOISE_LIMITED_CHI2_PER_DOF;
+        let by_noise =
+            by_noise(if needs_one { ONLY_WEIGHTING_SPAN } else { FIRST_WEIGHTING_SPAN })?;
         return match noise_limits(&by_noise) {
             true => Ok(by_noise),
             false => Ok(smaller_residual(Some(by_noise), equal_weights(SECOND_WEIGHTING_SPAN)?)),

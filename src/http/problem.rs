@@ -31,8 +31,8 @@ pub(super) enum Column {
     Name(String),
 }
 
-/// What went wrong with a request, as RFC 9457 lays it out. Functions return it in a `Box`: an error
-/// this large would make every successful result as large.
+// Functions return it in a `Box`: an error this large would make every successful result as large.
+/// What went wrong with a request, as RFC 9457 lays it out.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(super) struct Problem {
     /// Identifies the kind of problem.

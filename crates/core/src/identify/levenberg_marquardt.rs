@@ -110,7 +110,7 @@ pub(super) fn minimise<P: LeastSquares>(
             scaling[i] = curvature[(i, i)].max(scaling[i]).max(f64::MIN_POSITIVE);
         }
         let mut accepted = None;
-        let (mut rejected, mut raise) = (0, 2.0);
+        let mut rejected = 0;
         while damping < 1e15 {
             let trial = damped_step(problem, &point, &gradient, &curvature, &scaling, damping);
             let moved = trial.iter().zip(&point).map(|(t, p)| (t - p).abs()).fold(0.0, f64::max);
@@ -128,14 +128,12 @@ pub(super) fn minimise<P: LeastSquares>(
                 None => problem.cost(&trial),
             };
             if trial_cost < cost {
-                let predicted = predicted_decrease(&point, &trial, &gradient, &curvature);
-                damping = (damping * factor((cost - trial_cost) / predicted)).max(1e-12);
                 accepted = Some((trial, trial_cost, moved, ahead));
+                damping = (damping * 0.1).max(1e-12);
                 break;
             }
             rejected += 1;
-            damping = (damping * raise).max(1e-9);
-            raise *= 2.0;
+            damping *= if damping < 1e-6 { 100.0 } else { 5.0 };
         }
         let Some((trial, trial_cost, moved, ahead)) = accepted else {
             return Refined { point, cost, evaluations, stop: "no further descent" };
@@ -165,27 +163,6 @@ pub(super) fn minimise<P: LeastSquares>(
         }
     }
     Refined { point, cost, evaluations, stop: "step limit" }
-}
-
-/// Decrease of the cost that the linearised residuals predict for a step.
-fn predicted_decrease(
-    point: &[f64],
-    trial: &[f64],
-    gradient: &DVector<f64>,
-    curvature: &DMatrix<f64>,
-) -> f64 {
-    let step = DVector::from_fn(point.len(), |i, _| trial[i] - point[i]);
-    -(2.0 * gradient.dot(&step) + step.dot(&(curvature * &step)))
-}
-
-/// Factor on the damping after a successful step, from the ratio of the decrease to the predicted
-/// one (Nielsen 1999, Damping parameter in Marquardt's method, IMM-REP-1999-05, eq. 2.6). A
-/// prediction that held almost exactly lowers it faster: the end of a fit needs almost none.
-fn factor(ratio: f64) -> f64 {
-    if (0.9..=1.1).contains(&ratio) {
-        return 0.1;
-    }
-    (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0)
 }
 
 /// The damped step within the bounds, with no coordinate moved by more than [`LONGEST_STEP`]. The

@@ -182,7 +182,8 @@ mod tests {
     fn lines_that_carry_nothing_do_not_refine_the_grid() {
         let excited = Grid::for_lines(&lines(200, 0.0, 200));
         let recorded = Grid::for_lines(&lines(200, 1e-12, 5000));
-        assert_eq!(recorded.samples(), excited.samples());
+        // Lengths that are quick to transform are a few per cent apart.
+        assert!(recorded.samples() < excited.samples() * 11 / 10, "{}", recorded.samples());
         let even = Grid::for_lines(&lines(5000, 1.0, 5000));
         assert!(even.samples() > 20 * recorded.samples(), "{}", even.samples());
     }

@@ -121,11 +121,11 @@ pub(super) fn minimise<P: LeastSquares>(
                 return Refined { point, cost, evaluations, stop: "evaluation budget spent" };
             }
             evaluations += 1;
-            let ahead = if eager && rejected == 0 { problem.linearise(&trial).ok() } else { None };
-            let trial_cost = match &ahead {
-                Some(there) => there.residuals.norm_squared(),
-                None if eager && rejected == 0 => f64::INFINITY,
-                None => problem.cost(&trial),
+            let (trial_cost, ahead) = if eager && rejected == 0 {
+                let there = problem.linearise(&trial).ok();
+                (there.as_ref().map_or(f64::INFINITY, |t| t.residuals.norm_squared()), there)
+            } else {
+                (problem.cost(&trial), None)
             };
             if trial_cost < cost {
                 accepted = Some((trial, trial_cost, moved, ahead));

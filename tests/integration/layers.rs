@@ -17,12 +17,13 @@ const COMMON: &[&str] = &["answers", "observer"];
 const ALLOWED: &[(&str, &[&str])] = &[
     ("answers", &[]),
     ("observer", &[]),
+    ("singular_values", &[]),
     ("measurement", &[]),
     ("plant", &["measurement"]),
     ("effects", &["plant", "measurement"]),
-    ("simulate", &["effects", "plant", "measurement"]),
-    ("identify", &["simulate", "effects", "plant", "measurement"]),
-    ("diagnose", &["identify", "simulate", "effects", "plant", "measurement"]),
+    ("simulate", &["effects", "plant", "measurement", "singular_values"]),
+    ("identify", &["simulate", "effects", "plant", "measurement", "singular_values"]),
+    ("diagnose", &["identify", "simulate", "effects", "plant", "measurement", "singular_values"]),
     // They know results, never solvers; the report also knows what effects are called.
     ("store", &[]),
     ("report", &["effects"]),
@@ -66,8 +67,17 @@ const ALLOWED: &[(&str, &[&str])] = &[
 ];
 
 /// The numeric core: data, seed and observer in, values out.
-const PURE: &[&str] =
-    &["answers", "observer", "measurement", "plant", "effects", "simulate", "identify", "diagnose"];
+const PURE: &[&str] = &[
+    "answers",
+    "observer",
+    "singular_values",
+    "measurement",
+    "plant",
+    "effects",
+    "simulate",
+    "identify",
+    "diagnose",
+];
 
 /// What has no place in the numeric core: runtimes, logs, clocks, the outside.
 const IMPURE: &[&str] = &[

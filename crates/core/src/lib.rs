@@ -39,6 +39,7 @@ pub mod measurement;
 pub mod observer;
 pub mod plant;
 pub mod simulate;
+mod singular_values;
 
 /// The independent simulator of `servoscope-bench`, which generates data for the unit tests.
 ///

@@ -2,8 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Singular values below this are taken for rounding, and the solution has no component along their
-/// directions.
+use crate::singular_values::SingularValues;
+
+/// Singular values below this share of the largest are taken for rounding, and the solution has no
+/// component along their directions.
 const RANK_TOLERANCE: f64 = 1e-12;
 
 /// The shortest x that minimises |rows·x − right|, by singular value decomposition. `None` if an
@@ -13,7 +15,8 @@ pub(super) fn solve(rows: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<
     if !finite(rows.as_slice()) || !finite(right.as_slice()) {
         return None;
     }
-    let solution = rows.svd(true, true).solve(right, RANK_TOLERANCE).ok()?;
+    let right = DMatrix::from_column_slice(right.len(), 1, right.as_slice());
+    let solution = SingularValues::of(rows).solve(&right, RANK_TOLERANCE).column(0).into_owned();
     finite(solution.as_slice()).then_some(solution)
 }
 

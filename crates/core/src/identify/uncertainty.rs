@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 
 use crate::effects;
+use crate::singular_values::SingularValues;
 
 use super::levenberg_marquardt::Linearisation;
 use super::parameters::{Coordinate, Coordinates};
@@ -40,17 +41,16 @@ impl Uncertainty {
         let slim = here.jacobian.select_columns(&free);
         let finite = slim.iter().all(|value| value.is_finite());
         if !free.is_empty() && finite {
-            // With fewer data than parameters the decomposition leaves out directions that no datum
-            // depends on. Rows of zeros complete them and change nothing else.
-            let rows = slim.nrows().max(free.len());
-            let svd = slim.resize_vertically(rows, 0.0).svd(false, true);
-            let directions = svd.v_t.expect("requested");
-            let strongest = svd.singular_values.max();
-            for (s, singular) in svd.singular_values.iter().enumerate() {
-                if *singular <= RANK_TOLERANCE * strongest || scale.is_infinite() {
+            // With fewer data than parameters there are directions that no datum depends on; their
+            // singular values are 0.
+            let svd = SingularValues::of(slim);
+            let determined = if scale.is_infinite() { 0 } else { svd.rank(RANK_TOLERANCE) };
+            for (s, singular) in svd.values.iter().enumerate() {
+                let along = svd.right.column(s);
+                if s >= determined {
                     let mut direction = vec![0.0; all];
                     for (f, i) in free.iter().enumerate() {
-                        direction[*i] = directions[(s, f)];
+                        direction[*i] = along[f];
                     }
                     undetermined.push(direction);
                     continue;
@@ -58,7 +58,7 @@ impl Uncertainty {
                 let variance = (scale / singular).powi(2);
                 for (f, i) in free.iter().enumerate() {
                     for (g, j) in free.iter().enumerate() {
-                        covariance[(*i, *j)] += variance * directions[(s, f)] * directions[(s, g)];
+                        covariance[(*i, *j)] += variance * along[f] * along[g];
                     }
                 }
             }

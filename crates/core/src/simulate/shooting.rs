@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::effects::{Axis, Wide};
 use crate::measurement::Complex;
 use crate::plant::{Dual, Scalar};
+use crate::singular_values::SingularValues;
 
 use super::signal::complex_dual::ComplexDual;
 
@@ -81,8 +82,5 @@ fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
         return DMatrix::repeat(matrix.ncols(), right.ncols(), f64::NAN);
     }
     // Singular values below 1e-12 of the largest count as 0: they are rounding errors.
-    let svd = matrix.clone().svd(true, true);
-    let largest = svd.singular_values.max();
-    svd.solve(right, 1e-12 * largest)
-        .unwrap_or_else(|_| DMatrix::zeros(matrix.ncols(), right.ncols()))
+    SingularValues::of(matrix.clone()).solve(right, 1e-12)
 }

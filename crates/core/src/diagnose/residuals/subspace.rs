@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::singular_values::SingularValues;
+
 /// Directions with a singular value below this share of the largest are rounding errors.
 const RANK_TOLERANCE: f64 = 1e-8;
 
@@ -14,27 +16,17 @@ pub(crate) struct Subspace {
 impl Subspace {
     /// The span of the columns.
     pub fn of(columns: &DMatrix<f64>) -> Self {
-        let rows = columns.nrows();
-        let mut kept = Vec::new();
         // Give all columns the length 1, because the tolerance is relative to the largest.
         let sized: Vec<DVector<f64>> = columns
             .column_iter()
             .filter(|column| column.norm() > 0.0 && column.norm().is_finite())
             .map(|column| column / column.norm())
             .collect();
-        if !sized.is_empty() {
-            let svd = DMatrix::from_columns(&sized).svd(true, false);
-            let strongest = svd.singular_values.max();
-            let u = svd.u.expect("requested");
-            for (i, singular) in svd.singular_values.iter().enumerate() {
-                if *singular > RANK_TOLERANCE * strongest {
-                    kept.push(u.column(i).into_owned());
-                }
-            }
+        if sized.is_empty() {
+            return Self { basis: DMatrix::zeros(columns.nrows(), 0) };
         }
-        let basis =
-            if kept.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(&kept) };
-        Self { basis }
+        let svd = SingularValues::of(DMatrix::from_columns(&sized));
+        Self { basis: svd.left.columns(0, svd.rank(RANK_TOLERANCE)).into_owned() }
     }
 
     /// The part of the span of the columns that is orthogonal to `other`.

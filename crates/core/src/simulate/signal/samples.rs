@@ -131,19 +131,24 @@ impl Samples {
         }
         left.iter_mut().for_each(|signal| grid.forward(signal));
         let samples = grid.samples();
-        for (k, sum) in sums.iter_mut().enumerate() {
+        // What the samples at the right ends have more than those at the left ends.
+        let mut more = vec![[zero; 3]; highest + 1];
+        for (sample, sign) in ends {
+            let these = [self.value[sample], self.first[sample], self.second[sample]];
+            let (step, mut at) = (sample % samples, 0);
+            for sums in &mut more {
+                let turn = sign * grid.turn(at).conj();
+                sums.iter_mut().zip(these).for_each(|(sum, value)| *sum += turn * value);
+                at += step;
+                at -= if at >= samples { samples } else { 0 };
+            }
+        }
+        for (k, (sum, more)) in sums.iter_mut().zip(more).enumerate() {
             let (n, mirrored) = (k % samples, (samples - k % samples) % samples);
             let (value, first) = unpack(left[0][n], left[0][mirrored]);
             let (second, _) = unpack(left[1][n], left[1][mirrored]);
             let at_left = [value, first, second];
-            let mut at_right = at_left;
-            for (sample, sign) in &ends {
-                let turn =
-                    Complex::from_polar(*sign, -(k as f64) * omega * self.step_s * *sample as f64);
-                at_right[0] += turn * self.value[*sample];
-                at_right[1] += turn * self.first[*sample];
-                at_right[2] += turn * self.second[*sample];
-            }
+            let at_right: [Complex; 3] = std::array::from_fn(|i| at_left[i] + more[i]);
             let theta = k as f64 * omega * self.step_s;
             let weights = hermite_weights(&grid.moments(k));
             // The cell of a right end begins one step earlier.
@@ -160,15 +165,16 @@ impl Samples {
     fn add_part(&self, cell: usize, from_s: f64, to_s: f64, omega: f64, sums: &mut [Complex]) {
         let quintic = self.quintic(cell);
         let (middle, half) = (0.5 * (from_s + to_s), 0.5 * (to_s - from_s));
-        for (node, weight) in GAUSS_5 {
-            let time_s = middle + half * node;
-            let turn = Complex::from_polar(1.0, -omega * time_s);
-            let value = quintic.value(time_s / self.step_s - cell as f64);
-            let mut at = Complex::new(half * weight * value, 0.0);
-            for sum in sums.iter_mut() {
-                *sum += at;
-                at *= turn;
-            }
+        let times = GAUSS_5.map(|(node, _)| middle + half * node);
+        let turns = times.map(|time_s| Complex::from_polar(1.0, -omega * time_s));
+        // All nodes together: each power waits for the one before, but not for those of the others.
+        let mut at: [Complex; 5] = std::array::from_fn(|i| {
+            let value = quintic.value(times[i] / self.step_s - cell as f64);
+            Complex::new(half * GAUSS_5[i].1 * value, 0.0)
+        });
+        for sum in sums {
+            *sum += at.iter().sum::<Complex>();
+            at.iter_mut().zip(&turns).for_each(|(at, turn)| *at *= turn);
         }
     }
 }
@@ -205,8 +211,18 @@ fn unpack(here: Complex, mirrored: Complex) -> (Complex, Complex) {
 /// The quintic on [0, 1] through value, slope and curvature at both ends.
 struct Quintic([f64; 6]);
 
+/// Coefficients of the quintics whose values, slopes and curvatures at both ends are 0 but for one.
+const HERMITE: [Quintic; 6] = [
+    Quintic::through([1.0, 0.0, 0.0], [0.0; 3]),
+    Quintic::through([0.0, 1.0, 0.0], [0.0; 3]),
+    Quintic::through([0.0, 0.0, 1.0], [0.0; 3]),
+    Quintic::through([0.0; 3], [1.0, 0.0, 0.0]),
+    Quintic::through([0.0; 3], [0.0, 1.0, 0.0]),
+    Quintic::through([0.0; 3], [0.0, 0.0, 1.0]),
+];
+
 impl Quintic {
-    fn through(left: [f64; 3], right: [f64; 3]) -> Self {
+    const fn through(left: [f64; 3], right: [f64; 3]) -> Self {
         let [y, d, e] = left;
         // Differences at the right end from the parabola through the left end.
         let value = right[0] - (y + d + 0.5 * e);
@@ -240,10 +256,6 @@ pub(crate) fn quintic_at(left: [f64; 3], right: [f64; 3], u: f64) -> f64 {
 /// powers of u.
 fn hermite_weights(moments: &[Complex; 6]) -> [Complex; 6] {
     std::array::from_fn(|basis| {
-        let mut ends = [0.0; 6];
-        ends[basis] = 1.0;
-        let [y, d, e, y1, d1, e1] = ends;
-        let quintic = Quintic::through([y, d, e], [y1, d1, e1]);
-        quintic.0.iter().zip(moments).map(|(c, moment)| moment * *c).sum()
+        HERMITE[basis].0.iter().zip(moments).map(|(c, moment)| moment * *c).sum()
     })
 }

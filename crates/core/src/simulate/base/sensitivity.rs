@@ -14,7 +14,6 @@ use super::Settled;
 use super::spectrum::{PhaseIntegrals, sliding_friction, weight};
 use super::switching_times::{Motion, SwitchingTimes};
 use crate::simulate::signal::excitation::Excitation;
-use crate::simulate::signal::exponential_sums;
 
 /// A direction of differentiation: how fast parameters and torque lines change along it.
 pub(crate) struct Direction {
@@ -171,28 +170,22 @@ pub(crate) fn along(
     let a = plant.viscous_rate_rad_s;
     let integrals = PhaseIntegrals::new(orbit, velocity.len() - 1);
     let instants = Instants::new(plant, lines, orbit, directions);
-    let by_levels = |direction: &Direction| {
-        let mut friction = if direction.lines.is_empty() {
-            vec![zero; velocity.len()]
-        } else {
-            settled.held_of(&direction.lines, velocity.len() - 1)
-        };
-        for (k, sum) in friction.iter_mut().enumerate() {
-            *sum += direction.fc_plus * integrals.forward[k]
-                - direction.fc_minus * integrals.backward[k];
-        }
-        friction
-    };
-    let mut frictions: Vec<Vec<Complex>> = directions.iter().map(by_levels).collect();
-    if orbit.switches() {
-        let moved = |(d, direction)| instants.moves(plant, direction, d);
-        let moves: Vec<f64> = directions.iter().enumerate().flat_map(moved).collect();
-        exponential_sums::add(&orbit.angles(), &moves, &mut frictions);
-    }
     directions
         .iter()
-        .zip(&frictions)
-        .map(|(direction, friction)| {
+        .enumerate()
+        .map(|(d, direction)| {
+            let mut friction = if direction.lines.is_empty() {
+                vec![zero; velocity.len()]
+            } else {
+                settled.held_of(&direction.lines, velocity.len() - 1)
+            };
+            for (k, sum) in friction.iter_mut().enumerate() {
+                *sum += direction.fc_plus * integrals.forward[k]
+                    - direction.fc_minus * integrals.backward[k];
+            }
+            if orbit.switches() {
+                instants.add_moves(plant, direction, d, &mut friction);
+            }
             (0..velocity.len())
                 .map(|k| {
                     let torque = direction.lines.get(k).copied().unwrap_or(zero);
@@ -290,9 +283,9 @@ impl<'a> Instants<'a> {
         (kept * (self.torque[previous] - friction) / slope, -change / slope)
     }
 
-    /// At each switching time, the jump of f times the derivative of the time: what the shift adds
-    /// to ∫ f exp(−jkωt) dt, without the exponential.
-    fn moves(&self, plant: &Plant, direction: &Direction, d: usize) -> Vec<f64> {
+    /// Adds the contribution of the shifting switching times to ∫ f exp(−jkωt) dt: the jump of f
+    /// there times the derivative of the time.
+    fn add_moves(&self, plant: &Plant, direction: &Direction, d: usize, friction: &mut [Complex]) {
         let count = self.orbit.phases.len();
         let links: Vec<(f64, f64)> =
             (0..count).map(|i| self.link(plant, direction, d, i)).collect();
@@ -300,14 +293,20 @@ impl<'a> Instants<'a> {
             links.iter().fold((1.0, 0.0), |(p, b), (a_i, b_i)| (p * a_i, b * a_i + b_i));
         // After a period the derivative of the last time must be the same again.
         let mut change = offset / (1.0 - product);
-        let moves = links.iter().enumerate().map(|(i, (a_i, b_i))| {
+        let omega = std::f64::consts::TAU / self.orbit.period_s;
+        for (i, (a_i, b_i)) in links.iter().enumerate() {
             change = a_i * change + b_i;
             let level = |phase: usize| {
                 sliding_friction(&plant.friction, self.orbit.phases[phase].motion)
                     .unwrap_or(self.torque[i])
             };
-            (level(self.orbit.before(i)) - level(i)) * change
-        });
-        moves.collect()
+            let jump = level(self.orbit.before(i)) - level(i);
+            let turn = Complex::from_polar(1.0, -omega * self.orbit.phases[i].start_s);
+            let mut at = Complex::new(jump * change, 0.0);
+            for sum in friction.iter_mut() {
+                *sum += at;
+                at *= turn;
+            }
+        }
     }
 }

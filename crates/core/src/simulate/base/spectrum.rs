@@ -9,7 +9,6 @@ use crate::plant::{Friction, Scalar};
 
 use super::Settled;
 use super::switching_times::{Motion, SwitchingTimes};
-use crate::simulate::signal::exponential_sums;
 
 /// Velocity harmonics V₀ … V_H of a periodic motion.
 pub(crate) fn velocity(settled: &Settled<'_>, highest: usize) -> Vec<Complex> {
@@ -63,37 +62,34 @@ impl PhaseIntegrals {
     pub fn new(orbit: &SwitchingTimes, highest: usize) -> Self {
         let omega = std::f64::consts::TAU / orbit.period_s;
         let zero = Complex::new(0.0, 0.0);
-        // A switch ends the integral over one phase and begins that over the next.
-        let index = |motion: Motion| match motion {
-            Motion::Forward => 0,
-            Motion::Backward => 1,
-            Motion::Stuck => 2,
+        let mut these = Self {
+            forward: vec![zero; highest + 1],
+            backward: vec![zero; highest + 1],
+            stuck: vec![zero; highest + 1],
         };
-        let mut sums = [(); 3].map(|()| vec![zero; highest + 1]);
-        // Without a switch the integrals over a whole period are 0 for k > 0.
-        if orbit.switches() {
-            let count = orbit.phases.len();
-            let mut signs = vec![0.0; 3 * count];
-            for (i, phase) in orbit.phases.iter().enumerate() {
-                let before = orbit.phases[orbit.before(i)].motion;
-                signs[count * index(phase.motion) + i] += 1.0;
-                signs[count * index(before) + i] -= 1.0;
-            }
-            exponential_sums::add(&orbit.angles(), &signs, &mut sums);
-        }
-        for sum in &mut sums {
-            for (k, value) in sum.iter_mut().enumerate().skip(1) {
-                let scale = 1.0 / (k as f64 * omega);
-                *value = Complex::new(value.im * scale, -value.re * scale);
-            }
-            sum[0] = zero;
-        }
         for i in 0..orbit.phases.len() {
             let (start, end, motion) = orbit.span(i);
-            sums[index(motion)][0] += end - start;
+            let sums = match motion {
+                Motion::Forward => &mut these.forward,
+                Motion::Backward => &mut these.backward,
+                Motion::Stuck => &mut these.stuck,
+            };
+            sums[0] += end - start;
+            if !orbit.switches() {
+                continue; // the integral over a whole period is 0 for k > 0
+            }
+            let (start_turn, end_turn) =
+                (Complex::from_polar(1.0, -omega * start), Complex::from_polar(1.0, -omega * end));
+            let (mut at_start, mut at_end) = (start_turn, end_turn);
+            for (k, sum) in sums.iter_mut().enumerate().skip(1) {
+                let difference = at_start - at_end;
+                let scale = 1.0 / (k as f64 * omega);
+                *sum += Complex::new(difference.im * scale, -difference.re * scale);
+                at_start *= start_turn;
+                at_end *= end_turn;
+            }
         }
-        let [forward, backward, stuck] = sums;
-        Self { forward, backward, stuck }
+        these
     }
 }
 

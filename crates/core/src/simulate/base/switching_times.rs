@@ -42,12 +42,6 @@ impl SwitchingTimes {
         self.phases.len() > 1
     }
 
-    /// Starts of the phases, as angles of the fundamental, radians.
-    pub(crate) fn angles(&self) -> Vec<f64> {
-        let omega = std::f64::consts::TAU / self.period_s;
-        self.phases.iter().map(|phase| omega * phase.start_s).collect()
-    }
-
     /// Phase `i` as (start, end, motion), seconds.
     pub(crate) fn span(&self, i: usize) -> (f64, f64, Motion) {
         let phase = self.phases[i];

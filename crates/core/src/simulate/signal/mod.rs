@@ -3,7 +3,6 @@
 pub(super) mod complex_dual;
 pub(super) mod excitation;
 pub(super) mod exponential_integrator;
-pub(super) mod exponential_sums;
 pub(super) mod fourier;
 pub(super) mod grid;
 pub(super) mod piecewise_quintic;

@@ -8,6 +8,7 @@
 //!               └─ effects       physical effects that the base model may lack, one file each
 //!                    └─ plant · measurement      the base model, and the measured data
 //!   answers · observer           requests and results; progress and cancellation
+//!   singular_values              decomposition of matrices, for all of them
 //! ```
 //!
 //! Each module depends only on the modules below it. All functions are pure and synchronous: they

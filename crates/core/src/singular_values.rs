@@ -3,10 +3,9 @@
 //!
 //! Plane rotations of the columns make them orthogonal to each other; their lengths are then the
 //! singular values. The method is slow for large matrices, but those here have few columns, and it
-//! is accurate even for small singular values (Demmel and Veselić 1992,
-//! doi:10.1137/0613074). `nalgebra`'s own decomposition returns singular values that are wrong by
-//! up to tens of per cent for some ordinary matrices
-//! (<https://github.com/dimforge/nalgebra/issues/1172>, open in 0.35).
+//! is accurate even for small singular values (Demmel and Veselić 1992, doi:10.1137/0613074). The
+//! decomposition of `nalgebra` 0.35 is not used, because it returns wrong singular values for some
+//! ordinary matrices (<https://github.com/dimforge/nalgebra/issues/1172>).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -87,8 +86,8 @@ impl SingularValues {
     }
 }
 
-/// Cosine and sine of the rotation that makes columns `p` and `q` orthogonal, the longer one first;
-/// `None` if they are so already, or if one is no longer than `rounding`.
+/// Cosine and sine of the rotation that makes columns `p` and `q` orthogonal; `None` if they are so
+/// already, or if one is no longer than `rounding`.
 fn orthogonalising(columns: &DMatrix<f64>, [p, q]: [usize; 2], rounding: f64) -> Option<[f64; 2]> {
     let (first, second) = (columns.column(p), columns.column(q));
     let (lengths, product) = ([first.norm(), second.norm()], first.dot(&second));
@@ -96,7 +95,8 @@ fn orthogonalising(columns: &DMatrix<f64>, [p, q]: [usize; 2], rounding: f64) ->
     if is_orthogonal || lengths[0].min(lengths[1]) <= rounding {
         return None;
     }
-    // Rutishauser's formulas: the smaller of the two angles.
+    // Of the two angles that make them orthogonal, the smaller one (Rutishauser 1966,
+    // doi:10.1007/BF02165223).
     let half_ratio = (lengths[1] - lengths[0]) * (lengths[1] + lengths[0]) / (2.0 * product);
     let tangent = half_ratio.signum() / (half_ratio.abs() + half_ratio.hypot(1.0));
     let cosine = tangent.hypot(1.0).recip();
@@ -130,7 +130,8 @@ mod tests {
         svd
     }
 
-    // Of these two, nalgebra 0.35 finds second singular values of 2.396 and 4.54.
+    // The second singular value of the first is 2.396 in nalgebra 0.35. The second is from its issue
+    // 1172.
     #[test]
     fn matrices_on_which_nalgebra_fails_are_decomposed() {
         let columns = [

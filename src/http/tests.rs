@@ -18,6 +18,7 @@ use crate::worker;
 use super::Limits;
 
 mod axes;
+mod bodies;
 mod dashboard;
 mod documents;
 mod events;
@@ -26,13 +27,6 @@ mod operations;
 
 /// Bytes that an upload may have here.
 const LIMIT: usize = 10_000;
-
-/// 20 000 times `a`, in 55 bytes.
-const GZIP_OF_TWICE_THE_LIMIT: &[u8] = b"\x1f\x8b\x08\x00\x00\x00\x00\x00\x02\x03\xed\xc1\x31\x01\x00\x00\x00\xc2\xa0\xac\xeb\x5f\xc2\x1a\x1e\x40\x01\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\xf0\x60\x31\x87\xbd\xca\x20\x4e\x00\x00";
-
-/// The three letters `any`.
-const GZIP_OF_ANY: &[u8] =
-    b"\x1f\x8b\x08\x00\x00\x00\x00\x00\x02\x03\x4b\xcc\xab\x04\x00\xb4\xf7\xf3\x64\x03\x00\x00\x00";
 
 struct Server {
     address: String,
@@ -360,93 +354,6 @@ fn every_other_error_is_a_problem_document_too() {
     let long_key = "k".repeat(256);
     let headers = [("content-type", "text/csv"), ("idempotency-key", long_key.as_str())];
     problem(server.post("/v1/measurements", &headers, b"any"), 400);
-}
-
-#[test]
-fn a_body_too_large_is_refused_as_sent_and_as_unpacked() {
-    let server = Server::start();
-    let headers = [("content-type", "text/csv")];
-    let answer = server.post("/v1/measurements", &headers, &[b'a'; LIMIT + 1]);
-    assert!(string(&problem(answer, 413), "detail").contains("10000 bytes"));
-    let headers = [("content-type", "text/csv"), ("content-encoding", "gzip")];
-    let answer = server.post("/v1/measurements", &headers, GZIP_OF_TWICE_THE_LIMIT);
-    problem(answer, 413);
-    json_of(server.post("/v1/measurements", &headers, GZIP_OF_ANY), 201);
-}
-
-/// A form with one file of the three letters `any`.
-const FORM: &str = "--x\r\ncontent-disposition: form-data; name=\"a\"; filename=\"a.csv\"\r\n\
-                    content-type: text/csv\r\n\r\nany\r\n--x--\r\n";
-
-#[test]
-fn a_body_that_is_not_the_gzip_it_claims_to_be_is_the_callers_fault() {
-    let server = Server::start();
-    let mut corrupted = GZIP_OF_ANY.to_vec();
-    corrupted[12] ^= 0xff;
-    let cut = &GZIP_OF_ANY[..GZIP_OF_ANY.len() - 6];
-    let kinds = ["text/csv", "application/json", "multipart/form-data; boundary=x"];
-    for path in ["/v1/measurements", "/v1/jobs", "/v1/validations"] {
-        for kind in kinds {
-            for body in [&corrupted[..], cut, b"no gzip at all"] {
-                let headers = [("content-type", kind), ("content-encoding", "gzip")];
-                let answer = server.post(path, &headers, body);
-                let status = answer.status().as_u16();
-                assert!(status == 400 || status == 415, "{path} {kind}: {status}");
-                problem(answer, status);
-            }
-        }
-    }
-}
-
-#[test]
-fn all_members_of_a_gzip_are_read_on_every_route_and_its_name_in_any_case() {
-    let server = Server::start();
-    let pack = |text: &str| {
-        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
-        std::io::Write::write_all(&mut encoder, text.as_bytes()).unwrap();
-        encoder.finish().unwrap()
-    };
-    let halves = |text: &str| {
-        let (first, second) = text.split_at(text.len() / 2);
-        [pack(first), pack(second)].concat()
-    };
-    for name in ["gzip", "GZIP", "x-gzip"] {
-        for (kind, text) in [("text/csv", "any"), ("multipart/form-data; boundary=x", FORM)] {
-            let headers = [("content-type", kind), ("content-encoding", name)];
-            let whole = server.post("/v1/measurements", &[headers[0]], text.as_bytes());
-            let sha256 = json_of(whole, 201)["sha256"].clone();
-            let packed = server.post("/v1/measurements", &headers, &halves(text));
-            assert_eq!(json_of(packed, 201)["sha256"], sha256);
-            let garbage = [&halves(text)[..], b"garbage"].concat();
-            problem(server.post("/v1/measurements", &headers, &garbage), 400);
-        }
-        let headers = [("content-type", "application/json"), ("content-encoding", name)];
-        for path in ["/v1/jobs", "/v1/validations"] {
-            let answer = problem(server.post(path, &headers, &halves("{\"none\": 1}")), 422);
-            assert!(answer.to_string().contains("none"), "{answer}");
-        }
-    }
-}
-
-#[test]
-fn a_form_that_is_cut_short_or_has_another_boundary_is_the_callers_fault() {
-    let server = Server::start();
-    let post = |boundary: &str, body: &str| {
-        let kind = format!("multipart/form-data{boundary}");
-        server.post("/v1/measurements", &[("content-type", kind.as_str())], body.as_bytes())
-    };
-    json_of(post("; boundary=x", FORM), 201);
-    for (boundary, body) in [
-        ("; boundary=x", &FORM[..FORM.len() - 10]),
-        ("; boundary=x", &FORM[..20]),
-        ("; boundary=y", FORM),
-        ("", FORM),
-        ("; boundary=x", ""),
-    ] {
-        problem(post(boundary, body), 400);
-    }
-    let huge = FORM.replace("any", &"a".repeat(LIMIT));
-    problem(post("; boundary=x", &huge), 413);
 }
 
 #[test]

@@ -109,34 +109,39 @@ impl<S: Scalar> Law<S> {
         self.form.velocity_scale(&self.values)
     }
 
-    /// Empty Taylor series of the law along a motion, for [`Self::term`].
-    pub fn series(&self) -> TaylorSeries {
-        let varies = |p: &S| (0..S::LANES).any(|lane| p.lane(lane) != 0.0);
-        TaylorSeries::new(self.parameters.iter().any(varies))
+    /// Taylor coefficient `m` of the law along a motion; the derivatives of the law follow beside it
+    /// in `series`. `argument` is coefficient m of θ if the form uses θ, otherwise of v. The series
+    /// must hold the coefficients below `m` already.
+    #[inline]
+    pub fn term(&self, series: &mut TaylorSeries, argument: f64, m: usize) -> f64 {
+        series.argument[m] = argument;
+        self.form.extend(&self.values, m, series);
+        series.value[m]
     }
 
-    /// Taylor coefficient `m` of the law along a motion. `argument(i)` is coefficient i ≤ m of θ if
-    /// the form uses θ, otherwise of v. The series must hold the coefficients below `m` already.
+    /// The derivatives of Taylor coefficient `m`, as a number of value 0. `argument(i)` has the
+    /// derivatives of coefficient i ≤ m of the argument; its value does not matter. `series` comes
+    /// from [`Self::term`].
     ///
     /// The derivative of coefficient m is Σⱼ (∂f/∂x)ₘ₋ⱼ·xⱼ' + Σₚ (∂f/∂p)ₘ·p', where x is the
     /// argument, p a parameter, a prime the derivative along a lane, and j = 0 … m.
     #[inline]
-    pub fn term(&self, series: &mut TaylorSeries, argument: impl Fn(usize) -> S, m: usize) -> S {
-        series.argument[m] = argument(m).value();
-        self.form.extend(&self.values, m, series);
+    pub fn term_derivative(
+        &self,
+        series: &TaylorSeries,
+        argument: impl Fn(usize) -> S,
+        m: usize,
+    ) -> S {
         let mut sum = S::constant(0.0);
-        if S::LANES > 0 {
-            for (j, by) in series.by_argument[..=m].iter().rev().enumerate() {
-                sum += argument(j) * *by;
-            }
-            if series.parameters_vary {
-                for (by, parameter) in series.by_parameter.iter().zip(&self.parameters) {
-                    sum += *parameter * by[m];
-                }
+        for (j, by) in series.by_argument[..=m].iter().rev().enumerate() {
+            sum += argument(j) * *by;
+        }
+        if series.parameters_vary {
+            for (by, parameter) in series.by_parameter.iter().zip(&self.parameters) {
+                sum += *parameter * by[m];
             }
         }
-        // `sum` has the right derivatives, but its value is not the coefficient: replace it.
-        sum + (series.value[m] - sum.value())
+        sum - sum.value()
     }
 
     /// The law at velocity v and position θ.

@@ -55,6 +55,20 @@ impl TaylorSeries {
             kept: [none; 3],
         }
     }
+
+    /// The series of a motion that is `share` times as fast: coefficient m times share^m.
+    pub fn slow_down(&mut self, share: f64) {
+        let [sin, cos, rates] = &mut self.kept;
+        let [first, second, third] = &mut self.by_parameter;
+        let all = [&mut self.argument, &mut self.value, &mut self.by_argument];
+        for terms in all.into_iter().chain([first, second, third, sin, cos, rates]) {
+            let mut scale = 1.0;
+            for term in terms {
+                *term *= scale;
+                scale *= share;
+            }
+        }
+    }
 }
 
 /// Coefficient `m` of the product of two series.

@@ -17,33 +17,32 @@ use crate::simulate::signal::piecewise_quintic::Quintic;
 pub(super) const LONGEST_RATE_TIMES_STEP: f64 = 1.2;
 
 /// Terms of the series; the last one is at most 1.2²⁰/20! = 2e-17.
-const SERIES_TERMS: usize = 20;
+pub(super) const SERIES_TERMS: usize = 20;
 
-type Matrix<S, const M: usize> = [Vector<S, M>; M];
+/// Columns of a square matrix.
+pub(super) type Matrix<S, const M: usize> = [Vector<S, M>; M];
 
 /// The equations of one mode: A, b and d.
 pub(super) struct Affine<S, const M: usize> {
     pub mode: Mode,
     /// Columns of A.
-    matrix: Matrix<S, M>,
+    pub matrix: Matrix<S, M>,
     /// b.
-    by_torque: Vector<S, M>,
+    pub by_torque: Vector<S, M>,
     /// d.
-    constant: Vector<S, M>,
-    /// A and b as plain numbers, if they have no derivatives; this halves the effort.
-    numbers: Option<([[f64; M]; M], [f64; M])>,
-    cached: Option<CachedStep<S, M>>,
+    pub constant: Vector<S, M>,
+    cached: Option<StepMatrices<S, M>>,
 }
 
 /// The matrices of a step of one length.
-struct CachedStep<S, const M: usize> {
-    length_s: f64,
+pub(super) struct StepMatrices<S, const M: usize> {
+    pub length_s: f64,
     /// Columns of Φ.
-    propagator: Matrix<S, M>,
+    pub propagator: Matrix<S, M>,
     /// Γ₀ … Γ₅.
-    gains: [Vector<S, M>; 6],
+    pub gains: [Vector<S, M>; 6],
     /// δ.
-    drift: Vector<S, M>,
+    pub drift: Vector<S, M>,
 }
 
 impl<S: Scalar, const M: usize> Affine<S, M> {
@@ -61,44 +60,13 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         for (i, column) in matrix.iter_mut().enumerate() {
             *column = minus_constant(mechanics.linear_slope(mode, zero, &unit(i)));
         }
-        let fixed = |vector: &Vector<S, M>| {
-            vector.iter().all(|entry| (0..S::LANES).all(|lane| entry.lane(lane) == 0.0))
-        };
-        let numbers = (fixed(&by_torque) && matrix.iter().all(fixed))
-            .then(|| (matrix.map(|column| column.map(S::value)), by_torque.map(S::value)));
-        Self { mode, matrix, by_torque, constant, numbers, cached: None }
+        Self { mode, matrix, by_torque, constant, cached: None }
     }
 
-    /// The state after a step under the torque `powers`. `reuse` caches the matrices of the step
-    /// for later steps of the same length.
-    #[inline]
-    pub fn step(
-        &mut self,
-        state: &Vector<S, M>,
-        powers: &Quintic<S>,
-        length_s: f64,
-        reuse: bool,
-    ) -> Vector<S, M> {
-        if !reuse {
-            return self.series(state, powers, &self.constant, length_s);
-        }
-        if self.cached.as_ref().is_none_or(|cached| cached.length_s != length_s) {
-            self.cached = Some(self.matrices_of_step(length_s));
-        }
-        let Some(cached) = &self.cached else { return *state };
-        let mut end = cached.drift;
-        for (column, value) in cached.propagator.iter().zip(state) {
-            add(&mut end, &scaled(column, *value));
-        }
-        for (gain, power) in cached.gains.iter().zip(powers) {
-            add(&mut end, &scaled(gain, *power));
-        }
-        end
-    }
-
-    fn matrices_of_step(&self, length_s: f64) -> CachedStep<S, M> {
+    /// The matrices of a step of this length.
+    pub fn matrices_of_step(&self, length_s: f64) -> StepMatrices<S, M> {
         let (zero, no_torque) = ([S::constant(0.0); M], [S::constant(0.0); 6]);
-        CachedStep {
+        StepMatrices {
             length_s,
             propagator: std::array::from_fn(|i| self.series(&unit(i), &no_torque, &zero, length_s)),
             gains: std::array::from_fn(|i| self.series(&zero, &unit(i), &zero, length_s)),
@@ -131,9 +99,9 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         constant: &Vector<S, M>,
         length_s: f64,
     ) -> Vector<S, M> {
-        let mut next = self.moved(term);
+        let mut next = times(&self.matrix, term);
         if let Some(power) = powers.get(m) {
-            add(&mut next, &self.driven(*power));
+            add(&mut next, &scaled(&self.by_torque, *power));
         }
         if m == 0 {
             add(&mut next, constant);
@@ -143,69 +111,73 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         next
     }
 
-    /// A step by Taylor series over `length_s`, or over the part of it in which no state errs by
-    /// more than `allowed`. `nonlinear` gives the next term of the nonlinear torques from the terms
-    /// of the states so far.
-    #[inline]
-    pub fn reach(
-        &self,
-        state: &Vector<S, M>,
-        powers: &Quintic<S>,
-        length_s: f64,
-        allowed: &[f64; M],
-        mut nonlinear: Option<impl FnMut(&[Vector<S, M>]) -> S>,
-    ) -> Series<S, M> {
-        Series::new(state, length_s, allowed, nonlinear.is_some(), |terms| {
-            let m = terms.len() - 1;
-            let mut next = self.next_term(m, &terms[m], powers, &self.constant, length_s);
-            if let Some(nonlinear) = &mut nonlinear {
-                let torque = nonlinear(terms) * (-length_s / (m + 1) as f64);
-                add(&mut next, &self.driven(torque));
-            }
-            next
-        })
-    }
-
     /// Derivative of the state by time.
     #[inline]
     pub fn slope(&self, state: &Vector<S, M>, torque: S) -> Vector<S, M> {
         let mut slope = self.constant;
-        add(&mut slope, &self.moved(state));
-        add(&mut slope, &self.driven(torque));
+        add(&mut slope, &times(&self.matrix, state));
+        add(&mut slope, &scaled(&self.by_torque, torque));
         slope
     }
 
     /// Derivative of the slope by time.
     #[inline]
     pub fn curvature(&self, slope: &Vector<S, M>, torque_rate: S) -> Vector<S, M> {
-        let mut curvature = self.moved(slope);
-        add(&mut curvature, &self.driven(torque_rate));
+        let mut curvature = times(&self.matrix, slope);
+        add(&mut curvature, &scaled(&self.by_torque, torque_rate));
         curvature
     }
+}
 
-    /// A·x.
-    #[inline(always)]
-    fn moved(&self, vector: &Vector<S, M>) -> Vector<S, M> {
-        let Some((matrix, _)) = &self.numbers else { return times(&self.matrix, vector) };
-        let mut product = [S::constant(0.0); M];
-        for (column, value) in matrix.iter().zip(vector) {
-            for (sum, factor) in product.iter_mut().zip(column) {
-                // Most entries of A are 0.
-                if *factor != 0.0 {
-                    *sum += *value * *factor;
-                }
-            }
+impl<const M: usize> Affine<f64, M> {
+    /// The state after a step under the torque `powers`. `reuse` caches the matrices of the step
+    /// for later steps of the same length.
+    #[inline]
+    pub fn step(
+        &mut self,
+        state: &Vector<f64, M>,
+        powers: &Quintic<f64>,
+        length_s: f64,
+        reuse: bool,
+    ) -> Vector<f64, M> {
+        if !reuse {
+            return self.series(state, powers, &self.constant, length_s);
         }
-        product
+        if self.cached.as_ref().is_none_or(|cached| cached.length_s != length_s) {
+            self.cached = Some(self.matrices_of_step(length_s));
+        }
+        let Some(cached) = &self.cached else { return *state };
+        let mut end = cached.drift;
+        for (column, value) in cached.propagator.iter().zip(state) {
+            add(&mut end, &scaled(column, *value));
+        }
+        for (gain, power) in cached.gains.iter().zip(powers) {
+            add(&mut end, &scaled(gain, *power));
+        }
+        end
     }
 
-    /// b·τ.
-    #[inline(always)]
-    fn driven(&self, torque: S) -> Vector<S, M> {
-        let Some((_, by_torque)) = &self.numbers else { return scaled(&self.by_torque, torque) };
-        let mut product = [S::constant(0.0); M];
-        product.iter_mut().zip(by_torque).for_each(|(entry, factor)| *entry = torque * *factor);
-        product
+    /// A step by Taylor series over `length_s`, or over the part of it in which no state errs by
+    /// more than `allowed`. `nonlinear` gives the next term of the nonlinear torques from the terms
+    /// of the states so far.
+    #[inline]
+    pub fn reach(
+        &self,
+        state: &Vector<f64, M>,
+        powers: &Quintic<f64>,
+        length_s: f64,
+        allowed: &[f64; M],
+        mut nonlinear: Option<impl FnMut(&[Vector<f64, M>]) -> f64>,
+    ) -> Series<M> {
+        Series::new(state, length_s, allowed, nonlinear.is_some(), |terms| {
+            let m = terms.len() - 1;
+            let mut next = self.next_term(m, &terms[m], powers, &self.constant, length_s);
+            if let Some(nonlinear) = &mut nonlinear {
+                let torque = nonlinear(terms) * (-length_s / (m + 1) as f64);
+                add(&mut next, &scaled(&self.by_torque, torque));
+            }
+            next
+        })
     }
 }
 

@@ -35,6 +35,7 @@ pub(in super::super) fn follow(
         1 => follow_states::<1>(axis, &mechanics, forcing, initial, recorder),
         2 => follow_states::<2>(axis, &mechanics, forcing, initial, recorder),
         3 => follow_states::<3>(axis, &mechanics, forcing, initial, recorder),
+        4 => follow_states::<4>(axis, &mechanics, forcing, initial, recorder),
         _ => follow_states::<MOST_STATES>(axis, &mechanics, forcing, initial, recorder),
     }
 }
@@ -63,6 +64,7 @@ fn follow_states<const M: usize>(
             forcing,
             precision: &precision,
             sums: None,
+            companion: None,
             trace,
             largest: start.map(f64::abs),
             swings: 0,

@@ -1,21 +1,22 @@
 //! Integrates the motion over one period, or over one transient, step by step and through every
-//! switch, and sums the Fourier integrals of v on the way.
+//! switch, and sums the Fourier integrals of v on the way. [`Companion`] is told every step and
+//! switch, to carry derivatives along.
 
 mod event_handling;
 
+use crate::effects::TaylorSeries;
 use crate::plant::Scalar;
 
-use super::mechanics::{Mechanics, Mode, VELOCITY};
+use super::mechanics::{Event, Mechanics, Mode, VELOCITY};
 use super::runge_kutta::{NODES, Stages, Vector};
 use super::step::{Ends, Step};
 use super::step_control::StepControl;
 use crate::simulate::base::switching_times::Motion;
 use crate::simulate::signal::fourier::Fourier;
 use crate::simulate::signal::piecewise_quintic::{
-    Cell, PiecewiseQuintic, polynomial, restricted, slope as wave_slope,
+    Cell, PiecewiseQuintic, Quintic, polynomial, restricted, slope as wave_slope,
 };
 use crate::simulate::transient::recorder::Recorder;
-use event_handling::Event;
 
 /// Most switches in one cell; more mean that the switching times accumulate (Zeno behaviour).
 const MOST_SWITCHES_PER_CELL: usize = 1024;
@@ -49,13 +50,98 @@ pub(super) struct Precision<const M: usize> {
 /// A remainder of a cell shorter than this share of the cell is skipped: it is rounding.
 const SHORTEST_REMAINDER: f64 = 1e-9;
 
+/// A step's place: a cell of the torque, and the part of it that the step covers.
+pub(super) struct Span<'a> {
+    /// Index of the cell.
+    pub index: usize,
+    pub cell: &'a Cell<f64>,
+    /// Position in the cell at which the step begins, 0 to 1.
+    pub from: f64,
+    /// Length, as a share of the cell.
+    pub width: f64,
+}
+
+impl Span<'_> {
+    /// Start, seconds.
+    pub fn from_s(&self) -> f64 {
+        self.cell.from_s + self.from * self.cell.length_s
+    }
+
+    /// The grid cell that the step covers, if it is a whole one.
+    pub fn whole(&self) -> Option<usize> {
+        self.cell.whole.filter(|_| self.from == 0.0 && self.width == 1.0)
+    }
+
+    /// Coefficients of a signal of the cell over the step.
+    #[inline]
+    pub fn of(&self, powers: &Quintic<f64>) -> Quintic<f64> {
+        match self.width {
+            1.0 => *powers,
+            width => restricted(powers, self.from, self.from + width),
+        }
+    }
+}
+
+/// An accepted step.
+pub(super) struct Taken<'a, const M: usize> {
+    pub mode: Mode,
+    pub span: Span<'a>,
+    /// The state at its beginning.
+    pub start: &'a Vector<f64, M>,
+    pub step: &'a Step<M>,
+    /// The Taylor series of the nonlinear torques over it; empty unless it is a step by series.
+    pub nonlinear: &'a [TaylorSeries],
+}
+
+/// A switch within a step.
+pub(super) struct Crossing<'a, const M: usize> {
+    pub event: Event,
+    /// Position in the step, 0 to 1, of the state and slope below.
+    pub at: f64,
+    pub state: &'a Vector<f64, M>,
+    pub slope: &'a Vector<f64, M>,
+    /// Derivative of the event's signal by time.
+    pub rate_s: f64,
+    /// Time from `at` to the switch, seconds: the correction by one Newton step.
+    pub late_s: f64,
+    /// Position of the switch in the step.
+    pub reach: f64,
+}
+
+/// Follows an integration step by step, and carries derivatives along.
+pub(super) trait Companion<const M: usize> {
+    /// Whether it needs v within steps, not only at their ends.
+    fn needs_interior(&self) -> bool;
+
+    /// Whether it needs derivatives by the parameters of nonlinear torques.
+    fn parameters_vary(&self) -> bool;
+
+    /// A whole step.
+    fn step(&mut self, taken: &Taken<'_, M>);
+
+    /// A step up to a switch.
+    fn step_to_switch(&mut self, taken: &Taken<'_, M>, crossing: &Crossing<'_, M>);
+
+    /// The state right behind the switch, and the mode that follows.
+    fn switched(&mut self, event: Event, mode: Mode, place: (usize, f64), state: &Vector<f64, M>);
+
+    /// The axis leaves rest on its bristles; see [`Mechanics::leave_rest_on_bristles`]. `state` is
+    /// the one before.
+    fn leave_rest_on_bristles(&mut self, mode: Mode, place: (usize, f64), state: &Vector<f64, M>);
+
+    /// The bristle is deflected fully.
+    fn deflect_fully(&mut self, mode: Mode);
+}
+
 /// The integration of a motion over one period, or over a transient.
-pub(super) struct PeriodIntegration<'a, 'g, S, const M: usize> {
-    pub mechanics: &'a Mechanics<S>,
-    pub forcing: &'a PiecewiseQuintic<S>,
+pub(super) struct PeriodIntegration<'a, 'g, const M: usize> {
+    pub mechanics: &'a Mechanics<f64>,
+    pub forcing: &'a PiecewiseQuintic<f64>,
     pub precision: &'a Precision<M>,
     /// Sums of the Fourier integrals of v, if wanted.
-    pub sums: Option<&'a mut Fourier<'g, S>>,
+    pub sums: Option<&'a mut Fourier<'g, f64>>,
+    /// Carries derivatives along, if wanted.
+    pub companion: Option<&'a mut dyn Companion<M>>,
     /// Receives every step of v (transients only). The torque may then jump between cells.
     pub trace: Option<&'a mut Recorder>,
     /// Largest absolute value of each state so far.
@@ -65,17 +151,17 @@ pub(super) struct PeriodIntegration<'a, 'g, S, const M: usize> {
     /// Remaining effort, in exact steps.
     pub effort: &'a mut usize,
 }
-
-impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
+impl<const M: usize> PeriodIntegration<'_, '_, M> {
     /// Integrates the motion from `start` over all cells and returns the final state; `None` if the
     /// switching times accumulate or the effort is used up.
-    pub fn run(&mut self, start: &Vector<S, M>) -> Option<Vector<S, M>> {
+    pub fn run(&mut self, start: &Vector<f64, M>) -> Option<Vector<f64, M>> {
         let mut state = *start;
         let forcing = self.forcing;
         let mut mode = self.mechanics.mode_at(forcing.cells[0].fixed(0.0), &state);
-        let mut slope: Option<Vector<S, M>> = None;
-        let mut pace = StepControl::new(self.mechanics, forcing.cells[0].length_s);
-        for cell in &forcing.cells {
+        let mut slope: Option<Vector<f64, M>> = None;
+        let parameters_vary = self.companion.as_ref().is_some_and(|it| it.parameters_vary());
+        let mut pace = StepControl::new(self.mechanics, forcing.cells[0].length_s, parameters_vary);
+        for (index, cell) in forcing.cells.iter().enumerate() {
             let mut from = 0.0;
             let mut switches = 0;
             if self.trace.is_some() {
@@ -91,7 +177,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                         self.mechanics.motion_if_stuck(mode.contact, cell.fixed(from), &state);
                     if now != Motion::Stuck {
                         (mode.motion, slope) = (now, None);
-                        self.leave_rest_on_bristles(mode, cell, from, &mut state);
+                        self.leave_rest_on_bristles(mode, (index, from), &mut state);
                         switches += 1;
                     }
                 }
@@ -102,6 +188,9 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                 ) {
                     mode.yields = true;
                     self.mechanics.deflect_fully(mode, &mut state);
+                    if let Some(companion) = self.companion.as_deref_mut() {
+                        companion.deflect_fully(mode);
+                    }
                     (slope, self.swings) = (None, 0);
                 }
                 let begin = slope
@@ -115,9 +204,14 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                 if !pace.accepts(error, width * cell.length_s, cell.length_s) {
                     continue;
                 }
+                let span = Span { index, cell, from, width };
                 match self.switch(mode, cell, from, width, &step) {
                     None => {
-                        self.add(cell, from, width, &step);
+                        self.add(&span, &step);
+                        if let Some(companion) = self.companion.as_deref_mut() {
+                            let (start, nonlinear) = (&state, pace.nonlinear());
+                            companion.step(&Taken { mode, span, start, step: &step, nonlinear });
+                        }
                         state = *step.end();
                         slope = Some(*step.end_slope());
                         let ends = from + width >= 1.0 - SHORTEST_REMAINDER;
@@ -125,20 +219,20 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                     }
                     Some(switch) => {
                         *self.effort = self.effort.saturating_sub(SWITCH_EFFORT);
-                        let span = (from, width);
                         let Some(there) =
-                            self.up_to(&mut pace, mode, cell, span, &state, begin, &step, &switch)
+                            self.up_to(&mut pace, mode, span, &state, begin, &step, &switch)
                         else {
                             continue;
                         };
-                        let late_s;
-                        (state, from, late_s) = there;
+                        (state, from) = there;
                         switches += 1;
                         mode = self.switched(mode, switch.event, cell.fixed(from), &mut state);
                         if matches!(switch.event, Event::Starts(_)) {
-                            self.leave_rest_on_bristles(mode, cell, from, &mut state);
+                            self.leave_rest_on_bristles(mode, (index, from), &mut state);
                         }
-                        self.to_plain_time(mode, cell.fixed(from), &mut state, late_s);
+                        if let Some(companion) = self.companion.as_deref_mut() {
+                            companion.switched(switch.event, mode, (index, from), &state);
+                        }
                         slope = None;
                     }
                 }
@@ -152,19 +246,25 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
     fn leave_rest_on_bristles(
         &mut self,
         mode: Mode,
-        cell: &Cell<S>,
-        at: f64,
-        state: &mut Vector<S, M>,
+        (index, at): (usize, f64),
+        state: &mut Vector<f64, M>,
     ) {
         self.swings = 0;
-        let rate = cell.slope(S::constant(at)) * (1.0 / cell.length_s);
+        if self.mechanics.can_rest() {
+            return;
+        }
+        if let Some(companion) = self.companion.as_deref_mut() {
+            companion.leave_rest_on_bristles(mode, (index, at), state);
+        }
+        let cell = &self.forcing.cells[index];
+        let rate = cell.slope(at) * (1.0 / cell.length_s);
         self.mechanics.leave_rest_on_bristles(mode, cell.fixed(at), rate, state);
     }
 
     /// Updates the largest absolute values.
-    fn update_largest(&mut self, state: &Vector<S, M>) {
+    fn update_largest(&mut self, state: &Vector<f64, M>) {
         for (largest, value) in self.largest.iter_mut().zip(state) {
-            *largest = largest.max(value.value().abs());
+            *largest = largest.max(value.abs());
         }
     }
 
@@ -173,13 +273,13 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
     #[inline]
     fn step(
         &self,
-        pace: &mut StepControl<S, M>,
+        pace: &mut StepControl<M>,
         mode: Mode,
-        cell: &Cell<S>,
+        cell: &Cell<f64>,
         (from, width): (f64, &mut f64),
-        state: &Vector<S, M>,
-        slope: &Vector<S, M>,
-    ) -> Step<S, M> {
+        state: &Vector<f64, M>,
+        slope: &Vector<f64, M>,
+    ) -> Step<M> {
         let length_s = *width * cell.length_s;
         let torque = || match *width {
             1.0 => cell.powers,
@@ -192,13 +292,16 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                     self.mechanics.slope(mode, torque, state)
                 }))
             }
-            StepControl::Series { modes, jets } => {
+            StepControl::Series { modes, nonlinear } => {
                 let allowed = self.precision.sizes.map(|size| size * self.precision.tolerance);
                 let affine = modes.of(mode, self.mechanics);
-                let is_nonlinear = mode.motion != Motion::Stuck && !jets.is_empty();
-                let nonlinear = is_nonlinear
-                    .then_some(|terms: &[_]| self.mechanics.nonlinear_term(mode, jets, terms));
-                let series = affine.reach(state, &torque(), length_s, &allowed, nonlinear);
+                let is_nonlinear = mode.motion != Motion::Stuck && !nonlinear.is_empty();
+                let torques = is_nonlinear
+                    .then_some(|terms: &[_]| self.mechanics.nonlinear_term(mode, nonlinear, terms));
+                let series = affine.reach(state, &torque(), length_s, &allowed, torques);
+                if series.share < 1.0 {
+                    nonlinear.iter_mut().for_each(|torque| torque.slow_down(series.share));
+                }
                 *width *= series.share;
                 Step::Series(series)
             }
@@ -207,10 +310,11 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                 let end = affine.step(state, &powers, length_s, *reuse);
                 let end_slope = affine.slope(&end, polynomial(&powers, 1.0));
                 let (states, slopes) = ([*state, end], [*slope, end_slope]);
-                let mut ends = Ends { length_s, states, slopes, curvatures: None };
+                let repeats = *reuse;
+                let mut ends = Ends { length_s, states, slopes, curvatures: None, repeats };
                 if self.needs_interior() || !ends.stays_beyond(VELOCITY, 0.0) {
                     let rate = 1.0 / length_s;
-                    let last = wave_slope(&powers, S::constant(1.0));
+                    let last = wave_slope(&powers, 1.0);
                     ends.curvatures = Some([
                         affine.curvature(slope, powers[1] * rate),
                         affine.curvature(&end_slope, last * rate),
@@ -223,35 +327,49 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
 
     /// A step's error as a multiple of the allowed error. For a step without error control it is 0,
     /// or NaN if the state is not finite.
-    fn error(&self, step: &Step<S, M>, state: &Vector<S, M>) -> f64 {
-        let Step::Stages(stages) = step else { return step.end()[VELOCITY].value() * 0.0 };
+    fn error(&self, step: &Step<M>, state: &Vector<f64, M>) -> f64 {
+        let Step::Stages(stages) = step else { return step.end()[VELOCITY] * 0.0 };
         let mut sizes = self.precision.sizes;
-        let v = state[VELOCITY].value();
+        let v = state[VELOCITY];
         sizes[VELOCITY] = self.mechanics.velocity_size(v, sizes[VELOCITY]);
         stages.error(&sizes) / self.precision.tolerance
     }
 
     /// Whether v is needed within a step, not only at its ends.
     fn needs_interior(&self) -> bool {
-        self.sums.is_some() || self.trace.is_some()
+        self.sums.is_some()
+            || self.trace.is_some()
+            || self.companion.as_ref().is_some_and(|companion| companion.needs_interior())
     }
 
     /// Passes a step of v on to the recorder and to the Fourier integrals.
-    fn add(&mut self, cell: &Cell<S>, from: f64, width: f64, step: &Step<S, M>) {
+    fn add(&mut self, span: &Span<'_>, step: &Step<M>) {
         if let Some(trace) = self.trace.as_deref_mut() {
-            let (from_s, length_s) = (cell.from_s + from * cell.length_s, width * cell.length_s);
-            trace.add(from_s, length_s, step.numbers(VELOCITY).all(), 1.0);
+            let length_s = span.width * span.cell.length_s;
+            trace.add(span.from_s(), length_s, step.numbers(VELOCITY).all(), 1.0);
         }
-        let Some(sums) = self.sums.as_deref_mut() else { return };
-        match (cell.whole, step) {
-            (Some(n), Step::Ends(ends)) if from == 0.0 && width == 1.0 => {
-                sums.add_whole(n, ends.powers(VELOCITY, |v| v));
-            }
-            (Some(n), Step::Stages(stages)) if from == 0.0 && width == 1.0 => {
-                let [a, b, c, d, e] = stages.powers(VELOCITY, |v| v);
-                sums.add_whole(n, [a, b, c, d, e, S::constant(0.0)]);
-            }
-            _ => step.add(VELOCITY, sums, cell.from_s + from * cell.length_s, 1.0),
+        if let Some(sums) = self.sums.as_deref_mut() {
+            let powers = step.numbers(VELOCITY);
+            add_powers(sums, span, step.length_s(), 1.0, powers.all());
         }
+    }
+}
+
+/// Adds a polynomial over a step, up to position `reach`, to Fourier integrals.
+#[inline]
+pub(super) fn add_powers<S: Scalar>(
+    sums: &mut Fourier<'_, S>,
+    span: &Span<'_>,
+    length_s: f64,
+    reach: f64,
+    powers: &[S],
+) {
+    match span.whole() {
+        Some(n) if powers.len() <= 6 && reach == 1.0 => {
+            let mut quintic = [S::constant(0.0); 6];
+            quintic[..powers.len()].copy_from_slice(powers);
+            sums.add_whole(n, quintic);
+        }
+        _ => sums.add_fixed(span.from_s(), length_s, reach, powers),
     }
 }

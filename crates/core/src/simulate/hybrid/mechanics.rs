@@ -1,7 +1,8 @@
 //! The mechanics behind the actuator: states, modes, and the conditions under which the mode
-//! changes. The equations of motion themselves are in `dynamics`.
+//! changes. The equations of motion themselves are in `dynamics`, the events in `events`.
 
 mod dynamics;
+mod events;
 mod initial_state;
 
 use crate::effects::{Axis, Law, SecondMass, TaylorSeries};
@@ -9,6 +10,7 @@ use crate::plant::Scalar;
 
 use super::runge_kutta::Vector;
 use crate::simulate::base::switching_times::Motion;
+pub(super) use events::Event;
 
 /// Most states: v, θ, ∫θ dt, deflection of the bristle, velocity of the load, and twist of the
 /// joint.
@@ -151,24 +153,24 @@ impl<S: Scalar> Mechanics<S> {
         self.linear.iter().chain(self.nonlinear.iter().map(|nonlinear| &nonlinear.law))
     }
 
-    /// Empty Taylor series of the nonlinear torques, for [`Self::nonlinear_term`].
-    pub fn jets(&self) -> Vec<TaylorSeries> {
-        self.nonlinear.iter().map(|nonlinear| nonlinear.law.series()).collect()
+    /// Empty Taylor series of the nonlinear torques, with or without derivatives by their
+    /// parameters.
+    pub fn series(&self, parameters_vary: bool) -> Vec<TaylorSeries> {
+        self.nonlinear.iter().map(|_| TaylorSeries::new(parameters_vary)).collect()
     }
 
-    /// The sum of the next Taylor terms of the nonlinear torques, from the terms of the states.
+    /// The derivatives of Taylor term `m` of the nonlinear torques, as a number of value 0.
+    /// `lanes(i, state)` has the derivatives of term i of a state.
     #[inline]
-    pub fn nonlinear_term<const M: usize>(
+    pub fn nonlinear_derivative(
         &self,
-        mode: Mode,
-        jets: &mut [TaylorSeries],
-        terms: &[Vector<S, M>],
+        series: &[TaylorSeries],
+        lanes: impl Fn(usize, usize) -> S,
+        m: usize,
     ) -> S {
-        let direction = if mode.motion == Motion::Backward { -1.0 } else { 1.0 };
         let mut sum = S::constant(0.0);
-        for (NonlinearTorque { law, argument }, series) in self.nonlinear.iter().zip(jets) {
-            series.direction = direction;
-            sum += law.term(series, |m| terms[m][*argument], terms.len() - 1);
+        for (NonlinearTorque { law, argument }, series) in self.nonlinear.iter().zip(series) {
+            sum += law.term_derivative(series, |i| lanes(i, *argument), m);
         }
         sum
     }
@@ -334,5 +336,25 @@ impl<S: Scalar> Mechanics<S> {
         let level = self.coulomb[usize::from(mode.motion == Motion::Backward)];
         state[self.bristle_at] = net / sigma;
         state[VELOCITY] = torque_rate / (sigma * (-(net / level) + 1.0));
+    }
+}
+
+impl Mechanics<f64> {
+    /// The sum of the next Taylor terms of the nonlinear torques, from the terms of the states.
+    #[inline]
+    pub fn nonlinear_term<const M: usize>(
+        &self,
+        mode: Mode,
+        series: &mut [TaylorSeries],
+        terms: &[Vector<f64, M>],
+    ) -> f64 {
+        let direction = if mode.motion == Motion::Backward { -1.0 } else { 1.0 };
+        let m = terms.len() - 1;
+        let mut sum = 0.0;
+        for (NonlinearTorque { law, argument }, series) in self.nonlinear.iter().zip(series) {
+            series.direction = direction;
+            sum += law.term(series, terms[m][*argument], m);
+        }
+        sum
     }
 }

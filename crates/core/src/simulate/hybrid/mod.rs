@@ -7,8 +7,10 @@
 //!   chooses among them and sets the length; `step` is the result.
 //! - `crossing`: the zeros of a signal within a step.
 //! - `integrate_period`: the integration over one period, through every switch.
+//! - `sensitivity`: the derivatives by parameters and by the state at the beginning, carried along
+//!   with the integration.
 //! - `return_map`: the state at the beginning of the period, by Newton's method on the return map
-//!   (single shooting), with derivatives in dual numbers.
+//!   (single shooting).
 //! - `initial_value`: a motion that need not be periodic.
 //!
 //! Where several periodic motions exist, the one reached from rest counts.
@@ -20,6 +22,7 @@ mod integrate_period;
 mod mechanics;
 mod return_map;
 mod runge_kutta;
+mod sensitivity;
 mod series;
 mod step;
 mod step_control;
@@ -30,7 +33,7 @@ use crate::effects::{Axis, Wide};
 use crate::measurement::Complex;
 use crate::plant::{Dual, Scalar as _};
 
-use super::piecewise_linear::drive;
+use super::piecewise_linear::drive::{self, TorqueDerivatives};
 use super::response::{Counts, NoResponse};
 use super::shooting;
 use super::signal::complex_dual::ComplexDual;
@@ -57,6 +60,7 @@ pub(super) fn respond(
         1 => velocity::<1>(axis, excitation, highest, counts),
         2 => velocity::<2>(axis, excitation, highest, counts),
         3 => velocity::<3>(axis, excitation, highest, counts),
+        4 => velocity::<4>(axis, excitation, highest, counts),
         _ => velocity::<MOST_STATES>(axis, excitation, highest, counts),
     }
 }
@@ -74,10 +78,9 @@ pub(super) fn differentiate(
     let next = |first: usize| match (Mechanics::new(values).states, rows) {
         (1, ..=7) => chunk::<1, 8>(axis, values, request, first..rows),
         (1, _) => chunk::<1, 16>(axis, values, request, first..rows),
-        (2, ..=6) => chunk::<2, 8>(axis, values, request, first..rows),
         (2, _) => chunk::<2, 16>(axis, values, request, first..rows),
-        (3, ..=9) => chunk::<3, 12>(axis, values, request, first..rows),
         (3, _) => chunk::<3, 16>(axis, values, request, first..rows),
+        (4, _) => chunk::<4, 16>(axis, values, request, first..rows),
         _ => chunk::<MOST_STATES, 16>(axis, values, request, first..rows),
     };
     let (velocity, mut sensitivities) = next(0)?;
@@ -102,8 +105,8 @@ fn velocity<const M: usize>(
         return Ok(vec![Complex::new(0.0, 0.0); highest + 1]);
     };
     let (forcing, grid) = drive::torque(axis, excitation, cells(highest));
-    let lifted = (forcing.map(Dual::<M>::constant), grid);
-    let followed = periodic.velocity(&axis.map(Dual::<M>::constant), lifted, highest, 0)?;
+    let drive = (forcing, TorqueDerivatives::NONE, grid);
+    let followed = periodic.velocity(&axis.map(Dual::<M>::constant), drive, highest, 0)?;
     Ok(followed.velocity.into_iter().map(ComplexDual::value).collect())
 }
 
@@ -121,9 +124,8 @@ fn chunk<const M: usize, const N: usize>(
     };
     let count = rows.len().min(N - M);
     let narrow = shooting::narrowed::<N>(axis, rows.start, count);
-    let torque = drive::torque_of_few(&narrow, excitation, cells(highest));
-    let PeriodResult { velocity, residuals } =
-        periodic.velocity(&narrow, torque, highest, count)?;
+    let drive = drive::torque_and_derivatives(&narrow, excitation, cells(highest));
+    let PeriodResult { velocity, residuals } = periodic.velocity(&narrow, drive, highest, count)?;
     let rows = shooting::differentiate(&velocity, &residuals, count);
     Ok((velocity.into_iter().map(ComplexDual::value).collect(), rows))
 }

@@ -10,15 +10,16 @@ mod periodic_orbit;
 mod trust_region;
 
 use crate::effects::Axis;
-use crate::plant::Scalar;
+use crate::plant::{Dual, Scalar as _};
 
 use super::super::shooting;
 use super::integrate_period::{LOOSE_TOLERANCE, PeriodIntegration, Precision, TIGHT_TOLERANCE};
 use super::mechanics::{self, Mechanics};
 use super::runge_kutta::Vector;
+use super::sensitivity::Sensitivity;
 use crate::simulate::base::spectrum;
 use crate::simulate::base::switching_times::Motion;
-use crate::simulate::piecewise_linear::drive;
+use crate::simulate::piecewise_linear::drive::{self, TorqueDerivatives};
 use crate::simulate::response::{Counts, NoResponse};
 use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::excitation::Excitation;
@@ -88,10 +89,13 @@ pub(super) struct Periodic<const M: usize> {
 }
 
 /// Result of one period: the harmonics of v, and the residuals, which vanish for a periodic motion.
-pub(super) struct PeriodResult<S, const M: usize> {
-    pub velocity: Vec<ComplexDual<S>>,
-    pub residuals: Vector<S, M>,
+pub(super) struct PeriodResult<const N: usize, const M: usize> {
+    pub velocity: Vec<ComplexDual<Dual<N>>>,
+    pub residuals: Vector<Dual<N>, M>,
 }
+
+/// The torque over a period, its derivatives by the lanes of the axis, and the grid of its cells.
+pub(super) type Drive<'a> = (PiecewiseQuintic<f64>, TorqueDerivatives, &'a Grid);
 
 impl<const M: usize> Periodic<M> {
     /// Finds the periodic motion reached from rest, or another one if `counts` allows it, at loose
@@ -156,6 +160,7 @@ impl<const M: usize> Periodic<M> {
             forcing,
             precision: &self.precision,
             sums: None,
+            companion: None,
             trace: None,
             largest: [0.0; M],
             swings: 0,
@@ -178,14 +183,14 @@ impl<const M: usize> Periodic<M> {
     }
 
     /// The largest residual as a share of the size of its state.
-    fn largest_residual<S: Scalar>(&self, residuals: &Vector<S, M>) -> f64 {
+    fn largest_residual<const N: usize>(&self, residuals: &Vector<Dual<N>, M>) -> f64 {
         largest_share(residuals.iter().map(|r| r.value()), &self.precision.sizes)
     }
 
     /// Whether the states change over a period by no more than the error of the integration. This
     /// also ends the search where the return map is nearly the identity and Newton steps stay
     /// large.
-    fn within_error<S: Scalar>(&self, residuals: &Vector<S, M>) -> bool {
+    fn within_error<const N: usize>(&self, residuals: &Vector<Dual<N>, M>) -> bool {
         self.largest_residual(residuals) < PERIOD_ERROR_RATIO * self.precision.tolerance
     }
 
@@ -200,48 +205,56 @@ impl<const M: usize> Periodic<M> {
         }
     }
 
-    /// Integrates one period in dual numbers. The first `parameters` lanes are those of the axis,
+    /// Integrates one period with derivatives. The first `parameters` lanes are those of the axis,
     /// the next ones the unknowns. Sums the Fourier integrals of v if `sums` is given.
-    fn follow<S: Scalar>(
+    fn follow<const N: usize>(
         &mut self,
-        axis: &Axis<S>,
-        forcing: &PiecewiseQuintic<S>,
-        mut sums: Option<Fourier<'_, S>>,
+        axis: &Axis<Dual<N>>,
+        (forcing, torque): (&PiecewiseQuintic<f64>, &TorqueDerivatives),
+        sums: Option<Fourier<'_, Dual<N>>>,
         parameters: usize,
-    ) -> Option<PeriodResult<S, M>> {
-        let mut mechanics = Mechanics::new(axis);
+    ) -> Option<PeriodResult<N, M>> {
+        let mut mechanics = Mechanics::new(&axis.map(Dual::value));
+        let mut lifted = Mechanics::new(axis);
         let unknown = |value: f64, lane: usize| {
-            S::with_lanes(value, |l| f64::from(u8::from(l == parameters + lane)))
+            Dual::with_lanes(value, |l| f64::from(u8::from(l == parameters + lane)))
         };
-        let mut start: Vector<S, M> = std::array::from_fn(|i| unknown(self.state[i], i));
+        let mut start = self.state;
+        let mut lanes: [[f64; N]; M] =
+            std::array::from_fn(|i| std::array::from_fn(|lane| unknown(0.0, i).lane(lane)));
         if let Some(i) = mechanics.position_integral {
-            mechanics.balance = unknown(self.state[i], i);
-            start[i] = S::constant(0.0);
+            mechanics.balance = self.state[i];
+            lifted.balance = unknown(self.state[i], i);
+            (start[i], lanes[i]) = (0.0, [0.0; N]);
         }
-        let torque = forcing.cells[0].fixed(0.0);
-        if mechanics.mode_at(torque, &start).motion == Motion::Stuck {
-            start[mechanics::VELOCITY] = S::constant(0.0);
+        let at_rest = mechanics.mode_at(forcing.cells[0].fixed(0.0), &start);
+        if at_rest.motion == Motion::Stuck {
+            (start[mechanics::VELOCITY], lanes[mechanics::VELOCITY]) = (0.0, [0.0; N]);
         }
+        let mut sensitivity = Sensitivity::new(&lifted, (forcing, torque), sums, lanes);
         let mut pass = PeriodIntegration {
             mechanics: &mechanics,
             forcing,
             precision: &self.precision,
-            sums: sums.as_mut(),
+            sums: None,
+            companion: Some(&mut sensitivity),
             trace: None,
             largest: [0.0; M],
             swings: 0,
             effort: &mut self.effort,
         };
         let end = pass.run(&start)?;
+        let end = |i: usize| Dual::with_lanes(end[i], |lane| sensitivity.lanes[i][lane]);
         let residual = |i: usize| match mechanics.position_integral {
-            Some(integral) if integral == i => end[i],
-            _ => end[i] - unknown(self.state[i], i),
+            Some(integral) if integral == i => end(i),
+            _ => end(i) - unknown(self.state[i], i),
         };
         let residuals = std::array::from_fn(residual);
-        let weighted = |(k, sum): (usize, ComplexDual<S>)| {
-            let scaled = sum.scaled(S::constant(spectrum::weight(k, forcing.period_s)));
+        let weighted = |(k, sum): (usize, ComplexDual<Dual<N>>)| {
+            let scaled = sum.scaled(Dual::constant(spectrum::weight(k, forcing.period_s)));
             if k == 0 { ComplexDual::real(scaled.re) } else { scaled }
         };
+        let sums = sensitivity.sums;
         let sums = sums.map(|sums| sums.finish().into_iter().enumerate().map(weighted).collect());
         Some(PeriodResult { velocity: sums.unwrap_or_default(), residuals })
     }
@@ -251,13 +264,13 @@ impl<const M: usize> Periodic<M> {
     ///
     /// # Errors
     /// [`NoResponse::NotPeriodic`].
-    pub fn velocity<S: Scalar>(
+    pub fn velocity<const N: usize>(
         &mut self,
-        axis: &Axis<S>,
-        (forcing, grid): (PiecewiseQuintic<S>, &Grid),
+        axis: &Axis<Dual<N>>,
+        (forcing, torque, grid): Drive<'_>,
         highest: usize,
         parameters: usize,
-    ) -> Result<PeriodResult<S, M>, NoResponse> {
+    ) -> Result<PeriodResult<N, M>, NoResponse> {
         let omega = std::f64::consts::TAU / forcing.period_s;
         (self.precision.tolerance, self.precision.most_swings) = (TIGHT_TOLERANCE, TIGHT_SWINGS);
         let mut region = TrustRegion::new(self.region);
@@ -265,7 +278,8 @@ impl<const M: usize> Periodic<M> {
         let angle_per_size = axis.ripple_rate() * position.map_or(0.0, |i| self.sizes[i]);
         for _ in 0..MOST_ITERATIONS {
             let sums = Fourier::new(grid, omega, highest);
-            let Some(mut followed) = self.follow(axis, &forcing, Some(sums), parameters) else {
+            let Some(mut followed) = self.follow(axis, (&forcing, &torque), Some(sums), parameters)
+            else {
                 break;
             };
             let step = shooting::newton_step(&followed.residuals, parameters);

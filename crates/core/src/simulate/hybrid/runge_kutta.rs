@@ -103,17 +103,16 @@ impl<S: Scalar, const M: usize> Stages<S, M> {
             .fold(0.0, f64::max)
     }
 
-    /// Coefficients of state `i` over the step as a polynomial in u, 0 to 1; `part` converts the
-    /// values.
+    /// Coefficients of state `i` over the step as a polynomial in u, 0 to 1.
     #[inline]
-    pub fn powers<T: Scalar>(&self, i: usize, part: impl Fn(S) -> T) -> [T; 5] {
-        let (h, start) = (self.length_s, part(self.start[i]));
-        let change = part(self.end[i]) - start;
-        let first = part(self.slopes[0][i]) * h - change;
-        let second = change - part(self.slopes[6][i]) * h - first;
-        let mut last = part(self.slopes[0][i]) * DENSE[0];
+    pub fn powers(&self, i: usize) -> [S; 5] {
+        let (h, start) = (self.length_s, self.start[i]);
+        let change = self.end[i] - start;
+        let first = self.slopes[0][i] * h - change;
+        let second = change - self.slopes[6][i] * h - first;
+        let mut last = self.slopes[0][i] * DENSE[0];
         for (slope, weight) in self.slopes.iter().zip(DENSE).skip(2) {
-            last += part(slope[i]) * weight;
+            last += slope[i] * weight;
         }
         let last = last * h;
         [start, change + first, second + last - first, -(second + last * 2.0), last]
@@ -131,8 +130,7 @@ mod tests {
         let f = |t: f64, x: &Vector<f64, 1>| [t - x[0]];
         let slope = f(0.0, &start);
         let step = Stages::new(&start, &slope, h, |stage, x| f(NODES[stage] * h, x));
-        let middle =
-            crate::simulate::signal::piecewise_quintic::polynomial(&step.powers(0, |x| x), 0.5);
+        let middle = crate::simulate::signal::piecewise_quintic::polynomial(&step.powers(0), 0.5);
         ((step.end[0] - exact(h)).abs(), (middle - exact(0.5 * h)).abs())
     }
 

@@ -6,10 +6,8 @@
 //! series itself. Inside the gap of a joint with play the motion is slow and the steps are long;
 //! steps of fixed length would be limited by the contact's stiffness there too.
 
-use crate::effects::MOST_TERMS;
-use crate::plant::Scalar;
-
 use super::runge_kutta::Vector;
+use crate::effects::MOST_TERMS;
 
 /// Order of a series. Both the cost and the length of a step grow with it.
 const ORDER: usize = MOST_TERMS - 1;
@@ -21,29 +19,29 @@ const ORDER_NONLINEAR: usize = 9;
 pub(super) const MOST_POWERS: usize = ORDER + 1;
 
 /// A step by Taylor series.
-pub(super) struct Series<S, const M: usize> {
+pub(super) struct Series<const M: usize> {
     /// Coefficients of the powers of u, which goes from 0 to 1 over the step; one vector per power.
-    terms: [Vector<S, M>; ORDER + 1],
-    order: usize,
+    pub terms: [Vector<f64, M>; ORDER + 1],
+    pub order: usize,
     pub length_s: f64,
     /// Share of the requested length that the step covers.
     pub share: f64,
     /// State at the end.
-    pub end: Vector<S, M>,
+    pub end: Vector<f64, M>,
     /// Derivative by time at the end.
-    pub end_slope: Vector<S, M>,
+    pub end_slope: Vector<f64, M>,
 }
 
-impl<S: Scalar, const M: usize> Series<S, M> {
+impl<const M: usize> Series<M> {
     /// A step from `start` over at most `length_s`, in which no state errs by more than `allowed`.
     /// `next` computes the next term from the terms so far.
     #[inline]
     pub fn new(
-        start: &Vector<S, M>,
+        start: &Vector<f64, M>,
         length_s: f64,
         allowed: &[f64; M],
         nonlinear: bool,
-        mut next: impl FnMut(&[Vector<S, M>]) -> Vector<S, M>,
+        mut next: impl FnMut(&[Vector<f64, M>]) -> Vector<f64, M>,
     ) -> Self {
         let order = if nonlinear { ORDER_NONLINEAR } else { ORDER };
         let mut this = Self {
@@ -75,7 +73,7 @@ impl<S: Scalar, const M: usize> Series<S, M> {
     /// between 0.5 and 1 becomes 0.5: two equal steps cover the length as well.
     fn reach(&self, allowed: &[f64; M]) -> f64 {
         let share = |m: usize| {
-            let errors = self.terms[m].iter().zip(allowed).map(|(t, a)| (t.value() / a).abs());
+            let errors = self.terms[m].iter().zip(allowed).map(|(t, a)| (t / a).abs());
             let most = errors.fold(0.0, f64::max) as f32;
             if most <= 1.0 { 1.0 } else { most.powf(-1.0 / m as f32) }
         };
@@ -87,8 +85,8 @@ impl<S: Scalar, const M: usize> Series<S, M> {
     }
 
     /// State at position u, and its derivative by time.
-    pub fn at(&self, u: f64) -> (Vector<S, M>, Vector<S, M>) {
-        let (mut state, mut slope) = (self.terms[self.order], [S::constant(0.0); M]);
+    pub fn at(&self, u: f64) -> (Vector<f64, M>, Vector<f64, M>) {
+        let (mut state, mut slope) = (self.terms[self.order], [0.0; M]);
         for term in self.terms[..self.order].iter().rev() {
             for i in 0..M {
                 slope[i] = slope[i] * u + state[i];
@@ -102,17 +100,16 @@ impl<S: Scalar, const M: usize> Series<S, M> {
     /// Whether state `i` certainly does not reach `level` within the step.
     #[inline]
     pub fn stays_beyond(&self, i: usize, level: f64) -> bool {
-        let departs: f64 =
-            self.terms[1..=self.order].iter().map(|term| term[i].value().abs()).sum();
-        (self.terms[0][i].value() - level).abs() > departs
+        let departs: f64 = self.terms[1..=self.order].iter().map(|term| term[i].abs()).sum();
+        (self.terms[0][i] - level).abs() > departs
     }
 
-    /// Coefficients of state `i` over the step, each converted by `part`.
+    /// Coefficients of state `i` over the step.
     #[inline]
-    pub fn powers<T: Scalar>(&self, i: usize, part: impl Fn(S) -> T) -> [T; ORDER + 1] {
-        let mut powers = [T::constant(0.0); ORDER + 1];
+    pub fn powers(&self, i: usize) -> [f64; ORDER + 1] {
+        let mut powers = [0.0; ORDER + 1];
         for (power, term) in powers.iter_mut().zip(&self.terms[..=self.order]) {
-            *power = part(term[i]);
+            *power = term[i];
         }
         powers
     }

@@ -1,33 +1,32 @@
 //! A completed step of any method: its length, its end, and the polynomial over it.
 
-use crate::plant::Scalar;
-
 use super::runge_kutta::{Stages, Vector};
 use super::series::{MOST_POWERS, Series};
-use crate::simulate::signal::fourier::Fourier;
 use crate::simulate::signal::piecewise_quintic::{Quintic, polynomial, through};
 
 /// A step of a motion.
-pub(super) enum Step<S, const M: usize> {
+pub(super) enum Step<const M: usize> {
     /// By Runge–Kutta stages.
-    Stages(Stages<S, M>),
+    Stages(Stages<f64, M>),
     /// By Taylor series.
-    Series(Series<S, M>),
+    Series(Series<M>),
     /// Exact, known at its ends.
-    Ends(Ends<S, M>),
+    Ends(Ends<M>),
 }
 
 /// The exact ends of a step.
-pub(super) struct Ends<S, const M: usize> {
+pub(super) struct Ends<const M: usize> {
     pub length_s: f64,
-    pub states: [Vector<S, M>; 2],
+    pub states: [Vector<f64, M>; 2],
     /// Derivatives by time.
-    pub slopes: [Vector<S, M>; 2],
+    pub slopes: [Vector<f64, M>; 2],
     /// Second derivatives by time, if v is needed between the ends.
-    pub curvatures: Option<[Vector<S, M>; 2]>,
+    pub curvatures: Option<[Vector<f64, M>; 2]>,
+    /// Whether the length occurs often, so that the matrices of the step are cached.
+    pub repeats: bool,
 }
 
-/// One state over a step as a polynomial in u, which goes from 0 to 1; values only, no derivatives.
+/// One state over a step as a polynomial in u, which goes from 0 to 1.
 #[derive(Clone, Copy)]
 pub(super) struct Powers {
     powers: [f64; MOST_POWERS],
@@ -55,9 +54,9 @@ impl Powers {
     }
 }
 
-impl<S: Scalar, const M: usize> Step<S, M> {
+impl<const M: usize> Step<M> {
     /// State at the end.
-    pub fn end(&self) -> &Vector<S, M> {
+    pub fn end(&self) -> &Vector<f64, M> {
         match self {
             Step::Stages(stages) => &stages.end,
             Step::Series(series) => &series.end,
@@ -75,7 +74,7 @@ impl<S: Scalar, const M: usize> Step<S, M> {
     }
 
     /// Derivative by time at the end.
-    pub fn end_slope(&self) -> &Vector<S, M> {
+    pub fn end_slope(&self) -> &Vector<f64, M> {
         match self {
             Step::Stages(stages) => &stages.slopes[6],
             Step::Series(series) => &series.end_slope,
@@ -95,45 +94,32 @@ impl<S: Scalar, const M: usize> Step<S, M> {
         }
     }
 
-    /// State `i` over the step, without derivatives.
+    /// State `i` over the step.
     #[inline]
     pub fn numbers(&self, i: usize) -> Powers {
         match self {
-            Step::Stages(stages) => Powers::new(&stages.powers(i, S::value)),
-            Step::Series(series) => Powers::new(&series.powers(i, S::value)),
-            Step::Ends(ends) => Powers::new(&ends.powers(i, S::value)),
-        }
-    }
-
-    /// Adds state `i` to the Fourier integrals, over a step that begins at `from_s`, up to position
-    /// `reach`.
-    pub fn add(&self, i: usize, sums: &mut Fourier<'_, S>, from_s: f64, reach: f64) {
-        let same = |x| x;
-        match self {
-            Step::Stages(s) => {
-                sums.add_fixed(from_s, s.length_s, reach, &s.powers(i, same));
-            }
-            Step::Series(s) => sums.add_fixed(from_s, s.length_s, reach, &s.powers(i, same)),
-            Step::Ends(s) => sums.add_fixed(from_s, s.length_s, reach, &s.powers(i, same)),
+            Step::Stages(stages) => Powers::new(&stages.powers(i)),
+            Step::Series(series) => Powers::new(&series.powers(i)),
+            Step::Ends(ends) => Powers::new(&ends.powers(i)),
         }
     }
 }
 
-impl<S: Scalar, const M: usize> Ends<S, M> {
+impl<const M: usize> Ends<M> {
     /// Whether state `i` certainly does not reach `level` within the step.
     pub fn stays_beyond(&self, i: usize, level: f64) -> bool {
         let [[start, end], [first, last]] = [&self.states, &self.slopes];
         cubic_stays_beyond([start, end], [first, last], self.length_s, i, level)
     }
 
-    /// Coefficients of state `i` over the step, of the values converted by `part`.
+    /// Coefficients of state `i` over the step.
     #[inline]
-    pub fn powers<T: Scalar>(&self, i: usize, part: impl Fn(S) -> T) -> Quintic<T> {
+    pub fn powers(&self, i: usize) -> Quintic<f64> {
         let h = self.length_s;
-        let [start, end] = [0, 1].map(|at| part(self.states[at][i]));
-        let [first, last] = [0, 1].map(|at| part(self.slopes[at][i]) * h);
+        let [start, end] = [0, 1].map(|at| self.states[at][i]);
+        let [first, last] = [0, 1].map(|at| self.slopes[at][i] * h);
         let [begin, finish] = match &self.curvatures {
-            Some(both) => [0, 1].map(|at| part(both[at][i]) * (h * h)),
+            Some(both) => [0, 1].map(|at| both[at][i] * (h * h)),
             None => {
                 // Second derivatives of the cubic through values and slopes.
                 let mean = (end - start) * 3.0;
@@ -148,14 +134,14 @@ impl<S: Scalar, const M: usize> Ends<S, M> {
 /// leaves the interval between the end values by at most 4/27 of the sum of |slope|·length; 0.2 is
 /// safe.
 #[inline]
-fn cubic_stays_beyond<S: Scalar, const M: usize>(
-    [start, end]: [&Vector<S, M>; 2],
-    [first, last]: [&Vector<S, M>; 2],
+fn cubic_stays_beyond<const M: usize>(
+    [start, end]: [&Vector<f64, M>; 2],
+    [first, last]: [&Vector<f64, M>; 2],
     length_s: f64,
     i: usize,
     level: f64,
 ) -> bool {
-    let (start, end) = (start[i].value() - level, end[i].value() - level);
-    let departs = 0.2 * (first[i].value().abs() + last[i].value().abs()) * length_s;
+    let (start, end) = (start[i] - level, end[i] - level);
+    let departs = 0.2 * (first[i].abs() + last[i].abs()) * length_s;
     start * end > 0.0 && start.abs().min(end.abs()) > departs
 }

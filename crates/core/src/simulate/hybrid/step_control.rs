@@ -1,11 +1,9 @@
 //! Step control: which method takes the next step, how long it is, and whether its error is
 //! accepted.
 
-use crate::effects::TaylorSeries;
-use crate::plant::Scalar;
-
 use super::affine::{Affine, LONGEST_RATE_TIMES_STEP};
 use super::mechanics::{Mechanics, Mode};
+use crate::effects::TaylorSeries;
 use crate::simulate::signal::piecewise_quintic::Cell;
 
 /// Safety factor on the length for which the error would just be allowed; with a larger one too
@@ -13,23 +11,23 @@ use crate::simulate::signal::piecewise_quintic::Cell;
 const SAFETY: f64 = 0.8;
 
 /// The method that takes the steps, and its state.
-pub(super) enum StepControl<S, const M: usize> {
+pub(super) enum StepControl<const M: usize> {
     /// Exact steps, no longer than `longest_s`. With `reuse`, the step's length is an equal part of
     /// a cell, and its matrices are cached.
-    Exact { longest_s: f64, modes: Modes<S, M>, reuse: bool },
+    Exact { longest_s: f64, modes: Modes<M>, reuse: bool },
     /// Taylor series, each step as long as its error allows.
-    Series { modes: Modes<S, M>, jets: Vec<TaylorSeries> },
+    Series { modes: Modes<M>, nonlinear: Vec<TaylorSeries> },
     /// Runge–Kutta steps with error control; `length_s` is the length to try next.
     Controlled { length_s: f64 },
 }
 
 /// The affine equations of every mode that has occurred so far.
-pub(super) struct Modes<S, const M: usize>(Vec<Affine<S, M>>);
+pub(super) struct Modes<const M: usize>(Vec<Affine<f64, M>>);
 
-impl<S: Scalar, const M: usize> Modes<S, M> {
+impl<const M: usize> Modes<M> {
     /// The equations of a mode.
     #[inline]
-    pub fn of(&mut self, mode: Mode, mechanics: &Mechanics<S>) -> &mut Affine<S, M> {
+    pub fn of(&mut self, mode: Mode, mechanics: &Mechanics<f64>) -> &mut Affine<f64, M> {
         let at = self.0.iter().position(|affine| affine.mode == mode).unwrap_or_else(|| {
             self.0.push(Affine::new(mechanics, mode));
             self.0.len() - 1
@@ -38,9 +36,10 @@ impl<S: Scalar, const M: usize> Modes<S, M> {
     }
 }
 
-impl<S: Scalar, const M: usize> StepControl<S, M> {
-    /// The method that suits the equations of motion.
-    pub fn new(mechanics: &Mechanics<S>, cell_s: f64) -> Self {
+impl<const M: usize> StepControl<M> {
+    /// The method that suits the equations of motion. `parameters_vary` asks for the derivatives of
+    /// Taylor series by the parameters of the torques.
+    pub fn new(mechanics: &Mechanics<f64>, cell_s: f64, parameters_vary: bool) -> Self {
         let modes = Modes(Vec::new());
         if !mechanics.has_series() {
             return StepControl::Controlled { length_s: cell_s };
@@ -49,7 +48,15 @@ impl<S: Scalar, const M: usize> StepControl<S, M> {
             let longest_s = LONGEST_RATE_TIMES_STEP / mechanics.fastest_rate();
             return StepControl::Exact { longest_s, modes, reuse: false };
         }
-        StepControl::Series { modes, jets: mechanics.jets() }
+        StepControl::Series { modes, nonlinear: mechanics.series(parameters_vary) }
+    }
+
+    /// The Taylor series of the nonlinear torques over the last step; empty for other steps.
+    pub fn nonlinear(&self) -> &[TaylorSeries] {
+        match self {
+            StepControl::Series { nonlinear, .. } => nonlinear,
+            _ => &[],
+        }
     }
 
     /// Effort of a step, as a number of exact steps.
@@ -62,7 +69,7 @@ impl<S: Scalar, const M: usize> StepControl<S, M> {
 
     /// The length of the next step from position `from`, as a share of the cell.
     #[inline]
-    pub fn width(&mut self, cell: &Cell<S>, from: f64) -> f64 {
+    pub fn width(&mut self, cell: &Cell<f64>, from: f64) -> f64 {
         let left = 1.0 - from;
         match self {
             StepControl::Exact { longest_s, reuse, .. } => {
@@ -127,7 +134,7 @@ mod tests {
         let cell = Cell { from_s: 0.0, length_s: 1.0, powers: [0.0; 6], whole: Some(0) };
         for (longest_s, parts) in [(2.0, 1.0), (0.4, 3.0)] {
             let modes = Modes(Vec::new());
-            let mut pace = StepControl::<f64, 1>::Exact { longest_s, modes, reuse: false };
+            let mut pace = StepControl::<1>::Exact { longest_s, modes, reuse: false };
             for from in [0.0, 0.3, 1.0 / 3.0, 2.0 / 3.0, 1.0 - 1e-8, 1.0 - 1e-14] {
                 let width = pace.width(&cell, from);
                 assert!(width > 0.0 && width <= 1.0 / parts + 1e-15, "{from}: {width}");

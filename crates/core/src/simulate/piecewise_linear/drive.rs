@@ -17,7 +17,7 @@ use crate::simulate::base::sensitivity::actuator_derivatives;
 use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::excitation::Excitation;
 use crate::simulate::signal::grid::Grid;
-use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic};
+use crate::simulate::signal::piecewise_quintic::{Cell, PiecewiseQuintic, Quintic};
 pub(crate) use modal::{Mode, modes};
 use modal::{RADIANS_PER_CELL, actuator_output};
 
@@ -70,33 +70,74 @@ pub(crate) fn torque<'e, S: Scalar>(
     (actuator_output(behind, forcing), grid)
 }
 
-/// The same for an axis with many lanes. The torque depends only on the few parameters of actuator,
-/// maps and rate limiter, and is computed with their lanes alone.
+/// The derivatives of a torque, cell by cell, by each lane by which it has any.
+pub(crate) struct TorqueDerivatives {
+    /// The lane, and the derivative of the coefficients of every cell.
+    pub by_lane: Vec<(usize, Vec<Quintic<f64>>)>,
+}
+
+impl TorqueDerivatives {
+    /// Of a torque without derivatives.
+    pub const NONE: Self = Self { by_lane: Vec::new() };
+}
+
+/// The torque and its derivatives apart, for an axis with many lanes. The torque depends only on
+/// the few parameters of actuator, maps and rate limiter, and is computed with their lanes alone.
+pub(crate) fn torque_and_derivatives<'e, const N: usize>(
+    axis: &Axis<Dual<N>>,
+    excitation: &'e Excitation,
+    fewest: usize,
+) -> (PiecewiseQuintic<f64>, TorqueDerivatives, &'e Grid) {
+    let (mut forcing, mut by_lane) = (None, Vec::new());
+    let lanes = lanes_of_torque(axis);
+    for lanes in lanes.chunks(FEW_LANES) {
+        let few = with_lanes(axis, lanes);
+        let (lifted, grid) = torque(&few, excitation, fewest);
+        for (i, lane) in lanes.iter().enumerate() {
+            let of = |cell: &Cell<Dual<FEW_LANES>>| cell.powers.map(|power| power.lane(i));
+            by_lane.push((*lane, lifted.cells.iter().map(of).collect()));
+        }
+        forcing.get_or_insert_with(|| (lifted.map(Dual::value), grid));
+    }
+    let (forcing, grid) =
+        forcing.unwrap_or_else(|| torque(&axis.map(Dual::value), excitation, fewest));
+    (forcing, TorqueDerivatives { by_lane }, grid)
+}
+
+/// The same together, in dual numbers as wide as those of the axis.
 pub(crate) fn torque_of_few<'e, const N: usize>(
     axis: &Axis<Dual<N>>,
     excitation: &'e Excitation,
     fewest: usize,
 ) -> (PiecewiseQuintic<Dual<N>>, &'e Grid) {
+    let lanes = lanes_of_torque(axis);
+    if lanes.len() > FEW_LANES {
+        return torque(axis, excitation, fewest);
+    }
+    let (forcing, grid) = torque(&with_lanes(axis, &lanes), excitation, fewest);
+    let mut place = [FEW_LANES; N];
+    lanes.iter().enumerate().for_each(|(i, lane)| place[*lane] = i);
+    (forcing.map(|x| Dual::with_lanes(x.value(), |lane| x.lane(place[lane]))), grid)
+}
+
+/// The lanes by which the torque has derivatives.
+fn lanes_of_torque<const N: usize>(axis: &Axis<Dual<N>>) -> Vec<usize> {
     let mut ahead: Vec<Dual<N>> = axis.rate_limit.into_iter().collect();
     let _ = axis.plant.actuator.map(|value| ahead.push(value));
     for map in &axis.input_maps {
         ahead.extend(map.breaks.iter().chain(&map.slopes));
     }
-    let used: Vec<usize> =
-        (0..N).filter(|lane| ahead.iter().any(|value| value.lane(*lane) != 0.0)).collect();
-    if used.len() > FEW_LANES {
-        return torque(axis, excitation, fewest);
-    }
-    let few = axis.map(|x| {
-        Dual::<FEW_LANES>::with_lanes(x.value(), |lane| used.get(lane).map_or(0.0, |l| x.lane(*l)))
-    });
-    let (forcing, grid) = torque(&few, excitation, fewest);
-    let mut place = [FEW_LANES; N];
-    used.iter().enumerate().for_each(|(i, lane)| place[*lane] = i);
-    (forcing.map(|x| Dual::with_lanes(x.value(), |lane| x.lane(place[lane]))), grid)
+    (0..N).filter(|lane| ahead.iter().any(|value| value.lane(*lane) != 0.0)).collect()
 }
 
-/// Most lanes for which the torque is computed in shorter dual numbers.
+/// The axis with a few of its lanes.
+fn with_lanes<const N: usize>(axis: &Axis<Dual<N>>, lanes: &[usize]) -> Axis<Dual<FEW_LANES>> {
+    axis.map(|x| {
+        Dual::with_lanes(x.value(), |lane| lanes.get(lane).map_or(0.0, |lane| x.lane(*lane)))
+    })
+}
+
+/// Most lanes for which the torque is computed at once.
 const FEW_LANES: usize = 4;
 
 /// A(s)·u without maps and rate limiter.

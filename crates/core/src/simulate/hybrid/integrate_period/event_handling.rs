@@ -1,11 +1,9 @@
 //! Event location: which switch comes first within a step, when, and the mode and state after it.
 
-use crate::plant::Scalar;
-
-use super::PeriodIntegration;
+use super::{Crossing, PeriodIntegration, Span, Taken};
 use crate::simulate::base::switching_times::Motion;
 use crate::simulate::hybrid::crossing::{departure, root};
-use crate::simulate::hybrid::mechanics::{Contact, Mode, VELOCITY};
+use crate::simulate::hybrid::mechanics::{Contact, Event, Mode, VELOCITY};
 use crate::simulate::hybrid::runge_kutta::Vector;
 use crate::simulate::hybrid::step::{Powers, Step};
 use crate::simulate::hybrid::step_control::StepControl;
@@ -27,28 +25,15 @@ pub(super) struct Switch {
     pub event: Event,
 }
 
-/// Kinds of switches.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Event {
-    /// v reaches zero.
-    Stops,
-    /// Breakaway, forward (0) or backward (1).
-    Starts(usize),
-    /// The twist φ reaches the upper (true) or lower end of the gap.
-    Touches(bool),
-    /// The contact at that end opens.
-    Leaves(bool),
-}
-
-impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
+impl<const M: usize> PeriodIntegration<'_, '_, M> {
     /// The first switch within a step.
     pub(super) fn switch(
         &self,
         mode: Mode,
-        cell: &Cell<S>,
+        cell: &Cell<f64>,
         from: f64,
         width: f64,
-        step: &Step<S, M>,
+        step: &Step<M>,
     ) -> Option<Switch> {
         let positions: &[f64] = match step {
             Step::Series(_) => &SIGN_CHECKS_IN_SERIES,
@@ -64,9 +49,9 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
             let signal = |u: f64| match one {
                 Some((i, sign, level)) => sign * (needed[i].at(u) - level),
                 None => {
-                    let state = std::array::from_fn(|i| S::constant(needed[i].at(u)));
-                    let torque = S::constant(cell.number(from + width * u));
-                    self.signal(event, mode, torque, &state).value()
+                    let state: Vector<f64, M> = std::array::from_fn(|i| needed[i].at(u));
+                    let torque = cell.number(from + width * u);
+                    self.mechanics.signal(event, mode, torque, &state)
                 }
             };
             let rounding_size = self.rounding_size(event);
@@ -144,41 +129,27 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
             }
     }
 
-    /// The signal of an event: it becomes positive when the event happens.
-    fn signal(&self, event: Event, mode: Mode, torque: S, state: &Vector<S, M>) -> S {
-        match event {
-            Event::Stops if mode.motion == Motion::Forward => -state[VELOCITY],
-            Event::Stops => state[VELOCITY],
-            Event::Starts(direction) => {
-                self.mechanics.excess(mode.contact, torque, state)[direction]
-            }
-            Event::Touches(upper) => -self.mechanics.clearance(upper, state),
-            Event::Leaves(upper) => self.mechanics.clearance(upper, state),
-        }
-    }
-
-    /// Repeats the step up to a switch. Returns the state there, the position in the cell, and a
-    /// dual number of value 0 whose derivatives are those of the switching time. `None` if the
-    /// repeated step is not accurate enough, as may happen near a stop, where a friction curve is
-    /// steep; a shorter step must be tried.
+    /// Repeats the step up to a switch. Returns the state there and the position in the cell. `None`
+    /// if the repeated step is not accurate enough, as may happen near a stop, where a friction
+    /// curve is steep; a shorter step must be tried.
     #[expect(clippy::too_many_arguments, reason = "what a step is made of")]
     pub(super) fn up_to(
         &mut self,
-        pace: &mut StepControl<S, M>,
+        pace: &mut StepControl<M>,
         mode: Mode,
-        cell: &Cell<S>,
-        (from, width): (f64, f64),
-        state: &Vector<S, M>,
-        slope: &Vector<S, M>,
-        step: &Step<S, M>,
+        span: Span<'_>,
+        state: &Vector<f64, M>,
+        slope: &Vector<f64, M>,
+        step: &Step<M>,
         switch: &Switch,
-    ) -> Option<(Vector<S, M>, f64, S)> {
+    ) -> Option<(Vector<f64, M>, f64)> {
+        let (cell, from, width) = (span.cell, span.from, span.width);
         let mut part = width * switch.at;
         let cut;
-        let (step, mut reach, mut end, end_slope) = match step {
+        let (step, span, at, mut end, end_slope) = match step {
             Step::Series(series) => {
                 let (end, end_slope) = series.at(switch.at);
-                (step, switch.at, end, end_slope)
+                (step, span, switch.at, end, end_slope)
             }
             _ => {
                 if let StepControl::Exact { reuse, .. } = pace {
@@ -188,56 +159,51 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
                 if pace.refuses(self.error(&cut, state), part * cell.length_s) {
                     return None;
                 }
-                (&cut, 1.0, *cut.end(), *cut.end_slope())
+                (&cut, Span { width: part, ..span }, 1.0, *cut.end(), *cut.end_slope())
             }
         };
-        let there = self.signal(switch.event, mode, cell.fixed(from + part), &end);
+        let there = self.mechanics.signal(switch.event, mode, cell.fixed(from + part), &end);
         let rate_s = match self.state_of(switch.event, mode) {
-            Some((i, sign, _)) => sign * end_slope[i].value(),
+            Some((i, sign, _)) => sign * end_slope[i],
             None => {
                 // A signal of several states: central difference along the motion.
                 let du = 1e-4 * width;
                 let ahead = |du: f64| {
                     let by_s = du * cell.length_s;
-                    let moved = std::array::from_fn(|i| end[i] + end_slope[i] * by_s);
+                    let moved: Vector<f64, M> =
+                        std::array::from_fn(|i| end[i] + end_slope[i] * by_s);
                     let torque = cell.fixed(from + part + du);
-                    self.signal(switch.event, mode, torque, &moved).value()
+                    self.mechanics.signal(switch.event, mode, torque, &moved)
                 };
                 (ahead(du) - ahead(-du)) / (2.0 * du * cell.length_s)
             }
         };
-        let late_s = if rate_s != 0.0 { -there * (1.0 / rate_s) } else { S::constant(0.0) };
         // One Newton step for the switching time. A correction of more than 1 % of the step is too
         // large to be an error of the step: then only its derivatives are used.
-        let most_s = 1e-2 * width * cell.length_s;
-        let late_s = if late_s.value().abs() > most_s { late_s - late_s.value() } else { late_s };
+        let late_s = if rate_s == 0.0 { 0.0 } else { -there * (1.0 / rate_s) };
+        let late_s = if late_s.abs() > 1e-2 * width * cell.length_s { 0.0 } else { late_s };
+        let later = late_s / cell.length_s;
+        let reach = if part > 0.0 { at * (1.0 + later / part) } else { 0.0 };
+        if let Some(companion) = self.companion.as_deref_mut() {
+            let taken = Taken { mode, span, start: state, step, nonlinear: pace.nonlinear() };
+            let (event, state, slope) = (switch.event, &end, &end_slope);
+            companion.step_to_switch(
+                &taken,
+                &Crossing { event, at, state, slope, rate_s, late_s, reach },
+            );
+        }
         for (value, slope) in end.iter_mut().zip(&end_slope) {
             *value += *slope * late_s;
         }
-        let later = late_s.value() / cell.length_s;
-        let traced = if part > 0.0 { reach * (1.0 + later / part) } else { 0.0 };
+        let from_s = cell.from_s + from * cell.length_s;
+        let powers = step.numbers(VELOCITY);
         if let Some(sums) = self.sums.as_deref_mut().filter(|_| part > 0.0) {
-            reach *= 1.0 + later / part;
-            step.add(VELOCITY, sums, cell.from_s + from * cell.length_s, reach);
+            sums.add_fixed(from_s, step.length_s(), reach, powers.all());
         }
         if let Some(trace) = self.trace.as_deref_mut() {
-            let from_s = cell.from_s + from * cell.length_s;
-            trace.add(from_s, step.length_s(), step.numbers(VELOCITY).all(), traced);
+            trace.add(from_s, step.length_s(), powers.all(), reach);
         }
-        Some((end, from + part + later, late_s - late_s.value()))
-    }
-
-    /// Moves the state after a switch from the switching time as a dual number to its plain value,
-    /// so that all times of a pass are plain numbers. The Fourier integrals need no correction: v
-    /// is continuous, so that they gain before the switch what they lose after it.
-    pub(super) fn to_plain_time(&self, mode: Mode, torque: S, state: &mut Vector<S, M>, late_s: S) {
-        if S::LANES == 0 {
-            return;
-        }
-        let slope = self.mechanics.slope(mode, torque, state);
-        for (value, slope) in state.iter_mut().zip(&slope) {
-            *value -= late_s * slope.value();
-        }
+        Some((end, from + part + later))
     }
 
     /// The mode after a switch.
@@ -245,13 +211,13 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
         &mut self,
         mode: Mode,
         event: Event,
-        torque: S,
-        state: &mut Vector<S, M>,
+        torque: f64,
+        state: &mut Vector<f64, M>,
     ) -> Mode {
         let moving = [Motion::Forward, Motion::Backward];
         match event {
             Event::Stops => {
-                state[VELOCITY] = S::constant(0.0);
+                state[VELOCITY] = 0.0;
                 let motion = if self.mechanics.can_rest() {
                     self.mechanics.motion_at_rest(mode.contact, torque, state)
                 } else {
@@ -280,7 +246,7 @@ impl<S: Scalar, const M: usize> PeriodIntegration<'_, '_, S, M> {
 
     /// The mode after a contact has closed or opened: the torque of the joint jumps, which may
     /// start an axis at rest.
-    fn after_contact_change(&self, mode: Mode, torque: S, state: &Vector<S, M>) -> Mode {
+    fn after_contact_change(&self, mode: Mode, torque: f64, state: &Vector<f64, M>) -> Mode {
         match mode.motion {
             Motion::Stuck => {
                 let motion = self.mechanics.motion_if_stuck(mode.contact, torque, state);

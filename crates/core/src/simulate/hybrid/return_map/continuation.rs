@@ -10,6 +10,7 @@ use crate::plant::{Dual, Scalar as _};
 
 use super::{LOOSE_STEP_TOLERANCE, Periodic};
 use crate::simulate::hybrid::NoResponse;
+use crate::simulate::piecewise_linear::drive::TorqueDerivatives;
 use crate::simulate::shooting;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
 
@@ -37,12 +38,11 @@ impl<const M: usize> Periodic<M> {
         axis: &Axis,
         forcing: &PiecewiseQuintic<f64>,
     ) -> Result<(), NoResponse> {
-        let lifted = forcing.map(Dual::<M>::constant);
         let (mut share, mut growth, mut periods) = (0.0, 1.0, 0);
         loop {
             let before = self.state;
             let eased = axis.with_ripple(share).map(Dual::<M>::constant);
-            if self.correct_damped(&eased, &lifted, &mut periods) {
+            if self.correct_damped(&eased, forcing, &mut periods) {
                 if share >= 1.0 {
                     return Ok(());
                 }
@@ -64,12 +64,13 @@ impl<const M: usize> Periodic<M> {
     fn correct_damped(
         &mut self,
         axis: &Axis<Dual<M>>,
-        forcing: &PiecewiseQuintic<Dual<M>>,
+        forcing: &PiecewiseQuintic<f64>,
         periods: &mut usize,
     ) -> bool {
         let mut follow = |this: &mut Self| {
             *periods += 1;
-            this.follow(axis, forcing, None, 0).map(|followed| followed.residuals)
+            this.follow(axis, (forcing, &TorqueDerivatives::NONE), None, 0)
+                .map(|followed| followed.residuals)
         };
         let Some(mut residuals) = follow(self) else { return false };
         for _ in 0..MOST_NEWTON_STEPS {

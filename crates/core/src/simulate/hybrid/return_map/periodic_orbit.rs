@@ -11,6 +11,7 @@ use super::trust_region::TrustRegion;
 use super::{LOOSE_STEP_TOLERANCE, MOST_ITERATIONS, Periodic, effort, largest_share};
 use crate::simulate::hybrid::mechanics::Mechanics;
 use crate::simulate::hybrid::runge_kutta::Vector;
+use crate::simulate::piecewise_linear::drive::TorqueDerivatives;
 use crate::simulate::response::{Counts, NoResponse};
 use crate::simulate::shooting;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
@@ -162,13 +163,12 @@ impl<const M: usize> Periodic<M> {
         forcing: &PiecewiseQuintic<f64>,
         state_from_rest: Option<&Vector<f64, M>>,
     ) -> Option<Convergence> {
-        let (lifted_axis, lifted) =
-            (axis.map(Dual::<M>::constant), forcing.map(Dual::<M>::constant));
+        let lifted = axis.map(Dual::<M>::constant);
         let mut region = TrustRegion::new(self.region);
         let most_steps =
             if state_from_rest.is_some() { MOST_STEPS_NEAR_UNSTABLE } else { MOST_ITERATIONS };
         for _ in 0..most_steps {
-            let followed = self.follow(&lifted_axis, &lifted, None, 0)?;
+            let followed = self.follow(&lifted, (forcing, &TorqueDerivatives::NONE), None, 0)?;
             let step = shooting::newton_step(&followed.residuals, 0);
             let step_size = self.step_size(step.as_slice());
             if !step_size.is_finite() {

@@ -108,7 +108,7 @@ impl<'a, 'g, const N: usize, const M: usize> Sensitivity<'a, 'g, N, M> {
         self.torque_powers.extend(self.torque.by_lane.iter().map(restricted));
         match taken.step {
             Step::Ends(ends) => self.exact(taken, ends, with_slope),
-            Step::Series(series) => self.series(taken, series, at),
+            Step::Series(series) => self.series(taken, series, at, with_slope),
             Step::Stages(stages) => self.stages(taken, stages.length_s),
         }
     }
@@ -169,7 +169,13 @@ impl<'a, 'g, const N: usize, const M: usize> Sensitivity<'a, 'g, N, M> {
     }
 
     /// A step by Taylor series.
-    fn series(&mut self, taken: &Taken<'_, M>, series: &Series<M>, at: f64) -> There<N, M> {
+    fn series(
+        &mut self,
+        taken: &Taken<'_, M>,
+        series: &Series<M>,
+        at: f64,
+        with_slope: bool,
+    ) -> There<N, M> {
         let mode = self.linear_mode(taken.mode);
         let mode = &self.modes[mode];
         let powers = taken.span.of(&taken.span.cell.powers);
@@ -202,14 +208,13 @@ impl<'a, 'g, const N: usize, const M: usize> Sensitivity<'a, 'g, N, M> {
         for (power, term) in self.powers.iter_mut().zip(&terms[..=series.order]) {
             *power = term[VELOCITY];
         }
+        // Horner's scheme.
         let (mut state, mut slope) = (terms[series.order], [[0.0; N]; M]);
         for term in terms[..series.order].iter().rev() {
-            for i in 0..M {
-                for lane in 0..N {
-                    slope[i][lane] = slope[i][lane] * at + state[i][lane];
-                    state[i][lane] = state[i][lane] * at + term[i][lane];
-                }
+            if with_slope {
+                mix(&mut slope, at, &state);
             }
+            mix(&mut state, at, term);
         }
         slope.iter_mut().flatten().for_each(|entry| *entry /= series.length_s);
         There { state, slope }
@@ -323,6 +328,14 @@ impl<const N: usize, const M: usize> Companion<M> for Sensitivity<'_, '_, N, M> 
         self.mechanics.deflect_fully(mode, &mut lifted);
         self.lanes = lanes_of(&lifted);
         self.slope = None;
+    }
+}
+
+/// Replaces x by x·factor + more.
+#[inline]
+fn mix<const N: usize, const M: usize>(x: &mut Lanes<N, M>, factor: f64, more: &Lanes<N, M>) {
+    for (row, more) in x.iter_mut().zip(more) {
+        row.iter_mut().zip(more).for_each(|(x, more)| *x = *x * factor + more);
     }
 }
 

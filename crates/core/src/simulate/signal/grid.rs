@@ -1,6 +1,7 @@
 //! A uniform grid over one period, with FFTs and tables.
 
-use std::sync::{Arc, OnceLock};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rustfft::{Fft, FftPlanner};
 
@@ -31,6 +32,8 @@ struct Tables {
     turns: Vec<Complex>,
     /// ∫₀¹ uⁱ exp(−jθu) du at θ = 2πk/N, i = 0 … 5, for the lowest harmonics k.
     moments: Vec<[Complex; 6]>,
+    /// Tables of [`Grid::weights`], by their numbers of rows and columns.
+    weights: Mutex<BTreeMap<(usize, usize), Arc<[f64]>>>,
 }
 
 /// Number of fixed grid sizes, the ladder: 8, 12, 16, 24 … samples.
@@ -63,6 +66,7 @@ impl Grid {
                 .map(|n| Complex::from_polar(1.0, step * (n % samples) as f64))
                 .collect(),
             moments: (0..=samples / 3).map(|k| moments(step * k as f64)).collect(),
+            weights: Mutex::default(),
         };
         Self {
             inverse: planner.plan_fft_inverse(samples),
@@ -88,6 +92,21 @@ impl Grid {
     pub fn moments(&self, k: usize) -> [Complex; 6] {
         let theta = std::f64::consts::TAU * k as f64 / self.samples() as f64;
         self.tables.moments.get(k).copied().unwrap_or_else(|| moments(theta))
+    }
+
+    /// A table of this many rows and columns, row after row. It is computed once, by `entry` from
+    /// the row and the column; all callers must ask for the same entries.
+    pub fn weights(
+        &self,
+        (rows, columns): (usize, usize),
+        entry: impl Fn(usize, usize) -> f64,
+    ) -> Arc<[f64]> {
+        let mut tables = self.tables.weights.lock().unwrap_or_else(PoisonError::into_inner);
+        let entry = &entry;
+        let compute = || {
+            (0..rows).flat_map(|row| (0..columns).map(move |column| entry(row, column))).collect()
+        };
+        Arc::clone(tables.entry((rows, columns)).or_insert_with(compute))
     }
 
     /// Number N of samples per period.

@@ -44,9 +44,9 @@ const LEGENDRE_OF_POWER: [[f64; 6]; 6] = {
 
 /// Points of one signal.
 pub(crate) struct Points<S> {
-    /// Σ (2d + 1) x P_d(s) over the points of each cell, for d = 0, 1 …
-    moments: Vec<[S; MOST_DEGREES]>,
-    /// Number of degrees used.
+    /// Σ (2d + 1) x P_d(s) over the points of each cell, for d = 0, 1 …; cell after cell.
+    moments: Vec<S>,
+    /// Number of degrees d of a cell.
     degrees: usize,
 }
 
@@ -56,18 +56,19 @@ impl<S: Scalar> Points<S> {
         let most = half_turn(grid, highest);
         let degrees = (6..=MOST_DEGREES)
             .find(|d| first_term(*d, most) * (2 * d + 1) as f64 <= TRUNCATION_ERROR)?;
-        Some(Self { moments: vec![[S::constant(0.0); MOST_DEGREES]; grid.samples()], degrees })
+        Some(Self { moments: vec![S::constant(0.0); degrees * grid.samples()], degrees })
     }
 
     /// Adds a point x at the time `at`, as a share of the period.
     #[inline]
     pub fn add(&mut self, at: f64, x: S) {
-        let cells = self.moments.len();
+        let cells = self.moments.len() / self.degrees;
         let place = at * cells as f64;
         let cell = (place as usize).min(cells - 1);
         let s = 2.0 * (place - cell as f64) - 1.0;
         let (mut before, mut here) = (0.0, 1.0);
-        for (d, moment) in self.moments[cell][..self.degrees].iter_mut().enumerate() {
+        let moments = &mut self.moments[cell * self.degrees..][..self.degrees];
+        for (d, moment) in moments.iter_mut().enumerate() {
             let d = d as f64;
             *moment += x * ((2.0 * d + 1.0) * here);
             // Legendre's recurrence (Abramowitz and Stegun, 8.5.3).
@@ -84,7 +85,7 @@ impl<S: Scalar> Points<S> {
     /// (Abramowitz and Stegun, 22.13.8), so that a quintic has six Legendre moments.
     #[inline]
     pub fn add_whole(&mut self, n: usize, powers: &Quintic<S>, length: f64) {
-        for (d, moment) in self.moments[n].iter_mut().take(6).enumerate() {
+        for (d, moment) in self.moments[n * self.degrees..][..6].iter_mut().enumerate() {
             let mut sum = S::constant(0.0);
             for (power, row) in powers[d..].iter().zip(&LEGENDRE_OF_POWER[d..]) {
                 sum += *power * row[d];
@@ -96,9 +97,7 @@ impl<S: Scalar> Points<S> {
     /// Adds the sums for k = 0, 1 … to `sums`.
     pub fn add_to(&self, grid: &Grid, sums: &mut [ComplexDual<S>]) {
         let orders = sums.len();
-        let weights: Vec<Vec<f64>> = (0..orders)
-            .map(|k| (0..self.degrees).map(|d| bessel(d, half_turn(grid, k))).collect())
-            .collect();
+        let weights = grid.weights((orders, self.degrees), |k, d| bessel(d, half_turn(grid, k)));
         let values = self.transformed(grid, &weights, |x| x.value());
         let lanes: Vec<Vec<Complex>> = (0..S::LANES)
             .map(|lane| match self.varies(lane) {
@@ -116,40 +115,35 @@ impl<S: Scalar> Points<S> {
     }
 
     fn varies(&self, lane: usize) -> bool {
-        self.moments.iter().any(|cell| cell[..self.degrees].iter().any(|x| x.lane(lane) != 0.0))
+        self.moments.iter().any(|x| x.lane(lane) != 0.0)
     }
 
-    /// The sums of the numbers that `part` takes from the points.
-    fn transformed(
-        &self,
-        grid: &Grid,
-        weights: &[Vec<f64>],
-        part: impl Fn(&S) -> f64,
-    ) -> Vec<Complex> {
+    /// The sums of the numbers that `part` takes from the points. `weights` has j_d for every degree
+    /// of the first order k, then of the next.
+    fn transformed(&self, grid: &Grid, weights: &[f64], part: impl Fn(&S) -> f64) -> Vec<Complex> {
         let samples = grid.samples();
-        let mut sums = vec![Complex::ZERO; weights.len()];
+        let mut sums = vec![Complex::ZERO; weights.len() / self.degrees];
+        let mut signal = vec![Complex::ZERO; samples];
         // One complex FFT transforms two real sequences.
         for first in (0..self.degrees).step_by(2) {
-            let second = |cell: &[S; MOST_DEGREES]| {
-                if first + 1 < self.degrees { part(&cell[first + 1]) } else { 0.0 }
-            };
-            let mut signal: Vec<Complex> = self
-                .moments
-                .iter()
-                .map(|cell| Complex::new(part(&cell[first]), second(cell)))
-                .collect();
+            let has_second = first + 1 < self.degrees;
+            for (sample, cell) in signal.iter_mut().zip(self.moments.chunks_exact(self.degrees)) {
+                let second = if has_second { part(&cell[first + 1]) } else { 0.0 };
+                *sample = Complex::new(part(&cell[first]), second);
+            }
             grid.forward(&mut signal);
             // (−j)^d for the even degree, and for the next one.
             let sign = if first % 4 == 0 { 1.0 } else { -1.0 };
             let turned = Complex::new(0.0, -sign);
-            for (k, (sum, weights)) in sums.iter_mut().zip(weights).enumerate() {
+            let orders = sums.iter_mut().zip(weights.chunks_exact(self.degrees)).enumerate();
+            for (k, (sum, weights)) in orders {
                 let here = signal[k % samples];
                 let there = signal[(samples - k % samples) % samples].conj();
                 let (even, difference) = (0.5 * (here + there), here - there);
                 let odd = 0.5 * Complex::new(difference.im, -difference.re);
                 *sum += even * (sign * weights[first]);
-                if let Some(weight) = weights.get(first + 1) {
-                    *sum += odd * turned * *weight;
+                if has_second {
+                    *sum += odd * turned * weights[first + 1];
                 }
             }
         }

@@ -63,7 +63,7 @@ pub(super) struct Span<'a> {
 
 impl Span<'_> {
     /// Start, seconds.
-    pub fn from_s(&self) -> f64 {
+    pub fn start_s(&self) -> f64 {
         self.cell.from_s + self.from * self.cell.length_s
     }
 
@@ -346,7 +346,7 @@ impl<const M: usize> PeriodIntegration<'_, '_, M> {
     fn add(&mut self, span: &Span<'_>, step: &Step<M>) {
         if let Some(trace) = self.trace.as_deref_mut() {
             let length_s = span.width * span.cell.length_s;
-            trace.add(span.from_s(), length_s, step.numbers(VELOCITY).all(), 1.0);
+            trace.add(span.start_s(), length_s, step.numbers(VELOCITY).all(), 1.0);
         }
         if let Some(sums) = self.sums.as_deref_mut() {
             let powers = step.numbers(VELOCITY);
@@ -370,6 +370,6 @@ pub(super) fn add_powers<S: Scalar>(
             quintic[..powers.len()].copy_from_slice(powers);
             sums.add_whole(n, quintic);
         }
-        _ => sums.add_fixed(span.from_s(), length_s, reach, powers),
+        _ => sums.add_fixed(span.start_s(), length_s, reach, powers),
     }
 }

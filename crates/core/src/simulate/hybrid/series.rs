@@ -61,7 +61,7 @@ impl<const M: usize> Series<M> {
             let mut scale = 1.0;
             for term in &mut this.terms[1..=order] {
                 scale *= share;
-                term.iter_mut().for_each(|value| *value = *value * scale);
+                term.iter_mut().for_each(|value| *value *= scale);
             }
             this.length_s *= share;
         }
@@ -93,7 +93,7 @@ impl<const M: usize> Series<M> {
                 state[i] = state[i] * u + term[i];
             }
         }
-        slope.iter_mut().for_each(|value| *value = *value * (1.0 / self.length_s));
+        slope.iter_mut().for_each(|value| *value *= 1.0 / self.length_s);
         (state, slope)
     }
 

@@ -26,6 +26,9 @@ pub(crate) struct Grid {
     tables: Arc<Tables>,
 }
 
+/// Numbers of rows and columns.
+type Size = (usize, usize);
+
 /// Tables that do not depend on the signal.
 struct Tables {
     /// exp(2πj·n/N), n = 0 … N.
@@ -33,7 +36,7 @@ struct Tables {
     /// ∫₀¹ uⁱ exp(−jθu) du at θ = 2πk/N, i = 0 … 5, for the lowest harmonics k.
     moments: Vec<[Complex; 6]>,
     /// Tables of [`Grid::weights`], by their numbers of rows and columns.
-    weights: Mutex<BTreeMap<(usize, usize), Arc<[f64]>>>,
+    weights: Mutex<BTreeMap<Size, Arc<[f64]>>>,
 }
 
 /// Number of fixed grid sizes, the ladder: 8, 12, 16, 24 … samples.
@@ -98,7 +101,7 @@ impl Grid {
     /// the row and the column; all callers must ask for the same entries.
     pub fn weights(
         &self,
-        (rows, columns): (usize, usize),
+        (rows, columns): Size,
         entry: impl Fn(usize, usize) -> f64,
     ) -> Arc<[f64]> {
         let mut tables = self.tables.weights.lock().unwrap_or_else(PoisonError::into_inner);

@@ -165,7 +165,7 @@ pub(super) struct Watch {
 
 impl Watch {
     pub(super) fn new() -> Self {
-        let style = ProgressStyle::with_template("{prefix:>12} [{bar:40}] {percent:>3} % {msg}");
+        let style = ProgressStyle::with_template("[{bar:40}] {percent:>3} % {prefix}{msg}");
         // Draws on standard error, and only where that is a terminal.
         let bar = ProgressBar::new(STEPS);
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -195,17 +195,29 @@ impl Observer for Watch {
 
     fn progress(&self, progress: Progress) {
         self.bar.set_position((progress.fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
-        self.bar.set_prefix(progress.stage);
+        self.bar.set_prefix(shown(&progress));
     }
 
     fn row(&self, row: ConvergenceRow) {
-        self.bar.set_message(format!("best {:.6}", row.best));
+        self.bar.set_message(format!(", best {:.6}", row.best));
         self.history.lock().unwrap_or_else(PoisonError::into_inner).push(row);
     }
 
     fn cancelled(&self) -> bool {
         self.interrupted.load(Ordering::Relaxed)
     }
+}
+
+/// The stage, and the time left where it is known.
+fn shown(progress: &Progress) -> String {
+    let Some(seconds) = progress.remaining_s else { return progress.stage.clone() };
+    // An estimate that may be wrong by a factor of two deserves no more digits.
+    let left = match seconds {
+        ..10.0 => "a few seconds".to_owned(),
+        10.0..90.0 => format!("about {:.0} s", 10.0 * (0.1 * seconds).round()),
+        _ => format!("about {:.0} min", seconds / 60.0),
+    };
+    format!("{}, {left} left", progress.stage)
 }
 
 #[cfg(test)]
@@ -242,6 +254,18 @@ mod tests {
         let options = Some(r#"{"colony": {"bees": 3}}"#.to_owned());
         let refused = submission(&Args { options, ..args() }, "identify").unwrap_err().to_string();
         assert!(refused.contains("colony.bees") && refused.contains("food_sources"), "{refused}");
+    }
+
+    #[test]
+    fn the_line_of_progress_says_how_long_it_takes_once_that_is_known() {
+        let line = |remaining_s: Option<f64>| {
+            let stage = "refining the fit".to_owned();
+            shown(&Progress { stage, done: 1, total: 2, fraction: 0.5, remaining_s })
+        };
+        assert_eq!(line(None), "refining the fit");
+        assert_eq!(line(Some(3.2)), "refining the fit, a few seconds left");
+        assert_eq!(line(Some(47.0)), "refining the fit, about 50 s left");
+        assert_eq!(line(Some(131.0)), "refining the fit, about 2 min left");
     }
 
     #[test]

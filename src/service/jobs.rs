@@ -210,8 +210,12 @@ impl Service {
 fn job(row: JobRow) -> Result<Job, ServiceError> {
     let request =
         serde_json::from_str(&row.request).map_err(|source| corrupt("request", source))?;
-    let progress = row.progress.as_deref().map(serde_json::from_str).transpose();
-    let progress = progress.map_err(|source| corrupt("progress", source))?;
+    let progress = row.progress.as_deref().map(serde_json::from_str::<Progress>).transpose();
+    let progress = progress.map_err(|source| corrupt("progress", source))?.map(|progress| {
+        // No time is left of a job that has ended.
+        let remaining_s = progress.remaining_s.filter(|_| !row.status.is_final());
+        Progress { remaining_s, ..progress }
+    });
     let failure = row.failure.as_deref().map(serde_json::from_str).transpose();
     let failure = failure.map_err(|source| corrupt("failure", source))?;
     Ok(Job { row, request, progress, failure })

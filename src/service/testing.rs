@@ -67,7 +67,13 @@ impl Numerics for Scripted {
         observer: &dyn Observer,
     ) -> Result<Identification, IdentifyError> {
         let stage = "colony".to_owned();
-        observer.progress(Progress { stage: stage.clone(), done: 1, total: 2, fraction: 0.5 });
+        observer.progress(Progress {
+            stage: "searching".to_owned(),
+            done: 1,
+            total: 2,
+            fraction: 0.5,
+            remaining_s: Some(12.5),
+        });
         observer.row(ConvergenceRow {
             stage,
             cycle: 1,

@@ -141,5 +141,5 @@ fn a_cancelled_identification_ends_soon_at_any_stage() {
     let watcher = Watcher::cancelling_after(patient.questions() - 2);
     let answer = ask_watched(&measurement, Some(0), options, &watcher);
     assert_eq!(answer, Err(IdentifyError::Cancelled));
-    assert_eq!(watcher.progress_seen().last().expect("progress").stage, "refinement");
+    assert_eq!(watcher.progress_seen().last().expect("progress").stage, "refining the fit");
 }

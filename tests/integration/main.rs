@@ -22,6 +22,7 @@ mod naming;
 mod openapi;
 mod operations;
 mod process;
+mod progress;
 mod properties;
 mod readme;
 mod real_data;

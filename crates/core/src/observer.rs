@@ -1,11 +1,16 @@
 //! Progress reports from a computation, and its cancellation.
 
+mod remaining_time;
+mod steady;
+
 use crate::answers::{ConvergenceRow, Progress};
+
+pub(crate) use steady::Steady;
 
 /// Watches a computation from outside the numeric core.
 ///
 /// The core has no clock, log or runtime of its own, so it gets the time, reports its progress and
-/// learns of a cancellation through this trait. The computing thread calls the methods often, so
+/// learns of a cancellation through this trait. The computing threads call the methods often, so
 /// they must be fast.
 pub trait Observer: Sync {
     /// Seconds since the computation began, by the observer's clock.
@@ -19,8 +24,8 @@ pub trait Observer: Sync {
     /// Called with each new row of the convergence history.
     fn row(&self, _row: ConvergenceRow) {}
 
-    /// Called at every evaluation; if it returns `true`, the computation ends with an error that
-    /// says it was cancelled.
+    /// Called before every simulation of an experiment; once it has returned `true` it must go on
+    /// doing so. The computation then ends with an error that says it was cancelled.
     fn cancelled(&self) -> bool {
         false
     }

@@ -73,6 +73,30 @@ fn a_job_is_followed_from_its_first_row_to_exactly_one_end() {
     assert_eq!(cancelling.iter().filter(|event| event.name == "end").count(), 1);
     let running = cancelling.iter().any(|event| event.data["status"] == "running");
     assert!(running, "nothing was said while it ran: {cancelling:?}");
+    let left = cancelling.iter().any(|event| event.data["progress"]["remaining_s"] == 12.5);
+    assert!(left, "the time left was not said: {cancelling:?}");
+}
+
+#[test]
+fn a_running_job_says_how_long_it_still_takes_and_an_ended_one_does_not() {
+    let server = Server::start();
+    let id = server.job(RUN_UNTIL_CANCELLED);
+    let running = loop {
+        let job = json_of(server.get(&format!("/v1/jobs/{id}")), 200);
+        // Progress is stored with a heartbeat.
+        if job["progress"] != Value::Null {
+            break job;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    };
+    let progress = json!({
+        "stage": "searching", "done": 1, "total": 2, "fraction": 0.5, "remaining_s": 12.5,
+    });
+    assert_eq!(running["progress"], progress);
+    json_of(server.post(&format!("/v1/jobs/{id}/cancel"), &[], b""), 202);
+    let ended = server.ended(&id);
+    assert_eq!(ended["status"], "cancelled");
+    assert_eq!(ended["progress"]["remaining_s"], Value::Null);
 }
 
 #[test]

@@ -44,6 +44,12 @@ export function seconds(value) {
   return minutes < 60 ? `${minutes} min ${Math.round(value % 60)} s` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
 }
 
+/// An estimate of a duration, which deserves no more digits.
+export function about(value) {
+  if (value < 10) return "a few seconds";
+  return value < 90 ? `about ${10 * Math.round(value / 10)} s` : `about ${Math.round(value / 60)} min`;
+}
+
 /// A time on the reader's clock.
 export function time(rfc3339) {
   if (!rfc3339) return "";

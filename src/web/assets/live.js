@@ -2,7 +2,7 @@
 
 import { h } from "./dom.js";
 import { Problem, connection, json, lost } from "./api.js";
-import { seconds } from "./format.js";
+import { about, seconds } from "./format.js";
 import { frame, load } from "./figure.js";
 import { stage } from "./status.js";
 
@@ -24,11 +24,12 @@ export function follow(job, signal, ended) {
     const { status, progress: at, started_at, attempt, cancel_requested: stopping } = latest;
     const share = at?.fraction ?? 0;
     word.textContent = stopping ? "Being cancelled …" : status === "queued" ? "Waiting for a worker"
-      : `${stage(at).replace(/^./, (c) => c.toUpperCase())} · ${Math.round(100 * share)} %`;
+      : `${stage(at).replace(/^./, (c) => c.toUpperCase())} · ${Math.floor(100 * share)} %`;
     progress.value = share;
     const parts = [
       at && at.total > 1 && `step ${at.done} of at most ${at.total}`,
       row && `${row.evaluations} simulations in this stage`,
+      at?.remaining_s != null && !stopping && `${about(at.remaining_s)} left`,
       started_at && `running for ${seconds(Math.max(0, Date.now() - new Date(started_at)) / 1000)}`,
       attempt > 1 && `attempt ${attempt}: the server was interrupted`,
     ];

@@ -22,12 +22,12 @@ export function bar(job) {
   const word = stopping ? "being cancelled" : status === "queued" ? "queued" : capital(stage(progress));
   return h("span", { class: "progress" },
     h("progress", { max: 1, value: share, "aria-label": word }),
-    h("span", { class: "small" }, status === "queued" ? word : `${word}, ${Math.round(100 * share)} %`));
+    h("span", { class: "small" }, status === "queued" ? word : `${word}, ${Math.floor(100 * share)} %`));
 }
 
 /// The stage in words.
 export function stage(progress) {
-  return (progress?.stage ?? "starting").replaceAll("_", " ");
+  return progress?.stage ?? "starting";
 }
 
 /// What came of a job: its verdict and the causes named, or why there is none.

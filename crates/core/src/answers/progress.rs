@@ -6,14 +6,18 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Progress {
-    /// Stage being computed: `start`, `network`, `colony`, `refinement`, …
+    /// What is being computed, in words.
     pub stage: String,
     /// Steps of the stage that are done.
     pub done: u64,
     /// Upper bound on the steps of the stage.
     pub total: u64,
-    /// Share of the whole computation that is done, 0 to 1.
+    /// Share of the whole computation that is done, 0 to 1. It never decreases.
     pub fraction: f64,
+    /// Estimate of the time left when this was reported, seconds; null while it is not known to
+    /// within a factor of two.
+    #[serde(default)]
+    pub remaining_s: Option<f64>,
 }
 
 /// One row of convergence history.

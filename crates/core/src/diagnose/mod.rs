@@ -26,12 +26,12 @@ mod validation;
 use crate::answers::{Diagnosis, Discrepancy, Identification};
 use crate::identify::{self, IdentifyRequest};
 use crate::measurement::Measurement;
-use crate::observer::Observer;
+use crate::observer::{Observer, Steady};
 
 pub use error::{DiagnoseError, ValidateError};
 pub use validation::{diagnose_validated, validate};
 
-use progress::{Forward, Part};
+use progress::Part;
 use residuals::discrepancy;
 use selection::weighting_choice;
 
@@ -45,9 +45,12 @@ pub fn examine(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<(Identification, Discrepancy), DiagnoseError> {
-    let fit = identify::fit_base(measurement, request, observer)?;
-    let discrepancy = discrepancy::of(&fit, request.options.seed);
-    Ok((fit.identification, discrepancy))
+    let fit = identify::fit_base(measurement, request, &Steady::new(observer));
+    let examined = fit.map(|fit| {
+        let discrepancy = discrepancy::of(&fit, request.options.seed, observer);
+        (fit.identification, discrepancy)
+    });
+    Ok(identify::unless_cancelled(observer, examined)?)
 }
 
 /// Fits the base model to a measurement, reports where it is wrong, names the effects that it lacks
@@ -60,7 +63,16 @@ pub fn diagnose(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let forward = Forward::new(observer);
-    let whole = Part { whole: &forward, span: [0.0, 1.0] };
-    weighting_choice::diagnose(measurement, request, whole)
+    let steady = Steady::new(observer);
+    diagnose_part(measurement, request, Part { whole: &steady, span: [0.0, 1.0] })
+}
+
+/// The same as a part of a computation.
+fn diagnose_part(
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    part: Part<'_>,
+) -> Result<Diagnosis, DiagnoseError> {
+    let diagnosis = weighting_choice::diagnose(measurement, request, part);
+    identify::unless_cancelled(&part, diagnosis)
 }

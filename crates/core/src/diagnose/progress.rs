@@ -22,9 +22,11 @@ impl<'a> Part<'a> {
     }
 
     /// Begins a stage of `total` steps and reports it.
-    pub fn stage(&self, name: &'static str, total: usize) -> Stage<'a> {
-        let stage = Stage { part: *self, name, total: total as u64, done: Mutex::new(0) };
-        stage.report(0);
+    pub fn stage(&self, name: impl Into<String>, total: usize) -> Stage<'a> {
+        let (name, total) = (name.into(), total as u64);
+        let stage =
+            Stage { part: *self, name, total, done: Mutex::new(Done { steps: 0, begun: 0.0 }) };
+        stage.advance(0, 0.0);
         stage
     }
 }
@@ -49,37 +51,25 @@ impl Observer for Part<'_> {
     }
 }
 
-/// An observer whose fraction never decreases: a search does not know beforehand how often it
-/// repeats a stage, and a stage that is repeated begins at its old share again.
-pub(super) struct Forward<'a> {
-    whole: &'a dyn Observer,
-    reached: Mutex<f64>,
-}
+/// The rest of a span whose number of steps is not known beforehand.
+pub(super) struct Remaining<'a>(pub Part<'a>);
 
-impl<'a> Forward<'a> {
-    pub fn new(whole: &'a dyn Observer) -> Self {
-        Self { whole, reached: Mutex::new(0.0) }
+impl<'a> Remaining<'a> {
+    /// Takes a share of the rest.
+    pub fn take(&mut self, share: f64) -> Part<'a> {
+        let taken = self.0.part([0.0, share]);
+        self.0 = self.0.part([share, 1.0]);
+        taken
     }
 }
 
-impl Observer for Forward<'_> {
-    fn elapsed_s(&self) -> f64 {
-        self.whole.elapsed_s()
-    }
-
-    fn progress(&self, progress: Progress) {
-        // The lock is held while reporting, so that fractions arrive in order.
-        let mut reached = self.reached.lock().unwrap_or_else(PoisonError::into_inner);
-        *reached = reached.max(progress.fraction);
-        self.whole.progress(Progress { fraction: *reached, ..progress });
-    }
-
-    fn row(&self, row: ConvergenceRow) {
-        self.whole.row(row);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.whole.cancelled()
+/// A number of effects in words, for the names of stages.
+pub(super) fn effects_in_words(count: usize) -> String {
+    match count {
+        1 => "one effect".into(),
+        2 => "two effects".into(),
+        3 => "three effects".into(),
+        _ => format!("{count} effects"),
     }
 }
 
@@ -95,23 +85,69 @@ impl Observer for Quiet<'_> {
 /// A stage of equal steps that several threads may do.
 pub(super) struct Stage<'a> {
     part: Part<'a>,
-    name: &'static str,
+    name: String,
     total: u64,
-    done: Mutex<u64>,
+    done: Mutex<Done>,
 }
+
+/// What is done of a stage.
+struct Done {
+    /// Finished steps.
+    steps: u64,
+    /// Shares of steps that are not finished, together.
+    begun: f64,
+}
+
+/// Share of the rest of a step that each of its own steps is reckoned to take: their number is not
+/// known beforehand. A fit takes some ten or twenty.
+const SHARE_OF_REST: f64 = 0.1;
 
 impl Stage<'_> {
     /// Counts one finished step and reports it.
     pub fn step(&self) {
-        // The lock is held while reporting, so that counts arrive in order.
-        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
-        *done += 1;
-        self.report(*done);
+        self.begin().finish();
     }
 
-    fn report(&self, done: u64) {
-        let fraction = done as f64 / self.total.max(1) as f64;
-        self.part.progress(Progress { stage: self.name.into(), done, total: self.total, fraction });
+    /// Begins a step that takes long, and whose own progress counts.
+    pub fn begin(&self) -> Step<'_> {
+        Step { stage: self, done: Mutex::new(0.0) }
+    }
+
+    fn advance(&self, steps: u64, share: f64) {
+        // The lock is held while reporting, so that counts arrive in order.
+        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        done.steps += steps;
+        done.begun += share;
+        self.report(&done);
+    }
+
+    fn report(&self, done: &Done) {
+        let fraction = (done.steps as f64 + done.begun) / self.total.max(1) as f64;
+        let (stage, done, total) = (self.name.clone(), done.steps, self.total);
+        self.part.progress(Progress { stage, done, total, fraction, remaining_s: None });
+    }
+}
+
+/// A step of a stage while it is being done, by several threads perhaps.
+pub(super) struct Step<'a> {
+    stage: &'a Stage<'a>,
+    /// The share of it that is done.
+    done: Mutex<f64>,
+}
+
+impl Step<'_> {
+    /// Reports that it has advanced.
+    pub fn advance(&self) {
+        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        let share = SHARE_OF_REST * (1.0 - *done);
+        *done += share;
+        self.stage.advance(0, share);
+    }
+
+    /// Reports that it is done.
+    pub fn finish(self) {
+        let done = self.done.into_inner().unwrap_or_else(PoisonError::into_inner);
+        self.stage.advance(1, -done);
     }
 }
 
@@ -129,18 +165,6 @@ mod tests {
     }
 
     #[test]
-    fn the_fraction_stays_where_a_stage_is_repeated() {
-        let log = Log::default();
-        let forward = Forward::new(&log);
-        let part = Part { whole: &forward, span: [0.2, 0.6] };
-        for _ in 0..2 {
-            part.stage("further starts", 1).step();
-        }
-        let fractions: Vec<f64> = log.0.lock().unwrap().iter().map(|seen| seen.1).collect();
-        assert_eq!(fractions, [0.2, 0.6, 0.6, 0.6]);
-    }
-
-    #[test]
     fn the_steps_of_a_part_are_shares_of_the_whole() {
         let log = Log::default();
         let whole = Part { whole: &log, span: [0.2, 0.6] };
@@ -149,6 +173,23 @@ mod tests {
         stage.step();
         let seen = log.0.lock().unwrap().clone();
         for (seen, wanted) in seen.iter().zip([(0, 0.4), (1, 0.5), (2, 0.6)]) {
+            assert_eq!(seen.0, wanted.0);
+            assert!((seen.1 - wanted.1).abs() < 1e-12, "{seen:?}");
+        }
+    }
+
+    // A tenth of the step, a tenth of the rest, and then all of it.
+    #[test]
+    fn a_long_step_counts_while_it_is_done() {
+        let log = Log::default();
+        let whole = Part { whole: &log, span: [0.0, 1.0] };
+        let stage = whole.stage("full fits", 2);
+        let step = stage.begin();
+        step.advance();
+        step.advance();
+        step.finish();
+        let seen = log.0.lock().unwrap().clone();
+        for (seen, wanted) in seen.iter().zip([(0, 0.0), (0, 0.05), (0, 0.095), (1, 0.5)]) {
             assert_eq!(seen.0, wanted.0);
             assert!((seen.1 - wanted.1).abs() < 1e-12, "{seen:?}");
         }

@@ -20,7 +20,7 @@ use crate::effects::{Effect, check_slots};
 use crate::identify::{FitAccuracy, FitSession, Model, SearchBreadth, SearchSettings};
 use crate::observer::Observer as _;
 
-use super::progress::Part;
+use super::progress::{Part, Remaining};
 use super::selection::evidence::NoiseScale;
 use super::selection::familywise_threshold::FamilywiseThreshold;
 use super::selection::models::{Key, Models, ScoredModel, key};
@@ -28,13 +28,9 @@ use fitter::Fitter;
 use linearization::Linearization;
 use score_tests::{Changes, Probed};
 
-/// Spans of the progress bar: the score tests, and the fits of every effect alone.
-const PROBING: [f64; 2] = [0.0, 0.4];
-const CANDIDATES: [f64; 2] = [0.4, 1.0];
-
-/// Share of the remaining progress bar that one round of adding an effect takes. The number of
-/// rounds is not known beforehand.
-const COMBINATIONS: f64 = 0.2;
+/// Spans of the progress: the score tests, and the fits of every effect alone.
+const TESTS_SPAN: [f64; 2] = [0.0, 0.3];
+const SINGLES_SPAN: [f64; 2] = [0.3, 1.0];
 
 /// A search for the effects that a session's base model lacks.
 pub(super) struct Search<'a> {
@@ -74,9 +70,9 @@ impl<'a> Search<'a> {
         let probed = self.probe(&linearization, part);
         let family = self.family(&linearization, &probed);
         let scale = self.models.noise_scale.variance(linearization.model.cost);
-        let stage = part.part(CANDIDATES).stage("candidates", probed.len());
         let promising = |probed: &Probed| self.promises(probed, &family, scale);
-        let fits = self.fitter(part, 0).fit(&linearization.model, &probed, promising, &stage);
+        let fitter = self.fitter(part.part(SINGLES_SPAN), 0);
+        let fits = fitter.fit(&linearization.model, &probed, promising);
         self.models.family = Some(family);
         self.keep(fits);
     }
@@ -91,19 +87,19 @@ impl<'a> Search<'a> {
         sufficient: impl Fn(&Model) -> bool,
         adds: impl Fn(&Model, &Model) -> bool,
     ) {
-        let mut part = Remaining(part);
+        let mut rounds = Rounds { rest: Remaining(part), expected: self.breadth.grown_singles + 1 };
         for size in 1..most {
             let best = self.models.best_supported();
             let Some(model) = self.models.get(&best).filter(|_| best.len() >= size) else { break };
             let enough = sufficient(model);
-            let mut grown = self.grow(&best, enough, &mut part);
+            let mut grown = self.grow(&best, enough, &mut rounds);
             if size == 1 && !enough {
                 for other in self.models.ranked(size).into_iter().take(self.breadth.grown_singles) {
                     let found = self.models.best_supported();
                     if self.models.get(&found).is_some_and(&sufficient) {
                         break;
                     }
-                    grown |= self.grow(&other, enough, &mut part);
+                    grown |= self.grow(&other, enough, &mut rounds);
                 }
             }
             if !grown {
@@ -118,10 +114,10 @@ impl<'a> Search<'a> {
                 {
                     break;
                 }
-                self.shrink(&next, part.0);
+                self.shrink(&next, rounds.rest.0);
                 for id in next.iter().filter(|_| size == 1) {
                     let rest = next.iter().copied().filter(|other| other != id).collect();
-                    self.grow(&rest, enough, &mut part);
+                    self.grow(&rest, enough, &mut rounds);
                 }
             }
         }
@@ -129,14 +125,14 @@ impl<'a> Search<'a> {
 
     /// Fits models with one more effect than `from`: the most promising effects, or, if `from` is
     /// not `enough`, those with the largest score. Returns whether there was any.
-    fn grow(&mut self, from: &Key, enough: bool, part: &mut Remaining<'_>) -> bool {
-        if part.0.cancelled() || !self.grown.insert(from.clone()) {
+    fn grow(&mut self, from: &Key, enough: bool, rounds: &mut Rounds<'_>) -> bool {
+        if self.session.observer().cancelled() || !self.grown.insert(from.clone()) {
             return false;
         }
         let linearization =
             self.models.get(from).and_then(|model| Linearization::new(self.session, model));
         let Some(linearization) = linearization else { return false };
-        let part = part.take(COMBINATIONS);
+        let part = rounds.next();
         let mut probed = self.probe(&linearization, part);
         let family = self.family(&linearization, &probed);
         let scale = self.models.noise_scale.variance(linearization.model.cost);
@@ -144,12 +140,15 @@ impl<'a> Search<'a> {
         probed.retain(|probed| !enough || promising(probed));
         probed.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
         probed.truncate(self.breadth.partners(from.len()));
-        let stage = part.stage("combinations", probed.len());
-        let fits =
-            self.fitter(part, from.len()).fit(&linearization.model, &probed, promising, &stage);
+        let fits = self.fitter(part, from.len()).fit(&linearization.model, &probed, promising);
         let any = !fits.is_empty();
         self.keep(fits);
         any
+    }
+
+    /// Whether [`Self::deepen`] fits anything.
+    pub fn deepens(&self) -> bool {
+        self.breadth.deepening_starts > 0
     }
 
     /// Fits a model without each of its effects in turn, if that model was not fitted yet or the
@@ -202,7 +201,7 @@ impl<'a> Search<'a> {
                 && session.can_decide(base, **effect)
         };
         let effects: Vec<&&dyn Effect> = session.library().iter().filter(testable).collect();
-        let stage = part.part(PROBING).stage("probing", effects.len());
+        let stage = part.part(TESTS_SPAN).stage("one effect: quick tests", effects.len());
         let changes = |effect: &&'static dyn Effect| {
             let changes = Changes::of(self.session, linearization, *effect);
             stage.step();
@@ -235,20 +234,24 @@ impl<'a> Search<'a> {
     }
 
     fn family(&self, linearization: &Linearization, probed: &[Probed]) -> FamilywiseThreshold {
-        let known = self.models.noise_scale.known;
-        FamilywiseThreshold::new(linearization, &self.session.noise(), known, probed, self.seed)
+        let (session, known) = (self.session, self.models.noise_scale.known);
+        FamilywiseThreshold::new(session, linearization, known, probed, self.seed)
     }
 }
 
-/// The rest of a span of the progress bar whose number of steps is not known beforehand.
-struct Remaining<'a>(Part<'a>);
+/// The progress of rounds in which one more effect is added to a model. Their number is not known
+/// beforehand: those that are expected take equal shares and leave half a share to later ones, each
+/// of which takes two thirds of the rest.
+struct Rounds<'a> {
+    rest: Remaining<'a>,
+    expected: usize,
+}
 
-impl<'a> Remaining<'a> {
-    /// Takes a share of the rest.
-    fn take(&mut self, share: f64) -> Part<'a> {
-        let taken = self.0.part([0.0, share]);
-        self.0 = self.0.part([share, 1.0]);
-        taken
+impl<'a> Rounds<'a> {
+    fn next(&mut self) -> Part<'a> {
+        let part = self.rest.take(1.0 / (self.expected as f64 + 0.5));
+        self.expected = (self.expected - 1).max(1);
+        part
     }
 }
 
@@ -268,6 +271,16 @@ mod tests {
         let (changes, grown) = (Vec::new(), BTreeSet::new());
         let breadth = session.search().cosines;
         Search { session, seed: 1, breadth, models, changes, grown }
+    }
+
+    // Three expected rounds leave a seventh.
+    #[test]
+    fn expected_rounds_have_equal_shares_and_later_ones_fit_into_the_rest() {
+        let mut rounds = Rounds { rest: Remaining(PART), expected: 3 };
+        let ends: Vec<f64> = (0..5).map(|_| rounds.next().span[1]).collect();
+        for (end, left) in ends.iter().zip([5.0, 3.0, 1.0, 1.0 / 3.0, 1.0 / 9.0]) {
+            assert!((end - (1.0 - left / 7.0)).abs() < 1e-12, "{ends:?}");
+        }
     }
 
     // A settled cost is accurate to 1e-5.

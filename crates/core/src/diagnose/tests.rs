@@ -93,7 +93,7 @@ fn p_values_are_uniform_however_the_noise_is_stated() {
         let first = residuals(&noisy(&exact, statement, 1));
         let regions = Regions::new(&first.layout, &first.freedom);
         let statistics = statistics::all(&first, &regions);
-        let nulls = Nulls::draw(&first, &statistics, 1);
+        let nulls = Nulls::draw(&first, &statistics, 1, &Silent);
         let judgements: Vec<Judgement> = (100..250)
             .into_par_iter()
             .map(|seed| {
@@ -127,7 +127,7 @@ fn white_residuals_fail_at_the_family_wise_error_rate() {
     let residuals = residuals(&noisy(&exact(), NoiseStatement::Std, 1));
     let regions = Regions::new(&residuals.layout, &residuals.freedom);
     let statistics = statistics::all(&residuals, &regions);
-    let nulls = Nulls::draw(&residuals, &statistics, 1);
+    let nulls = Nulls::draw(&residuals, &statistics, 1, &Silent);
     let failed = (0..1000)
         .into_par_iter()
         .filter(|seed| {

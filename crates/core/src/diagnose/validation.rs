@@ -13,13 +13,18 @@ use crate::answers::{
 };
 use crate::identify::{self, IdentifyError, IdentifyRequest, UnitCompatibility};
 use crate::measurement::Measurement;
-use crate::observer::Observer;
+use crate::observer::{Observer, Steady};
 
-use super::diagnose;
+use super::diagnose_part;
 use super::error::{DiagnoseError, ValidateError};
 use super::holdout::gain::{gain, summary};
 use super::holdout::heldout_predictions::{Predicted, groups, predicted};
+use super::progress::Part;
 use remarks::Tried;
+
+/// Shares of the progress of [`diagnose_validated`].
+const DIAGNOSIS_SPAN: [f64; 2] = [0.0, 0.98];
+const VALIDATION_SPAN: [f64; 2] = [0.98, 1.0];
 
 /// Tests the models of an answer on another measurement.
 ///
@@ -144,7 +149,7 @@ fn concluded(
     }
 }
 
-/// Runs [`diagnose`] and measures the gain on a second measurement. If the causes hurt there, the
+/// Runs [`super::diagnose`] and measures the gain on a second measurement. If the causes hurt there, the
 /// verdict is one step lower.
 ///
 /// # Errors
@@ -160,8 +165,13 @@ pub fn diagnose_validated(
     if !second.sha256().is_empty() && second.sha256() == measurement.sha256() {
         return Err(ValidateError::SameData.into());
     }
-    let answer = diagnose(measurement, request, observer)?;
-    validated(answer, second, observer)
+    let steady = Steady::new(observer);
+    let whole = Part { whole: &steady, span: [0.0, 1.0] };
+    let answer = diagnose_part(measurement, request, whole.part(DIAGNOSIS_SPAN))?;
+    let stage = whole.part(VALIDATION_SPAN).stage("comparing with the second measurement", 1);
+    let answer = validated(answer, second, observer)?;
+    stage.step();
+    Ok(answer)
 }
 
 /// A diagnosis with the results of its validation on a second measurement.

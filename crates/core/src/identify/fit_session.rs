@@ -117,6 +117,11 @@ impl<'a> FitSession<'a> {
         Ok(this)
     }
 
+    /// The observer of the computation.
+    pub fn observer(&self) -> &'a dyn Observer {
+        self.observer
+    }
+
     /// The base model, fitted.
     pub fn base(&self) -> &Model {
         &self.base
@@ -189,11 +194,17 @@ impl<'a> FitSession<'a> {
     /// Fits all parameters of a model, starting at their current values. If the fit ends in a dead
     /// zone of an effect, it is repeated from outside of it, and the better fit is returned.
     pub fn refine(&self, model: &Model, effort: FitAccuracy) -> Model {
+        self.refine_watched(model, effort, &|| ())
+    }
+
+    /// The same; `on_step` is called after every step of the fit.
+    pub fn refine_watched(&self, model: &Model, effort: FitAccuracy, on_step: &dyn Fn()) -> Model {
         let patience = self.patience(effort);
-        let refined = self.descend(model, patience);
+        let descend = |from| self.descend_by(&self.misfit(from), from, patience, on_step);
+        let refined = descend(model);
         match refined.escaped() {
             Some(escaped) => {
-                let again = self.descend(&escaped, patience);
+                let again = descend(&escaped);
                 let evaluations = again.evaluations;
                 let best = if again.cost < refined.cost { again } else { refined };
                 Model { evaluations, ..best }
@@ -214,12 +225,14 @@ impl<'a> FitSession<'a> {
         Patience { steps, cost_tolerance, negligible, ..refine::THOROUGH }
     }
 
-    fn descend(&self, model: &Model, patience: Patience) -> Model {
-        self.descend_by(&self.misfit(model), model, patience)
-    }
-
-    fn descend_by(&self, misfit: &Misfit<'_>, model: &Model, patience: Patience) -> Model {
-        let refined = refine::refine(misfit, &model.point, patience, &mut |_, _, _| ());
+    fn descend_by(
+        &self,
+        misfit: &Misfit<'_>,
+        model: &Model,
+        patience: Patience,
+        on_step: &dyn Fn(),
+    ) -> Model {
+        let refined = refine::refine(misfit, &model.point, patience, &mut |_, _, _| on_step());
         Model {
             coordinates: model.coordinates.clone(),
             point: refined.point,
@@ -252,6 +265,9 @@ impl<'a> FitSession<'a> {
         let free: Vec<usize> = (0..held.len()).filter(|i| !held[*i]).collect();
         let plant = coordinates.plant(&model.point);
         let effects = coordinates.effects_at(&model.point);
+        if self.observer.cancelled() {
+            return Err(IdentifyError::Cancelled);
+        }
         let dof = identification.fit.dof;
         let all = |_| true;
         let comparison = prediction::beside(

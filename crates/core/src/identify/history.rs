@@ -7,19 +7,32 @@ use crate::plant::Plant;
 use super::parameter_names;
 use super::request::IdentifyError;
 
-/// Stages by name, and the fractions of a run at which each begins and ends, for the progress bar.
-/// Searches without earlier stages begin at 0.
-const STAGE_SHARES: [(&str, f64, f64); 10] = [
-    ("closed_form", 0.0, 0.02),
-    ("network", 0.02, 0.45),
-    ("colony", 0.45, 0.85),
-    ("swarm", 0.45, 0.85),
-    ("genetic", 0.45, 0.85),
-    ("adaptive_genetic", 0.45, 0.85),
-    ("descents", 0.0, 0.85),
-    ("evolution", 0.0, 0.85),
-    ("refinement", 0.85, 1.0),
-    ("refit", 0.0, 1.0),
+/// A stage as the progress shows it.
+struct Shown {
+    /// Its name in the history and in answers.
+    name: &'static str,
+    /// What it does, in words.
+    words: &'static str,
+    /// Fractions of a run at which it begins and ends. Searches without earlier stages begin at 0.
+    span: [f64; 2],
+}
+
+const fn shown(name: &'static str, words: &'static str, span: [f64; 2]) -> Shown {
+    Shown { name, words, span }
+}
+
+/// Every stage.
+const STAGES: [Shown; 10] = [
+    shown("closed_form", "first estimate", [0.0, 0.02]),
+    shown("network", "training a neural network", [0.02, 0.4]),
+    shown("colony", "searching with a bee colony", [0.4, 0.75]),
+    shown("swarm", "searching with a particle swarm", [0.4, 0.75]),
+    shown("genetic", "searching with a genetic algorithm", [0.4, 0.75]),
+    shown("adaptive_genetic", "searching with a genetic algorithm", [0.4, 0.75]),
+    shown("descents", "fitting from several starts", [0.0, 0.75]),
+    shown("evolution", "searching with an evolution strategy", [0.0, 0.75]),
+    shown("refinement", "refining the fit", [0.75, 1.0]),
+    shown("refit", "refining the fit", [0.0, 1.0]),
 ];
 
 /// Reports one run of a method to its observer.
@@ -80,17 +93,20 @@ impl<'h> RunningStage<'h> {
 
     /// Reports that `done` steps are done.
     pub fn progress(&self, done: u64) {
-        let (_, begin, end) = STAGE_SHARES
-            .iter()
-            .find(|(name, ..)| *name == self.stage)
-            .expect("a stage that is listed");
+        let shown = STAGES.iter().find(|shown| shown.name == self.stage);
+        let Shown { words, span: [begin, end], .. } = shown.expect("a stage that is listed");
         let share = begin + (end - begin) * done as f64 / self.total.max(1) as f64;
         let (before, all) = self.history.orders;
+        let stage = match all {
+            1 => (*words).to_owned(),
+            _ => format!("{words}, actuator of order {}", self.history.order),
+        };
         self.history.observer.progress(Progress {
-            stage: self.history.name(self.stage),
+            stage,
             done,
             total: self.total,
             fraction: (before as f64 + share) / all as f64,
+            remaining_s: None,
         });
     }
 

@@ -89,7 +89,8 @@ pub(super) fn minimise<P: LeastSquares>(
     problem.clamp(&mut point);
     let mut evaluations = 1;
     let Ok(mut here) = problem.linearise(&point) else {
-        return Refined { point, cost: f64::INFINITY, evaluations, stop: "no response" };
+        let stop = if problem.cancelled() { "cancelled" } else { "no response" };
+        return Refined { point, cost: f64::INFINITY, evaluations, stop };
     };
     let mut cost = here.residuals.norm_squared();
     let mut scaling = DVector::from_element(point.len(), 0.0);

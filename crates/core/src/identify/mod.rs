@@ -49,13 +49,14 @@ mod variance_shrinkage;
 
 use crate::answers::Identification;
 use crate::measurement::Measurement;
-use crate::observer::Observer;
+use crate::observer::{Observer, Steady};
 
 pub use fit_session::{FitAccuracy, FitSession, Linear, Model};
 pub use methods::{Methods, Steps};
 pub use model_fit::{Component, ModelFit, fit_base};
 pub use noise_law::NoiseLaw;
 pub use prediction::compare;
+pub(crate) use request::unless_cancelled;
 pub use request::{IdentifyError, IdentifyRequest};
 pub use search_settings::{SearchBreadth, SearchSettings};
 pub use summary::Intervals;
@@ -75,9 +76,11 @@ pub fn identify(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<Identification, IdentifyError> {
+    let observer = &Steady::new(observer);
     let problem = Problem::new(measurement)?;
     let Solved { chosen, order_choice } = solve(measurement, &problem, request, observer)?;
     let (coordinates, weights) = (&chosen.coordinates, &chosen.weights);
     let misfit = Misfit::new(&problem, coordinates, weights, observer);
-    answer(measurement, &misfit, request, &chosen, order_choice, Intervals::Profile)
+    let answer = answer(measurement, &misfit, request, &chosen, order_choice, Intervals::Profile);
+    unless_cancelled(observer, answer)
 }

@@ -44,6 +44,11 @@ impl<'a> Misfit<'a> {
     }
 }
 
+/// Why a point has no residuals: the model has no response to an experiment, or the observer has
+/// cancelled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct NoResiduals;
+
 /// Largest share of the experiments in which a model may lack a response (tuned).
 const LARGEST_UNANSWERED_SHARE: f64 = 0.1;
 
@@ -51,8 +56,8 @@ impl Misfit<'_> {
     /// Simulated value of every target, by experiment, in scale.
     ///
     /// # Errors
-    /// When an experiment has no response and `stand_in` does not replace it.
-    pub fn predict(&self, point: &[f64]) -> Result<Vec<Vec<Complex>>, NoResponse> {
+    /// When an experiment has no response and `stand_in` does not replace it, or when cancelled.
+    pub fn predict(&self, point: &[f64]) -> Result<Vec<Vec<Complex>>, NoResiduals> {
         let plant = self.coordinates.plant(point);
         let effects = self.coordinates.effects_at(point);
         let predict = |experiment: &Prepared| {
@@ -69,44 +74,52 @@ impl Misfit<'_> {
 
     /// Applies `respond` to every experiment. `stand_in` supplies the result for the few
     /// experiments without a response. Simulations with effects are slow enough to be run on
-    /// several threads.
+    /// several threads. The observer is asked before each whether to go on.
     fn map_experiments<T: Send>(
         &self,
         respond: impl Fn(&Prepared) -> Result<T, NoResponse> + Sync,
         stand_in: impl Fn(usize) -> Option<T> + Sync,
-    ) -> Result<Vec<T>, NoResponse> {
+    ) -> Result<Vec<T>, NoResiduals> {
         let experiments = &self.problem.experiments;
         if self.coordinates.effects.is_empty() {
+            let respond = |experiment: &Prepared| match self.observer.cancelled() {
+                true => Err(NoResiduals),
+                false => respond(experiment).map_err(|_| NoResiduals),
+            };
             return experiments.iter().map(respond).collect();
         }
         let most = (LARGEST_UNANSWERED_SHARE * experiments.len() as f64) as usize;
         let missing = AtomicUsize::new(0);
         let or_stand_in = |(e, experiment)| {
-            respond(experiment).or_else(|error| {
+            if self.observer.cancelled() {
+                return Err(NoResiduals);
+            }
+            respond(experiment).or_else(|_| {
                 // Experiments without a response take longest to simulate, so stop at the first one
                 // too many.
                 let enough = missing.fetch_add(1, Ordering::Relaxed) >= most;
-                if enough { Err(error) } else { stand_in(e).ok_or(error) }
+                if enough { Err(NoResiduals) } else { stand_in(e).ok_or(NoResiduals) }
             })
         };
         experiments.par_iter().enumerate().map(or_stand_in).collect()
     }
 
-    /// Indices of the experiments with data in which the model has no response at this point.
+    /// Indices of the experiments with data in which the model has no response at this point; none
+    /// once the observer cancels.
     pub fn unanswered(&self, point: &[f64]) -> Vec<usize> {
         let plant = self.coordinates.plant(point);
         let effects = self.coordinates.effects_at(point);
         let is_unanswered = |Prepared { excitation, highest, targets }: &Prepared| {
             let response =
                 || simulate::respond_if(self.counts, &plant, &effects, excitation, *highest);
-            !targets.is_empty() && response().is_err()
+            !targets.is_empty() && !self.observer.cancelled() && response().is_err()
         };
         let experiments = self.problem.experiments.par_iter().enumerate();
         experiments.filter(|(_, experiment)| is_unanswered(experiment)).map(|(e, _)| e).collect()
     }
 
     /// Residuals (Ŷ − Y)/σ, in the order of [`Linearisation::residuals`].
-    pub fn residuals(&self, point: &[f64]) -> Result<DVector<f64>, NoResponse> {
+    pub fn residuals(&self, point: &[f64]) -> Result<DVector<f64>, NoResiduals> {
         let predicted = self.predict(point)?;
         let mut residuals = Vec::with_capacity(self.problem.data());
         for (e, experiment) in self.problem.experiments.iter().enumerate() {
@@ -122,7 +135,7 @@ impl Misfit<'_> {
     }
 
     /// Residuals and their derivatives with respect to every coordinate.
-    pub fn linearise(&self, point: &[f64]) -> Result<Linearisation, NoResponse> {
+    pub fn linearise(&self, point: &[f64]) -> Result<Linearisation, NoResiduals> {
         let plant = self.coordinates.variable_plant(point);
         let effects = self.coordinates.effects_at(point);
         let (base, columns) = (self.coordinates.base_len(), self.coordinates.len());

@@ -1,9 +1,7 @@
 //! Refinement of a misfit's coordinates by Levenberg and Marquardt's method.
 
-use crate::simulate::NoResponse;
-
 use super::levenberg_marquardt::{self, LeastSquares, Linearisation};
-use super::objective::Misfit;
+use super::objective::{Misfit, NoResiduals};
 
 pub(super) use super::levenberg_marquardt::{Patience, Refined};
 
@@ -14,13 +12,13 @@ pub(super) const THOROUGH: Patience =
 /// Coordinates are logarithms and shares of input scales; an evaluation is a simulation of the
 /// whole measurement.
 impl LeastSquares for Misfit<'_> {
-    type Error = NoResponse;
+    type Error = NoResiduals;
 
     fn cost(&self, point: &[f64]) -> f64 {
         Misfit::cost(self, point)
     }
 
-    fn linearise(&self, point: &[f64]) -> Result<Linearisation, NoResponse> {
+    fn linearise(&self, point: &[f64]) -> Result<Linearisation, NoResiduals> {
         Misfit::linearise(self, point)
     }
 
@@ -85,7 +83,8 @@ mod tests {
         let mut start = coordinates.within_search(&vec![0.5; coordinates.len() - 1]);
         misfit.solve_for_constant(&mut start);
         let refined = refine(&misfit, &start, THOROUGH, &mut |_, _, _| ());
-        let held = held(&misfit, &refined.point, &misfit.linearise(&refined.point).unwrap());
+        let patient = Misfit::new(&problem, &coordinates, &weights, &Silent);
+        let held = held(&patient, &refined.point, &patient.linearise(&refined.point).unwrap());
         let found = problem.in_units(&coordinates.plant(&refined.point));
         (refined, held, found)
     }

@@ -2,6 +2,7 @@
 
 use crate::answers::{IdentifyOptions, InvalidOptions, Method, PlantRequest};
 use crate::effects::Library;
+use crate::observer::Observer;
 
 use super::methods::Methods;
 
@@ -39,6 +40,18 @@ pub struct IdentifyRequest {
     pub methods: Methods,
     /// Settings of the search, which results do not report: only the benchmark changes them.
     pub search: SearchSettings,
+}
+
+/// A result, unless the observer cancelled while it was computed: it then lacks the simulations that
+/// were left out, and may be wrong.
+///
+/// # Errors
+/// Those of the result; [`IdentifyError::Cancelled`] once the observer cancels.
+pub(crate) fn unless_cancelled<T, E: From<IdentifyError>>(
+    observer: &dyn Observer,
+    result: Result<T, E>,
+) -> Result<T, E> {
+    if observer.cancelled() { Err(IdentifyError::Cancelled.into()) } else { result }
 }
 
 /// The error for a fitted plant that has no periodic response.

@@ -15,9 +15,10 @@ use crate::identify::{FitAccuracy, FitSession, IdentifyError, IdentifyRequest, M
 use super::cv_splits::{CvSplit, CvSplits};
 use super::gain;
 use super::heldout_predictions::{Predicted, Row, predicted};
-use crate::diagnose::progress::{Part, Quiet};
+use crate::diagnose::progress::{Part, Quiet, Stage};
 use crate::diagnose::selection::evidence::NoiseScale;
 use crate::diagnose::selection::models::{Key, Models, ScoredModel};
+use crate::observer::Observer as _;
 
 /// Models whose −2 ln evidence exceeds the best by more than this are not refitted: no part of the
 /// data makes up for it. Tuned.
@@ -65,7 +66,9 @@ impl CrossValidation {
         splits: &CvSplits,
         part: Part<'_>,
     ) -> Result<Self, IdentifyError> {
-        let stage = part.stage("held out", splits.parts.len());
+        // The base model, every model near the best, and the predictions.
+        let steps = refitted(models).len() + 2;
+        let stage = part.stage("predicting data held out", splits.parts.len() * steps);
         let mut this = Self {
             base: Predicted::new(),
             chosen: Predicted::new(),
@@ -77,8 +80,7 @@ impl CrossValidation {
             what: splits.what.clone(),
         };
         for fold in &splits.parts {
-            this.add(session, request, (models, chosen), fold, part)?;
-            stage.step();
+            this.add(session, request, (models, chosen), fold, (part, &stage))?;
         }
         let singles: Vec<(&Key, &Model)> = models.all().filter(|(key, _)| key.len() == 1).collect();
         let error = |(key, model): (&Key, &Model)| {
@@ -99,10 +101,11 @@ impl CrossValidation {
         request: &IdentifyRequest,
         (models, chosen): (&Models, &Key),
         fold: &CvSplit,
-        part: Part<'_>,
+        (part, stage): (Part<'_>, &Stage<'_>),
     ) -> Result<(), IdentifyError> {
         let quietly = Quiet(&part);
         let own = FitSession::continued(&fold.fitted, request, &quietly, session)?;
+        stage.step();
         let lacking = session.data() - own.data();
         let noise_scale = NoiseScale {
             rounding: own.rounding(),
@@ -111,18 +114,21 @@ impl CrossValidation {
         };
         let mut fitted = Models::new(own.base().clone(), noise_scale);
         fitted.family = models.family.clone();
-        let near = models.within(REFIT_MARGIN);
-        let refit = |(_, model): (&Key, &Model)| {
-            let model = own.refine(&own.adopt(session, model), FitAccuracy::Settle);
-            ScoredModel::new(&own, model, &noise_scale)
+        let refit = |model: &Model| {
+            let (adopted, step) = (own.adopt(session, model), stage.begin());
+            let model = own.refine_watched(&adopted, FitAccuracy::Settle, &|| step.advance());
+            let scored = ScoredModel::new(&own, model, &noise_scale);
+            step.finish();
+            scored
         };
-        let all: Vec<(&Key, &Model)> =
-            models.all().filter(|(key, _)| !key.is_empty() && near.contains(*key)).collect();
-        let fits: Vec<ScoredModel> = all.into_par_iter().map(refit).collect();
+        let fits: Vec<ScoredModel> = refitted(models).into_par_iter().map(refit).collect();
         fits.into_iter().for_each(|scored| fitted.keep(scored));
         let choice = fitted.best_supported();
         let predict_held_out = |model: &Model| -> Predicted {
             let is_held = |index| fold.rows.range((index, 0)..(index + 1, 0)).next().is_some();
+            if part.cancelled() {
+                return Predicted::new();
+            }
             let mut all = predicted(&session.compare(&session.adopt(&own, model), is_held));
             all.retain(|row, _| fold.rows.contains_key(row));
             all
@@ -142,6 +148,7 @@ impl CrossValidation {
             }
         }
         self.choices.push(choice);
+        stage.step();
         Ok(())
     }
 
@@ -213,6 +220,13 @@ impl CrossValidation {
     pub fn error_alone(&self, id: &str) -> Option<f64> {
         self.errors.get(id).copied()
     }
+}
+
+/// The models that are refitted without each part: those with effects that may be chosen.
+fn refitted(models: &Models) -> Vec<&Model> {
+    let near = models.within(REFIT_MARGIN);
+    let is_near = |(key, _): &(&Key, &Model)| !key.is_empty() && near.contains(*key);
+    models.all().filter(is_near).map(|(_, model)| model).collect()
 }
 
 #[cfg(test)]

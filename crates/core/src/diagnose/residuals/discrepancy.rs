@@ -2,6 +2,7 @@
 
 use crate::answers::{Discrepancy, NoiseSource, Pattern, ResidualTest};
 use crate::identify::ModelFit;
+use crate::observer::Observer;
 
 use super::groups;
 use super::groups::Sizes;
@@ -20,12 +21,12 @@ const ROUNDING_SHARE: f64 = 1e-6;
 /// The same for a model with effects, whose simulation rounds more.
 const EXTENDED_ROUNDING_SHARE: f64 = 2e-5;
 
-/// Reports where a fitted base model departs from its data.
-pub(crate) fn of(fit: &ModelFit, seed: u64) -> Discrepancy {
+/// Reports where a fitted base model departs from its data; wrongly once the observer cancels.
+pub(crate) fn of(fit: &ModelFit, seed: u64, observer: &dyn Observer) -> Discrepancy {
     let residuals = Residuals::of(fit);
     let regions = Regions::new(&residuals.layout, &residuals.freedom);
     let statistics = statistics::all(&residuals, &regions);
-    let nulls = Nulls::draw(&residuals, &statistics, seed);
+    let nulls = Nulls::draw(&residuals, &statistics, seed, observer);
     let judgement = nulls.judge(&statistics, &residuals.values);
     let rounding = is_rounding(&residuals, ROUNDING_SHARE);
     let contradiction = contradiction(fit, &residuals);
@@ -59,8 +60,8 @@ pub(crate) fn of(fit: &ModelFit, seed: u64) -> Discrepancy {
     }
 }
 
-/// Whether the residuals of an extended model are noise.
-pub(crate) fn is_noise(fit: &ModelFit, seed: u64) -> bool {
+/// Whether the residuals of an extended model are noise; at random once the observer cancels.
+pub(crate) fn is_noise(fit: &ModelFit, seed: u64, observer: &dyn Observer) -> bool {
     let residuals = Residuals::of(fit);
     if contradiction(fit, &residuals).is_some() {
         return false;
@@ -70,7 +71,8 @@ pub(crate) fn is_noise(fit: &ModelFit, seed: u64) -> bool {
     }
     let regions = Regions::new(&residuals.layout, &residuals.freedom);
     let statistics = statistics::all(&residuals, &regions);
-    Nulls::draw(&residuals, &statistics, seed).judge(&statistics, &residuals.values).noise_like
+    let nulls = Nulls::draw(&residuals, &statistics, seed, observer);
+    nulls.judge(&statistics, &residuals.values).noise_like
 }
 
 /// Why the residuals of a model cannot be noise, whatever their structure; `None` if they can.

@@ -12,10 +12,11 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::answers::ResidualTest;
+use crate::observer::Observer;
 
 use super::null_distribution::NullDistribution;
 use super::residual::Residuals;
-use super::statistics::Statistic;
+use super::statistics::{Evaluate, Statistic};
 
 /// Number of draws of noise.
 const DRAWS: u64 = 2000;
@@ -43,11 +44,19 @@ pub(crate) struct Nulls {
 
 impl Nulls {
     /// Simulates the null distributions: draws noise, projects it as the fit does, and computes
-    /// every statistic.
-    pub fn draw(residuals: &Residuals, statistics: &[Statistic<'_>], seed: u64) -> Self {
+    /// every statistic. Once the observer cancels, every further draw is without noise.
+    pub fn draw(
+        residuals: &Residuals,
+        statistics: &[Statistic<'_>],
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Self {
         let drawn: Vec<Vec<f64>> = (0..DRAWS)
             .into_par_iter()
             .map(|draw| {
+                if observer.cancelled() {
+                    return vec![0.0; computable(statistics).count()];
+                }
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 rng.set_stream(draw + 1);
                 values(statistics, &residuals.left_of(&residuals.law.draw(&mut rng)))
@@ -101,9 +110,12 @@ impl Nulls {
 
 /// The values of all statistics that can be computed.
 fn values(statistics: &[Statistic<'_>], residuals: &DVector<f64>) -> Vec<f64> {
-    let evaluates = statistics.iter().filter_map(|statistic| statistic.evaluate.as_ref().ok());
     // Answers are written as JSON, which has no infinity.
-    evaluates.map(|evaluate| evaluate(residuals).clamp(f64::MIN, f64::MAX)).collect()
+    computable(statistics).map(|evaluate| evaluate(residuals).clamp(f64::MIN, f64::MAX)).collect()
+}
+
+fn computable<'s>(statistics: &'s [Statistic<'_>]) -> impl Iterator<Item = &'s Evaluate<'s>> {
+    statistics.iter().filter_map(|statistic| statistic.evaluate.as_ref().ok())
 }
 
 fn untested(name: &str, reason: &str) -> ResidualTest {

@@ -11,8 +11,18 @@ use crate::identify::{FitAccuracy, FitSession, Model, SearchSettings};
 use crate::observer::Observer as _;
 
 use super::score_tests::{Probe, Probed};
-use crate::diagnose::progress::{Part, Stage};
+use crate::diagnose::progress::{Part, Remaining, Stage, Step, effects_in_words};
 use crate::diagnose::selection::evidence::NoiseScale;
+
+/// Shares of the progress of [`Fitter::fit`] after which short fits of every effect and full fits of
+/// the best end, and fits from further starting points begin: of effects alone, and of effects
+/// beside others, of which few are tried.
+const ENDS_ALONE: [f64; 2] = [0.3, 0.65];
+const ENDS_BESIDE: [f64; 2] = [0.1, 0.55];
+
+/// Share of the remaining progress that one round of restarts takes. The number of rounds is not
+/// known beforehand.
+const RESTART_SHARE: f64 = 0.5;
 
 /// Sorts models by cost and drops those without a response.
 fn best_first(mut models: Vec<Model>) -> Vec<Model> {
@@ -48,11 +58,17 @@ impl Fitter<'_> {
         from: &Model,
         probed: &[Probed],
         promising: impl Fn(&Probed) -> bool + Sync,
-        stage: &Stage<'_>,
     ) -> Vec<Model> {
+        let effects = effects_in_words(from.effects().len() + 1);
+        let stage = |span, what: &str, steps| {
+            self.part.part(span).stage(format!("{effects}: {what}"), steps)
+        };
+        let [short_end, full_end] =
+            if from.effects().is_empty() { ENDS_ALONE } else { ENDS_BESIDE };
+        let short = stage([0.0, short_end], "short fits", probed.len());
         let try_out = |probed| {
             let tried = self.tried(probed, promising(probed));
-            stage.step();
+            short.step();
             (probed, tried)
         };
         let mut tried: Vec<(&Probed, Vec<Model>)> = probed.par_iter().map(try_out).collect();
@@ -61,56 +77,84 @@ impl Fitter<'_> {
         let Some(first) = tried.iter().position(|(probed, _)| promising(probed)) else {
             return tried.into_iter().filter_map(|(_, models)| models.into_iter().next()).collect();
         };
+        let full = stage([short_end, full_end], "full fits", tried.len());
         let (probed, models) = tried.remove(first);
-        let leader = self.settled(models, self.followed).unwrap_or_else(|| from.clone());
+        let step = full.begin();
+        let leader = self.settled(models, self.followed, &step).unwrap_or_else(|| from.clone());
+        step.finish();
         let SearchSettings { rival_share, hopeful_share, restart_remainder, .. } =
             *self.session.search();
         let unexplained = !self.noise_scale.explains(leader.cost);
         let most = from.cost - leader.cost;
         let follow = |(rival, models): (&Probed, Vec<Model>)| {
             let gain = from.cost - models[0].cost;
-            if are_confusable(probed.effect, rival.effect) || gain > rival_share * most {
-                self.settled(models, self.followed)
+            let step = full.begin();
+            let followed = if are_confusable(probed.effect, rival.effect)
+                || gain > rival_share * most
+            {
+                self.settled(models, self.followed, &step)
             } else if self.patient && unexplained && promising(rival) && gain > hopeful_share * most
             {
-                self.settled(models, 1)
+                self.settled(models, 1, &step)
             } else {
                 models.into_iter().next()
-            }
+            };
+            step.finish();
+            followed
         };
         let mut fits: Vec<Model> = tried.into_par_iter().filter_map(follow).collect();
         fits.push(leader);
         let hopes = if self.patient && unexplained { hopeful_share } else { rival_share };
         let counts = |nested: &&Model| from.cost - nested.cost > hopes * most;
         let nested: Vec<&Model> = fits.iter().filter(counts).collect();
-        let again = |fit| self.refit_from_nested(fit, &nested);
+        let mut further = Remaining(self.part.part([full_end, 1.0]));
+        let starts = format!("{effects}: further starts");
+        let stage = further.take(RESTART_SHARE).stage(&starts, fits.len());
+        let again = |fit| {
+            let step = stage.begin();
+            let again = self.refit_from_nested(fit, &nested, &step);
+            step.finish();
+            again
+        };
         let again: Vec<Model> = fits.par_iter().filter_map(again).collect();
         fits.extend(again);
         let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
         fits.extend(best.and_then(|best| {
-            self.leave_local_minimum(&best, restart_remainder * self.noise_scale.beyond(from.cost))
+            let most = restart_remainder * self.noise_scale.beyond(from.cost);
+            self.leave_local_minimum(&best, most, &mut |restarts| {
+                further.take(RESTART_SHARE).stage(&starts, restarts)
+            })
         }));
         fits
     }
 
     /// The best fit reached by repeated restarts from displaced parameters. It applies to fits that
     /// leave less than `most` of excess misfit but do not explain the data: they may have the right
-    /// effect in a wrong local minimum.
-    fn leave_local_minimum(&self, fit: &Model, most: f64) -> Option<Model> {
+    /// effect in a wrong local minimum. `begin` begins a stage of so many steps for each round.
+    fn leave_local_minimum<'p>(
+        &self,
+        fit: &Model,
+        most: f64,
+        begin: &mut dyn FnMut(usize) -> Stage<'p>,
+    ) -> Option<Model> {
         let beyond = |model: &Model| self.noise_scale.beyond(model.cost);
         if beyond(fit) >= most || self.noise_scale.explains(fit.cost) {
             return None;
         }
-        let next = self.refit_displaced(fit).filter(|next| next.cost < fit.cost)?;
+        let next = self.refit_displaced(fit, begin).filter(|next| next.cost < fit.cost)?;
         let least = self.session.search().restart_improvement;
         let is_lower = beyond(&next) < (1.0 - least) * beyond(fit);
-        let further = is_lower.then(|| self.leave_local_minimum(&next, most)).flatten();
+        let further = is_lower.then(|| self.leave_local_minimum(&next, most, begin)).flatten();
         Some(further.unwrap_or(next))
     }
 
     /// Restarts a fit with one or two parameters of its last effect displaced. Impacts and limits
     /// give the misfit many local minima, and a fit ends in the nearest.
-    fn refit_displaced(&self, fit: &Model) -> Option<Model> {
+    fn refit_displaced<'p>(
+        &self,
+        fit: &Model,
+        begin: &mut dyn FnMut(usize) -> Stage<'p>,
+    ) -> Option<Model> {
         let own = fit.parameters_of(fit.effects().len().checked_sub(1)?);
         let SearchSettings { restart_displacement, followed_restarts, .. } = *self.session.search();
         let sides = own.flat_map(|i| [(i, -restart_displacement), (i, restart_displacement)]);
@@ -127,20 +171,28 @@ impl Fitter<'_> {
             displaced
         };
         let displaced: Vec<Model> = alone.chain(both).map(shifted).collect();
-        let tried =
-            displaced.par_iter().map(|model| self.refine(model, FitAccuracy::Glance)).collect();
-        self.settled(best_first(tried), followed_restarts)
+        let stage = begin(displaced.len() + 1);
+        let glance = |model| {
+            let refined = self.refine(model, FitAccuracy::Glance);
+            stage.step();
+            refined
+        };
+        let tried = displaced.par_iter().map(glance).collect();
+        let step = stage.begin();
+        let settled = self.settled(best_first(tried), followed_restarts, &step);
+        step.finish();
+        settled
     }
 
     /// Restarts a fit from the parameters of the best nested model, if that fits better: a model
     /// that contains another can fit no worse, and the contained one may fit as well.
-    fn refit_from_nested(&self, fit: &Model, nested: &[&Model]) -> Option<Model> {
+    fn refit_from_nested(&self, fit: &Model, nested: &[&Model], step: &Step<'_>) -> Option<Model> {
         let own = *fit.effects().last()?;
         let is_nested =
             |other: &&&Model| other.effects().last().is_some_and(|o| are_nested(own, *o));
         let better = nested.iter().filter(is_nested).filter(|other| other.cost < fit.cost);
         let best = better.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-        self.settled(self.session.exchange(best, own).into(), self.followed)
+        self.settled(self.session.exchange(best, own).into(), self.followed, step)
     }
 
     /// Fits of a few steps from the probes of an effect, the best first.
@@ -155,18 +207,22 @@ impl Fitter<'_> {
     }
 
     /// Follows the first of these models until they converge, and returns the best.
-    fn settled(&self, mut tried: Vec<Model>, followed: usize) -> Option<Model> {
+    fn settled(&self, mut tried: Vec<Model>, followed: usize, step: &Step<'_>) -> Option<Model> {
         tried.truncate(followed);
-        let settled =
-            tried.par_iter().map(|model| self.refine(model, FitAccuracy::Settle)).collect();
+        let settle = |model| self.refine_watched(model, FitAccuracy::Settle, &|| step.advance());
+        let settled = tried.par_iter().map(settle).collect();
         best_first(settled).into_iter().next()
     }
 
     /// Fits a model; after a cancellation it is returned unchanged.
     pub fn refine(&self, model: &Model, effort: FitAccuracy) -> Model {
+        self.refine_watched(model, effort, &|| ())
+    }
+
+    fn refine_watched(&self, model: &Model, effort: FitAccuracy, on_step: &dyn Fn()) -> Model {
         match self.part.cancelled() {
             true => model.clone(),
-            false => self.session.refine(model, effort),
+            false => self.session.refine_watched(model, effort, on_step),
         }
     }
 }
@@ -201,11 +257,13 @@ mod tests {
             model
         };
         let lost = costing(2.0 * joint.cost, "backlash");
-        let found = fitter.refit_from_nested(&lost, &[&joint]).unwrap();
+        let stage = part.stage("one effect: further starts", 1);
+        let step = &stage.begin();
+        let found = fitter.refit_from_nested(&lost, &[&joint], step).unwrap();
         assert_eq!(found.effects()[0].id(), "backlash");
         assert!(found.cost < joint.cost * (1.0 + 1e-5), "{} {}", found.cost, joint.cost);
-        assert!(fitter.refit_from_nested(&joint, &[&lost]).is_none());
-        assert!(fitter.refit_from_nested(&costing(f64::MAX, "spring"), &[&joint]).is_none());
+        assert!(fitter.refit_from_nested(&joint, &[&lost], step).is_none());
+        assert!(fitter.refit_from_nested(&costing(f64::MAX, "spring"), &[&joint], step).is_none());
     }
 
     #[test]
@@ -220,12 +278,13 @@ mod tests {
         };
         let lag = session.extend(session.base(), find("sensor_lag").unwrap());
         let lag = fitter(1.0).refine(&lag, FitAccuracy::Brief);
-        assert!(fitter(1.0).leave_local_minimum(&lag, 0.5 * lag.cost).is_none());
-        assert!(fitter(lag.cost).leave_local_minimum(&lag, 2.0 * lag.cost).is_none());
+        let begin = &mut |steps| part.stage("one effect: further starts", steps);
+        assert!(fitter(1.0).leave_local_minimum(&lag, 0.5 * lag.cost, begin).is_none());
+        assert!(fitter(lag.cost).leave_local_minimum(&lag, 2.0 * lag.cost, begin).is_none());
         let mut astray = lag.clone();
         astray.set(lag.parameters_of(0).start, 5.0 * lag.value(lag.parameters_of(0).start));
         astray.cost = 10.0 * lag.cost;
-        let found = fitter(1.0).leave_local_minimum(&astray, f64::INFINITY).unwrap();
+        let found = fitter(1.0).leave_local_minimum(&astray, f64::INFINITY, begin).unwrap();
         assert!(found.cost < 1.01 * lag.cost, "{} {}", found.cost, lag.cost);
     }
 }

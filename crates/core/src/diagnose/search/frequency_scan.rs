@@ -14,6 +14,7 @@ use crate::identify::{FitSession, SearchSettings};
 use super::linearization::Linearization;
 use super::score_tests::Tried;
 use crate::diagnose::residuals::subspace::Subspace;
+use crate::observer::Observer;
 
 /// The change of the response by a sine and a cosine of size 1, at one spatial frequency.
 pub(crate) struct Pitch {
@@ -47,8 +48,9 @@ pub(crate) fn pitches(
 }
 
 /// The `most` highest peaks of the gain over spatial frequency, given the residuals `left`, and the
-/// subspace of every spatial frequency.
+/// subspace of every spatial frequency. Once the observer cancels, some of these are missing.
 pub(crate) fn peaks(
+    observer: &dyn Observer,
     linearization: &Linearization,
     left: &DVector<f64>,
     ranges: &[Range],
@@ -56,13 +58,14 @@ pub(crate) fn peaks(
     most: usize,
 ) -> (Vec<Tried>, Vec<Subspace>) {
     let spans: Vec<Subspace> = pitches
-        .iter()
+        .par_iter()
+        .filter(|_| !observer.cancelled())
         .map(|pitch| Subspace::of(&linearization.fitted.complements(&pitch.changes)))
         .collect();
     let gains: Vec<f64> = spans.iter().map(|span| span.energy(left)).collect();
     let gain = |i: usize| gains.get(i).copied().unwrap_or(0.0);
     let peak = |i: &usize| gain(*i) >= gain(i + 1) && (*i == 0 || gain(*i) >= gain(i - 1));
-    let mut peaks: Vec<usize> = (0..pitches.len()).filter(peak).collect();
+    let mut peaks: Vec<usize> = (0..spans.len()).filter(peak).collect();
     peaks.sort_by(|a, b| gain(*b).total_cmp(&gain(*a)));
     let tried = |i: usize| {
         let Pitch { pitch, changes } = &pitches[i];

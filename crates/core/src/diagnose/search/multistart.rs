@@ -8,7 +8,7 @@ use super::Search;
 use super::fitter::Fitter;
 use super::linearization::Linearization;
 use super::score_tests::Probed;
-use crate::diagnose::progress::Part;
+use crate::diagnose::progress::{Part, Remaining};
 use crate::diagnose::selection::models::Key;
 
 impl Search<'_> {
@@ -26,12 +26,13 @@ impl Search<'_> {
         };
         let hidden: Vec<&dyn Effect> =
             self.session.library().iter().filter(|_| most > 0).filter(is_hidden).copied().collect();
-        for effect in hidden {
+        let mut part = Remaining(part);
+        for (before, effect) in hidden.iter().copied().enumerate() {
             let rest: Key = chosen.iter().copied().filter(|id| *id != effect.id()).collect();
             let linearization =
                 self.models.get(&rest).and_then(|rest| Linearization::new(self.session, rest));
             let Some(linearization) = linearization else { continue };
-            let mut probed = self.probe(&linearization, part);
+            let mut probed = self.probe(&linearization, part.0);
             probed.retain(|Probed { effect: other, .. }| {
                 other.id() == effect.id() || effects::are_confusable(effect, *other)
             });
@@ -39,9 +40,9 @@ impl Search<'_> {
             for Probed { probes, .. } in &mut probed {
                 probes.drain(..tried.min(probes.len()));
             }
-            let stage = part.stage("further starts", probed.len());
+            let part = part.take(1.0 / (hidden.len() - before) as f64);
             let fitter = Fitter { starts: most, ..self.fitter(part, rest.len()) };
-            let fits = fitter.fit(&linearization.model, &probed, |_| true, &stage);
+            let fits = fitter.fit(&linearization.model, &probed, |_| true);
             self.keep(fits);
         }
     }

@@ -106,8 +106,14 @@ impl Changes {
         let (start_points, spans);
         if self.effect.is_scanned() {
             let most = search.ripple_starts;
-            (start_points, spans) =
-                frequency_scan::peaks(linearization, &aim.left, &self.ranges, &self.pitches, most);
+            (start_points, spans) = frequency_scan::peaks(
+                session.observer(),
+                linearization,
+                &aim.left,
+                &self.ranges,
+                &self.pitches,
+                most,
+            );
         } else {
             let scaled = |place| self.scaled(place, linearization, &aim.left, search);
             start_points = self.start_points.iter().filter_map(scaled).collect();

@@ -11,7 +11,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::identify::NoiseLaw;
+use crate::identify::FitSession;
 
 use crate::diagnose::residuals::null_distribution::NullDistribution;
 use crate::diagnose::search::linearization::Linearization;
@@ -34,29 +34,34 @@ pub(crate) struct FamilywiseThreshold {
 
 impl FamilywiseThreshold {
     /// The family of the effects in `probed`, which were probed at `linearization`; `scale_known`
-    /// says whether the size of the noise is known.
+    /// says whether the size of the noise is known. Once the observer cancels, no effect can be
+    /// significant.
     pub fn new(
+        session: &FitSession<'_>,
         linearization: &Linearization,
-        law: &NoiseLaw,
         scale_known: bool,
         probed: &[Probed],
         seed: u64,
     ) -> Self {
-        Self::at_level(LEVEL, linearization, law, scale_known, probed, seed)
+        Self::at_level(LEVEL, session, linearization, scale_known, probed, seed)
     }
 
     fn at_level(
         level: f64,
+        session: &FitSession<'_>,
         linearization: &Linearization,
-        law: &NoiseLaw,
         scale_known: bool,
         probed: &[Probed],
         seed: u64,
     ) -> Self {
+        let law = session.noise();
         let seen: Vec<&Probed> = probed.iter().filter(|probed| !probed.spans.is_empty()).collect();
-        let drawn: Vec<Vec<f64>> = (0..DRAWS)
+        let drawn: Option<Vec<Vec<f64>>> = (0..DRAWS)
             .into_par_iter()
             .map(|draw| {
+                if session.observer().cancelled() {
+                    return None;
+                }
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 rng.set_stream((1 << 32) + draw);
                 let mut left = linearization.fitted.complement(&law.draw(&mut rng));
@@ -66,9 +71,10 @@ impl FamilywiseThreshold {
                 let energies = |probed: &&Probed| {
                     probed.spans.iter().map(|span| span.energy(&left)).fold(0.0, f64::max)
                 };
-                seen.iter().map(energies).collect()
+                Some(seen.iter().map(energies).collect())
             })
             .collect();
+        let Some(drawn) = drawn else { return Self { members: Vec::new(), p_value_limit: 0.0 } };
         let members: Vec<(&'static str, NullDistribution)> = seen
             .iter()
             .enumerate()
@@ -109,7 +115,7 @@ mod tests {
     use crate::diagnose::selection::evidence::NoiseScale;
     use crate::diagnose::tests::{exact, noisy, request};
     use crate::effects::{ALL, Effect};
-    use crate::identify::{FitAccuracy, FitSession};
+    use crate::identify::FitAccuracy;
     use crate::machines::draw::NoiseStatement;
     use crate::observer::Silent;
 
@@ -137,14 +143,8 @@ mod tests {
             (probed.effect.id(), noise_scale.misfit(base.cost) - misfit)
         };
         let gains: Vec<(&str, f64)> = probed.par_iter().map(gain).collect();
-        let family = FamilywiseThreshold::at_level(
-            0.05,
-            &linearization,
-            &session.noise(),
-            known,
-            &probed,
-            seed,
-        );
+        let family =
+            FamilywiseThreshold::at_level(0.05, &session, &linearization, known, &probed, seed);
         gains.iter().any(|(id, gain)| *gain > family.limit(id))
     }
 

@@ -16,11 +16,30 @@ use super::order_study::OrderStudy;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::progress::{Part, Quiet};
 
-/// Shares of the progress: every effect alone at every order; several effects together at the
-/// best order and at the second best; cross-validation and assembly of the answer.
-const SINGLE_EFFECTS_SPAN: [f64; 2] = [0.0, 0.5];
-const COMBINING_SPANS: [[f64; 2]; 2] = [[0.5, 0.65], [0.65, 0.8]];
-const CONCLUDING_SPAN: [f64; 2] = [0.8, 1.0];
+/// Shares of the progress.
+struct Spans {
+    /// Every effect alone, at every order.
+    singles: [f64; 2],
+    /// Several effects together, at the best order and at the second best.
+    combining: [[f64; 2]; 2],
+    /// Cross-validation and assembly of the answer.
+    concluding: [f64; 2],
+}
+
+impl Spans {
+    fn of(orders: usize) -> Self {
+        match orders {
+            1 => {
+                let combining = [[0.3, 0.75], [0.75, 0.75]];
+                Self { singles: [0.0, 0.3], combining, concluding: [0.75, 1.0] }
+            }
+            _ => {
+                let combining = [[0.5, 0.65], [0.65, 0.8]];
+                Self { singles: [0.0, 0.5], combining, concluding: [0.8, 1.0] }
+            }
+        }
+    }
+}
 
 /// Diagnoses with the actuator order that was requested. If none was, the order is that of
 /// `first`, which suits the base model without any effect, unless a lower order is better by more
@@ -50,18 +69,19 @@ pub(crate) fn diagnose(
     }
     let sessions: Vec<&FitSession<'_>> = iter::once(first).chain(&others).collect();
     let each = 1.0 / sessions.len() as f64;
+    let spans = Spans::of(sessions.len());
     let mut studies = Vec::with_capacity(sessions.len());
     for (i, session) in sessions.iter().enumerate() {
-        let own = part.part(SINGLE_EFFECTS_SPAN).part([i, i + 1].map(|end| end as f64 * each));
+        let own = part.part(spans.singles).part([i, i + 1].map(|end| end as f64 * each));
         studies.push(OrderStudy::new(session, own, seed)?);
     }
     let ranking_criterion = |study: &OrderStudy<'_>| {
         criterion(study) - if study.order() == suited { EQUIVALENCE_MARGIN } else { 0.0 }
     };
     studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
-    studies[0].combine(part.part(COMBINING_SPANS[0]), most, measurement)?;
+    studies[0].combine(part.part(spans.combining[0]), most, measurement)?;
     if !studies[0].explained() && studies.len() > 1 {
-        studies[1].combine(part.part(COMBINING_SPANS[1]), most, measurement)?;
+        studies[1].combine(part.part(spans.combining[1]), most, measurement)?;
         studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
     }
     let mut said = Vec::new();
@@ -80,7 +100,7 @@ pub(crate) fn diagnose(
             described(other)
         ));
     }
-    let part = part.part(CONCLUDING_SPAN);
+    let part = part.part(spans.concluding);
     let mut answer = best.conclusion().diagnosis(measurement, request, part)?;
     answer.limitations.extend(said);
     Ok(answer)

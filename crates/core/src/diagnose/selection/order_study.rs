@@ -19,8 +19,12 @@ use crate::diagnose::search::Search;
 /// order, so that misfits are comparable.
 const LARGEST_BASE_PARAMETERS: usize = 6;
 
+/// Shares of the progress of [`OrderStudy::new`]: the tests of residuals, and every effect alone.
+const RESIDUALS_SPAN: [f64; 2] = [0.0, 0.05];
+const SINGLES_SPAN: [f64; 2] = [0.05, 1.0];
+
 /// Shares of the progress of [`OrderStudy::combine`]: fitting several effects together, and
-/// refitting the chosen ones from more starting points.
+/// refitting the chosen ones from more starting points, if that is done.
 const COMBINING_SPAN: [f64; 2] = [0.0, 0.8];
 const MULTISTART_SPAN: [f64; 2] = [0.8, 1.0];
 
@@ -47,16 +51,17 @@ impl<'a> OrderStudy<'a> {
         part: Part<'_>,
         seed: u64,
     ) -> Result<Self, DiagnoseError> {
+        let stage = part.part(RESIDUALS_SPAN).stage("testing what the base model leaves", 2);
         let fit = session.judge(session.base(), Intervals::Profile)?;
-        let stage = part.part([0.0, 0.05]).stage("discrepancy", 1);
-        let discrepancy = discrepancy::of(&fit, seed);
+        stage.step();
+        let discrepancy = discrepancy::of(&fit, seed, session.observer());
         stage.step();
         let noise_scale = NoiseScale {
             known: session.noise_known(),
             rounding: session.rounding(),
             dof: session.data().saturating_sub(LARGEST_BASE_PARAMETERS).max(1) as f64,
         };
-        let search = Search::new(session, part.part([0.05, 1.0]), seed, noise_scale);
+        let search = Search::new(session, part.part(SINGLES_SPAN), seed, noise_scale);
         let (chosen, fits) = (Key::new(), discrepancy.noise_like);
         let mut this = Self { session, fit, discrepancy, search, seed, chosen, fits };
         this.choose(part)?;
@@ -85,7 +90,8 @@ impl<'a> OrderStudy<'a> {
                 .map(|model| session.error_left_out(model, |e, order| splits.part_of(e, order)));
             matches!(errors, [Some(without), Some(with)] if with < without)
         };
-        search.combine(part.part(COMBINING_SPAN), most, sufficient, adds);
+        let combining = if search.deepens() { COMBINING_SPAN } else { [0.0, 1.0] };
+        search.combine(part.part(combining), most, sufficient, adds);
         self.choose(part)?;
         self.search.deepen(&self.chosen, part.part(MULTISTART_SPAN));
         self.choose(part)
@@ -93,6 +99,9 @@ impl<'a> OrderStudy<'a> {
 
     /// Chooses the best supported model among those fitted so far.
     fn choose(&mut self, part: Part<'_>) -> Result<(), DiagnoseError> {
+        if part.cancelled() {
+            return Err(IdentifyError::Cancelled.into());
+        }
         let models = &mut self.search.models;
         self.chosen = models.best_supported();
         self.fits = match models.get(&self.chosen) {
@@ -101,9 +110,6 @@ impl<'a> OrderStudy<'a> {
             }
             _ => self.discrepancy.noise_like,
         };
-        if part.cancelled() {
-            return Err(IdentifyError::Cancelled.into());
-        }
         Ok(())
     }
 
@@ -140,5 +146,5 @@ impl<'a> OrderStudy<'a> {
 fn noise_like(session: &FitSession<'_>, noise_scale: NoiseScale, model: &Model, seed: u64) -> bool {
     let exact = !noise_scale.known && noise_scale.explains(model.cost);
     let fit = || session.judge(model, Intervals::Curvature);
-    exact || fit().is_ok_and(|fit| discrepancy::is_noise(&fit, seed))
+    exact || fit().is_ok_and(|fit| discrepancy::is_noise(&fit, seed, session.observer()))
 }

@@ -17,6 +17,10 @@ use crate::diagnose::holdout::cv_splits::CvSplits;
 use crate::diagnose::progress::Part;
 use crate::diagnose::residuals::discrepancy;
 
+/// Shares of the progress: cross-validation; the final fit, its intervals, and the next experiment.
+const HOLDOUT_SPAN: [f64; 2] = [0.0, 0.9];
+const FINAL_SPAN: [f64; 2] = [0.9, 1.0];
+
 /// The results of the study of one actuator order, from which the answer is assembled.
 pub(crate) struct ReportAssembly<'a> {
     /// The session in which everything was fitted.
@@ -49,17 +53,18 @@ impl ReportAssembly<'_> {
         let mut limitations = discrepancy::limitations(&self.fit, &self.discrepancy);
         limitations.extend(crate::diagnose::limitations::undecided(self.session));
         limitations.extend(crate::diagnose::limitations::incomparable(&self.models));
-        let cross_validation = match self.cross_validation(measurement, request, part) {
-            Ok(cross_validation) => Some(cross_validation),
-            Err(NoCrossValidation::Cancelled) => return Err(IdentifyError::Cancelled.into()),
-            Err(NoCrossValidation::NoCauses) => None,
-            Err(NoCrossValidation::Because(reason)) => {
-                limitations.push(format!(
-                    "what the causes gain on data that no fit has seen is not known: {reason}"
-                ));
-                None
-            }
-        };
+        let cross_validation =
+            match self.cross_validation(measurement, request, part.part(HOLDOUT_SPAN)) {
+                Ok(cross_validation) => Some(cross_validation),
+                Err(NoCrossValidation::Cancelled) => return Err(IdentifyError::Cancelled.into()),
+                Err(NoCrossValidation::NoCauses) => None,
+                Err(NoCrossValidation::Because(reason)) => {
+                    limitations.push(format!(
+                        "what the causes gain on data that no fit has seen is not known: {reason}"
+                    ));
+                    None
+                }
+            };
         // If the model leaves only noise, every cause is significant, and none is dropped.
         let prune = |cross_validation: &CrossValidation| {
             cross_validation.prune(&self.models, &mut self.chosen)
@@ -85,7 +90,9 @@ impl ReportAssembly<'_> {
                 self.chosen.join(" and ")
             ));
         }
+        let stage = part.part(FINAL_SPAN).stage("final fit and intervals", 2);
         let extended = self.extended()?;
+        stage.step();
         limitations.extend(extended.as_ref().and_then(crate::diagnose::limitations::unanswered));
         let Self { models, chosen, .. } = &self;
         let named = |extended| causes::named(models, chosen, extended, self.fits);
@@ -106,6 +113,8 @@ impl ReportAssembly<'_> {
             };
             candidate.heldout_error = cross_validation.as_ref().and_then(error);
         }
+        let next_experiment = self.next_experiment(causes.iter().map(|c| c.effect.as_str()));
+        stage.step();
         Ok(Diagnosis {
             verdict: match (chosen.is_empty(), self.explained) {
                 (true, true) => Verdict::Adequate,
@@ -114,7 +123,7 @@ impl ReportAssembly<'_> {
                 (false, false) => Verdict::Improved,
             },
             limitations,
-            next_experiment: self.next_experiment(causes.iter().map(|c| c.effect.as_str())),
+            next_experiment,
             causes,
             candidates,
             gain,

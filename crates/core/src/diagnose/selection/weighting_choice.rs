@@ -32,9 +32,11 @@ const EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM: f64 = 5e3;
 /// Shares of the progress: fitting the base model, the first weighting, and the second. If the
 /// base model is limited by the noise already, there is no second; else there may be.
 const BASE_FIT_SPAN: [f64; 2] = [0.0, 0.1];
+/// Share of the progress of a weighting in which its own base model is fitted.
+const OWN_BASE_FIT_SHARE: f64 = 0.15;
 const ONLY_WEIGHTING_SPAN: [f64; 2] = [0.1, 1.0];
-const FIRST_WEIGHTING_SPAN: [f64; 2] = [0.1, 0.55];
-const SECOND_WEIGHTING_SPAN: [f64; 2] = [0.55, 1.0];
+const FIRST_WEIGHTING_SPAN: [f64; 2] = [0.1, 0.6];
+const SECOND_WEIGHTING_SPAN: [f64; 2] = [0.6, 1.0];
 
 /// Diagnoses with noise weights. If no model is limited by the noise, equal weights are tried too,
 /// and win if they leave clearly less of the response. If the base model is very far from the
@@ -48,7 +50,7 @@ pub(crate) fn diagnose(
 ) -> Result<Diagnosis, DiagnoseError> {
     let answer = choose_weighting(measurement, request, part)?;
     // If one weighting sufficed, the share of the second was skipped.
-    part.part([1.0, 1.0]).stage("diagnosis", 1).step();
+    part.part([1.0, 1.0]).stage("finished", 1).step();
     Ok(answer)
 }
 
@@ -64,13 +66,13 @@ fn choose_weighting(
     let by_noise = |span| order_selection::diagnose(measurement, request, &first, part.part(span));
     let equal_weights = |span| {
         let part = part.part(span);
-        let fitting = part.part(BASE_FIT_SPAN);
+        let fitting = part.part([0.0, OWN_BASE_FIT_SHARE]);
         let first = FitSession::new(measurement, &equal_request, &fitting)?;
         order_selection::diagnose(
             measurement,
             &equal_request,
             &first,
-            part.part([BASE_FIT_SPAN[1], 1.0]),
+            part.part([OWN_BASE_FIT_SHARE, 1.0]),
         )
     };
     let chi2_per_dof = first.base().cost / first.data() as f64;

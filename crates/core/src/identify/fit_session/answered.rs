@@ -23,7 +23,7 @@ impl FitSession<'_> {
             return model;
         }
         let misfit = Misfit { counts: Counts::FromRest, ..self.misfit(&model) };
-        self.descend_by(&misfit, &model, self.patience(FitAccuracy::Settle))
+        self.descend_by(&misfit, &model, self.patience(FitAccuracy::Settle), &|| ())
     }
 
     /// Indices of the experiments in which a model has no response from rest.
@@ -47,7 +47,7 @@ impl FitSession<'_> {
             let rest = self.without(&left_out);
             let weights = &rest.fitted.weights;
             let misfit = Misfit::new(&rest.problem, &model.coordinates, weights, self.observer);
-            model = rest.descend_by(&misfit, &model, refine::THOROUGH);
+            model = rest.descend_by(&misfit, &model, refine::THOROUGH, &|| ());
             // At the new parameters more experiments may have a response; those in the fit still
             // have one, as the misfit requires it. Fit again while the number grows.
             let still = self.unanswered(&model);

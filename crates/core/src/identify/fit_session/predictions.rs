@@ -120,8 +120,11 @@ impl FitSession<'_> {
 
     /// Σ|ΔY|²/σ² between two models, in an experiment with a pure cosine of this magnitude (input
     /// units) and frequency (rad/s). σ is the median standard deviation of the data. `None` if
-    /// either model has no response.
+    /// either model has no response, or once the observer cancels.
     pub fn separation(&self, models: [&Model; 2], magnitude: f64, omega_rad_s: f64) -> Option<f64> {
+        if self.observer.cancelled() {
+            return None;
+        }
         let Scales { omega, input, .. } = self.problem.scales;
         let omega = omega_rad_s / omega;
         let excitation = simulate::Excitation::cosine(omega, magnitude / input);

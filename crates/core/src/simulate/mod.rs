@@ -20,9 +20,10 @@
 //! a given state. `sensor` applies the sensor's lags and the delay to the harmonics. `signal` holds
 //! the signal representations and Fourier integrals that all methods share.
 //!
-//! `piecewise_linear` and `hybrid` are written for any [`Scalar`]. With dual numbers the same code
-//! gives the derivatives by every parameter, and by the state at the beginning of the period.
-//! `shooting` uses the latter for Newton's method, which makes the motion periodic.
+//! `piecewise_linear` is written for any [`Scalar`]: with dual numbers the same code gives the
+//! derivatives by every parameter, and by the state at the beginning of the period. `hybrid`
+//! integrates in plain numbers and carries these derivatives along. `shooting` uses them for Newton's
+//! method, which makes the motion periodic.
 
 mod base;
 mod hybrid;

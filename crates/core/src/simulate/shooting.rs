@@ -1,8 +1,8 @@
 //! Single shooting: Newton's method for the state at the beginning of the period, and derivatives
 //! of the periodic motion by the implicit function theorem.
 //!
-//! The simulation runs in dual numbers. The first `parameters` lanes hold the derivatives by the
-//! parameters, the lanes after them those by the unknowns of the return map (the state at the
+//! Results of the simulation are dual numbers. The first `parameters` lanes hold the derivatives by
+//! the parameters, the lanes after them those by the unknowns of the return map (the state at the
 //! beginning of the period).
 
 use nalgebra::{DMatrix, DVector};

@@ -7,6 +7,7 @@
 //!   chooses among them and sets the length; `step` is the result.
 //! - `crossing`: the zeros of a signal within a step.
 //! - `integrate_period`: the integration over one period, through every switch.
+//! - `companion`: what the integration tells of its steps.
 //! - `sensitivity`: the derivatives by parameters and by the state at the beginning, carried along
 //!   with the integration.
 //! - `return_map`: the state at the beginning of the period, by Newton's method on the return map
@@ -16,6 +17,7 @@
 //! Where several periodic motions exist, the one reached from rest counts.
 
 mod affine;
+mod companion;
 mod crossing;
 mod initial_value;
 mod integrate_period;

@@ -9,19 +9,18 @@
 //! implicit function theorem on the event's signal.
 
 mod linear_mode;
+mod steps;
 
-use crate::plant::{Dual, Scalar};
+use crate::plant::{Dual, Scalar as _};
 
-use super::integrate_period::{Companion, Crossing, Span, Taken, add_powers};
+use super::companion::{Companion, Crossing, Taken, add_powers};
 use super::mechanics::{Event, Mechanics, Mode, VELOCITY};
-use super::runge_kutta::{NODES, Stages, Vector};
-use super::series::{MOST_POWERS, Series};
-use super::step::{Ends, Step};
-use crate::simulate::base::switching_times::Motion;
+use super::runge_kutta::Vector;
+use super::series::MOST_POWERS;
 use crate::simulate::piecewise_linear::drive::TorqueDerivatives;
 use crate::simulate::signal::fourier::Fourier;
 use crate::simulate::signal::piecewise_quintic::{
-    PiecewiseQuintic, Quintic, polynomial, slope as quintic_slope, through,
+    PiecewiseQuintic, Quintic, polynomial, slope as quintic_slope,
 };
 use linear_mode::LinearMode;
 
@@ -46,13 +45,6 @@ pub(super) struct Sensitivity<'a, 'g, const N: usize, const M: usize> {
     late_s: [f64; N],
     /// Derivatives of v over the present step: coefficients of the powers of u.
     powers: [[f64; N]; MOST_POWERS],
-}
-
-/// The derivatives at a position in a step.
-struct There<const N: usize, const M: usize> {
-    state: Lanes<N, M>,
-    /// Of the state's slope by time; only if it was asked for.
-    slope: Lanes<N, M>,
 }
 
 impl<'a, 'g, const N: usize, const M: usize> Sensitivity<'a, 'g, N, M> {
@@ -96,147 +88,6 @@ impl<'a, 'g, const N: usize, const M: usize> Sensitivity<'a, 'g, N, M> {
             lanes[*lane] = of(&cells[index]);
         }
         Dual::with_lanes(value, |lane| lanes[lane])
-    }
-
-    /// The derivatives at position `at` of a step; leaves those of v over the step in `powers`.
-    /// The slope is computed only if `with_slope`.
-    fn follow(&mut self, taken: &Taken<'_, M>, at: f64, with_slope: bool) -> There<N, M> {
-        self.torque_powers.clear();
-        let index = taken.span.index;
-        let restricted =
-            |(lane, cells): &(usize, Vec<Quintic<f64>>)| (*lane, taken.span.of(&cells[index]));
-        self.torque_powers.extend(self.torque.by_lane.iter().map(restricted));
-        match taken.step {
-            Step::Ends(ends) => self.exact(taken, ends, with_slope),
-            Step::Series(series) => self.series(taken, series, at, with_slope),
-            Step::Stages(stages) => self.stages(taken, stages.length_s),
-        }
-    }
-
-    /// The equations of the mode, with derivatives.
-    fn linear_mode(&mut self, mode: Mode) -> usize {
-        self.modes.iter().position(|known| known.mode == mode).unwrap_or_else(|| {
-            self.modes.push(LinearMode::new(self.mechanics, mode));
-            self.modes.len() - 1
-        })
-    }
-
-    /// An exact step.
-    fn exact(&mut self, taken: &Taken<'_, M>, ends: &Ends<M>, with_slope: bool) -> There<N, M> {
-        let at = self.linear_mode(taken.mode);
-        let mode = &mut self.modes[at];
-        let (h, torque) = (ends.length_s, &self.torque_powers);
-        let powers = taken.span.of(&taken.span.cell.powers);
-        let state = match ends.repeats {
-            true => mode.repeat(h, taken.start, &self.lanes, &powers, torque),
-            false => mode.series(h, taken.start, &self.lanes, &powers, torque),
-        };
-        if !with_slope && self.sums.is_none() {
-            return There { state, slope: [[0.0; N]; M] };
-        }
-        let lanes_of = |of: &dyn Fn(&Quintic<f64>) -> f64| {
-            let mut lanes = [0.0; N];
-            torque.iter().for_each(|(lane, powers)| lanes[*lane] = of(powers));
-            lanes
-        };
-        let both = [&self.lanes, &state];
-        let slopes: [Lanes<N, M>; 2] = std::array::from_fn(|end| {
-            let of = |powers: &Quintic<f64>| polynomial(powers, end as f64);
-            mode.slope(&ends.states[end], both[end], (of(&powers), &lanes_of(&of)))
-        });
-        if self.sums.is_some() {
-            let curvatures: [[f64; N]; 2] = std::array::from_fn(|end| {
-                let of = |powers: &Quintic<f64>| quintic_slope(powers, end as f64) / h;
-                let moved =
-                    mode.moved(&ends.slopes[end], &slopes[end], (of(&powers), &lanes_of(&of)));
-                moved[VELOCITY]
-            });
-            for lane in 0..N {
-                let end = |i: usize| {
-                    [
-                        both[i][VELOCITY][lane],
-                        slopes[i][VELOCITY][lane] * h,
-                        curvatures[i][lane] * (h * h),
-                    ]
-                };
-                let quintic = through(end(0), end(1));
-                for (power, coefficient) in self.powers.iter_mut().zip(quintic) {
-                    power[lane] = coefficient;
-                }
-            }
-        }
-        There { state, slope: slopes[1] }
-    }
-
-    /// A step by Taylor series.
-    fn series(
-        &mut self,
-        taken: &Taken<'_, M>,
-        series: &Series<M>,
-        at: f64,
-        with_slope: bool,
-    ) -> There<N, M> {
-        let mode = self.linear_mode(taken.mode);
-        let mode = &self.modes[mode];
-        let powers = taken.span.of(&taken.span.cell.powers);
-        let nonlinear = match taken.mode.motion {
-            Motion::Stuck => &[],
-            _ => taken.nonlinear,
-        };
-        let mut terms = [[[0.0; N]; M]; MOST_POWERS];
-        terms[0] = self.lanes;
-        for m in 0..series.order {
-            let mut driving = powers.get(m).copied().unwrap_or(0.0);
-            let mut lanes = [0.0; N];
-            if !nonlinear.is_empty() {
-                driving -= nonlinear.iter().map(|torque| torque.value[m]).sum::<f64>();
-                let term =
-                    |i: usize, state: usize| Dual::with_lanes(0.0, |lane| terms[i][state][lane]);
-                let torque = self.mechanics.nonlinear_derivative(nonlinear, term, m);
-                lanes = std::array::from_fn(|lane| -torque.lane(lane));
-            }
-            let drive = (driving, &lanes);
-            terms[m + 1] = mode.next_term(
-                m,
-                &series.terms[m],
-                &terms[m],
-                drive,
-                &self.torque_powers,
-                series.length_s,
-            );
-        }
-        for (power, term) in self.powers.iter_mut().zip(&terms[..=series.order]) {
-            *power = term[VELOCITY];
-        }
-        // Horner's scheme.
-        let (mut state, mut slope) = (terms[series.order], [[0.0; N]; M]);
-        for term in terms[..series.order].iter().rev() {
-            if with_slope {
-                mix(&mut slope, at, &state);
-            }
-            mix(&mut state, at, term);
-        }
-        slope.iter_mut().flatten().for_each(|entry| *entry /= series.length_s);
-        There { state, slope }
-    }
-
-    /// A Runge–Kutta step, by the same stages in dual numbers.
-    fn stages(&mut self, taken: &Taken<'_, M>, length_s: f64) -> There<N, M> {
-        let start = lifted(taken.start, &self.lanes);
-        let Span { index, from, width, .. } = taken.span;
-        let torque = |u: f64| self.torque_at((index, from + width * u));
-        let slope =
-            self.slope.unwrap_or_else(|| self.mechanics.slope(taken.mode, torque(0.0), &start));
-        let stages = Stages::new(&start, &slope, length_s, |stage, state| {
-            self.mechanics.slope(taken.mode, torque(NODES[stage]), state)
-        });
-        if self.sums.is_some() {
-            for (lanes, power) in self.powers.iter_mut().zip(stages.powers(VELOCITY)) {
-                *lanes = std::array::from_fn(|lane| power.lane(lane));
-            }
-        }
-        self.slope = Some(stages.slopes[6]);
-        There { state: lanes_of(&stages.end), slope: lanes_of(&stages.slopes[6]) }
     }
 
     /// Adds v over a step, up to position `reach`, to the Fourier integrals.
@@ -328,14 +179,6 @@ impl<const N: usize, const M: usize> Companion<M> for Sensitivity<'_, '_, N, M> 
         self.mechanics.deflect_fully(mode, &mut lifted);
         self.lanes = lanes_of(&lifted);
         self.slope = None;
-    }
-}
-
-/// Replaces x by x·factor + more.
-#[inline]
-fn mix<const N: usize, const M: usize>(x: &mut Lanes<N, M>, factor: f64, more: &Lanes<N, M>) {
-    for (row, more) in x.iter_mut().zip(more) {
-        row.iter_mut().zip(more).for_each(|(x, more)| *x = *x * factor + more);
     }
 }
 

@@ -1,7 +1,8 @@
 //! Event location: which switch comes first within a step, when, and the mode and state after it.
 
-use super::{Crossing, PeriodIntegration, Span, Taken};
+use super::PeriodIntegration;
 use crate::simulate::base::switching_times::Motion;
+use crate::simulate::hybrid::companion::{Crossing, Span, Taken};
 use crate::simulate::hybrid::crossing::{departure, root};
 use crate::simulate::hybrid::mechanics::{Contact, Event, Mode, VELOCITY};
 use crate::simulate::hybrid::runge_kutta::Vector;

@@ -4,12 +4,14 @@
 //! - [`methods`]: the searches that only comparisons need;
 //! - [`naming`]: how often a diagnosis names a hidden effect, and how often it names one that is
 //!   not there;
-//! - [`reproduction`]: the experiments of the paper.
+//! - [`reproduction`]: the experiments of the paper;
+//! - [`workloads`]: work of fixed size, to be timed.
 
 pub mod machines;
 pub mod methods;
 pub mod naming;
 pub mod reproduction;
+pub mod workloads;
 
 // The unit tests of `servoscope-core` include the source of `machines` as a module of that crate.
 // `machines` therefore uses `crate::measurement` and `crate::plant`, which both crates must have.

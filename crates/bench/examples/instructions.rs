@@ -16,8 +16,11 @@ use servoscope_core::observer::Silent;
 /// Work that is ready to be done.
 type Work = Box<dyn Fn() + Send + Sync>;
 
-/// Every piece of work by name, and how it is prepared.
-const PIECES: [(&str, fn() -> Work); 3] = [
+/// How a piece of work is made ready.
+type Prepare = fn() -> Work;
+
+/// Every piece of work by name.
+const PIECES: [(&str, Prepare); 3] = [
     ("points_with_gradient", points_with_gradient),
     ("identification", identification),
     ("diagnosis", diagnosis),
@@ -42,12 +45,12 @@ fn identification() -> Work {
     })
 }
 
-/// A machine that hides static friction, at every fifth point of its design with 6 harmonics each:
+/// A machine that hides static friction, at every eighth point of its design with 6 harmonics each:
 /// a small table, because counting takes forty times as long as running.
 fn diagnosis() -> Work {
     let mut machine = Hidden::One.machine();
     machine.harmonics = 5;
-    machine.design = machine.design.into_iter().step_by(5).collect();
+    machine.design = machine.design.into_iter().step_by(8).collect();
     let (measurement, request) = (measured(&machine), order_given(&machine));
     Box::new(move || {
         black_box(diagnose(&measurement, &request, &Silent).expect("an answer"));

@@ -63,6 +63,23 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         Self { mode, matrix, by_torque, constant, cached: None }
     }
 
+    /// Converts every coefficient with `f`.
+    pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T) -> Affine<T, M> {
+        Affine {
+            mode: self.mode,
+            matrix: self.matrix.map(|column| column.map(&f)),
+            by_torque: self.by_torque.map(&f),
+            constant: self.constant.map(&f),
+            cached: None,
+        }
+    }
+
+    /// δ of a step of this length.
+    pub fn drift(&self, length_s: f64) -> Vector<S, M> {
+        let zero = S::constant(0.0);
+        self.series(&[zero; M], &[zero; 6], &self.constant, length_s)
+    }
+
     /// The matrices of a step of this length.
     pub fn matrices_of_step(&self, length_s: f64) -> StepMatrices<S, M> {
         let (zero, no_torque) = ([S::constant(0.0); M], [S::constant(0.0); 6]);
@@ -70,7 +87,7 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
             length_s,
             propagator: std::array::from_fn(|i| self.series(&unit(i), &no_torque, &zero, length_s)),
             gains: std::array::from_fn(|i| self.series(&zero, &unit(i), &zero, length_s)),
-            drift: self.series(&zero, &no_torque, &self.constant, length_s),
+            drift: self.drift(length_s),
         }
     }
 

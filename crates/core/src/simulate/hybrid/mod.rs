@@ -80,8 +80,11 @@ pub(super) fn differentiate(
     let next = |first: usize| match (Mechanics::new(values).states, rows) {
         (1, ..=7) => chunk::<1, 8>(axis, values, request, first..rows),
         (1, _) => chunk::<1, 16>(axis, values, request, first..rows),
+        (2, ..=6) => chunk::<2, 8>(axis, values, request, first..rows),
         (2, _) => chunk::<2, 16>(axis, values, request, first..rows),
+        (3, ..=9) => chunk::<3, 12>(axis, values, request, first..rows),
         (3, _) => chunk::<3, 16>(axis, values, request, first..rows),
+        (4, ..=8) => chunk::<4, 12>(axis, values, request, first..rows),
         (4, _) => chunk::<4, 16>(axis, values, request, first..rows),
         _ => chunk::<MOST_STATES, 16>(axis, values, request, first..rows),
     };

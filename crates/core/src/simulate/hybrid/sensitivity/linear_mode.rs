@@ -14,6 +14,9 @@ use crate::simulate::hybrid::mechanics::{Mechanics, Mode};
 use crate::simulate::hybrid::runge_kutta::Vector;
 use crate::simulate::signal::piecewise_quintic::Quintic;
 
+/// Number of lanes for which the derivatives of matrices are computed together.
+const LANES_AT_ONCE: usize = 4;
+
 /// Derivative of the torque over a step by each lane by which it has one.
 pub(super) type TorqueLanes = [(usize, Quintic<f64>)];
 
@@ -97,21 +100,39 @@ impl<const N: usize, const M: usize> LinearMode<N, M> {
         end
     }
 
+    /// Only the lanes that change A or b need the derivatives of the matrices. The others change δ
+    /// in proportion to d.
     fn cached_step(&self, length_s: f64) -> CachedStep<N, M> {
-        let step = self.affine.matrices_of_step(length_s);
-        let of = |vector: &Vector<Dual<N>, M>, lane: usize| vector.map(|entry| entry.lane(lane));
-        let varying = self.varying.iter().map(|Varying { lane, .. }| Varying {
-            lane: *lane,
-            by_state: step.propagator.each_ref().map(|column| of(column, *lane)),
-            by_torque: step.gains.each_ref().map(|gain| of(gain, *lane)),
-        });
-        CachedStep {
-            length_s,
-            varying: varying.collect(),
-            propagator: step.propagator.map(|column| column.map(Dual::value)),
-            gains: step.gains.map(|gain| gain.map(Dual::value)),
-            drift: step.drift.map(lanes_of),
+        let step = self.affine.map(Dual::value).matrices_of_step(length_s);
+        let mut drift = [[0.0; N]; M];
+        let mut varying = Vec::with_capacity(self.varying.len());
+        for some in self.varying.chunks(LANES_AT_ONCE) {
+            let lane = |i: usize| some.get(i).map(|varying| varying.lane);
+            let few = self.affine.map(|x| {
+                let of = |i: usize| lane(i).map_or(0.0, |lane| x.lane(lane));
+                Dual::<LANES_AT_ONCE>::with_lanes(x.value(), of)
+            });
+            let step = few.matrices_of_step(length_s);
+            for (i, Varying { lane, .. }) in some.iter().enumerate() {
+                let of = |vector: &Vector<Dual<LANES_AT_ONCE>, M>| vector.map(|x| x.lane(i));
+                let by_state = step.propagator.each_ref().map(of);
+                let by_torque = step.gains.each_ref().map(of);
+                varying.push(Varying { lane: *lane, by_state, by_torque });
+                drift.iter_mut().zip(of(&step.drift)).for_each(|(row, x)| row[*lane] = x);
+            }
         }
+        for lane in 0..N {
+            let constant = self.constant.each_ref().map(|row| row[lane]);
+            let is_varying = self.varying.iter().any(|varying| varying.lane == lane);
+            if !is_varying && constant.iter().any(|x| *x != 0.0) {
+                let mut mode = self.affine.map(Dual::value);
+                mode.constant = constant;
+                let change = mode.drift(length_s);
+                drift.iter_mut().zip(change).for_each(|(row, x)| row[lane] = x);
+            }
+        }
+        let (propagator, gains) = (step.propagator, step.gains);
+        CachedStep { length_s, propagator, gains, varying, drift }
     }
 
     /// δx after a step of any length, by the Taylor series of the motion.

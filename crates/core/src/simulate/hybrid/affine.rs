@@ -74,10 +74,10 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
         }
     }
 
-    /// δ of a step of this length.
-    pub fn drift(&self, length_s: f64) -> Vector<S, M> {
+    /// δ of a step of this length, for a constant d.
+    pub fn drift(&self, constant: &Vector<S, M>, length_s: f64) -> Vector<S, M> {
         let zero = S::constant(0.0);
-        self.series(&[zero; M], &[zero; 6], &self.constant, length_s)
+        self.series(&[zero; M], &[zero; 6], constant, length_s)
     }
 
     /// The matrices of a step of this length.
@@ -87,7 +87,7 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
             length_s,
             propagator: std::array::from_fn(|i| self.series(&unit(i), &no_torque, &zero, length_s)),
             gains: std::array::from_fn(|i| self.series(&zero, &unit(i), &zero, length_s)),
-            drift: self.drift(length_s),
+            drift: self.drift(&self.constant, length_s),
         }
     }
 
@@ -108,7 +108,7 @@ impl<S: Scalar, const M: usize> Affine<S, M> {
 
     /// Term m + 1 of the series from term m.
     #[inline(always)]
-    fn next_term(
+    pub fn next_term(
         &self,
         m: usize,
         term: &Vector<S, M>,

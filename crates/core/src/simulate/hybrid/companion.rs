@@ -81,12 +81,11 @@ pub(super) trait Companion<const M: usize> {
     /// A step up to a switch.
     fn step_to_switch(&mut self, taken: &Taken<'_, M>, crossing: &Crossing<'_, M>);
 
-    /// The state right behind the switch, and the mode that follows.
-    fn switched(&mut self, event: Event, mode: Mode, place: (usize, f64), state: &Vector<f64, M>);
+    /// The switch is done; `slope` is the derivative of the state by time right behind it.
+    fn switched(&mut self, event: Event, slope: &Vector<f64, M>);
 
-    /// The axis leaves rest on its bristles; see
-    /// [`super::mechanics::Mechanics::leave_rest_on_bristles`]. `state` is
-    /// the one before.
+    /// The axis leaves rest on its bristles, at a position of a cell; `state` is the one before. See
+    /// [`super::mechanics::Mechanics::leave_rest_on_bristles`].
     fn leave_rest_on_bristles(&mut self, mode: Mode, place: (usize, f64), state: &Vector<f64, M>);
 
     /// The bristle is deflected fully.

@@ -146,7 +146,8 @@ impl<const M: usize> PeriodIntegration<'_, '_, M> {
                             self.leave_rest_on_bristles(mode, (index, from), &mut state);
                         }
                         if let Some(companion) = self.companion.as_deref_mut() {
-                            companion.switched(switch.event, mode, (index, from), &state);
+                            let slope = self.mechanics.slope(mode, cell.fixed(from), &state);
+                            companion.switched(switch.event, &slope);
                         }
                         slope = None;
                     }

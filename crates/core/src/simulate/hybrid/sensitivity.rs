@@ -108,6 +108,7 @@ impl<const N: usize, const M: usize> Companion<M> for Sensitivity<'_, '_, N, M> 
         self.sums.is_some()
     }
 
+    /// Every state at the beginning has a lane; those beyond these are the parameters'.
     fn parameters_vary(&self) -> bool {
         N > M
     }
@@ -145,14 +146,11 @@ impl<const N: usize, const M: usize> Companion<M> for Sensitivity<'_, '_, N, M> 
     /// Moves the derivatives from the switching time, which has derivatives itself, to its plain
     /// value, so that all times of the motion are plain numbers. The Fourier integrals need no
     /// correction: v is continuous, so that they gain before the switch what they lose after it.
-    fn switched(&mut self, event: Event, mode: Mode, place: (usize, f64), state: &Vector<f64, M>) {
+    fn switched(&mut self, event: Event, slope: &Vector<f64, M>) {
         if event == Event::Stops {
             self.lanes[VELOCITY] = [0.0; N];
         }
-        let state = state.map(Dual::constant);
-        let slope = self.mechanics.slope(mode, self.torque_at(place), &state);
-        for (lanes, slope) in self.lanes.iter_mut().zip(&slope) {
-            let slope = slope.value();
+        for (lanes, slope) in self.lanes.iter_mut().zip(slope) {
             lanes.iter_mut().zip(&self.late_s).for_each(|(lane, late)| *lane -= late * slope);
         }
         self.slope = None;

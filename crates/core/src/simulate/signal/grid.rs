@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rustfft::{Fft, FftPlanner};
 
+use super::bessel;
 use crate::measurement::Complex;
 
 /// Largest interpolation error of a general input, as a share of its rms without the mean: what
@@ -26,8 +27,7 @@ pub(crate) struct Grid {
     tables: Arc<Tables>,
 }
 
-/// Numbers of rows and columns.
-type Size = (usize, usize);
+type BesselTables = BTreeMap<(usize, usize), Arc<[f64]>>;
 
 /// Tables that do not depend on the signal.
 struct Tables {
@@ -35,8 +35,8 @@ struct Tables {
     turns: Vec<Complex>,
     /// ∫₀¹ uⁱ exp(−jθu) du at θ = 2πk/N, i = 0 … 5, for the lowest harmonics k.
     moments: Vec<[Complex; 6]>,
-    /// Tables of [`Grid::weights`], by their numbers of rows and columns.
-    weights: Mutex<BTreeMap<Size, Arc<[f64]>>>,
+    /// Tables of [`Grid::bessel`], by their numbers of orders and degrees.
+    bessel: Mutex<BesselTables>,
 }
 
 /// Number of fixed grid sizes, the ladder: 8, 12, 16, 24 … samples.
@@ -69,7 +69,7 @@ impl Grid {
                 .map(|n| Complex::from_polar(1.0, step * (n % samples) as f64))
                 .collect(),
             moments: (0..=samples / 3).map(|k| moments(step * k as f64)).collect(),
-            weights: Mutex::default(),
+            bessel: Mutex::default(),
         };
         Self {
             inverse: planner.plan_fft_inverse(samples),
@@ -97,19 +97,18 @@ impl Grid {
         self.tables.moments.get(k).copied().unwrap_or_else(|| moments(theta))
     }
 
-    /// A table of this many rows and columns, row after row. It is computed once, by `entry` from
-    /// the row and the column; all callers must ask for the same entries.
-    pub fn weights(
-        &self,
-        (rows, columns): Size,
-        entry: impl Fn(usize, usize) -> f64,
-    ) -> Arc<[f64]> {
-        let mut tables = self.tables.weights.lock().unwrap_or_else(PoisonError::into_inner);
-        let entry = &entry;
-        let compute = || {
-            (0..rows).flat_map(|row| (0..columns).map(move |column| entry(row, column))).collect()
-        };
-        Arc::clone(tables.entry((rows, columns)).or_insert_with(compute))
+    /// kωh/2, half the angle of harmonic k over a cell, radians.
+    pub fn half_turn(&self, k: usize) -> f64 {
+        std::f64::consts::PI * k as f64 / self.samples() as f64
+    }
+
+    /// Spherical Bessel functions j_d(kωh/2) of the degrees d below `degrees`, for k = 0, then for
+    /// the next k, up to `orders` of them. Each table is computed once.
+    pub fn bessel(&self, orders: usize, degrees: usize) -> Arc<[f64]> {
+        let mut tables = self.tables.bessel.lock().unwrap_or_else(PoisonError::into_inner);
+        let of_order = |k| (0..degrees).map(move |d| bessel::spherical(d, self.half_turn(k)));
+        let table = || (0..orders).flat_map(of_order).collect();
+        Arc::clone(tables.entry((orders, degrees)).or_insert_with(table))
     }
 
     /// Number N of samples per period.

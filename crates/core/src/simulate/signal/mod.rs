@@ -1,5 +1,6 @@
 //! Signals over time and their Fourier integrals, shared by all simulation methods.
 
+mod bessel;
 pub(super) mod complex_dual;
 pub(super) mod excitation;
 pub(super) mod exponential_integrator;

@@ -9,7 +9,7 @@
 use crate::plant::{Dual, Scalar as _};
 
 use super::Lanes;
-use crate::simulate::hybrid::affine::{Affine, Matrix, SERIES_TERMS};
+use crate::simulate::hybrid::affine::{Affine, Matrix, SERIES_TERMS, StepMatrices};
 use crate::simulate::hybrid::mechanics::{Mechanics, Mode};
 use crate::simulate::hybrid::runge_kutta::Vector;
 use crate::simulate::signal::piecewise_quintic::Quintic;
@@ -22,51 +22,70 @@ pub(super) type TorqueLanes = [(usize, Quintic<f64>)];
 
 /// The equations of one mode and their derivatives by N lanes.
 pub(super) struct LinearMode<const N: usize, const M: usize> {
-    pub mode: Mode,
-    affine: Affine<Dual<N>, M>,
-    matrix: Matrix<f64, M>,
-    by_torque: Vector<f64, M>,
+    /// With all derivatives.
+    lifted: Affine<Dual<N>, M>,
+    /// Without derivatives.
+    plain: Affine<f64, M>,
     /// δA and δb of the lanes that have any.
-    varying: Vec<Varying<Vector<f64, M>, M>>,
+    varying: Vec<Varying<M, 1>>,
     /// δd.
     constant: Lanes<N, M>,
     cached: Option<CachedStep<N, M>>,
 }
 
-/// Derivatives by one lane: of the matrix of the state, and of what multiplies the torque.
-struct Varying<T, const M: usize> {
+/// Derivatives by one lane: of a matrix, and of the vectors that multiply K coefficients of the
+/// torque.
+struct Varying<const M: usize, const K: usize> {
     lane: usize,
-    by_state: Matrix<f64, M>,
-    by_torque: T,
+    matrix: Matrix<f64, M>,
+    by_torque: [Vector<f64, M>; K],
+}
+
+impl<const M: usize, const K: usize> Varying<M, K> {
+    /// Adds the change that they make to the derivatives by the lane.
+    #[inline]
+    fn add_to<const N: usize>(
+        &self,
+        sum: &mut Lanes<N, M>,
+        state: &Vector<f64, M>,
+        torque: &[f64; K],
+    ) {
+        for (i, row) in sum.iter_mut().enumerate() {
+            let by_state = self.matrix.iter().zip(state).map(|(column, x)| column[i] * x);
+            let by_torque = self.by_torque.iter().zip(torque).map(|(gain, power)| gain[i] * power);
+            row[self.lane] += by_state.chain(by_torque).sum::<f64>();
+        }
+    }
 }
 
 /// A step of one length: x goes to Φx + Σ τᵢΓᵢ + δ (see [`Affine`]).
 struct CachedStep<const N: usize, const M: usize> {
-    length_s: f64,
-    propagator: Matrix<f64, M>,
-    gains: [Vector<f64, M>; 6],
-    varying: Vec<Varying<[Vector<f64, M>; 6], M>>,
+    plain: StepMatrices<f64, M>,
+    varying: Vec<Varying<M, 6>>,
     drift: Lanes<N, M>,
 }
 
 impl<const N: usize, const M: usize> LinearMode<N, M> {
     pub fn new(mechanics: &Mechanics<Dual<N>>, mode: Mode) -> Self {
-        let affine = Affine::new(mechanics, mode);
+        let lifted = Affine::new(mechanics, mode);
         let varying = (0..N).filter_map(|lane| {
-            let by_state = affine.matrix.map(|column| column.map(|entry| entry.lane(lane)));
-            let by_torque = affine.by_torque.map(|entry| entry.lane(lane));
-            let varies = by_state.iter().chain([&by_torque]).flatten().any(|entry| *entry != 0.0);
-            varies.then_some(Varying { lane, by_state, by_torque })
+            let of = |vector: &Vector<Dual<N>, M>| vector.map(|entry| entry.lane(lane));
+            let (matrix, by_torque) = (lifted.matrix.each_ref().map(of), [of(&lifted.by_torque)]);
+            let varies = matrix.iter().chain(&by_torque).flatten().any(|entry| *entry != 0.0);
+            varies.then_some(Varying { lane, matrix, by_torque })
         });
         Self {
-            mode,
-            matrix: affine.matrix.map(|column| column.map(Dual::value)),
-            by_torque: affine.by_torque.map(Dual::value),
             varying: varying.collect(),
-            constant: affine.constant.map(lanes_of),
+            plain: lifted.map(Dual::value),
+            constant: lifted.constant.map(|x| std::array::from_fn(|lane| x.lane(lane))),
             cached: None,
-            affine,
+            lifted,
         }
+    }
+
+    /// The mode.
+    pub fn mode(&self) -> Mode {
+        self.plain.mode
     }
 
     /// δx after a step whose length occurs often, by cached matrices.
@@ -78,23 +97,17 @@ impl<const N: usize, const M: usize> LinearMode<N, M> {
         powers: &Quintic<f64>,
         torque: &TorqueLanes,
     ) -> Lanes<N, M> {
-        if self.cached.as_ref().is_none_or(|cached| cached.length_s != length_s) {
+        if self.cached.as_ref().is_none_or(|cached| cached.plain.length_s != length_s) {
             self.cached = Some(self.cached_step(length_s));
         }
         let Some(cached) = &self.cached else { return *lanes };
         let mut end = cached.drift;
-        add_product(&mut end, &cached.propagator, lanes);
-        for Varying { lane, by_state, by_torque } in &cached.varying {
-            for i in 0..M {
-                let states = by_state.iter().zip(start).map(|(column, x)| column[i] * x);
-                let torques = by_torque.iter().zip(powers).map(|(gain, power)| gain[i] * power);
-                end[i][*lane] += states.chain(torques).sum::<f64>();
-            }
-        }
+        add_product(&mut end, &cached.plain.propagator, lanes);
+        cached.varying.iter().for_each(|varying| varying.add_to(&mut end, start, powers));
         for (lane, powers) in torque {
-            for i in 0..M {
-                let change: f64 = cached.gains.iter().zip(powers).map(|(g, p)| g[i] * p).sum();
-                end[i][*lane] += change;
+            for (i, row) in end.iter_mut().enumerate() {
+                let gains = cached.plain.gains.iter().zip(powers);
+                row[*lane] += gains.map(|(gain, power)| gain[i] * power).sum::<f64>();
             }
         }
         end
@@ -103,21 +116,19 @@ impl<const N: usize, const M: usize> LinearMode<N, M> {
     /// Only the lanes that change A or b need the derivatives of the matrices. The others change δ
     /// in proportion to d.
     fn cached_step(&self, length_s: f64) -> CachedStep<N, M> {
-        let step = self.affine.map(Dual::value).matrices_of_step(length_s);
         let mut drift = [[0.0; N]; M];
         let mut varying = Vec::with_capacity(self.varying.len());
         for some in self.varying.chunks(LANES_AT_ONCE) {
-            let lane = |i: usize| some.get(i).map(|varying| varying.lane);
-            let few = self.affine.map(|x| {
-                let of = |i: usize| lane(i).map_or(0.0, |lane| x.lane(lane));
+            let few = self.lifted.map(|x| {
+                let of = |i: usize| some.get(i).map_or(0.0, |varying| x.lane(varying.lane));
                 Dual::<LANES_AT_ONCE>::with_lanes(x.value(), of)
             });
             let step = few.matrices_of_step(length_s);
             for (i, Varying { lane, .. }) in some.iter().enumerate() {
                 let of = |vector: &Vector<Dual<LANES_AT_ONCE>, M>| vector.map(|x| x.lane(i));
-                let by_state = step.propagator.each_ref().map(of);
+                let matrix = step.propagator.each_ref().map(of);
                 let by_torque = step.gains.each_ref().map(of);
-                varying.push(Varying { lane: *lane, by_state, by_torque });
+                varying.push(Varying { lane: *lane, matrix, by_torque });
                 drift.iter_mut().zip(of(&step.drift)).for_each(|(row, x)| row[*lane] = x);
             }
         }
@@ -125,14 +136,11 @@ impl<const N: usize, const M: usize> LinearMode<N, M> {
             let constant = self.constant.each_ref().map(|row| row[lane]);
             let is_varying = self.varying.iter().any(|varying| varying.lane == lane);
             if !is_varying && constant.iter().any(|x| *x != 0.0) {
-                let mut mode = self.affine.map(Dual::value);
-                mode.constant = constant;
-                let change = mode.drift(length_s);
+                let change = self.plain.drift(&constant, length_s);
                 drift.iter_mut().zip(change).for_each(|(row, x)| row[lane] = x);
             }
         }
-        let (propagator, gains) = (step.propagator, step.gains);
-        CachedStep { length_s, propagator, gains, varying, drift }
+        CachedStep { plain: self.plain.matrices_of_step(length_s), varying, drift }
     }
 
     /// δx after a step of any length, by the Taylor series of the motion.
@@ -144,21 +152,12 @@ impl<const N: usize, const M: usize> LinearMode<N, M> {
         powers: &Quintic<f64>,
         torque: &TorqueLanes,
     ) -> Lanes<N, M> {
-        let constant = self.affine.constant.map(Dual::value);
         let (mut state, mut term, mut sum) = (*start, *lanes, *lanes);
         for m in 0..SERIES_TERMS {
             let driving = powers.get(m).copied().unwrap_or(0.0);
             term = self.next_term(m, &state, &term, (driving, &[0.0; N]), torque, length_s);
-            let mut next: Vector<f64, M> = std::array::from_fn(|i| {
-                self.by_torque[i] * driving + if m == 0 { constant[i] } else { 0.0 }
-            });
-            for (column, x) in self.matrix.iter().zip(&state) {
-                next.iter_mut().zip(column).for_each(|(entry, factor)| *entry += factor * x);
-            }
-            state = next.map(|entry| entry * length_s / (m + 1) as f64);
-            for (sum, term) in sum.iter_mut().zip(&term) {
-                sum.iter_mut().zip(term).for_each(|(sum, term)| *sum += term);
-            }
+            add(&mut sum, &term);
+            state = self.plain.next_term(m, &state, powers, &self.plain.constant, length_s);
         }
         sum
     }
@@ -210,25 +209,15 @@ impl<const N: usize, const M: usize> LinearMode<N, M> {
         (torque, torque_lanes): (f64, &[f64; N]),
     ) -> Lanes<N, M> {
         let mut moved = [[0.0; N]; M];
-        add_product(&mut moved, &self.matrix, lanes);
-        for (row, factor) in moved.iter_mut().zip(self.by_torque) {
+        add_product(&mut moved, &self.plain.matrix, lanes);
+        for (row, factor) in moved.iter_mut().zip(self.plain.by_torque) {
             if factor != 0.0 {
                 row.iter_mut().zip(torque_lanes).for_each(|(entry, t)| *entry += factor * t);
             }
         }
-        for Varying { lane, by_state, by_torque } in &self.varying {
-            for i in 0..M {
-                let states = by_state.iter().zip(state).map(|(column, x)| column[i] * x);
-                moved[i][*lane] += states.sum::<f64>() + by_torque[i] * torque;
-            }
-        }
+        self.varying.iter().for_each(|varying| varying.add_to(&mut moved, state, &[torque]));
         moved
     }
-}
-
-/// The derivatives of a number.
-fn lanes_of<const N: usize>(number: Dual<N>) -> [f64; N] {
-    std::array::from_fn(|lane| number.lane(lane))
 }
 
 /// Adds the product of a matrix and the lanes of a vector. Most entries of the matrix are 0.

@@ -44,7 +44,7 @@ impl<const N: usize, const M: usize> Sensitivity<'_, '_, N, M> {
 
     /// The equations of the mode, with derivatives.
     fn linear_mode(&mut self, mode: Mode) -> usize {
-        self.modes.iter().position(|known| known.mode == mode).unwrap_or_else(|| {
+        self.modes.iter().position(|known| known.mode() == mode).unwrap_or_else(|| {
             self.modes.push(LinearMode::new(self.mechanics, mode));
             self.modes.len() - 1
         })

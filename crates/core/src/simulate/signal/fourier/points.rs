@@ -14,6 +14,7 @@
 use crate::measurement::Complex;
 use crate::plant::Scalar;
 
+use crate::simulate::signal::bessel;
 use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::piecewise_quintic::Quintic;
@@ -53,9 +54,9 @@ pub(crate) struct Points<S> {
 impl<S: Scalar> Points<S> {
     /// For sums up to k = `highest`; `None` if the cells are too long for them.
     pub fn new(grid: &Grid, highest: usize) -> Option<Self> {
-        let most = half_turn(grid, highest);
+        let most = grid.half_turn(highest);
         let degrees = (6..=MOST_DEGREES)
-            .find(|d| first_term(*d, most) * (2 * d + 1) as f64 <= TRUNCATION_ERROR)?;
+            .find(|d| bessel::first_term(*d, most) * (2 * d + 1) as f64 <= TRUNCATION_ERROR)?;
         Some(Self { moments: vec![S::constant(0.0); degrees * grid.samples()], degrees })
     }
 
@@ -97,7 +98,7 @@ impl<S: Scalar> Points<S> {
     /// Adds the sums for k = 0, 1 … to `sums`.
     pub fn add_to(&self, grid: &Grid, sums: &mut [ComplexDual<S>]) {
         let orders = sums.len();
-        let weights = grid.weights((orders, self.degrees), |k, d| bessel(d, half_turn(grid, k)));
+        let weights = grid.bessel(orders, self.degrees);
         let values = self.transformed(grid, &weights, |x| x.value());
         let lanes: Vec<Vec<Complex>> = (0..S::LANES)
             .map(|lane| match self.varies(lane) {
@@ -148,54 +149,15 @@ impl<S: Scalar> Points<S> {
             }
         }
         for (k, sum) in sums.iter_mut().enumerate() {
-            *sum *= Complex::from_polar(1.0, -half_turn(grid, k));
+            *sum *= Complex::from_polar(1.0, -grid.half_turn(k));
         }
         sums
     }
 }
 
-/// kωh/2, radians.
-fn half_turn(grid: &Grid, k: usize) -> f64 {
-    std::f64::consts::PI * k as f64 / grid.samples() as f64
-}
-
-/// x^d/(2d + 1)!!, an upper bound of |j_d(x)| (Abramowitz and Stegun, 10.1.2 and 10.1.14).
-fn first_term(d: usize, x: f64) -> f64 {
-    (1..=d).fold(1.0, |product, i| product * x / (2 * i + 1) as f64)
-}
-
-/// j_d(x) by its power series (Abramowitz and Stegun, 10.1.2), for x of order 1.
-fn bessel(d: usize, x: f64) -> f64 {
-    let (mut term, mut sum) = (1.0, 1.0);
-    for m in 1.. {
-        term *= -0.5 * x * x / (m * (2 * (d + m) + 1)) as f64;
-        sum += term;
-        if term.abs() < 1e-17 * sum.abs() {
-            break;
-        }
-    }
-    first_term(d, x) * sum
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_series_of_bessel_is_the_closed_form() {
-        for x in [0.3, 1.5, 3.9_f64] {
-            let (sin, cos) = x.sin_cos();
-            let closed = [
-                sin / x,
-                sin / (x * x) - cos / x,
-                (3.0 / x.powi(3) - 1.0 / x) * sin - 3.0 * cos / (x * x),
-            ];
-            for (d, closed) in closed.into_iter().enumerate() {
-                // The closed form loses digits at small x.
-                assert!((bessel(d, x) - closed).abs() < 1e-13, "j_{d}({x})");
-            }
-        }
-    }
 
     #[test]
     fn sums_are_those_of_the_points_one_by_one() {

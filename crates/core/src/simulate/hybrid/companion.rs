@@ -4,7 +4,7 @@ use crate::effects::TaylorSeries;
 use crate::plant::Scalar;
 
 use super::mechanics::{Event, Mode};
-use super::runge_kutta::Vector;
+use super::runge_kutta::{Stages, Vector};
 use super::step::Step;
 use crate::simulate::signal::fourier::Fourier;
 use crate::simulate::signal::piecewise_quintic::{Cell, Quintic, restricted};
@@ -21,6 +21,11 @@ pub(super) struct Span<'a> {
 }
 
 impl Span<'_> {
+    /// Length, seconds.
+    pub fn length_s(&self) -> f64 {
+        self.width * self.cell.length_s
+    }
+
     /// Start, seconds.
     pub fn start_s(&self) -> f64 {
         self.cell.from_s + self.from * self.cell.length_s
@@ -74,6 +79,11 @@ pub(super) trait Companion<const M: usize> {
 
     /// Whether it needs derivatives by the parameters of nonlinear torques.
     fn parameters_vary(&self) -> bool;
+
+    /// A Runge–Kutta step, whose stages it computes with derivatives; they are kept until the step
+    /// is taken or another one is tried.
+    fn try_stages(&mut self, mode: Mode, span: &Span<'_>, start: &Vector<f64, M>)
+    -> Stages<f64, M>;
 
     /// A whole step.
     fn step(&mut self, taken: &Taken<'_, M>);

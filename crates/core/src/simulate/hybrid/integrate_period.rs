@@ -12,7 +12,7 @@ use super::step_control::StepControl;
 use crate::simulate::base::switching_times::Motion;
 use crate::simulate::signal::fourier::Fourier;
 use crate::simulate::signal::piecewise_quintic::{
-    Cell, PiecewiseQuintic, polynomial, restricted, slope as wave_slope,
+    PiecewiseQuintic, polynomial, slope as wave_slope,
 };
 use crate::simulate::transient::recorder::Recorder;
 
@@ -110,8 +110,9 @@ impl<const M: usize> PeriodIntegration<'_, '_, M> {
                 }
                 let begin = slope
                     .get_or_insert_with(|| self.mechanics.slope(mode, cell.fixed(from), &state));
-                let mut width = pace.width(cell, from);
-                let step = self.step(&mut pace, mode, cell, (from, &mut width), &state, begin);
+                let mut span = Span { index, cell, from, width: pace.width(cell, from) };
+                let step = self.step(&mut pace, mode, &mut span, &state, begin);
+                let width = span.width;
                 let error = self.error(&step, &state);
                 if error.is_nan() {
                     return None;
@@ -119,7 +120,6 @@ impl<const M: usize> PeriodIntegration<'_, '_, M> {
                 if !pace.accepts(error, width * cell.length_s, cell.length_s) {
                     continue;
                 }
-                let span = Span { index, cell, from, width };
                 match self.switch(mode, cell, from, width, &step) {
                     None => {
                         self.add(&span, &step);
@@ -184,45 +184,41 @@ impl<const M: usize> PeriodIntegration<'_, '_, M> {
         }
     }
 
-    /// A step from position `from` over at most `width` of a cell; sets `width` to the length
-    /// taken.
+    /// A step over at most `span`, which becomes the part that it covers.
     #[inline]
     fn step(
-        &self,
+        &mut self,
         pace: &mut StepControl<M>,
         mode: Mode,
-        cell: &Cell<f64>,
-        (from, width): (f64, &mut f64),
+        span: &mut Span<'_>,
         state: &Vector<f64, M>,
         slope: &Vector<f64, M>,
     ) -> Step<M> {
-        let length_s = *width * cell.length_s;
-        let torque = || match *width {
-            1.0 => cell.powers,
-            width => restricted(&cell.powers, from, from + width),
-        };
+        let (cell, length_s) = (span.cell, span.length_s());
         match pace {
-            StepControl::Controlled { .. } => {
-                Step::Stages(Stages::new(state, slope, length_s, |stage, state| {
-                    let torque = cell.fixed(from + *width * NODES[stage]);
+            StepControl::Controlled { .. } => Step::Stages(match self.companion.as_deref_mut() {
+                Some(companion) => companion.try_stages(mode, span, state),
+                None => Stages::new(state, slope, length_s, |stage, state| {
+                    let torque = cell.fixed(span.from + span.width * NODES[stage]);
                     self.mechanics.slope(mode, torque, state)
-                }))
-            }
+                }),
+            }),
             StepControl::Series { modes, nonlinear } => {
                 let allowed = self.precision.sizes.map(|size| size * self.precision.tolerance);
                 let affine = modes.of(mode, self.mechanics);
                 let is_nonlinear = mode.motion != Motion::Stuck && !nonlinear.is_empty();
                 let torques = is_nonlinear
                     .then_some(|terms: &[_]| self.mechanics.nonlinear_term(mode, nonlinear, terms));
-                let series = affine.reach(state, &torque(), length_s, &allowed, torques);
+                let series =
+                    affine.reach(state, &span.of(&cell.powers), length_s, &allowed, torques);
                 if series.share < 1.0 {
                     nonlinear.iter_mut().for_each(|torque| torque.slow_down(series.share));
                 }
-                *width *= series.share;
+                span.width *= series.share;
                 Step::Series(series)
             }
             StepControl::Exact { modes, reuse, .. } => {
-                let (affine, powers) = (modes.of(mode, self.mechanics), torque());
+                let (affine, powers) = (modes.of(mode, self.mechanics), span.of(&cell.powers));
                 let end = affine.step(state, &powers, length_s, *reuse);
                 let end_slope = affine.slope(&end, polynomial(&powers, 1.0));
                 let (states, slopes) = ([*state, end], [*slope, end_slope]);

@@ -103,6 +103,17 @@ impl<S: Scalar, const M: usize> Stages<S, M> {
             .fold(0.0, f64::max)
     }
 
+    /// The step without derivatives.
+    pub fn values(&self) -> Stages<f64, M> {
+        let of = |vector: &Vector<S, M>| vector.map(S::value);
+        Stages {
+            length_s: self.length_s,
+            start: of(&self.start),
+            end: of(&self.end),
+            slopes: self.slopes.each_ref().map(of),
+        }
+    }
+
     /// Coefficients of state `i` over the step as a polynomial in u, 0 to 1.
     #[inline]
     pub fn powers(&self, i: usize) -> [S; 5] {

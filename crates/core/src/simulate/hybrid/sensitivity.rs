@@ -2,10 +2,10 @@
 //! sensitivity analysis (Hairer, Nørsett, Wanner 1993, Solving Ordinary Differential Equations I,
 //! I.14 and II.6).
 //!
-//! The motion itself is integrated in plain numbers. For each of its steps the derivatives of the
+//! The motion itself is integrated in plain numbers, but for Runge–Kutta steps. For each of its steps the derivatives of the
 //! state at the end follow from those at the beginning: by the variational equations where the
-//! equations of motion are affine or the step is a Taylor series, and by the same Runge–Kutta
-//! stages in dual numbers otherwise. At a switch the switching time has derivatives too, by the
+//! equations of motion are affine or the step is a Taylor series. Runge–Kutta stages are computed in
+//! dual numbers. At a switch the switching time has derivatives too, by the
 //! implicit function theorem on the event's signal.
 
 mod linear_mode;
@@ -13,9 +13,9 @@ mod steps;
 
 use crate::plant::{Dual, Scalar as _};
 
-use super::companion::{Companion, Crossing, Taken, add_powers};
+use super::companion::{Companion, Crossing, Span, Taken, add_powers};
 use super::mechanics::{Event, Mechanics, Mode, VELOCITY};
-use super::runge_kutta::Vector;
+use super::runge_kutta::{Stages, Vector};
 use super::series::MOST_POWERS;
 use crate::simulate::piecewise_linear::drive::TorqueDerivatives;
 use crate::simulate::signal::fourier::Fourier;
@@ -39,8 +39,12 @@ pub(super) struct Sensitivity<'a, 'g, const N: usize, const M: usize> {
     modes: Vec<LinearMode<N, M>>,
     /// Derivatives of the torque over the present step.
     torque_powers: Vec<(usize, Quintic<f64>)>,
-    /// Slope at the end of the last Runge–Kutta step, where the next one begins.
-    slope: Option<Vector<Dual<N>, M>>,
+    /// The Runge–Kutta step that was tried last.
+    tried: Option<Stages<Dual<N>, M>>,
+    /// Slope at the end of the last Runge–Kutta step, where the next one of the same mode begins.
+    slope: Option<(Mode, Vector<Dual<N>, M>)>,
+    /// Derivatives of the slope at the end of the last exact step.
+    exact_slope: Option<(Mode, Lanes<N, M>)>,
     /// Derivatives of the last switching time.
     late_s: [f64; N],
     /// Derivatives of v over the present step: coefficients of the powers of u.
@@ -62,10 +66,17 @@ impl<'a, 'g, const N: usize, const M: usize> Sensitivity<'a, 'g, N, M> {
             lanes,
             modes: Vec::new(),
             torque_powers: Vec::new(),
+            tried: None,
             slope: None,
+            exact_slope: None,
             late_s: [0.0; N],
             powers: [[0.0; N]; MOST_POWERS],
         }
+    }
+
+    /// After a switch the next step begins with another slope.
+    fn forget_slopes(&mut self) {
+        (self.slope, self.exact_slope) = (None, None);
     }
 
     /// The torque at a position of a cell, with its derivatives.
@@ -113,6 +124,15 @@ impl<const N: usize, const M: usize> Companion<M> for Sensitivity<'_, '_, N, M> 
         N > M
     }
 
+    fn try_stages(
+        &mut self,
+        mode: Mode,
+        span: &Span<'_>,
+        start: &Vector<f64, M>,
+    ) -> Stages<f64, M> {
+        self.tried.insert(self.lifted_stages(mode, span, start)).values()
+    }
+
     fn step(&mut self, taken: &Taken<'_, M>) {
         let there = self.follow(taken, 1.0, false);
         self.add(taken, 1.0);
@@ -140,7 +160,7 @@ impl<const N: usize, const M: usize> Companion<M> for Sensitivity<'_, '_, N, M> 
                     + there.slope[i][lane] * crossing.late_s;
             }
         }
-        self.slope = None;
+        self.forget_slopes();
     }
 
     /// Moves the derivatives from the switching time, which has derivatives itself, to its plain
@@ -153,7 +173,7 @@ impl<const N: usize, const M: usize> Companion<M> for Sensitivity<'_, '_, N, M> 
         for (lanes, slope) in self.lanes.iter_mut().zip(slope) {
             lanes.iter_mut().zip(&self.late_s).for_each(|(lane, late)| *lane -= late * slope);
         }
-        self.slope = None;
+        self.forget_slopes();
     }
 
     fn leave_rest_on_bristles(
@@ -169,14 +189,14 @@ impl<const N: usize, const M: usize> Companion<M> for Sensitivity<'_, '_, N, M> 
         let torque = self.torque_at((index, at));
         self.mechanics.leave_rest_on_bristles(mode, torque, rate, &mut lifted);
         self.lanes = lanes_of(&lifted);
-        self.slope = None;
+        self.forget_slopes();
     }
 
     fn deflect_fully(&mut self, mode: Mode) {
         let mut lifted = lifted(&[0.0; M], &self.lanes);
         self.mechanics.deflect_fully(mode, &mut lifted);
         self.lanes = lanes_of(&lifted);
-        self.slope = None;
+        self.forget_slopes();
     }
 }
 

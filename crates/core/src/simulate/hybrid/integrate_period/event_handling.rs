@@ -145,7 +145,7 @@ impl<const M: usize> PeriodIntegration<'_, '_, M> {
         switch: &Switch,
     ) -> Option<(Vector<f64, M>, f64)> {
         let (cell, from, width) = (span.cell, span.from, span.width);
-        let mut part = width * switch.at;
+        let part = width * switch.at;
         let cut;
         let (step, span, at, mut end, end_slope) = match step {
             Step::Series(series) => {
@@ -156,11 +156,12 @@ impl<const M: usize> PeriodIntegration<'_, '_, M> {
                 if let StepControl::Exact { reuse, .. } = pace {
                     *reuse = false;
                 }
-                cut = self.step(pace, mode, cell, (from, &mut part), state, slope);
-                if pace.refuses(self.error(&cut, state), part * cell.length_s) {
+                let mut span = Span { width: part, ..span };
+                cut = self.step(pace, mode, &mut span, state, slope);
+                if pace.refuses(self.error(&cut, state), span.length_s()) {
                     return None;
                 }
-                (&cut, Span { width: part, ..span }, 1.0, *cut.end(), *cut.end_slope())
+                (&cut, span, 1.0, *cut.end(), *cut.end_slope())
             }
         };
         let there = self.mechanics.signal(switch.event, mode, cell.fixed(from + part), &end);

@@ -7,7 +7,7 @@ use super::{Lanes, Sensitivity, lanes_of, lifted};
 use crate::simulate::base::switching_times::Motion;
 use crate::simulate::hybrid::companion::{Span, Taken};
 use crate::simulate::hybrid::mechanics::{Mode, VELOCITY};
-use crate::simulate::hybrid::runge_kutta::{NODES, Stages};
+use crate::simulate::hybrid::runge_kutta::{NODES, Stages, Vector};
 use crate::simulate::hybrid::series::{MOST_POWERS, Series};
 use crate::simulate::hybrid::step::{Ends, Step};
 use crate::simulate::signal::piecewise_quintic::{
@@ -38,7 +38,7 @@ impl<const N: usize, const M: usize> Sensitivity<'_, '_, N, M> {
         match taken.step {
             Step::Ends(ends) => self.exact(taken, ends, with_slope),
             Step::Series(series) => self.series(taken, series, at, with_slope),
-            Step::Stages(stages) => self.stages(taken, stages.length_s),
+            Step::Stages(_) => self.stages(taken.mode),
         }
     }
 
@@ -69,10 +69,15 @@ impl<const N: usize, const M: usize> Sensitivity<'_, '_, N, M> {
             lanes
         };
         let both = [&self.lanes, &state];
-        let slopes: [Lanes<N, M>; 2] = std::array::from_fn(|end| {
+        let slope = |end: usize| {
             let of = |powers: &Quintic<f64>| polynomial(powers, end as f64);
             mode.slope(&ends.states[end], both[end], (of(&powers), &lanes_of(&of)))
-        });
+        };
+        let first = match self.exact_slope {
+            Some((of, slope)) if of == taken.mode => slope,
+            _ => slope(0),
+        };
+        let slopes = [first, slope(1)];
         if self.sums.is_some() {
             let curvatures: [[f64; N]; 2] = std::array::from_fn(|end| {
                 let of = |powers: &Quintic<f64>| quintic_slope(powers, end as f64) / h;
@@ -94,6 +99,7 @@ impl<const N: usize, const M: usize> Sensitivity<'_, '_, N, M> {
                 }
             }
         }
+        self.exact_slope = Some((taken.mode, slopes[1]));
         There { state, slope: slopes[1] }
     }
 
@@ -149,22 +155,35 @@ impl<const N: usize, const M: usize> Sensitivity<'_, '_, N, M> {
         There { state, slope }
     }
 
-    /// A Runge–Kutta step, by the same stages in dual numbers.
-    fn stages(&mut self, taken: &Taken<'_, M>, length_s: f64) -> There<N, M> {
-        let start = lifted(taken.start, &self.lanes);
-        let Span { index, from, width, .. } = taken.span;
-        let torque = |u: f64| self.torque_at((index, from + width * u));
-        let slope =
-            self.slope.unwrap_or_else(|| self.mechanics.slope(taken.mode, torque(0.0), &start));
-        let stages = Stages::new(&start, &slope, length_s, |stage, state| {
-            self.mechanics.slope(taken.mode, torque(NODES[stage]), state)
-        });
+    /// The stages of a Runge–Kutta step in dual numbers.
+    pub(super) fn lifted_stages(
+        &self,
+        mode: Mode,
+        span: &Span<'_>,
+        start: &Vector<f64, M>,
+    ) -> Stages<Dual<N>, M> {
+        let start = lifted(start, &self.lanes);
+        let torque = |u: f64| self.torque_at((span.index, span.from + span.width * u));
+        let slope = match self.slope {
+            Some((of, slope)) if of == mode => slope,
+            _ => self.mechanics.slope(mode, torque(0.0), &start),
+        };
+        Stages::new(&start, &slope, span.length_s(), |stage, state| {
+            self.mechanics.slope(mode, torque(NODES[stage]), state)
+        })
+    }
+
+    /// The Runge–Kutta step that was tried last.
+    fn stages(&mut self, mode: Mode) -> There<N, M> {
+        let Some(stages) = self.tried.take() else {
+            return There { state: self.lanes, slope: [[0.0; N]; M] };
+        };
         if self.sums.is_some() {
             for (lanes, power) in self.powers.iter_mut().zip(stages.powers(VELOCITY)) {
                 *lanes = std::array::from_fn(|lane| power.lane(lane));
             }
         }
-        self.slope = Some(stages.slopes[6]);
+        self.slope = Some((mode, stages.slopes[6]));
         There { state: lanes_of(&stages.end), slope: lanes_of(&stages.slopes[6]) }
     }
 }

@@ -194,15 +194,32 @@ impl<const M: usize> PeriodIntegration<'_, '_, M> {
         state: &Vector<f64, M>,
         slope: &Vector<f64, M>,
     ) -> Step<M> {
+        match (&pace, self.companion.as_deref_mut()) {
+            (StepControl::Controlled { .. }, Some(companion)) => {
+                Step::Stages(companion.try_stages(mode, span, state))
+            }
+            _ => self.plain_step(pace, mode, span, state, slope),
+        }
+    }
+
+    /// The same without derivatives.
+    #[inline]
+    fn plain_step(
+        &self,
+        pace: &mut StepControl<M>,
+        mode: Mode,
+        span: &mut Span<'_>,
+        state: &Vector<f64, M>,
+        slope: &Vector<f64, M>,
+    ) -> Step<M> {
         let (cell, length_s) = (span.cell, span.length_s());
         match pace {
-            StepControl::Controlled { .. } => Step::Stages(match self.companion.as_deref_mut() {
-                Some(companion) => companion.try_stages(mode, span, state),
-                None => Stages::new(state, slope, length_s, |stage, state| {
+            StepControl::Controlled { .. } => {
+                Step::Stages(Stages::new(state, slope, length_s, |stage, state| {
                     let torque = cell.fixed(span.from + span.width * NODES[stage]);
                     self.mechanics.slope(mode, torque, state)
-                }),
-            }),
+                }))
+            }
             StepControl::Series { modes, nonlinear } => {
                 let allowed = self.precision.sizes.map(|size| size * self.precision.tolerance);
                 let affine = modes.of(mode, self.mechanics);

@@ -144,7 +144,7 @@ fn a_job_goes_from_upload_to_result() {
     let job = json_of(server.get(&format!("{location}?wait=60")), 200);
     assert_eq!(job["status"], "succeeded");
     assert_eq!(job["plant"]["actuator_order"], 0);
-    assert_eq!(job["progress"]["stage"], "colony");
+    assert_eq!(job["progress"]["stage"], "searching");
     let result = json_of(server.get(&format!("{location}/result")), 200);
     assert_eq!(result["seed"], SUCCEED);
     let history = json_of(server.get(&format!("{location}/convergence")), 200);

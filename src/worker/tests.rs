@@ -138,7 +138,7 @@ async fn a_running_job_is_cancelled_even_from_another_process() {
     let id = bench.submit(RUN_UNTIL_CANCELLED).await;
     bench.running(&id).await;
     let progress = bench.service.job(&id).await.unwrap().progress.expect("it has begun");
-    assert_eq!((progress.stage.as_str(), progress.fraction), ("colony", 0.5));
+    assert_eq!((progress.stage.as_str(), progress.fraction), ("searching", 0.5));
     // The store is all that two processes share.
     bench.store.cancel(&id).await.unwrap();
     assert_eq!(bench.ended(&id).await.row.status, Status::Cancelled);

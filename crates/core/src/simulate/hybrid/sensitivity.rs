@@ -2,10 +2,10 @@
 //! sensitivity analysis (Hairer, Nørsett, Wanner 1993, Solving Ordinary Differential Equations I,
 //! I.14 and II.6).
 //!
-//! The motion itself is integrated in plain numbers, but for Runge–Kutta steps. For each of its steps the derivatives of the
-//! state at the end follow from those at the beginning: by the variational equations where the
-//! equations of motion are affine or the step is a Taylor series. Runge–Kutta stages are computed in
-//! dual numbers. At a switch the switching time has derivatives too, by the
+//! The motion itself is integrated in plain numbers, but for Runge–Kutta steps. For each of its steps
+//! the derivatives of the state at the end follow from those at the beginning: by the variational
+//! equations where the equations of motion are affine or the step is a Taylor series. Runge–Kutta
+//! stages are computed in dual numbers. At a switch the switching time has derivatives too, by the
 //! implicit function theorem on the event's signal.
 
 mod linear_mode;

@@ -101,18 +101,19 @@ impl Estimates<'_> {
                 Coordinate::FcPlus => insert("fc_plus", level(friction.fc_plus)),
                 Coordinate::FcMinus => insert("fc_minus", level(friction.fc_minus)),
                 Coordinate::FcMean => {
-                    let unknown = ParameterEstimate {
-                        value: Some(friction.fc_plus),
+                    let unknown = |value: f64| ParameterEstimate {
+                        value: Some(value),
                         std: None,
                         interval95: None,
                         unit: input.clone(),
                         at_bound: false,
                         identifiable: false,
                     };
-                    insert("fc_plus", unknown.clone());
-                    insert("fc_minus", unknown);
-                    insert("fc_mean", level(friction.fc_plus));
+                    insert("fc_plus", unknown(friction.fc_plus));
+                    insert("fc_minus", unknown(friction.fc_minus));
+                    insert("fc_mean", level(0.5 * (friction.fc_plus + friction.fc_minus)));
                 }
+                Coordinate::FcSplit => {}
                 Coordinate::ActuatorRate => {
                     if let Actuator::FirstOrder { corner_rad_s } = plant.actuator {
                         insert("actuator_pole", rate(-corner_rad_s, i));
@@ -245,7 +246,7 @@ impl Estimates<'_> {
     pub fn correlations(&self) -> Correlations {
         let list = &self.fitted.coordinates.list;
         let which: Vec<usize> = (0..list.len())
-            .filter(|i| !self.held[*i])
+            .filter(|i| !self.held[*i] && list[*i] != Coordinate::FcSplit)
             .filter(|i| self.std(self.uncertainty, *i).is_some())
             .collect();
         let mut matrix = self.uncertainty.correlations(&which);

@@ -11,7 +11,7 @@ mod transfer;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::answers::{NoiseSource, OrderChoice, Stage};
+use crate::answers::{Identification, NoiseSource, OrderChoice, Stage};
 use crate::effects::{Effect, Scope};
 use crate::measurement::{Complex, Measurement};
 use crate::observer::Observer;
@@ -19,6 +19,7 @@ use crate::simulate::Counts;
 
 use super::model_fit;
 use super::model_fit::ModelFit;
+use super::noise::Weights;
 use super::noise_law::NoiseLaw;
 use super::objective::Misfit;
 use super::pipeline::Fitted;
@@ -83,8 +84,63 @@ impl<'a> FitSession<'a> {
         observer: &'a dyn Observer,
     ) -> Result<Self, IdentifyError> {
         let problem = Problem::new(measurement)?;
-        let Solved { chosen: fitted, order_choice } =
-            solve(measurement, &problem, request, observer)?;
+        Self::solved(measurement, request, observer, problem, None)
+    }
+
+    /// Fits the base model as another request asks, such as with another actuator order, with the
+    /// weights of this session, so that the costs of both compare.
+    ///
+    /// # Errors
+    /// See [`IdentifyError`].
+    pub fn beside<'b>(
+        &self,
+        request: &'b IdentifyRequest,
+        observer: &'b dyn Observer,
+    ) -> Result<FitSession<'b>, IdentifyError>
+    where
+        'a: 'b,
+    {
+        let weights = Some(&self.fitted.weights);
+        FitSession::solved(self.measurement, request, observer, self.problem.clone(), weights)
+    }
+
+    /// Fits the base model with the weights that follow from what the model of an answer to the
+    /// same measurement leaves. `None` if those of this session hardly differ, or if the noise is
+    /// known.
+    ///
+    /// # Errors
+    /// See [`IdentifyError`].
+    pub fn reweighted(
+        &self,
+        answer: &Identification,
+        observer: &'a dyn Observer,
+    ) -> Result<Option<Self>, IdentifyError> {
+        if self.noise_known() || !self.fitted.weights.depend_on_model {
+            return Ok(None);
+        }
+        let weights = prediction::weights_of(self.measurement, &self.problem, answer)?;
+        if weights.resemble(&self.fitted.weights) {
+            return Ok(None);
+        }
+        let Self { measurement, request, problem, .. } = self;
+        let session = Self::solved(measurement, request, observer, problem.clone(), Some(&weights));
+        session.map(Some)
+    }
+
+    fn solved(
+        measurement: &'a Measurement,
+        request: &'a IdentifyRequest,
+        observer: &'a dyn Observer,
+        problem: Problem,
+        weights: Option<&Weights>,
+    ) -> Result<Self, IdentifyError> {
+        let Solved { chosen, order_choice } =
+            solve(measurement, &problem, request, weights, observer)?;
+        // Of given weights it is still true that others may follow from a better model.
+        let depend_on_model =
+            weights.map_or(chosen.weights.depend_on_model, |given| given.depend_on_model);
+        let weights = Weights { depend_on_model, ..chosen.weights };
+        let fitted = Fitted { weights, ..chosen };
         Self::of(measurement, request, observer, problem, fitted, order_choice)
     }
 

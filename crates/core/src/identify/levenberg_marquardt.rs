@@ -7,6 +7,7 @@
 use nalgebra::{DMatrix, DVector};
 
 /// Residuals and their Jacobian.
+#[derive(Debug, Clone)]
 pub(super) struct Linearisation {
     /// Residuals; of a misfit (Ŷ − Y)/σ: real and imaginary part of each datum in turn, harmonic 0
     /// with its real part alone.

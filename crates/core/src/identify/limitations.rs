@@ -35,10 +35,9 @@ pub(super) fn of(
             .into());
     }
     if problem.tied_friction {
-        say("without harmonic 0 or even harmonics Fc⁺ and Fc⁻ cannot be told apart: they are \
-             taken to be equal and fc_mean is their mean; if they differ, an experiment near \
-             breakaway shifts the other parameters by more than their intervals; measure \
-             harmonics 0 to 5"
+        say("without harmonic 0 or even harmonics Fc⁺ and Fc⁻ cannot be told apart: fc_mean is \
+             their mean, and the fit assumes no more than that one is at most twice the other, and \
+             not which; measure harmonics 0 to 5"
             .into());
     }
     let cosines = problem.experiments.iter().all(|e| e.excitation.is_pure_cosine());

@@ -12,6 +12,7 @@
 pub mod bee_colony;
 mod closed_form;
 mod effect_coordinates;
+mod estimated_noise;
 mod estimates;
 mod features;
 mod fit_session;
@@ -21,6 +22,7 @@ mod history;
 mod levenberg_marquardt;
 mod limitations;
 mod linear_least_squares;
+mod local_scatter;
 mod methods;
 mod model_fit;
 pub mod network;
@@ -45,6 +47,7 @@ mod transient_prediction;
 mod uncertainty;
 mod unit_compatibility;
 mod unit_cube_objective;
+mod variance_law;
 mod variance_shrinkage;
 
 use crate::answers::Identification;
@@ -78,7 +81,7 @@ pub fn identify(
 ) -> Result<Identification, IdentifyError> {
     let observer = &Steady::new(observer);
     let problem = Problem::new(measurement)?;
-    let Solved { chosen, order_choice } = solve(measurement, &problem, request, observer)?;
+    let Solved { chosen, order_choice } = solve(measurement, &problem, request, None, observer)?;
     let (coordinates, weights) = (&chosen.coordinates, &chosen.weights);
     let misfit = Misfit::new(&problem, coordinates, weights, observer);
     let answer = answer(measurement, &misfit, request, &chosen, order_choice, Intervals::Profile);

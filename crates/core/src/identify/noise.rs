@@ -1,7 +1,7 @@
 //! The standard deviation of each datum.
 //!
 //! Standard deviations come from the upload, from the scatter of repeats or periods, or are
-//! unknown. A variance estimated from few repeats is itself uncertain, and using each by itself as
+//! unknown: then weights follow from the scatter of what a model leaves (`estimated_noise`). A variance estimated from few repeats is itself uncertain, and using each by itself as
 //! a weight inflates every test statistic. Variances are therefore pooled if a test does not reject
 //! that they are equal, and otherwise shrunk towards those of their neighbours, by as much as their
 //! spread allows (Smyth 2004, doi:10.2202/1544-6115.1027).
@@ -13,16 +13,23 @@
 use rayon::prelude::*;
 
 use crate::answers::{IdentifyOptions, NoiseSource, Weighting};
+use crate::effects::ActiveEffect;
 use crate::measurement::{Complex, Experiment, Measurement};
 use crate::plant::Plant;
 use crate::simulate;
 
+use super::estimated_noise::EstimatedLaw;
+use super::local_scatter::LocalScatter;
 use super::problem::{Prepared, Problem};
 use super::variance_shrinkage::{Cell, weighting_variances};
 
 /// Relative deviation that rounding of the mean leaves between repeats that are copies of each
 /// other.
 const COPY_ROUNDING: f64 = 1e-13;
+
+/// Weights whose standard deviations differ by less than this (rms of their logarithms) are the
+/// same: each part of a law is estimated from some hundred data to about a tenth.
+const SAME_WEIGHTS: f64 = 0.1;
 
 /// Standard deviation of every target, in scale.
 #[derive(Debug, Clone)]
@@ -33,8 +40,12 @@ pub(super) struct Weights {
     pub source: NoiseSource,
     /// Degrees of freedom of the estimated noise scale; infinite if the scale is given.
     pub scale_dof: f64,
-    /// Whether they depend on the model, which they do if the input scatters.
+    /// Whether they depend on the model, which they do if the input scatters, or if they are
+    /// estimated from what the model leaves.
     pub depend_on_model: bool,
+    /// The law from which they follow, if they are estimated from what a model leaves and noise of
+    /// one size is too unlikely.
+    pub law: Option<EstimatedLaw>,
     /// The variances they were estimated from; empty if they were not estimated.
     pub scatter: Vec<Vec<Cell>>,
 }
@@ -50,19 +61,39 @@ impl Weights {
         rest
     }
 
+    /// Whether these weigh the data alike: the ratios of their standard deviations differ by no
+    /// more than the law can be estimated to.
+    pub fn resemble(&self, others: &Self) -> bool {
+        let pairs = || self.sigma.iter().flatten().zip(others.sigma.iter().flatten());
+        let count = pairs().count().max(1) as f64;
+        let square = |(own, other): (&f64, &f64)| (own / other).ln().powi(2);
+        (pairs().map(square).sum::<f64>() / count).sqrt() <= SAME_WEIGHTS
+    }
+
     /// Whether the size of the noise is known.
     pub fn known(&self) -> bool {
         self.source != NoiseSource::Estimated
     }
 }
 
-/// The weights of a problem. `model` (in scale) says how the scatter of the input acts on the
-/// response; without it the measured ratio of response to input is used.
+/// A model in scale, on which weights depend.
+#[derive(Clone, Copy)]
+pub(super) struct Beside<'a> {
+    /// Its plant.
+    pub plant: &'a Plant,
+    /// Its effects.
+    pub effects: &'a [ActiveEffect],
+}
+
+/// The weights of a problem. `model` says how the scatter of the input acts on the response;
+/// without it the measured ratio of response to input is used. Where nothing is stated, what the
+/// model leaves tells how the noise depends on the size of the response; without a model, all
+/// weights are equal.
 pub(super) fn weights(
     measurement: &Measurement,
     problem: &Problem,
     options: &IdentifyOptions,
-    model: Option<&Plant>,
+    model: Option<Beside<'_>>,
 ) -> Weights {
     let experiments = measurement.experiments();
     let uniform = |sigma: f64, source| Weights {
@@ -70,13 +101,14 @@ pub(super) fn weights(
         source,
         scale_dof: f64::INFINITY,
         depend_on_model: false,
+        law: None,
         scatter: Vec::new(),
     };
     if options.weights == Weighting::Response {
         return uniform(1.0, NoiseSource::Estimated);
     }
     if experiments.iter().any(|e| !e.repeats.is_empty()) && scatters(experiments) {
-        return from_scatter(experiments, problem, model);
+        return from_scatter(experiments, problem, model.map(|model| model.plant));
     }
     let given: Vec<f64> =
         experiments.iter().flat_map(|e| &e.response).filter_map(|h| h.std).collect();
@@ -96,7 +128,17 @@ pub(super) fn weights(
     }
     match options.noise_std {
         Some(std) => uniform(std / problem.response_scale, NoiseSource::Given),
-        None => uniform(1.0, NoiseSource::Estimated),
+        None => {
+            let law =
+                model.and_then(|beside| EstimatedLaw::of(problem, beside.plant, beside.effects));
+            let equal = uniform(1.0, NoiseSource::Estimated);
+            Weights {
+                sigma: law.as_ref().map_or(equal.sigma.clone(), |law| law.sigma(problem)),
+                depend_on_model: !LocalScatter::of(problem).is_empty(),
+                law,
+                ..equal
+            }
+        }
     }
 }
 
@@ -142,6 +184,7 @@ fn from_scatter(experiments: &[Experiment], problem: &Problem, model: Option<&Pl
         source: if from_record { NoiseSource::Periods } else { NoiseSource::Repeats },
         scale_dof,
         depend_on_model: input_scatters,
+        law: None,
         scatter: rows,
     }
 }

@@ -1,10 +1,11 @@
 //! The distribution of standardised noise. It is normal; where the standard deviations were
-//! estimated from few repeats, their own scatter is included.
+//! estimated, from few repeats or from what a model leaves, their own scatter is included.
 
 use nalgebra::DVector;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
+use super::estimated_noise::EstimatedLaw;
 use super::noise::Weights;
 use super::problem::Problem;
 use super::variance_shrinkage::{Cell, shrunk_variances, weighting_variances};
@@ -20,8 +21,10 @@ use super::variance_shrinkage::{Cell, shrunk_variances, weighting_variances};
 pub struct NoiseLaw {
     /// The cells of the scatter, with their shrunk variances; empty if none were estimated.
     scatter: Vec<Vec<Cell>>,
-    /// Number of real components of every target, by experiment.
-    components: Vec<Vec<usize>>,
+    /// The law from which the standard deviations follow, if it was estimated.
+    law: Option<EstimatedLaw>,
+    /// Number of real components of every target.
+    components: Vec<usize>,
 }
 
 impl NoiseLaw {
@@ -32,24 +35,24 @@ impl NoiseLaw {
             cell.variance = variance;
         }
         let count = |real: bool| if real { 1 } else { 2 };
-        let components = problem
-            .experiments
-            .iter()
-            .map(|experiment| experiment.targets.iter().map(|t| count(t.real)).collect())
-            .collect();
-        Self { scatter, components }
+        let targets = problem.experiments.iter().flat_map(|experiment| &experiment.targets);
+        let components = targets.map(|target| count(target.real)).collect();
+        Self { scatter, law: weights.law.clone(), components }
     }
 
     /// Whether the distribution is standard normal.
     pub fn is_normal(&self) -> bool {
-        self.scatter.is_empty()
+        self.scatter.is_empty() && self.law.is_none()
     }
 
     /// Draws the standardised noise of every real component, in the order of the residuals.
     pub fn draw(&self, rng: &mut ChaCha8Rng) -> DVector<f64> {
-        let data = self.components.iter().flatten().sum();
+        let data = self.components.iter().sum();
         let mut noise = DVector::from_fn(data, |_, _| StandardNormal.sample(rng));
-        if self.is_normal() {
+        if let Some(law) = &self.law {
+            law.reweighted(&mut noise, &self.components);
+        }
+        if self.scatter.is_empty() {
             return noise;
         }
         let mut drawn = self.scatter.clone();
@@ -60,7 +63,7 @@ impl NoiseLaw {
         }
         let estimated = weighting_variances(&drawn);
         let truth = self.scatter.iter().flatten();
-        let counts = self.components.iter().flatten();
+        let counts = self.components.iter();
         let mut row = 0;
         for ((cell, estimate), count) in truth.zip(estimated.iter().flatten()).zip(counts) {
             for _ in 0..*count {

@@ -4,19 +4,16 @@ use crate::answers::{OrderCandidate, OrderChoice};
 
 use crate::observer::Observer;
 
+use super::noise::Weights;
 use super::objective::Misfit;
 use super::parameters::Coordinate;
 use super::pipeline::Fitted;
-use super::problem::Problem;
+use super::problem::{Problem, Target};
 use super::refine;
 
 /// Misfit below this share of the largest response is rounding in the upload and no reason for
 /// another pole.
 const UPLOAD_ROUNDING: f64 = 1e-6;
-
-/// The same share where Fc⁺ and Fc⁻ are taken to be equal: the difference that this ignores changes
-/// odd harmonics to second order.
-const TIED_FRICTION_ERROR: f64 = 1e-4;
 
 /// Share of the misfit that each parameter must remove if the misfit is the model's error and not
 /// noise (tuned). Such residuals are not independent, so statistical significance is cheap, and
@@ -40,8 +37,7 @@ pub(super) fn choose(problem: &Problem, fits: &[Fitted], observer: &dyn Observer
     // The χ² of pure noise has mean N and standard deviation √(2N).
     let explained = known && best_cost < data + 4.0 * (2.0 * data).sqrt();
     let penalty = if known && !explained { USEFUL_SHARE * data } else { data.ln() };
-    let share = if problem.tied_friction { TIED_FRICTION_ERROR } else { UPLOAD_ROUNDING };
-    let rounding = if known { 0.0 } else { data * share * share };
+    let rounding = if known { 0.0 } else { rounding(problem, &fits[0].weights) };
     let candidates: Vec<OrderCandidate> = fits
         .iter()
         .zip(costs)
@@ -78,11 +74,21 @@ fn actuator_is_seen(fit: &Fitted) -> bool {
     })
 }
 
-/// Costs under equal weights. If the input scatters, weights depend on the model and every fit has
-/// its own; all fits are then refined with the weights of the best one.
+/// The cost that rounding leaves.
+fn rounding(problem: &Problem, weights: &Weights) -> f64 {
+    let experiments = problem.experiments.iter().zip(&weights.sigma);
+    let of_datum = |(target, sigma): (&Target, &f64)| {
+        (if target.real { 1.0 } else { 2.0 }) * (UPLOAD_ROUNDING / sigma).powi(2)
+    };
+    experiments.flat_map(|(e, sigma)| e.targets.iter().zip(sigma)).map(of_datum).sum()
+}
+
+/// Costs under equal weights. If weights depend on the model, every fit has its own; all fits are
+/// then refined with the weights of the best one.
 fn comparable_costs(problem: &Problem, fits: &[Fitted], observer: &dyn Observer) -> Vec<f64> {
     let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-    let Some(best) = best.filter(|best| best.weights.depend_on_model) else {
+    let differ = |best: &&Fitted| fits.iter().any(|fit| fit.weights.sigma != best.weights.sigma);
+    let Some(best) = best.filter(differ) else {
         return fits.iter().map(|fit| fit.cost).collect();
     };
     fits.iter()
@@ -142,10 +148,11 @@ mod tests {
                     point[4] = coordinates.upper[4];
                 }
                 let weights = Weights {
-                    sigma: Vec::new(),
+                    sigma: problem.experiments.iter().map(|e| vec![1.0; e.targets.len()]).collect(),
                     source,
                     scale_dof: f64::INFINITY,
                     depend_on_model: false,
+                    law: None,
                     scatter: Vec::new(),
                 };
                 let cost = costs[usize::from(order)] * data;

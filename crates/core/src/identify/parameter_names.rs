@@ -36,6 +36,7 @@ pub(super) fn name(coordinates: &Coordinates, i: usize) -> String {
         Coordinate::FcPlus => "fc_plus",
         Coordinate::FcMinus => "fc_minus",
         Coordinate::FcMean => "fc_mean",
+        Coordinate::FcSplit => "fc_split",
         Coordinate::ActuatorRate => "actuator_pole",
         Coordinate::NaturalFrequency => "natural_frequency",
         Coordinate::DampingRatio => "damping_ratio",

@@ -18,8 +18,11 @@ pub(super) enum Coordinate {
     FcPlus,
     /// Fc⁻.
     FcMinus,
-    /// Fc⁺ = Fc⁻, where the data cannot tell them apart.
+    /// (Fc⁺ + Fc⁻)/2, where the data hardly tells the levels apart.
     FcMean,
+    /// ((Fc⁺ − Fc⁻)/(Fc⁺ + Fc⁻))², beside [`Self::FcMean`]. Odd harmonics of the response to a
+    /// cosine are even functions of the difference, so that they change in proportion to its square.
+    FcSplit,
     /// ln p of a first-order actuator.
     ActuatorRate,
     /// ln ωₙ.
@@ -58,6 +61,11 @@ pub(super) const CONSTANT: usize = 1;
 /// Largest actuator rate, as a multiple of the highest frequency. Such an actuator shifts the phase
 /// at that frequency by only about 1e-4 rad, so a higher order never fits worse than a lower one.
 const FASTEST_ACTUATOR_RATIO: f64 = 1e4;
+
+/// Range of [`Coordinate::FcSplit`]: the prior where the data hardly tells the levels apart. One
+/// level is at most twice the other. The lower end, levels 2 % apart, keeps the square root
+/// differentiable; the response there differs from that of equal levels by some 1e-5.
+const SPLIT_RANGE: [f64; 2] = [1e-4, 1.0 / 9.0];
 
 /// What the data says about where parameters can lie, in the problem's units.
 #[derive(Debug, Clone, Copy)]
@@ -102,6 +110,9 @@ impl Coordinates {
         };
         for coordinate in frictions {
             these.push(*coordinate, [0.0, 1.05 * prior.largest_level], likely);
+        }
+        if tied_friction {
+            these.push(Coordinate::FcSplit, SPLIT_RANGE, SPLIT_RANGE);
         }
         match order {
             1 => these.push_log(
@@ -177,6 +188,10 @@ impl Coordinates {
                 Coordinate::FcPlus => fc_plus = *value,
                 Coordinate::FcMinus => fc_minus = *value,
                 Coordinate::FcMean => (fc_plus, fc_minus) = (*value, *value),
+                Coordinate::FcSplit => {
+                    let half_difference = fc_plus * value.sqrt();
+                    (fc_plus, fc_minus) = (fc_plus + half_difference, fc_minus - half_difference);
+                }
                 Coordinate::ActuatorRate => {
                     plant.actuator = Actuator::FirstOrder { corner_rad_s: value.exp() };
                 }
@@ -214,6 +229,11 @@ impl Coordinates {
                 Coordinate::FcPlus => friction.fc_plus,
                 Coordinate::FcMinus => friction.fc_minus,
                 Coordinate::FcMean => 0.5 * (friction.fc_plus + friction.fc_minus),
+                // Without friction this is NaN, which `clamp` replaces.
+                Coordinate::FcSplit => {
+                    let difference = friction.fc_plus - friction.fc_minus;
+                    (difference / (friction.fc_plus + friction.fc_minus)).powi(2)
+                }
                 Coordinate::ActuatorRate | Coordinate::NaturalFrequency => first.ln(),
                 Coordinate::DampingRatio => second.ln(),
                 // A plant contains no effects: `clamp` replaces NaN by the middle of the search
@@ -292,12 +312,16 @@ mod tests {
     }
 
     #[test]
-    fn tied_levels_are_one_coordinate_that_moves_both() {
+    fn tied_levels_are_a_mean_and_the_square_of_a_relative_difference() {
         let coordinates = Coordinates::new(0, true, &PRIOR);
-        assert_eq!(coordinates.len(), 3);
         let point = coordinates.point(&axis(ACTUATORS[0]));
+        assert!((point[2] - 0.45).abs() < 1e-14 && (point[3] - 1.0 / 81.0).abs() < 1e-14);
         let friction = coordinates.plant(&point).friction;
-        assert_eq!(friction, Friction::coulomb(0.45, 0.45));
+        assert!((friction.fc_plus - 0.5).abs() < 1e-14 && (friction.fc_minus - 0.4).abs() < 1e-14);
+        let mut without = axis(ACTUATORS[0]);
+        without.friction = Friction::coulomb(0.0, 0.0);
+        let friction = coordinates.plant(&coordinates.point(&without)).friction;
+        assert_eq!(friction, Friction::coulomb(0.0, 0.0));
     }
 
     #[test]

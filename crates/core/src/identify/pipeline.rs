@@ -12,7 +12,7 @@ use crate::plant::{Actuator, Plant};
 use super::closed_form;
 use super::history::History;
 use super::methods::Steps;
-use super::noise::{self, Weights};
+use super::noise::{self, Beside, Weights};
 use super::objective::Misfit;
 use super::optimiser::{self, Optimiser, Search};
 use super::parameters::Coordinates;
@@ -55,6 +55,8 @@ pub(super) struct Run<'a> {
     pub problem: &'a Problem,
     /// The options.
     pub options: &'a IdentifyOptions,
+    /// The weights to use; without them, those of the noise.
+    pub weights: Option<&'a Weights>,
     /// The fit of the next lower order, if there is one: a starting point that this order can only
     /// improve.
     pub lower: Option<&'a Fitted>,
@@ -284,8 +286,14 @@ impl Run<'_> {
         })
     }
 
-    fn weights(&self, model: Option<&Plant>) -> Weights {
-        noise::weights(self.measurement, self.problem, self.options, model)
+    fn weights(&self, plant: Option<&Plant>) -> Weights {
+        match self.weights {
+            Some(weights) => Weights { depend_on_model: false, ..weights.clone() },
+            None => {
+                let beside = plant.map(|plant| Beside { plant, effects: &[] });
+                noise::weights(self.measurement, self.problem, self.options, beside)
+            }
+        }
     }
 
     fn misfit<'m>(&'m self, coordinates: &'m Coordinates, weights: &'m Weights) -> Misfit<'m> {

@@ -12,7 +12,7 @@ use crate::plant::{Actuator, Friction, Plant};
 use crate::simulate;
 
 use super::noise;
-use super::noise::Weights;
+use super::noise::{Beside, Weights};
 use super::problem::{Prepared, Problem, Scales};
 use super::request::IdentifyError;
 
@@ -33,9 +33,23 @@ pub fn compare(
     let problem = Problem::new(measurement)?.without(&left_out);
     let plant = problem.in_scale(&reported_plant(answer)?);
     let effects = reported_effects(answer, problem.scales)?;
-    let options = &answer.provenance.options;
-    let weights = noise::weights(measurement, &problem, options, Some(&plant));
+    let weights = weights_of(measurement, &problem, answer)?;
     Ok(beside(measurement, &problem, &plant, &effects, &weights, answer.fit.dof, |_| true))
+}
+
+/// The weights of a problem beside the model of a stored answer.
+///
+/// # Errors
+/// [`IdentifyError::Unusable`] if the answer lacks a parameter of the model.
+pub(super) fn weights_of(
+    measurement: &Measurement,
+    problem: &Problem,
+    answer: &Identification,
+) -> Result<Weights, IdentifyError> {
+    let plant = &problem.in_scale(&reported_plant(answer)?);
+    let effects = &reported_effects(answer, problem.scales)?;
+    let options = &answer.provenance.options;
+    Ok(noise::weights(measurement, problem, options, Some(Beside { plant, effects })))
 }
 
 /// Compares the measured and simulated responses of the experiments that are `wanted`. Plant and
@@ -130,7 +144,8 @@ fn harmonics(
         .collect()
 }
 
-/// Sets one standard deviation for all data, estimated from the residuals per degree of freedom.
+/// Scales the standard deviations, of which only the ratios are known, by the residuals per degree
+/// of freedom.
 fn estimate_std(comparison: &mut Comparison, parameters: i64) {
     let harmonics = || comparison.experiments.iter().flat_map(|e| &e.harmonics);
     let real = |h: &ComparedHarmonic| if h.order == 0 { 1 } else { 2 };
@@ -138,14 +153,14 @@ fn estimate_std(comparison: &mut Comparison, parameters: i64) {
     let squares: f64 = harmonics()
         .map(|h| {
             let left = [h.measured[0] - h.simulated[0], h.measured[1] - h.simulated[1]];
-            left[0] * left[0] + left[1] * left[1]
+            (left[0] * left[0] + left[1] * left[1]) / (h.std * h.std)
         })
         .sum();
-    let std = (squares / (data - parameters).max(1) as f64).sqrt();
-    // Other code divides by this deviation, so it must not be 0 even for a perfect fit.
-    let std = std.max(f64::MIN_POSITIVE);
+    let scale = (squares / (data - parameters).max(1) as f64).sqrt();
+    // Other code divides by these deviations, so they must not be 0 even for a perfect fit.
+    let scaled = |std: f64| (scale * std).max(f64::MIN_POSITIVE);
     let experiments = comparison.experiments.iter_mut();
-    experiments.flat_map(|e| &mut e.harmonics).for_each(|h| h.std = std);
+    experiments.flat_map(|e| &mut e.harmonics).for_each(|h| h.std = scaled(h.std));
 }
 
 /// The plant that an answer reports, in units of the upload.

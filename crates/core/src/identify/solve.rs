@@ -5,6 +5,7 @@ use crate::measurement::Measurement;
 use crate::observer::Observer;
 
 use super::history::History;
+use super::noise::Weights;
 use super::objective::Misfit;
 use super::pipeline::{Fitted, Run};
 use super::problem::Problem;
@@ -18,11 +19,13 @@ pub(super) struct Solved {
     pub(super) order_choice: Option<OrderChoice>,
 }
 
-/// Fits the requested order of the actuator, or all three and chooses among them.
+/// Fits the requested order of the actuator, or all three and chooses among them, with the given
+/// weights or, without any, with those of the noise.
 pub(super) fn solve(
     measurement: &Measurement,
     problem: &Problem,
     request: &IdentifyRequest,
+    weights: Option<&Weights>,
     observer: &dyn Observer,
 ) -> Result<Solved, IdentifyError> {
     let IdentifyRequest { plant, method, options, methods, .. } = request;
@@ -40,7 +43,7 @@ pub(super) fn solve(
     for (before, order) in orders.iter().enumerate() {
         let history = History { observer, order: *order, orders: (before, orders.len()) };
         let lower = fits.last();
-        let run = Run { steps, measurement, problem, options, lower, history };
+        let run = Run { steps, measurement, problem, options, weights, lower, history };
         fits.push(run.fit()?);
     }
     let order_choice = (fits.len() > 1).then(|| order::choose(problem, &fits, observer));

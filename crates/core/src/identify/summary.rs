@@ -9,12 +9,13 @@ use crate::plant::{Actuator, Plant};
 
 use super::estimates::{Estimates, Units};
 use super::objective::Misfit;
+use super::parameters::Coordinate;
 use super::pipeline::Fitted;
 use super::problem::Problem;
 use super::profile::Profile;
 use super::refine;
 use super::search_settings::SearchSettings;
-use super::uncertainty::Uncertainty;
+use super::uncertainty::{Uncertainty, with_prior};
 
 /// Significance level of the χ² test of adequacy: with a smaller p-value the residuals are more
 /// than noise.
@@ -61,8 +62,9 @@ pub(super) fn summarise(
     // Without a degree of freedom the residuals are rounding errors, and say nothing of the noise.
     let residual_scale = if dof > 0 { (fitted.cost / dof as f64).sqrt() } else { f64::INFINITY };
     let scale = if known { fit.uncertainty_scale } else { residual_scale };
-    let uncertainty = Uncertainty::new(&here, &held, scale);
-    let released = Uncertainty::new(&here, &vec![false; held.len()], scale);
+    let with_prior = with_prior(&here, &fitted.coordinates, scale);
+    let uncertainty = Uncertainty::new(&with_prior, &held, scale);
+    let released = Uncertainty::new(&with_prior, &vec![false; held.len()], scale);
     let quantile = quantile95(if known { fitted.weights.scale_dof } else { dof as f64 });
     let profile = match intervals {
         Intervals::Curvature => None,
@@ -71,7 +73,8 @@ pub(super) fn summarise(
             Profile::new(misfit, &fitted.point, &here, &uncertainty, noise, search)
         }
     };
-    let reaches = |i| profile.as_ref()?.reaches(i, &uncertainty);
+    let reported = |i: usize| fitted.coordinates.list[i] != Coordinate::FcSplit;
+    let reaches = |i| profile.as_ref().filter(|_| reported(i))?.reaches(i, &uncertainty);
     let plant = problem.in_units(&fitted.coordinates.plant(&fitted.point));
     let units = Units::of(measurement);
     let estimates = Estimates {

@@ -30,7 +30,8 @@ pub(super) struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// From the linearisation at the refined point. Coordinates that are `held` at a bound are
+    /// From the linearisation at the refined point, by [`with_prior`] where coordinates have a
+    /// prior. Coordinates that are `held` at a bound are
     /// treated as known. Standard deviations are multiplied by `scale`; where it is infinite,
     /// because nothing tells the size of the noise, no direction counts as determined.
     pub fn new(here: &Linearisation, held: &[bool], scale: f64) -> Self {
@@ -95,7 +96,7 @@ impl Uncertainty {
 pub(super) fn largest_std(coordinates: &Coordinates, i: usize) -> f64 {
     let of_uniform = |width: f64| width / 12.0_f64.sqrt();
     let scale = match coordinates.list[i] {
-        Coordinate::FcPlus | Coordinate::FcMinus | Coordinate::FcMean => {
+        Coordinate::FcPlus | Coordinate::FcMinus | Coordinate::FcMean | Coordinate::FcSplit => {
             effects::Coordinate::Linear
         }
         Coordinate::OfEffect { effect, parameter } => {
@@ -108,6 +109,25 @@ pub(super) fn largest_std(coordinates: &Coordinates, i: usize) -> f64 {
         effects::Coordinate::Angle => of_uniform(TAU),
         effects::Coordinate::Logarithmic => LARGEST_LOG_STD,
     }
+}
+
+/// The linearisation with one row more for a coordinate that has a prior, so that a direction which
+/// the data do not determine is as uncertain as the prior says, and not more. `scale` is that of
+/// the noise in the residuals.
+pub(super) fn with_prior(
+    here: &Linearisation,
+    coordinates: &Coordinates,
+    scale: f64,
+) -> Linearisation {
+    let mut with = here.clone();
+    let split = coordinates.list.iter().position(|c| *c == Coordinate::FcSplit);
+    if let Some(i) = split.filter(|_| scale.is_finite()) {
+        let rows = with.residuals.len();
+        with.residuals = with.residuals.push(0.0);
+        with.jacobian = with.jacobian.insert_row(rows, 0.0);
+        with.jacobian[(rows, i)] = scale / largest_std(coordinates, i);
+    }
+    with
 }
 
 /// The linear combination that is coordinate `i` alone.

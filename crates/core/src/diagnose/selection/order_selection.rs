@@ -65,7 +65,7 @@ pub(crate) fn diagnose(
     let quietly = Quiet(&part);
     let mut others = Vec::with_capacity(lower.len());
     for request in &lower {
-        others.push(FitSession::new(measurement, request, &quietly)?);
+        others.push(first.beside(request, &quietly)?);
     }
     let sessions: Vec<&FitSession<'_>> = iter::once(first).chain(&others).collect();
     let each = 1.0 / sessions.len() as f64;

@@ -29,6 +29,10 @@ const WORTHWHILE_NRMSE_RATIO: f64 = 0.9;
 /// at 60 dB gives some 100.
 const EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM: f64 = 5e3;
 
+/// Most diagnoses with weights that follow from the model found before: the first such model is
+/// already near enough.
+const MOST_REWEIGHTINGS: usize = 1;
+
 /// Shares of the progress: fitting the base model, the first weighting, and the second. If the
 /// base model is limited by the noise already, there is no second; else there may be.
 const BASE_FIT_SPAN: [f64; 2] = [0.0, 0.1];
@@ -77,7 +81,10 @@ fn choose_weighting(
     };
     let chi2_per_dof = first.base().cost / first.data() as f64;
     if !first.noise_known() || chi2_per_dof <= EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM {
-        let needs_one = !first.noise_known() || chi2_per_dof <= NOISE_LIMITED_CHI2_PER_DOF;
+        if !first.noise_known() {
+            return by_what_is_left(measurement, request, &first, part);
+        }
+        let needs_one = chi2_per_dof <= NOISE_LIMITED_CHI2_PER_DOF;
         let by_noise =
             by_noise(if needs_one { ONLY_WEIGHTING_SPAN } else { FIRST_WEIGHTING_SPAN })?;
         return match noise_limits(&by_noise) {
@@ -93,6 +100,32 @@ fn choose_weighting(
         Some(by_noise) if noise_limits(&by_noise) => by_noise,
         by_noise => smaller_residual(by_noise, equal_weights),
     })
+}
+
+/// Diagnoses data of which no noise is stated. Weights follow from what the base model leaves. If
+/// those that follow from the model found are others, the diagnosis is repeated with them: what the
+/// base model lacks is easily taken for noise.
+fn by_what_is_left(
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    first: &FitSession<'_>,
+    part: Part<'_>,
+) -> Result<Diagnosis, DiagnoseError> {
+    let diagnose = |session: &FitSession<'_>, span| {
+        order_selection::diagnose(measurement, request, session, part.part(span))
+    };
+    let [mut begin, end] = ONLY_WEIGHTING_SPAN;
+    let mut next_span = || {
+        let span = [begin, 0.5 * (begin + end)];
+        begin = span[1];
+        span
+    };
+    let mut answer = diagnose(first, next_span())?;
+    for _ in 0..MOST_REWEIGHTINGS {
+        let Some(session) = first.reweighted(best(&answer), &part)? else { break };
+        answer = diagnose(&session, next_span())?;
+    }
+    Ok(answer)
 }
 
 /// Whether the best model is limited by the noise, or the noise is unknown.

@@ -5,6 +5,7 @@ use crate::answers::{IdentifyOptions, Weighting};
 
 use super::{FitSession, Model};
 use crate::identify::noise;
+use crate::identify::noise::Beside;
 use crate::identify::objective::Misfit;
 use crate::identify::refine;
 use crate::identify::refine::Patience;
@@ -28,7 +29,8 @@ impl FitSession<'_> {
         }
         let options = IdentifyOptions { weights: Weighting::Noise, ..options };
         let plant = model.coordinates.plant(&model.point);
-        let weights = noise::weights(self.measurement, &self.problem, &options, Some(&plant));
+        let beside = Beside { plant: &plant, effects: &[] };
+        let weights = noise::weights(self.measurement, &self.problem, &options, Some(beside));
         if !weights.known() {
             return None;
         }

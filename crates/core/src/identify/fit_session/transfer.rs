@@ -33,6 +33,7 @@ impl<'a> FitSession<'a> {
             measurement,
             problem: &problem,
             options,
+            weights: None,
             lower: None,
             history,
         };

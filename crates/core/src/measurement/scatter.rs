@@ -42,8 +42,8 @@ pub(super) fn remark(experiments: &[Experiment]) -> Option<String> {
     let probability = 2.0 * chance.cdf(chi2).min(chance.sf(chi2));
     (probability < FALSE_REMARK).then(|| {
         format!(
-            "the repeats scatter {} times as far as the stated std says: their scatter is used, \
-             not std",
+            "the repeats scatter {} times as far as their stated deviations say: their scatter is \
+             used instead",
             if excess < 0.01 { format!("{excess:.1e}") } else { format!("{excess:.2}") }
         )
     })

@@ -3,8 +3,10 @@
 use super::columns::Column;
 use super::convention::Convention;
 use super::fault::Fault;
+use super::header::Header;
 use super::layout::{Form, Layout};
 use super::limits::MAX_HARMONIC;
+use super::row_noise::Noise;
 use super::table::Row;
 use crate::measurement::{Complex, size};
 
@@ -29,7 +31,7 @@ pub(super) struct Entry {
     pub(super) run: Option<f64>,
     /// Yₖ; `None` if the row gives the input alone.
     pub(super) response: Option<Complex>,
-    pub(super) std: Option<f64>,
+    pub(super) noise: Noise,
     /// Uₖ, if measured.
     pub(super) input: Option<Complex>,
     /// Index of the row in its table.
@@ -39,11 +41,8 @@ pub(super) struct Entry {
 }
 
 impl Entry {
-    pub(super) fn read(
-        row: Row<'_>,
-        layout: Layout,
-        convention: Convention,
-    ) -> Result<Self, Fault> {
+    pub(super) fn read(row: Row<'_>, layout: Layout, header: &Header) -> Result<Self, Fault> {
+        let convention = header.convention;
         let harmonic = match row.required_index(Column::Harmonic)? {
             Some(k) if k > MAX_HARMONIC as u64 => {
                 return Err(row.fault(
@@ -65,14 +64,8 @@ impl Entry {
         if written_response.is_none() && written_input.is_none() {
             row.require(response_column(layout.form))?;
         }
-        let std = match row.get(Column::Std) {
-            Some(std) if std <= 0.0 => {
-                return Err(row.fault(Column::Std, format!("{std} is not positive")));
-            }
-            std => std.map(|std| convention.deviation(harmonic, std)),
-        };
         let imaginary = |z: Option<Complex>| harmonic == 0 && z.is_some_and(|z| z.im != 0.0);
-        let entry = Self {
+        let mut entry = Self {
             key,
             magnitude,
             omega_rad_s,
@@ -80,20 +73,21 @@ impl Entry {
             repeat: row.index_in(Column::Repeat)?.unwrap_or(0),
             run: row.get(Column::Run),
             response: written_response.map(|z| convention.harmonic(harmonic, z)),
-            std,
+            noise: Noise::default(),
             input: written_input.map(|z| convention.harmonic(harmonic, z)),
             row: row.index(),
             mean_had_imaginary_part: layout.form == Form::Rectangular
                 && (imaginary(written_response) || imaginary(written_input)),
         };
         entry.check_sizes(row, layout)?;
+        entry.noise = Noise::read(row, header, &entry)?;
         Ok(entry)
     }
 
     /// Checks that no value is too large or too small, and names the column of one that is.
     ///
-    /// A response, an input line and a deviation are checked for the upper limit only, because
-    /// single ones may be as small as rounding errors.
+    /// A response and an input line are checked for the upper limit only, because single ones may
+    /// be as small as rounding errors.
     fn check_sizes(&self, row: Row<'_>, layout: Layout) -> Result<(), Fault> {
         let large = |z: Option<Complex>| z.map(|z| z.re.abs().max(z.im.abs()).max(1.0));
         let response = response_column(layout.form);
@@ -101,7 +95,6 @@ impl Entry {
             (response, "the response", large(self.response)),
             (Column::URe, "the input", large(self.input)),
             (Column::Magnitude, "the magnitude", self.magnitude),
-            (Column::Std, "the deviation", self.std.map(|std| std.max(1.0))),
         ];
         for (column, what, value) in values {
             if let Some(reason) = value.and_then(|value| size::fault(what, value)) {

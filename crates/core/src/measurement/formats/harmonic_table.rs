@@ -25,12 +25,18 @@ pub(super) struct Group {
 /// Reads the experiments of a harmonic table.
 pub(super) fn read(table: &Table, header: Header, mut notes: Vec<String>) -> Result<Part, Fault> {
     let layout = Layout::of(table)?;
-    let entries = table
-        .rows()
-        .map(|row| Entry::read(row, layout, header.convention))
-        .collect::<Result<Vec<_>, _>>()?;
+    let entries =
+        table.rows().map(|row| Entry::read(row, layout, &header)).collect::<Result<Vec<_>, _>>()?;
     if entries.iter().any(|entry| entry.mean_had_imaginary_part) {
         notes.push("imaginary parts of harmonic 0 are not used: a mean is real".into());
+    }
+    for remark in entries.iter().filter_map(|entry| entry.noise.remark) {
+        if !notes.iter().any(|note| note == remark) {
+            notes.push(remark.into());
+        }
+    }
+    if table.has(Column::Averages) && !table.has(Column::Coherence) {
+        notes.push("averages without coherence says nothing of the noise and is not used".into());
     }
     let groups = group(table, &entries)?;
     check_size(table, &groups)?;

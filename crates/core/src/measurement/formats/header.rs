@@ -23,6 +23,8 @@ pub(super) struct Header {
     pub(super) beginning: Beginning,
     /// Periods to drop at the beginning of a time record, if stated.
     pub(super) settle_periods: Option<usize>,
+    /// Averages behind each `coherence` of a harmonic table, where a row does not state its own.
+    pub(super) averages: Option<f64>,
     /// Whether the repeats of a harmonic table are the periods of one record.
     pub(super) repeats_are_periods: bool,
     /// Line and value of every key seen.
@@ -114,6 +116,7 @@ impl Header {
                 _ => return Err(format!("`{value}` is not a number of seconds ≥ 0")),
             },
             "settle_periods" => self.settle_periods = Some(settle_periods(value)?),
+            "averages" => self.averages = Some(averages(value)?),
             "repeats" => {
                 self.repeats_are_periods = match value {
                     "periods" => true,
@@ -179,6 +182,13 @@ fn period(value: &str) -> Result<f64, String> {
     }
 }
 
+fn averages(value: &str) -> Result<f64, String> {
+    match value.parse::<f64>() {
+        Ok(averages) if averages.is_finite() && averages > 0.0 => Ok(averages),
+        _ => Err(format!("`{value}` is not a positive number")),
+    }
+}
+
 fn number(value: &str) -> Result<f64, String> {
     match value.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
@@ -230,6 +240,7 @@ mod tests {
         assert_eq!(header("label.shift", "night").metadata.labels["shift"], "night");
         assert_eq!(header("loop", "closed").metadata.feedback, Some(Loop::Closed));
         assert_eq!(header("settle_periods", "2").settle_periods, Some(2));
+        assert_eq!(header("averages", "16").averages, Some(16.0));
         assert_eq!(header("period_s", "6.24").period_s, Some(6.24));
         assert!(header("period_s", "none").aperiodic);
         assert_eq!(header("intersample", "hold").intersample, Intersample::Hold);
@@ -254,6 +265,9 @@ mod tests {
             ("period_s", "-1"),
             ("period_s", "NaN"),
             ("settle_periods", "1.5"),
+            ("averages", "0"),
+            ("averages", "inf"),
+            ("averages", "many"),
             ("settle_periods", "1e300"),
             ("settle_s", "-1"),
             ("initial_velocity", "fast"),

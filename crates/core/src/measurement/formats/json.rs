@@ -19,8 +19,8 @@ const RECORD_SETTINGS: [&str; 5] =
     ["period_s", "settle_periods", "initial_velocity", "initial_position", "settle_s"];
 
 /// Columns that are given once for an experiment, next to its `harmonics`.
-const SHARED_COLUMNS: [Column; 4] =
-    [Column::Magnitude, Column::OmegaRadS, Column::FrequencyHz, Column::Run];
+const SHARED_COLUMNS: [Column; 5] =
+    [Column::Magnitude, Column::OmegaRadS, Column::FrequencyHz, Column::Averages, Column::Run];
 
 /// Reads a whole upload.
 pub(super) fn read(text: &str) -> Result<Part, Fault> {

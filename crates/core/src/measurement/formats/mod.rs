@@ -8,7 +8,10 @@
 //!   `harmonic`, `std`, `repeat`, `run`, `u_re,u_im`. If the input was measured, `magnitude` may
 //!   be missing (it is then half the peak-to-peak value of the input), and a row may contain the
 //!   input alone. `std` is in response units and in the amplitude convention of the file, also
-//!   next to a gain; where there are repeats, it is that of the single repeat.
+//!   next to a gain; where there are repeats, it is that of the single repeat. Instead of `std` a
+//!   row may have `coherence` with `averages` (a column or metadata), or `gain_std` or
+//!   `gain_db_std` with `phase_std_deg`; these do not depend on the amplitude convention. A row
+//!   states its noise in one way at most, but not all rows of a table need the same.
 //! - **Time record** (CSV): `time_s`, `input`, `output`, optionally `segment`.
 //! - **JSON**: see [below](self#json).
 //!
@@ -18,10 +21,10 @@
 //! compared, and `intersample` (`linear` or `hold`) the course of its input between samples.
 //!
 //! A CSV file may begin with `# key: value` lines of metadata: `input`, `response`, `period_s`,
-//! `settle_periods`, `reference`, `amplitude`, `loop`, `name`, `machine`, `axis`, `measured_at`,
-//! `operator`, `label.*`, and `repeats` (the value `periods` states that the repeats of a table
-//! are the periods of one record). `input: torque N m` is a name and a unit; a name of several
-//! words needs its unit in brackets: `motor current [A]`.
+//! `settle_periods`, `reference`, `amplitude`, `averages`, `loop`, `name`, `machine`, `axis`,
+//! `measured_at`, `operator`, `label.*`, and `repeats` (the value `periods` states that the repeats
+//! of a table are the periods of one record). `input: torque N m` is a name and a unit; a name of
+//! several words needs its unit in brackets: `motor current [A]`.
 //!
 //! Several files form one measurement if their units agree. Experiments are never merged across
 //! files: the same magnitude and frequency in two files are two experiments.
@@ -42,7 +45,7 @@
 //! or the array of rows alone. Rows and columns use the names of the CSV columns. An experiment
 //! with a record may have its own `period_s`, `settle_periods`, `initial_velocity`,
 //! `initial_position`, `settle_s` and `run`. One with harmonics has `magnitude`, `omega_rad_s` or
-//! `frequency_hz`, and `run` next to `harmonics`.
+//! `frequency_hz`, `averages` and `run` next to `harmonics`.
 
 mod columns;
 mod convention;
@@ -58,6 +61,7 @@ mod layout;
 mod limits;
 mod part;
 mod repeats;
+mod row_noise;
 mod table;
 mod time_record;
 mod write;

@@ -37,7 +37,7 @@ pub(super) fn experiment(
         .map(|(position, value)| Harmonic {
             order: response_rows[0][position].harmonic,
             value: *value,
-            std: deviation_of_mean(response_rows.iter().map(|rows| rows[position].std)),
+            std: deviation_of_mean(response_rows.iter().map(|rows| rows[position].noise.std)),
         })
         .collect();
 

@@ -7,6 +7,7 @@ use crate::measurement::ResponseKind;
 mod accepted;
 mod json;
 mod mutated;
+mod noise;
 mod periods;
 mod records;
 mod refused;

@@ -38,6 +38,17 @@ fn a_mutated_table_is_read_or_refused() {
 }
 
 #[test]
+fn a_mutated_table_with_every_statement_of_noise_is_read_or_refused() {
+    let text = "# averages: 16\n# amplitude: rms\n\
+        magnitude,omega_rad_s,gain_db,phase_deg,std,coherence,averages,gain_std,gain_db_std,\
+        phase_std_deg\n\
+        1,1,2,-20,0.1,,,,,\n1,2,1,-40,,0.9,,,,\n1,3,0,-50,,0.8,8,,,\n1,4,-1,-60,,,,0.1,,\n\
+        1,5,-2,-70,,,,,0.1,0.5\n1,6,-3,-80,,,,,,0.5\n1,7,-4,-90,,1,,,,\n";
+    ok(text);
+    never_panics(text, 5, 2000);
+}
+
+#[test]
 fn a_mutated_record_is_read_or_refused() {
     never_panics(&record(12, 4), 2, 2000);
     never_panics(&format!("# period_s: 0.012\n# settle_periods: 1\n{}", record(12, 4)), 3, 2000);

@@ -71,6 +71,18 @@ fn repeats_inputs_deviations_and_runs_read_back() {
 }
 
 #[test]
+fn noise_that_is_stated_by_coherence_is_written_as_std() {
+    // √(0.5/(2·8·0.5)) = 1/4 of 5.
+    let m = ok("magnitude,omega_rad_s,re,im,coherence,averages\n1,1,3,-4,0.5,8\n1,2,1,0,1,8\n");
+    let mut text = Vec::new();
+    write_harmonic_csv(&m, &mut text).unwrap();
+    let rows = "harmonic,re,im,std\n1,1,0,1,3.0,-4.0,1.25\n";
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.contains(rows) && text.ends_with("1,2,1,1,1.0,0.0,\n"), "{text}");
+    assert_eq!(ok(&text).experiments(), m.experiments());
+}
+
+#[test]
 fn a_record_reads_back() {
     assert_same_again(&format!("# period_s: 0.1\n{}", record(100, 4)));
     assert_same_again(&format!("# response: position m\n# period_s: 0.1\n{}", record(100, 1)));

@@ -58,6 +58,12 @@ impl EstimatedLaw {
         (most > ROUNDING_SHARE * this.largest()).then_some(this)
     }
 
+    /// The same for a part of the data: whether each datum is kept.
+    pub fn only(&self, kept: &[bool]) -> Self {
+        let sizes = self.sizes.iter().zip(kept).filter(|(_, kept)| **kept).map(|(size, _)| *size);
+        Self { law: self.law, scatter: self.scatter.only(kept), sizes: sizes.collect() }
+    }
+
     fn largest(&self) -> f64 {
         self.sizes.iter().copied().fold(0.0, f64::max)
     }

@@ -80,6 +80,23 @@ impl LocalScatter {
         Self { triples }
     }
 
+    /// The same for a part of the data, renumbered: whether each datum is kept.
+    pub fn only(&self, kept: &[bool]) -> Self {
+        let mut count = 0;
+        let number: Vec<Option<usize>> = kept
+            .iter()
+            .map(|kept| {
+                count += usize::from(*kept);
+                kept.then(|| count - 1)
+            })
+            .collect();
+        let renumbered = |triple: &Triple| {
+            let [at, below, above] = [triple.at, triple.below, triple.above].map(|i| number[i]);
+            Some(Triple { at: at?, below: below?, above: above?, ..*triple })
+        };
+        Self { triples: self.triples.iter().filter_map(renumbered).collect() }
+    }
+
     /// Whether no datum has neighbours.
     pub fn is_empty(&self) -> bool {
         self.triples.is_empty()
@@ -139,6 +156,19 @@ mod tests {
         left.sort_by(f64::total_cmp);
         let expected = [6.25, 6.25, 25.0];
         assert!(left.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{left:?}");
+    }
+
+    // Without the last of eight frequencies at the second magnitude.
+    #[test]
+    fn a_part_of_the_data_has_the_neighbours_that_are_left() {
+        let problem = Problem::new(&stepped_sine(&axis(ACTUATORS[0]), 3)).unwrap();
+        let all = LocalScatter::of(&problem);
+        let kept: Vec<bool> = (0..64).map(|datum| datum < 60).collect();
+        let rest = all.only(&kept);
+        assert_eq!(rest.triples.len(), all.triples.len() - 4);
+        assert!(rest.triples.iter().all(|triple| all.triples.contains(triple)));
+        let later = all.only(&(0..64).map(|datum| datum >= 4).collect::<Vec<_>>());
+        assert!(later.triples.iter().all(|t| (t.below, t.above) == (t.at - 4, t.at + 4)));
     }
 
     #[test]

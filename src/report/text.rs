@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use servoscope_core::answers::{
-    Fit, Identification, NoiseSource, OrderChoice, ParameterEstimate, Stage, TransferFunction,
+    Fit, Identification, NoiseLaw, NoisePart, NoiseSource, OrderChoice, ParameterEstimate, Stage,
+    TransferFunction,
 };
 
 use super::columns::{Side, table};
@@ -67,7 +68,7 @@ fn fit(answer: &Identification) -> Vec<String> {
     };
     let mut rows = vec![
         ["left".to_owned(), format!("{} % of the response (NRMSE)", significant(100.0 * nrmse, 3))],
-        ["noise".to_owned(), noise.to_owned()],
+        ["noise".to_owned(), noise.to_owned() + &law(answer.fit.noise_law.as_ref())],
     ];
     if let (Some(chi2), Some(each)) = (chi2, chi2_per_dof) {
         let (chi2, each) = (significant(chi2, 4), significant(each, 3));
@@ -75,6 +76,24 @@ fn fit(answer: &Identification) -> Vec<String> {
         rows.insert(1, ["χ²".to_owned(), text]);
     }
     table(&[Side::Left, Side::Left], &rows)
+}
+
+/// How the noise depends on the size of the response, where that was estimated.
+fn law(found: Option<&NoiseLaw>) -> String {
+    let Some(NoiseLaw { additive, proportional }) = found else { return String::new() };
+    let written = |part: &NoisePart, factor: f64, unit: &str| {
+        let value = significant(factor * part.value, 2);
+        let [low, high] = part.interval95.map(|end| significant(factor * end, 2));
+        format!("{value}{unit} ({low} to {high})")
+    };
+    let alone = written(additive, 1.0, "");
+    match proportional.value > 0.0 {
+        true => format!(
+            ": {} of each harmonic and, beside it, {alone}, in units of the response",
+            written(proportional, 100.0, " %")
+        ),
+        false => format!(": {alone}, in units of the response, whatever its size"),
+    }
 }
 
 /// Digits that the coefficients of the transfer function deserve.
@@ -197,6 +216,20 @@ mod tests {
         let position = |part: &str| text.find(part).unwrap();
         assert!(position("- One magnitude only") < position("Parameters"));
         assert_eq!(words(&text, "left")[1..3], ["1.23", "%"]);
+    }
+
+    #[test]
+    fn noise_that_was_estimated_is_said_to_grow_with_the_response_or_not() {
+        let part = |value: f64| NoisePart { value, interval95: [0.5 * value, 2.0 * value] };
+        let law =
+            |proportional| NoiseLaw { additive: part(5e-4), proportional: part(proportional) };
+        assert_eq!(
+            super::law(Some(&law(0.0025))),
+            ": 0.25 % (0.13 to 0.50) of each harmonic and, beside it, 0.00050 (0.00025 to 0.0010), \
+             in units of the response"
+        );
+        assert!(super::law(Some(&law(0.0))).ends_with("whatever its size"));
+        assert_eq!(super::law(None), "");
     }
 
     #[test]

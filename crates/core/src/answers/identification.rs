@@ -78,6 +78,31 @@ pub struct Fit {
     /// out of χ², of the degrees of freedom and of the intervals.
     #[serde(default)]
     pub unanswered: Vec<Unanswered>,
+    /// How the noise depends on the size of the response, where that was estimated: from repeats of
+    /// a table, or, where nothing states the noise of a table, from what the model leaves. Null
+    /// where the noise is given, comes from a record, or follows no such law.
+    #[serde(default)]
+    pub noise_law: Option<NoiseLaw>,
+}
+
+/// The noise of a datum Y: its re and im each have the variance additive² + (proportional·|Y|)².
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct NoiseLaw {
+    /// The additive part, response units.
+    pub additive: NoisePart,
+    /// The proportional part, a share of |Y|.
+    pub proportional: NoisePart,
+}
+
+/// One part of the noise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct NoisePart {
+    /// The estimate; 0 where the data show none.
+    pub value: f64,
+    /// Interval that holds the true value with a probability of about 95 %.
+    pub interval95: [f64; 2],
 }
 
 /// One stage of the computation and its result.

@@ -20,8 +20,8 @@ pub use diagnosis::{Candidate, Cause, Diagnosis, Gain, NextExperiment, Verdict};
 pub use discrepancy::{Discrepancy, Pattern, ResidualGroup, ResidualTest};
 pub use flat::{HistoryRow, ResultRow};
 pub use identification::{
-    Correlations, Fit, Identification, NoiseSource, OrderCandidate, OrderChoice, ParameterEstimate,
-    Provenance, Stage, TransferFunction,
+    Correlations, Fit, Identification, NoiseLaw, NoisePart, NoiseSource, OrderCandidate,
+    OrderChoice, ParameterEstimate, Provenance, Stage, TransferFunction,
 };
 pub use progress::{ConvergenceRow, Progress};
 pub use request::{

@@ -44,6 +44,7 @@ pub fn identification() -> Identification {
             adequate: Some(true),
             uncertainty_scale: 1.0,
             unanswered: Vec::new(),
+            noise_law: None,
         },
         correlations: Correlations {
             names: vec!["pole".into(), "constant".into()],

@@ -129,6 +129,7 @@ mod tests {
             adequate: Some(true),
             uncertainty_scale: 1.0,
             unanswered: Vec::new(),
+            noise_law: None,
         }
     }
 

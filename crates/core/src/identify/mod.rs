@@ -39,6 +39,7 @@ mod problem;
 mod profile;
 mod proposal;
 mod refine;
+mod reported_noise;
 mod request;
 mod search_settings;
 mod solve;

@@ -1,10 +1,14 @@
 //! The standard deviation of each datum.
 //!
-//! Standard deviations come from the upload, from the scatter of repeats or periods, or are
-//! unknown: then weights follow from the scatter of what a model leaves (`estimated_noise`). A variance estimated from few repeats is itself uncertain, and using each by itself as
-//! a weight inflates every test statistic. Variances are therefore pooled if a test does not reject
-//! that they are equal, and otherwise shrunk towards those of their neighbours, by as much as their
-//! spread allows (Smyth 2004, doi:10.2202/1544-6115.1027).
+//! Standard deviations come from the upload or from the scatter of repeats or periods. Where
+//! nothing states them, their ratios follow from the scatter of what a model leaves
+//! (`estimated_noise`).
+//!
+//! A variance estimated from few repeats is itself uncertain, and using each by itself as a weight
+//! inflates every test statistic. Variances are therefore pooled if a test does not reject that
+//! they are equal. Otherwise they are shrunk towards a law of the size of the response, or towards
+//! those of their neighbours, by as much as their spread allows (Smyth 2004,
+//! doi:10.2202/1544-6115.1027).
 //!
 //! If the input scatters too, the relevant deviation is that of the response less the model's
 //! response to the deviation of the input, including shifted switching times: σ² = σ_Y² +
@@ -21,7 +25,8 @@ use crate::simulate;
 use super::estimated_noise::EstimatedLaw;
 use super::local_scatter::LocalScatter;
 use super::problem::{Prepared, Problem};
-use super::variance_shrinkage::{Cell, weighting_variances};
+use super::variance_law::VarianceLaw;
+use super::variance_shrinkage::{Cell, law_of, weighting_variances};
 
 /// Relative deviation that rounding of the mean leaves between repeats that are copies of each
 /// other.
@@ -43,9 +48,10 @@ pub(super) struct Weights {
     /// Whether they depend on the model, which they do if the input scatters, or if they are
     /// estimated from what the model leaves.
     pub depend_on_model: bool,
-    /// The law from which they follow, if they are estimated from what a model leaves and noise of
-    /// one size is too unlikely.
+    /// The law from which they follow, if they are estimated from what a model leaves.
     pub law: Option<EstimatedLaw>,
+    /// The law towards which the variances of repeats were shrunk.
+    pub scatter_law: Option<VarianceLaw>,
     /// The variances they were estimated from; empty if they were not estimated.
     pub scatter: Vec<Vec<Cell>>,
 }
@@ -105,6 +111,7 @@ pub(super) fn weights(
         scale_dof: f64::INFINITY,
         depend_on_model: false,
         law: None,
+        scatter_law: None,
         scatter: Vec::new(),
     };
     if options.weights == Weighting::Response {
@@ -136,7 +143,10 @@ pub(super) fn weights(
                 model.and_then(|beside| EstimatedLaw::of(problem, beside.plant, beside.effects));
             let equal = uniform(1.0, NoiseSource::Estimated);
             Weights {
-                sigma: law.as_ref().map_or(equal.sigma.clone(), |law| law.sigma(problem)),
+                sigma: match &law {
+                    Some(law) if !law.is_of_one_size() => law.sigma(problem),
+                    _ => equal.sigma.clone(),
+                },
                 depend_on_model: !LocalScatter::of(problem).is_empty(),
                 law,
                 ..equal
@@ -173,7 +183,8 @@ fn from_scatter(experiments: &[Experiment], problem: &Problem, model: Option<&Pl
         })
         .collect();
     let scale_dof = rows.iter().flatten().map(|cell| cell.dof).sum();
-    let moderated = weighting_variances(&rows);
+    let scatter_law = law_of(&rows);
+    let moderated = weighting_variances(&rows, scatter_law);
     let sigma = moderated
         .into_iter()
         .zip(experiments)
@@ -188,6 +199,7 @@ fn from_scatter(experiments: &[Experiment], problem: &Problem, model: Option<&Pl
         scale_dof,
         depend_on_model: input_scatters,
         law: None,
+        scatter_law,
         scatter: rows,
     }
 }
@@ -224,6 +236,7 @@ fn cells(
                 experiment: index,
                 order: target.order,
                 magnitude: experiment.magnitude,
+                size: if target.constraint { 0.0 } else { target.value.norm() },
                 from_record: experiment.from_record,
                 variance: if dof > 0.0 { sum / dof } else { 0.0 },
                 dof,

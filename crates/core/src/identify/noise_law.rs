@@ -8,7 +8,12 @@ use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use super::estimated_noise::EstimatedLaw;
 use super::noise::Weights;
 use super::problem::Problem;
-use super::variance_shrinkage::{Cell, shrunk_variances, weighting_variances};
+use super::variance_law::VarianceLaw;
+use super::variance_shrinkage::{Cell, shrunk_variances, sums_of_squares, weighting_variances};
+
+/// Steps of Fisher scoring with which the law of repeats is estimated again from drawn variances.
+/// They start from the law itself, which is near.
+const REDRAWN_STEPS: usize = 3;
 
 /// The distribution of noise divided by its standard deviation.
 ///
@@ -21,6 +26,8 @@ use super::variance_shrinkage::{Cell, shrunk_variances, weighting_variances};
 pub struct NoiseLaw {
     /// The cells of the scatter, with their shrunk variances; empty if none were estimated.
     scatter: Vec<Vec<Cell>>,
+    /// The law towards which these were shrunk.
+    scatter_law: Option<VarianceLaw>,
     /// The law from which the standard deviations follow, if it was estimated.
     law: Option<EstimatedLaw>,
     /// Number of real components of every target.
@@ -30,19 +37,20 @@ pub struct NoiseLaw {
 impl NoiseLaw {
     pub(super) fn new(problem: &Problem, weights: &Weights) -> Self {
         let mut scatter = weights.scatter.clone();
-        let variances = shrunk_variances(&scatter);
+        let variances = shrunk_variances(&scatter, weights.scatter_law);
         for (cell, variance) in scatter.iter_mut().flatten().zip(variances.into_iter().flatten()) {
             cell.variance = variance;
         }
         let count = |real: bool| if real { 1 } else { 2 };
         let targets = problem.experiments.iter().flat_map(|experiment| &experiment.targets);
         let components = targets.map(|target| count(target.real)).collect();
-        Self { scatter, law: weights.law.clone(), components }
+        let scatter_law = weights.scatter_law;
+        Self { scatter, scatter_law, law: weights.law.clone(), components }
     }
 
     /// Whether the distribution is standard normal.
     pub fn is_normal(&self) -> bool {
-        self.scatter.is_empty() && self.law.is_none()
+        self.scatter.is_empty() && self.law.as_ref().is_none_or(EstimatedLaw::is_of_one_size)
     }
 
     /// Draws the standardised noise of every real component, in the order of the residuals.
@@ -61,7 +69,8 @@ impl NoiseLaw {
                 cell.variance *= chi2.sample(rng) / cell.dof;
             }
         }
-        let estimated = weighting_variances(&drawn);
+        let again = |law: VarianceLaw| law.refined(&sums_of_squares(&drawn), REDRAWN_STEPS);
+        let estimated = weighting_variances(&drawn, self.scatter_law.map(again));
         let truth = self.scatter.iter().flatten();
         let counts = self.components.iter();
         let mut row = 0;

@@ -153,6 +153,7 @@ mod tests {
                     scale_dof: f64::INFINITY,
                     depend_on_model: false,
                     law: None,
+                    scatter_law: None,
                     scatter: Vec::new(),
                 };
                 let cost = costs[usize::from(order)] * data;

@@ -14,6 +14,7 @@ use super::pipeline::Fitted;
 use super::problem::Problem;
 use super::profile::Profile;
 use super::refine;
+use super::reported_noise::reported;
 use super::search_settings::SearchSettings;
 use super::uncertainty::{Uncertainty, with_prior};
 
@@ -148,6 +149,7 @@ fn goodness(problem: &Problem, fitted: &Fitted, misfit: &Misfit<'_>, dof: i64) -
         adequate,
         uncertainty_scale,
         unanswered: Vec::new(),
+        noise_law: reported(&fitted.weights, problem),
     })
 }
 

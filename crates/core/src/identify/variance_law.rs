@@ -38,6 +38,9 @@ const SIGNIFICANT_FALL: f64 = 10.0;
 /// no better (contract, section 3).
 const LEAST_ADDITIVE_SHARE: f64 = 1e-5;
 
+/// The normal distribution lies within this of its mean with a probability of 95 %.
+const QUANTILE_95: f64 = 1.96;
+
 /// Most steps of Fisher scoring, and the relative change at which it ends.
 const MOST_STEPS: usize = 40;
 const CONVERGED_CHANGE: f64 = 1e-6;
@@ -100,18 +103,48 @@ impl VarianceLaw {
         law
     }
 
+    /// 95 % intervals of α and of β, by the Fisher information, for sums of squares of which so many
+    /// tell as much as one that shares no residuals.
+    pub fn intervals(self, sums: &[SumOfSquares], shared: f64) -> [[f64; 2]; 2] {
+        let [aa, ab, bb] = self.information(sums);
+        let determinant = aa * bb - ab * ab;
+        // A mean square has the variance 2·V²/ν, so that the covariance of α² and β² is twice the
+        // inverse of Σ ν·x·xᵀ/V².
+        let variances = [bb, aa].map(|other| 2.0 * shared * other / determinant);
+        let mut of = [self.additive, self.proportional].into_iter().zip(variances);
+        [(); 2].map(|()| {
+            let (square, variance) = of.next().unwrap_or_default();
+            let reach = QUANTILE_95 * variance.max(0.0).sqrt();
+            // Near 0 the square is nearly normal; far from it, its logarithm.
+            let ends = match reach < square {
+                true => [square * (-reach / square).exp(), square * (reach / square).exp()],
+                false => [0.0, square + reach],
+            };
+            ends.map(f64::sqrt)
+        })
+    }
+
+    /// Σ ν·x·xᵀ/V² over the sums, with x their factors of α² and β²: [αα, αβ, ββ].
+    fn information(&self, sums: &[SumOfSquares]) -> [f64; 3] {
+        let mut information = [0.0; 3];
+        for s in sums {
+            let (a, b, weight) = (s.additive, s.proportional, s.dof / self.expected(s).powi(2));
+            for (entry, product) in information.iter_mut().zip([a * a, a * b, b * b]) {
+                *entry += weight * product;
+            }
+        }
+        information
+    }
+
     /// One step of Fisher scoring: a least-squares fit of the law to the mean squares, each
     /// weighted by its inverse variance under the present law, with neither part negative.
     fn scored(&self, sums: &[SumOfSquares]) -> Option<Self> {
-        let (mut aa, mut ab, mut bb, mut ay, mut by) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let [aa, ab, bb] = self.information(sums);
+        let (mut ay, mut by) = (0.0, 0.0);
         for s in sums {
-            let (a, b) = (s.additive, s.proportional);
-            let weight = 1.0 / self.expected(s).powi(2);
-            aa += weight * s.dof * a * a;
-            ab += weight * s.dof * a * b;
-            bb += weight * s.dof * b * b;
-            ay += weight * a * s.sum;
-            by += weight * b * s.sum;
+            let weighted = s.sum / self.expected(s).powi(2);
+            ay += s.additive * weighted;
+            by += s.proportional * weighted;
         }
         let least = self.additive.max(f64::MIN_POSITIVE) * 1e-3;
         let additive_alone = Self { additive: ay / aa, proportional: 0.0 };
@@ -191,6 +224,22 @@ mod tests {
             assert!((found.additive / law.additive - 1.0).abs() < 0.4, "{alpha}: {found:?}");
             assert!((found.proportional / law.proportional - 1.0).abs() < 0.4, "{beta}: {found:?}");
         }
+    }
+
+    // Of 200 intervals 190 are expected to hold the truth, with a standard deviation of 3; the
+    // intervals are asymptotic, so four below and above are allowed.
+    #[test]
+    fn intervals_hold_the_truth_as_often_as_they_say() {
+        let law = VarianceLaw { additive: 1e-6, proportional: 1e-4 };
+        let mut held = [0; 2];
+        for seed in 0..200 {
+            let sums = drawn(law, 300, 100 + seed);
+            let ends = VarianceLaw::fit(&sums).unwrap().intervals(&sums, 1.0);
+            for (count, (ends, truth)) in held.iter_mut().zip(ends.iter().zip([1e-3, 1e-2])) {
+                *count += usize::from((ends[0]..=ends[1]).contains(&truth));
+            }
+        }
+        assert!(held.iter().all(|count| (178..=200).contains(count)), "{held:?}");
     }
 
     #[test]

@@ -1,8 +1,10 @@
-//! Pools variances, or shrinks them towards a trend by empirical Bayes (Smyth 2004,
+//! Pools variances, or shrinks them towards a law or a trend by empirical Bayes (Smyth 2004,
 //! doi:10.2202/1544-6115.1027).
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::digamma;
+
+use super::variance_law::{SumOfSquares, VarianceLaw};
 
 /// The estimated variance of one datum.
 #[derive(Debug, Clone, Copy)]
@@ -13,12 +15,21 @@ pub(super) struct Cell {
     pub order: usize,
     /// Magnitude of the experiment.
     pub magnitude: f64,
+    /// Size |Y| of the datum, in units of the problem.
+    pub size: f64,
     /// Whether it comes from the periods of a record.
     pub from_record: bool,
     /// The estimate, in squared units of the problem.
     pub variance: f64,
     /// Its degrees of freedom; 0 if nothing was repeated.
     pub dof: f64,
+}
+
+impl Cell {
+    /// Number of repeats that it was estimated from.
+    pub fn repeats(&self) -> f64 {
+        1.0 + self.dof / if self.order == 0 { 1.0 } else { 2.0 }
+    }
 }
 
 /// Variances below this share of the largest one are rounding, and are raised to it.
@@ -34,31 +45,79 @@ const NEIGHBOURHOOD_DOF: f64 = 60.0;
 /// Significance level of the test that all variances are equal.
 const EQUALITY_LEVEL: f64 = 0.01;
 
+/// The law that the variances of a table follow. `None` if they may all be equal, if they come from
+/// records, or if the trend over magnitudes, harmonics and experiments describes them better.
+pub(super) fn law_of(rows: &[Vec<Cell>]) -> Option<VarianceLaw> {
+    let flat = raised(rows);
+    if flat.iter().any(|cell| cell.from_record) || equal(&flat, pooled(&flat)?) {
+        return None;
+    }
+    let law = VarianceLaw::fit(&sums_of_squares(rows))?;
+    let describes = |prior: &[f64]| prior_dof(&flat, prior);
+    (describes(&by_law(&flat, law)) >= describes(&trend(rows, &flat))).then_some(law)
+}
+
+/// The law of a table's variances as far as one describes them: that of [`law_of`], or one of
+/// noise of one size where the variances may all be equal.
+pub(super) fn describing_law(rows: &[Vec<Cell>]) -> Option<VarianceLaw> {
+    let flat = raised(rows);
+    let variance = pooled(&flat)?;
+    match equal(&flat, variance) && !flat.iter().any(|cell| cell.from_record) {
+        true => Some(VarianceLaw { additive: variance, proportional: 0.0 }),
+        false => law_of(rows),
+    }
+}
+
+/// The variances as sums of squares.
+pub(super) fn sums_of_squares(rows: &[Vec<Cell>]) -> Vec<SumOfSquares> {
+    let of = |cell: &Cell| SumOfSquares {
+        sum: cell.dof * cell.variance,
+        dof: cell.dof,
+        additive: 1.0,
+        proportional: cell.size * cell.size,
+    };
+    rows.iter().flatten().map(of).collect()
+}
+
 /// Variances for weighting: a residual squared over one of these has mean 1. Rows and result are in
-/// the same arrangement, one row for each experiment.
-pub(super) fn weighting_variances(rows: &[Vec<Cell>]) -> Vec<Vec<f64>> {
+/// the same arrangement, one row for each experiment. With a law, see [`law_of`], they are shrunk
+/// towards it.
+pub(super) fn weighting_variances(rows: &[Vec<Cell>], law: Option<VarianceLaw>) -> Vec<Vec<f64>> {
     // For a variance s² with ν degrees of freedom, the mean of 1/s² is ν/(ν − 2) times 1/σ².
-    shrink(rows, |variance, dof| variance * if dof > 4.0 { dof / (dof - 2.0) } else { 2.0 })
+    shrink(rows, law, |variance, dof| variance * if dof > 4.0 { dof / (dof - 2.0) } else { 2.0 })
 }
 
 /// The variances themselves, shrunk but not corrected for weighting, in the same arrangement.
-pub(super) fn shrunk_variances(rows: &[Vec<Cell>]) -> Vec<Vec<f64>> {
-    shrink(rows, |variance, _| variance)
+pub(super) fn shrunk_variances(rows: &[Vec<Cell>], law: Option<VarianceLaw>) -> Vec<Vec<f64>> {
+    shrink(rows, law, |variance, _| variance)
+}
+
+/// The cells in one list, without variances of 0.
+fn raised(rows: &[Vec<Cell>]) -> Vec<Cell> {
+    let largest = rows.iter().flatten().map(|cell| cell.variance).fold(0.0, f64::max);
+    let floor = (largest * ROUNDING_SHARE).max(f64::MIN_POSITIVE);
+    let raised = |cell: &Cell| Cell { variance: cell.variance.max(floor), ..*cell };
+    rows.iter().flatten().map(raised).collect()
+}
+
+fn by_law(cells: &[Cell], law: VarianceLaw) -> Vec<f64> {
+    let largest = cells.iter().map(|cell| cell.size).fold(0.0, f64::max);
+    cells.iter().map(|cell| law.std(cell.size, largest).powi(2)).collect()
 }
 
 /// Pooled variances where they may all be equal; else `answer` of each shrunk variance and its
 /// degrees of freedom.
-fn shrink(rows: &[Vec<Cell>], answer: impl Fn(f64, f64) -> f64) -> Vec<Vec<f64>> {
-    let largest = rows.iter().flatten().map(|cell| cell.variance).fold(0.0, f64::max);
-    let floor = (largest * ROUNDING_SHARE).max(f64::MIN_POSITIVE);
-    let mut flat: Vec<Cell> = rows.iter().flatten().copied().collect();
-    for cell in &mut flat {
-        cell.variance = cell.variance.max(floor);
-    }
-    let prior = match pooled(&flat) {
-        Some(variance) if equal(&flat, variance) => vec![variance; flat.len()],
-        Some(_) => trend(rows, &flat),
-        None => vec![floor; flat.len()],
+fn shrink(
+    rows: &[Vec<Cell>],
+    law: Option<VarianceLaw>,
+    answer: impl Fn(f64, f64) -> f64,
+) -> Vec<Vec<f64>> {
+    let flat = raised(rows);
+    let prior = match (law, pooled(&flat)) {
+        (Some(law), _) => by_law(&flat, law),
+        (None, Some(variance)) if equal(&flat, variance) => vec![variance; flat.len()],
+        (None, Some(_)) => trend(rows, &flat),
+        (None, None) => vec![f64::MIN_POSITIVE; flat.len()],
     };
     let prior_dof = prior_dof(&flat, &prior);
     let mut moderated = flat.iter().zip(&prior).map(|(cell, prior)| {
@@ -220,6 +279,7 @@ mod tests {
             experiment,
             order,
             magnitude: (experiment % 3) as f64,
+            size: size(experiment, order),
             from_record,
             variance: sigma(experiment, order).powi(2) * chi2.sample(&mut rng) / dof,
             dof,
@@ -229,9 +289,18 @@ mod tests {
         (0..experiments).map(|e| (0..harmonics).map(|k| cell(e, k)).collect()).collect()
     }
 
+    /// |Y|, spread over two decades without regard to magnitude or harmonic.
+    fn size(experiment: usize, order: usize) -> f64 {
+        0.01 * 10.0_f64.powf(((7 * experiment + 3 * order) % 20) as f64 / 10.0)
+    }
+
+    fn moderated(rows: &[Vec<Cell>]) -> Vec<Vec<f64>> {
+        weighting_variances(rows, law_of(rows))
+    }
+
     #[test]
     fn equal_variances_are_pooled_into_one() {
-        let moderated = weighting_variances(&cells(|_, _| 0.3, 6.0, false));
+        let moderated = moderated(&cells(|_, _| 0.3, 6.0, false));
         let first = moderated[0][0];
         assert!(moderated.iter().flatten().all(|v| *v == first));
         // 48·8·10 degrees of freedom: the relative standard deviation is √(2/3840) = 2.3 %.
@@ -241,7 +310,9 @@ mod tests {
     #[test]
     fn a_noise_that_depends_on_magnitude_and_harmonic_is_followed() {
         let sigma = |e: usize, k: usize| 0.1 * (1.0 + (e % 3) as f64) / (1.0 + k as f64);
-        let moderated = weighting_variances(&cells(sigma, 6.0, false));
+        let rows = cells(sigma, 6.0, false);
+        assert_eq!(law_of(&rows), None);
+        let moderated = moderated(&rows);
         for (e, row) in moderated.iter().enumerate() {
             for (k, variance) in row.iter().enumerate() {
                 let ratio = variance / sigma(e, k).powi(2);
@@ -252,10 +323,25 @@ mod tests {
         }
     }
 
+    // Each part is found from some 200 of 384 cells with 4 degrees of freedom: a relative standard
+    // deviation of its square of √(2/800) = 5 %, more where both matter. 20 % are four of 5 %.
+    #[test]
+    fn noise_in_proportion_to_the_response_is_followed_from_few_repeats() {
+        let sigma = |e: usize, k: usize| 0.01_f64.hypot(0.1 * size(e, k));
+        let rows = cells(sigma, 3.0, false);
+        assert!(law_of(&rows).is_some());
+        for (e, row) in moderated(&rows).iter().enumerate() {
+            for (k, variance) in row.iter().enumerate() {
+                let ratio = variance / sigma(e, k).powi(2);
+                assert!((0.8..1.2).contains(&ratio), "{e} {k}: {ratio}");
+            }
+        }
+    }
+
     #[test]
     fn the_noise_of_a_record_is_followed_along_frequency() {
         let sigma = |_: usize, k: usize| 1.0 + 10.0 * (-(k as f64) / 40.0).exp();
-        let moderated = weighting_variances(&cells(sigma, 3.0, true));
+        let moderated = moderated(&cells(sigma, 3.0, true));
         for (k, variance) in moderated[0].iter().enumerate().skip(10).take(180) {
             let ratio = variance / sigma(0, k).powi(2);
             // 60 degrees of freedom give 18 %, plus the slope over the neighbourhood.

@@ -9,6 +9,7 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::{Value, json};
 use servoscope_bench::machines::draw::{Draw, NoiseStatement, draw};
+use servoscope_bench::machines::noise::RelativeNoise;
 use servoscope_bench::machines::responses::Responses;
 use servoscope_bench::machines::simulator::{Effect, Machine, Samples, Settings, Start, follow};
 use servoscope_core::answers::{Answer, Diagnosis, ValidatedModel, Validation, Verdict};
@@ -48,7 +49,7 @@ fn table(effect: Effect, levels: &[f64], frequencies: usize, shift: f64, seed: u
     };
     let responses = Responses::simulate(&draw, &Settings::default()).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    responses.noisy(60.0, NoiseStatement::Std, &mut rng).unwrap()
+    responses.noisy(&RelativeNoise::decibels(60.0), NoiseStatement::Std, &mut rng).unwrap()
 }
 
 /// That it sticks harder than it slides.

@@ -2,27 +2,19 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 
+pub use super::noise::{NoiseStatement, noise_std, observe};
+
+use super::noise::RelativeNoise;
 use super::responses::Responses;
 use super::simulator::{Effect, Settings, SimulatorError};
-use crate::measurement::{Complex, Harmonic, InvalidMeasurement, Measurement, Repeat};
+use crate::measurement::{InvalidMeasurement, Measurement};
 use crate::plant::{Actuator, Friction, Plant};
 
-/// Number of frequencies of a drawn design, at each of three magnitudes.
+/// Number of magnitudes of a drawn design.
+const MAGNITUDES: usize = 3;
+/// Number of its frequencies at each magnitude.
 const FREQUENCIES: usize = 16;
-
-/// How a measurement states its noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoiseStatement {
-    /// As a standard deviation of every harmonic.
-    Std,
-    /// Through M repeats (at least 2) of every experiment, from which it has to be estimated. The
-    /// noise of each repeat is √M times larger, so that their mean is as noisy as with `Std`.
-    Repeats(usize),
-    /// Not at all.
-    Silent,
-}
 
 /// A machine and how it is measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,16 +97,8 @@ pub fn draw(actuator_order: u8, seed: u64) -> Draw {
     };
     let lowest_rad_s = 0.15 * a;
     let lowest_magnitude = friction.fc_plus.max(friction.fc_minus) * rng.random_range(1.9..=2.6);
-    let design = [1.0, 2.0, 4.0]
-        .into_iter()
-        .flat_map(|factor| {
-            (0..FREQUENCIES).map(move |index| {
-                let share = index as f64 / (FREQUENCIES - 1) as f64;
-                let omega_rad_s = lowest_rad_s * (highest_rad_s / lowest_rad_s).powf(share);
-                (factor * lowest_magnitude, omega_rad_s)
-            })
-        })
-        .collect();
+    let band_rad_s = [lowest_rad_s, highest_rad_s];
+    let design = stepped_sine(lowest_magnitude, MAGNITUDES, band_rad_s, FREQUENCIES);
     Draw {
         plant: Plant { viscous_rate_rad_s: a, constant, actuator, friction },
         effects: Vec::new(),
@@ -123,6 +107,25 @@ pub fn draw(actuator_order: u8, seed: u64) -> Draw {
         noise_db: Some(60.0),
         noise_statement: NoiseStatement::Std,
     }
+}
+
+/// A design of magnitudes that double, from the lowest one (input units), each at the same
+/// frequencies (at least 2), log-spaced over a band (rad/s).
+pub fn stepped_sine(
+    lowest_magnitude: f64,
+    magnitudes: usize,
+    band_rad_s: [f64; 2],
+    frequencies: usize,
+) -> Vec<(f64, f64)> {
+    let [lowest_rad_s, highest_rad_s] = band_rad_s;
+    let at = |index: usize| {
+        let share = index as f64 / (frequencies - 1) as f64;
+        lowest_rad_s * (highest_rad_s / lowest_rad_s).powf(share)
+    };
+    let factors = (0..magnitudes).map(|index| 2.0_f64.powi(index as i32));
+    factors
+        .flat_map(|factor| (0..frequencies).map(move |i| (factor * lowest_magnitude, at(i))))
+        .collect()
 }
 
 /// Simulates every experiment of a draw, in the order of acquisition, and adds random noise from
@@ -135,66 +138,11 @@ pub fn measure(draw: &Draw, seed: u64) -> Result<Measurement, DrawError> {
     let responses = Responses::simulate(draw, &Settings::default())?;
     let rng = &mut ChaCha8Rng::seed_from_u64(seed);
     match draw.noise_db {
-        Some(noise_db) => responses.noisy(noise_db, draw.noise_statement, rng),
+        Some(noise_db) => {
+            responses.noisy(&RelativeNoise::decibels(noise_db), draw.noise_statement, rng)
+        }
         None => responses.exact(None),
     }
-}
-
-/// Adds noise of standard deviation `std` to an exact response; returns its harmonics and the
-/// deviations of the repeats.
-pub fn observe(
-    exact: &[Complex],
-    std: Option<f64>,
-    statement: NoiseStatement,
-    rng: &mut ChaCha8Rng,
-) -> (Vec<Harmonic>, Vec<Repeat>) {
-    let harmonics = |values: Vec<Complex>, std: Option<f64>| {
-        let harmonic = |(order, value)| Harmonic { order, value, std };
-        values.into_iter().enumerate().map(harmonic).collect()
-    };
-    let Some(std) = std else { return (harmonics(exact.to_vec(), None), Vec::new()) };
-    match statement {
-        NoiseStatement::Std => (harmonics(noisy(exact, std, rng), Some(std)), Vec::new()),
-        NoiseStatement::Silent => (harmonics(noisy(exact, std, rng), None), Vec::new()),
-        NoiseStatement::Repeats(count) => {
-            let scatter = std * (count as f64).sqrt();
-            let drawn: Vec<_> = (0..count).map(|_| noisy(exact, scatter, rng)).collect();
-            let mean: Vec<Complex> = (0..exact.len())
-                .map(|k| drawn.iter().map(|repeat| repeat[k]).sum::<Complex>() / count as f64)
-                .collect();
-            let deviation = |repeat: Vec<Complex>| Repeat {
-                input: Vec::new(),
-                response: repeat.iter().zip(&mean).map(|(value, mean)| value - mean).collect(),
-            };
-            let repeats = drawn.into_iter().map(deviation).collect();
-            (harmonics(mean, None), repeats)
-        }
-    }
-}
-
-/// The response with noise on re and im of every harmonic (on re alone of the mean).
-fn noisy(exact: &[Complex], std: f64, rng: &mut ChaCha8Rng) -> Vec<Complex> {
-    let mut normal = || -> f64 { StandardNormal.sample(rng) };
-    let scattered = |(order, value): (usize, &Complex)| {
-        let re = std * normal();
-        let im = if order == 0 { 0.0 } else { std * normal() };
-        value + Complex::new(re, im)
-    };
-    exact.iter().enumerate().map(scattered).collect()
-}
-
-/// median|Y₁|·10^(−N/20), if it is positive.
-pub fn noise_std(responses: &[Vec<Complex>], noise_db: f64) -> Option<f64> {
-    let mut fundamentals: Vec<f64> =
-        responses.iter().map(|response| response.get(1).map_or(0.0, |y| y.norm())).collect();
-    fundamentals.sort_by(f64::total_cmp);
-    let middle = fundamentals.len() / 2;
-    let median = match fundamentals.len() {
-        0 => 0.0,
-        count if count % 2 == 1 => fundamentals[middle],
-        _ => 0.5 * (fundamentals[middle - 1] + fundamentals[middle]),
-    };
-    (median > 0.0).then(|| median * 10.0_f64.powf(-noise_db / 20.0))
 }
 
 pub(crate) fn log_uniform(low: f64, high: f64, rng: &mut ChaCha8Rng) -> f64 {
@@ -204,6 +152,7 @@ pub(crate) fn log_uniform(low: f64, high: f64, rng: &mut ChaCha8Rng) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measurement::Complex;
 
     fn cheap(noise_db: Option<f64>, noise_statement: NoiseStatement) -> Draw {
         let mut draw = Draw { noise_db, noise_statement, ..draw(0, 5) };

@@ -2,9 +2,10 @@
 //!
 //! A fit to data from the same simulator cannot reveal that simulator's errors. [`simulator`]
 //! therefore uses plain time stepping and shares no code with the modules `simulate` and `effects`
-//! of `servoscope-core`. [`draw`] draws machines and experiment designs, and makes noisy
-//! measurements of them.
+//! of `servoscope-core`. [`draw`] draws machines and experiment designs, and makes measurements of
+//! them from [`responses`] and [`noise`].
 
 pub mod draw;
+pub mod noise;
 pub mod responses;
 pub mod simulator;

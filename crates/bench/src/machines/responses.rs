@@ -3,7 +3,8 @@
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::draw::{Draw, DrawError, NoiseStatement, noise_std, observe};
+use super::draw::{Draw, DrawError};
+use super::noise::{NoiseLaw, NoiseStatement, RelativeNoise, silent};
 use super::simulator::{Machine, Settings, SimulatorError, respond};
 use crate::measurement::{Complex, Experiment, Harmonic, Measurement, Metadata, Repeat};
 
@@ -13,6 +14,8 @@ pub struct Responses {
     points: Vec<Point>,
     /// Y₀ … Y_H of each point.
     responses: Vec<Vec<Complex>>,
+    /// Whether measurements contain Y₀.
+    with_means: bool,
 }
 
 /// An experiment that has a response.
@@ -45,7 +48,7 @@ impl Responses {
         let found =
             draw.design.par_iter().enumerate().map(simulate).collect::<Result<Vec<_>, _>>()?;
         let (points, responses) = found.into_iter().flatten().unzip();
-        Ok(Self { points, responses })
+        Ok(Self { points, responses, with_means: true })
     }
 
     /// Number of experiments that have a response.
@@ -53,47 +56,60 @@ impl Responses {
         self.points.len()
     }
 
-    /// The standard deviation that "N dB" means, response units: median|Y₁|·10^(−N/20).
+    /// The same, but without harmonic 0 in the measurements.
+    pub fn without_means(self) -> Self {
+        Self { with_means: false, ..self }
+    }
+
+    /// The law of noise relative to these responses.
     ///
     /// # Errors
     /// [`DrawError::Still`] if at least half of the experiments are stuck.
-    pub fn noise_std(&self, noise_db: f64) -> Result<f64, DrawError> {
-        noise_std(&self.responses, noise_db).ok_or(DrawError::Still)
+    pub fn law(&self, noise: &RelativeNoise) -> Result<NoiseLaw, DrawError> {
+        noise.law(&self.responses).ok_or(DrawError::Still)
     }
 
-    /// The measurement without noise. `std`, if given, is the standard deviation that it states.
+    /// The measurement without noise. `std`, if given, is the standard deviation that it states of
+    /// every harmonic, response units.
     ///
     /// # Errors
     /// [`DrawError::Invalid`] if no experiment has a response.
     pub fn exact(&self, std: Option<f64>) -> Result<Measurement, DrawError> {
-        measurement(self.measured(|response| {
-            let harmonic = |(order, &value)| Harmonic { order, value, std };
-            (response.iter().enumerate().map(harmonic).collect(), Vec::new())
-        }))
+        match std {
+            Some(std) => self.stating(&NoiseLaw::uniform(std)),
+            None => measurement(self.measured(|response| (silent(response), Vec::new()))),
+        }
     }
 
-    /// The measurement with noise of N dB.
+    /// The measurement without noise, which states the standard deviations of this law.
+    ///
+    /// # Errors
+    /// [`DrawError::Invalid`] if no experiment has a response.
+    pub fn stating(&self, law: &NoiseLaw) -> Result<Measurement, DrawError> {
+        measurement(self.measured(|response| (law.stated(response), Vec::new())))
+    }
+
+    /// The measurement with noise.
     ///
     /// # Errors
     /// [`DrawError::Still`], [`DrawError::Invalid`].
     pub fn noisy(
         &self,
-        noise_db: f64,
+        noise: &RelativeNoise,
         statement: NoiseStatement,
         rng: &mut ChaCha8Rng,
     ) -> Result<Measurement, DrawError> {
-        measurement(self.experiments_with(self.noise_std(noise_db)?, statement, rng))
+        measurement(self.experiments_with(&self.law(noise)?, statement, rng))
     }
 
-    /// The experiments with noise of standard deviation `std`, response units. Their `run` is
-    /// their index in the design.
+    /// The experiments with noise of this law. Their `run` is their index in the design.
     pub fn experiments_with(
         &self,
-        std: f64,
+        law: &NoiseLaw,
         statement: NoiseStatement,
         rng: &mut ChaCha8Rng,
     ) -> Vec<Experiment> {
-        self.measured(|response| observe(response, Some(std), statement, rng))
+        self.measured(|response| law.observe(response, statement, rng))
     }
 
     fn measured(
@@ -101,7 +117,13 @@ impl Responses {
         mut observe_response: impl FnMut(&[Complex]) -> (Vec<Harmonic>, Vec<Repeat>),
     ) -> Vec<Experiment> {
         let experiment = |(point, response): (&Point, &Vec<Complex>)| {
-            let (response, repeats) = observe_response(response);
+            let (mut response, mut repeats) = observe_response(response);
+            if !self.with_means {
+                response.remove(0);
+                for repeat in &mut repeats {
+                    repeat.response.remove(0);
+                }
+            }
             Experiment {
                 magnitude: point.magnitude,
                 omega_rad_s: point.omega_rad_s,

@@ -17,6 +17,7 @@ use super::outsiders;
 use super::rivals::{Nearest, Rivals};
 use super::sizing::Sizing;
 use crate::machines::draw::{Draw, DrawError, NoiseStatement, draw, log_uniform};
+use crate::machines::noise::{NoiseLaw, RelativeNoise};
 use crate::machines::responses::Responses;
 use crate::machines::simulator::{Effect, Settings};
 
@@ -53,8 +54,8 @@ pub struct Made {
     pub plant: IndexMap<&'static str, f64>,
     /// The machine and the design of its measurement.
     pub machine: Draw,
-    /// Standard deviation of re and of im of every harmonic, response units.
-    pub noise_std: f64,
+    /// The law of its noise.
+    pub noise: NoiseLaw,
     /// The measurement for the diagnosis.
     pub measurement: Measurement,
     /// Number of attempts, including this one.
@@ -75,7 +76,7 @@ impl Made {
     pub fn nearest_rival(&self) -> Result<Option<Nearest>, MakeError> {
         let [hidden] = self.hidden.as_slice() else { return Ok(None) };
         let responses = Responses::simulate(&self.machine, &Settings::default())?;
-        let exact = responses.exact(Some(self.noise_std))?;
+        let exact = responses.stating(&self.noise)?;
         let rivals = Rivals::ask(&exact, self.machine.plant.actuator.order())?;
         Ok(rivals.nearest_to(hidden.effect))
     }
@@ -142,13 +143,13 @@ pub fn build_case(
             },
         };
         let Some(hidden) = accepted(case, &machine, &responses, excess)? else { continue };
-        let noise_db = f64::from(case.level_db);
-        let measurement = responses.noisy(noise_db, statement(case), rng)?;
+        let noise = RelativeNoise::decibels(f64::from(case.level_db));
+        let measurement = responses.noisy(&noise, statement(case), rng)?;
         return Ok(Made {
             hidden,
             excess,
             plant: truth(&machine.plant),
-            noise_std: responses.noise_std(noise_db)?,
+            noise: responses.law(&noise)?,
             machine,
             measurement,
             attempts: attempt,

@@ -8,6 +8,7 @@ use servoscope_core::observer::Silent;
 use super::effect_draws::scales;
 use super::sizing::Sizing;
 use crate::machines::draw::{Draw, DrawError};
+use crate::machines::noise::RelativeNoise;
 use crate::machines::responses::Responses;
 use crate::machines::simulator::{Effect, Settings};
 
@@ -73,7 +74,8 @@ fn is_periodic(responses: &Responses, draw: &Draw) -> bool {
 
 /// The noise-free measurement, which states the standard deviation of noise of `level_db`.
 pub(super) fn exact(responses: &Responses, level_db: u32) -> Result<Measurement, DrawError> {
-    responses.exact(Some(responses.noise_std(f64::from(level_db))?))
+    let noise = RelativeNoise::decibels(f64::from(level_db));
+    responses.stating(&responses.law(&noise)?)
 }
 
 /// The effect, scaled so that the base model's excess is `target` within 10 % and at least

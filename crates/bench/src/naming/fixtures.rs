@@ -8,6 +8,7 @@ use super::build_case::{Hidden, Made};
 use super::case::Case;
 use super::judge::{Outcome, Seconds};
 use crate::machines::draw::{draw, measure};
+use crate::machines::noise::NoiseLaw;
 
 pub(super) fn cause(effect: &str, confidence: f64, equivalents: &[&str]) -> Cause {
     Cause {
@@ -40,7 +41,7 @@ pub(super) fn made(hidden: &[&'static str]) -> Made {
         excess: 1_000.0,
         plant: IndexMap::from([("pole", -10.0)]),
         measurement: measure(&machine, 1).expect("a machine that moves"),
-        noise_std: 0.1,
+        noise: NoiseLaw::uniform(0.1),
         machine,
         attempts: 1,
     }

@@ -52,7 +52,7 @@ pub(super) fn fresh(
     };
     let machine = Draw { design: design(&made.machine, rng), ..made.machine.clone() };
     let responses = Responses::simulate(&machine, &Settings::default())?;
-    let experiments = responses.experiments_with(made.noise_std, NoiseStatement::Std, rng);
+    let experiments = responses.experiments_with(&made.noise, NoiseStatement::Std, rng);
     let metadata = made.measurement.metadata().clone();
     let measurement = Measurement::new(metadata, experiments, Vec::new(), String::new());
     let measurement = measurement.map_err(DrawError::from)?;

@@ -111,7 +111,7 @@ fn with_experiment(
     let design = made.machine.design.last().copied().into_iter().chain([point]).collect();
     let machine = Draw { design, ..made.machine.clone() };
     let responses = Responses::simulate(&machine, &Settings::default())?;
-    let added = responses.experiments_with(made.noise_std, statement(case), rng);
+    let added = responses.experiments_with(&made.noise, statement(case), rng);
     let last = made.measurement.experiments().iter().filter_map(|e| e.run).fold(0.0, f64::max);
     let Some(mut added) = added.into_iter().find(|added| added.run == Some(1.0)) else {
         return Ok(None);

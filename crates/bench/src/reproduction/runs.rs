@@ -15,6 +15,7 @@ use servoscope_core::observer::Observer;
 use servoscope_core::plant::Plant;
 
 use crate::machines::draw::{DrawError, NoiseStatement};
+use crate::machines::noise::RelativeNoise;
 use crate::machines::responses::Responses;
 use crate::machines::simulator::Settings;
 use crate::methods::METHODS;
@@ -144,7 +145,8 @@ pub fn run_all(
                         None => responses.exact(None)?,
                         Some(db) => {
                             let rng = &mut ChaCha8Rng::seed_from_u64(seed);
-                            responses.noisy(f64::from(db), NoiseStatement::Std, rng)?
+                            let noise = RelativeNoise::decibels(f64::from(db));
+                            responses.noisy(&noise, NoiseStatement::Std, rng)?
                         }
                     };
                     let case = Case { system, level, method, seed, cancelled };

@@ -26,7 +26,7 @@ pub(super) struct Args {
     /// Single draws of each effect at each level.
     #[arg(long, value_name = "N", default_value_t = Plan::default().singles)]
     draws: u32,
-    /// Draws in which nothing is hidden, at all levels together.
+    /// Draws in which nothing is hidden, at all levels together; as many of `analyser`.
     #[arg(long, value_name = "N", default_value_t = Plan::default().clean)]
     clean: u32,
     /// Pairs of effects at each level above 40 dB.
@@ -35,14 +35,20 @@ pub(super) struct Args {
     /// Draws with something that the library does not have, at the quietest level.
     #[arg(long, value_name = "N", default_value_t = Plan::default().outsiders)]
     outsiders: u32,
-    /// Noise levels: 60, 50 or 40 dB.
+    /// Tables of analysers with each effect: bare Bode tables or few harmonics, with noise in
+    /// proportion to the value and a floor 60 to 80 dB down, of which nothing, repeats or a
+    /// coherence tell.
+    #[arg(long, value_name = "N", default_value_t = Plan::default().analysers)]
+    analyser: u32,
+    /// Noise levels: 60, 50 or 40 dB; not of `analyser`.
     #[arg(long, value_name = "DB,…", value_delimiter = ',', default_values_t = [60, 50, 40])]
     #[arg(value_parser = clap::value_parser!(u32).range(20..=100))]
     levels: Vec<u32>,
-    /// Effects of the single draws [default: all].
+    /// Effects of the single draws and of `analyser` [default: all].
     #[arg(long, value_name = "ID,…", value_delimiter = ',', value_parser = known_effect)]
     effects: Vec<&'static str>,
-    /// Kinds of draw: single, clean, pair, outsider [default: all].
+    /// Kinds of draw: single, clean, pair, outsider, analyser [default: all but analyser, which
+    /// would make the run half as long again].
     #[arg(long, value_name = "KIND,…", value_delimiter = ',')]
     kinds: Vec<Kind>,
     /// Orders of the actuator, taken in turn.
@@ -63,7 +69,7 @@ pub(super) struct Args {
     /// random one, and counts how often either leaves the hidden effect alone as the cause.
     #[arg(long)]
     separate: bool,
-    /// Says of every single draw which other effect, refitted without noise, comes nearest to
+    /// Says of every draw of one effect which other effect, refitted without noise, comes nearest to
     /// the hidden one, and counts the first names by how near: what is alike without noise, no
     /// diagnosis tells apart.
     #[arg(long)]
@@ -103,8 +109,9 @@ struct File<'a> {
 impl Args {
     fn plan(&self) -> Plan {
         let or_all = |given: &[&'static str]| if given.is_empty() { ids() } else { given.to_vec() };
+        let usual = || Plan::default().kinds;
         Plan {
-            kinds: if self.kinds.is_empty() { Kind::ALL.to_vec() } else { self.kinds.clone() },
+            kinds: if self.kinds.is_empty() { usual() } else { self.kinds.clone() },
             levels_db: self.levels.clone(),
             orders: self.orders.clone(),
             effects: or_all(&self.effects),
@@ -112,6 +119,7 @@ impl Args {
             clean: self.clean,
             pairs: self.pairs,
             outsiders: self.outsiders,
+            analysers: self.analyser,
         }
     }
 
@@ -274,6 +282,10 @@ mod tests {
         let cases = asked(line).unwrap().plan().cases();
         assert_eq!(cases.len(), 2 * 3 + 4);
         assert!(cases.iter().all(|case| (case.level_db, case.order) == (50, 2)));
+        let line = "--kinds analyser --effects spring,stribeck --analyser 2 --clean 3";
+        let keys = asked(line).unwrap().plan().cases().into_iter().map(|case| case.to_string());
+        let keys: Vec<String> = keys.collect();
+        assert_eq!((keys.len(), keys[0].as_str()), (7, "analyser-70-spring-o0-0"));
         assert!(asked("--effects sprng").unwrap_err().contains("hardening_spring"));
         assert!(asked("--kinds none").unwrap_err().contains("outsider"));
         assert!(asked("--orders 3").is_err() && asked("--case spring").is_err());

@@ -13,12 +13,12 @@ use servoscope_core::plant::{Actuator, Plant};
 use super::case::{Case, Kind};
 use super::effect_draws::{draw_effect, ids};
 use super::excess::{DETECTABLE, exact, excess_in, scaled_to_excess};
+use super::instrument::Instrument;
 use super::outsiders;
 use super::rivals::{Nearest, Rivals};
 use super::sizing::Sizing;
-use crate::machines::draw::{Draw, DrawError, NoiseStatement, draw, log_uniform};
-use crate::machines::noise::{NoiseLaw, RelativeNoise};
-use crate::machines::responses::Responses;
+use crate::machines::draw::{Draw, DrawError, draw, log_uniform};
+use crate::machines::noise::NoiseLaw;
 use crate::machines::simulator::{Effect, Settings};
 
 /// Most machines and effects tried for a draw.
@@ -29,8 +29,9 @@ const MOST_ATTEMPTS: usize = 24;
 const ATTEMPTS_WITH_FIRST_TARGET: usize = 6;
 /// Smallest excess χ² of an outsider, with the effect of the library that imitates it best.
 const MIN_OUTSIDER_EXCESS: f64 = 60.0;
-/// Number of repeats of a measurement that has repeats.
-const REPEATS: usize = 6;
+/// Smallest and largest excess χ² of an effect in an analyser's table; the smallest is that from
+/// which an effect has to be named.
+const ANALYSER_EXCESS: [f64; 2] = [300.0, 30_000.0];
 
 /// An effect hidden in a machine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -54,6 +55,8 @@ pub struct Made {
     pub plant: IndexMap<&'static str, f64>,
     /// The machine and the design of its measurement.
     pub machine: Draw,
+    /// How it is measured.
+    pub instrument: Instrument,
     /// The law of its noise.
     pub noise: NoiseLaw,
     /// The measurement for the diagnosis.
@@ -75,7 +78,7 @@ impl Made {
     /// See [`MakeError`].
     pub fn nearest_rival(&self) -> Result<Option<Nearest>, MakeError> {
         let [hidden] = self.hidden.as_slice() else { return Ok(None) };
-        let responses = Responses::simulate(&self.machine, &Settings::default())?;
+        let responses = self.instrument.responses(&self.machine, &Settings::default())?;
         let exact = responses.stating(&self.noise)?;
         let rivals = Rivals::ask(&exact, self.machine.plant.actuator.order())?;
         Ok(rivals.nearest_to(hidden.effect))
@@ -118,38 +121,44 @@ pub fn build_case(
     observer: &dyn Observer,
 ) -> Result<Made, MakeError> {
     let rng = &mut case.rng(base_seed);
-    let mut targets = targets(case, rng);
+    let [least, most] = excess_range(case);
+    let targets = |rng: &mut ChaCha8Rng| [(); 2].map(|()| log_uniform(least, most, rng));
+    let mut wanted = targets(rng);
+    let mut instrument = Instrument::of(case, rng);
     for attempt in 1..=MOST_ATTEMPTS {
         if observer.cancelled() {
             return Err(MakeError::Cancelled);
         }
         if attempt > ATTEMPTS_WITH_FIRST_TARGET {
-            targets = self::targets(case, rng);
+            wanted = targets(rng);
+            instrument = Instrument::of(case, rng);
         }
-        let mut machine = draw(case.order, rng.random());
+        let mut machine = instrument.at(draw(case.order, rng.random()));
         let sized = |effect: Effect, target: f64| {
-            scaled_to_excess(&machine, &effect, target, case.level_db, sizing)
+            scaled_to_excess(&machine, &effect, [least, target], &instrument, sizing)
         };
-        let Some(effects) = effects(case, &machine, sized, targets, attempt, rng) else {
+        let Some(effects) = effects(case, &machine, sized, wanted, attempt, rng) else {
             continue;
         };
         machine.effects = effects;
-        let responses = Responses::simulate(&machine, &Settings::default())?;
-        let excess = match case.kind {
-            Kind::Clean => 0.0,
-            _ => match excess_in(&responses, &machine, case.level_db) {
-                Some(excess) if excess >= DETECTABLE => excess,
+        let responses = instrument.responses(&machine, &Settings::default())?;
+        let excess = if machine.effects.is_empty() {
+            0.0
+        } else {
+            match excess_in(&responses, &machine, &instrument) {
+                Some(excess) if excess >= least => excess,
                 _ => continue,
-            },
+            }
         };
-        let Some(hidden) = accepted(case, &machine, &responses, excess)? else { continue };
-        let noise = RelativeNoise::decibels(f64::from(case.level_db));
-        let measurement = responses.noisy(&noise, statement(case), rng)?;
+        let exact = || exact(&responses, &instrument);
+        let Some(hidden) = accepted(case, &machine, exact, excess)? else { continue };
+        let measurement = responses.noisy(&instrument.noise, instrument.said.statement(), rng)?;
         return Ok(Made {
             hidden,
             excess,
             plant: truth(&machine.plant),
-            noise: responses.law(&noise)?,
+            instrument,
+            noise: instrument.law(&responses)?,
             machine,
             measurement,
             attempts: attempt,
@@ -158,14 +167,12 @@ pub fn build_case(
     Err(MakeError::Unreachable)
 }
 
-/// How a draw states its noise.
-pub(super) fn statement(case: &Case) -> NoiseStatement {
-    if case.has_repeats() { NoiseStatement::Repeats(REPEATS) } else { NoiseStatement::Std }
-}
-
-/// Random target excesses, one for each of up to two hidden effects.
-fn targets(case: &Case, rng: &mut ChaCha8Rng) -> [f64; 2] {
-    [(); 2].map(|()| log_uniform(DETECTABLE, most_excess(case.level_db), rng))
+/// Smallest and largest target excess of a draw.
+fn excess_range(case: &Case) -> [f64; 2] {
+    match case.kind {
+        Kind::Analyser => ANALYSER_EXCESS,
+        _ => [DETECTABLE, most_excess(case.level_db)],
+    }
 }
 
 /// Largest target excess at a noise level.
@@ -189,10 +196,10 @@ fn effects(
 ) -> Option<Vec<Effect>> {
     match case.kind {
         Kind::Clean => Some(Vec::new()),
-        Kind::Single => {
-            let id = case.effect.expect("a single draw has an effect");
-            Some(vec![sized(draw_effect(id, machine, rng), targets[0])?])
-        }
+        Kind::Single | Kind::Analyser => match case.effect {
+            Some(id) => Some(vec![sized(draw_effect(id, machine, rng), targets[0])?]),
+            None => Some(Vec::new()),
+        },
         Kind::Pair => {
             let ids: Vec<&str> = ids().sample(rng, 2).copied().collect();
             if contain_each_other(ids[0], ids[1]) {
@@ -220,19 +227,17 @@ fn contain_each_other(left: &str, right: &str) -> bool {
         || are("presliding", "static_friction")
 }
 
-/// The hidden effects with their excess; `None` if one effect of a pair is not detectable, or an
+/// The hidden effects with their excess, judged by the noise-free measurement; `None` if one effect of a pair is not detectable, or an
 /// effect of the library imitates an outsider.
 fn accepted(
     case: &Case,
     machine: &Draw,
-    responses: &Responses,
+    exact: impl Fn() -> Result<Measurement, DrawError>,
     excess: f64,
 ) -> Result<Option<Vec<Hidden>>, MakeError> {
-    let rivals = || -> Result<Rivals, MakeError> {
-        Ok(Rivals::ask(&exact(responses, case.level_db)?, case.order)?)
-    };
+    let rivals = || -> Result<Rivals, MakeError> { Ok(Rivals::ask(&exact()?, case.order)?) };
     let excesses = match case.kind {
-        Kind::Single | Kind::Clean => Some(vec![excess]),
+        Kind::Single | Kind::Clean | Kind::Analyser => Some(vec![excess]),
         Kind::Pair => {
             let ids = [machine.effects[0].id(), machine.effects[1].id()];
             detectable_beside(&rivals()?, ids)?.map(Vec::from)
@@ -286,4 +291,50 @@ fn truth(plant: &Plant) -> IndexMap<&'static str, f64> {
         }
     }
     truth
+}
+
+#[cfg(test)]
+mod tests {
+    use servoscope_core::observer::Silent;
+
+    use super::super::instrument::NoiseSaid;
+    use super::*;
+    use crate::naming::base_excess;
+
+    fn made(key: &str) -> Made {
+        let case: Case = key.parse().unwrap();
+        build_case(&case, 1, Sizing::Amount, &Silent).unwrap()
+    }
+
+    // The excess is asked for to 10 %, at coarse steps; at full ones it may differ a little more.
+    #[test]
+    fn an_effect_in_an_analysers_table_shows_as_much_as_was_drawn_by_its_own_noise() {
+        let made = made("analyser-70-gain_asymmetry-o0-1");
+        let [least, most] = ANALYSER_EXCESS;
+        assert!(made.excess >= least && made.excess <= 1.15 * most, "{}", made.excess);
+        assert!(made.hides("gain_asymmetry") && made.noise.share >= 0.001);
+        let responses = made.instrument.responses(&made.machine, &Settings::default()).unwrap();
+        let exact = responses.stating(&made.noise).unwrap();
+        assert_eq!(base_excess(&exact, 0), Ok(made.excess));
+    }
+
+    #[test]
+    fn an_analysers_table_has_the_points_harmonics_and_statement_of_its_instrument() {
+        for index in 0..6 {
+            let Made { instrument, measurement, hidden, excess, machine, .. } =
+                made(&format!("analyser-70-o0-{index}"));
+            assert!(hidden.is_empty() && excess == 0.0);
+            let [magnitudes, frequencies] = instrument.points.unwrap();
+            assert_eq!(measurement.experiments().len(), magnitudes * frequencies);
+            for experiment in measurement.experiments() {
+                assert_eq!(experiment.highest_harmonic(), machine.harmonics);
+                assert_eq!(experiment.std_given(), instrument.said == NoiseSaid::Coherence);
+                let repeats = match instrument.said {
+                    NoiseSaid::Repeats(count) => count,
+                    _ => 0,
+                };
+                assert_eq!(experiment.repeats.len(), repeats);
+            }
+        }
+    }
 }

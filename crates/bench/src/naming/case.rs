@@ -22,11 +22,14 @@ pub enum Kind {
     Pair,
     /// An effect that the library does not contain and that none of its effects imitates.
     Outsider,
+    /// One effect or nothing, in a table as frequency response analysers write them.
+    Analyser,
 }
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 4] = [Self::Single, Self::Clean, Self::Pair, Self::Outsider];
+    pub const ALL: [Self; 5] =
+        [Self::Single, Self::Clean, Self::Pair, Self::Outsider, Self::Analyser];
 
     /// The name used in keys and on the command line.
     pub fn name(self) -> &'static str {
@@ -35,6 +38,7 @@ impl Kind {
             Self::Clean => "clean",
             Self::Pair => "pair",
             Self::Outsider => "outsider",
+            Self::Analyser => "analyser",
         }
     }
 }
@@ -54,9 +58,9 @@ impl FromStr for Kind {
 pub struct Case {
     /// What is hidden.
     pub kind: Kind,
-    /// Noise, dB.
+    /// Noise, dB. For [`Kind::Analyser`] the middle of the range from which the floor is drawn.
     pub level_db: u32,
-    /// Id of the effect; for [`Kind::Single`] only.
+    /// Id of the effect; always for [`Kind::Single`], for [`Kind::Analyser`] if it hides one.
     pub effect: Option<&'static str>,
     /// Order of the actuator, 0 to 2.
     pub order: u8,
@@ -65,11 +69,6 @@ pub struct Case {
 }
 
 impl Case {
-    /// Whether its measurement has repeats instead of standard deviations; true for every fifth.
-    pub fn has_repeats(&self) -> bool {
-        self.index % 5 == 4
-    }
-
     /// The random number stream of the draw.
     pub fn rng(&self, base_seed: u64) -> ChaCha8Rng {
         let text = format!("servoscope naming {base_seed} {self}");
@@ -113,7 +112,11 @@ impl FromStr for Case {
             order: order.filter(|order| *order <= 2).ok_or_else(malformed)?,
             index: index.parse().map_err(|_| malformed())?,
         };
-        let is_whole = (kind == Kind::Single) == effect.is_some();
+        let is_whole = match kind {
+            Kind::Single => effect.is_some(),
+            Kind::Analyser => true,
+            Kind::Clean | Kind::Pair | Kind::Outsider => effect.is_none(),
+        };
         is_whole.then_some(case).ok_or_else(malformed)
     }
 }
@@ -127,81 +130,6 @@ pub fn known_effect(text: &str) -> Result<&'static str, String> {
     known.ok_or_else(|| format!("`{text}` is no effect; there are {}", ids().join(", ")))
 }
 
-/// Kinds and numbers of the draws of a run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
-    /// Kinds of draw.
-    pub kinds: Vec<Kind>,
-    /// Noise levels, dB.
-    pub levels_db: Vec<u32>,
-    /// Orders of the actuator, used in turn.
-    pub orders: Vec<u8>,
-    /// Effects of the single draws.
-    pub effects: Vec<&'static str>,
-    /// Number of single draws of each effect at each level.
-    pub singles: u32,
-    /// Number of clean draws at all levels together.
-    pub clean: u32,
-    /// Number of pairs at each level above 40 dB; there is no target for pairs at 40 dB.
-    pub pairs: u32,
-    /// Number of outsiders, all at the level with the least noise.
-    pub outsiders: u32,
-}
-
-impl Default for Plan {
-    fn default() -> Self {
-        Self {
-            kinds: Kind::ALL.to_vec(),
-            levels_db: vec![60, 50, 40],
-            orders: vec![0, 1, 2],
-            effects: ids(),
-            singles: 10,
-            clean: 300,
-            pairs: 60,
-            outsiders: 45,
-        }
-    }
-}
-
-impl Plan {
-    /// All draws of the plan.
-    pub fn cases(&self) -> Vec<Case> {
-        self.kinds.iter().flat_map(|kind| self.cases_of(*kind)).collect()
-    }
-
-    fn cases_of(&self, kind: Kind) -> Vec<Case> {
-        let case = |level_db: u32, effect: Option<&'static str>, index: u32| {
-            let order = self.orders[index as usize % self.orders.len()];
-            Case { kind, level_db, effect, order, index }
-        };
-        let levels = self.levels_db.iter().copied();
-        match kind {
-            Kind::Single => levels
-                .flat_map(|level| self.effects.iter().map(move |effect| (level, *effect)))
-                .flat_map(|(level, effect)| (0..self.singles).map(move |i| (level, effect, i)))
-                .map(|(level, effect, index)| case(level, Some(effect), index))
-                .collect(),
-            Kind::Clean => {
-                let count = self.levels_db.len() as u32;
-                (0..self.clean)
-                    .map(|i| case(self.levels_db[(i % count) as usize], None, i / count))
-                    .collect()
-            }
-            Kind::Pair => levels
-                .filter(|level| *level > 40)
-                .flat_map(|level| (0..self.pairs).map(move |i| (level, i)))
-                .map(|(level, index)| case(level, None, index))
-                .collect(),
-            Kind::Outsider => levels
-                .max()
-                .into_iter()
-                .flat_map(|level| (0..self.outsiders).map(move |i| (level, i)))
-                .map(|(level, index)| case(level, None, index))
-                .collect(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::collections::HashSet;
@@ -211,30 +139,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_plan_has_the_draws_it_promises_and_each_key_is_one_of_them() {
-        let plan = Plan::default();
-        let cases = plan.cases();
-        let count = |kind: Kind| cases.iter().filter(|case| case.kind == kind).count();
-        assert_eq!(Kind::ALL.map(count), [3 * 17 * 10, 300, 2 * 60, 45]);
-        let keys: HashSet<String> = cases.iter().map(Case::to_string).collect();
-        assert_eq!(keys.len(), cases.len());
-        for case in &cases {
-            assert_eq!(case.to_string().parse(), Ok(*case));
+    fn malformed_keys_are_refused() {
+        for text in [
+            "single-60-o1-4",
+            "clean-60-spring-o1-4",
+            "single-60-sprng-o1-4",
+            "analyser-70-sprng-o1-4",
+            "pair-60-o3-1",
+            "x",
+        ] {
+            assert!(text.parse::<Case>().is_err(), "{text}");
         }
-        let repeats = cases.iter().filter(|case| case.has_repeats()).count();
-        assert_eq!(repeats, cases.len() / 5);
-        let clean = |level: u32| {
-            cases.iter().filter(|case| (case.kind, case.level_db) == (Kind::Clean, level)).count()
-        };
-        assert_eq!([60, 50, 40].map(clean), [100; 3]);
     }
 
     #[test]
-    fn malformed_keys_are_refused() {
-        for text in
-            ["single-60-o1-4", "clean-60-spring-o1-4", "single-60-sprng-o1-4", "pair-60-o3-1", "x"]
+    fn the_key_of_an_analyser_has_an_effect_or_none() {
+        for (key, effect) in
+            [("analyser-70-spring-o1-4", Some("spring")), ("analyser-70-o1-4", None)]
         {
-            assert!(text.parse::<Case>().is_err(), "{text}");
+            let case = Case { kind: Kind::Analyser, level_db: 70, effect, order: 1, index: 4 };
+            assert_eq!((key.parse(), case.to_string()), (Ok(case), key.to_owned()));
         }
     }
 

@@ -6,9 +6,9 @@ use servoscope_core::measurement::Measurement;
 use servoscope_core::observer::Silent;
 
 use super::effect_draws::scales;
+use super::instrument::Instrument;
 use super::sizing::Sizing;
 use crate::machines::draw::{Draw, DrawError};
-use crate::machines::noise::RelativeNoise;
 use crate::machines::responses::Responses;
 use crate::machines::simulator::{Effect, Settings};
 
@@ -26,7 +26,9 @@ const NEGLIGIBLE_EXCESS: f64 = 1e-3;
 const MIN_PERIODIC_SHARE: f64 = 0.8;
 
 /// Simulator settings for the search for a size. Errors of 1e-5 of the response change the excess
-/// by (1e-5/1e-3)² per datum even at 60 dB, and by less than 0.1 in all.
+/// by (1e-5/1e-3)² per datum even at 60 dB, and by less than 0.1 in all. Where a floor lies 80 dB
+/// down it is 0.01 for each harmonic that is small enough to have no other noise; what counts is
+/// the excess with the default settings, of the effect that was found.
 pub(super) const COARSE: Settings = Settings {
     steps_per_period: 256,
     steps_per_input_line: 64,
@@ -55,16 +57,20 @@ pub fn base_excess(exact: &Measurement, order: u8) -> Result<f64, IdentifyError>
     chi2.ok_or_else(|| IdentifyError::Unusable { reason: "it tells no deviation".into() })
 }
 
-/// Excess of a drawn machine with all its effects, at its noise level; `None` if too few
+/// Excess of a drawn machine with all its effects, measured with this instrument; `None` if too few
 /// experiments have a response, or the responses cannot be fitted.
-pub(super) fn excess_of(draw: &Draw, level_db: u32, settings: &Settings) -> Option<f64> {
-    let responses = Responses::simulate(draw, settings).ok()?;
-    excess_in(&responses, draw, level_db)
+pub(super) fn excess_of(draw: &Draw, instrument: &Instrument, settings: &Settings) -> Option<f64> {
+    let responses = instrument.responses(draw, settings).ok()?;
+    excess_in(&responses, draw, instrument)
 }
 
 /// As [`excess_of`], from responses that are already simulated.
-pub(super) fn excess_in(responses: &Responses, draw: &Draw, level_db: u32) -> Option<f64> {
-    let exact = is_periodic(responses, draw).then(|| exact(responses, level_db))?.ok()?;
+pub(super) fn excess_in(
+    responses: &Responses,
+    draw: &Draw,
+    instrument: &Instrument,
+) -> Option<f64> {
+    let exact = is_periodic(responses, draw).then(|| exact(responses, instrument))?.ok()?;
     base_excess(&exact, draw.plant.actuator.order()).ok()
 }
 
@@ -72,29 +78,32 @@ fn is_periodic(responses: &Responses, draw: &Draw) -> bool {
     responses.experiments() as f64 >= MIN_PERIODIC_SHARE * draw.design.len() as f64
 }
 
-/// The noise-free measurement, which states the standard deviation of noise of `level_db`.
-pub(super) fn exact(responses: &Responses, level_db: u32) -> Result<Measurement, DrawError> {
-    let noise = RelativeNoise::decibels(f64::from(level_db));
-    responses.stating(&responses.law(&noise)?)
+/// The noise-free measurement, which states the standard deviation of the instrument's noise in
+/// every harmonic.
+pub(super) fn exact(
+    responses: &Responses,
+    instrument: &Instrument,
+) -> Result<Measurement, DrawError> {
+    responses.stating(&instrument.law(responses)?)
 }
 
-/// The effect, scaled so that the base model's excess is `target` within 10 % and at least
-/// [`DETECTABLE`]; `None` if no size gives that excess.
+/// The effect, scaled so that the base model's excess is the target within 10 % and not below the
+/// least (the first); `None` if no size gives that excess.
 pub(super) fn scaled_to_excess(
     machine: &Draw,
     effect: &Effect,
-    target: f64,
-    level_db: u32,
+    [least, target]: [f64; 2],
+    instrument: &Instrument,
     sizing: Sizing,
 ) -> Option<Effect> {
     let scales = scales(machine);
     // An effect at its smallest size is requested repeatedly, so the last result is kept.
     let mut last: Option<(Effect, Option<f64>)> = None;
-    let factor = size_factor(target, |factor| {
+    let factor = size_factor([least, target], |factor| {
         let sized = sizing.times(&scales, effect, factor)?;
         let found = match last {
             Some((same, found)) if same == sized => found,
-            _ => excess_of(&Draw { effects: vec![sized], ..machine.clone() }, level_db, &COARSE),
+            _ => excess_of(&Draw { effects: vec![sized], ..machine.clone() }, instrument, &COARSE),
         };
         last = Some((sized, found));
         found
@@ -102,9 +111,12 @@ pub(super) fn scaled_to_excess(
     sizing.times(&scales, effect, factor)
 }
 
-/// The factor at which `excess` is `target`, by the secant method in the logarithms of both, with
+/// The factor at which `excess` is the target and not below the least (the first), by the secant method in the logarithms of both, with
 /// bracketing. `excess` returns `None` for sizes that are too large to have one.
-fn size_factor(target: f64, mut excess: impl FnMut(f64) -> Option<f64>) -> Option<f64> {
+fn size_factor(
+    [least, target]: [f64; 2],
+    mut excess: impl FnMut(f64) -> Option<f64>,
+) -> Option<f64> {
     let wanted = target.ln();
     // A small effect's excess grows with the square of its size.
     let mut slope = 2.0_f64;
@@ -114,9 +126,7 @@ fn size_factor(target: f64, mut excess: impl FnMut(f64) -> Option<f64>) -> Optio
     for _ in 0..MOST_TRIALS {
         let found = excess(at.exp());
         let next = match found {
-            Some(found)
-                if (found / target - 1.0).abs() <= TARGET_TOLERANCE && found >= DETECTABLE =>
-            {
+            Some(found) if (found / target - 1.0).abs() <= TARGET_TOLERANCE && found >= least => {
                 return Some(at.exp());
             }
             Some(found) => {
@@ -177,7 +187,8 @@ mod tests {
         ];
         for (name, law) in laws {
             for target in [130.0, 1_000.0, 3_000.0] {
-                let factor = size_factor(target, law).unwrap_or_else(|| panic!("{name}: {target}"));
+                let factor = size_factor([DETECTABLE, target], law);
+                let factor = factor.unwrap_or_else(|| panic!("{name}: {target}"));
                 let found = law(factor).unwrap();
                 assert!(
                     (found / target - 1.0).abs() <= TARGET_TOLERANCE,
@@ -189,9 +200,15 @@ mod tests {
 
     #[test]
     fn an_excess_that_no_size_has_is_given_up() {
-        assert_eq!(size_factor(1e4, |size| (size < 2.0).then_some(40.0 * size * size)), None);
-        assert_eq!(size_factor(1e4, |_| None), None);
-        // 118 is within 10 % of the target, but not detectable.
-        assert!(size_factor(121.0, |size| Some(118.0 * size)).is_some_and(|size| size > 1.0));
+        assert_eq!(
+            size_factor([DETECTABLE, 1e4], |size| (size < 2.0).then_some(40.0 * size * size)),
+            None
+        );
+        assert_eq!(size_factor([DETECTABLE, 1e4], |_| None), None);
+        // 118 is within 10 % of the target, but below the least.
+        assert!(
+            size_factor([DETECTABLE, 121.0], |size| Some(118.0 * size))
+                .is_some_and(|size| size > 1.0)
+        );
     }
 }

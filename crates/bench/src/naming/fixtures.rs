@@ -6,6 +6,7 @@ use servoscope_core::answers::{Cause, Diagnosis, Verdict};
 
 use super::build_case::{Hidden, Made};
 use super::case::Case;
+use super::instrument::Instrument;
 use super::judge::{Outcome, Seconds};
 use crate::machines::draw::{draw, measure};
 use crate::machines::noise::NoiseLaw;
@@ -26,8 +27,8 @@ pub(super) fn diagnosis(verdict: Verdict) -> Diagnosis {
     Diagnosis { verdict, ..sample::diagnosis() }
 }
 
-/// A draw with hidden effects whose amplitude, cycles per unit and phase are all 1.
-pub(super) fn made(hidden: &[&'static str]) -> Made {
+/// The draw of this case with hidden effects whose amplitude, cycles per unit and phase are all 1.
+pub(super) fn made(case: &Case, hidden: &[&'static str]) -> Made {
     let mut machine = draw(0, 1);
     machine.design.truncate(1);
     let parameters = ["amplitude", "cycles_per_unit", "phase"].map(|name| (name, 1.0));
@@ -41,6 +42,7 @@ pub(super) fn made(hidden: &[&'static str]) -> Made {
         excess: 1_000.0,
         plant: IndexMap::from([("pole", -10.0)]),
         measurement: measure(&machine, 1).expect("a machine that moves"),
+        instrument: Instrument::of(case, &mut case.rng(1)),
         noise: NoiseLaw::uniform(0.1),
         machine,
         attempts: 1,
@@ -57,5 +59,5 @@ pub(super) fn outcome(
     let case: Case = key.parse().expect("a key");
     let mut answer = diagnosis(verdict);
     answer.causes = causes.iter().map(|(id, p, equivalents)| cause(id, *p, equivalents)).collect();
-    Outcome::new(&case, &made(hidden), Ok(&answer), Seconds { data: 0.5, job: 2.0 })
+    Outcome::new(&case, &made(&case, hidden), Ok(&answer), Seconds { data: 0.5, job: 2.0 })
 }

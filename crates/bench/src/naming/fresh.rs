@@ -10,7 +10,6 @@ use servoscope_core::measurement::Measurement;
 use super::MakeError;
 use super::build_case::Made;
 use crate::machines::draw::{Draw, DrawError, NoiseStatement, log_uniform};
-use crate::machines::responses::Responses;
 use crate::machines::simulator::Settings;
 
 /// Number of frequencies at every magnitude, each drawn from its own part of the range.
@@ -51,7 +50,7 @@ pub(super) fn fresh(
         return Ok(None);
     };
     let machine = Draw { design: design(&made.machine, rng), ..made.machine.clone() };
-    let responses = Responses::simulate(&machine, &Settings::default())?;
+    let responses = made.instrument.responses(&machine, &Settings::default())?;
     let experiments = responses.experiments_with(&made.noise, NoiseStatement::Std, rng);
     let metadata = made.measurement.metadata().clone();
     let measurement = Measurement::new(metadata, experiments, Vec::new(), String::new());

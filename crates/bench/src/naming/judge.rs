@@ -9,11 +9,9 @@ use servoscope_core::answers::{Diagnosis, ParameterEstimate, Verdict};
 use super::build_case::{Hidden, Made};
 use super::case::{Case, Kind};
 use super::fresh::Fresh;
+use super::instrument::Instrument;
 use super::rivals::Nearest;
 use super::separation::Separation;
-
-/// Number of equivalents that count, from the first.
-const MOST_EQUIVALENTS: usize = 2;
 
 /// A draw, the answer to it, and the time it took.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -26,8 +24,8 @@ pub struct Outcome {
     pub level_db: u32,
     /// True order of the actuator.
     pub order: u8,
-    /// Whether the measurement had repeats instead of standard deviations.
-    pub repeats: bool,
+    /// How the machine was measured.
+    pub instrument: Instrument,
     /// Excess of the base model of the true order; 0 if nothing is hidden.
     pub excess: f64,
     /// The hidden effects.
@@ -116,7 +114,7 @@ impl Estimated {
 }
 
 impl Outcome {
-    /// Judges the answer to a draw.
+    /// Compares the answer to a draw with the truth.
     pub fn new(
         case: &Case,
         made: &Made,
@@ -128,7 +126,7 @@ impl Outcome {
             kind: case.kind,
             level_db: case.level_db,
             order: case.order,
-            repeats: case.has_repeats(),
+            instrument: made.instrument,
             excess: made.excess,
             hidden: made.hidden.clone(),
             answer: answer.map(|diagnosis| Answer::of(diagnosis, made)),
@@ -137,66 +135,6 @@ impl Outcome {
             fresh: None,
             seconds,
         }
-    }
-
-    /// Causes, strongest first; empty if the diagnosis failed.
-    pub fn causes(&self) -> &[Named] {
-        self.answer.as_ref().map_or(&[], |answer| &answer.causes)
-    }
-
-    /// The verdict, if there is one.
-    pub fn verdict(&self) -> Option<Verdict> {
-        self.answer.as_ref().ok().map(|answer| answer.verdict)
-    }
-
-    /// Whether this effect is hidden.
-    pub fn is_hidden(&self, effect: &str) -> bool {
-        self.hidden.iter().any(|hidden| hidden.effect == effect)
-    }
-
-    /// Whether the first cause is a hidden effect.
-    pub fn named_first(&self) -> bool {
-        self.causes().first().is_some_and(|first| self.is_hidden(&first.effect))
-    }
-
-    /// Whether the first cause, or one of its first two equivalents, is a hidden effect.
-    pub fn first_or_equivalent(&self) -> bool {
-        let counted = |first: &Named| {
-            first.equivalents.iter().take(MOST_EQUIVALENTS).any(|id| self.is_hidden(id))
-        };
-        self.named_first() || self.causes().first().is_some_and(counted)
-    }
-
-    /// Whether exactly the hidden effects are named.
-    pub fn named_exactly(&self) -> bool {
-        let causes = self.causes();
-        self.answer.is_ok()
-            && causes.len() == self.hidden.len()
-            && self.hidden.iter().all(|hidden| causes.iter().any(|c| c.effect == hidden.effect))
-    }
-
-    /// Whether the verdict is that the causes explain the data.
-    pub fn is_explained(&self) -> bool {
-        self.verdict() == Some(Verdict::Explained)
-    }
-
-    /// Whether any cause has at least this confidence.
-    pub fn any_at(&self, confidence: f64) -> bool {
-        self.causes().iter().any(|cause| cause.confidence >= confidence)
-    }
-
-    /// Whether the answer is right. A single effect must be named first, with the verdict
-    /// `explained`. In a clean draw nothing may be named. Both effects of a pair must be named, and
-    /// nothing else. For an outsider the verdict must not be `explained`, and no confidence may
-    /// reach 0.9.
-    pub fn is_right(&self) -> bool {
-        self.answer.is_ok()
-            && match self.kind {
-                Kind::Single => self.named_first() && self.is_explained(),
-                Kind::Clean => self.causes().is_empty(),
-                Kind::Pair => self.named_exactly(),
-                Kind::Outsider => !self.is_explained() && !self.any_at(0.9),
-            }
     }
 }
 
@@ -231,67 +169,12 @@ impl Answer {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixtures::{cause, diagnosis, made, outcome};
+    use super::super::fixtures::{cause, diagnosis, made};
     use super::*;
 
     #[test]
-    fn a_single_effect_counts_where_it_is_first_and_explains() {
-        let named = |causes: &[(&str, f64, &[&str])], verdict| {
-            outcome("single-60-spring-o0-0", &["spring"], causes, verdict)
-        };
-        let right = named(&[("spring", 0.99, &[])], Verdict::Explained);
-        assert!(right.named_first() && right.is_right() && right.named_exactly());
-        let improved = named(&[("spring", 0.99, &[])], Verdict::Improved);
-        assert!(improved.named_first() && !improved.is_right());
-        let second = named(&[("cogging", 0.6, &[]), ("spring", 0.5, &[])], Verdict::Explained);
-        assert!(!second.named_first() && !second.first_or_equivalent() && !second.is_right());
-        let equivalent = named(&[("cogging", 0.6, &["stribeck", "spring"])], Verdict::Explained);
-        assert!(!equivalent.named_first() && equivalent.first_or_equivalent());
-        let third = ["stribeck", "backlash", "spring"];
-        assert!(!named(&[("cogging", 0.6, &third)], Verdict::Explained).first_or_equivalent());
-        let silent = named(&[], Verdict::Unexplained);
-        assert!(!silent.first_or_equivalent() && !silent.is_right());
-    }
-
-    #[test]
-    fn a_pair_counts_where_both_and_nothing_else_are_named() {
-        let named = |causes: &[(&str, f64, &[&str])]| {
-            outcome("pair-60-o0-0", &["spring", "stribeck"], causes, Verdict::Explained)
-        };
-        assert!(named(&[("stribeck", 0.9, &[]), ("spring", 0.9, &[])]).is_right());
-        assert!(!named(&[("stribeck", 0.9, &[])]).is_right());
-        assert!(!named(&[("stribeck", 0.9, &[]), ("cogging", 0.9, &[])]).is_right());
-        let three = [("stribeck", 0.9, &[][..]), ("spring", 0.9, &[]), ("cogging", 0.9, &[])];
-        assert!(!named(&three).is_right());
-    }
-
-    #[test]
-    fn nothing_may_be_named_of_a_clean_draw_and_nothing_certain_of_an_outsider() {
-        let clean = |causes: &[(&str, f64, &[&str])], verdict| {
-            outcome("clean-60-o0-0", &[], causes, verdict).is_right()
-        };
-        assert!(clean(&[], Verdict::Adequate) && clean(&[], Verdict::Unexplained));
-        assert!(!clean(&[("spring", 0.1, &[])], Verdict::Improved));
-        let outsider = |causes: &[(&str, f64, &[&str])], verdict| {
-            outcome("outsider-60-o0-0", &["cubic_drag"], causes, verdict).is_right()
-        };
-        assert!(outsider(&[], Verdict::Unexplained));
-        assert!(outsider(&[("quadratic_drag", 0.7, &[])], Verdict::Improved));
-        assert!(!outsider(&[("quadratic_drag", 0.95, &[])], Verdict::Improved));
-        assert!(!outsider(&[("quadratic_drag", 0.7, &[])], Verdict::Explained));
-    }
-
-    #[test]
-    fn an_answer_that_failed_counts_for_nothing() {
-        let case: Case = "clean-60-o0-0".parse().unwrap();
-        let failed = Err("no response".to_owned());
-        let outcome = Outcome::new(&case, &made(&[]), failed, Seconds::default());
-        assert!(!outcome.is_right() && !outcome.named_exactly());
-    }
-
-    #[test]
     fn parameters_are_compared_where_their_effect_is_named_and_a_phase_in_any_turn() {
-        let made = made(&["cogging"]);
+        let made = made(&"single-60-cogging-o0-0".parse().unwrap(), &["cogging"]);
         let mut answer = diagnosis(Verdict::Explained);
         let mut named = cause("cogging", 0.99, &[]);
         let estimate = |low: f64, high: f64| ParameterEstimate {

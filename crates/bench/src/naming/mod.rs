@@ -1,16 +1,17 @@
 //! Benchmark of naming: hides effects in random machines, asks for a diagnosis through the public
 //! interface, and scores the causes that it names.
 //!
-//! - `case`: one draw of the benchmark, and the key that reproduces it.
+//! - `case`: one draw of the benchmark, and the key that reproduces it. `plan`: the draws of a run.
 //! - `effect_draws`: effects drawn at random. `outsiders`: effects that the library does not contain.
+//! - `instrument`: how the machine of a draw is measured.
 //! - `sizing`, `excess`: scale a hidden effect until the base model's excess χ² has the required
 //!   value.
 //! - `rivals`: how well a single other effect of the library imitates the hidden one.
 //! - `build_case`: makes the machine, its hidden effects and its measurement.
 //! - `fresh`: checks the reported gain against a fresh measurement.
 //! - `separation`: whether the proposed next experiment resolves a doubt better than a random one.
-//! - `judge`: compares one answer with the truth. `rate`, `summary`, `text`: statistics of all
-//!   answers.
+//! - `judge`: compares one answer with the truth. `score`: what counts as right. `rate`, `summary`,
+//!   `text`: statistics of all answers.
 //! - `run`: runs many draws in parallel.
 //! - `search_setting`, `ablation`: the settings of the search by name, and what halving and
 //!   doubling each of them does.
@@ -23,11 +24,14 @@ mod excess;
 #[cfg(test)]
 mod fixtures;
 mod fresh;
+mod instrument;
 mod judge;
 pub mod outsiders;
+mod plan;
 mod rate;
 mod rivals;
 mod run;
+mod score;
 mod search_setting;
 mod separation;
 mod sizing;
@@ -36,10 +40,12 @@ mod text;
 
 pub use ablation::{Ablation, Trial, Trials, ablate};
 pub use build_case::{Hidden, Made, MakeError, build_case};
-pub use case::{Case, Kind, Plan, known_effect};
+pub use case::{Case, Kind, known_effect};
 pub use excess::{DETECTABLE, base_excess};
 pub use fresh::Fresh;
+pub use instrument::{Harmonics, Instrument, NoiseSaid};
 pub use judge::{Answer, Estimated, Named, Outcome, Seconds};
+pub use plan::Plan;
 pub use rate::Rate;
 pub use rivals::{Nearest, Rivals};
 pub use run::{Run, Settings, Unmade, run_all, run_case};

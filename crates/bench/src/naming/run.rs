@@ -83,10 +83,9 @@ pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Re
     {
         // A fourth random stream.
         let rng = &mut case.rng(settings.seed.swap_bytes());
-        outcome.separation =
-            separate(case, &made, answer, &request, rng, observer).map_err(unmade)?;
+        outcome.separation = separate(&made, answer, &request, rng, observer).map_err(unmade)?;
     }
-    if settings.nearest && case.kind == Kind::Single {
+    if settings.nearest && matches!(case.kind, Kind::Single | Kind::Analyser) {
         outcome.nearest = made.nearest_rival().map_err(unmade)?;
     }
     Ok(Run { outcome, diagnosis: answer.ok() })

@@ -9,10 +9,9 @@ use servoscope_core::identify::IdentifyRequest;
 use servoscope_core::measurement::Measurement;
 use servoscope_core::observer::Observer;
 
-use super::build_case::{Made, statement};
-use super::{Case, MakeError};
+use super::MakeError;
+use super::build_case::Made;
 use crate::machines::draw::{Draw, DrawError, log_uniform};
-use crate::machines::responses::Responses;
 use crate::machines::simulator::Settings;
 
 /// Highest frequency of random experiments, as a multiple of the highest measured frequency.
@@ -54,7 +53,6 @@ impl Separation {
 /// # Errors
 /// See [`MakeError`].
 pub(super) fn separate(
-    case: &Case,
     made: &Made,
     diagnosis: &Diagnosis,
     request: &IdentifyRequest,
@@ -66,7 +64,7 @@ pub(super) fn separate(
     };
     let random = random_point(&made.machine, rng);
     let mut separates = |point| -> Result<Option<Separated>, MakeError> {
-        let Some(measurement) = with_experiment(case, made, point, rng)? else { return Ok(None) };
+        let Some(measurement) = with_experiment(made, point, rng)? else { return Ok(None) };
         let answer = diagnose(&measurement, request, observer)?;
         let first = answer.causes.first();
         let ended = first.is_some_and(|c| made.hides(&c.effect) && c.equivalents.is_empty());
@@ -102,7 +100,6 @@ fn random_point(machine: &Draw, rng: &mut ChaCha8Rng) -> (f64, f64) {
 
 /// The measurement with one more experiment at the end of the acquisition.
 fn with_experiment(
-    case: &Case,
     made: &Made,
     point: (f64, f64),
     rng: &mut ChaCha8Rng,
@@ -110,8 +107,9 @@ fn with_experiment(
     // The point is simulated as the last of two, so that any drift is at its end.
     let design = made.machine.design.last().copied().into_iter().chain([point]).collect();
     let machine = Draw { design, ..made.machine.clone() };
-    let responses = Responses::simulate(&machine, &Settings::default())?;
-    let added = responses.experiments_with(&made.noise, statement(case), rng);
+    let responses = made.instrument.responses(&machine, &Settings::default())?;
+    let statement = made.instrument.said.statement();
+    let added = responses.experiments_with(&made.noise, statement, rng);
     let last = made.measurement.experiments().iter().filter_map(|e| e.run).fold(0.0, f64::max);
     let Some(mut added) = added.into_iter().find(|added| added.run == Some(1.0)) else {
         return Ok(None);
@@ -126,7 +124,7 @@ mod tests {
 
     use super::super::sizing::Sizing;
     use super::*;
-    use crate::naming::build_case;
+    use crate::naming::{Case, build_case};
 
     #[test]
     fn one_more_experiment_stands_at_the_end_and_is_as_noisy_as_the_others() {
@@ -135,7 +133,7 @@ mod tests {
             let made = build_case(&case, 1, Sizing::Amount, &Silent).unwrap();
             let rng = &mut case.rng(2);
             let (magnitude, omega) = random_point(&made.machine, rng);
-            let extended = with_experiment(&case, &made, (magnitude, omega), rng).unwrap().unwrap();
+            let extended = with_experiment(&made, (magnitude, omega), rng).unwrap().unwrap();
             let [.., before, added] = extended.experiments() else { panic!("two experiments") };
             assert_eq!(extended.experiments().len(), made.measurement.experiments().len() + 1);
             assert_eq!((added.magnitude, added.omega_rad_s), (magnitude, omega));

@@ -66,6 +66,8 @@ pub struct Line {
 /// How often a hidden effect is named first, by the size of its excess.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EffectRates {
+    /// Kind of draw: single or analyser.
+    pub kind: Kind,
     /// The effect.
     pub effect: &'static str,
     /// Noise, dB.
@@ -122,7 +124,7 @@ pub struct Times {
 pub struct Summary {
     /// Rates with their targets.
     pub lines: Vec<Line>,
-    /// Rates of single draws by effect, noise level and excess.
+    /// Rates of draws of one effect by effect, noise level and excess.
     pub effects: Vec<EffectRates>,
     /// Confusion tables of all draws but pairs, by noise level.
     pub confusions: Vec<Confusion>,
@@ -154,18 +156,17 @@ impl Summary {
 fn effects(outcomes: &[Outcome], levels: &[u32]) -> Vec<EffectRates> {
     let mut rates: Vec<EffectRates> = Vec::new();
     for level_db in levels {
-        let single = |o: &&Outcome| o.kind == Kind::Single && o.level_db == *level_db;
-        for outcome in outcomes.iter().filter(single) {
+        let of_one = |o: &&Outcome| {
+            matches!(o.kind, Kind::Single | Kind::Analyser) && o.level_db == *level_db
+        };
+        for outcome in outcomes.iter().filter(of_one) {
             let Some(hidden) = outcome.hidden.first() else { continue };
-            let same = |r: &EffectRates| (r.effect, r.level_db) == (hidden.effect, *level_db);
+            let row = (outcome.kind, hidden.effect, *level_db);
+            let same = |r: &EffectRates| (r.kind, r.effect, r.level_db) == row;
             let place = rates.iter().position(same).unwrap_or_else(|| {
                 let (all, by_decade) = Default::default();
-                rates.push(EffectRates {
-                    effect: hidden.effect,
-                    level_db: *level_db,
-                    all,
-                    by_decade,
-                });
+                let (kind, effect, level_db) = row;
+                rates.push(EffectRates { kind, effect, level_db, all, by_decade });
                 rates.len() - 1
             });
             let right = outcome.named_first();
@@ -243,6 +244,16 @@ mod tests {
                 explained,
             ),
             outcome("outsider-60-o0-0", &["cubic_drag"], &[("spring", 0.95, &[])], explained),
+            outcome("analyser-70-o0-0", &[], &[], Verdict::Unexplained),
+            outcome("analyser-70-o1-1", &[], &[], Verdict::Adequate),
+            outcome(
+                "analyser-70-spring-o0-0",
+                &["spring"],
+                &[("hardening_spring", 0.4, &["spring"])],
+                explained,
+            ),
+            outcome("analyser-70-spring-o1-1", &["spring"], &[("cogging", 0.4, &[])], explained),
+            outcome("analyser-70-spring-o2-2", &["spring"], &[], Verdict::Unexplained),
         ]
     }
 
@@ -263,6 +274,9 @@ mod tests {
             (Kind::Pair, Some(60), "both and nothing else", 1, 1, Some(true)),
             (Kind::Outsider, None, "explained by a wrong name", 1, 1, Some(false)),
             (Kind::Outsider, None, "a cause at 0.9 or more", 1, 1, Some(false)),
+            (Kind::Analyser, None, "clean: a name, unexplained or no answer", 1, 2, Some(false)),
+            (Kind::Analyser, None, "first or an equivalent", 1, 3, Some(false)),
+            (Kind::Analyser, None, "a name that is neither", 1, 3, Some(false)),
         ] {
             let line = line(&summary, kind, level, what);
             assert_eq!(
@@ -298,7 +312,7 @@ mod tests {
         let counted: Vec<Rate> = calibration.iter().map(|bin| bin.right).collect();
         let rate = |hits, of| Rate { hits, of };
         // From 0.8 to 0.9: a wrong cogging, a wrong stribeck in a clean draw and a right stribeck.
-        assert_eq!(counted, [rate(0, 0), rate(0, 0), rate(1, 3), rate(0, 1), rate(2, 2)]);
+        assert_eq!(counted, [rate(0, 2), rate(0, 0), rate(1, 3), rate(0, 1), rate(2, 2)]);
         assert!((calibration[2].mean.unwrap() - 0.85).abs() < 1e-12);
         let met: Vec<_> = calibration.iter().map(|bin| bin.wanted.met_by(&bin.right)).collect();
         assert_eq!(met, [None, None, Some(false), None, None]);
@@ -307,7 +321,7 @@ mod tests {
     #[test]
     fn confusions_have_a_row_and_a_column_for_nothing() {
         let summary = Summary::of(&outcomes());
-        let [loud, quiet] = &summary.confusions[..] else { panic!("two levels") };
+        let [_, loud, quiet] = &summary.confusions[..] else { panic!("three levels") };
         assert_eq!((loud.level_db, quiet.level_db), (60, 40));
         let count = |of: &Confusion, hidden: &str, named: &str| {
             of.counts.get(&(hidden.to_owned(), named.to_owned())).copied().unwrap_or_default()
@@ -324,8 +338,11 @@ mod tests {
         drawn[0].excess = 50_000.0;
         drawn[1].excess = 120.0;
         let effects = Summary::of(&drawn).effects;
-        let springs = &effects[0];
-        assert_eq!((springs.effect, springs.level_db), ("spring", 60));
+        let [analysers, springs, ..] = &effects[..] else { panic!("two rows") };
+        let row = |rates: &EffectRates| (rates.kind, rates.effect, rates.level_db);
+        assert_eq!(row(springs), (Kind::Single, "spring", 60));
+        assert_eq!(row(analysers), (Kind::Analyser, "spring", 70));
+        assert_eq!(analysers.all, Rate { hits: 0, of: 3 });
         let hits = springs.by_decade.map(|rate| (rate.hits, rate.of));
         assert_eq!(hits, [(0, 1), (0, 0), (1, 1)]);
     }

@@ -43,17 +43,17 @@ fn effects(text: &mut String, summary: &Summary) {
     if summary.effects.is_empty() {
         return;
     }
-    push(text, "\nNamed first, by effect, noise and excess χ²");
+    push(text, "\nNamed first, by effect, kind, noise and excess χ²");
     let heads = ["all", "120 …", "1 200 …", "12 000 …"].map(|head| format!("{head:>9}")).concat();
-    push(text, &format!("  {:<21} {:<5} {heads}", "hidden", "dB"));
+    push(text, &format!("  {:<21} {:<9} {:<5} {heads}", "hidden", "kind", "dB"));
     for row in &summary.effects {
         let short = |rate: &Rate| match rate.of {
             0 => format!("{:>9}", "–"),
             of => format!("{:>9}", format!("{}/{of}", rate.hits)),
         };
         let decades = row.by_decade.iter().map(short).collect::<String>();
-        let (effect, level) = (row.effect, row.level_db);
-        push(text, &format!("  {effect:<21} {level:<5} {}{decades}", short(&row.all)));
+        let (effect, kind, level) = (row.effect, row.kind.name(), row.level_db);
+        push(text, &format!("  {effect:<21} {kind:<9} {level:<5} {}{decades}", short(&row.all)));
     }
 }
 
@@ -118,14 +118,13 @@ pub fn misses_text(outcomes: &[Outcome], unmade: &[Unmade], command: &str) -> St
 
 /// Describes a draw, its hidden effects and its answer in a few lines.
 pub fn case_text(outcome: &Outcome) -> String {
-    let statement = if outcome.repeats { "6 repeats" } else { "std" };
     let verdict = match &outcome.answer {
         Ok(answer) => format!("{:?}", answer.verdict).to_lowercase(),
         Err(error) => format!("failed: {error}"),
     };
     let mut text = format!(
-        "  {}: {} dB ({statement}), order {}, excess {:.0}, {verdict}",
-        outcome.key, outcome.level_db, outcome.order, outcome.excess
+        "  {}: {}, order {}, excess {:.0}, {verdict}",
+        outcome.key, outcome.instrument, outcome.order, outcome.excess
     );
     for hidden in &outcome.hidden {
         let values = hidden.parameters.iter().map(|(name, value)| format!("{name} {value:.4}"));
@@ -234,6 +233,7 @@ mod tests {
             ),
             outcome("clean-60-o0-1", &[], &[], Verdict::Adequate),
             outcome("outsider-60-o0-1", &["cubic_drag"], &[], Verdict::Unexplained),
+            outcome("analyser-70-o0-1", &[], &[], Verdict::Adequate),
         ];
         let text = summary_text(&Summary::of(&outcomes));
         let line = |parts: &[&str]| {
@@ -243,6 +243,14 @@ mod tests {
         line(&["single", "named first", "1/2", "50.0 %", "≥ 95 %", "MISSED"]);
         line(&["clean", "all", "something named", "0/1", "≤ 2 %", "met"]);
         line(&["spring", "60", "1/2"]);
+        line(&[
+            "analyser",
+            "all",
+            "clean: a name, unexplained or no answer",
+            "0/1",
+            "≤ 2 %",
+            "met",
+        ]);
         line(&["cubic_drag", "1"]);
         line(&["0.99 … 1", "1.000", "1/1"]);
         line(&["0.8  … 0.9", "0.850", "0/1", "75–95 %", "MISSED"]);

@@ -5,6 +5,7 @@ use servoscope_core::answers::Verdict;
 use super::{Line, Wanted};
 use crate::naming::case::Kind;
 use crate::naming::fresh::Fresh;
+use crate::naming::instrument::{Harmonics, Instrument, NoiseSaid};
 use crate::naming::judge::{Answer, Estimated, Outcome};
 use crate::naming::rate::Rate;
 use crate::naming::separation::Separation;
@@ -17,6 +18,31 @@ const RIVAL_EXCESS_BINS: [(&str, [f64; 2]); 4] = [
     ("named first, the nearest rival's 4 to 16", [4.0, 16.0]),
     ("named first, the nearest rival's 16 to 64", [16.0, 64.0]),
     ("named first, every rival's 64 or more", [64.0, f64::INFINITY]),
+];
+
+/// Parts of the tables of analysers, and what is counted of them where they are clean and where they
+/// hide an effect.
+const ANALYSER_PARTS: [(fn(&Instrument) -> bool, &str, &str); 4] = [
+    (
+        |instrument| instrument.said == NoiseSaid::Nothing,
+        "clean, nothing said of the noise: the same",
+        "first or an equivalent, nothing said",
+    ),
+    (
+        |instrument| matches!(instrument.said, NoiseSaid::Repeats(_)),
+        "clean, with repeats: the same",
+        "first or an equivalent, with repeats",
+    ),
+    (
+        |instrument| instrument.said == NoiseSaid::Coherence,
+        "clean, with coherence: the same",
+        "first or an equivalent, with coherence",
+    ),
+    (
+        |instrument| instrument.harmonics == Harmonics::Fundamentals,
+        "clean, fundamentals alone: the same",
+        "first or an equivalent, fundamentals alone",
+    ),
 ];
 
 /// The target for a noise level, from the shares required at 60 dB, 50 dB and 40 dB.
@@ -33,8 +59,9 @@ pub(super) fn lines(outcomes: &[Outcome], levels: &[u32]) -> Vec<Line> {
     lines.clean(levels);
     lines.pairs(levels);
     lines.outsiders();
+    lines.analysers();
     lines.rivals();
-    for kind in [Kind::Single, Kind::Pair] {
+    for kind in [Kind::Single, Kind::Pair, Kind::Analyser] {
         for &level in levels {
             lines.intervals(kind, level);
         }
@@ -120,17 +147,45 @@ impl<'a> Lines<'a> {
         self.count(all, "something named", Wanted::Nothing, names_something);
     }
 
+    /// Tables of analysers, all together and by what they contain.
+    fn analysers(&mut self) {
+        let at = (Kind::Analyser, None);
+        let all = self.at(Kind::Analyser, None);
+        let (clean, hidden): (Vec<&Outcome>, Vec<&Outcome>) =
+            all.partition(|o| o.hidden.is_empty());
+        let nothing = Wanted::Nothing;
+        let what = "clean: a name, unexplained or no answer";
+        let missed = |o: &&Outcome| !o.is_right();
+        self.add(at, what, Wanted::AtMost(0.02), clean.iter().map(missed));
+        for (part, what, _) in ANALYSER_PARTS {
+            self.add(at, what, nothing, clean.iter().filter(|o| part(&o.instrument)).map(missed));
+        }
+        let right = |o: &&Outcome| o.first_or_equivalent();
+        let named_first = hidden.iter().map(|o| o.named_first());
+        self.add(at, "first or an equivalent", Wanted::AtLeast(0.97), hidden.iter().map(right));
+        self.add(at, "named first", nothing, named_first);
+        for (part, _, what) in ANALYSER_PARTS {
+            self.add(at, what, nothing, hidden.iter().filter(|o| part(&o.instrument)).map(right));
+        }
+        let another = hidden.iter().map(|o| o.names_another());
+        self.add(at, "a name that is neither", Wanted::AtMost(0.02), another);
+        let explained = hidden.iter().map(|o| o.is_explained());
+        self.add(at, "explained", nothing, explained);
+    }
+
     /// Rates by the excess of the nearest rival, and rates of the doubts that one more experiment
     /// resolves.
     fn rivals(&mut self) {
-        let all = (Kind::Single, None);
-        for (what, [from, to]) in RIVAL_EXCESS_BINS {
-            let near = move |o: &&Outcome| {
-                o.nearest.as_ref().is_some_and(|n| (from..to).contains(&n.excess))
-            };
-            let named_first = self.at(Kind::Single, None).filter(near).map(Outcome::named_first);
-            self.add(all, what, Wanted::Nothing, named_first);
+        for kind in [Kind::Single, Kind::Analyser] {
+            for (what, [from, to]) in RIVAL_EXCESS_BINS {
+                let near = move |o: &&Outcome| {
+                    o.nearest.as_ref().is_some_and(|n| (from..to).contains(&n.excess))
+                };
+                let named_first = self.at(kind, None).filter(near).map(Outcome::named_first);
+                self.add((kind, None), what, Wanted::Nothing, named_first);
+            }
         }
+        let all = (Kind::Single, None);
         let mut separated = |what, by: fn(&Separation) -> bool| {
             let tried = self.at(Kind::Single, None).filter_map(|o| o.separation.as_ref());
             self.add(all, what, Wanted::Nothing, tried.map(by));

@@ -1,0 +1,133 @@
+//! Kinds and numbers of the draws of a run.
+
+use super::case::{Case, Kind};
+use super::effect_draws::ids;
+
+/// The level of analysers, dB: their floors lie within 10 dB of it.
+const ANALYSER_LEVEL_DB: u32 = 70;
+
+/// Kinds and numbers of the draws of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Kinds of draw.
+    pub kinds: Vec<Kind>,
+    /// Noise levels, dB.
+    pub levels_db: Vec<u32>,
+    /// Orders of the actuator, used in turn.
+    pub orders: Vec<u8>,
+    /// Effects of the single draws.
+    pub effects: Vec<&'static str>,
+    /// Number of single draws of each effect at each level.
+    pub singles: u32,
+    /// Number of clean draws at all levels together, and of analysers that hide nothing.
+    pub clean: u32,
+    /// Number of pairs at each level above 40 dB; there is no target for pairs at 40 dB.
+    pub pairs: u32,
+    /// Number of outsiders, all at the level with the least noise.
+    pub outsiders: u32,
+    /// Number of analysers that hide an effect, of each effect.
+    pub analysers: u32,
+}
+
+/// All kinds but [`Kind::Analyser`], whose tables would make the run half as long again.
+impl Default for Plan {
+    fn default() -> Self {
+        Self {
+            kinds: vec![Kind::Single, Kind::Clean, Kind::Pair, Kind::Outsider],
+            levels_db: vec![60, 50, 40],
+            orders: vec![0, 1, 2],
+            effects: ids(),
+            singles: 10,
+            clean: 300,
+            pairs: 60,
+            outsiders: 45,
+            analysers: 10,
+        }
+    }
+}
+
+impl Plan {
+    /// All draws of the plan.
+    pub fn cases(&self) -> Vec<Case> {
+        self.kinds.iter().flat_map(|kind| self.cases_of(*kind)).collect()
+    }
+
+    fn cases_of(&self, kind: Kind) -> Vec<Case> {
+        let case = |level_db: u32, effect: Option<&'static str>, index: u32| {
+            let order = self.orders[index as usize % self.orders.len()];
+            Case { kind, level_db, effect, order, index }
+        };
+        let levels = self.levels_db.iter().copied();
+        match kind {
+            Kind::Single => levels
+                .flat_map(|level| self.effects.iter().map(move |effect| (level, *effect)))
+                .flat_map(|(level, effect)| (0..self.singles).map(move |i| (level, effect, i)))
+                .map(|(level, effect, index)| case(level, Some(effect), index))
+                .collect(),
+            Kind::Clean => {
+                let count = self.levels_db.len() as u32;
+                (0..self.clean)
+                    .map(|i| case(self.levels_db[(i % count) as usize], None, i / count))
+                    .collect()
+            }
+            Kind::Pair => levels
+                .filter(|level| *level > 40)
+                .flat_map(|level| (0..self.pairs).map(move |i| (level, i)))
+                .map(|(level, index)| case(level, None, index))
+                .collect(),
+            Kind::Outsider => levels
+                .max()
+                .into_iter()
+                .flat_map(|level| (0..self.outsiders).map(move |i| (level, i)))
+                .map(|(level, index)| case(level, None, index))
+                .collect(),
+            Kind::Analyser => {
+                let hidden = self.effects.iter().map(|effect| (Some(*effect), self.analysers));
+                hidden
+                    .chain([(None, self.clean)])
+                    .flat_map(|(effect, count)| (0..count).map(move |i| (effect, i)))
+                    .map(|(effect, index)| case(ANALYSER_LEVEL_DB, effect, index))
+                    .collect()
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn the_plan_has_the_draws_it_promises_and_each_key_is_one_of_them() {
+        let plan = Plan::default();
+        let cases = plan.cases();
+        let count = |kind: Kind| cases.iter().filter(|case| case.kind == kind).count();
+        assert_eq!(Kind::ALL.map(count), [3 * 17 * 10, 300, 2 * 60, 45, 0]);
+        let keys: HashSet<String> = cases.iter().map(Case::to_string).collect();
+        assert_eq!(keys.len(), cases.len());
+        for case in &cases {
+            assert_eq!(case.to_string().parse(), Ok(*case));
+        }
+        let clean = |level: u32| {
+            cases.iter().filter(|case| (case.kind, case.level_db) == (Kind::Clean, level)).count()
+        };
+        assert_eq!([60, 50, 40].map(clean), [100; 3]);
+    }
+
+    #[test]
+    fn analysers_are_drawn_only_if_they_are_asked_for_with_each_effect_and_clean() {
+        assert!(!Plan::default().kinds.contains(&Kind::Analyser));
+        let kinds = vec![Kind::Analyser];
+        let cases = Plan { kinds, clean: 6, analysers: 2, ..Plan::default() }.cases();
+        assert_eq!(cases.len(), 2 * 17 + 6);
+        assert_eq!(cases.iter().filter(|case| case.effect.is_none()).count(), 6);
+        assert_eq!(cases[0].to_string(), format!("analyser-70-{}-o0-0", ids()[0]));
+        let orders: Vec<u8> = cases[34..].iter().map(|case| case.order).collect();
+        assert_eq!(orders, [0, 1, 2, 0, 1, 2]);
+        for case in cases {
+            assert_eq!(case.to_string().parse(), Ok(case));
+        }
+    }
+}

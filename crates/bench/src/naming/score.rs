@@ -1,0 +1,171 @@
+//! What counts as right: the questions that are asked of an answer.
+
+use servoscope_core::answers::Verdict;
+
+use super::case::Kind;
+use super::judge::{Named, Outcome};
+
+/// Number of equivalents that count, from the first.
+const MOST_EQUIVALENTS: usize = 2;
+
+impl Outcome {
+    /// Causes, strongest first; empty if the diagnosis failed.
+    pub fn causes(&self) -> &[Named] {
+        self.answer.as_ref().map_or(&[], |answer| &answer.causes)
+    }
+
+    /// The verdict, if there is one.
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.answer.as_ref().ok().map(|answer| answer.verdict)
+    }
+
+    /// Whether this effect is hidden.
+    pub fn is_hidden(&self, effect: &str) -> bool {
+        self.hidden.iter().any(|hidden| hidden.effect == effect)
+    }
+
+    /// Whether the first cause is a hidden effect.
+    pub fn named_first(&self) -> bool {
+        self.causes().first().is_some_and(|first| self.is_hidden(&first.effect))
+    }
+
+    /// Whether the first cause, or one of its first two equivalents, is a hidden effect.
+    pub fn first_or_equivalent(&self) -> bool {
+        self.causes().first().is_some_and(|first| self.stands_for_hidden(first))
+    }
+
+    /// Whether this cause, or one of its first two equivalents, is a hidden effect.
+    fn stands_for_hidden(&self, cause: &Named) -> bool {
+        let equivalents = cause.equivalents.iter().take(MOST_EQUIVALENTS);
+        std::iter::once(&cause.effect).chain(equivalents).any(|id| self.is_hidden(id))
+    }
+
+    /// Whether a cause is named that is not hidden and whose first two equivalents are not, either.
+    pub fn names_another(&self) -> bool {
+        self.causes().iter().any(|cause| !self.stands_for_hidden(cause))
+    }
+
+    /// Whether exactly the hidden effects are named.
+    pub fn named_exactly(&self) -> bool {
+        let causes = self.causes();
+        self.answer.is_ok()
+            && causes.len() == self.hidden.len()
+            && self.hidden.iter().all(|hidden| causes.iter().any(|c| c.effect == hidden.effect))
+    }
+
+    /// Whether the verdict is that the causes explain the data.
+    pub fn is_explained(&self) -> bool {
+        self.verdict() == Some(Verdict::Explained)
+    }
+
+    /// Whether any cause has at least this confidence.
+    pub fn any_at(&self, confidence: f64) -> bool {
+        self.causes().iter().any(|cause| cause.confidence >= confidence)
+    }
+
+    /// Whether the answer is right. A single effect must be named first, with the verdict
+    /// `explained`. In a clean draw nothing may be named. Both effects of a pair must be named, and
+    /// nothing else. For an outsider the verdict must not be `explained`, and no confidence may
+    /// reach 0.9. In an analyser's table, the effect must be first or an equivalent of the first and
+    /// no other may be named; without one nothing may be named, and the verdict must not be
+    /// `unexplained`.
+    pub fn is_right(&self) -> bool {
+        self.answer.is_ok()
+            && match self.kind {
+                Kind::Single => self.named_first() && self.is_explained(),
+                Kind::Clean => self.causes().is_empty(),
+                Kind::Pair => self.named_exactly(),
+                Kind::Outsider => !self.is_explained() && !self.any_at(0.9),
+                Kind::Analyser if self.hidden.is_empty() => {
+                    self.causes().is_empty() && self.verdict() != Some(Verdict::Unexplained)
+                }
+                Kind::Analyser => self.first_or_equivalent() && !self.names_another(),
+            }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::case::Case;
+    use super::super::fixtures::{made, outcome};
+    use super::super::judge::Seconds;
+    use super::*;
+
+    #[test]
+    fn a_single_effect_counts_where_it_is_first_and_explains() {
+        let named = |causes: &[(&str, f64, &[&str])], verdict| {
+            outcome("single-60-spring-o0-0", &["spring"], causes, verdict)
+        };
+        let right = named(&[("spring", 0.99, &[])], Verdict::Explained);
+        assert!(right.named_first() && right.is_right() && right.named_exactly());
+        let improved = named(&[("spring", 0.99, &[])], Verdict::Improved);
+        assert!(improved.named_first() && !improved.is_right());
+        let second = named(&[("cogging", 0.6, &[]), ("spring", 0.5, &[])], Verdict::Explained);
+        assert!(!second.named_first() && !second.first_or_equivalent() && !second.is_right());
+        let equivalent = named(&[("cogging", 0.6, &["stribeck", "spring"])], Verdict::Explained);
+        assert!(!equivalent.named_first() && equivalent.first_or_equivalent());
+        let third = ["stribeck", "backlash", "spring"];
+        assert!(!named(&[("cogging", 0.6, &third)], Verdict::Explained).first_or_equivalent());
+        let silent = named(&[], Verdict::Unexplained);
+        assert!(!silent.first_or_equivalent() && !silent.is_right());
+    }
+
+    #[test]
+    fn a_pair_counts_where_both_and_nothing_else_are_named() {
+        let named = |causes: &[(&str, f64, &[&str])]| {
+            outcome("pair-60-o0-0", &["spring", "stribeck"], causes, Verdict::Explained)
+        };
+        assert!(named(&[("stribeck", 0.9, &[]), ("spring", 0.9, &[])]).is_right());
+        assert!(!named(&[("stribeck", 0.9, &[])]).is_right());
+        assert!(!named(&[("stribeck", 0.9, &[]), ("cogging", 0.9, &[])]).is_right());
+        let three = [("stribeck", 0.9, &[][..]), ("spring", 0.9, &[]), ("cogging", 0.9, &[])];
+        assert!(!named(&three).is_right());
+    }
+
+    #[test]
+    fn nothing_may_be_named_of_a_clean_draw_and_nothing_certain_of_an_outsider() {
+        let clean = |causes: &[(&str, f64, &[&str])], verdict| {
+            outcome("clean-60-o0-0", &[], causes, verdict).is_right()
+        };
+        assert!(clean(&[], Verdict::Adequate) && clean(&[], Verdict::Unexplained));
+        assert!(!clean(&[("spring", 0.1, &[])], Verdict::Improved));
+        let outsider = |causes: &[(&str, f64, &[&str])], verdict| {
+            outcome("outsider-60-o0-0", &["cubic_drag"], causes, verdict).is_right()
+        };
+        assert!(outsider(&[], Verdict::Unexplained));
+        assert!(outsider(&[("quadratic_drag", 0.7, &[])], Verdict::Improved));
+        assert!(!outsider(&[("quadratic_drag", 0.95, &[])], Verdict::Improved));
+        assert!(!outsider(&[("quadratic_drag", 0.7, &[])], Verdict::Explained));
+    }
+
+    #[test]
+    fn an_answer_that_failed_counts_for_nothing() {
+        let case: Case = "clean-60-o0-0".parse().unwrap();
+        let failed = Err("no response".to_owned());
+        let outcome = Outcome::new(&case, &made(&case, &[]), failed, Seconds::default());
+        assert!(!outcome.is_right() && !outcome.named_exactly());
+    }
+
+    #[test]
+    fn of_an_analysers_table_nothing_but_the_hidden_effect_may_be_named() {
+        let clean = |causes: &[(&str, f64, &[&str])], verdict| {
+            outcome("analyser-70-o0-0", &[], causes, verdict).is_right()
+        };
+        assert!(clean(&[], Verdict::Adequate) && !clean(&[], Verdict::Unexplained));
+        assert!(!clean(&[("spring", 0.1, &[])], Verdict::Improved));
+        let of_spring = |causes: &[(&str, f64, &[&str])]| {
+            outcome("analyser-70-spring-o0-0", &["spring"], causes, Verdict::Improved)
+        };
+        let second = [("spring", 0.9, &[][..]), ("cogging", 0.5, &[])];
+        for (causes, right, another) in [
+            (&[("spring", 0.5, &[][..])][..], true, false),
+            (&[("hardening_spring", 0.5, &["spring"][..])], true, false),
+            (&[("cogging", 0.5, &[][..])], false, true),
+            (&second, false, true),
+            (&[], false, false),
+        ] {
+            let found = of_spring(causes);
+            assert_eq!((found.is_right(), found.names_another()), (right, another), "{causes:?}");
+        }
+    }
+}

@@ -23,11 +23,10 @@ from simulator import HERE, motion
 DATA = Path(os.environ.get("SERVO_DATA_DIR", HERE.parent.parent.parent / "shared" / "data"))
 FILE = DATA / "emps" / "emps.csv"
 PERIOD = 6240  # samples
-NAMES = ("mass", "viscous", "Coulomb", "offset")
-# Mass and viscous friction are searched as logarithms.
+# Of mass, viscous and Coulomb friction, and offset; mass and viscous friction are searched as logarithms.
 LOW = np.array([np.log(10.0), np.log(10.0), 0.0, -20.0])
 HIGH = np.array([np.log(1000.0), np.log(1000.0), 60.0, 20.0])
-STARTS = 5
+STARTS = 10  # as many as servoscope's least-squares has
 
 
 class Record:
@@ -61,9 +60,12 @@ class Record:
 
     def shares(self, physical):
         """What is left of the position, of the record and of the mean period (NRMSE)."""
-        size = lambda y: np.linalg.norm(y - y.mean())
         return (np.linalg.norm(self.whole(physical)) / size(self.position),
                 np.linalg.norm(self.periodic(physical, False)) / size(self.mean_position))
+
+
+def size(position):
+    return np.linalg.norm(position - position.mean())
 
 
 def axis(physical):
@@ -96,28 +98,34 @@ def fit(error, seed, starts):
     return natural(min(found, key=lambda result: result.cost).x), count
 
 
-def compare(program, seeds, smoke):
+def is_there():
     if not FILE.exists():
         print(f"SKIPPED: no {FILE}; SERVO_DATA_DIR says where the measured data is", flush=True)
-        return []
+    return FILE.exists()
+
+
+def compare(program, seeds, smoke):
     record = Record(FILE)
     rows = []
 
-    def add(method, seed, physical, evaluations, processor_s, wall_s):
+    def add(method, seed, physical, evaluations, processor_s, wall_s, stages=None):
         whole, periodic = record.shares(physical)
         rows.append({"method": method, "seed": seed, "processor_s": processor_s, "wall_s": wall_s,
                      "evaluations": evaluations, "whole": whole, "periodic": periodic,
-                     "physical": list(map(float, physical))})
+                     "physical": list(map(float, physical)), "ours": stages is not None,
+                     "stages": stages})
 
     errors = [("scipy least_squares, whole record", record.whole),
-              ("scipy least_squares, mean period", record.periodic)]
+              ("scipy least_squares, mean period", record.periodic),
+              ("scipy least_squares, mean period without drift",
+               lambda physical: record.periodic(physical, False))]
     for seed in seeds:
         for method in ("abc-ann", "least-squares"):
             for weights in ("noise", "response"):
                 result, processor_s, wall_s = ours.identify(
                     program, FILE, method, seed, 0, {"weights": weights})
-                add(f"**{method}**, weights by {weights}", seed, physical_of(ours.axis(result)),
-                    ours.evaluations(result), processor_s, wall_s)
+                add(f"{method}, weights by {weights}", seed, physical_of(ours.axis(result)),
+                    ours.evaluations(result), processor_s, wall_s, result["stages"])
         for method, error in errors:
             begin, begin_wall = time.process_time(), time.perf_counter()
             physical, count = fit(error, seed, 1 if smoke else STARTS)
@@ -137,17 +145,17 @@ def table(rows):
         "| --- |" + " --- |" * 9,
     ]
     for method, runs in grouped.items():
-        middle = lambda of: statistics.median(of(r) for r in runs)
-        ends = lambda of: (min(map(of, runs)), max(map(of, runs)))
-        seconds = lambda r: r["processor_s"]
+        columns = {key: [r[key] for r in runs] for key in runs[0]}
+        spent = columns["processor_s"]
+        physical = [statistics.median(values) for values in zip(*columns["physical"])]
         cells = [
-            method,
-            "{:.2f} ({:.2f}–{:.2f})".format(middle(seconds), *ends(seconds)),
-            f"{middle(lambda r: r['wall_s']):.2f}",
-            f"{middle(lambda r: r['evaluations']):.0f}",
-            f"{100 * middle(lambda r: r['whole']):.2f}",
-            f"{100 * middle(lambda r: r['periodic']):.2f}",
-            *(f"{middle(lambda r: r['physical'][i]):.{d}f}" for i, d in enumerate((1, 1, 2, 2))),
+            f"**{method}**" if runs[0]["ours"] else method,
+            f"{statistics.median(spent):.2f} ({min(spent):.2f}–{max(spent):.2f})",
+            f"{statistics.median(columns['wall_s']):.2f}",
+            f"{statistics.median(columns['evaluations']):.0f}",
+            f"{100 * statistics.median(columns['whole']):.2f}",
+            f"{100 * statistics.median(columns['periodic']):.2f}",
+            *(f"{value:.{digits}f}" for value, digits in zip(physical, (1, 1, 2, 2))),
         ]
         lines.append("| " + " | ".join(cells) + " |")
     return lines

@@ -151,7 +151,10 @@ def swarm(particles, iterations):
         weights = {"c1": 1.49618, "c2": 1.49618, "w": 0.7298}
         bounds = np.zeros(objective.dimension), np.ones(objective.dimension)
         best = pyswarms.single.GlobalBestPSO(particles, objective.dimension, weights, bounds=bounds)
-        costs = lambda cubes: np.array([objective(cube) for cube in cubes])
+
+        def costs(cubes):
+            return np.array([objective(cube) for cube in cubes])
+
         return best.optimize(costs, iterations, verbose=False)[1]
 
     return search
@@ -162,11 +165,11 @@ def evolution(restarts, **options):
 
     def search(objective, seed):
         # The seed 0 of this package is the clock.
-        options_ = {"bounds": [0, 1], "seed": seed + 1, "verbose": -9, **options}
+        settings = {"bounds": [0, 1], "seed": seed + 1, "verbose": -9, **options}
         start = np.random.default_rng(seed).uniform(size=objective.dimension)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            found = cma.fmin2(objective, start, 0.3, options_, restarts=restarts, incpopsize=2)
+            found = cma.fmin2(objective, start, 0.3, settings, restarts=restarts, incpopsize=2)
         return found[1].result.xbest
 
     return search

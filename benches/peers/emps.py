@@ -26,7 +26,7 @@ PERIOD = 6240  # samples
 # Of mass, viscous and Coulomb friction, and offset; mass and viscous friction are searched as logarithms.
 LOW = np.array([np.log(10.0), np.log(10.0), 0.0, -20.0])
 HIGH = np.array([np.log(1000.0), np.log(1000.0), 60.0, 20.0])
-STARTS = 5
+STARTS = 10  # as many as servoscope's least-squares has
 
 
 class Record:

@@ -54,7 +54,8 @@ pub(super) struct Patience {
     pub steps: usize,
     /// Most evaluations.
     pub evaluations: u64,
-    /// Converged if a step lowers the cost by less than this share of cost + `negligible`.
+    /// Converged if a step lowers the cost by less than this share of cost + `negligible`, or is
+    /// predicted to.
     pub cost_tolerance: f64,
     /// Cost below which relative decreases do not matter: see `cost_tolerance`.
     pub negligible: f64,
@@ -65,6 +66,11 @@ const STEP_TOLERANCE: f64 = 1e-11;
 
 /// Longest step of any coordinate.
 const LONGEST_STEP: f64 = 1.0;
+
+/// A rejected trial whose cost exceeds that of the point by more than this factor lies where the
+/// linearised residuals say nothing, so that their prediction for the next, shorter step is not
+/// trusted (tuned).
+const PREDICTABLE_GROWTH: f64 = 2.0;
 
 /// Where refinement ended.
 #[derive(Debug, Clone)]
@@ -111,13 +117,21 @@ pub(super) fn minimise<P: LeastSquares>(
         for i in 0..point.len() {
             scaling[i] = curvature[(i, i)].max(scaling[i]).max(f64::MIN_POSITIVE);
         }
+        let matters = patience.cost_tolerance * (cost + patience.negligible);
         let mut accepted = None;
         let mut rejected = 0;
+        let mut last_cost = cost;
         while damping < 1e15 {
             let trial = damped_step(problem, &point, &gradient, &curvature, &scaling, damping);
-            let moved = trial.iter().zip(&point).map(|(t, p)| (t - p).abs()).fold(0.0, f64::max);
+            let shift = DVector::from_fn(point.len(), |i, _| trial[i] - point[i]);
+            let moved = shift.amax();
             if moved <= f64::EPSILON {
                 break;
+            }
+            // A trial costs a simulation: none is made for a decrease that would not matter.
+            let predicted = -shift.dot(&(2.0 * &gradient + &curvature * &shift));
+            if predicted <= matters && last_cost <= PREDICTABLE_GROWTH * cost {
+                return Refined { point, cost, evaluations, stop: "converged" };
             }
             if spent(evaluations) {
                 return Refined { point, cost, evaluations, stop: "evaluation budget spent" };
@@ -135,6 +149,7 @@ pub(super) fn minimise<P: LeastSquares>(
                 break;
             }
             rejected += 1;
+            last_cost = trial_cost;
             damping *= if damping < 1e-6 { 100.0 } else { 5.0 };
         }
         let Some((trial, trial_cost, moved, ahead)) = accepted else {
@@ -156,7 +171,6 @@ pub(super) fn minimise<P: LeastSquares>(
                 }
             }
         };
-        let matters = patience.cost_tolerance * (cost + patience.negligible);
         let converged = decrease <= matters || moved < STEP_TOLERANCE;
         cost = trial_cost;
         on_step(step as u64, evaluations, cost);
@@ -289,6 +303,54 @@ mod tests {
         assert!(found.point[0] == 0.5 && (found.point[1] - 0.25).abs() < 1e-9, "{found:?}");
         let here = problem.linearise(&found.point).unwrap();
         assert_eq!(held(&problem, &found.point, &here), [true, false]);
+    }
+
+    /// Residuals 3 and r(x) of one coordinate x.
+    struct Curve {
+        value: fn(f64) -> f64,
+        slope: fn(f64) -> f64,
+    }
+
+    impl LeastSquares for Curve {
+        type Error = ();
+
+        fn cost(&self, point: &[f64]) -> f64 {
+            9.0 + (self.value)(point[0]).powi(2)
+        }
+
+        fn linearise(&self, point: &[f64]) -> Result<Linearisation, ()> {
+            let residuals = DVector::from_vec(vec![3.0, (self.value)(point[0])]);
+            let jacobian = DMatrix::from_column_slice(2, 1, &[0.0, (self.slope)(point[0])]);
+            Ok(Linearisation { residuals, jacobian })
+        }
+    }
+
+    fn coarse_minimum(problem: &Curve, start: f64, cost_tolerance: f64) -> Refined {
+        let patience = Patience { cost_tolerance, ..PATIENCE };
+        minimise(problem, &[start], patience, &mut |_, _, _| ())
+    }
+
+    // The least cost is 9; at x = 0.05 it is larger by 0.0025, less than a thousandth.
+    #[test]
+    fn no_trial_is_made_for_a_decrease_that_does_not_matter() {
+        let line = Curve { value: |x| x, slope: |_| 1.0 };
+        let found = coarse_minimum(&line, 0.05, 1e-3);
+        assert_eq!((found.stop, found.evaluations, found.point[0]), ("converged", 1, 0.05));
+        assert!(coarse_minimum(&line, 0.05, 1e-4).point[0].abs() < 1e-3);
+    }
+
+    // At 0 the slope promises little, and the longest step ends on the wall beyond the valley,
+    // whose ground is at √0.15 = 0.387.
+    #[test]
+    fn a_trial_far_up_does_not_end_the_search_for_a_shorter_step() {
+        let valley = Curve {
+            value: |x| 5.0 - 0.06 * x - 15.0 * x.powi(2) + 50.0 * x.powi(4),
+            slope: |x| -0.06 - 30.0 * x + 200.0 * x.powi(3),
+        };
+        let [predicted, matters] = [2.0 * 5.0 * 0.06, 0.01 * (9.0 + 25.0)];
+        assert!(predicted > matters && 0.387 * predicted < matters);
+        let found = coarse_minimum(&valley, 0.0, 0.01);
+        assert!((found.point[0] - 0.387).abs() < 0.05, "{found:?}");
     }
 
     #[test]

@@ -6,8 +6,8 @@ mod extension;
 mod left_out;
 mod model;
 mod predictions;
+mod refit;
 mod stated_noise;
-mod transfer;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -31,6 +31,7 @@ use super::request::{IdentifyError, IdentifyRequest, no_response};
 use super::search_settings::SearchSettings;
 use super::solve::{Solved, answer, solve};
 use super::summary::Intervals;
+pub use left_out::LeavingOut;
 pub use model::Model;
 
 /// Differences below this share of the largest component count as rounding: two good simulations of
@@ -141,17 +142,6 @@ impl<'a> FitSession<'a> {
             weights.map_or(chosen.weights.depend_on_model, |given| given.depend_on_model);
         let weights = Weights { depend_on_model, ..chosen.weights };
         let fitted = Fitted { weights, ..chosen };
-        Self::of(measurement, request, observer, problem, fitted, order_choice)
-    }
-
-    fn of(
-        measurement: &'a Measurement,
-        request: &'a IdentifyRequest,
-        observer: &'a dyn Observer,
-        problem: Problem,
-        fitted: Fitted,
-        order_choice: Option<OrderChoice>,
-    ) -> Result<Self, IdentifyError> {
         let base = Model {
             coordinates: fitted.coordinates.clone(),
             point: fitted.point.clone(),
@@ -256,17 +246,18 @@ impl<'a> FitSession<'a> {
     /// The same; `on_step` is called after every step of the fit.
     pub fn refine_watched(&self, model: &Model, effort: FitAccuracy, on_step: &dyn Fn()) -> Model {
         let patience = self.patience(effort);
-        let descend = |from| self.descend_by(&self.misfit(from), from, patience, on_step);
-        let refined = descend(model);
-        match refined.escaped() {
-            Some(escaped) => {
-                let again = descend(&escaped);
-                let evaluations = again.evaluations;
-                let best = if again.cost < refined.cost { again } else { refined };
-                Model { evaluations, ..best }
-            }
-            None => refined,
-        }
+        let descend = |from: &Model| self.descend_by(&self.misfit(from), from, patience, on_step);
+        self.escape(descend(model), descend)
+    }
+
+    /// If a fit ended in a dead zone of an effect, fits again from outside of it, and returns the
+    /// better one.
+    fn escape(&self, refined: Model, descend: impl Fn(&Model) -> Model) -> Model {
+        let Some(escaped) = refined.escaped() else { return refined };
+        let again = descend(&escaped);
+        let evaluations = again.evaluations;
+        let best = if again.cost < refined.cost { again } else { refined };
+        Model { evaluations, ..best }
     }
 
     fn patience(&self, effort: FitAccuracy) -> Patience {
@@ -289,12 +280,7 @@ impl<'a> FitSession<'a> {
         on_step: &dyn Fn(),
     ) -> Model {
         let refined = refine::refine(misfit, &model.point, patience, &mut |_, _, _| on_step());
-        Model {
-            coordinates: model.coordinates.clone(),
-            point: refined.point,
-            cost: refined.cost,
-            evaluations: model.evaluations + refined.evaluations,
-        }
+        model.refined(refined)
     }
 
     /// Everything needed to judge a fitted model. If it has no response from rest in some

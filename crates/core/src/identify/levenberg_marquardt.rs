@@ -94,11 +94,25 @@ pub(super) fn minimise<P: LeastSquares>(
 ) -> Refined {
     let mut point = start.to_vec();
     problem.clamp(&mut point);
-    let mut evaluations = 1;
-    let Ok(mut here) = problem.linearise(&point) else {
-        let stop = if problem.cancelled() { "cancelled" } else { "no response" };
-        return Refined { point, cost: f64::INFINITY, evaluations, stop };
-    };
+    match problem.linearise(&point) {
+        Ok(here) => minimise_from(problem, point, here, 1, patience, on_step),
+        Err(_) => {
+            let stop = if problem.cancelled() { "cancelled" } else { "no response" };
+            Refined { point, cost: f64::INFINITY, evaluations: 1, stop }
+        }
+    }
+}
+
+/// The same from a point within the bounds whose linearisation is known already, after so many
+/// evaluations.
+pub(super) fn minimise_from<P: LeastSquares>(
+    problem: &P,
+    mut point: Vec<f64>,
+    mut here: Linearisation,
+    mut evaluations: u64,
+    patience: Patience,
+    on_step: &mut dyn FnMut(u64, u64, f64),
+) -> Refined {
     let mut cost = here.residuals.norm_squared();
     let mut scaling = DVector::from_element(point.len(), 0.0);
     let mut damping = 1e-3;

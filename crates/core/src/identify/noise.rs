@@ -57,19 +57,6 @@ pub(super) struct Weights {
 }
 
 impl Weights {
-    /// The same weights without the data of these experiments.
-    pub fn without(&self, experiments: &[usize]) -> Self {
-        let mut rest = self.clone();
-        let kept = |(e, sigma): (usize, &Vec<f64>)| vec![!experiments.contains(&e); sigma.len()];
-        let kept: Vec<bool> = self.sigma.iter().enumerate().flat_map(kept).collect();
-        rest.law = self.law.as_ref().map(|law| law.only(&kept));
-        for e in experiments {
-            rest.sigma[*e].clear();
-            rest.scatter.get_mut(*e).map(Vec::clear);
-        }
-        rest
-    }
-
     /// Whether these weigh the data alike: the ratios of their standard deviations differ by no
     /// more than the law can be estimated to.
     pub fn resemble(&self, others: &Self) -> bool {

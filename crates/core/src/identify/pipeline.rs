@@ -104,7 +104,7 @@ impl Run<'_> {
         }
         found.starts.sort_by(|a, b| misfit.cost(a).total_cmp(&misfit.cost(b)));
         let point = if *refinement && self.options.refine {
-            self.refinement("refinement", &coordinates, &mut weights, &mut found)?
+            self.refinement(&coordinates, &mut weights, &mut found)?
         } else {
             let best = found.starts.swap_remove(0);
             weights = self.weights(Some(&coordinates.plant(&best)));
@@ -115,22 +115,6 @@ impl Run<'_> {
             return Err(no_response());
         }
         let order = self.history.order;
-        Ok(Fitted { order, coordinates, point, weights, cost, stages: found.stages })
-    }
-
-    /// Refines a plant (in scale) that was found elsewhere, in the given stages.
-    ///
-    /// # Errors
-    /// When cancelled, or when the plant has no response.
-    pub fn refit(&self, plant: &Plant, stages: Vec<Stage>) -> Result<Fitted, IdentifyError> {
-        let order = self.history.order;
-        let Problem { tied_friction, prior, .. } = self.problem;
-        let coordinates = Coordinates::new(order, *tied_friction, prior);
-        let mut weights = self.weights(Some(plant));
-        let starts = vec![coordinates.point(plant)];
-        let mut found = StageResults { starts, stages, ..StageResults::default() };
-        let point = self.refinement("refit", &coordinates, &mut weights, &mut found)?;
-        let cost = self.misfit(&coordinates, &weights).cost(&point);
         Ok(Fitted { order, coordinates, point, weights, cost, stages: found.stages })
     }
 
@@ -232,13 +216,12 @@ impl Run<'_> {
     /// Refines every start, then refines the best one again until its weights have converged.
     fn refinement(
         &self,
-        name: &'static str,
         coordinates: &Coordinates,
         weights: &mut Weights,
         found: &mut StageResults,
     ) -> Result<Vec<f64>, IdentifyError> {
         found.starts.extend(self.start_of_lower(coordinates));
-        let begun = self.history.begin(name, found.starts.len() as u64);
+        let begun = self.history.begin("refinement", found.starts.len() as u64);
         let (mut evaluations, mut steps) = (0, 0);
         let mut descend = |weights: &Weights, start: &[f64], bar: f64| {
             let misfit = self.misfit(coordinates, weights);

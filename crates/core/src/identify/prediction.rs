@@ -30,7 +30,8 @@ pub fn compare(
     answer: &Identification,
 ) -> Result<Comparison, IdentifyError> {
     let left_out: Vec<usize> = answer.fit.unanswered.iter().map(|lost| lost.experiment).collect();
-    let problem = Problem::new(measurement)?.without(&left_out);
+    let whole = Problem::new(measurement)?;
+    let problem = whole.only(&whole.subset(|e, _| !left_out.contains(&e)));
     let plant = problem.in_scale(&reported_plant(answer)?);
     let effects = reported_effects(answer, problem.scales)?;
     let weights = weights_of(measurement, &problem, answer)?;

@@ -5,6 +5,8 @@
 //! problem, and its parameters differ by exactly the change of units. Comments call these units "in
 //! scale".
 
+mod subset;
+
 use crate::effects::Scope;
 use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};
 use crate::plant::{Actuator, Friction, Plant};
@@ -142,13 +144,6 @@ impl Problem {
             runs_known,
             largest_travel: largest_travel(experiments, kind) * scales.omega / scales.velocity,
         })
-    }
-
-    /// The same problem without the data of these experiments.
-    pub fn without(&self, experiments: &[usize]) -> Self {
-        let mut rest = self.clone();
-        experiments.iter().for_each(|e| rest.experiments[*e].targets.clear());
-        rest
     }
 
     /// Number of real data, constraints included.

@@ -50,6 +50,16 @@ pub(super) fn held(misfit: &Misfit<'_>, point: &[f64], here: &Linearisation) -> 
     levenberg_marquardt::held(misfit, point, here)
 }
 
+/// The same from a point whose linearisation is known already.
+pub(super) fn refine_from(
+    misfit: &Misfit<'_>,
+    (point, here): (Vec<f64>, Linearisation),
+    patience: Patience,
+    on_step: &mut dyn FnMut(u64, u64, f64),
+) -> Refined {
+    levenberg_marquardt::minimise_from(misfit, point, here, 0, patience, on_step)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::fixtures::{ACTUATORS, axis, joined, stepped_sine};

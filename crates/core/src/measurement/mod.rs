@@ -117,18 +117,6 @@ impl Measurement {
         Ok(Self { metadata, experiments: Vec::new(), transients, notes, sha256, acquisition })
     }
 
-    /// A measurement with only the given experiments, a subset of its own (or of their harmonics).
-    ///
-    /// It keeps the acquisition range of the whole measurement, so that runs mean the same in
-    /// both.
-    ///
-    /// # Errors
-    /// As for [`Measurement::new`].
-    pub fn part(&self, experiments: Vec<Experiment>) -> Result<Self, InvalidMeasurement> {
-        let Self { metadata, notes, sha256, acquisition, .. } = self.clone();
-        Ok(Self { acquisition, ..Self::new(metadata, experiments, notes, sha256)? })
-    }
-
     /// A copy of the measurement with one more experiment at the end.
     ///
     /// # Errors
@@ -155,8 +143,7 @@ impl Measurement {
         &self.transients
     }
 
-    /// First and last position in the order of acquisition, if known. For a [`Self::part`], those
-    /// of the whole measurement.
+    /// First and last position in the order of acquisition, if known.
     pub fn acquisition(&self) -> Option<[f64; 2]> {
         self.acquisition
     }

@@ -2,7 +2,7 @@
 //!
 //! Each part of the measurement is held out in turn. The base model and every model that may be
 //! chosen are refitted to the rest, starting from their fit to all data. The causes are chosen
-//! anew, and their predictions of the part are kept. The errors of models that are certainly not
+//! anew, and their predictions of the part are kept. A model is penalised as it is with all data. The errors of models that are certainly not
 //! chosen are computed to first order, without a refit.
 
 use std::collections::BTreeMap;
@@ -10,12 +10,12 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::answers::Gain;
-use crate::identify::{FitAccuracy, FitSession, IdentifyError, IdentifyRequest, Model};
+use crate::identify::{FitSession, IdentifyError, LeavingOut, Model};
 
 use super::cv_splits::{CvSplit, CvSplits};
 use super::gain;
 use super::heldout_predictions::{Predicted, Row, predicted};
-use crate::diagnose::progress::{Part, Quiet, Stage};
+use crate::diagnose::progress::{Part, Stage};
 use crate::diagnose::selection::evidence::NoiseScale;
 use crate::diagnose::selection::models::{Key, Models, ScoredModel};
 use crate::observer::Observer as _;
@@ -61,14 +61,19 @@ impl CrossValidation {
     /// When cancelled, or if the base model cannot be fitted without some part.
     pub fn of(
         session: &FitSession<'_>,
-        request: &IdentifyRequest,
         (models, chosen): (&Models, &Key),
         splits: &CvSplits,
         part: Part<'_>,
     ) -> Result<Self, IdentifyError> {
+        let near = refitted(models);
         // The base model, every model near the best, and the predictions.
-        let steps = refitted(models).len() + 2;
+        let steps = near.len() + 2;
         let stage = part.stage("predicting data held out", splits.parts.len() * steps);
+        let base = session.leaving_out(session.base()).ok_or(IdentifyError::Cancelled)?;
+        let linear: Vec<(&ScoredModel, Option<LeavingOut>)> = near
+            .into_par_iter()
+            .map(|scored| (scored, session.leaving_out(&scored.model)))
+            .collect();
         let mut this = Self {
             base: Predicted::new(),
             chosen: Predicted::new(),
@@ -80,13 +85,13 @@ impl CrossValidation {
             what: splits.what.clone(),
         };
         for fold in &splits.parts {
-            this.add(session, request, (models, chosen), fold, (part, &stage))?;
+            this.add(session, (&base, &linear), (models, chosen), fold, (part, &stage))?;
         }
         let singles: Vec<(&Key, &Model)> = models.all().filter(|(key, _)| key.len() == 1).collect();
         let error = |(key, model): (&Key, &Model)| {
             let error = match this.by_effects.get(key) {
                 Some(predicted) => gain::error(predicted),
-                None => session.error_left_out(model, |e, order| splits.part_of(e, order)),
+                None => session.leaving_out(model)?.error(|e, order| splits.part_of(e, order)),
             };
             Some((key[0], error?))
         };
@@ -98,38 +103,37 @@ impl CrossValidation {
     fn add(
         &mut self,
         session: &FitSession<'_>,
-        request: &IdentifyRequest,
+        (base, linear): (&LeavingOut, &[(&ScoredModel, Option<LeavingOut>)]),
         (models, chosen): (&Models, &Key),
         fold: &CvSplit,
         (part, stage): (Part<'_>, &Stage<'_>),
     ) -> Result<(), IdentifyError> {
-        let quietly = Quiet(&part);
-        let own = FitSession::continued(&fold.fitted, request, &quietly, session)?;
+        let held = |e, order| fold.holds(e, order);
+        let rest = session.without(held, base)?;
         stage.step();
-        let lacking = session.data() - own.data();
+        let lacking = session.data() - rest.data();
         let noise_scale = NoiseScale {
-            rounding: own.rounding(),
+            rounding: rest.rounding(),
             dof: (models.noise_scale.dof - lacking as f64).max(1.0),
             ..models.noise_scale
         };
-        let mut fitted = Models::new(own.base().clone(), noise_scale);
+        let mut fitted = Models::new(rest.base().clone(), noise_scale);
         fitted.family = models.family.clone();
-        let refit = |model: &Model| {
-            let (adopted, step) = (own.adopt(session, model), stage.begin());
-            let model = own.refine_watched(&adopted, FitAccuracy::Settle, &|| step.advance());
-            let scored = ScoredModel::new(&own, model, &noise_scale);
+        let refit = |(scored, linear): &(&ScoredModel, Option<LeavingOut>)| {
+            let step = stage.begin();
+            let refit = |linear| rest.from_rest(rest.refit(linear, held, &|| step.advance()));
+            let refitted = linear.as_ref().map(refit).map(|model| scored.refitted(model));
             step.finish();
-            scored
+            refitted
         };
-        let fits: Vec<ScoredModel> = refitted(models).into_par_iter().map(refit).collect();
-        fits.into_iter().for_each(|scored| fitted.keep(scored));
+        let fits: Vec<Option<ScoredModel>> = linear.par_iter().map(refit).collect();
+        fits.into_iter().flatten().for_each(|scored| fitted.keep(scored));
         let choice = fitted.best_supported();
         let predict_held_out = |model: &Model| -> Predicted {
-            let is_held = |index| fold.rows.range((index, 0)..(index + 1, 0)).next().is_some();
             if part.cancelled() {
                 return Predicted::new();
             }
-            let mut all = predicted(&session.compare(&session.adopt(&own, model), is_held));
+            let mut all = predicted(&session.compare(model, |e| fold.holds_some(e)));
             all.retain(|row, _| fold.rows.contains_key(row));
             all
         };
@@ -223,10 +227,10 @@ impl CrossValidation {
 }
 
 /// The models that are refitted without each part: those with effects that may be chosen.
-fn refitted(models: &Models) -> Vec<&Model> {
+fn refitted(models: &Models) -> Vec<&ScoredModel> {
     let near = models.within(REFIT_MARGIN);
-    let is_near = |(key, _): &(&Key, &Model)| !key.is_empty() && near.contains(*key);
-    models.all().filter(is_near).map(|(_, model)| model).collect()
+    let is_near = |(key, _): &(&Key, &ScoredModel)| !key.is_empty() && near.contains(*key);
+    models.scored().filter(is_near).map(|(_, scored)| scored).collect()
 }
 
 #[cfg(test)]

@@ -24,8 +24,6 @@ const FEWEST_GROUPS: usize = 3;
 /// One fold of the cross-validation.
 #[derive(Debug)]
 pub(crate) struct CvSplit {
-    /// The data that are fitted.
-    pub fitted: Measurement,
     /// The rows that are held out, each with its group: a frequency, a block of lines, or (where
     /// magnitudes are held out) an experiment.
     pub rows: BTreeMap<Row, usize>,
@@ -63,6 +61,18 @@ struct Place {
     group: usize,
 }
 
+impl CvSplit {
+    /// Whether a harmonic of an experiment is held out.
+    pub fn holds(&self, experiment: usize, order: usize) -> bool {
+        self.rows.contains_key(&(experiment, order))
+    }
+
+    /// Whether any harmonic of an experiment is held out.
+    pub fn holds_some(&self, experiment: usize) -> bool {
+        self.rows.range((experiment, 0)..(experiment + 1, 0)).next().is_some()
+    }
+}
+
 impl CvSplits {
     /// Divides a measurement by its design alone; `None` where it is too small.
     pub fn of(measurement: &Measurement) -> Option<Self> {
@@ -77,23 +87,18 @@ impl CvSplits {
         let part = |part: usize| {
             let held = places.iter().filter(|(_, place)| place.level % parts == part);
             let rows: BTreeMap<Row, usize> = held.map(|(row, p)| (*row, p.group)).collect();
-            let left = |(index, experiment): (usize, &Experiment)| {
-                let experiment = without(experiment, |order| rows.contains_key(&(index, order)));
-                (!experiment.response.is_empty()).then_some(experiment)
-            };
-            let left = experiments.iter().enumerate().filter_map(left).collect();
-            Some(CvSplit { fitted: measurement.part(left).ok()?, rows })
+            CvSplit { rows }
         };
         let what = match parts {
             1 => format!("{what}, predicted from the others"),
             _ => format!("{what}, in {parts} parts, each predicted from all else"),
         };
-        Some(Self { parts: (0..parts).map(part).collect::<Option<_>>()?, what })
+        Some(Self { parts: (0..parts).map(part).collect(), what })
     }
 
     /// The part in which a harmonic of an experiment is held out, if any.
     pub fn part_of(&self, experiment: usize, order: usize) -> Option<usize> {
-        self.parts.iter().position(|fold| fold.rows.contains_key(&(experiment, order)))
+        self.parts.iter().position(|fold| fold.holds(experiment, order))
     }
 }
 
@@ -183,19 +188,6 @@ fn by_experiment(
     places
 }
 
-/// An experiment without the harmonics that are held out.
-fn without(experiment: &Experiment, held: impl Fn(usize) -> bool) -> Experiment {
-    let kept: Vec<bool> = experiment.response.iter().map(|h| !held(h.order)).collect();
-    let mut this = experiment.clone();
-    let mut keep = kept.iter();
-    this.response.retain(|_| *keep.next().unwrap_or(&true));
-    for repeat in &mut this.repeats {
-        let mut keep = kept.iter();
-        repeat.response.retain(|_| *keep.next().unwrap_or(&true));
-    }
-    this
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -229,13 +221,16 @@ mod tests {
         let mut held: Vec<Row> = Vec::new();
         for fold in &splits.parts {
             held.extend(fold.rows.keys());
-            assert_eq!(rows(&fold.fitted).len() + fold.rows.len(), rows(&measurement).len());
-            assert_eq!(fold.fitted.acquisition(), measurement.acquisition());
-            let held = |index: usize| fold.rows.contains_key(&(index, 1));
             for (index, experiment) in measurement.experiments().iter().enumerate() {
-                let omega = experiment.omega_rad_s;
-                let fitted = fold.fitted.experiments().iter().any(|e| e.omega_rad_s == omega);
-                assert_ne!(held(index), fitted, "{omega}");
+                let same = |other: &&Experiment| other.omega_rad_s == experiment.omega_rad_s;
+                let held = |(i, e): (usize, &Experiment)| {
+                    e.response.iter().filter(|h| fold.holds(i, h.order)).count()
+                };
+                let alike = measurement.experiments().iter().enumerate().filter(|(_, e)| same(e));
+                let [some, all] = alike.fold([0, 0], |[some, all], (i, e)| {
+                    [some + held((i, e)), all + e.response.len()]
+                });
+                assert_eq!(some, if fold.holds_some(index) { all } else { 0 });
             }
         }
         held.sort_unstable();
@@ -256,7 +251,7 @@ mod tests {
         assert_eq!(held, (first..=last).collect::<Vec<_>>());
         assert!(first == 2 && last > 180, "all but the ends: {first} to {last}");
         for fold in &splits.parts {
-            assert!(fold.fitted.experiments()[0].harmonic(0).is_some());
+            assert!(!fold.holds(0, 0) && fold.holds_some(0));
             // Two neighbouring lines held out in one part belong to the same block.
             let of = |order: usize| fold.rows.get(&(0, order));
             assert!(

@@ -37,6 +37,11 @@ impl ScoredModel {
         let complexity = evidence::complexity(session, &model, noise_scale);
         Self { model, complexity }
     }
+
+    /// The same model refitted to a part of the data, with the penalty that it has with all of them.
+    pub fn refitted(&self, model: Model) -> Self {
+        Self { model, complexity: self.complexity }
+    }
 }
 
 /// Every fitted model; of several with the same effects only the best fit is kept.
@@ -79,7 +84,12 @@ impl Models {
 
     /// Every model with its key.
     pub fn all(&self) -> impl Iterator<Item = (&Key, &Model)> {
-        self.scored.iter().map(|(key, scored)| (key, &scored.model))
+        self.scored().map(|(key, scored)| (key, &scored.model))
+    }
+
+    /// The same with their penalties.
+    pub fn scored(&self) -> impl Iterator<Item = (&Key, &ScoredModel)> {
+        self.scored.iter()
     }
 
     /// Keeps a model, unless one with the same effects fits as well.

@@ -101,7 +101,7 @@ pub(crate) fn diagnose(
         ));
     }
     let part = part.part(spans.concluding);
-    let mut answer = best.conclusion().diagnosis(measurement, request, part)?;
+    let mut answer = best.conclusion().diagnosis(measurement, part)?;
     answer.limitations.extend(said);
     Ok(answer)
 }

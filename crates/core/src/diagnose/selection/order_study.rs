@@ -86,8 +86,9 @@ impl<'a> OrderStudy<'a> {
         let splits = if session.has_cosines_alone() { None } else { CvSplits::of(measurement) };
         let adds = |without: &Model, with: &Model| {
             let Some(splits) = &splits else { return true };
-            let errors = [without, with]
-                .map(|model| session.error_left_out(model, |e, order| splits.part_of(e, order)));
+            let error =
+                |model| session.leaving_out(model)?.error(|e, order| splits.part_of(e, order));
+            let errors = [without, with].map(error);
             matches!(errors, [Some(without), Some(with)] if with < without)
         };
         let combining = if search.deepens() { COMBINING_SPAN } else { [0.0, 1.0] };

@@ -4,9 +4,7 @@
 //! them together do not help, all are withdrawn.
 
 use crate::answers::{Diagnosis, Discrepancy, Gain, Identification, NextExperiment, Verdict};
-use crate::identify::{
-    FitAccuracy, FitSession, IdentifyError, IdentifyRequest, Intervals, ModelFit,
-};
+use crate::identify::{FitAccuracy, FitSession, IdentifyError, Intervals, ModelFit};
 use crate::measurement::Measurement;
 
 use super::models::{Key, Models};
@@ -47,24 +45,22 @@ impl ReportAssembly<'_> {
     pub fn diagnosis(
         mut self,
         measurement: &Measurement,
-        request: &IdentifyRequest,
         part: Part<'_>,
     ) -> Result<Diagnosis, DiagnoseError> {
         let mut limitations = discrepancy::limitations(&self.fit, &self.discrepancy);
         limitations.extend(crate::diagnose::limitations::undecided(self.session));
         limitations.extend(crate::diagnose::limitations::incomparable(&self.models));
-        let cross_validation =
-            match self.cross_validation(measurement, request, part.part(HOLDOUT_SPAN)) {
-                Ok(cross_validation) => Some(cross_validation),
-                Err(NoCrossValidation::Cancelled) => return Err(IdentifyError::Cancelled.into()),
-                Err(NoCrossValidation::NoCauses) => None,
-                Err(NoCrossValidation::Because(reason)) => {
-                    limitations.push(format!(
-                        "what the causes gain on data that no fit has seen is not known: {reason}"
-                    ));
-                    None
-                }
-            };
+        let cross_validation = match self.cross_validation(measurement, part.part(HOLDOUT_SPAN)) {
+            Ok(cross_validation) => Some(cross_validation),
+            Err(NoCrossValidation::Cancelled) => return Err(IdentifyError::Cancelled.into()),
+            Err(NoCrossValidation::NoCauses) => None,
+            Err(NoCrossValidation::Because(reason)) => {
+                limitations.push(format!(
+                    "what the causes gain on data that no fit has seen is not known: {reason}"
+                ));
+                None
+            }
+        };
         // If the model leaves only noise, every cause is significant, and none is dropped.
         let prune = |cross_validation: &CrossValidation| {
             cross_validation.prune(&self.models, &mut self.chosen)
@@ -138,7 +134,6 @@ impl ReportAssembly<'_> {
     fn cross_validation(
         &self,
         measurement: &Measurement,
-        request: &IdentifyRequest,
         part: Part<'_>,
     ) -> Result<CrossValidation, NoCrossValidation> {
         if self.chosen.is_empty() {
@@ -147,7 +142,7 @@ impl ReportAssembly<'_> {
         let splits = CvSplits::of(measurement)
             .ok_or_else(|| NoCrossValidation::Because(TOO_SMALL.to_owned()))?;
         let models = (&self.models, &self.chosen);
-        let cross_validation = CrossValidation::of(self.session, request, models, &splits, part);
+        let cross_validation = CrossValidation::of(self.session, models, &splits, part);
         cross_validation.map_err(|error| match error {
             IdentifyError::Cancelled => NoCrossValidation::Cancelled,
             error => NoCrossValidation::Because(format!("without a part of it, {error}")),

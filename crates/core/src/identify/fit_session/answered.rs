@@ -11,7 +11,6 @@ use crate::simulate::Counts;
 
 use super::{FitAccuracy, FitSession, Model};
 use crate::identify::objective::Misfit;
-use crate::identify::pipeline::Fitted;
 use crate::identify::refine;
 
 impl FitSession<'_> {
@@ -44,7 +43,7 @@ impl FitSession<'_> {
         }
         let mut model = model.clone();
         loop {
-            let rest = self.without(&left_out);
+            let rest = self.only(|e, _| !left_out.contains(&e));
             let weights = &rest.fitted.weights;
             let misfit = Misfit::new(&rest.problem, &model.coordinates, weights, self.observer);
             model = rest.descend_by(&misfit, &model, refine::THOROUGH, &|| ());
@@ -55,21 +54,6 @@ impl FitSession<'_> {
                 return Some((rest, model));
             }
             left_out = still;
-        }
-    }
-
-    /// The same session without the data of these experiments.
-    fn without(&self, experiments: &[usize]) -> Self {
-        let fitted = self.fitted.clone();
-        Self {
-            measurement: self.measurement,
-            request: self.request,
-            observer: self.observer,
-            problem: self.problem.without(experiments),
-            fitted: Fitted { weights: fitted.weights.without(experiments), ..fitted },
-            order_choice: self.order_choice.clone(),
-            base: self.base.clone(),
-            stand_in: self.stand_in.clone(),
         }
     }
 }

@@ -5,6 +5,7 @@ use std::ops::Range as Span;
 use crate::effects::Effect;
 
 use crate::identify::parameters::Coordinates;
+use crate::identify::refine::Refined;
 
 /// The base model with some effects, at given values of all parameters.
 #[derive(Debug, Clone)]
@@ -56,6 +57,16 @@ impl Model {
     /// The value of a parameter, in the problem's units.
     pub fn value(&self, parameter: usize) -> f64 {
         self.coordinates.value(parameter, self.point[parameter]).0
+    }
+
+    /// The model at the end of a fit that began with it.
+    pub(super) fn refined(&self, refined: Refined) -> Self {
+        Self {
+            coordinates: self.coordinates.clone(),
+            point: refined.point,
+            cost: refined.cost,
+            evaluations: self.evaluations + refined.evaluations,
+        }
     }
 
     /// The model moved out of the dead zones of its effects, to where every parameter acts on the

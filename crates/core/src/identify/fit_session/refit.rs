@@ -1,0 +1,163 @@
+//! Refits without a part of the data.
+//!
+//! Without that part the linearisation of the fit to all data is that of its other rows. The refit
+//! begins with it, so that its first step is the algebra of leaving a block out (`left_out`). Where
+//! the model is nearly linear over the move, that step is all it takes. The ranges and units of the
+//! parameters, and the deviations of the data, are those of all data.
+
+use super::left_out::LeavingOut;
+use super::{FitAccuracy, FitSession, Model};
+use crate::answers::Comparison;
+use crate::identify::pipeline::Fitted;
+use crate::identify::prediction;
+use crate::identify::refine::{self, Patience};
+use crate::identify::request::{IdentifyError, no_response, unless_cancelled};
+
+impl<'a> FitSession<'a> {
+    /// A session without the data that are `held`, given their experiment and harmonic. Its base
+    /// model is refitted; `base` is the linearised one of this session.
+    ///
+    /// # Errors
+    /// When cancelled, or if the base model has no response.
+    pub fn without(
+        &self,
+        held: impl Fn(usize, usize) -> bool,
+        base: &LeavingOut,
+    ) -> Result<Self, IdentifyError> {
+        let mut rest = self.only(|e, order| !held(e, order));
+        rest.base = rest.refit(base, held, &|| ());
+        let predicted = rest.misfit(&rest.base).predict(&rest.base.point);
+        let stand_in = predicted.map_err(|_| no_response());
+        rest.stand_in = unless_cancelled(self.observer, stand_in)?;
+        Ok(rest)
+    }
+
+    /// Refits a model in a session without the data that are `held`; `model` is linearised in the
+    /// session with all data. `on_step` is called after every step.
+    pub fn refit(
+        &self,
+        model: &LeavingOut,
+        held: impl Fn(usize, usize) -> bool,
+        on_step: &dyn Fn(),
+    ) -> Model {
+        let LeavingOut { model: from, .. } = model;
+        // What is predicted of the part left out is far less certain than a last per mille of the
+        // cost makes it, and with a sharp resonance that takes dozens of steps.
+        let cost_tolerance = self.search().trial_tolerance;
+        let patience = Patience { cost_tolerance, ..self.patience(FitAccuracy::Settle) };
+        let here = model.only(|e, order| !held(e, order));
+        let misfit = self.misfit(from);
+        let start = (from.point.clone(), here);
+        let refined = refine::refine_from(&misfit, start, patience, &mut |_, _, _| on_step());
+        let refitted = from.refined(refined);
+        self.escape(refitted, |from| self.descend_by(&self.misfit(from), from, patience, on_step))
+    }
+
+    /// The same session with only the data that `keep` wants, given their experiment and harmonic.
+    /// Nothing is fitted again.
+    pub(super) fn only(&self, keep: impl Fn(usize, usize) -> bool) -> Self {
+        let subset = self.problem.subset(|e, target| keep(e, target.order));
+        let weights = subset.weights(&self.fitted.weights);
+        Self {
+            measurement: self.measurement,
+            request: self.request,
+            observer: self.observer,
+            problem: self.problem.only(&subset),
+            fitted: Fitted { weights, ..self.fitted.clone() },
+            order_choice: self.order_choice.clone(),
+            base: self.base.clone(),
+            stand_in: subset.predictions(&self.stand_in),
+        }
+    }
+
+    /// Compares the measurement with a model, in the experiments that are `wanted`.
+    pub fn compare(&self, model: &Model, wanted: impl Fn(usize) -> bool) -> Comparison {
+        let plant = model.coordinates.plant(&model.point);
+        let effects = model.coordinates.effects_at(&model.point);
+        let dof = self.problem.data() as i64 - model.parameters() as i64;
+        let weights = &self.fitted.weights;
+        prediction::beside(self.measurement, &self.problem, &plant, &effects, weights, dof, wanted)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answers::{IdentifyOptions, PlantRequest};
+    use crate::effects::find;
+    use crate::identify::fixtures::{axis, multisine, stepped_sine};
+    use crate::identify::request::IdentifyRequest;
+    use crate::measurement::Measurement;
+    use crate::observer::Silent;
+    use crate::plant::Actuator;
+
+    fn request() -> IdentifyRequest {
+        let mut options = IdentifyOptions::default();
+        options.network.enabled = false;
+        options.colony.enabled = false;
+        let plant = Some(PlantRequest { actuator_order: 0 });
+        IdentifyRequest { plant, options, ..IdentifyRequest::default() }
+    }
+
+    /// Responses of an axis with an actuator, which the models of these tests lack.
+    fn measurements() -> [Measurement; 2] {
+        let axis = axis(Actuator::FirstOrder { corner_rad_s: 60.0 });
+        [stepped_sine(&axis, 3), multisine(&axis)]
+    }
+
+    // A refit from the fit to all data, to the accuracy of the arithmetic, has the least cost. The
+    // tolerance is that of the refit.
+    #[test]
+    fn a_refit_ends_where_a_fit_to_the_rest_ends_and_takes_few_steps() {
+        let request = request();
+        for measurement in measurements() {
+            let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+            // The highest frequencies, which show the actuator most.
+            let held = |e: usize, order: usize| e % 8 >= 6 || order > 20;
+            let base = session.leaving_out(session.base()).unwrap();
+            let rest = session.without(held, &base).unwrap();
+            let lag = session.extend(session.base(), find("sensor_lag").unwrap());
+            let model = session.refine(&lag, FitAccuracy::Thorough);
+            let left_out = session.leaving_out(&model).unwrap();
+            for (refitted, from) in [
+                (rest.base().clone(), session.base()),
+                (rest.refit(&left_out, held, &|| ()), &model),
+            ] {
+                let best = rest.refine(from, FitAccuracy::Thorough);
+                let excess = refitted.cost / best.cost - 1.0;
+                assert!((-1e-9..1e-3).contains(&excess), "{excess}");
+                let taken = refitted.evaluations - from.evaluations;
+                assert!(taken <= 6, "{taken} evaluations");
+            }
+            let best = rest.refine(session.base(), FitAccuracy::Thorough);
+            let staying = rest.cost(session.base()).unwrap() / best.cost - 1.0;
+            assert!(staying > 1e-2, "leaving the part out changes little: {staying}");
+        }
+    }
+
+    #[test]
+    fn data_left_out_changes_nothing() {
+        let request = request();
+        let [measurement, _] = measurements();
+        let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+        let held = |_, order: usize| order == 3;
+        let base = session.leaving_out(session.base()).unwrap();
+        let rest = session.without(held, &base).unwrap();
+        let mut experiments = measurement.experiments().to_vec();
+        for harmonic in experiments.iter_mut().flat_map(|e| &mut e.response) {
+            harmonic.value *= if harmonic.order == 3 { 2.0 } else { 1.0 };
+        }
+        let changed = crate::identify::fixtures::joined(experiments);
+        let other = FitSession::new(&changed, &request, &Silent).unwrap();
+        let base = other.leaving_out(other.base()).unwrap();
+        let again = other.without(held, &base).unwrap();
+        assert_eq!(again.data(), rest.data());
+        let [a, b] = [&rest, &again].map(|session| session.base());
+        // Each is settled to a thousandth.
+        assert!((a.cost / b.cost - 1.0).abs() < 2e-3, "{} {}", a.cost, b.cost);
+        let apart = a.point.iter().zip(&b.point).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let between = session.base().point.iter().zip(&other.base().point);
+        let between = between.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 0.2 * between, "{apart} of {between}");
+    }
+}

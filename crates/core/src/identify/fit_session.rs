@@ -2,6 +2,7 @@
 //! fitted.
 
 mod answered;
+mod coarse;
 mod extension;
 mod left_out;
 mod model;
@@ -31,6 +32,7 @@ use super::request::{IdentifyError, IdentifyRequest, no_response};
 use super::search_settings::SearchSettings;
 use super::solve::{Solved, answer, solve};
 use super::summary::Intervals;
+use coarse::Coarse;
 pub use left_out::LeavingOut;
 pub use model::Model;
 
@@ -72,6 +74,8 @@ pub struct FitSession<'a> {
     order_choice: Option<OrderChoice>,
     base: Model,
     stand_in: Vec<Vec<Complex>>,
+    /// Where a search looks for the best model; `None` if simulations are cheap.
+    coarse: Option<Coarse>,
 }
 
 impl<'a> FitSession<'a> {
@@ -157,9 +161,11 @@ impl<'a> FitSession<'a> {
             order_choice,
             base,
             stand_in: Vec::new(),
+            coarse: None,
         };
         this.stand_in =
             this.misfit(&this.base).predict(&this.base.point).map_err(|_| no_response())?;
+        this.coarse = this.coarsened();
         Ok(this)
     }
 
@@ -245,8 +251,7 @@ impl<'a> FitSession<'a> {
 
     /// The same; `on_step` is called after every step of the fit.
     pub fn refine_watched(&self, model: &Model, effort: FitAccuracy, on_step: &dyn Fn()) -> Model {
-        let patience = self.patience(effort);
-        let descend = |from: &Model| self.descend_by(&self.misfit(from), from, patience, on_step);
+        let descend = |from: &Model| self.descend(from, effort, on_step);
         self.escape(descend(model), descend)
     }
 
@@ -272,15 +277,17 @@ impl<'a> FitSession<'a> {
         Patience { steps, cost_tolerance, negligible, ..refine::THOROUGH }
     }
 
+    /// Fits a model by this misfit; returns it with the damping at the end.
     fn descend_by(
         &self,
         misfit: &Misfit<'_>,
         model: &Model,
         patience: Patience,
         on_step: &dyn Fn(),
-    ) -> Model {
+    ) -> (Model, f64) {
         let refined = refine::refine(misfit, &model.point, patience, &mut |_, _, _| on_step());
-        model.refined(refined)
+        let damping = refined.damping;
+        (model.refined(refined), damping)
     }
 
     /// Everything needed to judge a fitted model. If it has no response from rest in some

@@ -59,7 +59,12 @@ pub(super) struct Patience {
     pub cost_tolerance: f64,
     /// Cost below which relative decreases do not matter: see `cost_tolerance`.
     pub negligible: f64,
+    /// Damping of the first step, relative to the scaled curvature.
+    pub damping: f64,
 }
+
+/// Damping of the first step where nothing is known of the problem.
+pub(super) const FIRST_DAMPING: f64 = 1e-3;
 
 /// Converged if no coordinate moves by more than this.
 const STEP_TOLERANCE: f64 = 1e-11;
@@ -81,6 +86,8 @@ pub(super) struct Refined {
     pub cost: f64,
     /// Evaluations of the residuals, with or without their derivatives.
     pub evaluations: u64,
+    /// The damping that a further step would have had.
+    pub damping: f64,
     /// Why it ended.
     pub stop: &'static str,
 }
@@ -98,7 +105,8 @@ pub(super) fn minimise<P: LeastSquares>(
         Ok(here) => minimise_from(problem, point, here, 1, patience, on_step),
         Err(_) => {
             let stop = if problem.cancelled() { "cancelled" } else { "no response" };
-            Refined { point, cost: f64::INFINITY, evaluations: 1, stop }
+            let damping = patience.damping;
+            Refined { point, cost: f64::INFINITY, evaluations: 1, damping, stop }
         }
     }
 }
@@ -115,14 +123,14 @@ pub(super) fn minimise_from<P: LeastSquares>(
 ) -> Refined {
     let mut cost = here.residuals.norm_squared();
     let mut scaling = DVector::from_element(point.len(), 0.0);
-    let mut damping = 1e-3;
+    let mut damping = patience.damping;
     // Residuals and derivatives are computed together at the first trial of a step as long as such
     // trials succeed: separately, they would take two simulations of the same point.
     let mut eager = true;
     on_step(0, evaluations, cost);
     for step in 1..=patience.steps {
         if problem.cancelled() {
-            return Refined { point, cost, evaluations, stop: "cancelled" };
+            return Refined { point, cost, evaluations, damping, stop: "cancelled" };
         }
         // A step may take two evaluations: a trial, and the derivatives at the new point.
         let spent = |evaluations: u64| evaluations + 2 > patience.evaluations;
@@ -145,10 +153,16 @@ pub(super) fn minimise_from<P: LeastSquares>(
             // A trial costs a simulation: none is made for a decrease that would not matter.
             let predicted = -shift.dot(&(2.0 * &gradient + &curvature * &shift));
             if predicted <= matters && last_cost <= PREDICTABLE_GROWTH * cost {
-                return Refined { point, cost, evaluations, stop: "converged" };
+                return Refined { point, cost, evaluations, damping, stop: "converged" };
             }
             if spent(evaluations) {
-                return Refined { point, cost, evaluations, stop: "evaluation budget spent" };
+                return Refined {
+                    point,
+                    cost,
+                    evaluations,
+                    damping,
+                    stop: "evaluation budget spent",
+                };
             }
             evaluations += 1;
             let (trial_cost, ahead) = if eager && rejected == 0 {
@@ -167,7 +181,7 @@ pub(super) fn minimise_from<P: LeastSquares>(
             damping *= if damping < 1e-6 { 100.0 } else { 5.0 };
         }
         let Some((trial, trial_cost, moved, ahead)) = accepted else {
-            return Refined { point, cost, evaluations, stop: "no further descent" };
+            return Refined { point, cost, evaluations, damping, stop: "no further descent" };
         };
         eager = rejected == 0;
         let decrease = cost - trial_cost;
@@ -180,7 +194,7 @@ pub(super) fn minimise_from<P: LeastSquares>(
                     Ok(there) => there,
                     Err(_) => {
                         let (cost, stop) = (trial_cost, "no response");
-                        return Refined { point, cost, evaluations, stop };
+                        return Refined { point, cost, evaluations, damping, stop };
                     }
                 }
             }
@@ -189,10 +203,10 @@ pub(super) fn minimise_from<P: LeastSquares>(
         cost = trial_cost;
         on_step(step as u64, evaluations, cost);
         if converged {
-            return Refined { point, cost, evaluations, stop: "converged" };
+            return Refined { point, cost, evaluations, damping, stop: "converged" };
         }
     }
-    Refined { point, cost, evaluations, stop: "step limit" }
+    Refined { point, cost, evaluations, damping, stop: "step limit" }
 }
 
 /// The damped step within the bounds, with no coordinate moved by more than [`LONGEST_STEP`]. The
@@ -274,8 +288,13 @@ pub(super) fn held(problem: &impl LeastSquares, point: &[f64], here: &Linearisat
 mod tests {
     use super::*;
 
-    const PATIENCE: Patience =
-        Patience { steps: 100, evaluations: u64::MAX, cost_tolerance: 1e-14, negligible: 0.0 };
+    const PATIENCE: Patience = Patience {
+        steps: 100,
+        evaluations: u64::MAX,
+        cost_tolerance: 1e-14,
+        negligible: 0.0,
+        damping: FIRST_DAMPING,
+    };
 
     /// Rosenbrock's function as a sum of squares, 10(y − x²) and 1 − x: least at (1, 1). Its x
     /// has an upper bound.

@@ -146,6 +146,20 @@ impl Problem {
         })
     }
 
+    /// The same problem with coarser simulations, on which a search may look for the best model;
+    /// `None` if no experiment has any.
+    pub fn coarse(&self) -> Option<Self> {
+        let mut coarse = self.clone();
+        let mut any = false;
+        for experiment in &mut coarse.experiments {
+            if let Some(excitation) = experiment.excitation.coarse() {
+                experiment.excitation = excitation;
+                any = true;
+            }
+        }
+        any.then_some(coarse)
+    }
+
     /// Number of real data, constraints included.
     pub fn data(&self) -> usize {
         let components = |target: &Target| if target.real { 1 } else { 2 };

@@ -135,9 +135,9 @@ impl<'a> Profile<'a> {
         let misfit = Misfit { coordinates: &coordinates, ..*self.misfit };
         let patience = Patience {
             steps: self.search.interval_steps,
-            evaluations: u64::MAX,
             cost_tolerance: self.search.interval_tolerance,
             negligible: self.rise,
+            ..refine::THOROUGH
         };
         let refined = refine::refine(&misfit, start, patience, &mut |_, _, _| ());
         (refined.point, self.root(refined.cost))

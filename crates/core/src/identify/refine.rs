@@ -1,13 +1,18 @@
 //! Refinement of a misfit's coordinates by Levenberg and Marquardt's method.
 
-use super::levenberg_marquardt::{self, LeastSquares, Linearisation};
+use super::levenberg_marquardt::{self, FIRST_DAMPING, LeastSquares, Linearisation};
 use super::objective::{Misfit, NoResiduals};
 
 pub(super) use super::levenberg_marquardt::{Patience, Refined};
 
 /// To the accuracy of the arithmetic.
-pub(super) const THOROUGH: Patience =
-    Patience { steps: 100, evaluations: u64::MAX, cost_tolerance: 1e-14, negligible: 0.0 };
+pub(super) const THOROUGH: Patience = Patience {
+    steps: 100,
+    evaluations: u64::MAX,
+    cost_tolerance: 1e-14,
+    negligible: 0.0,
+    damping: FIRST_DAMPING,
+};
 
 /// Coordinates are logarithms and shares of input scales; an evaluation is a simulation of the
 /// whole measurement.

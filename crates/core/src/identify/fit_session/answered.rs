@@ -14,15 +14,23 @@ use crate::identify::objective::Misfit;
 use crate::identify::refine;
 
 impl FitSession<'_> {
-    /// A fitted model as it counts in comparisons. If it has a response from rest in every
-    /// experiment it is unchanged; else it is fitted again, with only the motions from rest as
-    /// responses. Its cost is infinite if too many experiments have none.
+    /// A fitted model as it counts in comparisons: by the fine simulation, where a search uses a
+    /// coarse one. If it has a response from rest in every experiment it is unchanged otherwise; else
+    /// it is fitted again, with only the motions from rest as responses. Its cost is infinite if too
+    /// many experiments have none.
     pub fn from_rest(&self, model: Model) -> Model {
-        if !model.cost.is_finite() || self.unanswered(&model).is_empty() {
+        if !model.cost.is_finite() {
+            return model;
+        }
+        if self.coarse.is_some() {
+            if let Some(counted) = self.counted(&model) {
+                return counted;
+            }
+        } else if self.unanswered(&model).is_empty() {
             return model;
         }
         let misfit = Misfit { counts: Counts::FromRest, ..self.misfit(&model) };
-        self.descend_by(&misfit, &model, self.patience(FitAccuracy::Settle), &|| ())
+        self.descend_by(&misfit, &model, self.patience(FitAccuracy::Settle), &|| ()).0
     }
 
     /// Indices of the experiments in which a model has no response from rest.
@@ -46,7 +54,7 @@ impl FitSession<'_> {
             let rest = self.only(|e, _| !left_out.contains(&e));
             let weights = &rest.fitted.weights;
             let misfit = Misfit::new(&rest.problem, &model.coordinates, weights, self.observer);
-            model = rest.descend_by(&misfit, &model, refine::THOROUGH, &|| ());
+            model = rest.descend_by(&misfit, &model, refine::THOROUGH, &|| ()).0;
             // At the new parameters more experiments may have a response; those in the fit still
             // have one, as the misfit requires it. Fit again while the number grows.
             let still = self.unanswered(&model);

@@ -9,6 +9,7 @@ use crate::simulate;
 use crate::simulate::Torque;
 
 use super::{FitSession, Linear, Model};
+use crate::identify::objective::Misfit;
 use crate::identify::problem::{Prepared, Scales, per_velocity};
 use crate::identify::refine;
 
@@ -17,30 +18,31 @@ use crate::identify::refine;
 const LARGEST_SAMPLED_ANGLE: f64 = 2000.0;
 
 impl FitSession<'_> {
-    /// Ŷ/σ of a model, in the order of the residuals; `None` if it has no response, or once the
-    /// observer cancels.
+    /// Ŷ/σ of a model while a search looks for the best one, in the order of the residuals; `None`
+    /// if it has no response, or once the observer cancels.
     pub fn predict(&self, model: &Model) -> Option<DVector<f64>> {
-        Some(self.prediction_less_data(model)? + self.data_in_sigmas())
+        let misfit = self.search_misfit(model);
+        Some(self.prediction_less_data(&misfit, model)? + self.data_in_sigmas(&misfit))
     }
 
     /// Σ|Y − Ŷ|²/σ² of a model at its parameters; `None` if it has no response, or once the
     /// observer cancels.
     pub fn cost(&self, model: &Model) -> Option<f64> {
-        Some(self.prediction_less_data(model)?.norm_squared())
+        Some(self.prediction_less_data(&self.misfit(model), model)?.norm_squared())
     }
 
     /// (Ŷ − Y)/σ of a model at its parameters; `None` as for [`Self::predict`].
-    fn prediction_less_data(&self, model: &Model) -> Option<DVector<f64>> {
+    fn prediction_less_data(&self, misfit: &Misfit<'_>, model: &Model) -> Option<DVector<f64>> {
         if self.observer.cancelled() {
             return None;
         }
-        self.misfit(model).residuals(&model.point).ok()
+        misfit.residuals(&model.point).ok()
     }
 
     /// Y/σ, in the order of the residuals.
-    fn data_in_sigmas(&self) -> DVector<f64> {
-        let mut rows = Vec::with_capacity(self.problem.data());
-        for (experiment, sigma) in self.problem.experiments.iter().zip(&self.fitted.weights.sigma) {
+    fn data_in_sigmas(&self, misfit: &Misfit<'_>) -> DVector<f64> {
+        let mut rows = Vec::with_capacity(self.data());
+        for (experiment, sigma) in misfit.problem.experiments.iter().zip(&misfit.weights.sigma) {
             for (target, sigma) in experiment.targets.iter().zip(sigma) {
                 rows.push(target.value.re / sigma);
                 if !target.real {
@@ -81,8 +83,9 @@ impl FitSession<'_> {
             .collect();
         let torques: Vec<&Torque<'_>> = torques.iter().map(|torque| torque as _).collect();
         let mut changes = vec![DVector::zeros(self.data()); settings.len()];
+        let Misfit { problem, weights, .. } = self.search_misfit(model);
         let mut row = 0;
-        for (experiment, sigma) in self.problem.experiments.iter().zip(&self.fitted.weights.sigma) {
+        for (experiment, sigma) in problem.experiments.iter().zip(&weights.sigma) {
             let Prepared { excitation, highest, targets } = experiment;
             let travel = targets.iter().filter(|target| target.order > 0).map(|target| {
                 let rate = target.order as f64 * excitation.omega_rad_s();
@@ -110,11 +113,16 @@ impl FitSession<'_> {
         Some(changes)
     }
 
-    /// The residuals of a model and their derivatives; `None` if it has no response.
+    /// The residuals of a model and their derivatives while a search looks for the best one; `None`
+    /// if it has no response.
     pub fn linearise(&self, model: &Model) -> Option<Linear> {
-        let misfit = self.misfit(model);
+        self.linearise_by(&self.search_misfit(model), model)
+    }
+
+    /// The same by this misfit.
+    pub(super) fn linearise_by(&self, misfit: &Misfit<'_>, model: &Model) -> Option<Linear> {
         let here = misfit.linearise(&model.point).ok()?;
-        let held = refine::held(&misfit, &model.point, &here);
+        let held = refine::held(misfit, &model.point, &here);
         Some(Linear { residuals: -here.residuals, jacobian: here.jacobian, held })
     }
 

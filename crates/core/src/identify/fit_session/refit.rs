@@ -50,7 +50,7 @@ impl<'a> FitSession<'a> {
         let start = (from.point.clone(), here);
         let refined = refine::refine_from(&misfit, start, patience, &mut |_, _, _| on_step());
         let refitted = from.refined(refined);
-        self.escape(refitted, |from| self.descend_by(&self.misfit(from), from, patience, on_step))
+        self.escape(refitted, |from| self.descend_by(&self.misfit(from), from, patience, on_step).0)
     }
 
     /// The same session with only the data that `keep` wants, given their experiment and harmonic.
@@ -67,6 +67,8 @@ impl<'a> FitSession<'a> {
             order_choice: self.order_choice.clone(),
             base: self.base.clone(),
             stand_in: subset.predictions(&self.stand_in),
+            // Refits start so near their ends that a coarse beginning saves nothing.
+            coarse: None,
         }
     }
 

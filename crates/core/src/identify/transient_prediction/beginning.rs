@@ -17,7 +17,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::identify::levenberg_marquardt::{LeastSquares, Linearisation, Patience, minimise};
+use crate::identify::levenberg_marquardt::{
+    FIRST_DAMPING, LeastSquares, Linearisation, Patience, minimise,
+};
 use crate::measurement::{ResponseKind, Transient};
 use crate::simulate;
 use crate::simulate::{InitialState, NoResponse, Quantity, Unknown};
@@ -51,8 +53,13 @@ const VELOCITY_ERRORS: f64 = 4.0;
 const LEAST_RELATIVE_GAIN: f64 = 0.05;
 
 /// When the least-squares fit ends (tuned): a beginning is not known more accurately than this.
-const PATIENCE: Patience =
-    Patience { steps: 12, evaluations: u64::MAX, cost_tolerance: 1e-6, negligible: 0.0 };
+const PATIENCE: Patience = Patience {
+    steps: 12,
+    evaluations: u64::MAX,
+    cost_tolerance: 1e-6,
+    negligible: 0.0,
+    damping: FIRST_DAMPING,
+};
 
 /// Step of an unknown, in units of its size, for finite differences.
 const DIFFERENCE: f64 = 1e-5;

@@ -31,6 +31,15 @@ impl Excitation {
         Self { omega_rad_s, input, grid, run_share: 0.0 }
     }
 
+    /// The same input on a coarser grid, on which a search may look for the best model: its response
+    /// errs by some 1e-5. `None` for a pure cosine, and where the grid would be hardly coarser.
+    pub fn coarse(&self) -> Option<Self> {
+        let grid = self.grid.as_ref()?.for_search(&self.input)?;
+        let mut input = self.input.clone();
+        input.truncate(grid.lines());
+        Some(Self { input, grid: Some(grid), ..*self })
+    }
+
     /// The same input at another position in the order of acquisition: 0 first, 1 last.
     #[must_use]
     pub fn at_run_share(self, share: f64) -> Self {

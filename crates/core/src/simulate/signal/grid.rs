@@ -12,12 +12,23 @@ use crate::measurement::Complex;
 /// [`MOST_SAMPLES_PER_CYCLE`] leaves of a flat spectrum.
 const INTERPOLATION_ERROR: f64 = 1.25e-7;
 
+/// The same while a search looks for the best model. Behind an actuator with a sharp resonance a
+/// hundred times this is too coarse (tuned).
+const SEARCH_INTERPOLATION_ERROR: f64 = 1e-5;
+
 /// Samples per cycle of the highest line with which any input is interpolated well enough:
 /// (2π/12)⁶/46080 = 4.5e-7.
 const MOST_SAMPLES_PER_CYCLE: usize = 12;
 
 /// Fewest samples per period of a general input.
 const FEWEST_SAMPLES: usize = 1024;
+
+/// The same while a search looks for the best model.
+const FEWEST_SEARCH_SAMPLES: usize = 128;
+
+/// A grid for searching has at most this share of the samples; one that saves less is not worth
+/// the correction of its error.
+const LARGEST_SEARCH_SHARE: f64 = 0.6;
 
 /// A uniform grid of N samples over one period, with its FFTs.
 #[derive(Clone)]
@@ -51,14 +62,15 @@ impl Grid {
     /// The coarsest grid on which quintics interpolate a signal with these lines. It depends on
     /// their sizes: noise far above the excited band needs few samples per cycle.
     pub fn for_lines(lines: &[Complex]) -> Self {
-        let most = MOST_SAMPLES_PER_CYCLE * lines.len().saturating_sub(1);
-        let power = |line: &Complex| line.norm_sqr();
-        let allowed = INTERPOLATION_ERROR.powi(2) * lines.iter().skip(1).map(power).sum::<f64>();
-        let mut samples = next_quick_length(FEWEST_SAMPLES);
-        while samples < most && interpolation_error(lines, samples) > allowed {
-            samples = next_quick_length(samples + samples / 32);
-        }
-        Self::of(samples)
+        Self::of(fewest_samples(lines, INTERPOLATION_ERROR, FEWEST_SAMPLES))
+    }
+
+    /// A coarser grid for the same lines, on which a search looks for the best model: some eighty
+    /// times less accurate. `None` if it would be hardly coarser than this one.
+    pub fn for_search(&self, lines: &[Complex]) -> Option<Self> {
+        let samples = fewest_samples(lines, SEARCH_INTERPOLATION_ERROR, FEWEST_SEARCH_SAMPLES);
+        let most = LARGEST_SEARCH_SHARE * self.samples() as f64;
+        (samples as f64 <= most).then(|| Self::of(samples))
     }
 
     fn of(samples: usize) -> Self {
@@ -130,6 +142,19 @@ impl Grid {
     pub fn forward(&self, signal: &mut [Complex]) {
         self.forward.process(signal);
     }
+}
+
+/// The least number of samples, `fewest` or more, on which quintics interpolate a signal with these
+/// lines to this error, relative to its rms without the mean.
+fn fewest_samples(lines: &[Complex], error: f64, fewest: usize) -> usize {
+    let most = MOST_SAMPLES_PER_CYCLE * lines.len().saturating_sub(1);
+    let power = |line: &Complex| line.norm_sqr();
+    let allowed = error.powi(2) * lines.iter().skip(1).map(power).sum::<f64>();
+    let mut samples = next_quick_length(fewest);
+    while samples < most && interpolation_error(lines, samples) > allowed {
+        samples = next_quick_length(samples + samples / 32);
+    }
+    samples
 }
 
 /// Sum of the squared errors of the lines on a grid of so many samples; see `samples` for the
@@ -207,6 +232,24 @@ mod tests {
         assert!(recorded.samples() < excited.samples() * 11 / 10, "{}", recorded.samples());
         let even = Grid::for_lines(&lines(5000, 1.0, 5000));
         assert!(even.samples() > 20 * recorded.samples(), "{}", even.samples());
+    }
+
+    #[test]
+    fn a_grid_for_searching_is_about_half_as_fine_where_that_is_accurate_enough() {
+        for (all, noise) in [(200, 0.0), (2000, 1e-5)] {
+            let lines = lines(200, noise, all);
+            let fine = Grid::for_lines(&lines);
+            let coarse = fine.for_search(&lines).unwrap();
+            assert!(5 * coarse.samples() <= 3 * fine.samples());
+            let power: f64 = lines.iter().map(Complex::norm_sqr).sum();
+            let error = (interpolation_error(&lines, coarse.samples()) / power).sqrt();
+            assert!((1e-6..=1e-5).contains(&error), "{error}");
+        }
+        let few = lines(2, 0.0, 2);
+        assert_eq!(Grid::for_lines(&few).for_search(&few).unwrap().samples(), 128);
+        let noisy = lines(100, 1.0, 1000);
+        let fine = Grid::of(Grid::for_lines(&noisy).samples() / 2);
+        assert!(fine.for_search(&noisy).is_none());
     }
 
     #[test]

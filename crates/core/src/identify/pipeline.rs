@@ -53,6 +53,9 @@ pub(super) struct Run<'a> {
     pub measurement: &'a Measurement,
     /// The measurement, prepared for fitting.
     pub problem: &'a Problem,
+    /// The same with coarser simulations, for everything before the refinement; `None` if
+    /// simulations are cheap.
+    pub coarse: Option<&'a Problem>,
     /// The options.
     pub options: &'a IdentifyOptions,
     /// The weights to use; without them, those of the noise.
@@ -84,7 +87,8 @@ impl Run<'_> {
             Coordinates::new(self.history.order, self.problem.tied_friction, &self.problem.prior);
         let mut weights = self.weights(None);
         let mut found = StageResults::default();
-        let misfit = self.misfit(&coordinates, &weights);
+        let fine = self.misfit(&coordinates, &weights);
+        let misfit = Misfit { problem: self.coarse.unwrap_or(self.problem), ..fine };
         let Steps { closed_form, network, search, refinement } = self.steps;
         if search.is_none() {
             self.closed_form_alone(&misfit, &mut found)?;

@@ -39,11 +39,13 @@ pub(super) fn solve(
         }
         None => vec![0, 1, 2],
     };
+    let coarse = problem.coarse();
+    let coarse = coarse.as_ref();
     let mut fits: Vec<Fitted> = Vec::new();
     for (before, order) in orders.iter().enumerate() {
         let history = History { observer, order: *order, orders: (before, orders.len()) };
         let lower = fits.last();
-        let run = Run { steps, measurement, problem, options, weights, lower, history };
+        let run = Run { steps, measurement, problem, coarse, options, weights, lower, history };
         fits.push(run.fit()?);
     }
     let order_choice = (fits.len() > 1).then(|| order::choose(problem, &fits, observer));

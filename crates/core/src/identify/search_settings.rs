@@ -124,8 +124,7 @@ pub struct SearchSettings {
     ///
     /// Halved: same causes, same time. Doubled: same causes, same time.
     pub brief_steps: usize,
-    /// Relative decrease of the cost in one step at which these two kinds of fit stop early, and
-    /// refits without a part of the data.
+    /// Relative decrease of the cost in one step at which these two kinds of fit stop early.
     ///
     /// Halved: same causes, +10 % time. Doubled: same causes, −7 % time.
     pub trial_tolerance: f64,

@@ -123,7 +123,7 @@ fn rows<'d>(data: impl Iterator<Item = &'d Datum>) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::answers::{IdentifyOptions, PlantRequest};
+    use crate::answers::{IdentifyOptions, PlantRequest, Weighting};
     use crate::identify::FitAccuracy;
     use crate::identify::fixtures::{axis, stepped_sine};
     use crate::identify::request::IdentifyRequest;
@@ -138,6 +138,8 @@ mod tests {
         let mut options = IdentifyOptions::default();
         options.network.enabled = false;
         options.colony.enabled = false;
+        // What the model lacks is not noise, from which weights would follow.
+        options.weights = Weighting::Response;
         let plant = Some(PlantRequest { actuator_order: 0 });
         let request = IdentifyRequest { plant, options, ..IdentifyRequest::default() };
         let whole = FitSession::new(&measurement, &request, &Silent).unwrap();

@@ -83,7 +83,7 @@ impl<'a> FitSession<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::answers::{IdentifyOptions, PlantRequest};
+    use crate::answers::{IdentifyOptions, PlantRequest, Weighting};
     use crate::effects::find;
     use crate::identify::fixtures::{axis, multisine, stepped_sine};
     use crate::identify::request::IdentifyRequest;
@@ -95,6 +95,8 @@ mod tests {
         let mut options = IdentifyOptions::default();
         options.network.enabled = false;
         options.colony.enabled = false;
+        // What the models lack is not noise, from which weights would follow.
+        options.weights = Weighting::Response;
         let plant = Some(PlantRequest { actuator_order: 0 });
         IdentifyRequest { plant, options, ..IdentifyRequest::default() }
     }

@@ -20,9 +20,12 @@ const RIVAL_EXCESS_BINS: [(&str, [f64; 2]); 4] = [
     ("named first, every rival's 64 or more", [64.0, f64::INFINITY]),
 ];
 
-/// Parts of the tables of analysers, and what is counted of them where they are clean and where they
-/// hide an effect.
-const ANALYSER_PARTS: [(fn(&Instrument) -> bool, &str, &str); 4] = [
+/// Whether a table is of a part, and what is counted of the part where it is clean and where it
+/// hides an effect.
+type AnalyserPart = (fn(&Instrument) -> bool, &'static str, &'static str);
+
+/// Parts of the tables of analysers.
+const ANALYSER_PARTS: [AnalyserPart; 4] = [
     (
         |instrument| instrument.said == NoiseSaid::Nothing,
         "clean, nothing said of the noise: the same",

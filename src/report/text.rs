@@ -220,13 +220,13 @@ mod tests {
 
     #[test]
     fn noise_that_was_estimated_is_said_to_grow_with_the_response_or_not() {
-        let part = |value: f64| NoisePart { value, interval95: [0.5 * value, 2.0 * value] };
+        let part = |value: f64| NoisePart { value, interval95: [0.4 * value, 2.0 * value] };
         let law =
             |proportional| NoiseLaw { additive: part(5e-4), proportional: part(proportional) };
         assert_eq!(
             super::law(Some(&law(0.0025))),
-            ": 0.25 % (0.13 to 0.50) of each harmonic and, beside it, 0.00050 (0.00025 to 0.0010), \
-             in units of the response"
+            ": 0.25 % (0.1 to 0.5) of each harmonic and, beside it, 0.0005 (0.0002 to 0.001), in units \
+             of the response"
         );
         assert!(super::law(Some(&law(0.0))).ends_with("whatever its size"));
         assert_eq!(super::law(None), "");

@@ -9,10 +9,11 @@ mod model;
 mod predictions;
 mod refit;
 mod stated_noise;
+mod weighted;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::answers::{Identification, NoiseSource, OrderChoice, Stage};
+use crate::answers::{NoiseSource, OrderChoice, Stage};
 use crate::effects::{Effect, Scope};
 use crate::measurement::{Complex, Measurement};
 use crate::observer::Observer;
@@ -92,46 +93,7 @@ impl<'a> FitSession<'a> {
         Self::solved(measurement, request, observer, problem, None)
     }
 
-    /// Fits the base model as another request asks, such as with another actuator order, with the
-    /// weights of this session, so that the costs of both compare.
-    ///
-    /// # Errors
-    /// See [`IdentifyError`].
-    pub fn beside<'b>(
-        &self,
-        request: &'b IdentifyRequest,
-        observer: &'b dyn Observer,
-    ) -> Result<FitSession<'b>, IdentifyError>
-    where
-        'a: 'b,
-    {
-        let weights = Some(&self.fitted.weights);
-        FitSession::solved(self.measurement, request, observer, self.problem.clone(), weights)
-    }
-
-    /// Fits the base model with the weights that follow from what the model of an answer to the
-    /// same measurement leaves. `None` if those of this session hardly differ, or if the noise is
-    /// known.
-    ///
-    /// # Errors
-    /// See [`IdentifyError`].
-    pub fn reweighted(
-        &self,
-        answer: &Identification,
-        observer: &'a dyn Observer,
-    ) -> Result<Option<Self>, IdentifyError> {
-        if self.noise_known() || !self.fitted.weights.depend_on_model {
-            return Ok(None);
-        }
-        let weights = prediction::weights_of(self.measurement, &self.problem, answer)?;
-        if weights.resemble(&self.fitted.weights) {
-            return Ok(None);
-        }
-        let Self { measurement, request, problem, .. } = self;
-        let session = Self::solved(measurement, request, observer, problem.clone(), Some(&weights));
-        session.map(Some)
-    }
-
+    /// Fits the base model with the given weights or, without any, with those of the noise.
     fn solved(
         measurement: &'a Measurement,
         request: &'a IdentifyRequest,

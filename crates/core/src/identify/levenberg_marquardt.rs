@@ -77,6 +77,9 @@ const LONGEST_STEP: f64 = 1.0;
 /// trusted (tuned).
 const PREDICTABLE_GROWTH: f64 = 2.0;
 
+/// Decreases of a cost by less than this share are lost in the rounding of their prediction.
+const LEAST_PREDICTED_SHARE: f64 = 1e-12;
+
 /// Where refinement ended.
 #[derive(Debug, Clone)]
 pub(super) struct Refined {
@@ -150,9 +153,11 @@ pub(super) fn minimise_from<P: LeastSquares>(
             if moved <= f64::EPSILON {
                 break;
             }
-            // A trial costs a simulation: none is made for a decrease that would not matter.
+            // A trial costs a simulation: none is made for a decrease that would not matter. Where
+            // every decrease matters, rounding decides, and the prediction is not asked.
             let predicted = -shift.dot(&(2.0 * &gradient + &curvature * &shift));
-            if predicted <= matters && last_cost <= PREDICTABLE_GROWTH * cost {
+            let asked = patience.cost_tolerance > LEAST_PREDICTED_SHARE;
+            if asked && predicted <= matters && last_cost <= PREDICTABLE_GROWTH * cost {
                 return Refined { point, cost, evaluations, damping, stop: "converged" };
             }
             if spent(evaluations) {

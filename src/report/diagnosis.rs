@@ -15,7 +15,9 @@ use super::written::lines;
 /// is the same.
 pub fn diagnosis(answer: &Diagnosis) -> String {
     let Diagnosis { discrepancy, base, extended, .. } = answer;
-    let mut sections = vec![section(verdict(answer.verdict), vec![discrepancy.sentence.clone()])];
+    let headline = [Some(&discrepancy.sentence), answer.valid_band.as_ref().map(|b| &b.sentence)];
+    let headline = headline.into_iter().flatten().cloned().collect();
+    let mut sections = vec![section(verdict(answer.verdict), headline)];
     sections.extend(causes::sections(answer));
     if !answer.limitations.is_empty() {
         let texts = answer.limitations.iter().map(|text| format!("- {text}"));

@@ -1,5 +1,7 @@
 //! Title, verdict and the figures a reader takes away.
 
+use std::iter;
+
 use maud::{Markup, html};
 
 use servoscope_core::answers::{Answer, Diagnosis, Identification, Verdict};
@@ -18,7 +20,7 @@ pub(super) fn title(content: &Content<'_>) -> String {
 
 /// Title, origin, verdict and key figures.
 pub(super) fn header(content: &Content<'_>, title: &str) -> Markup {
-    let Judgement { word, class, text, detail } = judgement(content.answer);
+    let Judgement { word, class, text, details } = judgement(content.answer);
     let origin = content.measured.origin();
     html! {
         header {
@@ -27,7 +29,7 @@ pub(super) fn header(content: &Content<'_>, title: &str) -> Markup {
             div.verdict.(class) {
                 p.word { (word) }
                 p.lead { (text) }
-                @if let Some(detail) = detail { p { (detail) } }
+                @for detail in details { p { (detail) } }
             }
             dl.facts {
                 @for (value, name) in facts(content.answer) {
@@ -43,7 +45,7 @@ struct Judgement {
     /// Of the style sheet.
     class: &'static str,
     text: String,
-    detail: Option<String>,
+    details: Vec<String>,
 }
 
 fn judgement(answer: &Answer) -> Judgement {
@@ -73,7 +75,7 @@ fn of_fit(answer: &Identification) -> Judgement {
          why."
             .to_owned()
     });
-    Judgement { word, class, text: text.to_owned(), detail }
+    Judgement { word, class, text: text.to_owned(), details: detail.into_iter().collect() }
 }
 
 fn of_diagnosis(answer: &Diagnosis) -> Judgement {
@@ -108,7 +110,9 @@ fn of_diagnosis(answer: &Diagnosis) -> Judgement {
             "The simulation is wrong, and no known effect is the cause.".into(),
         ),
     };
-    Judgement { word, class, text, detail: Some(sentence(&answer.discrepancy.sentence)) }
+    let band = answer.valid_band.as_ref().map(|band| sentence(&band.sentence));
+    let details = iter::once(sentence(&answer.discrepancy.sentence)).chain(band).collect();
+    Judgement { word, class, text, details }
 }
 
 /// Values and what they are, most important first.

@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::{Discrepancy, Identification, ParameterEstimate, Provenance, Validation};
+use super::{Discrepancy, Identification, ParameterEstimate, Provenance, ValidBand, Validation};
 
 /// Verdict of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -109,6 +109,10 @@ pub struct Diagnosis {
     pub base: Identification,
     /// The model with the causes, fitted to all data; null if no cause is named.
     pub extended: Option<Identification>,
+    /// Where the final model may be used: that with the causes or, if none is named, the base model.
+    /// Null if the answer is older than this figure.
+    #[serde(default)]
+    pub valid_band: Option<ValidBand>,
     /// What to measure next; null if nothing is in doubt.
     pub next_experiment: Option<NextExperiment>,
     /// Validation of both models on a second measurement; null if there is none.

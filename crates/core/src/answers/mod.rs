@@ -12,6 +12,7 @@ mod identification;
 mod progress;
 mod request;
 pub mod sample;
+mod valid_band;
 mod validation;
 
 pub use answer::Answer;
@@ -28,6 +29,7 @@ pub use request::{
     ColonyOptions, ColonyVariant, IdentifyOptions, InvalidOptions, JobKind, Method, NetworkOptions,
     PlantRequest, Weighting,
 };
+pub use valid_band::{BandDeparture, ValidBand};
 pub use validation::{
     BeginningValue, ValidatedCause, ValidatedModel, ValidatedModels, ValidatedMotion, Validation,
     ValidationProvenance,

@@ -3,11 +3,11 @@
 use indexmap::IndexMap;
 
 use super::{
-    Candidate, Cause, ComparedExperiment, ComparedHarmonic, Comparison, Correlations, Diagnosis,
-    Discrepancy, Fit, Gain, Identification, IdentifyOptions, Method, NextExperiment, NoiseSource,
-    OrderCandidate, OrderChoice, ParameterEstimate, Pattern, Provenance, ResidualGroup,
-    ResidualTest, Stage, TransferFunction, ValidatedCause, ValidatedModel, ValidatedModels,
-    Validation, ValidationProvenance, Verdict,
+    BandDeparture, Candidate, Cause, ComparedExperiment, ComparedHarmonic, Comparison,
+    Correlations, Diagnosis, Discrepancy, Fit, Gain, Identification, IdentifyOptions, Method,
+    NextExperiment, NoiseSource, OrderCandidate, OrderChoice, ParameterEstimate, Pattern,
+    Provenance, ResidualGroup, ResidualTest, Stage, TransferFunction, ValidBand, ValidatedCause,
+    ValidatedModel, ValidatedModels, Validation, ValidationProvenance, Verdict,
 };
 
 /// An adequate identification of the paper's system G1, in which the data does not determine
@@ -239,6 +239,18 @@ pub fn diagnosis() -> Diagnosis {
         provenance: base.provenance.clone(),
         base,
         extended: None,
+        valid_band: Some(ValidBand {
+            usable_hz: Some([0.1, 8.0]),
+            departures: vec![BandDeparture {
+                from_hz: 8.2,
+                to_hz: 20.0,
+                gain_db: -15.0,
+                phase_deg: 157.0,
+            }],
+            sentence: "use the model from 0.1 to 8 Hz only: from 8.2 to 20 Hz it is off by up to \
+                       15 dB and 157°"
+                .into(),
+        }),
         next_experiment: None,
         validation: None,
         limitations: Vec::new(),

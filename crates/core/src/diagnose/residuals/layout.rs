@@ -1,7 +1,7 @@
 //! Where each residual lies: magnitude, frequency, harmonic, order of acquisition. Magnitudes and
 //! frequencies are put into a limited number of classes.
 
-use crate::answers::Comparison;
+use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
 use crate::identify::{Component, ModelFit};
 use crate::measurement::Complex;
 
@@ -39,6 +39,8 @@ pub(crate) struct Cell {
     pub experiment: usize,
     /// Harmonic as measured.
     pub order: usize,
+    /// Whether the input excites this line.
+    pub excited: bool,
     /// Position in the order of acquisition.
     pub run: Option<f64>,
     /// Measured value, response units.
@@ -85,7 +87,8 @@ impl Layout {
         let mut rows = (0..components.len()).filter(|row| !components[*row].constraint);
         let mut cells = Vec::new();
         for experiment in &comparison.experiments {
-            for harmonic in &experiment.harmonics {
+            let excited = excited(experiment);
+            for (harmonic, excited) in experiment.harmonics.iter().zip(excited) {
                 let Some(re) = rows.next() else { break };
                 let im = if harmonic.order > 0 { rows.next() } else { None };
                 let lines = if many_lines { harmonic.order as f64 } else { 1.0 };
@@ -98,6 +101,7 @@ impl Layout {
                     input_magnitude: experiment.magnitude,
                     experiment: experiment.experiment,
                     order: harmonic.order,
+                    excited,
                     run: experiment.run,
                     measured: Complex::new(harmonic.measured[0], harmonic.measured[1]),
                     simulated: Complex::new(harmonic.simulated[0], harmonic.simulated[1]),
@@ -126,12 +130,17 @@ impl Layout {
 }
 
 fn has_many_lines(comparison: &Comparison) -> bool {
-    comparison.experiments.iter().any(|experiment| {
-        let size = |input: [f64; 2]| input[0].hypot(input[1]);
-        let lines = || experiment.harmonics.iter().filter(|h| h.order > 0);
-        let largest = lines().map(|h| size(h.input)).fold(0.0, f64::max);
-        lines().filter(|h| size(h.input) > EXCITED_SHARE * largest).count() > 1
-    })
+    comparison.experiments.iter().any(|e| excited(e).into_iter().filter(|yes| *yes).count() > 1)
+}
+
+/// Of every harmonic, whether the input excites it.
+fn excited(experiment: &ComparedExperiment) -> Vec<bool> {
+    let size = |h: &ComparedHarmonic| match h.order {
+        0 => 0.0,
+        _ => h.input[0].hypot(h.input[1]),
+    };
+    let largest = experiment.harmonics.iter().map(size).fold(0.0, f64::max);
+    experiment.harmonics.iter().map(|h| size(h) > EXCITED_SHARE * largest).collect()
 }
 
 /// At most `most` classes of values, about equally full; equal values share a class.

@@ -13,4 +13,5 @@ pub(super) mod residual;
 pub(super) mod sentence;
 pub(super) mod statistics;
 pub(super) mod subspace;
+pub(super) mod valid_band;
 pub(super) mod whiteness;

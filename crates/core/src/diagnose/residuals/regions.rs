@@ -226,6 +226,7 @@ mod tests {
         {
             let zero = crate::measurement::Complex::new(0.0, 0.0);
             cells.push(Cell {
+                excited: true,
                 rows: (cells.len(), None),
                 magnitude,
                 band,

@@ -3,7 +3,7 @@
 //! Effects of the chosen model that do not help to predict held-out data are dropped. If all of
 //! them together do not help, all are withdrawn.
 
-use crate::answers::{Diagnosis, Discrepancy, Gain, Identification, NextExperiment, Verdict};
+use crate::answers::{Diagnosis, Discrepancy, Gain, NextExperiment, Verdict};
 use crate::identify::{FitAccuracy, FitSession, IdentifyError, Intervals, ModelFit};
 use crate::measurement::Measurement;
 
@@ -13,7 +13,7 @@ use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::holdout::cross_validation::{CrossValidation, Dropped};
 use crate::diagnose::holdout::cv_splits::CvSplits;
 use crate::diagnose::progress::Part;
-use crate::diagnose::residuals::discrepancy;
+use crate::diagnose::residuals::{discrepancy, valid_band};
 
 /// Shares of the progress: cross-validation; the final fit, its intervals, and the next experiment.
 const HOLDOUT_SPAN: [f64; 2] = [0.0, 0.9];
@@ -88,6 +88,8 @@ impl ReportAssembly<'_> {
         }
         let stage = part.part(FINAL_SPAN).stage("final fit and intervals", 2);
         let extended = self.extended()?;
+        let valid_band = valid_band::of(extended.as_ref().unwrap_or(&self.fit));
+        let extended = extended.map(|fit| fit.identification);
         stage.step();
         limitations.extend(extended.as_ref().and_then(crate::diagnose::limitations::unanswered));
         let Self { models, chosen, .. } = &self;
@@ -119,6 +121,7 @@ impl ReportAssembly<'_> {
                 (false, false) => Verdict::Improved,
             },
             limitations,
+            valid_band,
             next_experiment,
             causes,
             candidates,
@@ -158,12 +161,12 @@ impl ReportAssembly<'_> {
     }
 
     /// The model with the causes, refined to full accuracy; `None` if no cause is named.
-    fn extended(&self) -> Result<Option<Identification>, DiagnoseError> {
+    fn extended(&self) -> Result<Option<ModelFit>, DiagnoseError> {
         let Self { session, models, chosen, .. } = self;
         let model = models.get(chosen).filter(|_| !chosen.is_empty());
         let thorough = |model| session.refine(model, FitAccuracy::Thorough);
         let judge = |model| session.judge(&thorough(model), Intervals::Profile);
-        Ok(model.map(judge).transpose()?.map(|fit| fit.identification))
+        Ok(model.map(judge).transpose()?)
     }
 
     /// The experiment that best separates a cause from its closest rival, for the first cause that

@@ -19,6 +19,10 @@ const LARGEST_ERROR: f64 = 0.35;
 /// probability of 1e-4, and there are at most 24 bands.
 const ALLOWED_DEVIATIONS: f64 = 4.3;
 
+/// From so many responses in a band on, their scatter about the factor tells its error. Of fewer,
+/// the standard deviations of the data do, which may be those of the largest responses.
+const FEWEST_SCATTERED: usize = 6;
+
 /// The simulation beside the measurement in one band.
 struct Band {
     hz: [f64; 2],
@@ -51,9 +55,13 @@ fn factor_of(cells: &[&Cell]) -> Option<Band> {
         return None;
     }
     let product: Complex = cells.iter().map(|cell| cell.simulated.conj() * cell.measured).sum();
-    let noise: f64 =
-        cells.iter().map(|cell| 2.0 * cell.simulated.norm_sqr() * cell.std.powi(2)).sum();
-    let (factor, deviation) = (product / power, noise.sqrt() / power);
+    let factor = product / power;
+    let variance = |cell: &Cell| match cells.len() < FEWEST_SCATTERED {
+        true => 2.0 * cell.std.powi(2),
+        false => (cell.measured - factor * cell.simulated).norm_sqr(),
+    };
+    let noise: f64 = cells.iter().map(|cell| cell.simulated.norm_sqr() * variance(cell)).sum();
+    let deviation = noise.sqrt() / power;
     let off = (factor - 1.0).norm();
     let hz = cells.iter().map(|cell| cell.frequency_hz);
     let (low, high) = hz.fold((f64::INFINITY, 0.0_f64), |(a, b), f| (a.min(f), b.max(f)));
@@ -142,6 +150,15 @@ mod tests {
         assert!(!factor_of(&[&cell(Complex::new(2.6, 0.0), 0.0)]).unwrap().departs);
         let turned = Complex::from_polar(2.0, 25f64.to_radians());
         assert!(factor_of(&[&cell(turned, 0.0)]).unwrap().departs);
+    }
+
+    // The deviations that come with the data are far too large here.
+    #[test]
+    fn many_responses_that_are_off_alike_need_no_stated_noise() {
+        let alike = vec![cell(Complex::new(3.0, 0.0), 10.0); FEWEST_SCATTERED];
+        let cells: Vec<&Cell> = alike.iter().collect();
+        assert!(factor_of(&cells).unwrap().departs);
+        assert!(!factor_of(&cells[1..]).unwrap().departs);
     }
 
     #[test]

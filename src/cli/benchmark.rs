@@ -40,15 +40,22 @@ pub(super) struct Args {
     /// coherence tell.
     #[arg(long, value_name = "N", default_value_t = Plan::default().analysers)]
     analyser: u32,
+    /// Machines with one dominant effect and 3 to 6 small ones, of each effect at each level above
+    /// 40 dB.
+    #[arg(long, value_name = "N", default_value_t = Plan::default().machines)]
+    machines: u32,
+    /// Machines with two dominant effects and 3 to 6 small ones, at each level above 40 dB.
+    #[arg(long, value_name = "N", default_value_t = Plan::default().machine_pairs)]
+    machine_pairs: u32,
     /// Noise levels: 60, 50 or 40 dB; not of `analyser`.
     #[arg(long, value_name = "DB,…", value_delimiter = ',', default_values_t = [60, 50, 40])]
     #[arg(value_parser = clap::value_parser!(u32).range(20..=100))]
     levels: Vec<u32>,
-    /// Effects of the single draws and of `analyser` [default: all].
+    /// Effects of the single draws and of `analyser`, dominant effects of `machine` [default: all].
     #[arg(long, value_name = "ID,…", value_delimiter = ',', value_parser = known_effect)]
     effects: Vec<&'static str>,
-    /// Kinds of draw: single, clean, pair, outsider, analyser [default: all but analyser, which
-    /// would make the run half as long again].
+    /// Kinds of draw: single, clean, pair, outsider, analyser, machine, machine-2 [default: the
+    /// first four; the others would make the run several times as long].
     #[arg(long, value_name = "KIND,…", value_delimiter = ',')]
     kinds: Vec<Kind>,
     /// Orders of the actuator, taken in turn.
@@ -120,6 +127,8 @@ impl Args {
             pairs: self.pairs,
             outsiders: self.outsiders,
             analysers: self.analyser,
+            machines: self.machines,
+            machine_pairs: self.machine_pairs,
         }
     }
 
@@ -286,6 +295,10 @@ mod tests {
         let keys = asked(line).unwrap().plan().cases().into_iter().map(|case| case.to_string());
         let keys: Vec<String> = keys.collect();
         assert_eq!((keys.len(), keys[0].as_str()), (7, "analyser-70-spring-o0-0"));
+        let line = "--kinds machine,machine-2 --effects spring --machines 2 --machine-pairs 1";
+        let keys = asked(line).unwrap().plan().cases().into_iter().map(|case| case.to_string());
+        let keys: Vec<String> = keys.collect();
+        assert_eq!((keys.len(), keys[5].as_str()), (6, "machine-2-50-o0-0"));
         assert!(asked("--effects sprng").unwrap_err().contains("hardening_spring"));
         assert!(asked("--kinds none").unwrap_err().contains("outsider"));
         assert!(asked("--orders 3").is_err() && asked("--case spring").is_err());

@@ -11,9 +11,11 @@ use servoscope_core::observer::Observer;
 use servoscope_core::plant::{Actuator, Plant};
 
 use super::case::{Case, Kind};
-use super::effect_draws::{draw_effect, ids};
-use super::excess::{DETECTABLE, exact, excess_in, scaled_to_excess};
+use super::dominance::Dominance;
+use super::effect_draws::{draw_effect, exclude_each_other, ids};
+use super::excess::{COARSE, DETECTABLE, exact, excess_in, excess_of, scaled_to_excess};
 use super::instrument::Instrument;
+use super::mixture::{CHI2_PER_DOF, Mixing, dominance};
 use super::outsiders;
 use super::rivals::{Nearest, Rivals};
 use super::sizing::Sizing;
@@ -40,8 +42,18 @@ pub struct Hidden {
     pub effect: &'static str,
     /// Its parameters by name.
     pub parameters: IndexMap<&'static str, f64>,
-    /// Excess of the base model; in a pair, excess of the best fit with the other effect alone.
+    /// Excess of the base model; in a pair, excess of the best fit with the other effect alone. In a
+    /// machine with small effects, excess of the base model if the effect were alone in it.
     pub excess: f64,
+    /// Whether it is one of the small effects beside dominant ones.
+    pub small: bool,
+}
+
+impl Hidden {
+    fn of(effect: &Effect, excess: f64) -> Self {
+        let parameters = effect.parameters().into_iter().collect();
+        Self { effect: effect.id(), parameters, excess, small: false }
+    }
 }
 
 /// A draw with its measurement and its true values.
@@ -51,6 +63,8 @@ pub struct Made {
     pub hidden: Vec<Hidden>,
     /// Excess of the base model of the true order; 0 if nothing is hidden.
     pub excess: f64,
+    /// What the dominant effects make and leave of it, if there are small ones beside them.
+    pub dominance: Option<Dominance>,
     /// True parameters of the plant by the names used in answers.
     pub plant: IndexMap<&'static str, f64>,
     /// The machine and the design of its measurement.
@@ -121,7 +135,7 @@ pub fn build_case(
     observer: &dyn Observer,
 ) -> Result<Made, MakeError> {
     let rng = &mut case.rng(base_seed);
-    let [least, most] = excess_range(case);
+    let [least, most] = target_range(case);
     let targets = |rng: &mut ChaCha8Rng| [(); 2].map(|()| log_uniform(least, most, rng));
     let mut wanted = targets(rng);
     let mut instrument = Instrument::of(case, rng);
@@ -137,9 +151,15 @@ pub fn build_case(
         let sized = |effect: Effect, target: f64| {
             scaled_to_excess(&machine, &effect, [least, target], &instrument, sizing)
         };
-        let Some(effects) = effects(case, &machine, sized, wanted, attempt, rng) else {
-            continue;
+        let hidden = match case.kind {
+            Kind::Machine | Kind::MachinePair => {
+                let (machine, instrument) = (&machine, &instrument);
+                let mixing = Mixing { machine, instrument, sized, chi2_per_dof: wanted[0] };
+                dominant(case, rng).and_then(|ids| mixing.draw(&ids, rng))
+            }
+            _ => effects(case, &machine, sized, wanted, attempt, rng),
         };
+        let Some(effects) = hidden else { continue };
         machine.effects = effects;
         let responses = instrument.responses(&machine, &Settings::default())?;
         let excess = if machine.effects.is_empty() {
@@ -151,11 +171,16 @@ pub fn build_case(
             }
         };
         let exact = || exact(&responses, &instrument);
-        let Some(hidden) = accepted(case, &machine, exact, excess)? else { continue };
+        let (dominance, hidden) = match case.kind {
+            Kind::Machine | Kind::MachinePair => mixed(case, &machine, &instrument).unzip(),
+            _ => (None, accepted(case, &machine, exact, excess)?),
+        };
+        let Some(hidden) = hidden else { continue };
         let measurement = responses.noisy(&instrument.noise, instrument.said.statement(), rng)?;
         return Ok(Made {
             hidden,
             excess,
+            dominance,
             plant: truth(&machine.plant),
             instrument,
             noise: instrument.law(&responses)?,
@@ -167,10 +192,12 @@ pub fn build_case(
     Err(MakeError::Unreachable)
 }
 
-/// Smallest and largest target excess of a draw.
-fn excess_range(case: &Case) -> [f64; 2] {
+/// Smallest and largest target of a draw: of its excess, in a machine with small effects of the χ²
+/// per degree of freedom that the dominant ones leave.
+fn target_range(case: &Case) -> [f64; 2] {
     match case.kind {
         Kind::Analyser => ANALYSER_EXCESS,
+        Kind::Machine | Kind::MachinePair => CHI2_PER_DOF,
         _ => [DETECTABLE, most_excess(case.level_db)],
     }
 }
@@ -195,16 +222,13 @@ fn effects(
     rng: &mut ChaCha8Rng,
 ) -> Option<Vec<Effect>> {
     match case.kind {
-        Kind::Clean => Some(Vec::new()),
+        Kind::Clean | Kind::Machine | Kind::MachinePair => Some(Vec::new()),
         Kind::Single | Kind::Analyser => match case.effect {
             Some(id) => Some(vec![sized(draw_effect(id, machine, rng), targets[0])?]),
             None => Some(Vec::new()),
         },
         Kind::Pair => {
-            let ids: Vec<&str> = ids().sample(rng, 2).copied().collect();
-            if contain_each_other(ids[0], ids[1]) {
-                return None;
-            }
+            let ids = two(rng)?;
             let shapes = [draw_effect(ids[0], machine, rng), draw_effect(ids[1], machine, rng)];
             Some(vec![sized(shapes[0], targets[0])?, sized(shapes[1], targets[1])?])
         }
@@ -217,14 +241,28 @@ fn effects(
     }
 }
 
-/// Whether one of two effects contains or replaces the other, so that a pair of them makes no
-/// sense.
-fn contain_each_other(left: &str, right: &str) -> bool {
-    let are =
-        |one: &str, other: &str| (left, right) == (one, other) || (left, right) == (other, one);
-    are("backlash", "flexible_mode")
-        || are("spring", "hardening_spring")
-        || are("presliding", "static_friction")
+/// Two different effects, unless they exclude each other.
+fn two(rng: &mut ChaCha8Rng) -> Option<Vec<&'static str>> {
+    let ids: Vec<&'static str> = ids().sample(rng, 2).copied().collect();
+    (!exclude_each_other(ids[0], ids[1])).then_some(ids)
+}
+
+/// Ids of the dominant effects of a machine; `None` if two were drawn that exclude each other.
+fn dominant(case: &Case, rng: &mut ChaCha8Rng) -> Option<Vec<&'static str>> {
+    case.effect.map_or_else(|| two(rng), |id| Some(vec![id]))
+}
+
+/// The dominance and the effects of a machine with small ones; `None` unless it is as wanted.
+fn mixed(case: &Case, machine: &Draw, instrument: &Instrument) -> Option<(Dominance, Vec<Hidden>)> {
+    let dominant = if case.kind == Kind::Machine { 1 } else { 2 };
+    let found = dominance(machine, dominant, instrument, &Settings::default())?;
+    let hidden = |(place, effect): (usize, &Effect)| {
+        let alone = Draw { effects: vec![*effect], ..machine.clone() };
+        let excess = excess_of(&alone, instrument, &COARSE)?;
+        Some(Hidden { small: place >= dominant, ..Hidden::of(effect, excess) })
+    };
+    let hidden = machine.effects.iter().enumerate().map(hidden).collect::<Option<_>>()?;
+    found.is_wanted().then_some((found, hidden))
 }
 
 /// The hidden effects with their excess, judged by the noise-free measurement; `None` if one effect of a pair is not detectable, or an
@@ -237,18 +275,16 @@ fn accepted(
 ) -> Result<Option<Vec<Hidden>>, MakeError> {
     let rivals = || -> Result<Rivals, MakeError> { Ok(Rivals::ask(&exact()?, case.order)?) };
     let excesses = match case.kind {
-        Kind::Single | Kind::Clean | Kind::Analyser => Some(vec![excess]),
+        Kind::Single | Kind::Clean | Kind::Analyser | Kind::Machine | Kind::MachinePair => {
+            Some(vec![excess])
+        }
         Kind::Pair => {
             let ids = [machine.effects[0].id(), machine.effects[1].id()];
             detectable_beside(&rivals()?, ids)?.map(Vec::from)
         }
         Kind::Outsider => is_outside(&rivals()?, machine)?.then(|| vec![excess]),
     };
-    let hidden = |(effect, excess): (&Effect, f64)| Hidden {
-        effect: effect.id(),
-        parameters: effect.parameters().into_iter().collect(),
-        excess,
-    };
+    let hidden = |(effect, excess): (&Effect, f64)| Hidden::of(effect, excess);
     Ok(excesses.map(|excesses| machine.effects.iter().zip(excesses).map(hidden).collect()))
 }
 
@@ -316,6 +352,22 @@ mod tests {
         let responses = made.instrument.responses(&made.machine, &Settings::default()).unwrap();
         let exact = responses.stating(&made.noise).unwrap();
         assert_eq!(base_excess(&exact, 0), Ok(made.excess));
+    }
+
+    #[test]
+    fn a_machine_has_a_dominant_effect_and_small_ones_that_leave_what_they_may() {
+        let Made { hidden, dominance, excess, machine, measurement, .. } =
+            made("machine-60-quadratic_drag-o0-0");
+        assert_eq!((hidden[0].effect, hidden[0].small), ("quadratic_drag", false));
+        let small = &hidden[1..];
+        assert!(small.iter().all(|one| one.small) && (3..=6).contains(&small.len()));
+        assert_eq!(machine.effects.len(), hidden.len());
+        let dominance = dominance.unwrap();
+        assert!((1.5..=30.0).contains(&dominance.chi2_per_dof) && dominance.share() >= 0.9);
+        assert!(small.iter().all(|one| one.excess < 0.5 * hidden[0].excess), "{hidden:?}");
+        // Both are the excess of the whole machine, fitted twice.
+        assert!((dominance.base / excess - 1.0).abs() < 1e-6, "{excess} {dominance:?}");
+        assert_eq!(measurement.experiments().len(), 48);
     }
 
     #[test]

@@ -24,12 +24,24 @@ pub enum Kind {
     Outsider,
     /// One effect or nothing, in a table as frequency response analysers write them.
     Analyser,
+    /// One dominant effect, and several small ones beside it.
+    Machine,
+    /// Two dominant effects, and several small ones beside them.
+    #[serde(rename = "machine-2")]
+    MachinePair,
 }
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 5] =
-        [Self::Single, Self::Clean, Self::Pair, Self::Outsider, Self::Analyser];
+    pub const ALL: [Self; 7] = [
+        Self::Single,
+        Self::Clean,
+        Self::Pair,
+        Self::Outsider,
+        Self::Analyser,
+        Self::Machine,
+        Self::MachinePair,
+    ];
 
     /// The name used in keys and on the command line.
     pub fn name(self) -> &'static str {
@@ -39,7 +51,16 @@ impl Kind {
             Self::Pair => "pair",
             Self::Outsider => "outsider",
             Self::Analyser => "analyser",
+            Self::Machine => "machine",
+            Self::MachinePair => "machine-2",
         }
+    }
+
+    /// The kind with which a key begins, and the rest of the key.
+    fn of_key(text: &str) -> Option<(Self, &str)> {
+        let rest = |kind: Self| Some((kind, text.strip_prefix(kind.name())?.strip_prefix('-')?));
+        // The name of one kind may begin with that of another, so the longest counts.
+        Self::ALL.into_iter().filter_map(rest).max_by_key(|(kind, _)| kind.name().len())
     }
 }
 
@@ -60,7 +81,8 @@ pub struct Case {
     pub kind: Kind,
     /// Noise, dB. For [`Kind::Analyser`] the middle of the range from which the floor is drawn.
     pub level_db: u32,
-    /// Id of the effect; always for [`Kind::Single`], for [`Kind::Analyser`] if it hides one.
+    /// Id of the effect; always for [`Kind::Single`] and, the dominant one, for [`Kind::Machine`];
+    /// for [`Kind::Analyser`] if it hides one.
     pub effect: Option<&'static str>,
     /// Order of the actuator, 0 to 2.
     pub order: u8,
@@ -96,13 +118,13 @@ impl FromStr for Case {
                 "`{text}` is no key of a draw, such as `single-60-spring-o1-4` or `pair-50-o0-2`"
             )
         };
-        let parts: Vec<&str> = text.split('-').collect();
-        let (kind, level, effect, order, index) = match parts[..] {
-            [kind, level, effect, order, index] => (kind, level, Some(effect), order, index),
-            [kind, level, order, index] => (kind, level, None, order, index),
+        let (kind, rest) = Kind::of_key(text).ok_or_else(malformed)?;
+        let parts: Vec<&str> = rest.split('-').collect();
+        let (level, effect, order, index) = match parts[..] {
+            [level, effect, order, index] => (level, Some(effect), order, index),
+            [level, order, index] => (level, None, order, index),
             _ => return Err(malformed()),
         };
-        let kind: Kind = kind.parse()?;
         let effect = effect.map(known_effect).transpose()?;
         let order = order.strip_prefix('o').and_then(|order| order.parse().ok());
         let case = Self {
@@ -113,9 +135,9 @@ impl FromStr for Case {
             index: index.parse().map_err(|_| malformed())?,
         };
         let is_whole = match kind {
-            Kind::Single => effect.is_some(),
+            Kind::Single | Kind::Machine => effect.is_some(),
             Kind::Analyser => true,
-            Kind::Clean | Kind::Pair | Kind::Outsider => effect.is_none(),
+            Kind::Clean | Kind::Pair | Kind::Outsider | Kind::MachinePair => effect.is_none(),
         };
         is_whole.then_some(case).ok_or_else(malformed)
     }
@@ -146,6 +168,9 @@ mod tests {
             "single-60-sprng-o1-4",
             "analyser-70-sprng-o1-4",
             "pair-60-o3-1",
+            "machine-60-o1-4",
+            "machine-2-60-spring-o1-4",
+            "machinery-60-spring-o1-4",
             "x",
         ] {
             assert!(text.parse::<Case>().is_err(), "{text}");
@@ -158,6 +183,17 @@ mod tests {
             [("analyser-70-spring-o1-4", Some("spring")), ("analyser-70-o1-4", None)]
         {
             let case = Case { kind: Kind::Analyser, level_db: 70, effect, order: 1, index: 4 };
+            assert_eq!((key.parse(), case.to_string()), (Ok(case), key.to_owned()));
+        }
+    }
+
+    #[test]
+    fn the_key_of_a_machine_tells_one_dominant_effect_from_two() {
+        for (key, kind, effect) in [
+            ("machine-60-spring-o1-4", Kind::Machine, Some("spring")),
+            ("machine-2-60-o1-4", Kind::MachinePair, None),
+        ] {
+            let case = Case { kind, level_db: 60, effect, order: 1, index: 4 };
             assert_eq!((key.parse(), case.to_string()), (Ok(case), key.to_owned()));
         }
     }

@@ -36,6 +36,20 @@ pub fn draw_effect(id: &str, draw: &Draw, rng: &mut ChaCha8Rng) -> Effect {
     Effect::of(id, &(effect.descriptor().draw.draw)(&scales(draw), &mut Random(rng)))
 }
 
+/// Whether one of two effects or outsiders contains or replaces the other, so that both together
+/// make no sense.
+pub(super) fn exclude_each_other(left: &str, right: &str) -> bool {
+    const PAIRS: [[&str; 2]; 6] = [
+        ["backlash", "flexible_mode"],
+        ["spring", "hardening_spring"],
+        ["presliding", "static_friction"],
+        ["input_quantisation", "actuator_dead_zone"],
+        ["input_quantisation", "gain_asymmetry"],
+        ["input_quantisation", "actuator_saturation"],
+    ];
+    left == right || PAIRS.contains(&[left, right]) || PAIRS.contains(&[right, left])
+}
+
 /// Draws from a stream of random numbers.
 pub(super) struct Random<'a>(pub &'a mut ChaCha8Rng);
 

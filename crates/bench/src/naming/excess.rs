@@ -46,15 +46,19 @@ pub(super) const COARSE: Settings = Settings {
 /// # Errors
 /// See [`IdentifyError`].
 pub fn base_excess(exact: &Measurement, order: u8) -> Result<f64, IdentifyError> {
-    let options = IdentifyOptions {
+    let plant = Some(PlantRequest { actuator_order: order });
+    let request = IdentifyRequest { plant, options: quick(), ..IdentifyRequest::default() };
+    let chi2 = identify(exact, &request, &Silent)?.fit.chi2;
+    chi2.ok_or_else(|| IdentifyError::Unusable { reason: "it tells no deviation".into() })
+}
+
+/// Options of a fit without network and colony.
+pub(super) fn quick() -> IdentifyOptions {
+    IdentifyOptions {
         network: NetworkOptions { enabled: false, ..NetworkOptions::default() },
         colony: ColonyOptions { enabled: false, ..ColonyOptions::default() },
         ..IdentifyOptions::default()
-    };
-    let plant = Some(PlantRequest { actuator_order: order });
-    let request = IdentifyRequest { plant, options, ..IdentifyRequest::default() };
-    let chi2 = identify(exact, &request, &Silent)?.fit.chi2;
-    chi2.ok_or_else(|| IdentifyError::Unusable { reason: "it tells no deviation".into() })
+    }
 }
 
 /// Excess of a drawn machine with all its effects, measured with this instrument; `None` if too few

@@ -6,6 +6,7 @@ use servoscope_core::answers::{Cause, Diagnosis, Verdict};
 
 use super::build_case::{Hidden, Made};
 use super::case::Case;
+use super::dominance::Dominance;
 use super::instrument::Instrument;
 use super::judge::{Outcome, Seconds};
 use crate::machines::draw::{draw, measure};
@@ -36,10 +37,12 @@ pub(super) fn made(case: &Case, hidden: &[&'static str]) -> Made {
         effect,
         parameters: IndexMap::from(parameters),
         excess: 1_000.0,
+        small: false,
     };
     Made {
         hidden: hidden.iter().map(with_parameters).collect(),
         excess: 1_000.0,
+        dominance: None,
         plant: IndexMap::from([("pole", -10.0)]),
         measurement: measure(&machine, 1).expect("a machine that moves"),
         instrument: Instrument::of(case, &mut case.rng(1)),
@@ -60,4 +63,18 @@ pub(super) fn outcome(
     let mut answer = diagnosis(verdict);
     answer.causes = causes.iter().map(|(id, p, equivalents)| cause(id, *p, equivalents)).collect();
     Outcome::new(&case, &made(&case, hidden), Ok(&answer), Seconds { data: 0.5, job: 2.0 })
+}
+
+/// As [`outcome`], of a machine of which only the first effects, this many, dominate.
+pub(super) fn machine(
+    key: &str,
+    dominant: usize,
+    hidden: &[&'static str],
+    causes: &[(&str, f64, &[&str])],
+) -> Outcome {
+    let mut outcome = outcome(key, hidden, causes, Verdict::Improved);
+    outcome.hidden[dominant..].iter_mut().for_each(|hidden| hidden.small = true);
+    let alone = vec![100.0; dominant];
+    outcome.dominance = Some(Dominance { base: 1_000.0, alone, left: 50.0, chi2_per_dof: 2.5 });
+    outcome
 }

@@ -8,6 +8,7 @@ use servoscope_core::answers::{Diagnosis, ParameterEstimate, Verdict};
 
 use super::build_case::{Hidden, Made};
 use super::case::{Case, Kind};
+use super::dominance::Dominance;
 use super::fresh::Fresh;
 use super::instrument::Instrument;
 use super::rivals::Nearest;
@@ -28,6 +29,8 @@ pub struct Outcome {
     pub instrument: Instrument,
     /// Excess of the base model of the true order; 0 if nothing is hidden.
     pub excess: f64,
+    /// What the dominant effects make and leave of it; null if there are no small ones beside them.
+    pub dominance: Option<Dominance>,
     /// The hidden effects.
     pub hidden: Vec<Hidden>,
     /// The answer, or the error of the diagnosis.
@@ -128,6 +131,7 @@ impl Outcome {
             order: case.order,
             instrument: made.instrument,
             excess: made.excess,
+            dominance: made.dominance.clone(),
             hidden: made.hidden.clone(),
             answer: answer.map(|diagnosis| Answer::of(diagnosis, made)),
             separation: None,

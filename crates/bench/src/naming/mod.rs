@@ -6,6 +6,8 @@
 //! - `instrument`: how the machine of a draw is measured.
 //! - `sizing`, `excess`: scale a hidden effect until the base model's excess χ² has the required
 //!   value.
+//! - `mixture`: the dominant and small effects of a machine. `dominance`: how much of the excess the
+//!   dominant ones make and leave.
 //! - `rivals`: how well a single other effect of the library imitates the hidden one.
 //! - `build_case`: makes the machine, its hidden effects and its measurement.
 //! - `fresh`: checks the reported gain against a fresh measurement.
@@ -19,6 +21,7 @@
 mod ablation;
 mod build_case;
 mod case;
+mod dominance;
 pub mod effect_draws;
 mod excess;
 #[cfg(test)]
@@ -26,6 +29,7 @@ mod fixtures;
 mod fresh;
 mod instrument;
 mod judge;
+mod mixture;
 pub mod outsiders;
 mod plan;
 mod rate;
@@ -41,6 +45,7 @@ mod text;
 pub use ablation::{Ablation, Trial, Trials, ablate};
 pub use build_case::{Hidden, Made, MakeError, build_case};
 pub use case::{Case, Kind, known_effect};
+pub use dominance::Dominance;
 pub use excess::{DETECTABLE, base_excess};
 pub use fresh::Fresh;
 pub use instrument::{Harmonics, Instrument, NoiseSaid};

@@ -27,9 +27,14 @@ pub struct Plan {
     pub outsiders: u32,
     /// Number of analysers that hide an effect, of each effect.
     pub analysers: u32,
+    /// Number of machines with one dominant effect, of each effect at each level above 40 dB.
+    pub machines: u32,
+    /// Number of machines with two dominant effects at each level above 40 dB.
+    pub machine_pairs: u32,
 }
 
-/// All kinds but [`Kind::Analyser`], whose tables would make the run half as long again.
+/// All kinds but [`Kind::Analyser`], [`Kind::Machine`] and [`Kind::MachinePair`], which would make
+/// the run several times as long.
 impl Default for Plan {
     fn default() -> Self {
         Self {
@@ -42,6 +47,8 @@ impl Default for Plan {
             pairs: 60,
             outsiders: 45,
             analysers: 10,
+            machines: 2,
+            machine_pairs: 30,
         }
     }
 }
@@ -70,11 +77,30 @@ impl Plan {
                     .map(|i| case(self.levels_db[(i % count) as usize], None, i / count))
                     .collect()
             }
-            Kind::Pair => levels
-                .filter(|level| *level > 40)
-                .flat_map(|level| (0..self.pairs).map(move |i| (level, i)))
-                .map(|(level, index)| case(level, None, index))
-                .collect(),
+            Kind::Pair | Kind::MachinePair => {
+                let count = if kind == Kind::Pair { self.pairs } else { self.machine_pairs };
+                levels
+                    .filter(|level| *level > 40)
+                    .flat_map(|level| (0..count).map(move |i| (level, i)))
+                    .map(|(level, index)| case(level, None, index))
+                    .collect()
+            }
+            Kind::Machine => {
+                // Few of each effect: the orders change from one effect to the next, too.
+                let order = |place: usize, index: u32| {
+                    self.orders[(place + index as usize) % self.orders.len()]
+                };
+                let effects = || self.effects.iter().copied().enumerate();
+                levels
+                    .filter(|level| *level > 40)
+                    .flat_map(|level| effects().map(move |effect| (level, effect)))
+                    .flat_map(|(level, effect)| (0..self.machines).map(move |i| (level, effect, i)))
+                    .map(|(level, (place, effect), index)| Case {
+                        order: order(place, index),
+                        ..case(level, Some(effect), index)
+                    })
+                    .collect()
+            }
             Kind::Outsider => levels
                 .max()
                 .into_iter()
@@ -104,7 +130,7 @@ mod tests {
         let plan = Plan::default();
         let cases = plan.cases();
         let count = |kind: Kind| cases.iter().filter(|case| case.kind == kind).count();
-        assert_eq!(Kind::ALL.map(count), [3 * 17 * 10, 300, 2 * 60, 45, 0]);
+        assert_eq!(Kind::ALL.map(count), [3 * 17 * 10, 300, 2 * 60, 45, 0, 0, 0]);
         let keys: HashSet<String> = cases.iter().map(Case::to_string).collect();
         assert_eq!(keys.len(), cases.len());
         for case in &cases {
@@ -126,6 +152,25 @@ mod tests {
         assert_eq!(cases[0].to_string(), format!("analyser-70-{}-o0-0", ids()[0]));
         let orders: Vec<u8> = cases[34..].iter().map(|case| case.order).collect();
         assert_eq!(orders, [0, 1, 2, 0, 1, 2]);
+        for case in cases {
+            assert_eq!(case.to_string().parse(), Ok(case));
+        }
+    }
+
+    #[test]
+    fn machines_are_drawn_only_if_they_are_asked_for_at_the_levels_above_40_db() {
+        let plan = Plan { machines: 1, machine_pairs: 6, ..Plan::default() };
+        let machines = [Kind::Machine, Kind::MachinePair];
+        assert!(machines.iter().all(|kind| !plan.kinds.contains(kind)));
+        let cases = Plan { kinds: machines.into(), ..plan }.cases();
+        assert_eq!(cases.len(), 2 * 17 + 2 * 6);
+        assert!(cases.iter().all(|case| case.level_db > 40));
+        for kind in machines {
+            for order in 0..3 {
+                let of = |case: &&Case| case.kind == kind && case.order == order;
+                assert!(cases.iter().filter(of).count() >= 4, "{kind:?} {order}");
+            }
+        }
         for case in cases {
             assert_eq!(case.to_string().parse(), Ok(case));
         }

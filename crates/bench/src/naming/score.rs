@@ -2,11 +2,22 @@
 
 use servoscope_core::answers::Verdict;
 
+use super::build_case::Hidden;
 use super::case::Kind;
 use super::judge::{Named, Outcome};
 
 /// Number of equivalents that count, from the first.
 const MOST_EQUIVALENTS: usize = 2;
+
+/// Confidence from which a name that is wrong counts in a machine with small effects, and from which
+/// that of a dominant one counts as sure.
+pub(super) const SURE: f64 = 0.8;
+
+/// Whether a cause, or one of its first two equivalents, is one of these effects.
+fn stands_for(cause: &Named, is_one: impl Fn(&str) -> bool) -> bool {
+    let equivalents = cause.equivalents.iter().take(MOST_EQUIVALENTS);
+    std::iter::once(&cause.effect).chain(equivalents).any(|id| is_one(id))
+}
 
 impl Outcome {
     /// Causes, strongest first; empty if the diagnosis failed.
@@ -24,25 +35,52 @@ impl Outcome {
         self.hidden.iter().any(|hidden| hidden.effect == effect)
     }
 
-    /// Whether the first cause is a hidden effect.
+    /// The hidden effects that are to be named first: all but the small ones beside dominant ones.
+    pub fn dominant(&self) -> impl Iterator<Item = &Hidden> {
+        self.hidden.iter().filter(|hidden| !hidden.small)
+    }
+
+    /// Whether this effect is hidden, and none of the small ones.
+    pub fn is_dominant(&self, effect: &str) -> bool {
+        self.dominant().any(|hidden| hidden.effect == effect)
+    }
+
+    /// Whether the first cause is a hidden effect, and none of the small ones.
     pub fn named_first(&self) -> bool {
-        self.causes().first().is_some_and(|first| self.is_hidden(&first.effect))
+        self.causes().first().is_some_and(|first| self.is_dominant(&first.effect))
     }
 
-    /// Whether the first cause, or one of its first two equivalents, is a hidden effect.
+    /// Whether the first cause, or one of its first two equivalents, is a hidden effect, and none of
+    /// the small ones.
     pub fn first_or_equivalent(&self) -> bool {
-        self.causes().first().is_some_and(|first| self.stands_for_hidden(first))
-    }
-
-    /// Whether this cause, or one of its first two equivalents, is a hidden effect.
-    fn stands_for_hidden(&self, cause: &Named) -> bool {
-        let equivalents = cause.equivalents.iter().take(MOST_EQUIVALENTS);
-        std::iter::once(&cause.effect).chain(equivalents).any(|id| self.is_hidden(id))
+        let first = self.causes().first();
+        first.is_some_and(|first| stands_for(first, |id| self.is_dominant(id)))
     }
 
     /// Whether a cause is named that is not hidden and whose first two equivalents are not, either.
     pub fn names_another(&self) -> bool {
-        self.causes().iter().any(|cause| !self.stands_for_hidden(cause))
+        self.names_another_at(0.0)
+    }
+
+    /// The same of a cause with at least this confidence.
+    pub fn names_another_at(&self, confidence: f64) -> bool {
+        let sure = |cause: &&Named| cause.confidence >= confidence;
+        self.causes().iter().filter(sure).any(|cause| !stands_for(cause, |id| self.is_hidden(id)))
+    }
+
+    /// Whether every hidden effect, except for small ones, is named, alone or as one of the first
+    /// two equivalents of a cause.
+    pub fn dominant_or_equivalents_named(&self) -> bool {
+        let named = |effect: &str| self.causes().iter().any(|c| stands_for(c, |id| id == effect));
+        self.answer.is_ok() && self.dominant().all(|hidden| named(hidden.effect))
+    }
+
+    /// Whether every hidden effect, except for small ones, is named with at least this confidence.
+    pub fn dominant_named_at(&self, confidence: f64) -> bool {
+        let named = |effect: &str| {
+            self.causes().iter().any(|c| c.effect == effect && c.confidence >= confidence)
+        };
+        self.answer.is_ok() && self.dominant().all(|hidden| named(hidden.effect))
     }
 
     /// Whether exactly the hidden effects are named.
@@ -68,7 +106,9 @@ impl Outcome {
     /// nothing else. For an outsider the verdict must not be `explained`, and no confidence may
     /// reach 0.9. In an analyser's table, the effect must be first or an equivalent of the first and
     /// no other may be named; without one nothing may be named, and the verdict must not be
-    /// `unexplained`.
+    /// `unexplained`. Of a machine with small effects, the dominant one must be first or an
+    /// equivalent of the first, or both dominant ones must be named, and no name may be wrong at a
+    /// confidence of 0.8 or more.
     pub fn is_right(&self) -> bool {
         self.answer.is_ok()
             && match self.kind {
@@ -80,6 +120,8 @@ impl Outcome {
                     self.causes().is_empty() && self.verdict() != Some(Verdict::Unexplained)
                 }
                 Kind::Analyser => self.first_or_equivalent() && !self.names_another(),
+                Kind::Machine => self.first_or_equivalent() && !self.names_another_at(SURE),
+                Kind::MachinePair => self.dominant_named_at(0.0) && !self.names_another_at(SURE),
             }
     }
 }
@@ -87,7 +129,7 @@ impl Outcome {
 #[cfg(test)]
 mod tests {
     use super::super::case::Case;
-    use super::super::fixtures::{made, outcome};
+    use super::super::fixtures::{machine, made, outcome};
     use super::super::judge::Seconds;
     use super::*;
 
@@ -167,5 +209,51 @@ mod tests {
             let found = of_spring(causes);
             assert_eq!((found.is_right(), found.names_another()), (right, another), "{causes:?}");
         }
+    }
+
+    #[test]
+    fn of_a_machine_the_dominant_effect_counts_and_a_small_one_is_no_false_name() {
+        let of_spring = |causes: &[(&str, f64, &[&str])]| {
+            let hidden = ["spring", "stribeck", "cubic_drag", "cogging"];
+            machine("machine-60-spring-o0-0", 1, &hidden, causes)
+        };
+        let small_first = [("stribeck", 0.9, &[][..]), ("spring", 0.85, &[])];
+        for (causes, first, false_name, sure, right) in [
+            (&[("spring", 0.9, &[][..]), ("stribeck", 0.9, &[])][..], true, false, true, true),
+            (&[("hardening_spring", 0.7, &["spring"][..])], true, false, false, true),
+            (&small_first, false, false, true, false),
+            (&[("spring", 0.5, &[][..]), ("backlash", 0.79, &[])], true, false, false, true),
+            (&[("spring", 0.5, &[][..]), ("backlash", 0.8, &[])], true, true, false, false),
+            (
+                &[("spring", 0.5, &[][..]), ("slew_limit", 0.8, &["cogging"])],
+                true,
+                false,
+                false,
+                true,
+            ),
+            (&[], false, false, false, false),
+        ] {
+            let found = of_spring(causes);
+            assert_eq!(
+                (found.first_or_equivalent(), found.names_another_at(SURE)),
+                (first, false_name),
+                "{causes:?}"
+            );
+            assert_eq!((found.dominant_named_at(SURE), found.is_right()), (sure, right));
+        }
+    }
+
+    #[test]
+    fn of_a_machine_with_two_dominant_effects_both_have_to_be_named() {
+        let of_two = |causes: &[(&str, f64, &[&str])]| {
+            let hidden = ["spring", "stribeck", "cubic_drag", "cogging"];
+            machine("machine-2-60-o0-0", 2, &hidden, causes)
+        };
+        let both = of_two(&[("spring", 0.9, &[]), ("stribeck", 0.7, &[])]);
+        assert!(both.is_right() && both.dominant_named_at(0.7) && !both.dominant_named_at(SURE));
+        let one = of_two(&[("spring", 0.9, &[]), ("cogging", 0.7, &[])]);
+        assert!(!one.is_right() && one.named_first() && !one.dominant_or_equivalents_named());
+        let standing_for = of_two(&[("spring", 0.9, &[]), ("presliding", 0.5, &["stribeck"])]);
+        assert!(!standing_for.is_right() && standing_for.dominant_or_equivalents_named());
     }
 }

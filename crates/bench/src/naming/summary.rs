@@ -1,6 +1,7 @@
 //! Summary of a run of the benchmark: rates, confusion tables, calibration and times.
 
 mod lines;
+mod machines;
 
 use std::collections::BTreeMap;
 
@@ -66,7 +67,7 @@ pub struct Line {
 /// How often a hidden effect is named first, by the size of its excess.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EffectRates {
-    /// Kind of draw: single or analyser.
+    /// Kind of draw: single, analyser, or machine, of which the dominant effect counts.
     pub kind: Kind,
     /// The effect.
     pub effect: &'static str,
@@ -89,11 +90,16 @@ pub struct ConfidenceBin {
     pub mean: Option<f64>,
     /// Rate of the causes that are right.
     pub right: Rate,
+    /// The 95 % interval of that rate.
+    pub interval95: [f64; 2],
+    /// Whether the mean confidence lies within that interval; null if the bin is empty.
+    pub calibrated: Option<bool>,
     /// Its target.
     pub wanted: Wanted,
 }
 
-/// Confusion table at one noise level: hidden effects (rows) against first named causes (columns).
+/// Confusion table at one noise level: hidden effects (rows; in a machine the dominant one) against
+/// first named causes (columns).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Confusion {
     /// Noise, dB.
@@ -126,7 +132,7 @@ pub struct Summary {
     pub lines: Vec<Line>,
     /// Rates of draws of one effect by effect, noise level and excess.
     pub effects: Vec<EffectRates>,
-    /// Confusion tables of all draws but pairs, by noise level.
+    /// Confusion tables of all draws of one effect or none, by noise level.
     pub confusions: Vec<Confusion>,
     /// Causes of all draws by confidence.
     pub calibration: Vec<ConfidenceBin>,
@@ -157,10 +163,11 @@ fn effects(outcomes: &[Outcome], levels: &[u32]) -> Vec<EffectRates> {
     let mut rates: Vec<EffectRates> = Vec::new();
     for level_db in levels {
         let of_one = |o: &&Outcome| {
-            matches!(o.kind, Kind::Single | Kind::Analyser) && o.level_db == *level_db
+            matches!(o.kind, Kind::Single | Kind::Analyser | Kind::Machine)
+                && o.level_db == *level_db
         };
         for outcome in outcomes.iter().filter(of_one) {
-            let Some(hidden) = outcome.hidden.first() else { continue };
+            let Some(hidden) = outcome.dominant().next() else { continue };
             let row = (outcome.kind, hidden.effect, *level_db);
             let same = |r: &EffectRates| (r.kind, r.effect, r.level_db) == row;
             let place = rates.iter().position(same).unwrap_or_else(|| {
@@ -182,8 +189,9 @@ fn effects(outcomes: &[Outcome], levels: &[u32]) -> Vec<EffectRates> {
 
 fn confusion(outcomes: &[Outcome], level_db: u32) -> Confusion {
     let mut counts = BTreeMap::new();
-    for outcome in outcomes.iter().filter(|o| o.level_db == level_db && o.hidden.len() < 2) {
-        let hidden = outcome.hidden.first().map_or(NONE, |hidden| hidden.effect);
+    let of_one = |o: &&Outcome| o.level_db == level_db && o.dominant().count() < 2;
+    for outcome in outcomes.iter().filter(of_one) {
+        let hidden = outcome.dominant().next().map_or(NONE, |hidden| hidden.effect);
         let named = outcome.causes().first().map_or(NONE, |first| &first.effect);
         *counts.entry((hidden.to_owned(), named.to_owned())).or_insert(0) += 1;
     }
@@ -205,7 +213,9 @@ fn calibration(outcomes: &[Outcome]) -> Vec<ConfidenceBin> {
         let mean = (right.of > 0).then(|| sum / f64::from(right.of));
         let (asked_from, shares) = CALIBRATION_TARGET;
         let wanted = if from == asked_from { Wanted::Between(shares) } else { Wanted::Nothing };
-        ConfidenceBin { from, to, mean, right, wanted }
+        let interval95 = right.interval95();
+        let calibrated = mean.map(|mean| (interval95[0]..=interval95[1]).contains(&mean));
+        ConfidenceBin { from, to, mean, right, interval95, calibrated, wanted }
     };
     CONFIDENCE_BOUNDS.windows(2).map(bin).collect()
 }
@@ -225,7 +235,7 @@ fn times(seconds: impl Iterator<Item = f64>) -> Times {
 mod tests {
     use servoscope_core::answers::Verdict;
 
-    use super::super::fixtures::outcome;
+    use super::super::fixtures::{machine, outcome};
     use super::*;
     use crate::naming::rivals::Nearest;
 
@@ -254,6 +264,22 @@ mod tests {
             ),
             outcome("analyser-70-spring-o1-1", &["spring"], &[("cogging", 0.4, &[])], explained),
             outcome("analyser-70-spring-o2-2", &["spring"], &[], Verdict::Unexplained),
+        ]
+    }
+
+    /// Machines with small effects.
+    fn machines() -> Vec<Outcome> {
+        let hidden = ["spring", "stribeck", "cubic_drag", "cogging"];
+        let of_one = |key: &str, causes| machine(key, 1, &hidden, causes);
+        vec![
+            of_one("machine-60-spring-o0-0", &[("spring", 0.9, &[]), ("stribeck", 0.6, &[])]),
+            of_one("machine-50-spring-o0-0", &[("backlash", 0.85, &[]), ("spring", 0.4, &[])]),
+            machine(
+                "machine-2-60-o0-0",
+                2,
+                &hidden,
+                &[("stribeck", 0.9, &[]), ("spring", 0.3, &[])],
+            ),
         ]
     }
 
@@ -316,6 +342,60 @@ mod tests {
         assert!((calibration[2].mean.unwrap() - 0.85).abs() < 1e-12);
         let met: Vec<_> = calibration.iter().map(|bin| bin.wanted.met_by(&bin.right)).collect();
         assert_eq!(met, [None, None, Some(false), None, None]);
+    }
+
+    #[test]
+    fn machines_are_counted_by_their_dominant_effects() {
+        let summary = Summary::of(&machines());
+        for (kind, level, what, hits, of, met) in [
+            (Kind::Machine, None, "first or an equivalent", 1, 2, Some(false)),
+            (Kind::Machine, Some(60), "first or an equivalent", 1, 1, None),
+            (Kind::Machine, None, "a name at 0.8 or more that is not in it", 1, 2, Some(false)),
+            (Kind::Machine, None, "the dominant effect at 0.8 or more", 1, 2, Some(false)),
+            (Kind::MachinePair, None, "both named", 1, 1, Some(true)),
+            (Kind::MachinePair, None, "both dominant effects at 0.8 or more", 0, 1, None),
+        ] {
+            let line = line(&summary, kind, level, what);
+            assert_eq!(
+                (line.rate, line.wanted.met_by(&line.rate)),
+                (Rate { hits, of }, met),
+                "{kind:?} {what}"
+            );
+        }
+        let row = &summary.effects[0];
+        assert_eq!(
+            (row.kind, row.effect, row.all),
+            (Kind::Machine, "spring", Rate { hits: 1, of: 1 })
+        );
+        let counted: u32 = summary.confusions.iter().flat_map(|c| c.counts.values()).sum();
+        assert_eq!(counted, 2, "two dominant effects have no single row");
+    }
+
+    #[test]
+    fn a_bin_is_calibrated_where_its_mean_lies_in_the_interval_of_its_rate() {
+        let calibration = Summary::of(&machines()).calibration;
+        let found: Vec<_> = calibration.iter().map(|bin| (bin.right, bin.calibrated)).collect();
+        let rate = |hits, of| Rate { hits, of };
+        // Right at 0.4, 0.3 and 0.6, wrong at 0.85, right twice at 0.9. One or two causes do not
+        // contradict any such confidence.
+        let expected = [
+            (rate(2, 2), Some(true)),
+            (rate(1, 1), Some(true)),
+            (rate(0, 1), Some(true)),
+            (rate(2, 2), Some(true)),
+            (rate(0, 0), None),
+        ];
+        assert_eq!(found, expected);
+        let sure = |right: bool| {
+            let named = if right { "spring" } else { "cogging" };
+            let causes = [(named, 0.85, &[][..])];
+            outcome("single-60-spring-o0-0", &["spring"], &causes, Verdict::Explained)
+        };
+        // Four of ten: at most 0.74 by the exact interval.
+        let ten: Vec<Outcome> = (0..10).map(|i| sure(i < 4)).collect();
+        let bin = Summary::of(&ten).calibration[2];
+        assert_eq!((bin.right, bin.calibrated), (rate(4, 10), Some(false)));
+        assert_eq!(bin.interval95, bin.right.interval95());
     }
 
     #[test]

@@ -24,12 +24,21 @@ pub fn summary_text(summary: &Summary) -> String {
     for confusion in &summary.confusions {
         confused(&mut text, confusion);
     }
-    push(&mut text, "\nCauses of all draws by confidence: share that is right");
+    push(
+        &mut text,
+        "\nCauses of all draws by confidence: share that is right, and whether the mean",
+    );
+    push(&mut text, "confidence lies within its 95 % interval");
     for bin in &summary.calibration {
         let mean = bin.mean.map_or("–".to_owned(), |mean| format!("{mean:.3}"));
         let (from, to) = (bin.from, bin.to);
         let (share, asked) = (interval(&bin.right), asked(&bin.wanted, &bin.right));
-        let row = format!("  {from:<4} … {to:<4}  mean {mean:<6} {share:<38} {asked}");
+        let within = match bin.calibrated {
+            Some(true) => "within",
+            Some(false) => "OUTSIDE",
+            None => "",
+        };
+        let row = format!("  {from:<4} … {to:<4}  mean {mean:<6} {share:<38} {within:<7}  {asked}");
         push(&mut text, row.trim_end());
     }
     let (data, job) = (summary.data_seconds, summary.job_seconds);
@@ -126,12 +135,19 @@ pub fn case_text(outcome: &Outcome) -> String {
         "  {}: {}, order {}, excess {:.0}, {verdict}",
         outcome.key, outcome.instrument, outcome.order, outcome.excess
     );
+    if let Some(dominance) = &outcome.dominance {
+        let (share, left) = (100.0 * dominance.share(), dominance.chi2_per_dof);
+        let _ = write!(text, "\n    dominant: {share:.1} % of it, χ² per dof {left:.1} left");
+    }
     for hidden in &outcome.hidden {
         let values = hidden.parameters.iter().map(|(name, value)| format!("{name} {value:.4}"));
         let values = values.collect::<Vec<_>>().join(", ");
-        let _ = write!(text, "\n    hidden {}: {values}", hidden.effect);
+        let small = if hidden.small { "small " } else { "" };
+        let _ = write!(text, "\n    hidden {small}{}: {values}", hidden.effect);
         if outcome.hidden.len() > 1 {
-            let _ = write!(text, " (excess {:.0} beside the other)", hidden.excess);
+            let circumstance =
+                if outcome.dominance.is_some() { "alone" } else { "beside the other" };
+            let _ = write!(text, " (excess {:.0} {circumstance})", hidden.excess);
         }
     }
     if let Some(Nearest { effect, excess }) = &outcome.nearest {
@@ -182,7 +198,7 @@ fn push(text: &mut String, line: &str) {
 mod tests {
     use servoscope_core::answers::Verdict;
 
-    use super::super::fixtures::outcome;
+    use super::super::fixtures::{machine, outcome};
     use super::*;
 
     #[test]
@@ -214,6 +230,20 @@ mod tests {
             assert!(text.contains(part), "{part} in\n{text}");
         }
         assert!(!text.contains("spring-o0-1"), "{text}");
+    }
+
+    #[test]
+    fn a_machine_is_described_by_what_dominates_it_and_what_is_small() {
+        let hidden = ["spring", "stribeck", "cubic_drag"];
+        let text = case_text(&machine("machine-60-spring-o0-0", 1, &hidden, &[]));
+        for part in [
+            "dominant: 95.0 % of it, χ² per dof 2.5 left",
+            "hidden spring: amplitude 1.0000",
+            "hidden small stribeck: amplitude 1.0000",
+            "(excess 1000 alone)",
+        ] {
+            assert!(text.contains(part), "{part} in\n{text}");
+        }
     }
 
     #[test]
@@ -252,7 +282,7 @@ mod tests {
             "met",
         ]);
         line(&["cubic_drag", "1"]);
-        line(&["0.99 … 1", "1.000", "1/1"]);
+        line(&["0.99 … 1", "1.000", "1/1", "within"]);
         line(&["0.8  … 0.9", "0.850", "0/1", "75–95 %", "MISSED"]);
     }
 }

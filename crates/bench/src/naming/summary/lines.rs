@@ -63,6 +63,7 @@ pub(super) fn lines(outcomes: &[Outcome], levels: &[u32]) -> Vec<Line> {
     lines.pairs(levels);
     lines.outsiders();
     lines.analysers();
+    lines.machines(levels);
     lines.rivals();
     for kind in [Kind::Single, Kind::Pair, Kind::Analyser] {
         for &level in levels {
@@ -72,7 +73,7 @@ pub(super) fn lines(outcomes: &[Outcome], levels: &[u32]) -> Vec<Line> {
     lines.lines
 }
 
-struct Lines<'a> {
+pub(super) struct Lines<'a> {
     outcomes: &'a [Outcome],
     lines: Vec<Line>,
 }
@@ -99,7 +100,7 @@ impl<'a> Lines<'a> {
     }
 
     /// Adds the rate of `right` over all draws of a kind, at one noise level or at all.
-    fn count(
+    pub(super) fn count(
         &mut self,
         (kind, level_db): (Kind, Option<u32>),
         what: &'static str,

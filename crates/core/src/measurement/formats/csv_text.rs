@@ -1,105 +1,160 @@
-//! Parses CSV with a preamble of `# key: value` lines into a [`Table`].
+//! Parses delimited text with a preamble of `# key: value` lines into a [`Table`].
+
+use csv::StringRecord;
 
 use super::columns::Column;
+use super::decimal::{Decimals, Mark, is_number};
+use super::delimiter::{Delimiter, unquote};
 use super::fault::Fault;
+use super::given::Given;
 use super::header::Header;
 use super::limits::MAX_ROWS;
+use super::name::{self, Name};
+use super::naming;
+use super::preamble::{self, Preamble};
 use super::table::{Place, Table};
 
-/// A CSV file whose preamble and header have been read.
+const NO_KNOWN_COLUMN: &str = "the header has no known column: a time record needs \
+    time_s,input,output, a harmonic table magnitude,omega_rad_s,harmonic,re,im";
+
+/// A table, and what is known of its columns.
+pub(super) struct NamedTable {
+    pub(super) table: Table,
+    pub(super) header: Header,
+    pub(super) notes: Vec<String>,
+    /// Whether it is a time record.
+    pub(super) timed: bool,
+    /// The names that the file has for the columns that are used.
+    pub(super) written: Vec<(Column, String)>,
+}
+
+/// A text whose preamble and column names have been read.
 pub(super) struct CsvText<'a> {
     /// The metadata in the preamble.
     pub(super) header: Header,
-    /// Remarks on unknown metadata keys.
+    /// Remarks on the preamble and on how the text is read.
     pub(super) notes: Vec<String>,
+    /// Whether the line of the column names was found, or the first row where they are given.
+    pub(super) found: bool,
+    /// Whether the text stands for the cells of a sheet, whose delimiter and decimal mark are none
+    /// of the file.
+    of_cells: bool,
     names: Vec<String>,
     names_line: u64,
+    delimiter: Delimiter,
     records: csv::Reader<&'a [u8]>,
     lines: LineCounter<'a>,
 }
 
 impl<'a> CsvText<'a> {
     /// Reads the preamble and the header.
-    pub(super) fn open(text: &'a str) -> Result<Self, Fault> {
+    pub(super) fn open(text: &'a str, given: &Given) -> Result<Self, Fault> {
         refuse_bare_returns(text)?;
-        let (header, notes, rest, line) = preamble(text)?;
-        let records = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .comment(Some(b'#'))
-            .from_reader(rest.as_bytes());
+        Self::of(preamble::read(text, None, given)?, false)
+    }
+
+    /// Reads the preamble and the header of a text that stands for the cells of a sheet, with tabs
+    /// between them.
+    pub(super) fn open_cells(text: &'a str, given: &Given) -> Result<Self, Fault> {
+        Self::of(preamble::read(text, Some(Delimiter::Tab), given)?, true)
+    }
+
+    fn of(preamble: Preamble<'a>, of_cells: bool) -> Result<Self, Fault> {
+        let Preamble { header, notes, delimiter, rest, line, found } = preamble;
+        let records = delimiter.reader(rest.as_bytes());
         let lines = LineCounter { bytes: rest.as_bytes(), at: 0, line };
-        let mut file = Self { header, notes, names: Vec::new(), names_line: line, records, lines };
-        let mut record = csv::StringRecord::new();
+        let names = Vec::new();
+        let names_line = line;
+        let mut file =
+            Self { header, notes, found, of_cells, names, names_line, delimiter, records, lines };
+        if let Some(names) = &file.header.column_names {
+            file.names = names.clone();
+            return Ok(file);
+        }
+        let mut record = StringRecord::new();
         let Some(names_line) = file.next(&mut record)? else {
             return Err(Fault::new("the file is empty: there is no header and no row"));
         };
         file.names_line = names_line;
-        file.names = record.iter().map(|name| unquote(name).to_ascii_lowercase()).collect();
-        if let Some(twice) = first_twice(&file.names) {
-            return Err(file.fault_of_header("this column is named twice").in_column(twice));
-        }
+        file.names = record.iter().map(|name| unquote(name).to_owned()).collect();
         Ok(file)
     }
 
-    /// Whether the header names this column.
-    pub(super) fn has(&self, column: Column) -> bool {
-        self.names.iter().any(|name| name == column.name())
-    }
-
-    /// A fault at the line of the column names.
-    pub(super) fn fault_of_header(&self, reason: impl Into<String>) -> Fault {
-        let mut reason = reason.into();
-        if self.names.len() == 1 && self.names[0].contains([';', '\t']) {
-            reason.push_str(" (fields must be separated by commas)");
+    /// Reads the columns that are known as numbers, and notes the names of all others.
+    pub(super) fn table(mut self) -> Result<NamedTable, Fault> {
+        let mut record = StringRecord::new();
+        let mut next = self.next(&mut record)?;
+        let units = next.is_some_and(|_| is_row_of_units(&record)).then(|| record.clone());
+        if let (Some(units), Some(line)) = (&units, next) {
+            self.notes.push(format!("line {line} is read as the units: {}", shown(units)));
+            next = self.next(&mut record)?;
         }
-        Fault::new(reason).at_line(Some(self.names_line))
-    }
-
-    /// Reads the columns of one format as numbers, and notes the names of all others.
-    pub(super) fn table(
-        mut self,
-        format: &[Column],
-    ) -> Result<(Table, Header, Vec<String>), Fault> {
-        let mut columns = Vec::new();
-        let mut fields = Vec::new();
-        for (index, name) in self.names.iter().enumerate() {
-            match Column::find(name, format) {
-                Some(column) => {
-                    columns.push(column);
-                    fields.push(index);
-                }
-                None if name.is_empty() => {
-                    self.notes.push(format!("column {} has no name and is not used", index + 1));
-                }
-                None => self.notes.push(format!("column {name} is unknown and not used")),
-            }
+        let unit = |field| units.as_ref().and_then(|units| units.get(field));
+        let names = self.names.iter().enumerate();
+        let names: Vec<Name> = names.map(|(field, name)| Name::of(name, unit(field))).collect();
+        if !names.iter().any(Name::is_known) {
+            return Err(self.fault_of_header(NO_KNOWN_COLUMN));
         }
-        let mut table = Table::new(columns, Some(Place::Line(self.names_line)));
-        let mut record = csv::StringRecord::new();
-        while let Some(line) = self.next(&mut record)? {
-            if record.len() != self.names.len() {
-                return Err(Fault::new(format!(
-                    "the row has {} fields, the header {}",
-                    record.len(),
-                    self.names.len()
-                ))
-                .at_line(Some(line)));
-            }
+        let line = self.names_line;
+        let naming =
+            naming::resolve(&names, &mut self.header).map_err(|fault| fault.at_line(Some(line)))?;
+        let columns: Vec<Column> = naming.used.iter().map(|used| used.column).collect();
+        let written = naming.used.iter().map(|used| names[used.field].written.clone());
+        let written: Vec<_> = columns.iter().copied().zip(written).collect();
+        let mut table = Table::new(columns, Some(Place::Line(line)));
+        let mut decimals = Decimals::new(self.header.decimal);
+        while let Some(line) = next {
+            self.check_length(&record, line)?;
             if table.len() == MAX_ROWS {
                 return Err(Fault::new(format!("more than {MAX_ROWS} rows")).at_line(Some(line)));
             }
-            table.push(Place::Line(line), fields.iter().map(|field| number(&record[*field])))?;
+            let cells = naming.used.iter().map(|used| {
+                let cell = unquote(record.get(used.field).unwrap_or_default());
+                Ok(decimals.number(line, cell)?.map(|number| used.convert(number)))
+            });
+            table
+                .push(Place::Line(line), cells)
+                .map_err(|fault| fault.with_names_of_file(&written))?;
+            next = self.next(&mut record)?;
         }
         if table.len() == 0 {
             return Err(self.fault_of_header("there is no row after the header"));
         }
-        Ok((table, self.header, self.notes))
+        let mark = decimals.mark()?;
+        let usual = self.delimiter == Delimiter::Comma && mark != Some(Mark::Comma);
+        if !usual && !self.of_cells {
+            self.notes.push(said(self.delimiter, mark));
+        }
+        self.notes.extend(naming.notes);
+        let Self { header, notes, .. } = self;
+        Ok(NamedTable { table, header, notes, timed: naming.timed, written })
+    }
+
+    /// Checks that a row has a cell for every column that has a name, and none beside them that is
+    /// filled.
+    fn check_length(&self, record: &StringRecord, line: u64) -> Result<(), Fault> {
+        let named = |names: &[String]| names.iter().rposition(|name| !name.is_empty());
+        let needed = named(&self.names).map_or(0, |last| last + 1);
+        let filled = (1..).zip(record).filter(|(_, cell)| !unquote(cell).is_empty());
+        let filled = filled.last().map_or(0, |(count, _)| count);
+        if record.len() >= needed && filled <= self.names.len() {
+            return Ok(());
+        }
+        let (cells, names) = (record.len(), self.names.len());
+        let mut reason = format!("the row has {cells} fields, the header {names}");
+        if self.delimiter == Delimiter::Comma && filled == 2 * names {
+            reason.push_str(": where numbers have decimal commas, separate them by semicolons");
+        }
+        Err(Fault::new(reason).at_line(Some(line)))
+    }
+
+    /// A fault at the line of the column names.
+    fn fault_of_header(&self, reason: impl Into<String>) -> Fault {
+        Fault::new(reason).at_line(Some(self.names_line))
     }
 
     /// The next record that is neither blank nor a comment, and its line.
-    fn next(&mut self, record: &mut csv::StringRecord) -> Result<Option<u64>, Fault> {
+    fn next(&mut self, record: &mut StringRecord) -> Result<Option<u64>, Fault> {
         loop {
             let more = self.records.read_record(record).map_err(|error| {
                 Fault::new(format!("the text is not CSV: {error}"))
@@ -112,6 +167,9 @@ impl<'a> CsvText<'a> {
             let line = self.lines.line_of_record(start as usize);
             let blank = record.iter().all(str::is_empty);
             let comment = record.get(0).is_some_and(|field| field.starts_with('#'));
+            if self.delimiter == Delimiter::Blanks {
+                *record = record.iter().filter(|cell| !cell.is_empty()).collect();
+            }
             if !blank && !comment {
                 return Ok(Some(line));
             }
@@ -130,30 +188,26 @@ fn refuse_bare_returns(text: &str) -> Result<(), Fault> {
         .at_line(Some(line)))
 }
 
-/// Metadata, remarks on it, the text that begins with the header, and the header's line number.
-fn preamble(text: &str) -> Result<(Header, Vec<String>, &str, u64), Fault> {
-    let mut header = Header::default();
-    let mut notes = Vec::new();
-    let mut rest = text;
-    let mut number = 1;
-    while !rest.is_empty() {
-        let end = rest.find('\n').unwrap_or(rest.len());
-        let line = rest[..end].trim();
-        if !line.is_empty() && !line.starts_with('#') {
-            break;
-        }
-        if let Some((key, value)) = line.trim_start_matches('#').split_once(':') {
-            let key = key.trim();
-            let known = header.set(Some(number), key, value.trim())?;
-            // A free-text comment may contain a colon, but only a misspelled key is one word.
-            if !known && !key.is_empty() && !key.contains(char::is_whitespace) {
-                notes.push(format!("line {number}: metadata key {key} is unknown and not used"));
-            }
-        }
-        rest = rest.get(end + 1..).unwrap_or("");
-        number += 1;
-    }
-    Ok((header, notes, rest, number))
+/// Whether a row below the names has their units: some cell is a unit, and none is a number.
+fn is_row_of_units(record: &StringRecord) -> bool {
+    let cells = || record.iter().map(unquote).filter(|cell| !cell.is_empty());
+    // 1 is a unit, too, that of a ratio.
+    cells().any(|cell| cell != "1" && name::is_unit(cell))
+        && !cells().any(|cell| cell != "1" && is_number(cell))
+}
+
+fn shown(record: &StringRecord) -> String {
+    record.iter().map(unquote).collect::<Vec<_>>().join(", ")
+}
+
+/// How a text is read that is not in the form of the contract.
+fn said(delimiter: Delimiter, mark: Option<Mark>) -> String {
+    let decimals = match mark {
+        Some(Mark::Comma) => ", and numbers have a decimal comma",
+        Some(Mark::Point) => ", and numbers have a decimal point",
+        None => "",
+    };
+    format!("columns are separated by {}{decimals}", delimiter.name())
 }
 
 /// Finds the line number of a record from its byte offset.
@@ -192,36 +246,13 @@ impl LineCounter<'_> {
     }
 }
 
-fn first_twice(names: &[String]) -> Option<&str> {
-    let mut seen = std::collections::HashSet::new();
-    names.iter().find(|name| !name.is_empty() && !seen.insert(name.as_str())).map(String::as_str)
-}
-
-/// Removes quotes around a field. The CSV reader keeps those that follow a space as part of the
-/// field.
-fn unquote(field: &str) -> &str {
-    let inner = field.strip_prefix('"').and_then(|field| field.strip_suffix('"'));
-    inner.unwrap_or(field).trim()
-}
-
-fn number(field: &str) -> Result<Option<f64>, String> {
-    let field = unquote(field);
-    if field.is_empty() {
-        return Ok(None);
-    }
-    field.parse().map(Some).map_err(|_| {
-        let shown: String = field.chars().take(40).collect();
-        format!("`{shown}` is not a number")
-    })
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::columns::HARMONIC_TABLE;
     use super::*;
 
     fn table(text: &str) -> Result<(Table, Header, Vec<String>), Fault> {
-        CsvText::open(text)?.table(HARMONIC_TABLE)
+        let named = CsvText::open(text, &Given::default())?.table()?;
+        Ok((named.table, named.header, named.notes))
     }
 
     #[test]

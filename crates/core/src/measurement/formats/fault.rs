@@ -1,5 +1,7 @@
 //! Errors in an upload.
 
+use super::columns::Column;
+
 /// An error in an upload: where it is, and what is wrong.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{file}{}{}: {reason}", line.map(|n| format!(", line {n}")).unwrap_or_default(),
@@ -33,9 +35,32 @@ impl Fault {
         self
     }
 
+    /// The fault with more said.
+    pub(super) fn and(mut self, more: &str) -> Self {
+        self.reason.push_str(more);
+        self
+    }
+
     pub(super) fn in_column(mut self, column: impl Into<String>) -> Self {
         self.column = Some(column.into());
         self
+    }
+
+    /// The fault with the name that the file has for its column.
+    pub(super) fn with_names_of_file(mut self, written: &[(Column, String)]) -> Self {
+        let named =
+            written.iter().find(|(column, _)| self.column.as_deref() == Some(column.name()));
+        if let Some((column, written)) = named
+            && !written.eq_ignore_ascii_case(column.name())
+        {
+            self.column = Some(written.clone());
+        }
+        self
+    }
+
+    /// The fault with the sheet of a workbook that it is in.
+    pub(super) fn in_sheet(self, sheet: &str) -> Self {
+        self.and(&format!(" (in the sheet `{sheet}`)"))
     }
 
     pub(super) fn in_file(self, file: &str) -> ParseError {

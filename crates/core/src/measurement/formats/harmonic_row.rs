@@ -53,7 +53,7 @@ impl Entry {
             Some(k) => k as usize,
             None => 1,
         };
-        let magnitude = magnitude(row, layout)?.map(|m| m * convention.peak());
+        let magnitude = magnitude(row, layout, header)?.map(|m| m * convention.peak());
         let omega_rad_s = frequency(row, layout)?;
         let key = match row.required_index(Column::Experiment)? {
             Some(index) => Key::Index(index),
@@ -115,11 +115,15 @@ fn response_column(form: Form) -> Column {
         Form::Polar => Column::Amplitude,
         Form::Gain => Column::Gain,
         Form::GainDb => Column::GainDb,
+        Form::GainRectangular => Column::GainRe,
     }
 }
 
-fn magnitude(row: Row<'_>, layout: Layout) -> Result<Option<f64>, Fault> {
-    let magnitude = row.get(Column::Magnitude);
+fn magnitude(row: Row<'_>, layout: Layout, header: &Header) -> Result<Option<f64>, Fault> {
+    let magnitude = match row.has(Column::Magnitude) {
+        true => row.get(Column::Magnitude),
+        false => header.magnitude,
+    };
     if magnitude.is_none() && layout.magnitude && !layout.input {
         row.require(Column::Magnitude)?;
     }
@@ -176,6 +180,12 @@ fn response(
     if layout.form == Form::Rectangular {
         return pair(row, Column::Re, Column::Im, harmonic);
     }
+    if layout.form == Form::GainRectangular {
+        let gain = pair(row, Column::GainRe, Column::GainIm, harmonic)?;
+        let Some(gain) = gain else { return Ok(None) };
+        let m = magnitude_of_gain(row, column, harmonic, magnitude)?;
+        return Ok(Some(gain * m / convention.peak()));
+    }
     let Some(Complex { re: size, im: phase_deg }) = pair(row, column, Column::PhaseDeg, harmonic)?
     else {
         return Ok(None);
@@ -185,23 +195,29 @@ fn response(
         return Err(row.fault(column, format!("{size} is negative")));
     }
     let amplitude = match layout.form {
-        Form::Gain | Form::GainDb if harmonic != 1 => {
-            return Err(row.fault(
-                column,
-                format!("a gain is |Y₁|/m and harmonic {harmonic} has none: use re,im"),
-            ));
-        }
         Form::Gain | Form::GainDb => {
-            let Some(m) = magnitude else {
-                return Err(row.fault(Column::Magnitude, "a gain needs the magnitude"));
-            };
+            let m = magnitude_of_gain(row, column, harmonic, magnitude)?;
             let gain = if layout.form == Form::Gain { size } else { 10f64.powf(size / 20.0) };
             // The caller multiplies the result by `peak`, but `m` is a peak value already.
             gain * m / convention.peak()
         }
-        Form::Rectangular | Form::Polar => size,
+        Form::Rectangular | Form::GainRectangular | Form::Polar => size,
     };
     Ok(Some(polar_deg(amplitude, phase_deg)))
+}
+
+/// The magnitude (peak) that a gain is multiplied by.
+fn magnitude_of_gain(
+    row: Row<'_>,
+    column: Column,
+    harmonic: usize,
+    magnitude: Option<f64>,
+) -> Result<f64, Fault> {
+    if harmonic != 1 {
+        let reason = format!("a gain is |Y₁|/m and harmonic {harmonic} has none: use re,im");
+        return Err(row.fault(column, reason));
+    }
+    magnitude.ok_or_else(|| row.fault(Column::Magnitude, "a gain needs the magnitude"))
 }
 
 /// Complex number from amplitude and phase, exact at multiples of 90° (no rounding error in `im` at

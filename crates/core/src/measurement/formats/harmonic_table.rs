@@ -24,7 +24,7 @@ pub(super) struct Group {
 
 /// Reads the experiments of a harmonic table.
 pub(super) fn read(table: &Table, header: Header, mut notes: Vec<String>) -> Result<Part, Fault> {
-    let layout = Layout::of(table)?;
+    let layout = Layout::of(table, &header)?;
     let entries =
         table.rows().map(|row| Entry::read(row, layout, &header)).collect::<Result<Vec<_>, _>>()?;
     if entries.iter().any(|entry| entry.mean_had_imaginary_part) {
@@ -34,6 +34,9 @@ pub(super) fn read(table: &Table, header: Header, mut notes: Vec<String>) -> Res
         if !notes.iter().any(|note| note == remark) {
             notes.push(remark.into());
         }
+    }
+    if table.has(Column::Magnitude) && header.magnitude.is_some() {
+        notes.push("the magnitude in the metadata is not used: the table has a column".into());
     }
     if table.has(Column::Averages) && !table.has(Column::Coherence) {
         notes.push("averages without coherence says nothing of the noise and is not used".into());

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::convention::{AmplitudeUnit, Convention, Reference};
+use super::decimal::Mark;
 use super::fault::Fault;
+use super::given::Given;
 use super::limits::MAX_SETTLE_PERIODS;
 use crate::measurement::units;
 use crate::measurement::{Beginning, Intersample, Loop, Metadata, Quantity, ResponseKind};
@@ -27,6 +29,12 @@ pub(super) struct Header {
     pub(super) averages: Option<f64>,
     /// Whether the repeats of a harmonic table are the periods of one record.
     pub(super) repeats_are_periods: bool,
+    /// Magnitude of the input in every row of a harmonic table, in its amplitude convention.
+    pub(super) magnitude: Option<f64>,
+    /// Decimal mark of a text, if stated.
+    pub(super) decimal: Option<Mark>,
+    /// Names of the columns of a text, in place of those that it has.
+    pub(super) column_names: Option<Vec<String>>,
     /// Line and value of every key seen.
     seen: BTreeMap<String, (Option<u64>, String)>,
 }
@@ -47,6 +55,72 @@ impl Header {
         }
         self.seen.insert(key.to_owned(), (line, value));
         Ok(true)
+    }
+
+    /// Takes over what is given beside the file. Where the file says something else, a note says
+    /// so.
+    pub(super) fn take(&mut self, given: &Given, notes: &mut Vec<String>) -> Result<(), Fault> {
+        for (key, value) in given.entries() {
+            match self.seen.remove(key) {
+                Some((_, earlier)) if earlier != value => notes.push(format!(
+                    "{key} is `{value}`, as given with the upload, not `{earlier}`, as in the file"
+                )),
+                _ => {}
+            }
+            self.set(None, key, value)?;
+        }
+        Ok(())
+    }
+
+    /// Takes over the input or the response that the name of a column tells.
+    ///
+    /// # Errors
+    /// If the metadata states another unit, or another kind of the response.
+    pub(super) fn infer(&mut self, key: &str, value: &str, column: &str) -> Result<(), Fault> {
+        let mut told = Self::default();
+        told.set(None, key, value).map_err(|fault| fault.in_column(column))?;
+        let of = |header: &mut Self| match key {
+            "input" => header.metadata.input.clone(),
+            _ => header.metadata.response.clone(),
+        };
+        let (stated, told_quantity) = (of(self), of(&mut told));
+        if !self.states(key) {
+            self.metadata.response_kind = match key {
+                "input" => self.metadata.response_kind,
+                _ => told.metadata.response_kind,
+            };
+        }
+        let kinds_differ =
+            key == "response" && told.metadata.response_kind != self.metadata.response_kind;
+        let units_differ = !stated.unit.is_empty()
+            && !told_quantity.unit.is_empty()
+            && stated.unit != told_quantity.unit;
+        if kinds_differ || units_differ {
+            return Err(Fault::new(format!(
+                "the column is `{}`, but the {key} is said to be `{} {}`: correct the one or the \
+                 other",
+                [told_quantity.name, told_quantity.unit].join(" ").trim(),
+                stated.name,
+                stated.unit
+            ))
+            .in_column(column));
+        }
+        let open = match key {
+            "input" => &mut self.metadata.input,
+            _ => &mut self.metadata.response,
+        };
+        if open.name.is_empty() {
+            open.name = told_quantity.name;
+        }
+        if open.unit.is_empty() {
+            open.unit = told_quantity.unit;
+        }
+        Ok(())
+    }
+
+    /// Whether the key was given.
+    pub(super) fn states(&self, key: &str) -> bool {
+        self.seen.contains_key(key)
     }
 
     /// Whether the key is known.
@@ -117,6 +191,18 @@ impl Header {
             },
             "settle_periods" => self.settle_periods = Some(settle_periods(value)?),
             "averages" => self.averages = Some(averages(value)?),
+            "magnitude" => self.magnitude = Some(magnitude(value)?),
+            "decimal" => {
+                self.decimal = match value {
+                    "comma" => Some(Mark::Comma),
+                    "point" => Some(Mark::Point),
+                    _ => return Err(format!("`{value}` is neither comma nor point")),
+                };
+            }
+            "column_names" => self.column_names = Some(names(value)?),
+            // Looked up before there is a text with metadata: see `xlsx`.
+            "sheet" if value.is_empty() => return Err("the name of a sheet is needed".into()),
+            "sheet" => {}
             "repeats" => {
                 self.repeats_are_periods = match value {
                     "periods" => true,
@@ -189,6 +275,23 @@ fn averages(value: &str) -> Result<f64, String> {
     }
 }
 
+fn magnitude(value: &str) -> Result<f64, String> {
+    match value.parse::<f64>() {
+        Ok(magnitude) if magnitude.is_finite() && magnitude > 0.0 => Ok(magnitude),
+        _ => Err(format!("`{value}` is not a positive number, in units of the input")),
+    }
+}
+
+/// Names between semicolons, or between commas where there is no semicolon.
+fn names(value: &str) -> Result<Vec<String>, String> {
+    let mark = if value.contains(';') { ';' } else { ',' };
+    let names: Vec<String> = value.split(mark).map(|name| name.trim().to_owned()).collect();
+    match names.iter().filter(|name| !name.is_empty()).count() {
+        0 | 1 => Err("the names of at least two columns are needed, in their order".into()),
+        _ => Ok(names),
+    }
+}
+
 fn number(value: &str) -> Result<f64, String> {
     match value.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
@@ -241,6 +344,13 @@ mod tests {
         assert_eq!(header("loop", "closed").metadata.feedback, Some(Loop::Closed));
         assert_eq!(header("settle_periods", "2").settle_periods, Some(2));
         assert_eq!(header("averages", "16").averages, Some(16.0));
+        assert_eq!(header("magnitude", "0.5").magnitude, Some(0.5));
+        assert_eq!(header("decimal", "comma").decimal, Some(Mark::Comma));
+        assert_eq!(header("column_names", "a, b c,").column_names.unwrap(), ["a", "b c", ""]);
+        assert_eq!(
+            header("column_names", "Gain, dB;;b").column_names.unwrap(),
+            ["Gain, dB", "", "b"]
+        );
         assert_eq!(header("period_s", "6.24").period_s, Some(6.24));
         assert!(header("period_s", "none").aperiodic);
         assert_eq!(header("intersample", "hold").intersample, Intersample::Hold);
@@ -273,6 +383,9 @@ mod tests {
             ("initial_velocity", "fast"),
             ("initial_position", "inf"),
             ("intersample", "cubic"),
+            ("magnitude", "0"),
+            ("decimal", "dot"),
+            ("column_names", "a"),
         ] {
             let fault = Header::default().set(Some(7), key, value).unwrap_err().in_file("f.csv");
             assert_eq!((fault.line, fault.column.as_deref()), (Some(7), Some(key)), "{fault}");
@@ -284,6 +397,40 @@ mod tests {
         let mut header = header("axis", "X");
         assert_eq!(header.set(Some(2), "axis", "X"), Ok(true));
         assert!(header.set(Some(3), "axis", "Y").is_err());
+    }
+
+    #[test]
+    fn what_is_given_beside_the_file_holds_and_a_note_says_so() {
+        let mut given = Given::default();
+        given.set("axis", "Y").unwrap();
+        given.set("loop", "open").unwrap();
+        let (mut header, mut notes) = (header("axis", "X"), Vec::new());
+        header.take(&given, &mut notes).unwrap();
+        assert_eq!(header.metadata.axis.as_deref(), Some("Y"));
+        assert_eq!(header.metadata.feedback, Some(Loop::Open));
+        assert!(notes.len() == 1 && notes[0].contains("not `X`"), "{notes:?}");
+    }
+
+    #[test]
+    fn a_column_tells_what_the_metadata_does_not_and_may_not_contradict_it() {
+        let mut silent = Header::default();
+        silent.infer("response", "position mm", "Lage (mm)").unwrap();
+        assert_eq!(silent.metadata.response_kind, ResponseKind::Position);
+        assert_eq!(silent.metadata.response.unit, "mm");
+        let mut without_unit = header("input", "force");
+        without_unit.infer("input", "current [A]", "I (A)").unwrap();
+        assert_eq!(
+            without_unit.metadata.input,
+            Quantity { name: "force".into(), unit: "A".into() }
+        );
+        for (key, stated, told) in [
+            ("response", "velocity rad/s", "position rad"),
+            ("response", "position m", "position mm"),
+            ("input", "current A", "current [mA]"),
+        ] {
+            let error = header(key, stated).infer(key, told, "c").unwrap_err().in_file("f");
+            assert!(error.reason.contains(stated), "{error}");
+        }
     }
 
     #[test]

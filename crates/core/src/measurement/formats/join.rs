@@ -7,8 +7,19 @@ use super::header::Header;
 use super::part::{Part, Source};
 use crate::measurement::{Measurement, Metadata, scatter};
 
-/// Joins the parsed files, `parts[i]` from `sources[i]`.
-pub(super) fn join(sources: &[Source<'_>], parts: Vec<Part>) -> Result<Measurement, ParseError> {
+/// Hexadecimal SHA-256 of the bytes of all sources.
+pub(super) fn digest(sources: &[Source<'_>]) -> String {
+    let mut digest = Sha256::new();
+    sources.iter().for_each(|source| digest.update(source.bytes));
+    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Joins the parsed files, `parts[i]` from `sources[i]`. `sha256` is the digest of the measurement.
+pub(super) fn join(
+    sources: &[Source<'_>],
+    parts: Vec<Part>,
+    sha256: String,
+) -> Result<Measurement, ParseError> {
     let several = sources.len() > 1;
     let (mut experiments, mut transients) = (Vec::new(), Vec::new());
     let mut notes = Vec::new();
@@ -48,9 +59,6 @@ pub(super) fn join(sources: &[Source<'_>], parts: Vec<Part>) -> Result<Measureme
         }
     }
     let file = sources.first().map_or("upload", |source| source.name);
-    let mut digest = Sha256::new();
-    sources.iter().for_each(|source| digest.update(source.bytes));
-    let sha256 = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
     let fault = |reason| ParseError { file: file.to_owned(), line: None, column: None, reason };
     if !experiments.is_empty() && !transients.is_empty() {
         return Err(fault(format!(

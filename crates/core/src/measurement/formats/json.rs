@@ -4,6 +4,8 @@ use serde_json::{Map, Value};
 
 use super::columns::{self, Column};
 use super::fault::Fault;
+use super::format::Format;
+use super::given::Given;
 use super::header::Header;
 use super::json_table::{element, note_unknown, number, object, of_columns, of_rows};
 use super::part::Part;
@@ -22,24 +24,33 @@ const RECORD_SETTINGS: [&str; 5] =
 const SHARED_COLUMNS: [Column; 5] =
     [Column::Magnitude, Column::OmegaRadS, Column::FrequencyHz, Column::Averages, Column::Run];
 
+/// Any text that begins as JSON does.
+pub(super) const FORMAT: Format = Format {
+    is: |content| content.begins_with(&["{", "["]),
+    read: |content, given| read(content.text()?, given),
+};
+
 /// Reads a whole upload.
-pub(super) fn read(text: &str) -> Result<Part, Fault> {
+fn read(text: &str, given: &Given) -> Result<Part, Fault> {
     let value: Value = serde_json::from_str(text).map_err(|error| {
         Fault::new(format!("the text is not JSON: {error}")).at_line(Some(error.line() as u64))
     })?;
     let mut notes = Vec::new();
     let upload = match &value {
         Value::Array(rows) => {
+            let mut header = Header::default();
+            header.take(given, &mut notes)?;
             return read_table(
                 |format, notes| of_rows(rows, "", format, &[], notes),
                 rows.iter().any(|row| row.get(Column::TimeS.name()).is_some()),
-                Header::default(),
+                header,
                 notes,
             );
         }
         other => object(other, "")?,
     };
-    let header = header(upload, &mut notes)?;
+    let mut header = header(upload, &mut notes)?;
+    header.take(given, &mut notes)?;
     let mut given = DATA_KEYS.iter().filter_map(|key| upload.get(*key).map(|value| (*key, value)));
     let Some((key, data)) = given.next() else {
         return Err(Fault::new("one of rows, columns and experiments is needed"));

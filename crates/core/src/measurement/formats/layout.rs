@@ -2,6 +2,8 @@
 
 use super::columns::Column;
 use super::fault::Fault;
+use super::given;
+use super::header::Header;
 use super::table::Table;
 
 /// Columns in which a table gives a harmonic of the response.
@@ -15,6 +17,8 @@ pub(super) enum Form {
     Gain,
     /// `gain_db`, `phase_deg`; harmonic 1 only.
     GainDb,
+    /// `gain_re`, `gain_im`; harmonic 1 only.
+    GainRectangular,
 }
 
 /// The columns of a harmonic table, checked for contradictions.
@@ -23,20 +27,21 @@ pub(super) struct Layout {
     pub(super) form: Form,
     /// `frequency_hz` rather than `omega_rad_s`.
     pub(super) hertz: bool,
-    /// Whether there is a column `magnitude`.
+    /// Whether there is a column `magnitude`, or one magnitude for all rows.
     pub(super) magnitude: bool,
     /// Whether there are columns `u_re`, `u_im`.
     pub(super) input: bool,
 }
 
-const FORMS: &str = "re,im or amplitude,phase_deg or gain,phase_deg or gain_db,phase_deg";
+const FORMS: &str = "re,im or amplitude,phase_deg or gain,phase_deg or gain_db,phase_deg \
+                     or gain_re,gain_im";
 
 impl Layout {
     /// The layout of a table.
     ///
     /// # Errors
     /// If a column is missing (the message names its alternatives) or columns contradict.
-    pub(super) fn of(table: &Table) -> Result<Self, Fault> {
+    pub(super) fn of(table: &Table, header: &Header) -> Result<Self, Fault> {
         let form = form(table)?;
         let hertz = match (table.has(Column::OmegaRadS), table.has(Column::FrequencyHz)) {
             (true, false) => false,
@@ -57,9 +62,13 @@ impl Layout {
             (true, false) => return Err(missing(table, Column::UIm, "u_im beside u_re")),
             (false, true) => return Err(missing(table, Column::URe, "u_re beside u_im")),
         };
-        let magnitude = table.has(Column::Magnitude);
+        let magnitude = table.has(Column::Magnitude) || header.magnitude.is_some();
         if !magnitude && !input {
-            return Err(missing(table, Column::Magnitude, "magnitude, or u_re,u_im"));
+            let fault = missing(table, Column::Magnitude, "magnitude, or u_re,u_im");
+            return Err(fault.and(&format!(
+                "; where it is the same at all frequencies, {}",
+                given::ask("magnitude", "0.5")
+            )));
         }
         Ok(Self { form, hertz, magnitude, input })
     }
@@ -71,6 +80,7 @@ fn form(table: &Table) -> Result<Form, Fault> {
         (Form::Polar, &[Column::Amplitude]),
         (Form::Gain, &[Column::Gain]),
         (Form::GainDb, &[Column::GainDb]),
+        (Form::GainRectangular, &[Column::GainRe, Column::GainIm]),
     ];
     let mut given =
         sizes.into_iter().filter(|(_, columns)| columns.iter().any(|column| table.has(*column)));
@@ -87,16 +97,20 @@ fn form(table: &Table) -> Result<Form, Fault> {
             ),
         ));
     }
-    if form == Form::Rectangular {
-        for column in [Column::Re, Column::Im] {
-            if !table.has(column) {
-                return Err(missing(table, column, FORMS));
+    if matches!(form, Form::Rectangular | Form::GainRectangular) {
+        for column in columns {
+            if !table.has(*column) {
+                return Err(missing(table, *column, FORMS));
             }
         }
         if table.has(Column::PhaseDeg) {
             return Err(table.fault(
                 Some(Column::PhaseDeg),
-                "re,im and phase_deg are two forms of the response: give one of them",
+                format!(
+                    "{},{} and phase_deg are two forms of the response: give one of them",
+                    columns[0].name(),
+                    columns[1].name()
+                ),
             ));
         }
     } else if !table.has(Column::PhaseDeg) {

@@ -50,7 +50,13 @@
 mod columns;
 mod convention;
 mod csv_text;
+mod decimal;
+mod delimited;
+mod delimiter;
+mod encoding;
 mod fault;
+mod format;
+mod given;
 mod harmonic_row;
 mod harmonic_table;
 mod header;
@@ -59,71 +65,49 @@ mod json;
 mod json_table;
 mod layout;
 mod limits;
+mod name;
+mod naming;
 mod part;
+mod preamble;
 mod repeats;
 mod row_noise;
 mod table;
 mod time_record;
+mod vocabulary;
 mod write;
 
 pub use fault::ParseError;
+pub use given::Given;
 pub use limits::{MAX_HARMONIC, MAX_INDEX, MAX_INPUT_LINES, MAX_ROWS, MAX_SETTLE_PERIODS};
 pub use part::Source;
 pub use write::write_harmonic_csv;
-
-use columns::Column;
-use csv_text::CsvText;
-use fault::Fault;
-use part::Part;
 
 use super::Measurement;
 
 /// Reads one or several files that together form one measurement.
 ///
-/// The digest of the measurement is the SHA-256 of the concatenated bytes of the files. Remarks
+/// A source that holds the text of a [`Given`] is no file: what it states holds for all files. The
+/// digest of the measurement is the SHA-256 of the concatenated bytes of all sources. Remarks
 /// number the experiments from 1.
 ///
 /// # Errors
 /// The first fault in any of the files; a faulty file is never read in part.
 pub fn read(sources: &[Source<'_>]) -> Result<Measurement, ParseError> {
-    let parts = sources
+    let mut given = Given::default();
+    let mut files = Vec::new();
+    for source in sources {
+        match Given::of(source) {
+            Some(stated) => given = stated?,
+            None => files.push(*source),
+        }
+    }
+    let parts = files
         .iter()
-        .map(|source| part(source.bytes).map_err(|fault| fault.in_file(source.name)))
+        .map(|source| {
+            format::read(source.bytes, &given).map_err(|fault| fault.in_file(source.name))
+        })
         .collect::<Result<Vec<_>, _>>()?;
-    join::join(sources, parts)
-}
-
-fn part(bytes: &[u8]) -> Result<Part, Fault> {
-    let text = text(bytes)?;
-    if text.trim_start().starts_with(['{', '[']) {
-        return json::read(text);
-    }
-    let csv = CsvText::open(text)?;
-    if csv.has(Column::TimeS) {
-        let (table, header, notes) = csv.table(columns::TIME_RECORD)?;
-        return time_record::read(&table, header, notes);
-    }
-    if !columns::HARMONIC_TABLE.iter().any(|column| csv.has(*column)) {
-        return Err(csv.fault_of_header(
-            "the header has no known column: a time record needs time_s,input,output, a \
-             harmonic table magnitude,omega_rad_s,harmonic,re,im",
-        ));
-    }
-    let (table, header, notes) = csv.table(columns::HARMONIC_TABLE)?;
-    harmonic_table::read(&table, header, notes)
-}
-
-/// The text of a file, without its byte order mark.
-fn text(bytes: &[u8]) -> Result<&str, Fault> {
-    if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
-        return Err(Fault::new("the text is UTF-16; UTF-8 is needed"));
-    }
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        let before = &bytes[..error.valid_up_to()];
-        let line = 1 + before.iter().filter(|byte| **byte == b'\n').count() as u64;
-        Fault::new("the text is not UTF-8").at_line(Some(line))
-    })?;
-    Ok(text.strip_prefix('\u{FEFF}').unwrap_or(text))
+    join::join(&files, parts, join::digest(sources))
 }
 
 #[cfg(test)]

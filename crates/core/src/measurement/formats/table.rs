@@ -120,6 +120,11 @@ impl Row<'_> {
         self.table.cells[self.index * self.table.columns.len() + position]
     }
 
+    /// Whether the table has a column.
+    pub(super) fn has(&self, column: Column) -> bool {
+        self.table.has(column)
+    }
+
     /// The number in a column that must not be blank.
     pub(super) fn require(&self, column: Column) -> Result<f64, Fault> {
         self.get(column).ok_or_else(|| self.fault(column, "the value is missing"))

@@ -5,8 +5,10 @@ use crate::measurement::Complex;
 use crate::measurement::ResponseKind;
 
 mod accepted;
+mod dialects;
 mod json;
 mod mutated;
+mod names;
 mod noise;
 mod periods;
 mod records;

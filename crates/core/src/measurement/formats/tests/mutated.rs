@@ -62,3 +62,14 @@ fn a_mutated_json_upload_is_read_or_refused() {
         {"magnitude":1,"omega_rad_s":2,"harmonics":[{"harmonic":1,"re":1,"im":2,"u_re":1,"u_im":0}]}]}"#;
     never_panics(text, 4, 2000);
 }
+
+#[test]
+fn a_mutated_text_of_a_spreadsheet_is_read_or_refused() {
+    let text = "sep=;\nFRA 7; 12.3.2024\n# response: position mm\n# magnitude: 0.5\n\
+        Frequenz;Betrag;Phase (°);Kohärenz;Mittelungen\nkHz;dB;;1;\n\
+        0,125;-3,5;-90;0,99;16\n0,25;-6;-120,5;0,98;16\n\n;;;;\n";
+    ok(text);
+    never_panics(text, 6, 2000);
+    let names = format!("# column_names: Time [ms]; Current (A); Lage (mm)\n{}", record(12, 4));
+    never_panics(&names, 7, 1000);
+}

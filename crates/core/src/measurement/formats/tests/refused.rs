@@ -60,7 +60,6 @@ fn a_missing_column_is_named_with_its_alternatives() {
     refused("magnitude,omega_rad_s,re,im,u_re\n1,1,0,0,0\n", 1, "u_im", "missing");
     refused("time_s,input\n0,1\n", 1, "output", "missing");
     refused("a,b\n0,1\n", 1, "", "no known column");
-    refused("magnitude;omega_rad_s;re;im\n1;1;1;0\n", 1, "", "commas");
 }
 
 #[test]
@@ -172,10 +171,10 @@ fn metadata_that_means_nothing_is_refused_with_its_line() {
 #[test]
 fn text_in_another_encoding_is_refused() {
     let bytes = |bytes: &[u8]| read(&[Source { name: "x", bytes }]).unwrap_err();
-    let error = bytes(b"# a\nmagnitude,\xFF\n");
+    let error = bytes(b"# \xC2\xB0\nmagnitude,\xFF\n");
     assert_eq!(error.line, Some(2));
     assert!(error.reason.contains("UTF-8"));
-    assert!(bytes(b"\xFF\xFEm\0").reason.contains("UTF-16"));
+    assert!(bytes(b"\xFF\xFEm").reason.contains("UTF-16"));
     refused("re,im\r1,2\r", 1, "", "carriage return");
 }
 

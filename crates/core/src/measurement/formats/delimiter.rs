@@ -1,0 +1,98 @@
+//! What separates the columns of a text.
+
+/// What separates the columns of a text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Delimiter {
+    Comma,
+    Semicolon,
+    Tab,
+    /// One or more spaces.
+    Blanks,
+}
+
+impl Delimiter {
+    /// All of them, the more telling ones first.
+    pub(super) const ALL: [Self; 4] = [Self::Tab, Self::Semicolon, Self::Comma, Self::Blanks];
+
+    /// The delimiter that a line `sep=;` states. Spreadsheets write it as the first line.
+    pub(super) fn stated(line: &str) -> Option<Self> {
+        let line = line.trim_end_matches(['\r', '\n']).trim_matches('"');
+        let mark = line.strip_prefix("sep=").or_else(|| line.strip_prefix("SEP="))?;
+        Self::ALL.into_iter().find(|delimiter| mark.bytes().eq([delimiter.byte()]))
+    }
+
+    pub(super) fn byte(self) -> u8 {
+        match self {
+            Self::Comma => b',',
+            Self::Semicolon => b';',
+            Self::Tab => b'\t',
+            Self::Blanks => b' ',
+        }
+    }
+
+    /// Its name in the plural, for messages.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Comma => "commas",
+            Self::Semicolon => "semicolons",
+            Self::Tab => "tabs",
+            Self::Blanks => "blanks",
+        }
+    }
+
+    /// The cells of one line without the blanks and quotes around them.
+    pub(super) fn cells(self, line: &str) -> Vec<String> {
+        let mut record = csv::StringRecord::new();
+        // A line that is not CSV has no cells; the reader of the whole text says why.
+        let _ = self.reader(line.as_bytes()).read_record(&mut record);
+        record
+            .iter()
+            .filter(|cell| self != Self::Blanks || !cell.is_empty())
+            .map(unquoted)
+            .collect()
+    }
+
+    /// A reader of rows of any length. Lines that begin with `#` are comments.
+    pub(super) fn reader(self, text: &[u8]) -> csv::Reader<&[u8]> {
+        csv::ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .comment(Some(b'#'))
+            .delimiter(self.byte())
+            .from_reader(text)
+    }
+}
+
+fn unquoted(cell: &str) -> String {
+    unquote(cell).to_owned()
+}
+
+/// Removes quotes around a cell. The CSV reader keeps those that follow a space as part of the
+/// cell.
+pub(super) fn unquote(cell: &str) -> &str {
+    let inner = cell.strip_prefix('"').and_then(|cell| cell.strip_suffix('"'));
+    inner.unwrap_or(cell).trim()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spreadsheet_may_state_its_delimiter() {
+        assert_eq!(Delimiter::stated("sep=;\r\n"), Some(Delimiter::Semicolon));
+        assert_eq!(Delimiter::stated("\"sep=\t\""), Some(Delimiter::Tab));
+        assert_eq!(Delimiter::stated("sep=,"), Some(Delimiter::Comma));
+        assert_eq!(Delimiter::stated("sep=||"), None);
+        assert_eq!(Delimiter::stated("separator"), None);
+    }
+
+    #[test]
+    fn cells_lose_the_quotes_and_blanks_around_them() {
+        let cells = |delimiter: Delimiter, line| delimiter.cells(line).join("|");
+        assert_eq!(cells(Delimiter::Semicolon, "a ;\"b;c\"; \"d\"\r\n"), "a|b;c|d");
+        assert_eq!(cells(Delimiter::Blanks, "  1   2 3\r\n"), "1|2|3");
+        assert_eq!(cells(Delimiter::Tab, "1\t\t3\n"), "1||3");
+    }
+}

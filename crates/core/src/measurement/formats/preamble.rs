@@ -1,0 +1,142 @@
+//! Finds where the table of a text begins, and reads the metadata above it.
+
+use super::decimal::is_number;
+use super::delimiter::Delimiter;
+use super::fault::Fault;
+use super::given::Given;
+use super::header::Header;
+use super::name::{self, Name};
+
+/// Most lines that are neither metadata nor blank above the column names.
+const MOST_LINES: usize = 1000;
+
+/// What stands above the table of a text, and where the table begins.
+pub(super) struct Preamble<'a> {
+    /// The metadata, with what was given beside the file.
+    pub(super) header: Header,
+    /// Remarks on it.
+    pub(super) notes: Vec<String>,
+    pub(super) delimiter: Delimiter,
+    /// The text from the line of the column names on; from the first row on if `column_names` names
+    /// them.
+    pub(super) rest: &'a str,
+    /// The number of its first line.
+    pub(super) line: u64,
+    /// Whether a line of column names was found, or the first row.
+    pub(super) found: bool,
+}
+
+/// Reads the preamble of a text.
+///
+/// The column names are in the first line of the table if that has a name of the contract;
+/// otherwise in the first line with two known names, one of them of a frequency or a time. Where no
+/// line is like that, they are taken to be in the first, so that messages point there.
+///
+/// `delimiter` is that of the text if it is known.
+///
+/// # Errors
+/// If metadata means nothing, or no row has as many numbers as `column_names` names.
+pub(super) fn read<'a>(
+    text: &'a str,
+    delimiter: Option<Delimiter>,
+    given: &Given,
+) -> Result<Preamble<'a>, Fault> {
+    let mut header = Header::default();
+    let mut notes = Vec::new();
+    let line_of_delimiter = text.lines().next().and_then(Delimiter::stated);
+    let stated = delimiter.or(line_of_delimiter);
+    // Where the first line begins that is neither metadata nor blank.
+    let mut first: Option<(&str, u64)> = None;
+    let mut found = None;
+    let given_names = given.column_names();
+    let (mut rest, mut number, mut foreign) = (text, 1, 0);
+    while !rest.is_empty() && foreign < MOST_LINES {
+        let end = rest.find('\n').map_or(rest.len(), |end| end + 1);
+        let line = rest[..end].trim();
+        if line.starts_with('#') {
+            metadata(&mut header, &mut notes, line, number)?;
+        } else if !line.is_empty() && !(number == 1 && line_of_delimiter.is_some()) {
+            found = match given_names.as_ref().or(header.column_names.as_ref()) {
+                Some(names) => row_delimiter(line, stated, names.len()),
+                None => names_delimiter(line, stated, first.is_none()),
+            };
+            first.get_or_insert((rest, number));
+            if found.is_some() {
+                break;
+            }
+            foreign += 1;
+        }
+        rest = &rest[end..];
+        number += 1;
+    }
+    header.take(given, &mut notes)?;
+    let Some((from, from_line)) = first else {
+        let delimiter = Delimiter::Comma;
+        return Ok(Preamble { header, notes, delimiter, rest: "", line: number, found: false });
+    };
+    if let Some(delimiter) = found {
+        if from_line < number {
+            notes.push(format!("the text from line {from_line} to the table is not used"));
+        }
+        return Ok(Preamble { header, notes, delimiter, rest, line: number, found: true });
+    }
+    if let Some(columns) = &header.column_names {
+        let reason = format!("no row has {} numbers, as many as column_names has", columns.len());
+        return Err(Fault::new(reason).in_column("column_names"));
+    }
+    let line = from.lines().next().unwrap_or_default();
+    let delimiter = stated.unwrap_or_else(|| guess(line));
+    Ok(Preamble { header, notes, delimiter, rest: from, line: from_line, found: false })
+}
+
+/// Reads one line of metadata.
+fn metadata(
+    header: &mut Header,
+    notes: &mut Vec<String>,
+    line: &str,
+    number: u64,
+) -> Result<(), Fault> {
+    let Some((key, value)) = line.trim_start_matches('#').split_once(':') else { return Ok(()) };
+    let key = key.trim();
+    let known = header.set(Some(number), key, value.trim())?;
+    // A free-text comment may contain a colon, but only a misspelled key is one word.
+    if !known && !key.is_empty() && !key.contains(char::is_whitespace) {
+        notes.push(format!("line {number}: metadata key {key} is unknown and not used"));
+    }
+    Ok(())
+}
+
+/// The delimiter of a line of column names; `None` if it is not one.
+fn names_delimiter(line: &str, stated: Option<Delimiter>, first: bool) -> Option<Delimiter> {
+    let is_comma = stated.is_none_or(|stated| stated == Delimiter::Comma);
+    let contract =
+        |line| Delimiter::Comma.cells(line).iter().any(|cell| name::contract(cell).is_some());
+    if first && is_comma && contract(line) {
+        return Some(Delimiter::Comma);
+    }
+    let count = |delimiter: &Delimiter| {
+        let names = delimiter.cells(line).into_iter().map(|cell| Name::of(&cell, None));
+        let names: Vec<Name> = names.collect();
+        let axis = names.iter().any(Name::is_axis);
+        if axis { names.iter().filter(|name| name.is_known()).count() } else { 0 }
+    };
+    let fits = |delimiter: &Delimiter| stated.is_none_or(|stated| stated == *delimiter);
+    // The last of equals wins; the more telling ones come first.
+    let best = Delimiter::ALL.into_iter().rev().filter(fits).max_by_key(count)?;
+    (count(&best) >= 2).then_some(best)
+}
+
+/// The delimiter of a row of so many cells, all of them numbers or blank; `None` if it is not one.
+fn row_delimiter(line: &str, stated: Option<Delimiter>, columns: usize) -> Option<Delimiter> {
+    Delimiter::ALL.into_iter().filter(|d| stated.is_none_or(|stated| stated == *d)).find(|d| {
+        let cells = d.cells(line);
+        let mut filled = cells.iter().filter(|cell| !cell.is_empty()).peekable();
+        cells.len() == columns && filled.peek().is_some() && filled.all(|cell| is_number(cell))
+    })
+}
+
+/// The delimiter of a line that has no known name.
+fn guess(line: &str) -> Delimiter {
+    let mut marks = [Delimiter::Comma, Delimiter::Semicolon, Delimiter::Tab].into_iter();
+    marks.find(|mark| line.as_bytes().contains(&mark.byte())).unwrap_or(Delimiter::Comma)
+}

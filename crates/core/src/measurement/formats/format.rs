@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::fault::Fault;
 use super::given::Given;
 use super::part::Part;
-use super::{delimited, encoding, json};
+use super::{delimited, encoding, json, universal, xlsx};
 
 /// The content of a file, as bytes and, where it is one, as text.
 pub(super) struct Content<'a> {
@@ -50,7 +50,7 @@ pub(super) struct Format {
 }
 
 /// All formats. The first that a file looks like reads it; the last reads whatever is left.
-const FORMATS: &[Format] = &[json::FORMAT, delimited::FORMAT];
+const FORMATS: &[Format] = &[xlsx::FORMAT, universal::FORMAT, json::FORMAT, delimited::FORMAT];
 
 /// Reads a file.
 pub(super) fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {

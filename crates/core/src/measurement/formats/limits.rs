@@ -19,3 +19,13 @@ pub const MAX_INDEX: f64 = 9_007_199_254_740_992.0;
 
 /// Largest `settle_periods`.
 pub const MAX_SETTLE_PERIODS: usize = 1_000_000;
+
+/// Most bytes of the parts of one workbook once unpacked.
+pub const MAX_UNPACKED: u64 = 256 << 20;
+
+/// Most bytes once unpacked of a part that is no sheet, such as its strings, all of which are held
+/// in memory.
+pub const MAX_UNPACKED_STRINGS: u64 = 32 << 20;
+
+/// Most cells in a row of a sheet.
+pub const MAX_CELLS_IN_ROW: usize = 1000;

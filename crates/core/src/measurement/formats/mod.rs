@@ -73,12 +73,18 @@ mod repeats;
 mod row_noise;
 mod table;
 mod time_record;
+mod universal;
+mod universal_dataset;
 mod vocabulary;
 mod write;
+mod xlsx;
 
 pub use fault::ParseError;
 pub use given::Given;
-pub use limits::{MAX_HARMONIC, MAX_INDEX, MAX_INPUT_LINES, MAX_ROWS, MAX_SETTLE_PERIODS};
+pub use limits::{
+    MAX_CELLS_IN_ROW, MAX_HARMONIC, MAX_INDEX, MAX_INPUT_LINES, MAX_ROWS, MAX_SETTLE_PERIODS,
+    MAX_UNPACKED, MAX_UNPACKED_STRINGS,
+};
 pub use part::Source;
 pub use write::write_harmonic_csv;
 

@@ -1,0 +1,335 @@
+//! Universal files with datasets 58 and 58b: time records and frequency responses.
+
+use super::columns::Column;
+use super::fault::Fault;
+use super::format::Format;
+use super::given::Given;
+use super::header::Header;
+use super::name::Name;
+use super::naming;
+use super::part::Part;
+use super::table::{Place, Table};
+use super::universal_dataset::{Axis, Dataset, Lines};
+use super::{harmonic_table, time_record};
+
+/// A file whose first line is `-1` and whose second names a dataset.
+pub(super) const FORMAT: Format =
+    Format { is: |content| is(content.bytes), read: |content, given| read(content.bytes, given) };
+
+const TIME_RECORD: u32 = 1;
+const FREQUENCY_RESPONSE: u32 = 4;
+
+fn is(bytes: &[u8]) -> bool {
+    let mut lines = Lines::new(bytes);
+    lines.next().is_some_and(|line| line.trim_ascii() == b"-1")
+        && lines
+            .next()
+            .is_some_and(|line| line.trim_ascii().first().is_some_and(u8::is_ascii_digit))
+}
+
+fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {
+    let mut header = Header::default();
+    let mut notes = Vec::new();
+    header.take(given, &mut notes)?;
+    let functions = functions(bytes)?;
+    let of =
+        |function| functions.iter().filter(|data| data.function == function).collect::<Vec<_>>();
+    let (records, responses) = (of(TIME_RECORD), of(FREQUENCY_RESPONSE));
+    if let Some(other) = functions.iter().find(|data| !matches!(data.function, 1 | 4)) {
+        return Err(Fault::new(refusal(other.function)).at_line(Some(other.line)));
+    }
+    match (&records[..], &responses[..]) {
+        ([], []) => Err(Fault::new("the file has no dataset 58")),
+        ([], [response]) => frequency_response(response, header, notes),
+        ([], _) => Err(Fault::new(format!(
+            "the file has {} frequency responses: one is needed, so save them as one file each",
+            responses.len()
+        ))),
+        (_, []) => time_records(&records, header, notes),
+        _ => Err(Fault::new(
+            "the file has time records and frequency responses: save them as two files",
+        )),
+    }
+}
+
+fn refusal(function: u32) -> String {
+    match function {
+        2 | 3 | 9 => format!(
+            "function type {function} is a spectrum of power or energy, which has no phase: a \
+             time record (1) or a frequency response (4) is needed"
+        ),
+        _ => format!(
+            "function type {function} is not read: a time record (1) or a frequency response (4) \
+             is needed"
+        ),
+    }
+}
+
+/// The datasets 58 of a file. Others are left out.
+fn functions(bytes: &[u8]) -> Result<Vec<Dataset>, Fault> {
+    let mut lines = Lines::new(bytes);
+    let mut functions = Vec::new();
+    while let Some(line) = lines.next() {
+        if line.trim_ascii() != b"-1" {
+            continue;
+        }
+        let Some(id) = lines.next() else { break };
+        let id = String::from_utf8_lossy(id).trim().to_owned();
+        if id.split_whitespace().next().is_some_and(|word| matches!(word, "58" | "58b")) {
+            functions.push(Dataset::read(&mut lines, &id)?);
+            if !id.starts_with("58b") {
+                continue;
+            }
+        }
+        // The rest of the dataset, whatever it is.
+        while lines.next().is_some_and(|line| line.trim_ascii() != b"-1") {}
+    }
+    Ok(functions)
+}
+
+/// The name of a quantity, in words that the vocabulary knows if the number of the quantity does.
+fn name(axis: &Axis) -> String {
+    let name = match axis.quantity {
+        8 => "position",
+        11 => "velocity",
+        12 => "acceleration",
+        9 | 13 => "force",
+        _ => axis.label.as_str(),
+    };
+    let name = if name.is_empty() { "channel" } else { name };
+    if axis.unit.is_empty() { name.to_owned() } else { format!("{name} [{}]", axis.unit) }
+}
+
+fn time_records(
+    records: &[&Dataset],
+    mut header: Header,
+    mut notes: Vec<String>,
+) -> Result<Part, Fault> {
+    let x = &records[0].x;
+    if let Some(other) = records.iter().find(|record| record.x != *x) {
+        return Err(Fault::new("the channels of the file do not have the same times")
+            .at_line(Some(other.line)));
+    }
+    let channels = records.iter().map(|record| name(&record.numerator));
+    let written: Vec<String> = ["time_s".to_owned()].into_iter().chain(channels).collect();
+    let written = match &header.column_names {
+        Some(names) if names.len() != written.len() => {
+            return Err(Fault::new(format!(
+                "the file has {} columns, time and channels, not {}",
+                written.len(),
+                names.len()
+            ))
+            .in_column("column_names"));
+        }
+        Some(names) => names.clone(),
+        None => written,
+    };
+    let names: Vec<Name> = written.iter().map(|name| Name::of(name, None)).collect();
+    let naming = naming::resolve(&names, &mut header)?;
+    notes.extend(naming.notes);
+    let columns = naming.used.iter().map(|used| used.column).collect();
+    let mut table = Table::new(columns, None);
+    for (row, time_s) in x.iter().enumerate() {
+        let cells = naming.used.iter().map(|used| {
+            let number = match used.field.checked_sub(1) {
+                Some(channel) => records[channel].re[row],
+                None => *time_s,
+            };
+            Ok(Some(used.convert(number)))
+        });
+        table.push(Place::Element("samples".into(), row), cells)?;
+    }
+    if naming.timed {
+        time_record::read(&table, header, notes)
+    } else {
+        harmonic_table::read(&table, header, notes)
+    }
+}
+
+fn frequency_response(
+    response: &Dataset,
+    mut header: Header,
+    mut notes: Vec<String>,
+) -> Result<Part, Fault> {
+    let at_line = |fault: Fault| fault.at_line(Some(response.line));
+    let Some(im) = &response.im else {
+        return Err(at_line(Fault::new("the frequency response is real: it has no phase")));
+    };
+    if response.abscissa.quantity != 18 && response.abscissa.unit != "Hz" {
+        return Err(at_line(Fault::new("the abscissa of the response is not a frequency")));
+    }
+    for (key, axis) in [("response", &response.numerator), ("input", &response.denominator)] {
+        naming::take_quantity(key, &name(axis), &mut header).map_err(at_line)?;
+    }
+    let columns = vec![Column::FrequencyHz, Column::GainRe, Column::GainIm];
+    let mut table = Table::new(columns, Some(Place::Line(response.line)));
+    for (row, frequency_hz) in response.x.iter().enumerate() {
+        if *frequency_hz == 0.0 {
+            notes.push("the value at 0 Hz is not used".into());
+            continue;
+        }
+        let cells = [*frequency_hz, response.re[row], im[row]].map(|number| Ok(Some(number)));
+        table.push(Place::Element("lines".into(), row), cells)?;
+    }
+    harmonic_table::read(&table, header, notes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Source, read};
+    use crate::measurement::{Complex, Measurement, ResponseKind};
+
+    /// A dataset up to its numbers: function, data type, count, spacing, abscissa, numerator.
+    fn header(
+        function: u32,
+        form: [u32; 3],
+        start: [f64; 2],
+        axes: [(u32, &str, &str); 3],
+    ) -> String {
+        let mut text = "Résonance\nNONE\nNONE\n01-JAN-26\nNONE\n".to_owned();
+        text += &format!("{function:5}{:10}{:5}{:10} NONE {:13}{:4}\n", 0, 0, 0, 1, 3);
+        let [kind, count, spacing] = form;
+        text += &format!(
+            "{kind:10}{count:10}{spacing:10}{:13.5e}{:13.5e}{:13.5e}\n",
+            start[0], start[1], 0.0
+        );
+        for (quantity, label, unit) in axes.into_iter().chain([(0, "NONE", "NONE")]) {
+            text += &format!("{quantity:10}{:5}{:5}{:5} {label:20} {unit:20}\n", 0, 0, 0);
+        }
+        text
+    }
+
+    const OF_RESPONSE: [(u32, &str, &str); 3] =
+        [(18, "Frequency", "Hz"), (11, "Velocity", "m/s"), (13, "Force", "N")];
+
+    fn file(datasets: &[String]) -> String {
+        datasets.iter().map(|data| format!("    -1\n    58\n{data}    -1\n")).collect()
+    }
+
+    fn with_magnitude(bytes: &[u8]) -> Result<Measurement, String> {
+        let given = Source { name: "given", bytes: b"# given with the upload\n# magnitude: 2\n" };
+        read(&[Source { name: "x.uff", bytes }, given]).map_err(|error| error.to_string())
+    }
+
+    /// 4 lines from 0 to 1.5 Hz; the last line of the numbers is not filled.
+    fn response() -> String {
+        let head = header(4, [5, 4, 1], [0.0, 0.5], OF_RESPONSE);
+        file(&[format!(
+            "{head} 1.0E+00 0.0E+00 5.0E-01-2.5E-01 2.5E-01-1.25E-01\n 1.0D-01-5.0D-02\n"
+        )])
+    }
+
+    #[test]
+    fn a_frequency_response_is_read_whatever_its_line_ends_and_encoding() {
+        let text = response();
+        let plain = with_magnitude(text.as_bytes()).unwrap();
+        let experiment = &plain.experiments()[0];
+        assert_eq!(plain.experiments().len(), 3);
+        assert_eq!(experiment.omega_rad_s, 0.5 * std::f64::consts::TAU);
+        assert_eq!(experiment.response[0].value, Complex::new(1.0, -0.5));
+        let metadata = plain.metadata();
+        assert_eq!((metadata.input.unit.as_str(), metadata.response.unit.as_str()), ("N", "m/s"));
+        assert!(plain.notes().iter().any(|note| note.contains("0 Hz")));
+        for end in ["\r\n", "\r", "\r\r\n"] {
+            let ended = text.replace('\n', end);
+            assert_eq!(
+                with_magnitude(ended.as_bytes()).unwrap().experiments(),
+                plain.experiments()
+            );
+        }
+        let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
+        assert_eq!(with_magnitude(&latin).unwrap().experiments(), plain.experiments());
+        let error = read(&[Source { name: "x", bytes: text.as_bytes() }]).unwrap_err();
+        assert!(error.reason.contains("--magnitude"), "{error}");
+    }
+
+    #[test]
+    fn a_binary_dataset_is_the_one_in_text() {
+        let plain = with_magnitude(response().as_bytes()).unwrap();
+        let values = [1.0, 0.0, 0.5, -0.25, 0.25, -0.125, 0.1, -0.05];
+        for (order, kind) in [(1, 5), (2, 5), (1, 6), (2, 6)] {
+            let bytes: Vec<u8> = values
+                .iter()
+                .flat_map(|value: &f64| match (order, kind) {
+                    (1, 5) => (*value as f32).to_le_bytes().to_vec(),
+                    (2, 5) => (*value as f32).to_be_bytes().to_vec(),
+                    (1, _) => value.to_le_bytes().to_vec(),
+                    _ => value.to_be_bytes().to_vec(),
+                })
+                .collect();
+            let first = format!("    -1\n    58b{order:6}{:6}{:12}{:12}\n", 2, 11, bytes.len());
+            let head = header(4, [kind, 4, 1], [0.0, 0.5], OF_RESPONSE);
+            let file = [first.as_bytes(), head.as_bytes(), &bytes[..], b"\n    -1\n"].concat();
+            let read = with_magnitude(&file).unwrap();
+            for (a, b) in read.experiments().iter().zip(plain.experiments()) {
+                // Rounding of 0.1 to single precision.
+                assert!((a.response[0].value - b.response[0].value).norm() < 1e-8);
+            }
+            let cut = &file[..file.len() - 20];
+            assert!(with_magnitude(cut).unwrap_err().contains("ends before"));
+        }
+    }
+
+    /// A channel of a time record of 200 samples at uneven or even times.
+    fn channel(even: bool, axis: (u32, &str, &str), of: impl Fn(f64) -> f64) -> String {
+        let axes = [(17, "Time", "s"), axis, (0, "NONE", "NONE")];
+        let mut text = header(1, [4, 200, u32::from(even)], [0.0, 0.001], axes);
+        for n in 0..200 {
+            let time = f64::from(n) * 0.001;
+            let value = of(std::f64::consts::TAU * f64::from(n) / 50.0);
+            text += &if even {
+                format!("{value:20.12e}\n")
+            } else {
+                format!("{time:13.5e}{value:20.12e}\n")
+            };
+        }
+        text
+    }
+
+    #[test]
+    fn channels_of_one_time_are_a_record() {
+        let force = channel(true, (13, "Shaker", "N"), f64::cos);
+        let position = channel(true, (8, "Stage", "m"), |angle| (angle - 0.5).cos());
+        let text = file(&[force.clone(), position]);
+        let even = read(&[Source { name: "x.unv", bytes: text.as_bytes() }]).unwrap();
+        assert_eq!(even.metadata().response_kind, ResponseKind::Position);
+        assert!((even.experiments()[0].magnitude - 1.0).abs() < 1e-3);
+        let uneven = file(&[
+            channel(false, (13, "Shaker", "N"), f64::cos),
+            channel(false, (8, "Stage", "m"), |angle| (angle - 0.5).cos()),
+        ]);
+        let uneven = read(&[Source { name: "x.unv", bytes: uneven.as_bytes() }]).unwrap();
+        assert!(
+            (uneven.experiments()[0].omega_rad_s / even.experiments()[0].omega_rad_s - 1.0).abs()
+                < 1e-9
+        );
+        let alone = file(&[force]);
+        let error = read(&[Source { name: "x", bytes: alone.as_bytes() }]).unwrap_err();
+        assert!(error.reason.contains("response"), "{error}");
+    }
+
+    #[test]
+    fn what_is_not_read_is_refused_with_the_reason() {
+        let power = file(&[header(9, [2, 1, 1], [0.0, 1.0], OF_RESPONSE) + "1.0\n"]);
+        assert!(with_magnitude(power.as_bytes()).unwrap_err().contains("no phase"));
+        let two = file(&[header(4, [5, 1, 1], [1.0, 1.0], OF_RESPONSE) + "1.0 0.0\n"]).repeat(2);
+        assert!(with_magnitude(two.as_bytes()).unwrap_err().contains("2 frequency responses"));
+        let short = response().replace(" 1.0D-01-5.0D-02\n", "");
+        assert!(with_magnitude(short.as_bytes()).unwrap_err().contains("announces 8 numbers"));
+        assert!(
+            with_magnitude(b"    -1\n   151\nx\n    -1\n").unwrap_err().contains("no dataset 58")
+        );
+    }
+
+    #[test]
+    fn a_mutated_universal_file_is_read_or_refused() {
+        for valid in [response(), file(&[channel(false, (13, "F", "N"), f64::cos)])] {
+            for at in 0..valid.len().min(2000) {
+                let mut bytes = valid.clone().into_bytes();
+                bytes[at] ^= 1 << (at % 8);
+                let _ = with_magnitude(&bytes);
+                let _ = with_magnitude(&valid.as_bytes()[..at]);
+            }
+        }
+    }
+}

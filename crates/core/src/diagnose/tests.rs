@@ -68,7 +68,9 @@ pub(super) fn fitted_to(costs: &[(&[&str], f64)]) -> Models {
     let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());
     let session = FitSession::new(&measurement, &request, &Silent).unwrap();
     let noise_scale = NoiseScale { known: true, rounding: 0.0, dof: 100.0 };
-    let mut models = Models::new(session.base().clone(), noise_scale);
+    let mut base = session.base().clone();
+    base.cost = 1e6;
+    let mut models = Models::new(base, noise_scale);
     for (ids, cost) in costs {
         let effects = ids.iter().map(|id| crate::effects::find(id).unwrap());
         let extend = |model: Model, effect| session.extend(&model, effect);

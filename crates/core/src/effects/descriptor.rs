@@ -20,7 +20,7 @@ pub struct Descriptor {
     pub meaning: &'static str,
     /// How it shows in a frequency response, as a phrase for reports.
     pub signature: &'static str,
-    /// Ids of effects that may look like it.
+    /// Ids of effects that may look like it, the closest first.
     pub imitators: &'static [&'static str],
     /// The part of the axis that it takes.
     pub slot: Slot,

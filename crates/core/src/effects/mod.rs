@@ -92,6 +92,12 @@ pub fn are_confusable(one: &dyn Effect, other: &dyn Effect) -> bool {
         || other.descriptor().imitators.contains(&one.id())
 }
 
+/// Whether each of two effects is the closest imitator of the other: the first in its list.
+pub fn are_closest_imitators(one: &dyn Effect, other: &dyn Effect) -> bool {
+    let closest = |effect: &dyn Effect| effect.descriptor().imitators.first().copied();
+    closest(one) == Some(other.id()) && closest(other) == Some(one.id())
+}
+
 /// Whether one of two different effects has all parameters of the other, and so contains it as a
 /// special case.
 pub fn are_nested(one: &dyn Effect, other: &dyn Effect) -> bool {

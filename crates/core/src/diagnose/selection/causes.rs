@@ -1,7 +1,5 @@
 //! Turns the chosen model into named causes, each with its confidence and its equivalents.
 //!
-//! The confidence in an effect is its posterior probability by Bayesian model averaging, capped
-//! where the benchmark shows that such causes are right less often.
 
 use indexmap::IndexMap;
 
@@ -9,6 +7,7 @@ use crate::answers::{Candidate, Cause, Identification};
 use crate::effects::are_confusable;
 use crate::identify::Model;
 
+use super::confidence::confidence;
 use super::models::{Key, Models};
 
 /// Two models whose −2 ln evidence differs by less than this cannot be told apart: a Bayes factor
@@ -17,18 +16,6 @@ pub(crate) const EQUIVALENCE_MARGIN: f64 = 9.0;
 
 /// Equivalents listed for one cause, at most.
 const MOST_EQUIVALENTS: usize = 2;
-
-/// Largest confidence in a single cause whose model leaves more than noise: an effect that the
-/// library lacks looks like one that it has. 4 of 14 were right in the benchmark (seed 90110).
-const MOST_CONFIDENCE_WITH_REMAINDER: f64 = 0.3;
-
-/// The same for several causes, and for three or more that leave only noise, because three effects
-/// can fit anything. 6 of 81 were right.
-const MOST_CONFIDENCE_OF_SEVERAL: f64 = 0.1;
-
-/// The same for two causes that leave only noise but may imitate a third effect. 31 of 33 were
-/// right.
-const MOST_CONFIDENCE_OF_IMITABLE_PAIR: f64 = 0.85;
 
 /// Probability that each cause of a convincing pair must have, together with the effects confusable
 /// with it. Tuned.
@@ -43,23 +30,12 @@ pub(crate) fn convincing(models: &Models, chosen: &Key) -> bool {
         effects.is_some_and(|(one, other)| are_confusable(one, other))
     };
     let is_likely = |id: &&str| {
-        probability(models, |other| other == *id || alike(other, id)) >= CONVINCING_PROBABILITY
+        models.probability(|other| other == *id || alike(other, id)) >= CONVINCING_PROBABILITY
     };
     match chosen.as_slice() {
         [] | [_] => true,
         [one, other] => !alike(one, other) && chosen.iter().all(is_likely),
         _ => false,
-    }
-}
-
-/// The largest confidence allowed for any cause of the model `chosen`; `fits` says whether that
-/// model leaves only noise.
-fn most_confidence(models: &Models, chosen: &Key, fits: bool) -> f64 {
-    match (fits, chosen.len()) {
-        (true, _) if convincing(models, chosen) => 1.0,
-        (true, 2) => MOST_CONFIDENCE_OF_IMITABLE_PAIR,
-        (false, 1) => MOST_CONFIDENCE_WITH_REMAINDER,
-        _ => MOST_CONFIDENCE_OF_SEVERAL,
     }
 }
 
@@ -71,7 +47,6 @@ pub(crate) fn named(
     extended: &Identification,
     fits: bool,
 ) -> Vec<Cause> {
-    let most = most_confidence(models, chosen, fits);
     let mut causes: Vec<(f64, Cause)> = chosen
         .iter()
         .filter_map(|id| models.effect(id))
@@ -85,11 +60,10 @@ pub(crate) fn named(
                     Some((parameter.name.to_owned(), estimate.clone()))
                 })
                 .collect();
-            let confidence = probability(models, |other| other == id);
             let cause = Cause {
                 effect: id.to_owned(),
                 parameters,
-                confidence: confidence.min(most),
+                confidence: confidence(models, chosen, id, fits),
                 explanation: {
                     let said = effect.descriptor();
                     format!("{}. How it shows: {}", said.meaning, said.signature)
@@ -102,19 +76,6 @@ pub(crate) fn named(
         .collect();
     causes.sort_by(|a, b| b.0.total_cmp(&a.0));
     causes.into_iter().map(|(_, cause)| cause).collect()
-}
-
-/// The posterior probability that an effect of some kind is present: Σ exp(−½·criterion) over the
-/// models that have one, as a share of the sum over all.
-fn probability(models: &Models, is_of_kind: impl Fn(&str) -> bool) -> f64 {
-    let criteria: Vec<(&Key, f64)> =
-        models.all().map(|(key, _)| (key, models.criterion(key))).collect();
-    let best = criteria.iter().map(|(_, criterion)| *criterion).fold(f64::INFINITY, f64::min);
-    let weight = |criterion: f64| (-0.5 * (criterion - best)).exp();
-    let sum = |with: &dyn Fn(&Key) -> bool| -> f64 {
-        criteria.iter().filter(|(key, _)| with(key)).map(|(_, c)| weight(*c)).sum()
-    };
-    sum(&|key| key.iter().any(|id| is_of_kind(id))) / sum(&|_| true)
 }
 
 /// Effects that explain the data as well as `id` does, in its place beside the other effects of
@@ -219,17 +180,6 @@ mod tests {
         let models = fitted_to(&[(&["spring"], 100.0), (&three, 50.0)]);
         assert!(convincing(&models, &key(&["spring"])) && convincing(&models, &Key::new()));
         assert!(!convincing(&models, &key(&three)));
-    }
-
-    #[test]
-    fn confidence_is_capped_where_something_remains_or_the_pair_may_be_an_imitation() {
-        let (pair, alike) = (["spring", "transport_delay"], ["quadratic_drag", "stribeck"]);
-        let three = ["spring", "transport_delay", "friction_drift"];
-        let models = fitted_to(&[(&pair, 100.0), (&alike, 200.0), (&three, 50.0)]);
-        let most = |ids: &[&'static str], fits| most_confidence(&models, &key(ids), fits);
-        assert_eq!((most(&["spring"], true), most(&["spring"], false)), (1.0, 0.3));
-        assert_eq!((most(&alike, true), most(&alike, false)), (0.85, 0.1));
-        assert_eq!((most(&three, true), most(&three, false)), (0.1, 0.1));
     }
 
     #[test]

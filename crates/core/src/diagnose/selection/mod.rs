@@ -5,6 +5,7 @@
 //! and the weights of the errors.
 
 pub(super) mod causes;
+mod confidence;
 pub(super) mod evidence;
 pub(super) mod familywise_threshold;
 pub(super) mod models;

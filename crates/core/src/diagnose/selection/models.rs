@@ -51,13 +51,27 @@ pub(crate) struct Models {
     /// By how much each effect must lower χ² beside the base model.
     pub family: Option<FamilywiseThreshold>,
     scored: BTreeMap<Key, ScoredModel>,
+    noise_left: Remainder,
+}
+
+/// The part of a cost that noise or rounding accounts for.
+struct Remainder {
+    /// Its expectation.
+    expected: f64,
+    /// Its standard deviation.
+    least: f64,
 }
 
 impl Models {
     /// A collection that holds only the base model.
     pub fn new(base: Model, noise_scale: NoiseScale) -> Self {
         let base = ScoredModel { model: base, complexity: 0.0 };
-        Self { noise_scale, family: None, scored: BTreeMap::from([(Key::new(), base)]) }
+        let noise_left = match noise_scale.known {
+            true => Remainder { expected: noise_scale.dof, least: (2.0 * noise_scale.dof).sqrt() },
+            false => Remainder { expected: 0.0, least: noise_scale.rounding },
+        };
+        let scored = BTreeMap::from([(Key::new(), base)]);
+        Self { noise_scale, family: None, scored, noise_left }
     }
 
     /// The model with these effects.
@@ -80,6 +94,32 @@ impl Models {
     pub fn effect(&self, id: &str) -> Option<&'static dyn Effect> {
         let mut effects = self.scored.values().flat_map(|scored| scored.model.effects());
         effects.find(|effect| effect.id() == id).copied()
+    }
+
+    /// What a model leaves beyond the noise that the measurement states: its cost less the expected
+    /// χ², but at least the standard deviation of that. If no noise is stated, all of its cost.
+    /// Infinite if it was not fitted.
+    pub fn remainder(&self, key: &Key) -> f64 {
+        let Remainder { expected, least } = self.noise_left;
+        self.get(key).map_or(f64::INFINITY, |model| (model.cost - expected).max(least))
+    }
+
+    /// What the parameters of a model cost: its criterion without the misfit.
+    pub fn complexity(&self, key: &Key) -> f64 {
+        self.scored.get(key).map_or(f64::INFINITY, |scored| scored.complexity)
+    }
+
+    /// The posterior probability that an effect of some kind is present: Σ exp(−½·criterion) over
+    /// the models that have one, as a share of the sum over all.
+    pub fn probability(&self, is_of_kind: impl Fn(&str) -> bool) -> f64 {
+        let criteria: Vec<(&Key, f64)> =
+            self.scored.keys().map(|key| (key, self.criterion(key))).collect();
+        let best = criteria.iter().map(|(_, criterion)| *criterion).fold(f64::INFINITY, f64::min);
+        let weight = |criterion: f64| (-0.5 * (criterion - best)).exp();
+        let sum = |with: &dyn Fn(&Key) -> bool| -> f64 {
+            criteria.iter().filter(|(key, _)| with(key)).map(|(_, c)| weight(*c)).sum()
+        };
+        sum(&|key| key.iter().any(|id| is_of_kind(id))) / sum(&|_| true)
     }
 
     /// Every model with its key.

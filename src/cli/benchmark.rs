@@ -41,10 +41,11 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = Plan::default().analysers)]
     analyser: u32,
     /// Machines with one dominant effect and 3 to 6 small ones, of each effect at each level above
-    /// 40 dB.
+    /// 40 dB; as many of each effect that are recorded.
     #[arg(long, value_name = "N", default_value_t = Plan::default().machines)]
     machines: u32,
-    /// Machines with two dominant effects and 3 to 6 small ones, at each level above 40 dB.
+    /// Machines with two dominant effects and 3 to 6 small ones, at each level above 40 dB; as many
+    /// that are recorded.
     #[arg(long, value_name = "N", default_value_t = Plan::default().machine_pairs)]
     machine_pairs: u32,
     /// Noise levels: 60, 50 or 40 dB; not of `analyser`.
@@ -54,8 +55,9 @@ pub(super) struct Args {
     /// Effects of the single draws and of `analyser`, dominant effects of `machine` [default: all].
     #[arg(long, value_name = "ID,…", value_delimiter = ',', value_parser = known_effect)]
     effects: Vec<&'static str>,
-    /// Kinds of draw: single, clean, pair, outsider, analyser, machine, machine-2 [default: the
-    /// first four; the others would make the run several times as long].
+    /// Kinds of draw: single, clean, pair, outsider, analyser, machine, machine-2,
+    /// machine-record, machine-2-record [default: the first four; the others would make the run
+    /// several times as long].
     #[arg(long, value_name = "KIND,…", value_delimiter = ',')]
     kinds: Vec<Kind>,
     /// Orders of the actuator, taken in turn.

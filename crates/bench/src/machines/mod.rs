@@ -3,9 +3,12 @@
 //! A fit to data from the same simulator cannot reveal that simulator's errors. [`simulator`]
 //! therefore uses plain time stepping and shares no code with the modules `simulate` and `effects`
 //! of `servoscope-core`. [`draw`] draws machines and experiment designs, and makes measurements of
-//! them from [`responses`] and [`noise`].
+//! them from [`responses`] and [`noise`]. [`records`] are sampled records of periodic motions, among
+//! them those in a [`closed_loop`].
 
+pub mod closed_loop;
 pub mod draw;
 pub mod noise;
+pub mod records;
 pub mod responses;
 pub mod simulator;

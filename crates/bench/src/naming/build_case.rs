@@ -2,7 +2,6 @@
 
 use indexmap::IndexMap;
 use rand::RngExt;
-use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use servoscope_core::diagnose::DiagnoseError;
@@ -12,10 +11,11 @@ use servoscope_core::plant::{Actuator, Plant};
 
 use super::case::{Case, Kind};
 use super::dominance::Dominance;
-use super::effect_draws::{draw_effect, exclude_each_other, ids};
-use super::excess::{COARSE, DETECTABLE, exact, excess_in, excess_of, scaled_to_excess};
+use super::effect_draws::{draw_effect, two};
+use super::excess::{DETECTABLE, exact, excess_in, scaled_to_excess};
 use super::instrument::Instrument;
-use super::mixture::{CHI2_PER_DOF, Mixing, dominance};
+use super::mixed_case::{dominant, mixed, recorded};
+use super::mixture::{CHI2_PER_DOF, Mixing};
 use super::outsiders;
 use super::rivals::{Nearest, Rivals};
 use super::sizing::Sizing;
@@ -50,7 +50,7 @@ pub struct Hidden {
 }
 
 impl Hidden {
-    fn of(effect: &Effect, excess: f64) -> Self {
+    pub(super) fn of(effect: &Effect, excess: f64) -> Self {
         let parameters = effect.parameters().into_iter().collect();
         Self { effect: effect.id(), parameters, excess, small: false }
     }
@@ -151,16 +151,23 @@ pub fn build_case(
         let sized = |effect: Effect, target: f64| {
             scaled_to_excess(&machine, &effect, [least, target], &instrument, sizing)
         };
-        let hidden = match case.kind {
-            Kind::Machine | Kind::MachinePair => {
+        let hidden = match case.kind.dominant() {
+            1.. => {
                 let (machine, instrument) = (&machine, &instrument);
                 let mixing = Mixing { machine, instrument, sized, chi2_per_dof: wanted[0] };
                 dominant(case, rng).and_then(|ids| mixing.draw(&ids, rng))
             }
-            _ => effects(case, &machine, sized, wanted, attempt, rng),
+            0 => effects(case, &machine, sized, wanted, attempt, rng),
         };
         let Some(effects) = hidden else { continue };
         machine.effects = effects;
+        if let Some(recording) = instrument.recording {
+            let made = recorded(case, &machine, instrument, recording, wanted[0], rng);
+            match made {
+                Some(made) => return Ok(Made { attempts: attempt, ..made }),
+                None => continue,
+            }
+        }
         let responses = instrument.responses(&machine, &Settings::default())?;
         let excess = if machine.effects.is_empty() {
             0.0
@@ -171,9 +178,9 @@ pub fn build_case(
             }
         };
         let exact = || exact(&responses, &instrument);
-        let (dominance, hidden) = match case.kind {
-            Kind::Machine | Kind::MachinePair => mixed(case, &machine, &instrument).unzip(),
-            _ => (None, accepted(case, &machine, exact, excess)?),
+        let (dominance, hidden) = match case.kind.dominant() {
+            1.. => mixed(case, &machine, &instrument).unzip(),
+            0 => (None, accepted(case, &machine, exact, excess)?),
         };
         let Some(hidden) = hidden else { continue };
         let measurement = responses.noisy(&instrument.noise, instrument.said.statement(), rng)?;
@@ -197,7 +204,7 @@ pub fn build_case(
 fn target_range(case: &Case) -> [f64; 2] {
     match case.kind {
         Kind::Analyser => ANALYSER_EXCESS,
-        Kind::Machine | Kind::MachinePair => CHI2_PER_DOF,
+        _ if case.kind.dominant() > 0 => CHI2_PER_DOF,
         _ => [DETECTABLE, most_excess(case.level_db)],
     }
 }
@@ -222,7 +229,6 @@ fn effects(
     rng: &mut ChaCha8Rng,
 ) -> Option<Vec<Effect>> {
     match case.kind {
-        Kind::Clean | Kind::Machine | Kind::MachinePair => Some(Vec::new()),
         Kind::Single | Kind::Analyser => match case.effect {
             Some(id) => Some(vec![sized(draw_effect(id, machine, rng), targets[0])?]),
             None => Some(Vec::new()),
@@ -238,35 +244,13 @@ fn effects(
             let id = ids[(case.index as usize + attempt - 1) % ids.len()];
             Some(vec![sized(outsiders::draw_outsider(id, machine, rng), targets[0])?])
         }
+        // The effects of a machine with small ones are mixed, not drawn here.
+        _ => Some(Vec::new()),
     }
 }
 
-/// Two different effects, unless they exclude each other.
-fn two(rng: &mut ChaCha8Rng) -> Option<Vec<&'static str>> {
-    let ids: Vec<&'static str> = ids().sample(rng, 2).copied().collect();
-    (!exclude_each_other(ids[0], ids[1])).then_some(ids)
-}
-
-/// Ids of the dominant effects of a machine; `None` if two were drawn that exclude each other.
-fn dominant(case: &Case, rng: &mut ChaCha8Rng) -> Option<Vec<&'static str>> {
-    case.effect.map_or_else(|| two(rng), |id| Some(vec![id]))
-}
-
-/// The dominance and the effects of a machine with small ones; `None` unless it is as wanted.
-fn mixed(case: &Case, machine: &Draw, instrument: &Instrument) -> Option<(Dominance, Vec<Hidden>)> {
-    let dominant = if case.kind == Kind::Machine { 1 } else { 2 };
-    let found = dominance(machine, dominant, instrument, &Settings::default())?;
-    let hidden = |(place, effect): (usize, &Effect)| {
-        let alone = Draw { effects: vec![*effect], ..machine.clone() };
-        let excess = excess_of(&alone, instrument, &COARSE)?;
-        Some(Hidden { small: place >= dominant, ..Hidden::of(effect, excess) })
-    };
-    let hidden = machine.effects.iter().enumerate().map(hidden).collect::<Option<_>>()?;
-    found.is_wanted().then_some((found, hidden))
-}
-
-/// The hidden effects with their excess, judged by the noise-free measurement; `None` if one effect of a pair is not detectable, or an
-/// effect of the library imitates an outsider.
+/// The hidden effects with their excess, judged by the noise-free measurement; `None` if one effect of
+/// a pair is not detectable, or an effect of the library imitates an outsider.
 fn accepted(
     case: &Case,
     machine: &Draw,
@@ -275,14 +259,12 @@ fn accepted(
 ) -> Result<Option<Vec<Hidden>>, MakeError> {
     let rivals = || -> Result<Rivals, MakeError> { Ok(Rivals::ask(&exact()?, case.order)?) };
     let excesses = match case.kind {
-        Kind::Single | Kind::Clean | Kind::Analyser | Kind::Machine | Kind::MachinePair => {
-            Some(vec![excess])
-        }
         Kind::Pair => {
             let ids = [machine.effects[0].id(), machine.effects[1].id()];
             detectable_beside(&rivals()?, ids)?.map(Vec::from)
         }
         Kind::Outsider => is_outside(&rivals()?, machine)?.then(|| vec![excess]),
+        _ => Some(vec![excess]),
     };
     let hidden = |(effect, excess): (&Effect, f64)| Hidden::of(effect, excess);
     Ok(excesses.map(|excesses| machine.effects.iter().zip(excesses).map(hidden).collect()))
@@ -307,7 +289,7 @@ fn is_outside(rivals: &Rivals, machine: &Draw) -> Result<bool, MakeError> {
 }
 
 /// Parameters of a plant by the names used in answers.
-fn truth(plant: &Plant) -> IndexMap<&'static str, f64> {
+pub(super) fn truth(plant: &Plant) -> IndexMap<&'static str, f64> {
     let (a, k) = (plant.viscous_rate_rad_s, plant.constant);
     let mut truth = IndexMap::from([
         ("pole", -a),

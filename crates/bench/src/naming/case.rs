@@ -29,11 +29,17 @@ pub enum Kind {
     /// Two dominant effects, and several small ones beside them.
     #[serde(rename = "machine-2")]
     MachinePair,
+    /// As [`Kind::Machine`], but recorded: a multisine, or a trajectory in a position loop.
+    #[serde(rename = "machine-record")]
+    MachineRecord,
+    /// As [`Kind::MachinePair`], but recorded.
+    #[serde(rename = "machine-2-record")]
+    MachinePairRecord,
 }
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::Single,
         Self::Clean,
         Self::Pair,
@@ -41,6 +47,8 @@ impl Kind {
         Self::Analyser,
         Self::Machine,
         Self::MachinePair,
+        Self::MachineRecord,
+        Self::MachinePairRecord,
     ];
 
     /// The name used in keys and on the command line.
@@ -53,7 +61,23 @@ impl Kind {
             Self::Analyser => "analyser",
             Self::Machine => "machine",
             Self::MachinePair => "machine-2",
+            Self::MachineRecord => "machine-record",
+            Self::MachinePairRecord => "machine-2-record",
         }
+    }
+
+    /// Number of dominant effects beside small ones; 0 if the kind has no small ones.
+    pub fn dominant(self) -> usize {
+        match self {
+            Self::Single | Self::Clean | Self::Pair | Self::Outsider | Self::Analyser => 0,
+            Self::Machine | Self::MachineRecord => 1,
+            Self::MachinePair | Self::MachinePairRecord => 2,
+        }
+    }
+
+    /// Whether the machine is recorded, instead of measured as a table.
+    pub fn is_recorded(self) -> bool {
+        matches!(self, Self::MachineRecord | Self::MachinePairRecord)
     }
 
     /// The kind with which a key begins, and the rest of the key.
@@ -79,7 +103,9 @@ impl FromStr for Kind {
 pub struct Case {
     /// What is hidden.
     pub kind: Kind,
-    /// Noise, dB. For [`Kind::Analyser`] the middle of the range from which the floor is drawn.
+    /// Noise, dB. For [`Kind::Analyser`] the middle of the range from which the floor is drawn. The
+    /// effects of a machine that is recorded are drawn for a table with this noise; that of its
+    /// record follows from what the dominant effects shall leave.
     pub level_db: u32,
     /// Id of the effect; always for [`Kind::Single`] and, the dominant one, for [`Kind::Machine`];
     /// for [`Kind::Analyser`] if it hides one.
@@ -135,9 +161,13 @@ impl FromStr for Case {
             index: index.parse().map_err(|_| malformed())?,
         };
         let is_whole = match kind {
-            Kind::Single | Kind::Machine => effect.is_some(),
+            Kind::Single | Kind::Machine | Kind::MachineRecord => effect.is_some(),
             Kind::Analyser => true,
-            Kind::Clean | Kind::Pair | Kind::Outsider | Kind::MachinePair => effect.is_none(),
+            Kind::Clean
+            | Kind::Pair
+            | Kind::Outsider
+            | Kind::MachinePair
+            | Kind::MachinePairRecord => effect.is_none(),
         };
         is_whole.then_some(case).ok_or_else(malformed)
     }
@@ -188,10 +218,12 @@ mod tests {
     }
 
     #[test]
-    fn the_key_of_a_machine_tells_one_dominant_effect_from_two() {
+    fn the_key_of_a_machine_tells_one_dominant_effect_from_two_and_a_table_from_a_record() {
         for (key, kind, effect) in [
             ("machine-60-spring-o1-4", Kind::Machine, Some("spring")),
             ("machine-2-60-o1-4", Kind::MachinePair, None),
+            ("machine-record-60-spring-o1-4", Kind::MachineRecord, Some("spring")),
+            ("machine-2-record-60-o1-4", Kind::MachinePairRecord, None),
         ] {
             let case = Case { kind, level_db: 60, effect, order: 1, index: 4 };
             assert_eq!((key.parse(), case.to_string()), (Ok(case), key.to_owned()));

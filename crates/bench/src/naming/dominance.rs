@@ -72,6 +72,17 @@ impl Dominance {
         Ok(Self { base: session.base().cost, alone, left, chi2_per_dof })
     }
 
+    /// The same where the noise is `factor` times as large.
+    pub(super) fn with_noise(&self, factor: f64) -> Self {
+        let of = |excess: f64| excess / (factor * factor);
+        Self {
+            base: of(self.base),
+            alone: self.alone.iter().copied().map(of).collect(),
+            left: of(self.left),
+            chi2_per_dof: 1.0 + of(self.chi2_per_dof - 1.0),
+        }
+    }
+
     /// Share of the base model's excess that the dominant effects make.
     pub fn share(&self) -> f64 {
         1.0 - self.left / self.base

@@ -1,6 +1,7 @@
 //! Effects drawn at random, in proportion to the machine they hide in.
 
 use rand::RngExt;
+use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 use servoscope_core::effects::{ALL, Draws, MachineScales, find};
 
@@ -48,6 +49,12 @@ pub(super) fn exclude_each_other(left: &str, right: &str) -> bool {
         ["input_quantisation", "actuator_saturation"],
     ];
     left == right || PAIRS.contains(&[left, right]) || PAIRS.contains(&[right, left])
+}
+
+/// Two different effects, unless they exclude each other.
+pub(super) fn two(rng: &mut ChaCha8Rng) -> Option<Vec<&'static str>> {
+    let ids: Vec<&'static str> = ids().sample(rng, 2).copied().collect();
+    (!exclude_each_other(ids[0], ids[1])).then_some(ids)
 }
 
 /// Draws from a stream of random numbers.

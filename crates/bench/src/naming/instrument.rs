@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use super::case::{Case, Kind};
+use super::recording::Recording;
 use crate::machines::draw::{Draw, DrawError, NoiseStatement, log_uniform, stepped_sine};
 use crate::machines::noise::{NoiseLaw, RelativeNoise};
 use crate::machines::responses::Responses;
@@ -77,6 +78,8 @@ pub struct Instrument {
     pub noise: RelativeNoise,
     /// What it says of that.
     pub said: NoiseSaid,
+    /// The record that it makes in place of a table; `noise` is then that of the first harmonic.
+    pub recording: Option<Recording>,
 }
 
 impl Instrument {
@@ -92,16 +95,19 @@ impl Instrument {
     /// | said of it | nothing (half), 3 … 6 repeats (a quarter), a coherence (a quarter) |
     ///
     /// Others measure at the points of the machine, harmonics 0 to 7 and with noise of the level of
-    /// the draw. They state its standard deviation; every fifth has repeats instead.
+    /// the draw. They state its standard deviation; every fifth has repeats instead. What is
+    /// recorded has a random [`Recording`].
     pub(super) fn of(case: &Case, rng: &mut ChaCha8Rng) -> Self {
         let level_db = f64::from(case.level_db);
         if case.kind != Kind::Analyser {
-            let has_repeats = case.index % 5 == 4;
+            let is_recorded = case.kind.is_recorded();
+            let has_repeats = case.index % 5 == 4 && !is_recorded;
             return Self {
                 points: None,
                 harmonics: Harmonics::UpTo(7),
                 noise: RelativeNoise::decibels(level_db),
                 said: if has_repeats { NoiseSaid::Repeats(REPEATS) } else { NoiseSaid::Std },
+                recording: is_recorded.then(|| Recording::of(rng.random_range(0..3))),
             };
         }
         let points = [rng.random_range(1..=3), rng.random_range(10..=60)];
@@ -119,7 +125,7 @@ impl Instrument {
             2 => NoiseSaid::Repeats(rng.random_range(3..=6)),
             _ => NoiseSaid::Coherence,
         };
-        Self { points: Some(points), harmonics, noise, said }
+        Self { points: Some(points), harmonics, noise, said, recording: None }
     }
 
     /// The machine with the points and harmonics of this instrument.
@@ -168,6 +174,9 @@ impl Instrument {
 impl fmt::Display for Instrument {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let RelativeNoise { floor_db, share } = self.noise;
+        if let Some(recording) = self.recording {
+            return write!(f, "{floor_db:.1} dB, {recording}");
+        }
         let Some([magnitudes, frequencies]) = self.points else {
             return write!(f, "{floor_db:.0} dB ({})", self.said);
         };
@@ -282,8 +291,13 @@ mod tests {
             harmonics: Harmonics::UpTo(3),
             noise: RelativeNoise { floor_db: 64.23, share: 0.003_1 },
             said: NoiseSaid::Nothing,
+            recording: None,
         };
         let expected = "64.2 dB and 0.31 % (nothing said), 2 × 34 points, harmonics 0–3";
         assert_eq!(analyser.to_string(), expected);
+        let recording = Some(Recording::Multisine { levels: 2 });
+        let noise = RelativeNoise::decibels(57.04);
+        let recorder = Instrument { points: None, noise, recording, ..analyser };
+        assert_eq!(recorder.to_string(), "57.0 dB, multisine at 2 levels");
     }
 }

@@ -6,8 +6,9 @@
 //! - `instrument`: how the machine of a draw is measured.
 //! - `sizing`, `excess`: scale a hidden effect until the base model's excess χ² has the required
 //!   value.
-//! - `mixture`: the dominant and small effects of a machine. `dominance`: how much of the excess the
+//! - `mixture`, `mixed_case`: the dominant and small effects of a machine. `dominance`: how much of the excess the
 //!   dominant ones make and leave.
+//! - `recording`: records of a machine, in place of a table.
 //! - `rivals`: how well a single other effect of the library imitates the hidden one.
 //! - `build_case`: makes the machine, its hidden effects and its measurement.
 //! - `fresh`: checks the reported gain against a fresh measurement.
@@ -29,10 +30,12 @@ mod fixtures;
 mod fresh;
 mod instrument;
 mod judge;
+mod mixed_case;
 mod mixture;
 pub mod outsiders;
 mod plan;
 mod rate;
+mod recording;
 mod rivals;
 mod run;
 mod score;
@@ -52,6 +55,7 @@ pub use instrument::{Harmonics, Instrument, NoiseSaid};
 pub use judge::{Answer, Estimated, Named, Outcome, Seconds};
 pub use plan::Plan;
 pub use rate::Rate;
+pub use recording::Recording;
 pub use rivals::{Nearest, Rivals};
 pub use run::{Run, Settings, Unmade, run_all, run_case};
 pub use search_setting::{SettingChange, search_settings};

@@ -27,14 +27,15 @@ pub struct Plan {
     pub outsiders: u32,
     /// Number of analysers that hide an effect, of each effect.
     pub analysers: u32,
-    /// Number of machines with one dominant effect, of each effect at each level above 40 dB.
+    /// Number of machines with one dominant effect, of each effect at each level above 40 dB; those
+    /// that are recorded only at the level with the least noise.
     pub machines: u32,
-    /// Number of machines with two dominant effects at each level above 40 dB.
+    /// The same of machines with two dominant effects.
     pub machine_pairs: u32,
 }
 
-/// All kinds but [`Kind::Analyser`], [`Kind::Machine`] and [`Kind::MachinePair`], which would make
-/// the run several times as long.
+/// All kinds but [`Kind::Analyser`] and the machines with small effects, which would make the run
+/// several times as long.
 impl Default for Plan {
     fn default() -> Self {
         Self {
@@ -64,7 +65,13 @@ impl Plan {
             let order = self.orders[index as usize % self.orders.len()];
             Case { kind, level_db, effect, order, index }
         };
-        let levels = self.levels_db.iter().copied();
+        // What a level means for a record is its draw alone.
+        let levels = || self.levels_db.iter().copied();
+        let levels: Vec<u32> = match kind.is_recorded() {
+            true => levels().max().into_iter().collect(),
+            false => levels().collect(),
+        };
+        let levels = levels.into_iter();
         match kind {
             Kind::Single => levels
                 .flat_map(|level| self.effects.iter().map(move |effect| (level, *effect)))
@@ -77,7 +84,7 @@ impl Plan {
                     .map(|i| case(self.levels_db[(i % count) as usize], None, i / count))
                     .collect()
             }
-            Kind::Pair | Kind::MachinePair => {
+            Kind::Pair | Kind::MachinePair | Kind::MachinePairRecord => {
                 let count = if kind == Kind::Pair { self.pairs } else { self.machine_pairs };
                 levels
                     .filter(|level| *level > 40)
@@ -85,7 +92,7 @@ impl Plan {
                     .map(|(level, index)| case(level, None, index))
                     .collect()
             }
-            Kind::Machine => {
+            Kind::Machine | Kind::MachineRecord => {
                 // Few of each effect: the orders change from one effect to the next, too.
                 let order = |place: usize, index: u32| {
                     self.orders[(place + index as usize) % self.orders.len()]
@@ -130,7 +137,7 @@ mod tests {
         let plan = Plan::default();
         let cases = plan.cases();
         let count = |kind: Kind| cases.iter().filter(|case| case.kind == kind).count();
-        assert_eq!(Kind::ALL.map(count), [3 * 17 * 10, 300, 2 * 60, 45, 0, 0, 0]);
+        assert_eq!(Kind::ALL.map(count), [3 * 17 * 10, 300, 2 * 60, 45, 0, 0, 0, 0, 0]);
         let keys: HashSet<String> = cases.iter().map(Case::to_string).collect();
         assert_eq!(keys.len(), cases.len());
         for case in &cases {
@@ -162,6 +169,10 @@ mod tests {
         let plan = Plan { machines: 1, machine_pairs: 6, ..Plan::default() };
         let machines = [Kind::Machine, Kind::MachinePair];
         assert!(machines.iter().all(|kind| !plan.kinds.contains(kind)));
+        let recorded =
+            Plan { kinds: vec![Kind::MachineRecord, Kind::MachinePairRecord], ..plan.clone() };
+        assert_eq!(recorded.cases().len(), 17 + 6);
+        assert!(recorded.cases().iter().all(|case| case.level_db == 60));
         let cases = Plan { kinds: machines.into(), ..plan }.cases();
         assert_eq!(cases.len(), 2 * 17 + 2 * 6);
         assert!(cases.iter().all(|case| case.level_db > 40));

@@ -120,8 +120,12 @@ impl Outcome {
                     self.causes().is_empty() && self.verdict() != Some(Verdict::Unexplained)
                 }
                 Kind::Analyser => self.first_or_equivalent() && !self.names_another(),
-                Kind::Machine => self.first_or_equivalent() && !self.names_another_at(SURE),
-                Kind::MachinePair => self.dominant_named_at(0.0) && !self.names_another_at(SURE),
+                Kind::Machine | Kind::MachineRecord => {
+                    self.first_or_equivalent() && !self.names_another_at(SURE)
+                }
+                Kind::MachinePair | Kind::MachinePairRecord => {
+                    self.dominant_named_at(0.0) && !self.names_another_at(SURE)
+                }
             }
     }
 }

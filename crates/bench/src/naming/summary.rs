@@ -1,5 +1,6 @@
 //! Summary of a run of the benchmark: rates, confusion tables, calibration and times.
 
+mod calibration;
 mod lines;
 mod machines;
 
@@ -10,15 +11,11 @@ use serde::Serialize;
 use super::case::Kind;
 use super::judge::Outcome;
 use super::rate::Rate;
+pub use calibration::ConfidenceBin;
+use calibration::calibration;
 
 /// Bounds of the bins of the excess.
 const EXCESS_BOUNDS: [f64; 4] = [120.0, 1_200.0, 12_000.0, 120_000.0];
-/// Bounds of the bins of the confidence.
-const CONFIDENCE_BOUNDS: [f64; 6] = [0.0, 0.5, 0.8, 0.9, 0.99, 1.0];
-/// Lower bound of the bin with a target, and the share of its causes that must be right: 75–95 % of
-/// those at a confidence of 0.8 to 0.9 (contract, section 4).
-const CALIBRATION_TARGET: (f64, [f64; 2]) = (0.8, [0.75, 0.95]);
-
 /// Row of clean draws, and column of draws in which nothing is named, in a confusion table.
 pub const NONE: &str = "none";
 
@@ -77,25 +74,6 @@ pub struct EffectRates {
     pub all: Rate,
     /// Rates by decade of the excess, from 120 upwards.
     pub by_decade: [Rate; 3],
-}
-
-/// How often the causes in one range of confidence are right.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ConfidenceBin {
-    /// Lowest confidence.
-    pub from: f64,
-    /// Highest confidence. This value belongs to the next bin, except for 1.
-    pub to: f64,
-    /// Mean confidence of the causes in the bin; null if it is empty.
-    pub mean: Option<f64>,
-    /// Rate of the causes that are right.
-    pub right: Rate,
-    /// The 95 % interval of that rate.
-    pub interval95: [f64; 2],
-    /// Whether the mean confidence lies within that interval; null if the bin is empty.
-    pub calibrated: Option<bool>,
-    /// Its target.
-    pub wanted: Wanted,
 }
 
 /// Confusion table at one noise level: hidden effects (rows; in a machine the dominant one) against
@@ -163,8 +141,8 @@ fn effects(outcomes: &[Outcome], levels: &[u32]) -> Vec<EffectRates> {
     let mut rates: Vec<EffectRates> = Vec::new();
     for level_db in levels {
         let of_one = |o: &&Outcome| {
-            matches!(o.kind, Kind::Single | Kind::Analyser | Kind::Machine)
-                && o.level_db == *level_db
+            let of_one = matches!(o.kind, Kind::Single | Kind::Analyser) || o.kind.dominant() == 1;
+            of_one && o.level_db == *level_db
         };
         for outcome in outcomes.iter().filter(of_one) {
             let Some(hidden) = outcome.dominant().next() else { continue };
@@ -196,28 +174,6 @@ fn confusion(outcomes: &[Outcome], level_db: u32) -> Confusion {
         *counts.entry((hidden.to_owned(), named.to_owned())).or_insert(0) += 1;
     }
     Confusion { level_db, counts }
-}
-
-fn calibration(outcomes: &[Outcome]) -> Vec<ConfidenceBin> {
-    let bin = |bounds: &[f64]| {
-        let (from, to) = (bounds[0], bounds[1]);
-        let within = |p: f64| p >= from && (p < to || (to >= 1.0 && p <= 1.0));
-        let mut right = Rate::default();
-        let mut sum = 0.0;
-        for outcome in outcomes {
-            for cause in outcome.causes().iter().filter(|cause| within(cause.confidence)) {
-                right.add(outcome.is_hidden(&cause.effect));
-                sum += cause.confidence;
-            }
-        }
-        let mean = (right.of > 0).then(|| sum / f64::from(right.of));
-        let (asked_from, shares) = CALIBRATION_TARGET;
-        let wanted = if from == asked_from { Wanted::Between(shares) } else { Wanted::Nothing };
-        let interval95 = right.interval95();
-        let calibrated = mean.map(|mean| (interval95[0]..=interval95[1]).contains(&mean));
-        ConfidenceBin { from, to, mean, right, interval95, calibrated, wanted }
-    };
-    CONFIDENCE_BOUNDS.windows(2).map(bin).collect()
 }
 
 fn times(seconds: impl Iterator<Item = f64>) -> Times {
@@ -369,33 +325,6 @@ mod tests {
         );
         let counted: u32 = summary.confusions.iter().flat_map(|c| c.counts.values()).sum();
         assert_eq!(counted, 2, "two dominant effects have no single row");
-    }
-
-    #[test]
-    fn a_bin_is_calibrated_where_its_mean_lies_in_the_interval_of_its_rate() {
-        let calibration = Summary::of(&machines()).calibration;
-        let found: Vec<_> = calibration.iter().map(|bin| (bin.right, bin.calibrated)).collect();
-        let rate = |hits, of| Rate { hits, of };
-        // Right at 0.4, 0.3 and 0.6, wrong at 0.85, right twice at 0.9. One or two causes do not
-        // contradict any such confidence.
-        let expected = [
-            (rate(2, 2), Some(true)),
-            (rate(1, 1), Some(true)),
-            (rate(0, 1), Some(true)),
-            (rate(2, 2), Some(true)),
-            (rate(0, 0), None),
-        ];
-        assert_eq!(found, expected);
-        let sure = |right: bool| {
-            let named = if right { "spring" } else { "cogging" };
-            let causes = [(named, 0.85, &[][..])];
-            outcome("single-60-spring-o0-0", &["spring"], &causes, Verdict::Explained)
-        };
-        // Four of ten: at most 0.74 by the exact interval.
-        let ten: Vec<Outcome> = (0..10).map(|i| sure(i < 4)).collect();
-        let bin = Summary::of(&ten).calibration[2];
-        assert_eq!((bin.right, bin.calibrated), (rate(4, 10), Some(false)));
-        assert_eq!(bin.interval95, bin.right.interval95());
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub fn summary_text(summary: &Summary) -> String {
         let level = line.level_db.map_or("all".to_owned(), |db| format!("{db} dB"));
         let (kind, share) = (line.kind.name(), interval(&line.rate));
         let asked = asked(&line.wanted, &line.rate);
-        let row = format!("  {kind:<9} {level:<6} {:<45} {share:<38} {asked}", line.what);
+        let row = format!("  {kind:<16} {level:<6} {:<45} {share:<38} {asked}", line.what);
         push(&mut text, row.trim_end());
     }
     effects(&mut text, summary);
@@ -54,7 +54,7 @@ fn effects(text: &mut String, summary: &Summary) {
     }
     push(text, "\nNamed first, by effect, kind, noise and excess χ²");
     let heads = ["all", "120 …", "1 200 …", "12 000 …"].map(|head| format!("{head:>9}")).concat();
-    push(text, &format!("  {:<21} {:<9} {:<5} {heads}", "hidden", "kind", "dB"));
+    push(text, &format!("  {:<21} {:<16} {:<5} {heads}", "hidden", "kind", "dB"));
     for row in &summary.effects {
         let short = |rate: &Rate| match rate.of {
             0 => format!("{:>9}", "–"),
@@ -62,7 +62,7 @@ fn effects(text: &mut String, summary: &Summary) {
         };
         let decades = row.by_decade.iter().map(short).collect::<String>();
         let (effect, kind, level) = (row.effect, row.kind.name(), row.level_db);
-        push(text, &format!("  {effect:<21} {kind:<9} {level:<5} {}{decades}", short(&row.all)));
+        push(text, &format!("  {effect:<21} {kind:<16} {level:<5} {}{decades}", short(&row.all)));
     }
 }
 

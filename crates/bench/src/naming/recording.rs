@@ -1,0 +1,260 @@
+//! Records of a machine, in place of a table: multisines, and a trajectory in a position loop.
+
+use std::fmt;
+
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use servoscope_core::measurement::{Experiment, Loop, Measurement, Metadata, ResponseKind};
+
+use super::dominance::Dominance;
+use crate::machines::closed_loop::PositionLoop;
+use crate::machines::draw::Draw;
+use crate::machines::records::{PeriodicMotion, RecordNoise, Sampling, multisine};
+use crate::machines::simulator::{Effect, Machine, Settings, respond};
+
+/// Lines of a multisine, and of the command in a position loop.
+const LINES: usize = 200;
+/// Highest harmonic of the response that is simulated.
+const HARMONICS: usize = 300;
+/// Half the peak-to-peak value of a multisine, as a multiple of the highest magnitude of a table.
+/// Its root mean square is about a third of that.
+const MULTISINE_MAGNITUDE: f64 = 1.5;
+/// Ratio of the two levels.
+const LEVEL_RATIO: f64 = 2.0;
+/// Highest velocity of a trajectory, as a multiple of that at the lowest magnitude of a table, at
+/// low frequency and without friction.
+const TRAJECTORY_VELOCITY: f64 = 1.5;
+/// Fundamental of a trajectory and bandwidth of its loop, as multiples of a.
+const TRAJECTORY_RATES: [f64; 2] = [0.1, 2.0];
+const SAMPLING: Sampling = Sampling { samples: 2048, periods: 4 };
+/// Noise of every sample of the response, as a share of its root mean square; it is then changed
+/// until the dominant effects leave what they shall.
+const RESPONSE_NOISE: f64 = 1e-3;
+/// Noise of the input, as a share of the root mean square, for each such share of the response; a
+/// current is measured less well than a position.
+const INPUT_NOISE_RATIO: f64 = 30.0;
+/// Least and largest change of this noise.
+const NOISE_CHANGE: [f64; 2] = [0.05, 20.0];
+
+/// How a machine is recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Recording {
+    /// 200 lines of equal size and random phases, with a response that is a velocity.
+    Multisine {
+        /// Number of levels, 1 or 2.
+        levels: usize,
+    },
+    /// A trajectory in a closed position loop: the response is a position, and the input is
+    /// measured with noise.
+    Trajectory,
+}
+
+/// `trajectory`, `multisine at 2 levels`.
+impl fmt::Display for Recording {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Multisine { levels: 1 } => f.write_str("multisine at 1 level"),
+            Self::Multisine { levels } => write!(f, "multisine at {levels} levels"),
+            Self::Trajectory => f.write_str("trajectory in a position loop"),
+        }
+    }
+}
+
+/// A record of a machine.
+pub(super) struct Recorded {
+    pub(super) measurement: Measurement,
+    pub(super) dominance: Dominance,
+    /// Noise of the first harmonic, response units.
+    pub(super) std: f64,
+    /// The same below the first harmonic, dB.
+    pub(super) level_db: f64,
+}
+
+/// Every motion of a record, of the whole machine and, with the same input, of that without its
+/// small effects.
+type Motions = Vec<[PeriodicMotion; 2]>;
+
+impl Recording {
+    /// One of all, by a random number from 0 to 2.
+    pub(super) fn of(number: u8) -> Self {
+        match number {
+            0 => Self::Multisine { levels: 1 },
+            1 => Self::Multisine { levels: 2 },
+            _ => Self::Trajectory,
+        }
+    }
+
+    fn kind(self) -> ResponseKind {
+        match self {
+            Self::Multisine { .. } => ResponseKind::Velocity,
+            Self::Trajectory => ResponseKind::Position,
+        }
+    }
+
+    /// Records a machine whose first effects, this many, dominate, with as much noise as it takes
+    /// for these to leave this χ² per degree of freedom. `None` if it has no response of the
+    /// input's period, cannot be fitted, or would need noise that no sensor has.
+    pub(super) fn record(
+        self,
+        machine: &Draw,
+        dominant: usize,
+        chi2_per_dof: f64,
+        rng: &mut ChaCha8Rng,
+    ) -> Option<Recorded> {
+        let motions = match self {
+            Self::Multisine { levels } => multisines(machine, dominant, levels, rng)?,
+            Self::Trajectory => trajectory(machine, dominant)?,
+        };
+        let noise = self.noise(&motions[0][0]);
+        let run = |place: usize| place as f64;
+        let exact = |which: usize, noise: &RecordNoise| {
+            let exact = |(place, both): (usize, &[PeriodicMotion; 2])| {
+                both[which].exact(self.kind(), LINES, noise, SAMPLING, run(place))
+            };
+            self.measurement(motions.iter().enumerate().map(exact).collect())
+        };
+        let ids: Vec<&str> = machine.effects[..dominant].iter().map(Effect::id).collect();
+        let order = machine.plant.actuator.order();
+        let found = Dominance::of(&exact(0, &noise)?, &exact(1, &noise)?, &ids, order).ok()?;
+        // Noise changes the size of all excesses, but not where the fits end.
+        let change = ((found.chi2_per_dof - 1.0) / (chi2_per_dof - 1.0)).sqrt();
+        if !(NOISE_CHANGE[0]..=NOISE_CHANGE[1]).contains(&change) {
+            return None;
+        }
+        let (noise, dominance) = (noise.times(change), found.with_noise(change));
+        let recorded = |(place, [whole, _]): (usize, &[PeriodicMotion; 2])| {
+            whole.recorded(self.kind(), &noise, SAMPLING, run(place), rng).ok()
+        };
+        let experiments = motions.iter().enumerate().map(recorded).collect::<Option<_>>()?;
+        let exact = exact(0, &noise)?;
+        let first = exact.experiments()[0].harmonic(1)?;
+        let std = first.std?;
+        let level_db = 20.0 * (first.value.norm() / std).log10();
+        Some(Recorded { measurement: self.measurement(experiments)?, dominance, std, level_db })
+    }
+
+    fn noise(self, motion: &PeriodicMotion) -> RecordNoise {
+        let response = RESPONSE_NOISE * motion.response_rms();
+        let input = match self {
+            Self::Multisine { .. } => 0.0,
+            Self::Trajectory => RESPONSE_NOISE * INPUT_NOISE_RATIO * motion.input_rms(),
+        };
+        RecordNoise { input, response }
+    }
+
+    fn measurement(self, experiments: Vec<Experiment>) -> Option<Measurement> {
+        let feedback = Some(match self {
+            Self::Multisine { .. } => Loop::Open,
+            Self::Trajectory => Loop::Closed,
+        });
+        let metadata = Metadata { response_kind: self.kind(), feedback, ..Metadata::default() };
+        Measurement::new(metadata, experiments, Vec::new(), String::new()).ok()
+    }
+}
+
+/// The same multisine at one or two levels.
+fn multisines(
+    machine: &Draw,
+    dominant: usize,
+    levels: usize,
+    rng: &mut ChaCha8Rng,
+) -> Option<Motions> {
+    let (highest, band_rad_s) = *machine.design.last()?;
+    let omega_rad_s = band_rad_s / LINES as f64;
+    let input = multisine(LINES, MULTISINE_MAGNITUDE * highest, rng);
+    let level = |level: usize| {
+        let factor = LEVEL_RATIO.powi(-(level as i32));
+        let input: Vec<_> = input.iter().map(|line| factor * line).collect();
+        let share = level as f64 / (levels - 1).max(1) as f64;
+        let of = |effects: &[Effect]| {
+            let machine = Machine { plant: machine.plant, effects };
+            let settings = Settings::default();
+            let response =
+                respond(&machine, share, omega_rad_s, &input, HARMONICS, &settings).ok()?;
+            Some(PeriodicMotion { omega_rad_s, input: input.clone(), response })
+        };
+        Some([of(&machine.effects)?, of(&machine.effects[..dominant])?])
+    };
+    (0..levels).map(level).collect()
+}
+
+/// The trajectory as the whole machine follows it, and what its command does without the small
+/// effects.
+fn trajectory(machine: &Draw, dominant: usize) -> Option<Motions> {
+    let plant = machine.plant;
+    let a = plant.viscous_rate_rad_s;
+    let [omega, bandwidth] = TRAJECTORY_RATES;
+    let lowest = machine.design.first()?.0;
+    let position_loop = PositionLoop {
+        omega_rad_s: omega * a,
+        velocity: TRAJECTORY_VELOCITY * lowest * plant.constant / a,
+        bandwidth_rad_s: bandwidth * a,
+        lines: LINES,
+        harmonics: HARMONICS,
+    };
+    let settings = Settings::default();
+    let whole = Machine { plant, effects: &machine.effects };
+    let motion = position_loop.motion(&whole, 0.0, &settings).ok()??;
+    let without_small = Machine { plant, effects: &machine.effects[..dominant] };
+    let PeriodicMotion { omega_rad_s, input, .. } = motion.clone();
+    let response = respond(&without_small, 0.0, omega_rad_s, &input, HARMONICS, &settings).ok()?;
+    let other = PeriodicMotion { omega_rad_s, input, response };
+    Some(vec![[motion.as_position(), other.as_position()]])
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+
+    use super::*;
+    use crate::machines::draw::draw;
+
+    fn machine() -> Draw {
+        let machine = draw(0, 3);
+        let e = 0.2 * machine.plant.viscous_rate_rad_s / machine.plant.constant;
+        let e = e / machine.design[0].0;
+        let effects = vec![
+            Effect::new("gain_asymmetry", [("gamma", 0.1)]),
+            Effect::new("sensor_compression", [("e", e)]),
+        ];
+        Draw { effects, ..machine }
+    }
+
+    #[test]
+    fn two_levels_are_the_same_multisine_and_the_input_does_not_depend_on_small_effects() {
+        let machine = machine();
+        let rng = &mut ChaCha8Rng::seed_from_u64(1);
+        let motions = multisines(&machine, 1, 2, rng).unwrap();
+        let [[whole, dominant], [lower, _]] = &motions[..] else { panic!("two levels") };
+        assert_eq!((whole.input.len(), &whole.input), (LINES + 1, &dominant.input));
+        assert_ne!(whole.response, dominant.response);
+        for (high, low) in whole.input.iter().zip(&lower.input) {
+            assert_eq!(*low, high / LEVEL_RATIO);
+        }
+    }
+
+    #[test]
+    fn every_recording_is_drawn_and_says_what_it_is() {
+        let texts = [0, 1, 2].map(|number| Recording::of(number).to_string());
+        let expected =
+            ["multisine at 1 level", "multisine at 2 levels", "trajectory in a position loop"];
+        assert_eq!(texts, expected);
+    }
+
+    #[test]
+    #[ignore = "slow: fits of 200 lines"]
+    fn a_record_has_the_noise_with_which_the_dominant_effect_leaves_what_it_shall() {
+        for number in 0..3 {
+            let rng = &mut ChaCha8Rng::seed_from_u64(1);
+            let recording = Recording::of(number);
+            let recorded = recording.record(&machine(), 1, 5.0, rng).unwrap();
+            // Rounding of a few operations.
+            assert!((recorded.dominance.chi2_per_dof - 5.0).abs() < 1e-9, "{recording}");
+            let experiments = recorded.measurement.experiments();
+            assert_eq!(experiments.len(), if number == 1 { 2 } else { 1 });
+            assert!(experiments.iter().all(|e| e.repeats.len() == SAMPLING.periods));
+            assert_eq!(recorded.measurement.metadata().response_kind, recording.kind());
+        }
+    }
+}

@@ -8,6 +8,7 @@ use super::delimiter::{Delimiter, unquote};
 use super::fault::Fault;
 use super::given::Given;
 use super::header::Header;
+use super::instrument;
 use super::limits::MAX_ROWS;
 use super::name::{self, Name};
 use super::naming;
@@ -39,6 +40,7 @@ pub(super) struct CsvText<'a> {
     /// Whether the text stands for the cells of a sheet, whose delimiter and decimal mark are none
     /// of the file.
     of_cells: bool,
+    comments: Vec<(String, String)>,
     names: Vec<String>,
     names_line: u64,
     delimiter: Delimiter,
@@ -60,13 +62,23 @@ impl<'a> CsvText<'a> {
     }
 
     fn of(preamble: Preamble<'a>, of_cells: bool) -> Result<Self, Fault> {
-        let Preamble { header, notes, delimiter, rest, line, found } = preamble;
+        let Preamble { header, notes, delimiter, rest, line, found, comments } = preamble;
         let records = delimiter.reader(rest.as_bytes());
         let lines = LineCounter { bytes: rest.as_bytes(), at: 0, line };
         let names = Vec::new();
         let names_line = line;
-        let mut file =
-            Self { header, notes, found, of_cells, names, names_line, delimiter, records, lines };
+        let mut file = Self {
+            header,
+            notes,
+            found,
+            of_cells,
+            comments,
+            names,
+            names_line,
+            delimiter,
+            records,
+            lines,
+        };
         if let Some(names) = &file.header.column_names {
             file.names = names.clone();
             return Ok(file);
@@ -89,6 +101,12 @@ impl<'a> CsvText<'a> {
             self.notes.push(format!("line {line} is read as the units: {}", shown(units)));
             next = self.next(&mut record)?;
         }
+        let written_names = self.names.clone();
+        if let Some(instrument) = instrument::find(&self.names) {
+            self.notes.push(format!("the file is of {}", instrument.name));
+            self.names = (instrument.names)(&self.names, &self.comments, &mut self.header)
+                .map_err(|fault| fault.at_line(Some(self.names_line)))?;
+        }
         let unit = |field| units.as_ref().and_then(|units| units.get(field));
         let names = self.names.iter().enumerate();
         let names: Vec<Name> = names.map(|(field, name)| Name::of(name, unit(field))).collect();
@@ -99,7 +117,10 @@ impl<'a> CsvText<'a> {
         let naming =
             naming::resolve(&names, &mut self.header).map_err(|fault| fault.at_line(Some(line)))?;
         let columns: Vec<Column> = naming.used.iter().map(|used| used.column).collect();
-        let written = naming.used.iter().map(|used| names[used.field].written.clone());
+        let written = naming
+            .used
+            .iter()
+            .map(|used| written_names.get(used.field).cloned().unwrap_or_default());
         let written: Vec<_> = columns.iter().copied().zip(written).collect();
         let mut table = Table::new(columns, Some(Place::Line(line)));
         let mut decimals = Decimals::new(self.header.decimal);
@@ -108,7 +129,11 @@ impl<'a> CsvText<'a> {
             if table.len() == MAX_ROWS {
                 return Err(Fault::new(format!("more than {MAX_ROWS} rows")).at_line(Some(line)));
             }
+            let row = table.len();
             let cells = naming.used.iter().map(|used| {
+                if used.field == naming::ROW_NUMBER {
+                    return Ok(Some(used.convert(row as f64)));
+                }
                 let cell = unquote(record.get(used.field).unwrap_or_default());
                 Ok(decimals.number(line, cell)?.map(|number| used.convert(number)))
             });

@@ -51,6 +51,7 @@ impl Fault {
         let named =
             written.iter().find(|(column, _)| self.column.as_deref() == Some(column.name()));
         if let Some((column, written)) = named
+            && !written.is_empty()
             && !written.eq_ignore_ascii_case(column.name())
         {
             self.column = Some(written.clone());

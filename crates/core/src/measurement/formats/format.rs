@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::fault::Fault;
 use super::given::Given;
 use super::part::Part;
-use super::{delimited, encoding, json, universal, xlsx};
+use super::{delimited, encoding, json, sysid, twincat_scope, universal, xlsx};
 
 /// The content of a file, as bytes and, where it is one, as text.
 pub(super) struct Content<'a> {
@@ -50,7 +50,14 @@ pub(super) struct Format {
 }
 
 /// All formats. The first that a file looks like reads it; the last reads whatever is left.
-const FORMATS: &[Format] = &[xlsx::FORMAT, universal::FORMAT, json::FORMAT, delimited::FORMAT];
+const FORMATS: &[Format] = &[
+    xlsx::FORMAT,
+    universal::FORMAT,
+    twincat_scope::FORMAT,
+    sysid::FORMAT,
+    json::FORMAT,
+    delimited::FORMAT,
+];
 
 /// Reads a file.
 pub(super) fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {

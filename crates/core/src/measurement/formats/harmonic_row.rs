@@ -72,7 +72,9 @@ impl Entry {
             harmonic,
             repeat: row.index_in(Column::Repeat)?.unwrap_or(0),
             run: row.get(Column::Run),
-            response: written_response.map(|z| convention.harmonic(harmonic, z)),
+            response: written_response
+                .map(|z| convention.harmonic(harmonic, z))
+                .map(|z| if header.inverted { -z } else { z }),
             noise: Noise::default(),
             input: written_input.map(|z| convention.harmonic(harmonic, z)),
             row: row.index(),

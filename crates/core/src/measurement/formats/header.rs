@@ -33,6 +33,10 @@ pub(super) struct Header {
     pub(super) magnitude: Option<f64>,
     /// Decimal mark of a text, if stated.
     pub(super) decimal: Option<Mark>,
+    /// Whether the response is read with the opposite sign.
+    pub(super) inverted: bool,
+    /// Time between the samples of a record that has no column of times, s.
+    pub(super) sample_s: Option<f64>,
     /// Names of the columns of a text, in place of those that it has.
     pub(super) column_names: Option<Vec<String>>,
     /// Line and value of every key seen.
@@ -199,6 +203,14 @@ impl Header {
                     _ => return Err(format!("`{value}` is neither comma nor point")),
                 };
             }
+            "inverted" => {
+                self.inverted = match value {
+                    "yes" => true,
+                    "no" => false,
+                    _ => return Err(format!("`{value}` is neither yes nor no")),
+                };
+            }
+            "sample_s" => self.sample_s = Some(sample(value)?),
             "column_names" => self.column_names = Some(names(value)?),
             // Looked up before there is a text with metadata: see `xlsx`.
             "sheet" if value.is_empty() => return Err("the name of a sheet is needed".into()),
@@ -265,6 +277,13 @@ fn period(value: &str) -> Result<f64, String> {
     match value.parse::<f64>() {
         Ok(period) if period.is_finite() && period > 0.0 => Ok(period),
         _ => Err(format!("`{value}` is neither a positive number of seconds nor none")),
+    }
+}
+
+fn sample(value: &str) -> Result<f64, String> {
+    match value.parse::<f64>() {
+        Ok(sample) if sample.is_finite() && sample > 0.0 => Ok(sample),
+        _ => Err(format!("`{value}` is not a positive number of seconds")),
     }
 }
 
@@ -345,6 +364,8 @@ mod tests {
         assert_eq!(header("settle_periods", "2").settle_periods, Some(2));
         assert_eq!(header("averages", "16").averages, Some(16.0));
         assert_eq!(header("magnitude", "0.5").magnitude, Some(0.5));
+        assert!(header("inverted", "yes").inverted && !header("inverted", "no").inverted);
+        assert_eq!(header("sample_s", "0.001").sample_s, Some(0.001));
         assert_eq!(header("decimal", "comma").decimal, Some(Mark::Comma));
         assert_eq!(header("column_names", "a, b c,").column_names.unwrap(), ["a", "b c", ""]);
         assert_eq!(
@@ -385,6 +406,9 @@ mod tests {
             ("intersample", "cubic"),
             ("magnitude", "0"),
             ("decimal", "dot"),
+            ("inverted", "half"),
+            ("sample_s", "0"),
+            ("sheet", ""),
             ("column_names", "a"),
         ] {
             let fault = Header::default().set(Some(7), key, value).unwrap_err().in_file("f.csv");

@@ -47,12 +47,15 @@
 //! `initial_position`, `settle_s` and `run`. One with harmonics has `magnitude`, `omega_rad_s` or
 //! `frequency_hz`, `averages` and `run` next to `harmonics`.
 
+mod bode_100;
+mod column_table;
 mod columns;
 mod convention;
 mod csv_text;
 mod decimal;
 mod delimited;
 mod delimiter;
+mod digilent;
 mod encoding;
 mod fault;
 mod format;
@@ -60,6 +63,7 @@ mod given;
 mod harmonic_row;
 mod harmonic_table;
 mod header;
+mod instrument;
 mod join;
 mod json;
 mod json_table;
@@ -67,12 +71,15 @@ mod layout;
 mod limits;
 mod name;
 mod naming;
+mod nf_fra;
 mod part;
 mod preamble;
 mod repeats;
 mod row_noise;
+mod sysid;
 mod table;
 mod time_record;
+mod twincat_scope;
 mod universal;
 mod universal_dataset;
 mod vocabulary;

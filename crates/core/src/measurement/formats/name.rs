@@ -133,10 +133,7 @@ fn holds(name: &str) -> Option<Holds> {
     if let Some(holds) = whole(name) {
         return Some(holds);
     }
-    match quantity(name)? {
-        Ok(holds) => Some(holds),
-        Err(NotOneQuantity) => None,
-    }
+    quantity(name)?.ok()
 }
 
 /// A name has several quantities, or is that of a set point, a limit or an error.

@@ -35,6 +35,9 @@ impl Used {
     }
 }
 
+/// The field of a column that the text does not have: the number of the row, from 0.
+pub(super) const ROW_NUMBER: usize = usize::MAX;
+
 /// What the columns of a text are.
 #[derive(Debug, Default)]
 pub(super) struct Naming {
@@ -196,7 +199,9 @@ impl Vocabulary<'_> {
         };
         let frequency = is_contract(&[Column::FrequencyHz, Column::OmegaRadS])
             || holds(|holds| matches!(holds, Holds::Frequency | Holds::AngularFrequency));
-        let time = is_contract(&[Column::TimeS]) || holds(|holds| holds == Holds::Time);
+        let time = is_contract(&[Column::TimeS])
+            || holds(|holds| holds == Holds::Time)
+            || header.sample_s.is_some();
         let timed = time && !frequency;
         if timed {
             self.record(header)?;
@@ -204,8 +209,8 @@ impl Vocabulary<'_> {
             self.table(header)?;
         }
         let mut notes: Vec<String> = Vec::new();
-        let said =
-            self.used.iter().filter(|used| self.names[used.field].contract != Some(used.column));
+        let renamed = |used: &&Used| used.field != ROW_NUMBER && !self.is_contract(used);
+        let said = self.used.iter().filter(renamed);
         let said: Vec<String> = said
             .map(|used| format!("`{}` is {}", self.names[used.field].written, used.column.name()))
             .collect();
@@ -287,9 +292,14 @@ impl Vocabulary<'_> {
     }
 
     fn record(&mut self, header: &mut Header) -> Result<(), Fault> {
-        if !self.exact(Column::TimeS)? {
-            let units = [(Measures::Time, Column::TimeS)];
-            self.converted("time", |holds| holds == Holds::Time, &units, "s")?;
+        let units = [(Measures::Time, Column::TimeS)];
+        if !self.exact(Column::TimeS)?
+            && !self.converted("time", |holds| holds == Holds::Time, &units, "s")?
+            && let Some(sample_s) = header.sample_s
+        {
+            let number = self.only("number of the sample", |n| n.holds == Some(Holds::Sample))?;
+            let field = number.unwrap_or(ROW_NUMBER);
+            self.used.push(Used { column: Column::TimeS, field, scale: [sample_s, 1.0] });
         }
         self.exact(Column::Segment)?;
         if self.exact(Column::Input)? {
@@ -405,9 +415,8 @@ impl Vocabulary<'_> {
     /// Checks that the kind of the response is said where names are not those of the contract,
     /// whose default is velocity.
     fn check_kind(&self, header: &Header) -> Result<(), Fault> {
-        let contract = |used: &Used| self.names[used.field].contract == Some(used.column);
         let known = header.states("response") || !header.metadata.response.unit.is_empty();
-        if known || self.used.iter().all(contract) {
+        if known || self.used.iter().all(|used| self.is_contract(used)) {
             return Ok(());
         }
         let magnitude = [Column::Magnitude, Column::URe, Column::Input];
@@ -456,6 +465,11 @@ impl Vocabulary<'_> {
             self.used.extend(field.map(|field| Used::plain(Column::Magnitude, field)));
         }
         Ok(())
+    }
+
+    /// Whether a column has the name of the contract.
+    fn is_contract(&self, used: &Used) -> bool {
+        self.names.get(used.field).is_some_and(|name| name.contract == Some(used.column))
     }
 
     fn has(&self, columns: &[Column]) -> bool {

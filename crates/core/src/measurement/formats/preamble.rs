@@ -5,6 +5,7 @@ use super::delimiter::Delimiter;
 use super::fault::Fault;
 use super::given::Given;
 use super::header::Header;
+use super::instrument;
 use super::name::{self, Name};
 
 /// Most lines that are neither metadata nor blank above the column names.
@@ -16,6 +17,8 @@ pub(super) struct Preamble<'a> {
     pub(super) header: Header,
     /// Remarks on it.
     pub(super) notes: Vec<String>,
+    /// Comments that are `key: value` with a key of one word that is unknown.
+    pub(super) comments: Vec<(String, String)>,
     pub(super) delimiter: Delimiter,
     /// The text from the line of the column names on; from the first row on if `column_names` names
     /// them.
@@ -42,7 +45,7 @@ pub(super) fn read<'a>(
     given: &Given,
 ) -> Result<Preamble<'a>, Fault> {
     let mut header = Header::default();
-    let mut notes = Vec::new();
+    let mut comments = Vec::new();
     let line_of_delimiter = text.lines().next().and_then(Delimiter::stated);
     let stated = delimiter.or(line_of_delimiter);
     // Where the first line begins that is neither metadata nor blank.
@@ -54,8 +57,8 @@ pub(super) fn read<'a>(
         let end = rest.find('\n').map_or(rest.len(), |end| end + 1);
         let line = rest[..end].trim();
         if line.starts_with('#') {
-            metadata(&mut header, &mut notes, line, number)?;
-        } else if !line.is_empty() && !(number == 1 && line_of_delimiter.is_some()) {
+            metadata(&mut header, &mut comments, line, number)?;
+        } else if !line.is_empty() && (number > 1 || line_of_delimiter.is_none()) {
             found = match given_names.as_ref().or(header.column_names.as_ref()) {
                 Some(names) => row_delimiter(line, stated, names.len()),
                 None => names_delimiter(line, stated, first.is_none()),
@@ -69,16 +72,37 @@ pub(super) fn read<'a>(
         rest = &rest[end..];
         number += 1;
     }
+    let mut notes: Vec<String> = comments
+        .iter()
+        .map(|(line, key, _)| format!("line {line}: metadata key {key} is unknown and not used"))
+        .collect();
+    let comments = comments.into_iter().map(|(_, key, value)| (key, value)).collect();
     header.take(given, &mut notes)?;
     let Some((from, from_line)) = first else {
         let delimiter = Delimiter::Comma;
-        return Ok(Preamble { header, notes, delimiter, rest: "", line: number, found: false });
+        return Ok(Preamble {
+            header,
+            notes,
+            comments,
+            delimiter,
+            rest: "",
+            line: number,
+            found: false,
+        });
     };
     if let Some(delimiter) = found {
         if from_line < number {
             notes.push(format!("the text from line {from_line} to the table is not used"));
         }
-        return Ok(Preamble { header, notes, delimiter, rest, line: number, found: true });
+        return Ok(Preamble {
+            header,
+            notes,
+            comments,
+            delimiter,
+            rest,
+            line: number,
+            found: true,
+        });
     }
     if let Some(columns) = &header.column_names {
         let reason = format!("no row has {} numbers, as many as column_names has", columns.len());
@@ -86,13 +110,16 @@ pub(super) fn read<'a>(
     }
     let line = from.lines().next().unwrap_or_default();
     let delimiter = stated.unwrap_or_else(|| guess(line));
-    Ok(Preamble { header, notes, delimiter, rest: from, line: from_line, found: false })
+    Ok(Preamble { header, notes, comments, delimiter, rest: from, line: from_line, found: false })
 }
+
+/// Line, key and value of a comment.
+type Comment = (u64, String, String);
 
 /// Reads one line of metadata.
 fn metadata(
     header: &mut Header,
-    notes: &mut Vec<String>,
+    comments: &mut Vec<Comment>,
     line: &str,
     number: u64,
 ) -> Result<(), Fault> {
@@ -101,7 +128,7 @@ fn metadata(
     let known = header.set(Some(number), key, value.trim())?;
     // A free-text comment may contain a colon, but only a misspelled key is one word.
     if !known && !key.is_empty() && !key.contains(char::is_whitespace) {
-        notes.push(format!("line {number}: metadata key {key} is unknown and not used"));
+        comments.push((number, key.to_owned(), value.trim().to_owned()));
     }
     Ok(())
 }
@@ -115,15 +142,23 @@ fn names_delimiter(line: &str, stated: Option<Delimiter>, first: bool) -> Option
         return Some(Delimiter::Comma);
     }
     let count = |delimiter: &Delimiter| {
-        let names = delimiter.cells(line).into_iter().map(|cell| Name::of(&cell, None));
+        let cells = delimiter.cells(line);
+        if instrument::find(&cells).is_some() {
+            return usize::MAX;
+        }
+        let names = cells.iter().map(|cell| Name::of(cell, None));
         let names: Vec<Name> = names.collect();
         let axis = names.iter().any(Name::is_axis);
         if axis { names.iter().filter(|name| name.is_known()).count() } else { 0 }
     };
     let fits = |delimiter: &Delimiter| stated.is_none_or(|stated| stated == *delimiter);
-    // The last of equals wins; the more telling ones come first.
-    let best = Delimiter::ALL.into_iter().rev().filter(fits).max_by_key(count)?;
-    (count(&best) >= 2).then_some(best)
+    // Names have blanks of their own, so that these are the last resort. The last of equals wins,
+    // and the more telling ones come first.
+    let marks =
+        Delimiter::ALL.into_iter().rev().filter(|delimiter| *delimiter != Delimiter::Blanks);
+    let best = marks.filter(fits).max_by_key(count);
+    let candidates = best.into_iter().chain([Delimiter::Blanks].into_iter().filter(fits));
+    candidates.into_iter().find(|delimiter| count(delimiter) >= 2)
 }
 
 /// The delimiter of a row of so many cells, all of them numbers or blank; `None` if it is not one.

@@ -41,7 +41,7 @@ impl Read {
 
 /// Reads a time record, one experiment or motion per segment.
 pub(super) fn read(table: &Table, header: Header, notes: Vec<String>) -> Result<Part, Fault> {
-    let mut segments = segments(table)?;
+    let mut segments = segments(table, header.inverted)?;
     let runs_from_clock = number_runs(&mut segments);
     let (mut experiments, mut transients) = (Vec::new(), Vec::new());
     for segment in &segments {
@@ -52,7 +52,7 @@ pub(super) fn read(table: &Table, header: Header, notes: Vec<String>) -> Result<
 
 /// Reads a table that is a single segment.
 pub(super) fn read_one(table: &Table, run: Option<f64>, header: &Header) -> Result<Read, Fault> {
-    let mut segments = segments(table)?;
+    let mut segments = segments(table, header.inverted)?;
     let Some(mut segment) = segments.pop() else {
         return Err(table.fault(None, "the record has no sample"));
     };
@@ -98,7 +98,7 @@ fn fault(table: &Table, segment: &Segment, error: RecordError) -> Fault {
     }
 }
 
-fn segments(table: &Table) -> Result<Vec<Segment>, Fault> {
+fn segments(table: &Table, inverted: bool) -> Result<Vec<Segment>, Fault> {
     for column in columns::TIME_RECORD.iter().filter(|column| **column != Column::Segment) {
         if !table.has(*column) {
             return Err(table.fault(
@@ -123,7 +123,8 @@ fn segments(table: &Table) -> Result<Vec<Segment>, Fault> {
         if let Some(segment) = segments.last_mut() {
             segment.record.time_s.push(row.require(Column::TimeS)?);
             segment.record.input.push(row.require(Column::Input)?);
-            segment.record.output.push(row.require(Column::Output)?);
+            let output = row.require(Column::Output)?;
+            segment.record.output.push(if inverted { -output } else { output });
         }
     }
     Ok(segments)

@@ -1,16 +1,16 @@
 //! Universal files with datasets 58 and 58b: time records and frequency responses.
 
+use super::column_table::ColumnTable;
 use super::columns::Column;
 use super::fault::Fault;
 use super::format::Format;
 use super::given::Given;
+use super::harmonic_table;
 use super::header::Header;
-use super::name::Name;
 use super::naming;
 use super::part::Part;
 use super::table::{Place, Table};
 use super::universal_dataset::{Axis, Dataset, Lines};
-use super::{harmonic_table, time_record};
 
 /// A file whose first line is `-1` and whose second names a dataset.
 pub(super) const FORMAT: Format =
@@ -100,50 +100,13 @@ fn name(axis: &Axis) -> String {
     if axis.unit.is_empty() { name.to_owned() } else { format!("{name} [{}]", axis.unit) }
 }
 
-fn time_records(
-    records: &[&Dataset],
-    mut header: Header,
-    mut notes: Vec<String>,
-) -> Result<Part, Fault> {
-    let x = &records[0].x;
-    if let Some(other) = records.iter().find(|record| record.x != *x) {
-        return Err(Fault::new("the channels of the file do not have the same times")
-            .at_line(Some(other.line)));
-    }
-    let channels = records.iter().map(|record| name(&record.numerator));
-    let written: Vec<String> = ["time_s".to_owned()].into_iter().chain(channels).collect();
-    let written = match &header.column_names {
-        Some(names) if names.len() != written.len() => {
-            return Err(Fault::new(format!(
-                "the file has {} columns, time and channels, not {}",
-                written.len(),
-                names.len()
-            ))
-            .in_column("column_names"));
-        }
-        Some(names) => names.clone(),
-        None => written,
+fn time_records(records: &[&Dataset], header: Header, notes: Vec<String>) -> Result<Part, Fault> {
+    let table = ColumnTable {
+        names: records.iter().map(|record| (name(&record.numerator), String::new())).collect(),
+        times: records.iter().map(|record| record.x.clone()).collect(),
+        values: records.iter().map(|record| record.re.clone()).collect(),
     };
-    let names: Vec<Name> = written.iter().map(|name| Name::of(name, None)).collect();
-    let naming = naming::resolve(&names, &mut header)?;
-    notes.extend(naming.notes);
-    let columns = naming.used.iter().map(|used| used.column).collect();
-    let mut table = Table::new(columns, None);
-    for (row, time_s) in x.iter().enumerate() {
-        let cells = naming.used.iter().map(|used| {
-            let number = match used.field.checked_sub(1) {
-                Some(channel) => records[channel].re[row],
-                None => *time_s,
-            };
-            Ok(Some(used.convert(number)))
-        });
-        table.push(Place::Element("samples".into(), row), cells)?;
-    }
-    if naming.timed {
-        time_record::read(&table, header, notes)
-    } else {
-        harmonic_table::read(&table, header, notes)
-    }
+    table.read(header, notes)
 }
 
 fn frequency_response(

@@ -9,6 +9,8 @@ use crate::measurement::ResponseKind;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Holds {
     Time,
+    /// Number of the sample, from which the time follows.
+    Sample,
     /// In hertz or revolutions per time, or in rad/s, as the unit says.
     Frequency,
     /// ω: always in rad/s.
@@ -45,6 +47,7 @@ pub(super) enum Holds {
 /// Whole names.
 pub(super) const NAMES: &[(Holds, &[&str])] = &[
     (Holds::Time, &["time", "t", "zeit", "zeitstempel", "timestamp", "relative time", "x time"]),
+    (Holds::Sample, &["sample", "sample number", "index"]),
     (
         Holds::Frequency,
         &["frequency", "freq", "f", "frequenz", "excitation frequency", "anregungsfrequenz"],

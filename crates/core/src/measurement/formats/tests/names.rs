@@ -129,3 +129,30 @@ fn an_error_below_names_the_column_as_the_file_does() {
     refused(&text.replace("\n3,", "\n3x,"), 5, "Time [ms]", "not a number");
     refused(&text.replace("\n3,", "\n1,"), 5, "Time [ms]", "");
 }
+
+#[test]
+fn a_record_without_times_has_those_of_its_samples() {
+    let plain = ok(&samples("time_s,input,output", |t, u, y| format!("{t:.3},{u},{y}")));
+    let settings = "# sample_s: 0.001\n# response: velocity\n";
+    let bare = samples("", |_, u, y| format!("{u} {y}"));
+    let names = "# column_names: input; output\n";
+    let read = ok(&format!("{settings}{names}{bare}"));
+    // Rounding of the products.
+    let near = |m: &Measurement| {
+        let ratio = m.experiments()[0].omega_rad_s / plain.experiments()[0].omega_rad_s;
+        assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
+    };
+    near(&read);
+    let numbered = samples("", |t, u, y| format!("{:.0} {u} {y}", t * 1e3 + 7.0));
+    near(&ok(&format!("{settings}# column_names: sample; input; output\n{numbered}")));
+    let overrun = numbered.replacen("\n17 ", "\noverrun\n17 ", 1);
+    let text = format!("{settings}# column_names: sample; input; output\n{overrun}");
+    refused(&text, 15, "", "fields");
+}
+
+#[test]
+fn an_inverted_response_has_the_opposite_sign() {
+    let text = "magnitude,omega_rad_s,re,im\n1,2,0.5,-0.25\n";
+    assert_eq!(y(&ok(&format!("# inverted: yes\n{text}")), 0, 1), Complex::new(-0.5, 0.25));
+    assert_eq!(y(&ok(&format!("# inverted: no\n{text}")), 0, 1), Complex::new(0.5, -0.25));
+}

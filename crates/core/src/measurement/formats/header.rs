@@ -6,7 +6,7 @@ use super::convention::{AmplitudeUnit, Convention, Reference};
 use super::decimal::Mark;
 use super::fault::Fault;
 use super::given::Given;
-use super::limits::MAX_SETTLE_PERIODS;
+use super::values::{averages, magnitude, names, number, period, sample, settle_periods};
 use crate::measurement::units;
 use crate::measurement::{Beginning, Intersample, Loop, Metadata, Quantity, ResponseKind};
 
@@ -270,63 +270,6 @@ fn check_unit(metadata: &Metadata) -> Result<(), String> {
             named(kind),
         )),
         _ => Ok(()),
-    }
-}
-
-fn period(value: &str) -> Result<f64, String> {
-    match value.parse::<f64>() {
-        Ok(period) if period.is_finite() && period > 0.0 => Ok(period),
-        _ => Err(format!("`{value}` is neither a positive number of seconds nor none")),
-    }
-}
-
-fn sample(value: &str) -> Result<f64, String> {
-    match value.parse::<f64>() {
-        Ok(sample) if sample.is_finite() && sample > 0.0 => Ok(sample),
-        _ => Err(format!("`{value}` is not a positive number of seconds")),
-    }
-}
-
-fn averages(value: &str) -> Result<f64, String> {
-    match value.parse::<f64>() {
-        Ok(averages) if averages.is_finite() && averages > 0.0 => Ok(averages),
-        _ => Err(format!("`{value}` is not a positive number")),
-    }
-}
-
-fn magnitude(value: &str) -> Result<f64, String> {
-    match value.parse::<f64>() {
-        Ok(magnitude) if magnitude.is_finite() && magnitude > 0.0 => Ok(magnitude),
-        _ => Err(format!("`{value}` is not a positive number, in units of the input")),
-    }
-}
-
-/// Names between semicolons, or between commas where there is no semicolon.
-fn names(value: &str) -> Result<Vec<String>, String> {
-    let mark = if value.contains(';') { ';' } else { ',' };
-    let names: Vec<String> = value.split(mark).map(|name| name.trim().to_owned()).collect();
-    match names.iter().filter(|name| !name.is_empty()).count() {
-        0 | 1 => Err("the names of at least two columns are needed, in their order".into()),
-        _ => Ok(names),
-    }
-}
-
-fn number(value: &str) -> Result<f64, String> {
-    match value.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(format!("`{value}` is not a finite number")),
-    }
-}
-
-fn settle_periods(value: &str) -> Result<usize, String> {
-    match value.parse::<f64>() {
-        Ok(count) if count >= 0.0 && count.fract() == 0.0 => {
-            if count > MAX_SETTLE_PERIODS as f64 {
-                return Err(format!("{count} is more than {MAX_SETTLE_PERIODS}"));
-            }
-            Ok(count as usize)
-        }
-        _ => Err(format!("`{value}` is not an integer ≥ 0")),
     }
 }
 

@@ -48,6 +48,7 @@
 //! `frequency_hz`, `averages` and `run` next to `harmonics`.
 
 mod bode_100;
+mod by_vocabulary;
 mod column_table;
 mod columns;
 mod convention;
@@ -82,6 +83,7 @@ mod time_record;
 mod twincat_scope;
 mod universal;
 mod universal_dataset;
+mod values;
 mod vocabulary;
 mod write;
 mod xlsx;

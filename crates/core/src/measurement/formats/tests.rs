@@ -13,6 +13,8 @@ mod noise;
 mod periods;
 mod records;
 mod refused;
+mod universal;
+mod workbooks;
 mod written;
 
 fn of(text: &str) -> Result<Measurement, ParseError> {

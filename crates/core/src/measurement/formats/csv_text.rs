@@ -9,7 +9,7 @@ use super::fault::Fault;
 use super::given::Given;
 use super::header::Header;
 use super::instrument;
-use super::limits::MAX_ROWS;
+use super::limits::{MAX_COLUMNS, MAX_ROWS};
 use super::name::{self, Name};
 use super::naming;
 use super::preamble::{self, Preamble};
@@ -88,6 +88,9 @@ impl<'a> CsvText<'a> {
             return Err(Fault::new("the file is empty: there is no header and no row"));
         };
         file.names_line = names_line;
+        if record.len() > MAX_COLUMNS {
+            return Err(file.fault_of_header(format!("more than {MAX_COLUMNS} columns")));
+        }
         file.names = record.iter().map(|name| unquote(name).to_owned()).collect();
         Ok(file)
     }

@@ -18,8 +18,11 @@ pub(super) struct Instrument {
     pub(super) is: fn(&[String]) -> bool,
     /// The same columns in names of the vocabulary. Settings that the instrument implies are set in
     /// the header where the upload does not state them.
-    pub(super) names: fn(&[String], &Comments, &mut Header) -> Result<Vec<String>, Fault>,
+    pub(super) names: Rename,
 }
+
+/// Turns the names of an instrument's columns into names of the vocabulary.
+type Rename = fn(&[String], &Comments, &mut Header) -> Result<Vec<String>, Fault>;
 
 /// All instruments.
 const INSTRUMENTS: &[Instrument] =

@@ -29,3 +29,12 @@ pub const MAX_UNPACKED_STRINGS: u64 = 32 << 20;
 
 /// Most cells in a row of a sheet.
 pub const MAX_CELLS_IN_ROW: usize = 1000;
+
+/// Most columns of a text.
+pub const MAX_COLUMNS: usize = 10_000;
+
+/// Most bytes of a line that may have column names below a line that has none.
+pub const MAX_NAMES_LINE: usize = 100_000;
+
+/// Most bytes of a column name that is looked up.
+pub const MAX_NAME: usize = 200;

@@ -1,10 +1,11 @@
 //! File formats: parses bytes into a [`Measurement`], or reports what is wrong and where.
 //!
-//! The format is detected from the content. Every format contains a table of numbers, and the
-//! names of its columns tell which kind it is:
+//! The format is detected from the content; the list is in `format.rs`. Every format contains a
+//! table of numbers, and the names of its columns tell which kind it is:
 //!
 //! - **Harmonic table** (CSV): `magnitude`; `omega_rad_s` or `frequency_hz`; `re,im`,
-//!   `amplitude,phase_deg`, `gain,phase_deg` or `gain_db,phase_deg`; and optionally `experiment`,
+//!   `amplitude,phase_deg`, `gain,phase_deg`, `gain_db,phase_deg` or `gain_re,gain_im` (parts of
+//!   the ratio of response to input); and optionally `experiment`,
 //!   `harmonic`, `std`, `repeat`, `run`, `u_re,u_im`. If the input was measured, `magnitude` may
 //!   be missing (it is then half the peak-to-peak value of the input), and a row may contain the
 //!   input alone. `std` is in response units and in the amplitude convention of the file, also
@@ -25,6 +26,13 @@
 //! `measured_at`, `operator`, `label.*`, and `repeats` (the value `periods` states that the repeats
 //! of a table are the periods of one record). `input: torque N m` is a name and a unit; a name of
 //! several words needs its unit in brackets: `motor current [A]`.
+//!
+//! Text that spreadsheets and instruments write has other delimiters, decimal marks, encodings and
+//! names. A file with the names above is read by these alone; otherwise those of `vocabulary.rs` fill
+//! in what is missing. What was understood is said in the notes of the measurement. What could be
+//! read in two ways is refused, and the message names the metadata that decides: `magnitude`,
+//! `decimal`, `column_names`, `sample_s`, `sheet`, `inverted`. Metadata may also be given beside the
+//! files ([`Given`]).
 //!
 //! Several files form one measurement if their units agree. Experiments are never merged across
 //! files: the same magnitude and frequency in two files are two experiments.
@@ -91,8 +99,8 @@ mod xlsx;
 pub use fault::ParseError;
 pub use given::Given;
 pub use limits::{
-    MAX_CELLS_IN_ROW, MAX_HARMONIC, MAX_INDEX, MAX_INPUT_LINES, MAX_ROWS, MAX_SETTLE_PERIODS,
-    MAX_UNPACKED, MAX_UNPACKED_STRINGS,
+    MAX_CELLS_IN_ROW, MAX_COLUMNS, MAX_HARMONIC, MAX_INDEX, MAX_INPUT_LINES, MAX_NAME,
+    MAX_NAMES_LINE, MAX_ROWS, MAX_SETTLE_PERIODS, MAX_UNPACKED, MAX_UNPACKED_STRINGS,
 };
 pub use part::Source;
 pub use write::write_harmonic_csv;

@@ -1,6 +1,7 @@
 //! Understands the name of a column: what it holds, and in which unit.
 
 use super::columns::{self, Column};
+use super::limits::MAX_NAME;
 use super::vocabulary::{Holds, Measures, NAMES, NOT_MEASURED, SUFFIXES, UNITS, Unit, WORDS};
 use crate::measurement::units;
 
@@ -20,6 +21,10 @@ pub(super) struct Name {
 impl Name {
     /// Understands a name, with the unit that a row of units gives for it, if there is one.
     pub(super) fn of(written: &str, unit_below: Option<&str>) -> Self {
+        if written.len() > MAX_NAME {
+            let (written, unit) = (written.to_owned(), String::new());
+            return Self { written, contract: None, holds: None, unit };
+        }
         let contract = contract(written);
         let (name, unit) = match contract.is_some() || whole(written).is_some() {
             true => (written.to_owned(), String::new()),

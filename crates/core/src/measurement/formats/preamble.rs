@@ -6,6 +6,7 @@ use super::fault::Fault;
 use super::given::Given;
 use super::header::Header;
 use super::instrument;
+use super::limits::MAX_NAMES_LINE;
 use super::name::{self, Name};
 
 /// Most lines that are neither metadata nor blank above the column names.
@@ -135,6 +136,9 @@ fn metadata(
 
 /// The delimiter of a line of column names; `None` if it is not one.
 fn names_delimiter(line: &str, stated: Option<Delimiter>, first: bool) -> Option<Delimiter> {
+    if line.len() > MAX_NAMES_LINE {
+        return None;
+    }
     let is_comma = stated.is_none_or(|stated| stated == Delimiter::Comma);
     let contract =
         |line| Delimiter::Comma.cells(line).iter().any(|cell| name::contract(cell).is_some());

@@ -105,3 +105,12 @@ fn columns_that_are_named_beside_the_file_stand_for_its_own() {
     let fewer = names.replace("; im", "");
     refused(&format!("{fewer}{rows}"), None, "column_names", "no row has 4 numbers");
 }
+
+#[test]
+fn a_line_of_many_names_or_a_long_name_takes_no_time() {
+    let many = format!("x{}\n1\n", ",x".repeat(20_000));
+    refused(&many, 1, "", "more than 10000 columns");
+    // Every blank of a name may stand before its unit.
+    let long = format!("magnitude,omega_rad_s,re,im,{}\n1,2,0.125,-0.5,0\n", "a ".repeat(100_000));
+    assert_eq!(ok(&long).experiments().len(), 1);
+}

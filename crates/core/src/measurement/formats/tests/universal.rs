@@ -135,7 +135,7 @@ fn what_is_not_read_is_refused_with_the_reason() {
 #[test]
 fn a_mutated_universal_file_is_read_or_refused() {
     for valid in [response(), file(&[channel(false, (13, "F", "N"), f64::cos)])] {
-        for at in 0..valid.len().min(2000) {
+        for at in (0..valid.len().min(2000)).step_by(3) {
             let mut bytes = valid.clone().into_bytes();
             bytes[at] ^= 1 << (at % 8);
             let _ = with_magnitude(&bytes);

@@ -70,7 +70,7 @@ pub fn with_causes(causes: &[Cause]) -> String {
 }
 
 fn named(number: usize, cause: &Cause) -> Vec<String> {
-    let Cause { effect, parameters, confidence, explanation, equivalents, .. } = cause;
+    let Cause { effect, parameters, confidence, explanation, equivalents, margin, .. } = cause;
     let mut lines = vec![format!("{number}. {effect}, confidence {}", per_cent(*confidence))];
     let mut rows: Vec<[String; 4]> = parameters
         .iter()
@@ -91,11 +91,23 @@ fn named(number: usize, cause: &Cause) -> Vec<String> {
     let below =
         std::iter::once(explanation.clone()).chain(table(&[left, right, left, left], &rows));
     lines.extend(below.map(|line| format!("   {line}")));
+    if let Some(margin) = without(*margin) {
+        lines.push(format!("   {margin}"));
+    }
     if !equivalents.is_empty() {
         let others = equivalents.join(" or ");
         lines.push(format!("   cannot be told from {others} by this data"));
     }
     lines
+}
+
+/// How far a cause stands out, if it does at all.
+pub(super) fn without(margin: Option<f64>) -> Option<String> {
+    let margin = margin.filter(|margin| *margin > 1.0)?;
+    Some(format!(
+        "without it, the best other model misses {} times as much",
+        significant(margin, 2)
+    ))
 }
 
 /// A probability that is never rounded to certainty.

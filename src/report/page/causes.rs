@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use servoscope_core::answers::{Cause, Verdict};
 
-use crate::report::causes::per_cent;
+use crate::report::causes::{per_cent, without};
 use crate::report::tables;
 
 use super::described::described;
@@ -47,6 +47,7 @@ fn article(cause: &Cause) -> Markup {
             p { (sentence(explanation)) }
             @if let Some(equation) = equation(id) { p.equation { (equation) } }
             (described("", &tables::parameters(parameters, &format!("{id}.")), &[]))
+            @if let Some(margin) = without(cause.margin) { p { (sentence(&margin)) } }
             @if !cause.equivalents.is_empty() {
                 p {
                     "This measurement cannot tell it from "

@@ -19,6 +19,7 @@ pub(super) fn cause(effect: &str, confidence: f64, equivalents: &[&str]) -> Caus
         confidence,
         explanation: String::new(),
         gain: None,
+        margin: None,
         equivalents: equivalents.iter().map(|id| (*id).to_owned()).collect(),
     }
 }

@@ -77,6 +77,8 @@ pub struct Named {
     pub effect: String,
     /// Its confidence.
     pub confidence: f64,
+    /// By which factor the best model without it leaves more; null if that is not known.
+    pub margin: Option<f64>,
     /// Effects that the data cannot distinguish from it.
     pub equivalents: Vec<String>,
     /// Values of its parameters.
@@ -147,6 +149,7 @@ impl Answer {
         let named = diagnosis.causes.iter().map(|cause| Named {
             effect: cause.effect.clone(),
             confidence: cause.confidence,
+            margin: cause.margin,
             equivalents: cause.equivalents.clone(),
             parameters: cause.parameters.iter().map(|(name, p)| (name.clone(), p.value)).collect(),
         });

@@ -51,6 +51,10 @@ pub struct Cause {
     pub parameters: IndexMap<String, ParameterEstimate>,
     /// Probability that this effect is really present, as opposed to any rival effect or none.
     pub confidence: f64,
+    /// By which factor the best model without this effect and its closest imitators leaves more,
+    /// beyond the noise, than the model with all causes. Null if the answer is older than this figure.
+    #[serde(default)]
+    pub margin: Option<f64>,
     /// What it means for the machine.
     pub explanation: String,
     /// Gain of this effect alone; null if it cannot be measured.

@@ -299,6 +299,7 @@ pub fn explained() -> Diagnosis {
             effect: "static_friction".into(),
             parameters,
             confidence: 0.93,
+            margin: Some(12.4),
             explanation: "breakaway takes more torque than sliding".into(),
             gain: None,
             equivalents: vec!["stribeck".into(), "presliding".into()],

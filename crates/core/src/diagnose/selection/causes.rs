@@ -7,7 +7,7 @@ use crate::answers::{Candidate, Cause, Identification};
 use crate::effects::are_confusable;
 use crate::identify::Model;
 
-use super::confidence::confidence;
+use super::confidence::Standing;
 use super::models::{Key, Models};
 
 /// Two models whose −2 ln evidence differs by less than this cannot be told apart: a Bayes factor
@@ -47,6 +47,7 @@ pub(crate) fn named(
     extended: &Identification,
     fits: bool,
 ) -> Vec<Cause> {
+    let standing = Standing { models, chosen };
     let mut causes: Vec<(f64, Cause)> = chosen
         .iter()
         .filter_map(|id| models.effect(id))
@@ -63,7 +64,8 @@ pub(crate) fn named(
             let cause = Cause {
                 effect: id.to_owned(),
                 parameters,
-                confidence: confidence(models, chosen, id, fits),
+                confidence: standing.confidence(id, fits),
+                margin: Some(standing.factor(id)).filter(|factor| factor.is_finite()),
                 explanation: {
                     let said = effect.descriptor();
                     format!("{}. How it shows: {}", said.meaning, said.signature)

@@ -25,25 +25,25 @@ const LEAST: f64 = 0.19;
 /// Of two imitators, the odds are the ratio of what they leave, to this power.
 const IMITATOR_POWER: f64 = 6.0;
 
-/// The confidence in the effect `id` of the model `chosen`; `fits` says whether that model leaves
-/// only noise.
-pub(crate) fn confidence(models: &Models, chosen: &Key, id: &'static str, fits: bool) -> f64 {
-    if fits && convincing(models, chosen) {
-        return models.probability(|other| other == id);
-    }
-    let standing = Standing { models, chosen };
-    let logit = INTERCEPT + SLOPE * standing.factor(id).ln();
-    let right = LEAST + (1.0 - LEAST) / (1.0 + (-logit).exp());
-    right * standing.share_among_imitators(id)
-}
-
 /// How far the effects of a model stand out among the fitted models.
-struct Standing<'a> {
-    models: &'a Models,
-    chosen: &'a Key,
+pub(crate) struct Standing<'a> {
+    /// The fitted models.
+    pub models: &'a Models,
+    /// The effects of the chosen one.
+    pub chosen: &'a Key,
 }
 
 impl Standing<'_> {
+    /// The confidence in an effect of the model; `fits` says whether the model leaves only noise.
+    pub fn confidence(&self, id: &'static str, fits: bool) -> f64 {
+        if fits && convincing(self.models, self.chosen) {
+            return self.models.probability(|other| other == id);
+        }
+        let logit = INTERCEPT + SLOPE * self.factor(id).ln();
+        let right = LEAST + (1.0 - LEAST) / (1.0 + (-logit).exp());
+        right * self.share_among_imitators(id)
+    }
+
     /// The effects that fit as well in the place of one, and its closest imitator. Effects of the
     /// model do not count.
     fn imitators(&self, id: &'static str) -> Vec<&'static str> {
@@ -65,10 +65,10 @@ impl Standing<'_> {
 
     /// The factor by which the best model without an effect and its imitators leaves more than the
     /// chosen one. It has no more effects than that.
-    fn factor(&self, id: &'static str) -> f64 {
+    pub fn factor(&self, id: &'static str) -> f64 {
         let imitators = self.imitators(id);
         let is_alike = |other: &&str| *other == id || imitators.contains(other);
-        let lacks = |key: &Key| key.len() <= self.chosen.len() && !key.iter().any(|o| is_alike(&o));
+        let lacks = |key: &Key| key.len() <= self.chosen.len() && !key.iter().any(|o| is_alike(o));
         (self.least(lacks) / self.models.remainder(self.chosen)).max(f64::MIN_POSITIVE)
     }
 
@@ -78,7 +78,8 @@ impl Standing<'_> {
     }
 
     /// The share of the confidence that an effect has among its imitators: by what the best models
-    /// with one of them in its place leave, and by what their parameters cost.
+    /// with one of them in its place leave, and by what their parameters cost. Data held out may have
+    /// preferred the effect to an imitator that leaves less; then their odds are even.
     fn share_among_imitators(&self, id: &'static str) -> f64 {
         let Self { models, chosen } = self;
         let cost =
@@ -89,7 +90,7 @@ impl Standing<'_> {
                 key.len() == chosen.len() && key.contains(&imitator) && !key.contains(&id)
             };
             let costs = models.all().map(|(key, _)| key).filter(replaces).map(cost);
-            (own - costs.fold(f64::INFINITY, f64::min)).exp()
+            (own - costs.fold(f64::INFINITY, f64::min)).min(0.0).exp()
         };
         1.0 / (1.0 + self.imitators(id).into_iter().map(odds).sum::<f64>())
     }
@@ -104,6 +105,10 @@ mod tests {
         let mut key = ids.to_vec();
         key.sort_unstable();
         key
+    }
+
+    fn confidence(models: &Models, chosen: &Key, id: &'static str, fits: bool) -> f64 {
+        Standing { models, chosen }.confidence(id, fits)
     }
 
     // The noise accounts for 100 of each cost: the factors are 50 and 2.

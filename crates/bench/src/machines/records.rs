@@ -96,8 +96,8 @@ impl PeriodicMotion {
     }
 
     /// The exact response up to a harmonic. Its standard deviations are those of the noise of a
-    /// record; that of the input counts as the linear machine passes it on, by |Yₖ/Uₖ| of the lines
-    /// that are excited and not at all in others.
+    /// record; that of the input counts as the linear machine passes it on, by `gain` of a harmonic
+    /// (response units per input unit).
     pub fn exact(
         &self,
         kind: ResponseKind,
@@ -105,14 +105,12 @@ impl PeriodicMotion {
         noise: &RecordNoise,
         sampling: Sampling,
         run: f64,
+        gain: impl Fn(usize) -> f64,
     ) -> Experiment {
         let [of_input, of_response] =
             [noise.input, noise.response].map(|std| sampling.harmonic_std(std));
-        let largest = self.input.iter().map(|line| line.norm()).fold(0.0, f64::max);
         let harmonic = |(order, value): (usize, &Complex)| {
-            let line = self.input.get(order).map_or(0.0, |line| line.norm());
-            let gain = if line > 0.02 * largest { value.norm() / line } else { 0.0 };
-            let std = of_response.hypot(gain * of_input);
+            let std = of_response.hypot(gain(order) * of_input);
             Harmonic { order, value: *value, std: Some(std) }
         };
         let first = usize::from(kind != ResponseKind::Velocity);
@@ -206,6 +204,10 @@ mod tests {
         ChaCha8Rng::seed_from_u64(1)
     }
 
+    fn gain(k: usize) -> f64 {
+        3.0 / Complex::new(1.0, 0.2 * k as f64).norm()
+    }
+
     /// An axis of first order, without friction, under a multisine of 20 lines.
     fn motion() -> PeriodicMotion {
         let input = multisine(20, 2.0, &mut rng());
@@ -235,7 +237,7 @@ mod tests {
     fn a_record_has_the_lines_of_its_motion_and_scatters_as_its_exact_response_states() {
         let motion = motion();
         let noise = RecordNoise { input: 0.0, response: 0.05 };
-        let exact = motion.exact(ResponseKind::Velocity, 20, &noise, SAMPLING, 3.0);
+        let exact = motion.exact(ResponseKind::Velocity, 20, &noise, SAMPLING, 3.0, gain);
         let found =
             motion.recorded(ResponseKind::Velocity, &noise, SAMPLING, 3.0, &mut rng()).unwrap();
         assert_eq!((found.repeats.len(), found.run, exact.run), (4, Some(3.0), Some(3.0)));
@@ -261,12 +263,11 @@ mod tests {
         let motion = motion();
         let of = |input: f64, response: f64| {
             let noise = RecordNoise { input, response };
-            motion.exact(ResponseKind::Velocity, 30, &noise, SAMPLING, 0.0)
+            motion.exact(ResponseKind::Velocity, 30, &noise, SAMPLING, 0.0, gain)
         };
         let std = |experiment: &Experiment, k: usize| experiment.harmonic(k).unwrap().std.unwrap();
         let (response, both) = (of(0.0, 0.1), of(0.1, 0.1));
-        let gain = 3.0 / Complex::new(1.0, 1.0).norm();
-        let expected = std(&response, 5) * (1.0 + gain * gain).sqrt();
+        let expected = std(&response, 5) * (1.0 + gain(5).powi(2)).sqrt();
         assert!((std(&both, 5) / expected - 1.0).abs() < 1e-12);
         // White noise of N samples is in each of re and im √(2/N) of it.
         assert!((std(&response, 5) / (0.1 * (2.0_f64 / 1024.0).sqrt()) - 1.0).abs() < 1e-12);
@@ -281,7 +282,7 @@ mod tests {
         assert!((position.response[4] - expected).norm() < 1e-15 * 3.0);
         let noise = RecordNoise { input: 0.1, response: 1e-3 };
         let kind = ResponseKind::Position;
-        let exact = position.exact(kind, 20, &noise, SAMPLING, 0.0);
+        let exact = position.exact(kind, 20, &noise, SAMPLING, 0.0, gain);
         let found = position.recorded(kind, &noise, SAMPLING, 0.0, &mut rng()).unwrap();
         for experiment in [&exact, &found] {
             assert_eq!(experiment.response[0].order, 1);

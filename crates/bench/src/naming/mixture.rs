@@ -184,10 +184,13 @@ mod tests {
         let rng = &mut ChaCha8Rng::seed_from_u64(1);
         let instrument = &Instrument::of(&"machine-60-spring-o0-0".parse().unwrap(), rng);
         let spring = draw_effect("spring", &machine, rng);
-        let sized = |effect: Effect, _: f64| (effect.id().len() % 2 == 0).then_some(effect);
+        let sized = |effect: Effect, _: f64| effect.id().len().is_multiple_of(2).then_some(effect);
         let mixing = Mixing { machine: &machine, instrument, sized, chi2_per_dof: 2.0 };
         let small = mixing.small(&[spring], 700.0, rng).unwrap();
-        assert!(SMALL.contains(&small.len()) && small.iter().all(|one| one.id().len() % 2 == 0));
+        assert!(
+            SMALL.contains(&small.len())
+                && small.iter().all(|one| one.id().len().is_multiple_of(2))
+        );
         let sized = |_: Effect, _: f64| None;
         let mixing = Mixing { machine: &machine, instrument, sized, chi2_per_dof: 2.0 };
         assert_eq!(mixing.small(&[spring], 700.0, rng), None);

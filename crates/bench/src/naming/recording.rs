@@ -5,6 +5,7 @@ use std::fmt;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use servoscope_core::measurement::{Experiment, Loop, Measurement, Metadata, ResponseKind};
+use servoscope_core::plant::Plant;
 
 use super::dominance::Dominance;
 use crate::machines::closed_loop::PositionLoop;
@@ -27,14 +28,13 @@ const TRAJECTORY_VELOCITY: f64 = 1.5;
 /// Fundamental of a trajectory and bandwidth of its loop, as multiples of a.
 const TRAJECTORY_RATES: [f64; 2] = [0.1, 2.0];
 const SAMPLING: Sampling = Sampling { samples: 2048, periods: 4 };
-/// Noise of every sample of the response, as a share of its root mean square; it is then changed
-/// until the dominant effects leave what they shall.
-const RESPONSE_NOISE: f64 = 1e-3;
-/// Noise of the input, as a share of the root mean square, for each such share of the response; a
-/// current is measured less well than a position.
-const INPUT_NOISE_RATIO: f64 = 30.0;
+/// Noise of every sample of the input and of the response of a multisine, as shares of their root
+/// mean squares. It is then changed until the dominant effects leave what they shall.
+const MULTISINE_NOISE: [f64; 2] = [0.0, 5e-3];
+/// The same along a trajectory: a current is measured less well than a position.
+const TRAJECTORY_NOISE: [f64; 2] = [1e-2, 1e-4];
 /// Least and largest change of this noise.
-const NOISE_CHANGE: [f64; 2] = [0.05, 20.0];
+const NOISE_CHANGE: [f64; 2] = [0.02, 20.0];
 
 /// How a machine is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -110,7 +110,9 @@ impl Recording {
         let run = |place: usize| place as f64;
         let exact = |which: usize, noise: &RecordNoise| {
             let exact = |(place, both): (usize, &[PeriodicMotion; 2])| {
-                both[which].exact(self.kind(), LINES, noise, SAMPLING, run(place))
+                let omega_rad_s = both[which].omega_rad_s;
+                let gain = |k: usize| self.gain(&machine.plant, k as f64 * omega_rad_s);
+                both[which].exact(self.kind(), LINES, noise, SAMPLING, run(place), gain)
             };
             self.measurement(motions.iter().enumerate().map(exact).collect())
         };
@@ -134,13 +136,24 @@ impl Recording {
         Some(Recorded { measurement: self.measurement(experiments)?, dominance, std, level_db })
     }
 
+    /// Gain of the linear machine from input to response; that of a position has no mean.
+    fn gain(self, plant: &Plant, omega_rad_s: f64) -> f64 {
+        let response = plant.actuator.response(omega_rad_s) * plant.mechanics_response(omega_rad_s);
+        match self.kind() {
+            ResponseKind::Position if omega_rad_s > 0.0 => response.norm() / omega_rad_s,
+            _ => response.norm(),
+        }
+    }
+
     fn noise(self, motion: &PeriodicMotion) -> RecordNoise {
-        let response = RESPONSE_NOISE * motion.response_rms();
-        let input = match self {
-            Self::Multisine { .. } => 0.0,
-            Self::Trajectory => RESPONSE_NOISE * INPUT_NOISE_RATIO * motion.input_rms(),
+        let [input, response] = match self {
+            Self::Multisine { .. } => MULTISINE_NOISE,
+            Self::Trajectory => TRAJECTORY_NOISE,
         };
-        RecordNoise { input, response }
+        RecordNoise {
+            input: input * motion.input_rms(),
+            response: response * motion.response_rms(),
+        }
     }
 
     fn measurement(self, experiments: Vec<Experiment>) -> Option<Measurement> {
@@ -212,7 +225,7 @@ mod tests {
 
     fn machine() -> Draw {
         let machine = draw(0, 3);
-        let e = 0.2 * machine.plant.viscous_rate_rad_s / machine.plant.constant;
+        let e = 0.05 * machine.plant.viscous_rate_rad_s / machine.plant.constant;
         let e = e / machine.design[0].0;
         let effects = vec![
             Effect::new("gain_asymmetry", [("gamma", 0.1)]),

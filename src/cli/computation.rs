@@ -19,7 +19,7 @@ use crate::report;
 use crate::report::page::Content;
 use crate::service::{BuiltIn, Compared, JobRequest, Numerics, Submission, measured};
 
-use super::{Failure, figures, interrupt, page};
+use super::{Failure, figures, given, interrupt, page};
 
 /// Steps of the progress bar.
 const STEPS: u64 = 1000;
@@ -31,6 +31,8 @@ pub(super) struct Args {
     /// Harmonic tables or time records that together are one measurement.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) given: given::Args,
     /// Order of the actuator: 0, 1 or 2 [default: chosen from the data].
     #[arg(long, value_name = "N")]
     actuator_order: Option<u8>,
@@ -61,7 +63,7 @@ pub(super) struct Args {
 /// page where they are asked for.
 pub(super) fn answer(args: &Args, kind: &str, second: Option<&Measurement>) -> Result<(), Failure> {
     let request = JobRequest::check(&submission(args, kind)?)?;
-    let files = read(&args.files)?;
+    let files = read(&args.files, &args.given)?;
     let sources = sources(&files);
     let measurement = BuiltIn.read(&sources).map_err(Failure::input)?;
     let watch = Watch::new();
@@ -118,20 +120,23 @@ fn options(text: &str) -> Result<IdentifyOptions, Failure> {
 }
 
 /// Reads files that together are one measurement.
-pub(super) fn measurement(paths: &[PathBuf]) -> Result<Measurement, Failure> {
-    BuiltIn.read(&sources(&read(paths)?)).map_err(Failure::input)
+pub(super) fn measurement(paths: &[PathBuf], given: &given::Args) -> Result<Measurement, Failure> {
+    BuiltIn.read(&sources(&read(paths, given)?)).map_err(Failure::input)
 }
 
 fn sources(files: &[(String, Vec<u8>)]) -> Vec<Source<'_>> {
     files.iter().map(|(name, bytes)| Source { name, bytes }).collect()
 }
 
-fn read(paths: &[PathBuf]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+/// The files, and behind them what is given beside them.
+fn read(paths: &[PathBuf], given: &given::Args) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let file = |path: &PathBuf| match std::fs::read(path) {
         Ok(bytes) => Ok((path.display().to_string(), bytes)),
         Err(error) => Err(Failure::Input(format!("{}: {error}", path.display()))),
     };
-    paths.iter().map(file).collect()
+    let mut files = paths.iter().map(file).collect::<Result<Vec<_>, _>>()?;
+    files.extend(given.file()?);
+    Ok(files)
 }
 
 /// Reads what `identify --json` or `diagnose --json` has printed.
@@ -229,6 +234,7 @@ mod tests {
     fn args() -> Args {
         Args {
             files: vec!["a.csv".into()],
+            given: given::Args::default(),
             actuator_order: None,
             method: None,
             seed: None,

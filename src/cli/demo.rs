@@ -23,7 +23,8 @@ pub(super) async fn show(service: &Service, address: &str) -> Result<(), Service
         content_type: "text/csv".into(),
         bytes: MEASUREMENT.to_vec(),
     };
-    let upload = Upload { name: Some("demonstration".into()), files: vec![file] };
+    let upload =
+        Upload { name: Some("demonstration".into()), files: vec![file], ..Upload::default() };
     let measured = service.add_measurement(upload, Some("demonstration".into())).await?.resource;
     let submission = Submission {
         measurement_id: measured.row.id.clone(),

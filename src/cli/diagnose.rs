@@ -19,7 +19,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let second = match args.validate.as_slice() {
         [] => None,
-        files => Some(computation::measurement(files)?),
+        files => Some(computation::measurement(files, &args.computation.given)?),
     };
     computation::answer(&args.computation, "diagnose", second.as_ref())
 }

@@ -8,6 +8,7 @@ mod demo;
 mod diagnose;
 mod failure;
 mod figures;
+mod given;
 mod identify;
 mod interrupt;
 mod logging;

@@ -11,7 +11,7 @@ use servoscope_core::measurement::Measurement;
 
 use crate::service::{BuiltIn, Numerics};
 
-use super::{Failure, computation};
+use super::{Failure, computation, given};
 
 /// Differences that are listed.
 const LISTED: usize = 10;
@@ -25,6 +25,8 @@ pub(super) struct Args {
     /// The files that it was computed from.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    #[command(flatten)]
+    given: given::Args,
     /// The second measurement of a diagnosis that had one; repeated, the files together
     /// are one.
     #[arg(long, value_name = "FILE")]
@@ -43,9 +45,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if software_version != version {
         eprintln!("note: computed by servoscope {software_version}, this is {version}");
     }
-    let measurement = computation::measurement(&args.files)?;
+    let measurement = computation::measurement(&args.files, &args.given)?;
     is_the_data(&measurement, &data_sha256, "the files")?;
-    let second = second(&answer, &args.validate)?;
+    let second = second(&answer, args)?;
     let kind = match &answer {
         Answer::Identification(_) => JobKind::Identify,
         Answer::Diagnosis(_) => JobKind::Diagnose,
@@ -91,7 +93,8 @@ fn is_the_data(measurement: &Measurement, sha256: &str, what: &str) -> Result<()
     )))
 }
 
-fn second(answer: &Answer, files: &[PathBuf]) -> Result<Option<Measurement>, Failure> {
+fn second(answer: &Answer, args: &Args) -> Result<Option<Measurement>, Failure> {
+    let files = args.validate.as_slice();
     let validation = answer.diagnosis().and_then(|diagnosis| diagnosis.validation.as_ref());
     match (validation, files.is_empty()) {
         (None, true) => Ok(None),
@@ -103,7 +106,7 @@ fn second(answer: &Answer, files: &[PathBuf]) -> Result<Option<Measurement>, Fai
             validation.data_sha256
         ))),
         (Some(validation), false) => {
-            let second = computation::measurement(files)?;
+            let second = computation::measurement(files, &args.given)?;
             is_the_data(&second, &validation.data_sha256, "the files of --validate")?;
             Ok(Some(second))
         }

@@ -9,7 +9,7 @@ use servoscope_core::observer::Silent;
 use crate::report;
 use crate::service::{BuiltIn, Numerics};
 
-use super::{Failure, computation};
+use super::{Failure, computation, given};
 
 /// Arguments of `validate`.
 #[derive(Debug, clap::Args)]
@@ -20,6 +20,8 @@ pub(super) struct Args {
     /// Harmonic tables or time records that together are another measurement.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    #[command(flatten)]
+    given: given::Args,
     /// Prints the result object alone.
     #[arg(long)]
     json: bool,
@@ -28,7 +30,7 @@ pub(super) struct Args {
 /// Tries the models of a result on another measurement.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let answer = computation::stored_answer(&args.result)?;
-    let measurement = computation::measurement(&args.files)?;
+    let measurement = computation::measurement(&args.files, &args.given)?;
     let validation = BuiltIn.validate(&answer, &measurement, &Silent).map_err(|error| {
         let names: Vec<String> = args.files.iter().map(|file| file.display().to_string()).collect();
         match error {

@@ -24,11 +24,69 @@ use super::views::{List, MeasurementView};
 pub(super) struct AddQuery {
     /// Name of the measurement and of its file in messages.
     name: Option<String>,
+    /// Magnitude of the input at every frequency, for a table that has no column of it.
+    magnitude: Option<String>,
+    /// What the input is: `current A`.
+    input: Option<String>,
+    /// What the response is: `velocity rad/s`, `position mm`, `acceleration m/s²`.
+    response: Option<String>,
+    /// Whether the axis was measured in an `open` or a `closed` loop.
+    r#loop: Option<String>,
+    /// What amplitudes are: `peak`, `rms` or `peak-to-peak`.
+    amplitude: Option<String>,
+    /// Period of a time record, seconds, or `none`.
+    period_s: Option<String>,
+    /// Decimal mark of the numbers in a text: `comma` or `point`.
+    decimal: Option<String>,
+    /// Names of the columns in their order, with units in brackets, between semicolons; empty for
+    /// a column that is not to be used.
+    column_names: Option<String>,
+    /// Time between samples, seconds, for a record that has no column of times.
+    sample_s: Option<String>,
+    /// Sheet of a workbook that has several tables.
+    sheet: Option<String>,
+    /// Whether the response has the opposite sign, as a loop gain at an injection point has: `yes`
+    /// or `no`.
+    inverted: Option<String>,
 }
 
-/// Uploads a measurement: a harmonic table or time records.
+impl AddQuery {
+    /// An upload of no file yet, with what the query gives.
+    fn upload(self) -> Upload {
+        let given = [
+            ("magnitude", self.magnitude),
+            ("input", self.input),
+            ("response", self.response),
+            ("loop", self.r#loop),
+            ("amplitude", self.amplitude),
+            ("period_s", self.period_s),
+            ("decimal", self.decimal),
+            ("column_names", self.column_names),
+            ("sample_s", self.sample_s),
+            ("sheet", self.sheet),
+            ("inverted", self.inverted),
+        ];
+        let given = given.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?)));
+        Upload { name: self.name, given: given.collect(), files: Vec::new() }
+    }
+}
+
+/// Media types of a body that is one file, and the extension of its name.
+const FILES: [(&str, &str); 6] = [
+    ("text/csv", "csv"),
+    ("application/json", "json"),
+    ("text/plain", "txt"),
+    ("text/tab-separated-values", "tsv"),
+    ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", "xlsx"),
+    ("application/octet-stream", "bin"),
+];
+
+/// Uploads a measurement: a harmonic table or time records, as instruments and spreadsheets write
+/// them.
 ///
-/// It is read before it is stored; what cannot be read is not stored.
+/// It is read before it is stored; what cannot be read is not stored. What a file does not say may
+/// be given in the query, or as fields of the form; it holds before what the file says. The notes
+/// of the measurement say how the file was understood.
 #[utoipa::path(
     post, path = "/v1/measurements", tag = "measurements", operation_id = "add_measurement",
     params(
@@ -37,8 +95,14 @@ pub(super) struct AddQuery {
          description = "The same key with the same data again answers with the same measurement"),
     ),
     request_body(
-        description = "One file, or several as the parts of a form",
-        content((String = "text/csv"), (Object = "application/json"), (Object = "multipart/form-data"))
+        description = "One file, or several as the parts of a form. The format is found from the \
+                       content, whatever the media type of a file is",
+        content(
+            (String = "text/csv"), (Object = "application/json"), (String = "text/plain"),
+            (String = "text/tab-separated-values"),
+            (Vec<u8> = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"),
+            (Vec<u8> = "application/octet-stream"), (Object = "multipart/form-data"),
+        )
     ),
     responses(
         (status = 201, body = MeasurementView,
@@ -53,7 +117,7 @@ pub(super) async fn add(
     request: Request,
 ) -> Result<Response, Response> {
     let key = idempotency_key(&headers).map_err(IntoResponse::into_response)?;
-    let upload = upload(query.name, request).await?;
+    let upload = upload(query.upload(), request).await?;
     let added = service
         .add_measurement(upload, key)
         .await
@@ -169,44 +233,48 @@ pub(super) fn media_type(headers: &HeaderMap) -> String {
     essence.trim().to_ascii_lowercase()
 }
 
-async fn upload(name: Option<String>, request: Request) -> Result<Upload, Response> {
+async fn upload(mut upload: Upload, request: Request) -> Result<Upload, Response> {
     let content_type = media_type(request.headers());
-    let extension = match content_type.as_str() {
-        "text/csv" => "csv",
-        "application/json" => "json",
-        "multipart/form-data" => return form(name, request).await,
-        other => {
-            let readable = "text/csv, application/json, or several files as multipart/form-data";
-            return Err(body::not_read(other, readable).into_response());
-        }
+    if content_type == "multipart/form-data" {
+        return form(upload, request).await;
+    }
+    let Some((_, extension)) = FILES.iter().find(|(known, _)| *known == content_type) else {
+        let known: Vec<&str> = FILES.iter().map(|(known, _)| *known).collect();
+        let readable = format!("{}, or several files as multipart/form-data", known.join(", "));
+        return Err(body::not_read(&content_type, &readable).into_response());
     };
     let bytes = Bytes::from_request(request, &()).await.map_err(IntoResponse::into_response)?;
-    let stem = name.as_deref().unwrap_or("upload");
+    let stem = upload.name.as_deref().unwrap_or("upload");
     let suffix = format!(".{extension}");
-    let file_name =
-        if stem.ends_with(&suffix) { stem.to_owned() } else { format!("{stem}{suffix}") };
-    let file = FileRow { name: file_name, content_type, bytes: bytes.into() };
-    Ok(Upload { name, files: vec![file] })
+    let name = if stem.ends_with(&suffix) { stem.to_owned() } else { format!("{stem}{suffix}") };
+    upload.files.push(FileRow { name, content_type, bytes: bytes.into() });
+    Ok(upload)
 }
 
-async fn form(name: Option<String>, request: Request) -> Result<Upload, Response> {
+/// The parts of a form: files, and fields of metadata without a file name.
+async fn form(mut upload: Upload, request: Request) -> Result<Upload, Response> {
     let mut parts =
         Multipart::from_request(request, &()).await.map_err(IntoResponse::into_response)?;
-    let mut files = Vec::new();
     while let Some(part) = parts.next_field().await.map_err(IntoResponse::into_response)? {
-        let position = files.len() + 1;
+        let field = part.name().filter(|name| part.file_name().is_none() && Upload::can_give(name));
+        if let Some(key) = field.map(str::to_owned) {
+            let value = part.text().await.map_err(IntoResponse::into_response)?;
+            upload.given.insert(key, value);
+            continue;
+        }
+        let position = upload.files.len() + 1;
         let file_name = part.file_name().or(part.name()).map(str::to_owned);
         let content_type = part.content_type().unwrap_or("text/csv").to_owned();
         let bytes = part.bytes().await.map_err(IntoResponse::into_response)?;
-        files.push(FileRow {
+        upload.files.push(FileRow {
             name: file_name.unwrap_or_else(|| format!("part {position}")),
             content_type,
             bytes: bytes.into(),
         });
     }
-    if files.is_empty() {
+    if upload.files.is_empty() {
         let status = StatusCode::BAD_REQUEST;
         return Err(Problem::of_status(status, "the form has no file").into_response());
     }
-    Ok(Upload { name, files })
+    Ok(upload)
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use servoscope_core::measurement::formats::Source;
+use servoscope_core::measurement::formats::{Given, Source};
 use servoscope_core::measurement::{Experiment, Measurement, Transient};
 use sha2::{Digest, Sha256};
 
@@ -23,11 +23,34 @@ pub const MAX_POINTS: usize = 20_000;
 pub struct Upload {
     /// Name of the measurement where the files do not give one.
     pub name: Option<String>,
+    /// Metadata that is given beside the files, and holds before theirs.
+    pub given: BTreeMap<String, String>,
     /// The files.
     pub files: Vec<FileRow>,
 }
 
 impl Upload {
+    /// Whether metadata of this name can be given beside the files.
+    pub fn can_give(key: &str) -> bool {
+        Given::knows(key)
+    }
+
+    /// Adds what is given beside the files to them, so that it is stored and read with them.
+    fn with_given(mut self) -> Result<Self, ServiceError> {
+        let mut given = Given::default();
+        for (key, value) in std::mem::take(&mut self.given) {
+            given.set(&key, &value).map_err(ServiceError::Upload)?;
+        }
+        let name = Given::NAME.to_owned();
+        let file = |text: String| FileRow {
+            name,
+            content_type: "text/plain".into(),
+            bytes: text.into_bytes(),
+        };
+        self.files.extend(given.text().map(file));
+        Ok(self)
+    }
+
     fn sources(&self) -> Vec<Source<'_>> {
         sources(&self.files)
     }
@@ -71,6 +94,7 @@ impl Service {
         key: Option<String>,
     ) -> Result<Added<Measured>, ServiceError> {
         at_most("files", upload.files.len(), MAX_FILES)?;
+        let upload = upload.with_given()?;
         let numerics = Arc::clone(&self.numerics);
         let reading = aside(move || {
             let read = numerics.read(&upload.sources());

@@ -32,7 +32,7 @@ impl Bench {
             content_type: "text/csv".into(),
             bytes: b"any".to_vec(),
         };
-        let upload = Upload { name: None, files: vec![file] };
+        let upload = Upload { files: vec![file], ..Upload::default() };
         let measurement = service.add_measurement(upload, None).await.unwrap().resource.row.id;
         Self { _directory: directory, store, service, signals, measurement }
     }

@@ -16,6 +16,7 @@ mod layers;
 mod limits;
 mod machines;
 mod measurements;
+mod measurements_of_instruments;
 mod methods;
 mod motions;
 mod naming;

@@ -8,13 +8,13 @@ const AROUND = 2;
 
 /// A place to drop files on. `done` gets the measurement.
 export function dropZone(done) {
-  const input = h("input", { type: "file", multiple: true, accept: ".csv,.json,.txt", id: "files", class: "unseen" });
+  const input = h("input", { type: "file", multiple: true, accept: ".csv,.json,.txt,.tsv,.dat,.xlsx,.uff,.unv,.58", id: "files", class: "unseen" });
   const outcome = h("div", { role: "alert" });
   const zone = h("section", { class: "drop", "aria-label": "Upload a measurement" },
     h("p", {},
       h("strong", {}, "Drop a measurement here"), " or ",
       h("label", { class: "button", for: "files" }, "choose files")),
-    h("p", { class: "small" }, "Harmonic table or time record, CSV or JSON. Files chosen together are one measurement. ",
+    h("p", { class: "small" }, "Harmonic table or time record, as instruments and spreadsheets write them: text, JSON, xlsx, universal files. Files chosen together are one measurement. ",
       h("a", { href: "/assets/example.csv", download: "sticky_axis.csv" }, "An example to look at"), "."),
     input, outcome);
 
@@ -58,7 +58,7 @@ export function upload(files) {
     const type = file.name.endsWith(".json") ? "application/json" : "text/csv";
     form.append("file", new File([file], file.name, { type }));
   }
-  const name = files.length === 1 ? files[0].name.replace(/\.(csv|json|txt)$/, "") : "";
+  const name = files.length === 1 ? files[0].name.replace(/\.(csv|json|txt|tsv|dat|xlsx|uff|unv|58)$/, "") : "";
   return json(`/v1/measurements${name && `?name=${encodeURIComponent(name)}`}`, { method: "POST", body: form });
 }
 

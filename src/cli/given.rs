@@ -1,0 +1,89 @@
+//! What a command states beside its files: settings and metadata that they lack.
+
+use servoscope_core::measurement::formats::Given;
+
+use super::Failure;
+
+/// Arguments of every command that reads measurements. They hold for all files, and before what
+/// the files say.
+#[derive(Debug, Default, clap::Args)]
+#[group(skip)]
+pub(super) struct Args {
+    /// Magnitude of the input at every frequency, for a table that has no column of it.
+    #[arg(long, value_name = "M")]
+    magnitude: Option<String>,
+    /// What the input is: `current A`.
+    #[arg(long, value_name = "NAME UNIT")]
+    input: Option<String>,
+    /// What the response is: `velocity rad/s`, `position mm`, `acceleration m/s²`.
+    #[arg(long, value_name = "KIND UNIT")]
+    response: Option<String>,
+    /// Whether the axis was measured in an open or a closed loop.
+    #[arg(long = "loop", value_name = "open|closed")]
+    feedback: Option<String>,
+    /// What amplitudes are: peak, rms or peak-to-peak.
+    #[arg(long, value_name = "KIND")]
+    amplitude: Option<String>,
+    /// Period of a time record, seconds, or none.
+    #[arg(long, value_name = "S")]
+    period_s: Option<String>,
+    /// Decimal mark of the numbers in a text: comma or point.
+    #[arg(long, value_name = "MARK")]
+    decimal: Option<String>,
+    /// Names of the columns in their order, with units in brackets, between semicolons; empty for
+    /// a column that is not to be used.
+    #[arg(long, value_name = "NAMES")]
+    column_names: Option<String>,
+    /// Time between samples, seconds, for a record that has no column of times.
+    #[arg(long, value_name = "S")]
+    sample_s: Option<String>,
+    /// Sheet of a workbook that has several tables.
+    #[arg(long, value_name = "NAME")]
+    sheet: Option<String>,
+    /// Whether the response has the opposite sign, as a loop gain at an injection point has.
+    #[arg(long, value_name = "yes|no")]
+    inverted: Option<String>,
+}
+
+impl Args {
+    /// What is given, as a file to read with the others.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a value that means nothing.
+    pub(super) fn file(&self) -> Result<Option<(String, Vec<u8>)>, Failure> {
+        let entries = [
+            ("magnitude", &self.magnitude),
+            ("input", &self.input),
+            ("response", &self.response),
+            ("loop", &self.feedback),
+            ("amplitude", &self.amplitude),
+            ("period_s", &self.period_s),
+            ("decimal", &self.decimal),
+            ("column_names", &self.column_names),
+            ("sample_s", &self.sample_s),
+            ("sheet", &self.sheet),
+            ("inverted", &self.inverted),
+        ];
+        let mut given = Given::default();
+        for (key, value) in entries {
+            let Some(value) = value else { continue };
+            given.set(key, value).map_err(|error| {
+                Failure::Input(format!("--{}: {}", key.replace('_', "-"), error.reason))
+            })?;
+        }
+        Ok(given.text().map(|text| (Given::NAME.to_owned(), text.into_bytes())))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_that_means_nothing_is_refused_by_its_flag() {
+        let args = Args { period_s: Some("soon".into()), ..Args::default() };
+        let failure = args.file().unwrap_err().to_string();
+        assert!(failure.contains("--period-s") && failure.contains("`soon`"), "{failure}");
+        assert!(Args::default().file().unwrap().is_none());
+    }
+}

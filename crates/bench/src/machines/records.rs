@@ -70,7 +70,7 @@ pub fn multisine(count: usize, magnitude: f64, rng: &mut ChaCha8Rng) -> Vec<Comp
 
 impl PeriodicMotion {
     /// The same motion with its velocity as a position: Yₖ = Vₖ/(jkω), without the mean.
-    pub fn as_position(mut self) -> Self {
+    pub fn converted_to_position(mut self) -> Self {
         for (k, value) in self.response.iter_mut().enumerate() {
             *value /= Complex::new(0.0, k.max(1) as f64 * self.omega_rad_s);
         }
@@ -277,7 +277,7 @@ mod tests {
     #[test]
     fn a_position_is_the_integral_of_the_velocity_without_a_mean() {
         let velocity = motion();
-        let position = velocity.clone().as_position();
+        let position = velocity.clone().converted_to_position();
         let expected = velocity.response[4] / Complex::new(0.0, 10.0);
         assert!((position.response[4] - expected).norm() < 1e-15 * 3.0);
         let noise = RecordNoise { input: 0.1, response: 1e-3 };

@@ -213,7 +213,7 @@ fn trajectory(machine: &Draw, dominant: usize) -> Option<Motions> {
     let PeriodicMotion { omega_rad_s, input, .. } = motion.clone();
     let response = respond(&without_small, 0.0, omega_rad_s, &input, HARMONICS, &settings).ok()?;
     let other = PeriodicMotion { omega_rad_s, input, response };
-    Some(vec![[motion.as_position(), other.as_position()]])
+    Some(vec![[motion.converted_to_position(), other.converted_to_position()]])
 }
 
 #[cfg(test)]

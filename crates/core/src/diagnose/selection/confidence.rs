@@ -68,7 +68,7 @@ impl Standing<'_> {
     pub fn factor(&self, id: &'static str) -> f64 {
         let imitators = self.imitators(id);
         let is_alike = |other: &&str| *other == id || imitators.contains(other);
-        let lacks = |key: &Key| key.len() <= self.chosen.len() && !key.iter().any(|o| is_alike(o));
+        let lacks = |key: &Key| key.len() <= self.chosen.len() && !key.iter().any(&is_alike);
         (self.least(lacks) / self.models.remainder(self.chosen)).max(f64::MIN_POSITIVE)
     }
 

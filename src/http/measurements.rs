@@ -100,8 +100,8 @@ const FILES: [(&str, &str); 6] = [
         content(
             (String = "text/csv"), (Object = "application/json"), (String = "text/plain"),
             (String = "text/tab-separated-values"),
-            (Vec<u8> = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"),
-            (Vec<u8> = "application/octet-stream"), (Object = "multipart/form-data"),
+            (String = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"),
+            (String = "application/octet-stream"), (Object = "multipart/form-data"),
         )
     ),
     responses(

@@ -52,15 +52,17 @@ pub(super) fn read<'a>(
     // Where the first line begins that is neither metadata nor blank.
     let mut first: Option<(&str, u64)> = None;
     let mut found = None;
-    let given_names = given.column_names();
+    let mut names = given.column_names();
+    let mut lines = Vec::new();
     let (mut rest, mut number, mut foreign) = (text, 1, 0);
     while !rest.is_empty() && foreign < MOST_LINES {
         let end = rest.find('\n').map_or(rest.len(), |end| end + 1);
         let line = rest[..end].trim();
         if line.starts_with('#') {
-            metadata(&mut header, &mut comments, line, number)?;
+            names = names.or_else(|| column_names(line));
+            lines.extend(line.contains(':').then_some((number, line)));
         } else if !line.is_empty() && (number > 1 || line_of_delimiter.is_none()) {
-            found = match given_names.as_ref().or(header.column_names.as_ref()) {
+            found = match &names {
                 Some(names) => row_delimiter(line, stated, names.len()),
                 None => names_delimiter(line, stated, first.is_none()),
             };
@@ -73,6 +75,16 @@ pub(super) fn read<'a>(
         rest = &rest[end..];
         number += 1;
     }
+    let guessed = || first.map(|(from, _)| guess(from.lines().next().unwrap_or_default()));
+    let delimiter = found.or(stated).or_else(guessed).unwrap_or(Delimiter::Comma);
+    for (number, line) in lines {
+        // A spreadsheet fills the cells behind the metadata with nothing.
+        let line = match delimiter {
+            Delimiter::Semicolon => line.trim_end_matches(';'),
+            _ => line,
+        };
+        metadata(&mut header, &mut comments, line, number)?;
+    }
     let mut notes: Vec<String> = comments
         .iter()
         .map(|(line, key, _)| format!("line {line}: metadata key {key} is unknown and not used"))
@@ -80,7 +92,6 @@ pub(super) fn read<'a>(
     let comments = comments.into_iter().map(|(_, key, value)| (key, value)).collect();
     header.take(given, &mut notes)?;
     let Some((from, from_line)) = first else {
-        let delimiter = Delimiter::Comma;
         return Ok(Preamble {
             header,
             notes,
@@ -91,7 +102,7 @@ pub(super) fn read<'a>(
             found: false,
         });
     };
-    if let Some(delimiter) = found {
+    if found.is_some() {
         if from_line < number {
             notes.push(format!("the text from line {from_line} to the table is not used"));
         }
@@ -109,9 +120,15 @@ pub(super) fn read<'a>(
         let reason = format!("no row has {} numbers, as many as column_names has", columns.len());
         return Err(Fault::new(reason).in_column("column_names"));
     }
-    let line = from.lines().next().unwrap_or_default();
-    let delimiter = stated.unwrap_or_else(|| guess(line));
     Ok(Preamble { header, notes, comments, delimiter, rest: from, line: from_line, found: false })
+}
+
+/// The names of the columns, if a line of metadata gives them.
+fn column_names(line: &str) -> Option<Vec<String>> {
+    let (key, value) = line.trim_start_matches('#').split_once(':')?;
+    let mut header = Header::default();
+    header.set(None, key.trim(), value.trim()).ok()?;
+    header.column_names
 }
 
 /// Line, key and value of a comment.

@@ -107,6 +107,14 @@ fn columns_that_are_named_beside_the_file_stand_for_its_own() {
 }
 
 #[test]
+fn metadata_end_before_the_empty_cells_behind_them() {
+    let text = format!("# axis: X\n# response: position mm\n{}", german(PLAIN));
+    let m = is_plain(text.replace('\n', ";;;\n").as_bytes());
+    assert_eq!(m.metadata().axis.as_deref(), Some("X"));
+    assert_eq!(m.metadata().response.unit, "mm");
+}
+
+#[test]
 fn a_line_of_many_names_or_a_long_name_takes_no_time() {
     let many = format!("x{}\n1\n", ",x".repeat(20_000));
     refused(&many, 1, "", "more than 10000 columns");

@@ -8,7 +8,7 @@ use super::delimiter::{Delimiter, unquote};
 use super::fault::Fault;
 use super::given::Given;
 use super::header::Header;
-use super::instrument;
+use super::instruments;
 use super::limits::{MAX_COLUMNS, MAX_ROWS};
 use super::name::{self, Name};
 use super::naming;
@@ -105,7 +105,7 @@ impl<'a> CsvText<'a> {
             next = self.next(&mut record)?;
         }
         let written_names = self.names.clone();
-        if let Some(instrument) = instrument::find(&self.names) {
+        if let Some(instrument) = instruments::find(&self.names) {
             self.notes.push(format!("the file is of {}", instrument.name));
             self.names = (instrument.names)(&self.names, &self.comments, &mut self.header)
                 .map_err(|fault| fault.at_line(Some(self.names_line)))?;

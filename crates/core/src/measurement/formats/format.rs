@@ -1,18 +1,18 @@
-//! The formats that files may have: one file and one line each.
+//! What a file format is.
 
 use std::borrow::Cow;
 
+use super::encoding;
 use super::fault::Fault;
 use super::given::Given;
 use super::part::Part;
-use super::{delimited, encoding, json, sysid, twincat_scope, universal, xlsx};
 
 /// The content of a file, as bytes and, where it is one, as text.
 pub(super) struct Content<'a> {
     pub(super) bytes: &'a [u8],
     text: Result<Cow<'a, str>, Fault>,
     /// How the text was decoded, if it is not UTF-8.
-    encoding: Option<String>,
+    pub(super) encoding: Option<String>,
 }
 
 impl<'a> Content<'a> {
@@ -47,23 +47,4 @@ pub(super) struct Format {
     pub(super) is: fn(&Content<'_>) -> bool,
     /// Reads a file that looks like it.
     pub(super) read: fn(&Content<'_>, &Given) -> Result<Part, Fault>,
-}
-
-/// All formats. The first that a file looks like reads it; the last reads whatever is left.
-const FORMATS: &[Format] = &[
-    xlsx::FORMAT,
-    universal::FORMAT,
-    twincat_scope::FORMAT,
-    sysid::FORMAT,
-    json::FORMAT,
-    delimited::FORMAT,
-];
-
-/// Reads a file.
-pub(super) fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {
-    let content = Content::of(bytes);
-    let format = FORMATS.iter().find(|format| (format.is)(&content)).unwrap_or(&delimited::FORMAT);
-    let mut part = (format.read)(&content, given)?;
-    part.notes.splice(0..0, content.encoding);
-    Ok(part)
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::fault::{Fault, ParseError};
 use super::header::Header;
-use super::part::Source;
+use super::source::Source;
 
 /// First line of the text that carries the statements.
 const FIRST_LINE: &str = "# given with the upload";

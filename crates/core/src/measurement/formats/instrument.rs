@@ -1,11 +1,10 @@
-//! Instruments that write tables with names of their own: one file and one line each.
+//! An instrument that writes tables with names of its own.
 //!
-//! An instrument turns the names of its columns into names that the vocabulary knows, and leaves
-//! those empty that are not to be used.
+//! It turns the names of its columns into names that the vocabulary knows, and leaves those empty that
+//! are not to be used.
 
 use super::fault::Fault;
 use super::header::Header;
-use super::{bode_100, digilent, nf_fra};
 
 /// Comments of a text that are `key: value` but no metadata.
 pub(super) type Comments = [(String, String)];
@@ -23,15 +22,6 @@ pub(super) struct Instrument {
 
 /// Turns the names of an instrument's columns into names of the vocabulary.
 type Rename = fn(&[String], &Comments, &mut Header) -> Result<Vec<String>, Fault>;
-
-/// All instruments.
-const INSTRUMENTS: &[Instrument] =
-    &[digilent::INSTRUMENT, bode_100::INSTRUMENT, nf_fra::INSTRUMENT];
-
-/// The instrument whose columns have these names.
-pub(super) fn find(names: &[String]) -> Option<&'static Instrument> {
-    INSTRUMENTS.iter().find(|instrument| (instrument.is)(names))
-}
 
 /// Names with those kept and renamed that `rename` knows.
 pub(super) fn renamed(names: &[String], rename: impl Fn(&str) -> Option<String>) -> Vec<String> {

@@ -4,7 +4,8 @@ use sha2::{Digest, Sha256};
 
 use super::fault::ParseError;
 use super::header::Header;
-use super::part::{Part, Source};
+use super::part::Part;
+use super::source::Source;
 use crate::measurement::{Measurement, Metadata, scatter};
 
 /// Hexadecimal SHA-256 of the bytes of all sources.

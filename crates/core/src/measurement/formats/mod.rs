@@ -1,6 +1,6 @@
 //! File formats: parses bytes into a [`Measurement`], or reports what is wrong and where.
 //!
-//! The format is detected from the content; the list is in `format.rs`. Every format contains a
+//! The format is detected from the content; the list is in `known_formats.rs`. Every format contains a
 //! table of numbers, and the names of its columns tell which kind it is:
 //!
 //! - **Harmonic table** (CSV): `magnitude`; `omega_rad_s` or `frequency_hz`; `re,im`,
@@ -73,9 +73,11 @@ mod harmonic_row;
 mod harmonic_table;
 mod header;
 mod instrument;
+mod instruments;
 mod join;
 mod json;
 mod json_table;
+mod known_formats;
 mod layout;
 mod limits;
 mod name;
@@ -85,6 +87,7 @@ mod part;
 mod preamble;
 mod repeats;
 mod row_noise;
+mod source;
 mod sysid;
 mod table;
 mod time_record;
@@ -102,7 +105,7 @@ pub use limits::{
     MAX_CELLS_IN_ROW, MAX_COLUMNS, MAX_HARMONIC, MAX_INDEX, MAX_INPUT_LINES, MAX_NAME,
     MAX_NAMES_LINE, MAX_ROWS, MAX_SETTLE_PERIODS, MAX_UNPACKED, MAX_UNPACKED_STRINGS,
 };
-pub use part::Source;
+pub use source::Source;
 pub use write::write_harmonic_csv;
 
 use super::Measurement;
@@ -127,7 +130,7 @@ pub fn read(sources: &[Source<'_>]) -> Result<Measurement, ParseError> {
     let parts = files
         .iter()
         .map(|source| {
-            format::read(source.bytes, &given).map_err(|fault| fault.in_file(source.name))
+            known_formats::read(source.bytes, &given).map_err(|fault| fault.in_file(source.name))
         })
         .collect::<Result<Vec<_>, _>>()?;
     join::join(&files, parts, join::digest(sources))

@@ -1,17 +1,8 @@
-//! One file of an upload, and its parsed content.
+//! The parsed content of one file.
 
 use crate::measurement::{Experiment, Transient};
 
 use super::header::Header;
-
-/// One uploaded file.
-#[derive(Debug, Clone, Copy)]
-pub struct Source<'a> {
-    /// Name to use in messages.
-    pub name: &'a str,
-    /// Content.
-    pub bytes: &'a [u8],
-}
 
 /// Parsed content of one file.
 pub(super) struct Part {

@@ -5,7 +5,7 @@ use super::delimiter::Delimiter;
 use super::fault::Fault;
 use super::given::Given;
 use super::header::Header;
-use super::instrument;
+use super::instruments;
 use super::limits::MAX_NAMES_LINE;
 use super::name::{self, Name};
 
@@ -164,7 +164,7 @@ fn names_delimiter(line: &str, stated: Option<Delimiter>, first: bool) -> Option
     }
     let count = |delimiter: &Delimiter| {
         let cells = delimiter.cells(line);
-        if instrument::find(&cells).is_some() {
+        if instruments::find(&cells).is_some() {
             return usize::MAX;
         }
         let names = cells.iter().map(|cell| Name::of(cell, None));

@@ -11,7 +11,7 @@ use super::residuals::residual::Residuals;
 use super::residuals::statistics;
 use super::residuals::whiteness::{Judgement, Nulls};
 use super::selection::evidence::NoiseScale;
-use super::selection::models::{Models, ScoredModel};
+use super::selection::models::{Key, Models, ScoredModel};
 use super::*;
 use crate::answers::{Discrepancy, IdentifyOptions, PlantRequest};
 use crate::identify::{FitSession, IdentifyError, Model};
@@ -60,6 +60,13 @@ pub(super) fn request() -> IdentifyRequest {
 
 fn residuals(measurement: &Measurement) -> Residuals {
     Residuals::of(&crate::identify::fit_base(measurement, &request(), &Silent).unwrap())
+}
+
+/// The key of a model with these effects.
+pub(super) fn key(ids: &[&'static str]) -> Key {
+    let mut key = ids.to_vec();
+    key.sort_unstable();
+    key
 }
 
 /// Models with these effects and costs, as if they had been fitted to data of known noise. Every

@@ -155,13 +155,7 @@ fn rejection(models: &Models, chosen: &Key, withdrawn: &Key, id: &'static str) -
 mod tests {
     use super::*;
     use crate::diagnose::selection::familywise_threshold::FamilywiseThreshold;
-    use crate::diagnose::tests::fitted_to;
-
-    fn key(ids: &[&'static str]) -> Key {
-        let mut key = ids.to_vec();
-        key.sort_unstable();
-        key
-    }
+    use crate::diagnose::tests::{fitted_to, key};
 
     #[test]
     fn two_causes_convince_unless_they_are_confusable_or_one_has_an_unrelated_rival() {

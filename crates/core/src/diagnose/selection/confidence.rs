@@ -1,13 +1,13 @@
 //! The confidence in a cause: how often causes that stand out as far as this one are right.
 //!
-//! Where one effect leaves only noise, its posterior probability among the fitted models is a
-//! probability (Bayesian model averaging). Where more is left, or where several effects are needed,
-//! what is left is not noise but effects that no model has, and the posterior is far too sure. The
-//! confidence then follows from how far the effect stands out: by which factor the best model
-//! without it leaves more than the best model with it. Two effects that are each other's closest
+//! Where one effect leaves only noise, the confidence is its posterior probability among the fitted
+//! models (Bayesian model averaging). Where more is left, that is not noise but effects that no
+//! model has; where several effects are needed, they may imitate another. Posterior probabilities
+//! are then far too sure, and the confidence follows from how far the effect stands out: by which
+//! factor the best model without it leaves more than the chosen one. Two effects that are each other's closest
 //! imitators stand out together, and share the confidence by what either leaves.
 //!
-//! The logistic functions were fitted to draws of the benchmark; docs/decisions.md says how.
+//! The logistic function was fitted to draws of the benchmark; docs/decisions.md says how.
 
 use super::causes::{convincing, rivals};
 use super::models::{Key, Models};
@@ -99,13 +99,7 @@ impl Standing<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::tests::fitted_to;
-
-    fn key(ids: &[&'static str]) -> Key {
-        let mut key = ids.to_vec();
-        key.sort_unstable();
-        key
-    }
+    use crate::diagnose::tests::{fitted_to, key};
 
     fn confidence(models: &Models, chosen: &Key, id: &'static str, fits: bool) -> f64 {
         Standing { models, chosen }.confidence(id, fits)

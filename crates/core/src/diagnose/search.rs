@@ -188,7 +188,7 @@ impl<'a> Search<'a> {
 
     fn keep(&mut self, fits: Vec<Model>) {
         let (session, noise_scale) = (self.session, self.models.noise_scale);
-        let weighed = |model| ScoredModel::new(session, model, &noise_scale);
+        let weighed = |model| ScoredModel::new(session, session.from_rest(model), &noise_scale);
         let fits: Vec<ScoredModel> = fits.into_par_iter().map(weighed).collect();
         fits.into_iter().for_each(|scored| self.models.keep(scored));
     }

@@ -17,7 +17,7 @@ use crate::answers::{NoiseSource, OrderChoice, Stage};
 use crate::effects::{Effect, Scope};
 use crate::measurement::{Complex, Measurement};
 use crate::observer::Observer;
-use crate::simulate::Counts;
+use crate::simulate::{Counts, LastMotion};
 
 use super::model_fit;
 use super::model_fit::ModelFit;
@@ -73,6 +73,8 @@ pub struct FitSession<'a> {
     problem: Problem,
     fitted: Fitted,
     order_choice: Option<OrderChoice>,
+    /// Base models of all orders that were tried.
+    orders: Vec<Fitted>,
     base: Model,
     stand_in: Vec<Vec<Complex>>,
     /// Where a search looks for the best model; `None` if simulations are cheap.
@@ -90,19 +92,20 @@ impl<'a> FitSession<'a> {
         observer: &'a dyn Observer,
     ) -> Result<Self, IdentifyError> {
         let problem = Problem::new(measurement)?;
-        Self::solved(measurement, request, observer, problem, None)
+        Self::solved(measurement, request, observer, problem, (None, &[]))
     }
 
-    /// Fits the base model with the given weights or, without any, with those of the noise.
+    /// Fits the base model with the given weights or, without any, with those that the request asks
+    /// for; `known` are fits of the same problem with other weights.
     fn solved(
         measurement: &'a Measurement,
         request: &'a IdentifyRequest,
         observer: &'a dyn Observer,
         problem: Problem,
-        weights: Option<&Weights>,
+        (weights, known): (Option<&Weights>, &[Fitted]),
     ) -> Result<Self, IdentifyError> {
-        let Solved { chosen, order_choice } =
-            solve(measurement, &problem, request, weights, observer)?;
+        let Solved { chosen, order_choice, fits } =
+            solve(measurement, &problem, request, (weights, known), observer)?;
         // Of given weights it is still true that others may follow from a better model.
         let depend_on_model =
             weights.map_or(chosen.weights.depend_on_model, |given| given.depend_on_model);
@@ -121,6 +124,7 @@ impl<'a> FitSession<'a> {
             problem,
             fitted,
             order_choice,
+            orders: fits,
             base,
             stand_in: Vec::new(),
             coarse: None,
@@ -239,17 +243,25 @@ impl<'a> FitSession<'a> {
         Patience { steps, cost_tolerance, negligible, ..refine::THOROUGH }
     }
 
-    /// Fits a model by this misfit; returns it with the damping at the end.
+    /// A memory of the last motion of each experiment, if others than those from rest count.
+    fn motions(&self, misfit: &Misfit<'_>) -> Option<Vec<LastMotion>> {
+        let from_rest = matches!(misfit.counts, Counts::FromRest);
+        let each = || misfit.problem.experiments.iter().map(|_| LastMotion::default());
+        (!from_rest).then(|| each().collect())
+    }
+
+    /// Fits a model by this misfit. Each simulation starts from the motion of the one before, unless
+    /// only motions from rest count.
     fn descend_by(
         &self,
         misfit: &Misfit<'_>,
         model: &Model,
         patience: Patience,
         on_step: &dyn Fn(),
-    ) -> (Model, f64) {
-        let refined = refine::refine(misfit, &model.point, patience, &mut |_, _, _| on_step());
-        let damping = refined.damping;
-        (model.refined(refined), damping)
+    ) -> Model {
+        let motions = self.motions(misfit);
+        let misfit = Misfit { motions: motions.as_deref(), ..*misfit };
+        model.refined(refine::refine(&misfit, &model.point, patience, &mut |_, _, _| on_step()))
     }
 
     /// Everything needed to judge a fitted model. If it has no response from rest in some
@@ -339,6 +351,7 @@ impl<'a> FitSession<'a> {
             observer: self.observer,
             stand_in: (!self.stand_in.is_empty()).then_some(&self.stand_in),
             counts: Counts::EvenUnstable,
+            motions: None,
         }
     }
 }

@@ -61,6 +61,9 @@ pub(super) struct Patience {
     pub negligible: f64,
     /// Damping of the first step, relative to the scaled curvature.
     pub damping: f64,
+    /// Converged if the first step lowers the cost by as much as predicted, to within this share of
+    /// the prediction: the model is linear over the step, and a second one would gain nothing.
+    pub linear_within: f64,
 }
 
 /// Damping of the first step where nothing is known of the problem.
@@ -129,7 +132,7 @@ pub(super) fn minimise_from<P: LeastSquares>(
     let mut damping = patience.damping;
     // Residuals and derivatives are computed together at the first trial of a step as long as such
     // trials succeed: separately, they would take two simulations of the same point.
-    let mut eager = true;
+    let mut eager = patience.linear_within <= 0.0;
     on_step(0, evaluations, cost);
     for step in 1..=patience.steps {
         if problem.cancelled() {
@@ -177,7 +180,7 @@ pub(super) fn minimise_from<P: LeastSquares>(
                 (problem.cost(&trial), None)
             };
             if trial_cost < cost {
-                accepted = Some((trial, trial_cost, moved, ahead));
+                accepted = Some((trial, trial_cost, moved, ahead, predicted));
                 damping = (damping * 0.1).max(1e-12);
                 break;
             }
@@ -185,12 +188,16 @@ pub(super) fn minimise_from<P: LeastSquares>(
             last_cost = trial_cost;
             damping *= if damping < 1e-6 { 100.0 } else { 5.0 };
         }
-        let Some((trial, trial_cost, moved, ahead)) = accepted else {
+        let Some((trial, trial_cost, moved, ahead, predicted)) = accepted else {
             return Refined { point, cost, evaluations, damping, stop: "no further descent" };
         };
         eager = rejected == 0;
         let decrease = cost - trial_cost;
         point = trial;
+        if step == 1 && (decrease - predicted).abs() <= patience.linear_within * predicted {
+            on_step(1, evaluations, trial_cost);
+            return Refined { point, cost: trial_cost, evaluations, damping, stop: "converged" };
+        }
         here = match ahead {
             Some(there) => there,
             None => {
@@ -299,6 +306,7 @@ mod tests {
         cost_tolerance: 1e-14,
         negligible: 0.0,
         damping: FIRST_DAMPING,
+        linear_within: 0.0,
     };
 
     /// Rosenbrock's function as a sum of squares, 10(y − x²) and 1 − x: least at (1, 1). Its x

@@ -82,7 +82,8 @@ pub fn identify(
 ) -> Result<Identification, IdentifyError> {
     let observer = &Steady::new(observer);
     let problem = Problem::new(measurement)?;
-    let Solved { chosen, order_choice } = solve(measurement, &problem, request, None, observer)?;
+    let Solved { chosen, order_choice, .. } =
+        solve(measurement, &problem, request, (None, &[]), observer)?;
     let (coordinates, weights) = (&chosen.coordinates, &chosen.weights);
     let misfit = Misfit::new(&problem, coordinates, weights, observer);
     let answer = answer(measurement, &misfit, request, &chosen, order_choice, Intervals::Profile);

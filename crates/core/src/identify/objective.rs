@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::measurement::Complex;
 use crate::observer::Observer;
-use crate::simulate::{self, Counts, NoResponse, Response};
+use crate::simulate::{self, Counts, LastMotion, NoResponse, Response};
 
 use super::levenberg_marquardt::Linearisation;
 use super::noise::Weights;
@@ -15,6 +15,7 @@ use super::parameters::{CONSTANT, Coordinates};
 use super::problem::{Prepared, Problem};
 
 /// The misfit of a problem as a function of its coordinates.
+#[derive(Clone, Copy)]
 pub(super) struct Misfit<'a> {
     /// The measurement.
     pub problem: &'a Problem,
@@ -28,7 +29,10 @@ pub(super) struct Misfit<'a> {
     /// With `None`, such a model has infinite cost.
     pub stand_in: Option<&'a [Vec<Complex>]>,
     /// Which periodic motions count as a response.
-    pub counts: Counts,
+    pub counts: Counts<'a>,
+    /// The last motion of each experiment, from which the next simulation starts; without them,
+    /// every simulation starts as `counts` says.
+    pub motions: Option<&'a [LastMotion]>,
 }
 
 impl<'a> Misfit<'a> {
@@ -40,7 +44,7 @@ impl<'a> Misfit<'a> {
         observer: &'a dyn Observer,
     ) -> Self {
         let (stand_in, counts) = (None, Counts::FromRest);
-        Self { problem, coordinates, weights, observer, stand_in, counts }
+        Self { problem, coordinates, weights, observer, stand_in, counts, motions: None }
     }
 }
 
@@ -52,7 +56,7 @@ pub(super) struct NoResiduals;
 /// Largest share of the experiments in which a model may lack a response (tuned).
 const LARGEST_UNANSWERED_SHARE: f64 = 0.1;
 
-impl Misfit<'_> {
+impl<'a> Misfit<'a> {
     /// Simulated value of every target, by experiment, in scale.
     ///
     /// # Errors
@@ -60,16 +64,21 @@ impl Misfit<'_> {
     pub fn predict(&self, point: &[f64]) -> Result<Vec<Vec<Complex>>, NoResiduals> {
         let plant = self.coordinates.plant(point);
         let effects = self.coordinates.effects_at(point);
-        let predict = |experiment: &Prepared| {
+        let predict = |e: usize, experiment: &Prepared| {
             let Prepared { excitation, highest, targets } = experiment;
             if targets.is_empty() {
                 return Ok(Vec::new());
             }
             let velocity =
-                simulate::respond_if(self.counts, &plant, &effects, excitation, *highest)?;
+                simulate::respond_if(self.counts_of(e), &plant, &effects, excitation, *highest)?;
             Ok(targets.iter().map(|t| velocity[t.order] * t.per_velocity).collect())
         };
         self.map_experiments(predict, |e| self.stand_in.map(|values| values[e].clone()))
+    }
+
+    /// Which periodic motions of an experiment count.
+    fn counts_of(&self, experiment: usize) -> Counts<'a> {
+        self.motions.map_or(self.counts, |motions| Counts::Near(&motions[experiment]))
     }
 
     /// Applies `respond` to every experiment. `stand_in` supplies the result for the few
@@ -77,16 +86,16 @@ impl Misfit<'_> {
     /// several threads. The observer is asked before each whether to go on.
     fn map_experiments<T: Send>(
         &self,
-        respond: impl Fn(&Prepared) -> Result<T, NoResponse> + Sync,
+        respond: impl Fn(usize, &Prepared) -> Result<T, NoResponse> + Sync,
         stand_in: impl Fn(usize) -> Option<T> + Sync,
     ) -> Result<Vec<T>, NoResiduals> {
         let experiments = &self.problem.experiments;
         if self.coordinates.effects.is_empty() {
-            let respond = |experiment: &Prepared| match self.observer.cancelled() {
+            let respond = |(e, experiment)| match self.observer.cancelled() {
                 true => Err(NoResiduals),
-                false => respond(experiment).map_err(|_| NoResiduals),
+                false => respond(e, experiment).map_err(|_| NoResiduals),
             };
-            return experiments.iter().map(respond).collect();
+            return experiments.iter().enumerate().map(respond).collect();
         }
         let most = (LARGEST_UNANSWERED_SHARE * experiments.len() as f64) as usize;
         let missing = AtomicUsize::new(0);
@@ -94,7 +103,7 @@ impl Misfit<'_> {
             if self.observer.cancelled() {
                 return Err(NoResiduals);
             }
-            respond(experiment).or_else(|_| {
+            respond(e, experiment).or_else(|_| {
                 // Experiments without a response take longest to simulate, so stop at the first one
                 // too many.
                 let enough = missing.fetch_add(1, Ordering::Relaxed) >= most;
@@ -139,13 +148,13 @@ impl Misfit<'_> {
         let plant = self.coordinates.variable_plant(point);
         let effects = self.coordinates.effects_at(point);
         let (base, columns) = (self.coordinates.base_len(), self.coordinates.len());
-        let respond = |experiment: &Prepared| {
+        let respond = |e: usize, experiment: &Prepared| {
             let Prepared { excitation, highest, targets } = experiment;
             if targets.is_empty() {
                 return Ok(Response { velocity: Vec::new(), sensitivities: Vec::new() });
             }
             simulate::respond_with_sensitivities(
-                self.counts,
+                self.counts_of(e),
                 &plant,
                 base,
                 &effects,

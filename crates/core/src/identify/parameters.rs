@@ -62,6 +62,11 @@ pub(super) const CONSTANT: usize = 1;
 /// at that frequency by only about 1e-4 rad, so a higher order never fits worse than a lower one.
 const FASTEST_ACTUATOR_RATIO: f64 = 1e4;
 
+/// Least damping ratio of an actuator: it amplifies its resonance 25 times. The loops and filters of
+/// drives are damped by design; a sharper resonance is mechanical, and the effect `flexible_mode`
+/// describes it. Without this limit a resonance between two lines can serve these alone.
+const LEAST_DAMPING_RATIO: f64 = 0.02;
+
 /// Range of [`Coordinate::FcSplit`]: the prior where the data hardly tells the levels apart. One
 /// level is at most twice the other. The lower end, levels 2 % apart, keeps the square root
 /// differentiable; the response there differs from that of equal levels by some 1e-5.
@@ -126,7 +131,11 @@ impl Coordinates {
                     [omega_low / 10.0, omega_high * FASTEST_ACTUATOR_RATIO],
                     [omega_low, omega_high * 5.0],
                 );
-                these.push_log(Coordinate::DampingRatio, [1e-4, 100.0], [0.02, 2.0]);
+                these.push_log(
+                    Coordinate::DampingRatio,
+                    [LEAST_DAMPING_RATIO, 100.0],
+                    [LEAST_DAMPING_RATIO, 2.0],
+                );
             }
             _ => {}
         }

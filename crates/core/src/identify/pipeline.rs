@@ -18,7 +18,7 @@ use super::optimiser::{self, Optimiser, Search};
 use super::parameters::Coordinates;
 use super::problem::Problem;
 use super::proposal;
-use super::refine::{self, Refined};
+use super::refine::{self, Patience, Refined};
 use super::request::IdentifyError;
 use super::unit_cube_objective::OverCube;
 
@@ -27,6 +27,9 @@ const MOST_REWEIGHTINGS: usize = 6;
 
 /// If no coordinate moves by more than this in a round, the weights have converged.
 const CONVERGED_CHANGE: f64 = 1e-6;
+
+/// Relative decrease of the cost in one step at which a refinement leaves the coarse problem.
+const COARSE_TOLERANCE: f64 = 1e-5;
 
 /// The base model, fitted with one actuator order.
 #[derive(Clone)]
@@ -53,13 +56,16 @@ pub(super) struct Run<'a> {
     pub measurement: &'a Measurement,
     /// The measurement, prepared for fitting.
     pub problem: &'a Problem,
-    /// The same with coarser simulations, for everything before the refinement; `None` if
-    /// simulations are cheap.
+    /// The same with coarser simulations, for everything before the refinement and for its
+    /// beginning; `None` if simulations are cheap.
     pub coarse: Option<&'a Problem>,
     /// The options.
     pub options: &'a IdentifyOptions,
     /// The weights to use; without them, those of the noise.
     pub weights: Option<&'a Weights>,
+    /// A fit of this order with other weights: a starting point that takes the place of the
+    /// network.
+    pub known: Option<&'a Fitted>,
     /// The fit of the next lower order, if there is one: a starting point that this order can only
     /// improve.
     pub lower: Option<&'a Fitted>,
@@ -89,25 +95,9 @@ impl Run<'_> {
         let mut found = StageResults::default();
         let fine = self.misfit(&coordinates, &weights);
         let misfit = Misfit { problem: self.coarse.unwrap_or(self.problem), ..fine };
-        let Steps { closed_form, network, search, refinement } = self.steps;
-        if search.is_none() {
-            self.closed_form_alone(&misfit, &mut found)?;
-        } else if *closed_form && self.options.closed_form_start {
-            self.closed_form(&misfit, &mut found);
-        }
-        if *network && self.options.network.enabled {
-            self.network(&misfit, &mut found)?;
-        }
-        if let Some(optimiser) = search.filter(|search| search.is_enabled(self.options)) {
-            self.search(optimiser, &misfit, &mut found)?;
-        }
-        if found.starts.is_empty() {
-            let mut middle = coordinates.within_search(&vec![0.5; coordinates.len() - 1]);
-            misfit.solve_for_constant(&mut middle);
-            found.starts.push(middle);
-        }
+        self.starts(&misfit, &mut found)?;
         found.starts.sort_by(|a, b| misfit.cost(a).total_cmp(&misfit.cost(b)));
-        let point = if *refinement && self.options.refine {
+        let point = if self.steps.refinement && self.options.refine {
             self.refinement(&coordinates, &mut weights, &mut found)?
         } else {
             let best = found.starts.swap_remove(0);
@@ -120,6 +110,32 @@ impl Run<'_> {
         }
         let order = self.history.order;
         Ok(Fitted { order, coordinates, point, weights, cost, stages: found.stages })
+    }
+
+    /// The points to refine: those of every stage that the method has and the options enable.
+    fn starts(&self, misfit: &Misfit<'_>, found: &mut StageResults) -> Result<(), IdentifyError> {
+        let Steps { closed_form, network, search, .. } = self.steps;
+        if search.is_none() {
+            self.closed_form_alone(misfit, found)?;
+        } else if *closed_form && self.options.closed_form_start {
+            self.closed_form(misfit, found);
+        }
+        if let Some(known) = self.known {
+            found.sources.push(misfit.coordinates.share_of_search(&known.point));
+            found.starts.push(known.point.clone());
+        } else if *network && self.options.network.enabled {
+            self.network(misfit, found)?;
+        }
+        if let Some(optimiser) = search.filter(|search| search.is_enabled(self.options)) {
+            self.search(optimiser, misfit, found)?;
+        }
+        if found.starts.is_empty() {
+            let coordinates = misfit.coordinates;
+            let mut middle = coordinates.within_search(&vec![0.5; coordinates.len() - 1]);
+            misfit.solve_for_constant(&mut middle);
+            found.starts.push(middle);
+        }
+        Ok(())
     }
 
     fn closed_form(&self, misfit: &Misfit<'_>, found: &mut StageResults) {
@@ -228,11 +244,24 @@ impl Run<'_> {
         let begun = self.history.begin("refinement", found.starts.len() as u64);
         let (mut evaluations, mut steps) = (0, 0);
         let mut descend = |weights: &Weights, start: &[f64], bar: f64| {
-            let misfit = self.misfit(coordinates, weights);
-            let refined = refine::refine(&misfit, start, refine::THOROUGH, &mut |_, used, cost| {
+            let fine = self.misfit(coordinates, weights);
+            let mut on_step = |_, used: u64, cost: f64| {
                 begun.row(steps, evaluations + used, cost.min(bar), None);
                 steps += 1;
-            });
+            };
+            let refined = match self.coarse {
+                // Ends on the fine problem, with the damping that the fit has by then.
+                Some(problem) => {
+                    let coarse = Misfit { problem, ..fine };
+                    let patience =
+                        Patience { cost_tolerance: COARSE_TOLERANCE, ..refine::THOROUGH };
+                    let begun = refine::refine(&coarse, start, patience, &mut on_step);
+                    let patience = Patience { damping: begun.damping, ..refine::THOROUGH };
+                    let refined = refine::refine(&fine, &begun.point, patience, &mut on_step);
+                    Refined { evaluations: begun.evaluations + refined.evaluations, ..refined }
+                }
+                None => refine::refine(&fine, start, refine::THOROUGH, &mut on_step),
+            };
             evaluations += refined.evaluations;
             self.history.check_cancelled().map(|()| refined)
         };

@@ -12,6 +12,7 @@ pub(super) const THOROUGH: Patience = Patience {
     cost_tolerance: 1e-14,
     negligible: 0.0,
     damping: FIRST_DAMPING,
+    linear_within: 0.0,
 };
 
 /// Coordinates are logarithms and shares of input scales; an evaluation is a simulation of the

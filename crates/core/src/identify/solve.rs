@@ -13,19 +13,27 @@ use super::request::{IdentifyError, IdentifyRequest, no_response};
 use super::summary::Intervals;
 use super::{limitations, order, summary};
 
+/// Interpolation error of the inputs while network and colony look for the best base model, as a
+/// share of their rms (tuned). Behind an actuator with a sharp resonance a hundred times this is too
+/// coarse.
+const SEARCH_INTERPOLATION_ERROR: f64 = 1e-5;
+
 /// The chosen fit, and how it was chosen.
 pub(super) struct Solved {
     pub(super) chosen: Fitted,
     pub(super) order_choice: Option<OrderChoice>,
+    /// The fits of all orders that were tried.
+    pub(super) fits: Vec<Fitted>,
 }
 
 /// Fits the requested order of the actuator, or all three and chooses among them, with the given
-/// weights or, without any, with those of the noise.
+/// weights or, without any, with those that the request asks for. Where an order is among the
+/// `known` fits, which may have other weights, it is refined from there.
 pub(super) fn solve(
     measurement: &Measurement,
     problem: &Problem,
     request: &IdentifyRequest,
-    weights: Option<&Weights>,
+    (weights, known): (Option<&Weights>, &[Fitted]),
     observer: &dyn Observer,
 ) -> Result<Solved, IdentifyError> {
     let IdentifyRequest { plant, method, options, methods, .. } = request;
@@ -39,21 +47,23 @@ pub(super) fn solve(
         }
         None => vec![0, 1, 2],
     };
-    let coarse = problem.coarse();
+    let coarse = problem.coarser(SEARCH_INTERPOLATION_ERROR);
     let coarse = coarse.as_ref();
     let mut fits: Vec<Fitted> = Vec::new();
     for (before, order) in orders.iter().enumerate() {
         let history = History { observer, order: *order, orders: (before, orders.len()) };
+        let known = known.iter().find(|known| known.order == *order);
         let lower = fits.last();
-        let run = Run { steps, measurement, problem, coarse, options, weights, lower, history };
+        let run =
+            Run { steps, measurement, problem, coarse, options, weights, known, lower, history };
         fits.push(run.fit()?);
     }
     let order_choice = (fits.len() > 1).then(|| order::choose(problem, &fits, observer));
     let wanted = order_choice.as_ref().map_or(orders[0], |choice| choice.actuator_order);
     let stages = fits.iter().flat_map(|fit| fit.stages.clone()).collect();
-    let chosen = fits.into_iter().find(|fit| fit.order == wanted);
-    let chosen = chosen.expect("a fitted order is chosen");
-    Ok(Solved { chosen: Fitted { stages, ..chosen }, order_choice })
+    let chosen = fits.iter().find(|fit| fit.order == wanted);
+    let chosen = chosen.expect("a fitted order is chosen").clone();
+    Ok(Solved { chosen: Fitted { stages, ..chosen }, order_choice, fits })
 }
 
 /// The answer that reports a fit.

@@ -27,6 +27,7 @@
 
 mod base;
 mod hybrid;
+mod last_motion;
 mod piecewise_linear;
 mod response;
 mod sensor;
@@ -36,6 +37,7 @@ mod transient;
 
 pub use base::switching_times::{Motion, Phase, SwitchingTimes};
 pub use base::torque_sensitivity::{Torque, respond_to_torques};
+pub use last_motion::LastMotion;
 pub use response::{Counts, NoResponse, Response};
 pub use signal::excitation::Excitation;
 pub use transient::{InitialState, Quantity, SampledInput, Trajectory, Unknown, follow, unknowns};
@@ -71,7 +73,7 @@ pub fn respond(
 /// # Errors
 /// See [`NoResponse`].
 pub fn respond_if(
-    counts: Counts,
+    counts: Counts<'_>,
     plant: &Plant,
     effects: &[ActiveEffect],
     excitation: &Excitation,
@@ -100,7 +102,7 @@ pub fn respond_if(
 /// # Panics
 /// If there are more than [`effects::WIDE_LANES`] variables in all.
 pub fn respond_with_sensitivities(
-    counts: Counts,
+    counts: Counts<'_>,
     plant: &Plant<Wide>,
     variables: usize,
     effects: &[ActiveEffect],

@@ -1,6 +1,7 @@
 //! The result of a simulation, the reasons why there may be none, and the check of an axis's
 //! parameters.
 
+use super::last_motion::LastMotion;
 use crate::effects::Axis;
 use crate::measurement::Complex;
 use crate::plant::Actuator;
@@ -26,14 +27,18 @@ pub enum NoResponse {
 }
 
 /// Which periodic motions count as a response.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Counts {
+#[derive(Debug, Clone, Copy)]
+pub enum Counts<'a> {
     /// The one reached from rest.
     FromRest,
     /// The one reached from rest or, where the motion from rest does not settle to the period of
     /// the input, an unstable motion of that period. For an optimiser: its path may cross such
     /// parameter values, and an error there would block it.
     EvenUnstable,
+    /// The one to which Newton's method comes from the last motion, which is remembered here; if
+    /// it comes to none, as [`Counts::EvenUnstable`]. For an optimiser, too. Effects without a
+    /// return map ignore the last motion.
+    Near(&'a LastMotion),
 }
 
 /// Velocity harmonics V₀ … V_H and their derivatives.

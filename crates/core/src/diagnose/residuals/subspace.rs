@@ -1,6 +1,6 @@
 //! Orthogonal projection on a column space, and on its orthogonal complement.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 
 use crate::singular_values::SingularValues;
 
@@ -67,6 +67,23 @@ impl Subspace {
         self.basis.tr_mul(vector).norm_squared()
     }
 
+    /// The largest energy of each column of a matrix in any of some subspaces. One product of
+    /// matrices is quicker than many with vectors.
+    pub fn largest_energies(spaces: &[Self], columns: &DMatrix<f64>) -> Vec<f64> {
+        let bases: Vec<_> = spaces.iter().flat_map(|space| space.basis.column_iter()).collect();
+        if bases.is_empty() {
+            return vec![0.0; columns.ncols()];
+        }
+        let inside = DMatrix::from_columns(&bases).transpose() * columns;
+        let largest = |column: DVectorView<'_, f64>| {
+            let mut squares = column.iter().map(|along| along * along);
+            let energies =
+                spaces.iter().map(|space| squares.by_ref().take(space.dimension()).sum());
+            energies.fold(0.0, f64::max)
+        };
+        inside.column_iter().map(largest).collect()
+    }
+
     /// The leverages: the squared length of the part of each unit vector inside the subspace.
     pub fn leverages(&self) -> Vec<f64> {
         self.basis.row_iter().map(|row| row.norm_squared()).collect()
@@ -98,5 +115,15 @@ mod tests {
         let probe = DVector::from_vec(vec![1.0, -1.0, 5.0]);
         assert!((beyond.energy(&probe) - 2.0).abs() < 1e-12);
         assert!((first.complement(&probe) - &probe).norm() < 1e-12);
+    }
+
+    #[test]
+    fn the_largest_energy_of_each_column_is_that_in_the_subspace_that_holds_most_of_it() {
+        let plane = Subspace::of(&DMatrix::from_row_slice(3, 2, &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]));
+        let line = Subspace::of(&DMatrix::from_row_slice(3, 1, &[0.0, 0.0, 1.0]));
+        let columns = DMatrix::from_row_slice(3, 2, &[3.0, 1.0, 4.0, 0.0, 1.0, -2.0]);
+        let found = Subspace::largest_energies(&[plane, line], &columns);
+        assert!((found[0] - 25.0).abs() < 1e-12 && (found[1] - 4.0).abs() < 1e-12, "{found:?}");
+        assert_eq!(Subspace::largest_energies(&[], &columns), [0.0, 0.0]);
     }
 }

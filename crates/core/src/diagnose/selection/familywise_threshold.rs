@@ -7,6 +7,7 @@
 //! right whatever parameters the null hypothesis leaves unidentified (Davies 1987,
 //! doi:10.1093/biomet/74.1.33), with deviations given, estimated or unknown.
 
+use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -14,6 +15,7 @@ use rayon::prelude::*;
 use crate::identify::FitSession;
 
 use crate::diagnose::residuals::null_distribution::NullDistribution;
+use crate::diagnose::residuals::subspace::Subspace;
 use crate::diagnose::search::linearization::Linearization;
 use crate::diagnose::search::score_tests::Probed;
 
@@ -56,7 +58,8 @@ impl FamilywiseThreshold {
     ) -> Self {
         let law = session.noise();
         let seen: Vec<&Probed> = probed.iter().filter(|probed| !probed.spans.is_empty()).collect();
-        let drawn: Option<Vec<Vec<f64>>> = (0..DRAWS)
+        let none = Self { members: Vec::new(), p_value_limit: 0.0 };
+        let drawn: Option<Vec<DVector<f64>>> = (0..DRAWS)
             .into_par_iter()
             .map(|draw| {
                 if session.observer().cancelled() {
@@ -68,29 +71,29 @@ impl FamilywiseThreshold {
                 if !scale_known {
                     left *= (linearization.dof() / left.norm_squared()).sqrt();
                 }
-                let energies = |probed: &&Probed| {
-                    probed.spans.iter().map(|span| span.energy(&left)).fold(0.0, f64::max)
-                };
-                Some(seen.iter().map(energies).collect())
+                Some(left)
             })
             .collect();
-        let Some(drawn) = drawn else { return Self { members: Vec::new(), p_value_limit: 0.0 } };
-        let members: Vec<(&'static str, NullDistribution)> = seen
-            .iter()
-            .enumerate()
-            .map(|(i, probed)| {
-                let values = drawn.iter().map(|values| values[i]).collect();
-                (probed.effect.id(), NullDistribution::new(values))
-            })
-            .collect();
-        let smallest = |values: &Vec<f64>| {
+        let Some(drawn) = drawn.filter(|_| !seen.is_empty()) else { return none };
+        let drawn = DMatrix::from_columns(&drawn);
+        // The largest energy of each draw in the directions of an effect.
+        let gains = |probed: &&Probed| match session.observer().cancelled() {
+            true => None,
+            false => Some(Subspace::largest_energies(&probed.spans, &drawn)),
+        };
+        let gains: Option<Vec<Vec<f64>>> = seen.par_iter().map(gains).collect();
+        let Some(gains) = gains else { return none };
+        let named = seen.iter().map(|probed| probed.effect.id());
+        let members: Vec<(&'static str, NullDistribution)> =
+            named.zip(gains.iter().cloned().map(NullDistribution::new)).collect();
+        let smallest = |draw: usize| {
             let p_values =
-                members.iter().zip(values).map(|((_, null), value)| null.p_value(*value));
+                members.iter().zip(&gains).map(|((_, null), gains)| null.p_value(gains[draw]));
             // −ln p, because `NullDistribution` extrapolates the upper tail.
             -p_values.fold(1.0, f64::min).ln()
         };
-        let p_value_limit =
-            (-NullDistribution::new(drawn.iter().map(smallest).collect()).limit(level)).exp();
+        let p_values = NullDistribution::new((0..drawn.ncols()).map(smallest).collect());
+        let p_value_limit = (-p_values.limit(level)).exp();
         Self { members, p_value_limit }
     }
 

@@ -12,6 +12,10 @@ use super::evidence;
 use super::evidence::NoiseScale;
 use super::familywise_threshold::FamilywiseThreshold;
 
+/// Models whose criterion exceeds the best by at most this are verified by the fine simulation
+/// before one is chosen: more than any of them counts as an alternative.
+const VERIFIED_MARGIN: f64 = 30.0;
+
 /// Ids of a model's effects, sorted.
 pub(crate) type Key = Vec<&'static str>;
 
@@ -31,9 +35,9 @@ pub(crate) struct ScoredModel {
 }
 
 impl ScoredModel {
-    /// Scores a fitted model by the periodic responses that it reaches from rest.
+    /// Scores a fitted model, whose cost should be that of motions from rest:
+    /// [`FitSession::from_rest`].
     pub fn new(session: &FitSession<'_>, model: Model, noise_scale: &NoiseScale) -> Self {
-        let model = session.from_rest(model);
         let complexity = evidence::complexity(session, &model, noise_scale);
         Self { model, complexity }
     }
@@ -178,6 +182,25 @@ impl Models {
             self.scored.keys().filter(|key| key.len() == effects).cloned().collect();
         keys.sort_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)));
         keys
+    }
+
+    /// The model of smallest criterion among those whose effects all exceed their limits. It and
+    /// those that come near it are verified by the fine simulation before.
+    pub fn best_verified(&mut self, session: &FitSession<'_>) -> Key {
+        let mut verified = BTreeSet::from([Key::new()]);
+        loop {
+            let near = self.within(VERIFIED_MARGIN).into_iter();
+            let next: Vec<Key> = near.filter(|key| !verified.contains(*key)).cloned().collect();
+            if next.is_empty() {
+                return self.best_supported();
+            }
+            for key in next {
+                if let Some(scored) = self.scored.get_mut(&key) {
+                    scored.model = session.verified(&scored.model);
+                }
+                verified.insert(key);
+            }
+        }
     }
 
     /// The model of smallest criterion among those whose effects all exceed their limits.

@@ -104,7 +104,7 @@ impl<'a> OrderStudy<'a> {
             return Err(IdentifyError::Cancelled.into());
         }
         let models = &mut self.search.models;
-        self.chosen = models.best_supported();
+        self.chosen = models.best_verified(self.session);
         self.fits = match models.get(&self.chosen) {
             Some(model) if !self.chosen.is_empty() => {
                 noise_like(self.session, models.noise_scale, model, self.seed)

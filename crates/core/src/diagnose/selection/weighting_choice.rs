@@ -71,11 +71,11 @@ fn choose_weighting(
     let equal_weights = |span| {
         let part = part.part(span);
         let fitting = part.part([0.0, OWN_BASE_FIT_SHARE]);
-        let first = FitSession::new(measurement, &equal_request, &fitting)?;
+        let session = first.weighted_as(&equal_request, &fitting)?;
         order_selection::diagnose(
             measurement,
             &equal_request,
-            &first,
+            &session,
             part.part([OWN_BASE_FIT_SHARE, 1.0]),
         )
     };

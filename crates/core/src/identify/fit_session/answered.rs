@@ -13,24 +13,24 @@ use super::{FitAccuracy, FitSession, Model};
 use crate::identify::objective::Misfit;
 use crate::identify::refine;
 
+/// Motions from rest are those of a fit if their cost is larger by no more than this share: the
+/// integration of the motions errs by less (tuned).
+const SAME_COST: f64 = 1e-3;
+
 impl FitSession<'_> {
-    /// A fitted model as it counts in comparisons: by the fine simulation, where a search uses a
-    /// coarse one. If it has a response from rest in every experiment it is unchanged otherwise; else
-    /// it is fitted again, with only the motions from rest as responses. Its cost is infinite if too
-    /// many experiments have none.
+    /// A fitted model as it counts in comparisons: with only the motions from rest as responses. If
+    /// these have the cost of the motions of the fit, it is unchanged; else it is fitted again.
+    /// Its cost is infinite if too many experiments have none.
     pub fn from_rest(&self, model: Model) -> Model {
-        if !model.cost.is_finite() {
+        if !model.cost.is_finite() || model.effects().is_empty() {
             return model;
         }
-        if self.coarse.is_some() {
-            if let Some(counted) = self.counted(&model) {
-                return counted;
-            }
-        } else if self.unanswered(&model).is_empty() {
+        let misfit = Misfit { counts: Counts::FromRest, ..self.search_misfit(&model) };
+        let same = model.cost * (1.0 + SAME_COST) + self.rounding();
+        if misfit.cost(&model.point) <= same {
             return model;
         }
-        let misfit = Misfit { counts: Counts::FromRest, ..self.misfit(&model) };
-        self.descend_by(&misfit, &model, self.patience(FitAccuracy::Settle), &|| ()).0
+        self.descend_by(&misfit, &model, self.patience(FitAccuracy::Settle), &|| ())
     }
 
     /// Indices of the experiments in which a model has no response from rest.
@@ -54,7 +54,7 @@ impl FitSession<'_> {
             let rest = self.only(|e, _| !left_out.contains(&e));
             let weights = &rest.fitted.weights;
             let misfit = Misfit::new(&rest.problem, &model.coordinates, weights, self.observer);
-            model = rest.descend_by(&misfit, &model, refine::THOROUGH, &|| ()).0;
+            model = rest.descend_by(&misfit, &model, refine::THOROUGH, &|| ());
             // At the new parameters more experiments may have a response; those in the fit still
             // have one, as the misfit requires it. Fit again while the number grows.
             let still = self.unanswered(&model);

@@ -38,7 +38,7 @@ struct Datum {
 impl FitSession<'_> {
     /// Linearises a fitted model; `None` where it has no response.
     pub fn leaving_out(&self, model: &Model) -> Option<LeavingOut> {
-        let linear = self.linearise_by(&self.misfit(model), model)?;
+        let linear = self.linearise(model)?;
         let variance =
             if self.noise_known() { 1.0 } else { model.cost / self.data().max(1) as f64 };
         let prior =

@@ -116,13 +116,9 @@ impl FitSession<'_> {
     /// The residuals of a model and their derivatives while a search looks for the best one; `None`
     /// if it has no response.
     pub fn linearise(&self, model: &Model) -> Option<Linear> {
-        self.linearise_by(&self.search_misfit(model), model)
-    }
-
-    /// The same by this misfit.
-    pub(super) fn linearise_by(&self, misfit: &Misfit<'_>, model: &Model) -> Option<Linear> {
+        let misfit = self.search_misfit(model);
         let here = misfit.linearise(&model.point).ok()?;
-        let held = refine::held(misfit, &model.point, &here);
+        let held = refine::held(&misfit, &model.point, &here);
         Some(Linear { residuals: -here.residuals, jacobian: here.jacobian, held })
     }
 

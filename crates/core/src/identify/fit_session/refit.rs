@@ -5,13 +5,20 @@
 //! the model is nearly linear over the move, that step is all it takes. The ranges and units of the
 //! parameters, and the deviations of the data, are those of all data.
 
+use super::coarse::Coarse;
 use super::left_out::LeavingOut;
 use super::{FitAccuracy, FitSession, Model};
 use crate::answers::Comparison;
+use crate::identify::objective::Misfit;
 use crate::identify::pipeline::Fitted;
 use crate::identify::prediction;
 use crate::identify::refine;
+use crate::identify::refine::Patience;
 use crate::identify::request::{IdentifyError, no_response, unless_cancelled};
+
+/// A model counts as linear over the move of a refit if the cost falls by what the linearisation
+/// predicts, to within this share (tuned).
+const LINEAR_WITHIN: f64 = 0.05;
 
 impl<'a> FitSession<'a> {
     /// A session without the data that are `held`, given their experiment and harmonic. Its base
@@ -26,9 +33,12 @@ impl<'a> FitSession<'a> {
     ) -> Result<Self, IdentifyError> {
         let mut rest = self.only(|e, order| !held(e, order));
         rest.base = rest.refit(base, held, &|| ());
-        let predicted = rest.misfit(&rest.base).predict(&rest.base.point);
-        let stand_in = predicted.map_err(|_| no_response());
-        rest.stand_in = unless_cancelled(self.observer, stand_in)?;
+        let predicted = rest.search_misfit(&rest.base).predict(&rest.base.point);
+        let stand_in = unless_cancelled(self.observer, predicted.map_err(|_| no_response()))?;
+        match &mut rest.coarse {
+            Some(coarse) => coarse.stand_in = stand_in,
+            None => rest.stand_in = stand_in,
+        }
         Ok(rest)
     }
 
@@ -42,13 +52,16 @@ impl<'a> FitSession<'a> {
     ) -> Model {
         let LeavingOut { model: from, .. } = model;
         // A fit that stops sooner keeps some of what it knew of the part left out.
-        let patience = self.patience(FitAccuracy::Settle);
+        let patience =
+            Patience { linear_within: LINEAR_WITHIN, ..self.patience(FitAccuracy::Settle) };
         let here = model.only(|e, order| !held(e, order));
-        let misfit = self.misfit(from);
+        let misfit = self.search_misfit(from);
+        let motions = self.motions(&misfit);
+        let misfit = Misfit { motions: motions.as_deref(), ..misfit };
         let start = (from.point.clone(), here);
         let refined = refine::refine_from(&misfit, start, patience, &mut |_, _, _| on_step());
         let refitted = from.refined(refined);
-        self.escape(refitted, |from| self.descend_by(&self.misfit(from), from, patience, on_step).0)
+        self.escape(refitted, |from| self.descend(from, FitAccuracy::Settle, on_step))
     }
 
     /// The same session with only the data that `keep` wants, given their experiment and harmonic.
@@ -56,6 +69,10 @@ impl<'a> FitSession<'a> {
     pub(super) fn only(&self, keep: impl Fn(usize, usize) -> bool) -> Self {
         let subset = self.problem.subset(|e, target| keep(e, target.order));
         let weights = subset.weights(&self.fitted.weights);
+        let coarse = self.coarse.as_ref().map(|coarse| Coarse {
+            problem: coarse.problem.only(&subset),
+            stand_in: subset.predictions(&coarse.stand_in),
+        });
         Self {
             measurement: self.measurement,
             request: self.request,
@@ -63,10 +80,10 @@ impl<'a> FitSession<'a> {
             problem: self.problem.only(&subset),
             fitted: Fitted { weights, ..self.fitted.clone() },
             order_choice: self.order_choice.clone(),
+            orders: Vec::new(),
             base: self.base.clone(),
             stand_in: subset.predictions(&self.stand_in),
-            // Refits start so near their ends that a coarse beginning saves nothing.
-            coarse: None,
+            coarse,
         }
     }
 
@@ -126,7 +143,7 @@ mod tests {
                 (rest.refit(&left_out, held, &|| ()), &model),
             ] {
                 let best = rest.refine(from, FitAccuracy::Thorough);
-                let excess = refitted.cost / best.cost - 1.0;
+                let excess = rest.cost(&refitted).unwrap() / best.cost - 1.0;
                 assert!((-1e-9..1e-3).contains(&excess), "{excess}");
                 let taken = refitted.evaluations - from.evaluations;
                 assert!(taken <= 6, "{taken} evaluations");

@@ -21,8 +21,25 @@ impl<'a> FitSession<'a> {
     where
         'a: 'b,
     {
-        let weights = Some(&self.fitted.weights);
-        FitSession::solved(self.measurement, request, observer, self.problem.clone(), weights)
+        let from = (Some(&self.fitted.weights), &self.orders[..]);
+        FitSession::solved(self.measurement, request, observer, self.problem.clone(), from)
+    }
+
+    /// Fits the base model with the weights that another request asks for, from the fits of this
+    /// session.
+    ///
+    /// # Errors
+    /// See [`IdentifyError`].
+    pub fn weighted_as<'b>(
+        &self,
+        request: &'b IdentifyRequest,
+        observer: &'b dyn Observer,
+    ) -> Result<FitSession<'b>, IdentifyError>
+    where
+        'a: 'b,
+    {
+        let from = (None, &self.orders[..]);
+        FitSession::solved(self.measurement, request, observer, self.problem.clone(), from)
     }
 
     /// Fits the base model with the weights that follow from what the model of an answer to the
@@ -44,7 +61,8 @@ impl<'a> FitSession<'a> {
             return Ok(None);
         }
         let Self { measurement, request, problem, .. } = self;
-        let session = Self::solved(measurement, request, observer, problem.clone(), Some(&weights));
+        let from = (Some(&weights), &self.orders[..]);
+        let session = Self::solved(measurement, request, observer, problem.clone(), from);
         session.map(Some)
     }
 }

@@ -59,6 +59,7 @@ const PATIENCE: Patience = Patience {
     cost_tolerance: 1e-6,
     negligible: 0.0,
     damping: FIRST_DAMPING,
+    linear_within: 0.0,
 };
 
 /// Step of an unknown, in units of its size, for finite differences.

@@ -13,9 +13,7 @@ use super::runge_kutta::Vector;
 use crate::simulate::base::switching_times::Motion;
 pub(super) use events::Event;
 
-/// Most states: v, θ, ∫θ dt, deflection of the bristle, velocity of the load, and twist of the
-/// joint.
-pub(super) const MOST_STATES: usize = 6;
+pub(super) use crate::simulate::last_motion::MOST_STATES;
 
 /// Index of v in every state vector.
 pub(super) const VELOCITY: usize = 0;

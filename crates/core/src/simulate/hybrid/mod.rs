@@ -56,7 +56,7 @@ pub(super) fn respond(
     axis: &Axis,
     excitation: &Excitation,
     highest: usize,
-    counts: Counts,
+    counts: Counts<'_>,
 ) -> Result<Vec<Complex>, NoResponse> {
     match Mechanics::new(axis).states {
         1 => velocity::<1>(axis, excitation, highest, counts),
@@ -74,7 +74,7 @@ pub(super) fn differentiate(
     excitation: &Excitation,
     highest: usize,
     rows: usize,
-    counts: Counts,
+    counts: Counts<'_>,
 ) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
     let request = (excitation, highest, counts);
     let next = |first: usize| match (Mechanics::new(values).states, rows) {
@@ -104,7 +104,7 @@ fn velocity<const M: usize>(
     axis: &Axis,
     excitation: &Excitation,
     highest: usize,
-    counts: Counts,
+    counts: Counts<'_>,
 ) -> Result<Vec<Complex>, NoResponse> {
     let Some(mut periodic) = Periodic::<M>::find(axis, excitation, counts)? else {
         return Ok(vec![Complex::new(0.0, 0.0); highest + 1]);
@@ -112,6 +112,7 @@ fn velocity<const M: usize>(
     let (forcing, grid) = drive::torque(axis, excitation, cells(highest));
     let drive = (forcing, TorqueDerivatives::NONE, grid);
     let followed = periodic.velocity(&axis.map(Dual::<M>::constant), drive, highest, 0)?;
+    periodic.remember(counts);
     Ok(followed.velocity.into_iter().map(ComplexDual::value).collect())
 }
 
@@ -120,7 +121,7 @@ fn velocity<const M: usize>(
 fn chunk<const M: usize, const N: usize>(
     axis: &Axis<Wide>,
     values: &Axis,
-    (excitation, highest, counts): (&Excitation, usize, Counts),
+    (excitation, highest, counts): (&Excitation, usize, Counts<'_>),
     rows: Range<usize>,
 ) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
     let Some(mut periodic) = Periodic::<M>::find(values, excitation, counts)? else {
@@ -131,6 +132,7 @@ fn chunk<const M: usize, const N: usize>(
     let narrow = shooting::narrowed::<N>(axis, rows.start, count);
     let drive = drive::torque_and_derivatives(&narrow, excitation, cells(highest));
     let PeriodResult { velocity, residuals } = periodic.velocity(&narrow, drive, highest, count)?;
+    periodic.remember(counts);
     let rows = shooting::differentiate(&velocity, &residuals, count);
     Ok((velocity.into_iter().map(ComplexDual::value).collect(), rows))
 }

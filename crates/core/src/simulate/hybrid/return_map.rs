@@ -14,11 +14,12 @@ use crate::plant::{Dual, Scalar as _};
 
 use super::super::shooting;
 use super::integrate_period::{LOOSE_TOLERANCE, PeriodIntegration, Precision, TIGHT_TOLERANCE};
-use super::mechanics::{self, Mechanics};
+use super::mechanics::{self, MOST_STATES, Mechanics};
 use super::runge_kutta::Vector;
 use super::sensitivity::Sensitivity;
 use crate::simulate::base::spectrum;
 use crate::simulate::base::switching_times::Motion;
+use crate::simulate::last_motion::Beginning;
 use crate::simulate::piecewise_linear::drive::{self, TorqueDerivatives};
 use crate::simulate::response::{Counts, NoResponse};
 use crate::simulate::signal::complex_dual::ComplexDual;
@@ -26,6 +27,7 @@ use crate::simulate::signal::excitation::Excitation;
 use crate::simulate::signal::fourier::Fourier;
 use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
+use periodic_orbit::Convergence;
 use trust_region::TrustRegion;
 
 /// Oscillations on presliding bristles that are integrated in the loose search, and for the motion
@@ -106,7 +108,7 @@ impl<const M: usize> Periodic<M> {
     pub fn find(
         axis: &Axis,
         excitation: &Excitation,
-        counts: Counts,
+        counts: Counts<'_>,
     ) -> Result<Option<Self>, NoResponse> {
         let (forcing, _) = drive::torque(axis, excitation, LOOSE_CELLS);
         let mut mechanics = Mechanics::new(axis);
@@ -126,6 +128,12 @@ impl<const M: usize> Periodic<M> {
             sizes,
             effort: effort(forcing.cells.len()),
         };
+        if let Counts::Near(last) = counts
+            && let Some(beginning) = last.beginning(M)
+            && let Some(near) = periodic.near(&beginning, axis, &forcing)
+        {
+            return Ok(Some(near));
+        }
         if let Some(i) = mechanics.position_integral {
             mechanics.balance = mechanics.first_balance();
             periodic.state[i] = mechanics.balance;
@@ -146,6 +154,30 @@ impl<const M: usize> Periodic<M> {
         }
         periodic.find_periodic(axis, &forcing, counts)?;
         Ok(Some(periodic))
+    }
+
+    /// Newton's method from the beginning of the last motion; `None` if it does not converge.
+    fn near(
+        &self,
+        beginning: &Beginning,
+        axis: &Axis,
+        forcing: &PiecewiseQuintic<f64>,
+    ) -> Option<Self> {
+        let known = |values: &[f64; MOST_STATES]| std::array::from_fn(|i| values[i]);
+        let Beginning { state, sizes: [unknowns, states], .. } = beginning;
+        let precision = Precision { sizes: known(states), ..self.precision };
+        let mut near = Self { state: known(state), sizes: known(unknowns), precision, ..*self };
+        let converged = near.newton(axis, forcing, None)?;
+        matches!(converged, Convergence::Stable | Convergence::Unstable).then_some(near)
+    }
+
+    /// Remembers where the motion began, if the next simulation starts from there.
+    pub fn remember(&self, counts: Counts<'_>) {
+        let Counts::Near(last) = counts else { return };
+        let known =
+            |values: &[f64; M]| std::array::from_fn(|i| values.get(i).copied().unwrap_or_default());
+        let sizes = [known(&self.sizes), known(&self.precision.sizes)];
+        last.remember(Beginning { states: M, state: known(&self.state), sizes });
     }
 
     /// Integrates one period from the present state, without derivatives. Returns the state after

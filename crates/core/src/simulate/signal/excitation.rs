@@ -31,10 +31,11 @@ impl Excitation {
         Self { omega_rad_s, input, grid, run_share: 0.0 }
     }
 
-    /// The same input on a coarser grid, on which a search may look for the best model: its response
-    /// errs by some 1e-5. `None` for a pure cosine, and where the grid would be hardly coarser.
-    pub fn coarse(&self) -> Option<Self> {
-        let grid = self.grid.as_ref()?.for_search(&self.input)?;
+    /// The same input on a coarser grid of at least `fewest` samples a period, which interpolates it
+    /// to this error, relative to its rms without the mean. `None` for a pure cosine, and where the
+    /// grid would be hardly coarser.
+    pub fn coarser(&self, error: f64, fewest: usize) -> Option<Self> {
+        let grid = self.grid.as_ref()?.coarser(&self.input, error, fewest)?;
         let mut input = self.input.clone();
         input.truncate(grid.lines());
         Some(Self { input, grid: Some(grid), ..*self })

@@ -12,10 +12,6 @@ use crate::measurement::Complex;
 /// [`MOST_SAMPLES_PER_CYCLE`] leaves of a flat spectrum.
 const INTERPOLATION_ERROR: f64 = 1.25e-7;
 
-/// The same while a search looks for the best model. Behind an actuator with a sharp resonance a
-/// hundred times this is too coarse (tuned).
-const SEARCH_INTERPOLATION_ERROR: f64 = 1e-5;
-
 /// Samples per cycle of the highest line with which any input is interpolated well enough:
 /// (2π/12)⁶/46080 = 4.5e-7.
 const MOST_SAMPLES_PER_CYCLE: usize = 12;
@@ -23,12 +19,12 @@ const MOST_SAMPLES_PER_CYCLE: usize = 12;
 /// Fewest samples per period of a general input.
 const FEWEST_SAMPLES: usize = 1024;
 
-/// The same while a search looks for the best model.
-const FEWEST_SEARCH_SAMPLES: usize = 128;
+/// The same of a coarser grid.
+const FEWEST_COARSE_SAMPLES: usize = 128;
 
-/// A grid for searching has at most this share of the samples; one that saves less is not worth
-/// the correction of its error.
-const LARGEST_SEARCH_SHARE: f64 = 0.5;
+/// A coarser grid has at most this share of the samples; one that saves less is not worth the
+/// correction of its error.
+const LARGEST_COARSE_SHARE: f64 = 0.5;
 
 /// A uniform grid of N samples over one period, with its FFTs.
 #[derive(Clone)]
@@ -65,11 +61,12 @@ impl Grid {
         Self::of(fewest_samples(lines, INTERPOLATION_ERROR, FEWEST_SAMPLES))
     }
 
-    /// A coarser grid for the same lines, on which a search looks for the best model: some eighty
-    /// times less accurate. `None` if it would be hardly coarser than this one.
-    pub fn for_search(&self, lines: &[Complex]) -> Option<Self> {
-        let samples = fewest_samples(lines, SEARCH_INTERPOLATION_ERROR, FEWEST_SEARCH_SAMPLES);
-        let most = LARGEST_SEARCH_SHARE * self.samples() as f64;
+    /// A coarser grid for the same lines, of at least `fewest` samples, that interpolates them to
+    /// this error, relative to their rms without the mean. `None` if it would be hardly coarser
+    /// than this one.
+    pub fn coarser(&self, lines: &[Complex], error: f64, fewest: usize) -> Option<Self> {
+        let samples = fewest_samples(lines, error, fewest.max(FEWEST_COARSE_SAMPLES));
+        let most = LARGEST_COARSE_SHARE * self.samples() as f64;
         (samples as f64 <= most).then(|| Self::of(samples))
     }
 
@@ -235,21 +232,23 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_for_searching_is_about_half_as_fine_where_that_is_accurate_enough() {
+    fn a_coarser_grid_has_at_most_half_the_samples_and_the_error_that_was_asked_for() {
         for (all, noise) in [(200, 0.0), (2000, 1e-8)] {
             let lines = lines(200, noise, all);
             let fine = Grid::for_lines(&lines);
-            let coarse = fine.for_search(&lines).unwrap();
+            let coarse = fine.coarser(&lines, 1e-5, 0).unwrap();
             assert!(2 * coarse.samples() <= fine.samples());
             let power: f64 = lines.iter().map(Complex::norm_sqr).sum();
             let error = (interpolation_error(&lines, coarse.samples()) / power).sqrt();
             assert!((1e-6..=1e-5).contains(&error), "{error}");
         }
         let few = lines(2, 0.0, 2);
-        assert_eq!(Grid::for_lines(&few).for_search(&few).unwrap().samples(), 128);
+        let coarser = |fewest| Grid::for_lines(&few).coarser(&few, 1e-5, fewest);
+        assert_eq!(coarser(0).unwrap().samples(), 128);
+        assert_eq!(coarser(300).unwrap().samples(), 300);
         let noisy = lines(100, 1.0, 1000);
         let fine = Grid::of(Grid::for_lines(&noisy).samples() / 2);
-        assert!(fine.for_search(&noisy).is_none());
+        assert!(fine.coarser(&noisy, 1e-5, 0).is_none());
     }
 
     #[test]

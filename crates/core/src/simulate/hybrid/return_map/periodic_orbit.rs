@@ -51,7 +51,7 @@ const MOST_SWEEPS: usize = 200;
 const RESERVED_EFFORT_DIVISOR: usize = 4;
 
 /// How Newton's method ended.
-enum Convergence {
+pub(super) enum Convergence {
     Stable,
     Unstable,
     None,
@@ -73,11 +73,11 @@ impl<const M: usize> Periodic<M> {
         &mut self,
         axis: &Axis,
         forcing: &PiecewiseQuintic<f64>,
-        counts: Counts,
+        counts: Counts<'_>,
     ) -> Result<(), NoResponse> {
         let mut unstable = None;
         self.find_stable(axis, forcing, &mut unstable).or_else(|error| match (counts, unstable) {
-            (Counts::EvenUnstable, Some(state)) => {
+            (Counts::EvenUnstable | Counts::Near(_), Some(state)) => {
                 self.state = state;
                 self.effort =
                     self.effort.max(effort(forcing.cells.len()) / RESERVED_EFFORT_DIVISOR);
@@ -157,7 +157,7 @@ impl<const M: usize> Periodic<M> {
     /// Newton's method from the present state. `state_from_rest` is the last state of the motion
     /// from rest; it is given once an unstable motion is known. `None` if the motion cannot be
     /// integrated.
-    fn newton(
+    pub(super) fn newton(
         &mut self,
         axis: &Axis,
         forcing: &PiecewiseQuintic<f64>,

@@ -385,6 +385,21 @@ mod tests {
         assert!(coarse_minimum(&line, 0.05, 1e-4).point[0].abs() < 1e-3);
     }
 
+    #[test]
+    fn a_fit_that_trusts_its_prediction_ends_after_one_trial_where_the_residuals_are_linear() {
+        let trusting = |problem: &Curve| {
+            let patience = Patience { linear_within: 0.05, damping: 0.0, ..PATIENCE };
+            minimise(problem, &[1.0], patience, &mut |_, _, _| ())
+        };
+        let line = Curve { value: |x| x, slope: |_| 1.0 };
+        let found = trusting(&line);
+        assert_eq!((found.stop, found.evaluations, found.cost), ("converged", 2, 9.0));
+        // From 1 a step to ½ is predicted to reach 0 and leaves a quarter.
+        let parabola = Curve { value: |x| x * x, slope: |x| 2.0 * x };
+        let found = trusting(&parabola);
+        assert!(found.evaluations > 4 && found.point[0].abs() < 1e-2, "{found:?}");
+    }
+
     // At 0 the slope promises little, and the longest step ends on the wall beyond the valley,
     // whose ground is at √0.15 = 0.387.
     #[test]

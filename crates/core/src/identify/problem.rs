@@ -68,7 +68,7 @@ impl Prepared {
         let largest = lines().map(|(_, u)| u.norm()).fold(0.0, f64::max);
         let is_excited =
             |(k, u): &(usize, &Complex)| *k <= self.highest && u.norm() > EXCITED_SHARE * largest;
-        lines().filter(is_excited).last().map_or(0, |(k, _)| k)
+        lines().rfind(is_excited).map_or(0, |(k, _)| k)
     }
 }
 

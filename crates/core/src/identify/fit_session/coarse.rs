@@ -177,9 +177,27 @@ mod tests {
         assert!(apart(&lagging) * residuals < 0.3 * defect(&lagging));
     }
 
+    #[test]
+    fn the_grid_is_as_coarse_as_what_the_base_model_leaves_and_the_noise_allow() {
+        let coarse_samples = |noise_std: Option<f64>| {
+            let options = IdentifyOptions { noise_std, ..request().options };
+            let (measurement, request) =
+                (multisine(&axis(ACTUATOR)), IdentifyRequest { options, ..request() });
+            let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+            let coarse = session.coarse?;
+            coarse.problem.experiments[0].excitation.grid().map(|grid| grid.samples())
+        };
+        // The residuals are some per cent of a velocity of the order of 1.
+        let [by_residuals, by_noise] = [None, Some(1e-6)].map(coarse_samples);
+        assert!(
+            by_residuals.unwrap() < by_noise.unwrap_or(usize::MAX),
+            "{by_residuals:?} {by_noise:?}"
+        );
+    }
+
     // The data are exact, and the model leaves a hundredth of what the base model does.
     #[test]
-    fn a_model_that_leaves_far_less_than_the_base_model_is_verified_by_a_fine_fit() {
+    fn a_coarse_fit_ends_at_the_fine_minimum_even_where_it_leaves_far_less_than_the_base_model() {
         let (measurement, request) = (multisine(&axis(ACTUATOR)), request());
         let session = FitSession::new(&measurement, &request, &Silent).unwrap();
         let settled = session.refine(&lagging(&session), FitAccuracy::Settle);

@@ -66,3 +66,30 @@ impl<'a> FitSession<'a> {
         session.map(Some)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answers::{IdentifyOptions, PlantRequest, Weighting};
+    use crate::identify::fixtures::{ACTUATORS, axis, stepped_sine};
+    use crate::observer::Silent;
+
+    // Both are refined to the accuracy of the arithmetic.
+    #[test]
+    fn a_fit_with_other_weights_starts_from_the_known_fits_and_is_as_good_as_one_without_them() {
+        let measurement = stepped_sine(&axis(ACTUATORS[2]), 3);
+        let plant = Some(PlantRequest { actuator_order: 1 });
+        let by_noise = IdentifyRequest { plant, ..IdentifyRequest::default() };
+        let options = IdentifyOptions { weights: Weighting::Response, ..by_noise.options };
+        let equal = IdentifyRequest { options, ..by_noise };
+        let first = FitSession::new(&measurement, &by_noise, &Silent).unwrap();
+        let known = first.weighted_as(&equal, &Silent).unwrap();
+        let anew = FitSession::new(&measurement, &equal, &Silent).unwrap();
+        assert!((known.base().cost / anew.base().cost - 1.0).abs() < 1e-6);
+        let stages = |session: &FitSession<'_>| -> Vec<String> {
+            session.fitted.stages.iter().map(|stage| stage.name.clone()).collect()
+        };
+        assert!(stages(&anew).contains(&"network".into()), "{:?}", stages(&anew));
+        assert!(!stages(&known).contains(&"network".into()), "{:?}", stages(&known));
+    }
+}

@@ -9,6 +9,7 @@ pub(super) mod fitter;
 mod frequency_scan;
 mod grid;
 pub(super) mod linearization;
+mod multistart;
 pub(super) mod score_tests;
 
 use std::collections::BTreeSet;
@@ -143,6 +144,11 @@ impl<'a> Search<'a> {
         let any = !fits.is_empty();
         self.keep(fits);
         any
+    }
+
+    /// Whether [`Self::deepen`] fits anything.
+    pub fn deepens(&self) -> bool {
+        self.breadth.deepening_starts > 0
     }
 
     /// Fits a model without each of its effects in turn, if that model was not fitted yet or the

@@ -38,6 +38,10 @@ pub struct SearchBreadth {
     ///
     /// Halved: same causes, same time. Doubled: same causes, +27 % time.
     pub followed_starts: usize,
+    /// Number of further starting points for a chosen effect whose misfit has several minima.
+    ///
+    /// Halved: same causes, +7 % time. Doubled: same causes, same time.
+    pub deepening_starts: usize,
 }
 
 impl SearchBreadth {
@@ -158,6 +162,11 @@ pub struct SearchSettings {
     ///
     /// Halved: same causes, same time. Doubled: same causes, same time.
     pub restart_improvement: f64,
+    /// A chosen effect that gains more than this multiple of the familywise threshold is not
+    /// fitted again from further starting points.
+    ///
+    /// Halved: same causes, same time. Doubled: same causes, same time.
+    pub deepening_limit: f64,
     /// Number of larger values tried in place of one below its likely range.
     ///
     /// Halved: same causes, same time. Doubled: same causes, same time.
@@ -191,6 +200,7 @@ impl Default for SearchSettings {
             pair_starts: 4,
             triple_starts: 2,
             followed_starts: 2,
+            deepening_starts: 8,
         };
         let records = SearchBreadth {
             pair_partners: 3,
@@ -200,6 +210,7 @@ impl Default for SearchSettings {
             pair_starts: 1,
             triple_starts: 1,
             followed_starts: 1,
+            deepening_starts: 0,
         };
         Self {
             cosines,
@@ -225,6 +236,7 @@ impl Default for SearchSettings {
             restart_displacement: 0.35,
             followed_restarts: 3,
             restart_improvement: 0.1,
+            deepening_limit: 10.0,
             larger_values: 4,
             interval_refits: 6,
             interval_extrapolation: 3.0,

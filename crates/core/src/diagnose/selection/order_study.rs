@@ -23,6 +23,11 @@ const LARGEST_BASE_PARAMETERS: usize = 6;
 const RESIDUALS_SPAN: [f64; 2] = [0.0, 0.05];
 const SINGLES_SPAN: [f64; 2] = [0.05, 1.0];
 
+/// Shares of the progress of [`OrderStudy::combine`]: fitting several effects together, and
+/// refitting the chosen ones from more starting points, if that is done.
+const COMBINING_SPAN: [f64; 2] = [0.0, 0.8];
+const MULTISTART_SPAN: [f64; 2] = [0.8, 1.0];
+
 /// A base model of one actuator order, where it is wrong, and the effects found to be missing.
 pub(crate) struct OrderStudy<'a> {
     session: &'a FitSession<'a>,
@@ -86,7 +91,10 @@ impl<'a> OrderStudy<'a> {
             let errors = [without, with].map(error);
             matches!(errors, [Some(without), Some(with)] if with < without)
         };
-        search.combine(part, most, sufficient, adds);
+        let combining = if search.deepens() { COMBINING_SPAN } else { [0.0, 1.0] };
+        search.combine(part.part(combining), most, sufficient, adds);
+        self.choose(part)?;
+        self.search.deepen(&self.chosen, part.part(MULTISTART_SPAN));
         self.choose(part)
     }
 

@@ -1,0 +1,77 @@
+//! Multistart for the chosen model: its effects that gain little, and those easily confused with them,
+//! are fitted again from further starting points, and the lowest minimum is kept.
+
+use crate::effects;
+use crate::effects::Effect;
+
+use super::Search;
+use super::fitter::Fitter;
+use super::linearization::Linearization;
+use super::score_tests::Probed;
+use crate::diagnose::progress::{Part, Remaining};
+use crate::diagnose::selection::models::Key;
+
+impl Search<'_> {
+    /// Fits effects of a model again, from the starting points that were not used yet, if they gain
+    /// little and their misfit has several minima; and with them the effects that are easily
+    /// confused with them. The search may have missed the lowest minimum. An effect with a large
+    /// gain is left alone: no overlooked minimum of a rival could outweigh it.
+    pub fn deepen(&mut self, chosen: &Key, part: Part<'_>) {
+        let most = self.breadth.deepening_starts;
+        let is_hidden = |effect: &&&'static dyn Effect| {
+            let id = effect.id();
+            chosen.contains(&id)
+                && !self.session.start_points(**effect).is_empty()
+                && !self.models.exceeds(chosen, id, self.session.search().deepening_limit)
+        };
+        let hidden: Vec<&dyn Effect> =
+            self.session.library().iter().filter(|_| most > 0).filter(is_hidden).copied().collect();
+        let mut part = Remaining(part);
+        for (before, effect) in hidden.iter().copied().enumerate() {
+            let rest: Key = chosen.iter().copied().filter(|id| *id != effect.id()).collect();
+            let linearization =
+                self.models.get(&rest).and_then(|rest| Linearization::new(self.session, rest));
+            let Some(linearization) = linearization else { continue };
+            let mut probed = self.probe(&linearization, part.0);
+            probed.retain(|Probed { effect: other, .. }| {
+                other.id() == effect.id() || effects::are_confusable(effect, *other)
+            });
+            let tried = self.breadth.starts(rest.len());
+            for Probed { probes, .. } in &mut probed {
+                probes.drain(..tried.min(probes.len()));
+            }
+            let part = part.take(1.0 / (hidden.len() - before) as f64);
+            let fitter = Fitter { starts: most, ..self.fitter(part, rest.len()) };
+            let fits = fitter.fit(&linearization.model, &probed, |_| true);
+            self.keep(fits);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::diagnose::search::linearization::Linearization;
+    use crate::diagnose::search::tests::{PART, nothing_fitted};
+    use crate::diagnose::selection::models::key;
+    use crate::diagnose::tests::{exact, noisy, request};
+    use crate::effects::find;
+    use crate::identify::FitSession;
+    use crate::machines::draw::NoiseStatement;
+    use crate::observer::Silent;
+
+    #[test]
+    fn a_joint_in_the_wrong_valley_is_fitted_again_from_the_starts_that_were_passed_over() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
+        let mut search = nothing_fitted(session);
+        let mut astray = session.extend(session.base(), find("flexible_mode").unwrap());
+        astray.cost = 2.0 * session.base().cost;
+        let key = key(&astray);
+        search.keep(vec![astray]);
+        search.changes =
+            search.changes(&Linearization::new(session, session.base()).unwrap(), PART);
+        search.deepen(&key, PART);
+        let found = search.models.get(&key).unwrap();
+        assert!(found.cost < session.base().cost, "{}", found.cost);
+    }
+}

@@ -98,8 +98,8 @@ impl FitSession<'_> {
     }
 
     /// A model that was fitted on the coarse problem, with its cost on the fine one. Where that
-    /// differs by more than [`LARGEST_DISAGREEMENT`], the model is fitted again on the fine one.
-    /// Unchanged if there is no coarse problem.
+    /// differs by more than a hundredth, the model is fitted again on the fine one. Unchanged if
+    /// there is no coarse problem.
     pub fn verified(&self, model: &Model) -> Model {
         if self.coarse.is_none() || !model.cost.is_finite() {
             return model.clone();

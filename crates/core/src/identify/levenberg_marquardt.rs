@@ -62,7 +62,8 @@ pub(super) struct Patience {
     /// Damping of the first step, relative to the scaled curvature.
     pub damping: f64,
     /// Converged if the first step lowers the cost by as much as predicted, to within this share of
-    /// the prediction: the model is linear over the step, and a second one would gain nothing.
+    /// the prediction: the model is linear over the step, and a second one would gain nothing. With
+    /// 0 the fit goes on.
     pub linear_within: f64,
 }
 
@@ -194,7 +195,7 @@ pub(super) fn minimise_from<P: LeastSquares>(
         eager = rejected == 0;
         let decrease = cost - trial_cost;
         point = trial;
-        if step == 1 && (decrease - predicted).abs() <= patience.linear_within * predicted {
+        if step == 1 && (decrease - predicted).abs() < patience.linear_within * predicted {
             on_step(1, evaluations, trial_cost);
             return Refined { point, cost: trial_cost, evaluations, damping, stop: "converged" };
         }

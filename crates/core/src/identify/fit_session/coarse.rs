@@ -52,9 +52,9 @@ impl FitSession<'_> {
             (self.defect(&stand_in) <= most).then_some(Coarse { problem, stand_in })
         };
         let [first, last, ratio] = INTERPOLATION_ERRORS;
-        let mut errors = std::iter::successors(Some(first), |error| Some(error * ratio));
+        let errors = std::iter::successors(Some(first), |error| Some(error * ratio));
         let Coarse { mut problem, stand_in } =
-            errors.by_ref().take_while(|error| *error > last).find_map(coarse)?;
+            errors.take_while(|error| *error > last).find_map(coarse)?;
         for (experiment, (coarse, fine)) in
             problem.experiments.iter_mut().zip(stand_in.iter().zip(&self.stand_in))
         {

@@ -4,6 +4,7 @@ use crate::answers::Identification;
 use crate::observer::Observer;
 
 use super::FitSession;
+use crate::identify::noise::Weights;
 use crate::identify::prediction;
 use crate::identify::request::{IdentifyError, IdentifyRequest};
 
@@ -21,8 +22,7 @@ impl<'a> FitSession<'a> {
     where
         'a: 'b,
     {
-        let from = (Some(&self.fitted.weights), &self.orders[..]);
-        FitSession::solved(self.measurement, request, observer, self.problem.clone(), from)
+        self.again(request, Some(&self.fitted.weights), observer)
     }
 
     /// Fits the base model with the weights that another request asks for, from the fits of this
@@ -38,8 +38,7 @@ impl<'a> FitSession<'a> {
     where
         'a: 'b,
     {
-        let from = (None, &self.orders[..]);
-        FitSession::solved(self.measurement, request, observer, self.problem.clone(), from)
+        self.again(request, None, observer)
     }
 
     /// Fits the base model with the weights that follow from what the model of an answer to the
@@ -60,10 +59,22 @@ impl<'a> FitSession<'a> {
         if weights.resemble(&self.fitted.weights) {
             return Ok(None);
         }
-        let Self { measurement, request, problem, .. } = self;
-        let from = (Some(&weights), &self.orders[..]);
-        let session = Self::solved(measurement, request, observer, problem.clone(), from);
-        session.map(Some)
+        self.again(self.request, Some(&weights), observer).map(Some)
+    }
+
+    /// Fits the base model from the fits of this session, with the given weights or, without any,
+    /// with those that the request asks for.
+    fn again<'b>(
+        &self,
+        request: &'b IdentifyRequest,
+        weights: Option<&Weights>,
+        observer: &'b dyn Observer,
+    ) -> Result<FitSession<'b>, IdentifyError>
+    where
+        'a: 'b,
+    {
+        let from = (weights, &self.orders[..]);
+        FitSession::solved(self.measurement, request, observer, self.problem.clone(), from)
     }
 }
 

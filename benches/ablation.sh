@@ -1,10 +1,12 @@
 #!/bin/sh
-# Measures what halving and doubling each setting of the search does to the answers and to the
-# processor time, and prints the table that docs/search-settings.md describes. Arguments are names
-# of settings, or their beginnings, to measure those alone, and options of `servoscope benchmark`:
+# Measures what other values of the settings of the search do to the answers and to the processor
+# time, and prints the table that docs/search-settings.md describes. Arguments are names of
+# settings, or their beginnings, to halve and double those alone, NAME=VALUE for another value, and
+# options of `servoscope benchmark`:
 #
 #   benches/ablation.sh                          all settings, one draw a core
 #   benches/ablation.sh rival_share --jobs 1     one setting, one draw after the other
+#   benches/ablation.sh rival_share=0.02         one setting, one value
 #
 # DRAWS replaces the draws below.
 set -eu

@@ -89,10 +89,10 @@ pub(super) struct Args {
     /// Lists the settings of the search with their values, and runs nothing.
     #[arg(long)]
     settings: bool,
-    /// Diagnoses every draw with each setting of the search halved and doubled, and prints a table
-    /// of the answers and the processor time; only settings whose names begin like this [default:
-    /// all but those of records].
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',', num_args = 0..)]
+    /// Diagnoses every draw with other settings of the search, and prints a table of the answers and
+    /// the processor time: each setting whose name begins with NAME halved and doubled, or set to
+    /// VALUE, several joined by `+` together [default: all halved and doubled but those of records].
+    #[arg(long, value_name = "NAME[=VALUE],…", value_delimiter = ',', num_args = 0..)]
     ablation: Option<Vec<String>>,
     /// Draws at once, each with its share of the cores [default: one a core].
     #[arg(long, value_name = "N")]

@@ -21,6 +21,11 @@ pub trait Observer: Sync {
     /// Called whenever the computation has advanced.
     fn progress(&self, _progress: Progress) {}
 
+    /// Called when the rest of the computation is certain: before, what is found decides what else
+    /// is computed, so that nobody knows how much is left. From here on the fraction grows about as
+    /// time does. It is called again where that begins anew.
+    fn rest_is_certain(&self) {}
+
     /// Called with each new row of the convergence history.
     fn row(&self, _row: ConvergenceRow) {}
 

@@ -30,7 +30,7 @@ pub(super) fn listing(search: &SearchSettings) -> String {
     text
 }
 
-/// Diagnoses every draw with each setting halved and doubled, and prints the table.
+/// Diagnoses every draw with each variant of the settings, and prints the table.
 pub(super) fn run(cases: &[Case], args: &Args, names: &[String]) -> Result<(), Failure> {
     let settings = args.settings();
     let all = || {
@@ -82,8 +82,8 @@ mod tests {
         let named = |line: &str| asked(line).unwrap().ablation;
         assert_eq!(named("--jobs 1"), None);
         assert_eq!(named("--ablation"), Some(Vec::new()));
-        let two = Some(vec!["rival_share".to_owned(), "glance".to_owned()]);
-        assert_eq!(named("--ablation rival_share glance --jobs 1"), two);
-        assert_eq!(named("--ablation rival_share,glance"), two);
+        let two = Some(vec!["rival_share".to_owned(), "glance=2+rival=1".to_owned()]);
+        assert_eq!(named("--ablation rival_share glance=2+rival=1 --jobs 1"), two);
+        assert_eq!(named("--ablation rival_share,glance=2+rival=1"), two);
     }
 }

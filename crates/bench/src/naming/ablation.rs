@@ -1,4 +1,4 @@
-//! Ablation: the same draws, diagnosed with each setting of the search halved and doubled.
+//! Ablation: the same draws, diagnosed with other values of the settings of the search.
 //!
 //! A draw is made once and diagnosed with every value in turn, on one thread. So other load on the
 //! machine affects all values alike.
@@ -19,20 +19,20 @@ use super::rate::Rate;
 use super::run::{Settings, Unmade, for_all, request};
 use super::search_setting::{SettingChange, search_settings};
 
-/// A setting, its value, and half and twice that value.
+/// Settings that are changed together.
 #[derive(Debug, Clone, PartialEq)]
-struct Compared {
-    name: String,
-    default: Number,
-    tried: [SettingChange; 2],
+struct Variant {
+    /// Each setting as it was and as it becomes, in Markdown.
+    label: String,
+    search: SearchSettings,
 }
 
-/// The settings that are halved and doubled.
+/// The variants of the settings with which each draw is diagnosed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ablation {
     /// All settings, unchanged.
     base: SearchSettings,
-    compared: Vec<Compared>,
+    variants: Vec<Variant>,
 }
 
 /// One diagnosis of a draw.
@@ -48,64 +48,93 @@ pub struct Trial {
 pub type Trials = Result<Vec<Trial>, Unmade>;
 
 impl Ablation {
-    /// Halves and doubles the settings of `base` whose names begin with one of `names`.
+    /// The variants of `base` that `wanted` asks for. A name, or the beginning of one, stands for
+    /// half and twice the value of each setting whose name begins so. `NAME=VALUE` stands for that
+    /// value, and several of them joined by `+` for all these changes together.
     ///
     /// # Errors
-    /// A message, if no setting has a name that begins with one of them.
-    pub fn new(base: SearchSettings, names: &[String]) -> Result<Self, String> {
+    /// A message, if there is no such setting, or if it cannot have that value.
+    pub fn new(base: SearchSettings, wanted: &[String]) -> Result<Self, String> {
         let settings = search_settings(&base);
-        let begins = |name: &str, with: &String| name.starts_with(with.as_str());
-        if let Some(with) = names.iter().find(|with| !settings.iter().any(|s| begins(&s.0, with))) {
-            return Err(format!("the name of no setting begins with `{with}`"));
+        let mut variants = Vec::new();
+        for wanted in wanted {
+            if wanted.contains('=') {
+                let changes: Result<Vec<_>, _> = wanted.split('+').map(str::parse).collect();
+                variants.push(Variant::new(&base, &settings, &changes?)?);
+                continue;
+            }
+            let named = settings.iter().filter(|setting| setting.0.starts_with(wanted.as_str()));
+            let changes = named.flat_map(|(name, value)| {
+                [SettingChange::half(name, value), SettingChange::double(name, value)]
+            });
+            let halved_and_doubled: Vec<_> = changes.collect();
+            if halved_and_doubled.is_empty() {
+                return Err(format!("the name of no setting begins with `{wanted}`"));
+            }
+            for change in halved_and_doubled {
+                variants.push(Variant::new(&base, &settings, &[change])?);
+            }
         }
-        let wanted = settings.into_iter().filter(|s| names.iter().any(|with| begins(&s.0, with)));
-        let compared = wanted.map(|(name, default)| {
-            let tried =
-                [SettingChange::half(&name, &default), SettingChange::double(&name, &default)];
-            Compared { name, default, tried }
-        });
-        Ok(Self { base, compared: compared.collect() })
+        Ok(Self { base, variants })
     }
 
-    /// The settings with which a draw is diagnosed, in turn: unchanged, each halved and doubled,
-    /// and unchanged again. The two unchanged runs show how much times vary by themselves.
-    fn variants(&self) -> Result<Vec<SearchSettings>, String> {
-        let changes = self.compared.iter().flat_map(|compared| &compared.tried);
-        let changed = changes.map(|change| change.apply(&self.base));
-        [Ok(self.base)].into_iter().chain(changed).chain([Ok(self.base)]).collect()
+    /// The settings with which a draw is diagnosed, in turn: unchanged, those of each variant, and
+    /// unchanged again. The two unchanged runs show how much times vary by themselves.
+    fn searches(&self) -> impl Iterator<Item = SearchSettings> {
+        let varied = self.variants.iter().map(|variant| variant.search);
+        [self.base].into_iter().chain(varied).chain([self.base])
     }
 
     /// A Markdown table of the trials of all draws, those of a draw as `ablate` returns them.
     pub fn table(&self, draws: &[Vec<Trial>]) -> String {
-        let heads = "right | first | explained | other | held | processor s";
-        let mut text = format!(
-            "| setting | default | half | {heads} | double | {heads} |\n\
-             | --- | --- | {0} | {0} |\n",
-            ["---"; 7].join(" | ")
-        );
-        let last = 2 * self.compared.len() + 1;
-        let score = |variant: usize| Score::of(draws, variant);
-        let [once, again] = [score(0), score(last)];
-        let seconds = 0.5 * (once.seconds + again.seconds);
-        let unchanged = [&once, &again].map(|score| score.cells(seconds));
-        let _ =
-            writeln!(text, "| unchanged | | once | {} | again | {} |", unchanged[0], unchanged[1]);
-        for (i, Compared { name, default, tried: [half, double] }) in
-            self.compared.iter().enumerate()
-        {
-            let cells = [1, 2].map(|n| score(2 * i + n).cells(seconds));
-            let (half, double) = (&half.value, &double.value);
-            let _ = writeln!(
-                text,
-                "| `{name}` | {default} | {half} | {} | {double} | {} |",
-                cells[0], cells[1]
-            );
+        let columns = ["setting", "right", "first", "explained", "other", "held", "processor s"];
+        let mut text =
+            format!("| {} |\n|{}\n", columns.join(" | "), " --- |".repeat(columns.len()));
+        let labels = self.variants.iter().map(|variant| variant.label.as_str());
+        let labels: Vec<&str> = ["unchanged"].into_iter().chain(labels).chain(["again"]).collect();
+        let scores: Vec<Score> = (0..labels.len()).map(|i| Score::of(draws, i)).collect();
+        let [once, again] = [0, labels.len() - 1].map(|i| scores[i].seconds);
+        for (label, score) in labels.iter().zip(&scores) {
+            let _ = writeln!(text, "| {label} | {} |", score.cells(0.5 * (once + again)));
+        }
+        text.push('\n');
+        for (i, label) in labels.iter().enumerate() {
+            let differs = |trials: &&Vec<Trial>| said(&trials[i]) != said(&trials[0]);
+            let misses_more = |trials: &&Vec<Trial>| missed(&trials[i]) > missed(&trials[0]);
+            let keys = draws.iter().filter(|draw| differs(draw) || misses_more(draw));
+            let keys: Vec<&str> = keys.map(|trials| trials[0].outcome.key.as_str()).collect();
+            if !keys.is_empty() {
+                let _ = writeln!(
+                    text,
+                    "- {label}: another answer, or fewer intervals that hold: {}",
+                    keys.join(", ")
+                );
+            }
         }
         text
     }
 }
 
-/// Diagnoses every draw with each setting halved and doubled; returns the trials of each draw. When
+impl Variant {
+    fn new(
+        base: &SearchSettings,
+        settings: &[(String, Number)],
+        changes: &[SettingChange],
+    ) -> Result<Self, String> {
+        let mut search = *base;
+        let mut labels = Vec::new();
+        for change in changes {
+            search = change.apply(&search)?;
+            let SettingChange { name, value } = change;
+            let before = settings.iter().find(|setting| setting.0 == *name);
+            let before = before.map(|setting| setting.1.to_string()).unwrap_or_default();
+            labels.push(format!("`{name}`: {before} → {value}"));
+        }
+        Ok(Self { label: labels.join(", "), search })
+    }
+}
+
+/// Diagnoses every draw with each variant of the settings; returns the trials of each draw. When
 /// the observer cancels, draws that are not finished are left out. `done` is called with every
 /// result, from any thread.
 ///
@@ -134,7 +163,6 @@ fn trials(
     let made = build_case(case, settings.seed, settings.sizing, observer)
         .map_err(|error| unmade(error.to_string()))?;
     let request = request(case, settings);
-    let variants = ablation.variants().map_err(unmade)?;
     let trial = |search: SearchSettings| {
         let began = thread_seconds();
         let request = IdentifyRequest { search, ..request };
@@ -144,7 +172,7 @@ fn trials(
         let outcome = Outcome::new(case, &made, answer, Seconds::default());
         Trial { outcome, processor_seconds }
     };
-    Ok(variants.into_iter().map(trial).collect())
+    Ok(ablation.searches().map(trial).collect())
 }
 
 /// Processor time used by this thread, s.
@@ -172,18 +200,13 @@ impl Score {
         let trials = || draws.iter().map(|trials| &trials[variant]);
         let outcomes = || trials().map(|trial| &trial.outcome);
         let hidden = || outcomes().filter(|outcome| !outcome.hidden.is_empty());
-        let answers = outcomes().filter_map(|outcome| outcome.answer.as_ref().ok());
-        let estimates =
-            answers.flat_map(|Answer { effect_parameters, plant_parameters, .. }| {
-                effect_parameters.iter().chain(plant_parameters)
-            });
         let is_other = |trials: &&Vec<Trial>| said(&trials[variant]) != said(&trials[0]);
         Self {
             right: Rate::count(outcomes().map(Outcome::is_right)),
             first: Rate::count(hidden().map(Outcome::named_first)),
             explained: Rate::count(hidden().map(Outcome::is_explained)),
             other: draws.iter().filter(is_other).count() as u32,
-            held: Rate::count(estimates.filter_map(Estimated::held)),
+            held: held(trials()),
             seconds: trials().map(|trial| trial.processor_seconds).sum(),
         }
     }
@@ -200,6 +223,21 @@ impl Score {
             share(held)
         )
     }
+}
+
+/// 95 % intervals that contain the true value.
+fn held<'t>(trials: impl IntoIterator<Item = &'t Trial>) -> Rate {
+    let answers = trials.into_iter().filter_map(|trial| trial.outcome.answer.as_ref().ok());
+    let estimates = answers.flat_map(|Answer { effect_parameters, plant_parameters, .. }| {
+        effect_parameters.iter().chain(plant_parameters)
+    });
+    Rate::count(estimates.filter_map(Estimated::held))
+}
+
+/// Number of 95 % intervals that do not contain the true value.
+fn missed(trial: &Trial) -> u32 {
+    let Rate { hits, of } = held([trial]);
+    of - hits
 }
 
 /// The verdict, and the causes, strongest first.
@@ -227,16 +265,21 @@ mod tests {
     }
 
     #[test]
-    fn each_selected_setting_is_halved_and_doubled_between_two_unchanged_runs() {
-        let variants = ablation(&["glance_steps", "rival"]).unwrap().variants().unwrap();
-        let found: Vec<(usize, f64)> =
-            variants.iter().map(|search| (search.glance_steps, search.rival_share)).collect();
+    fn each_named_setting_is_halved_and_doubled_between_two_unchanged_runs() {
+        let searches = |wanted: &[&str]| -> Vec<(usize, f64)> {
+            let ablation = ablation(wanted).unwrap();
+            ablation.searches().map(|search| (search.glance_steps, search.rival_share)).collect()
+        };
+        let found = searches(&["glance_steps", "rival"]);
         assert_eq!(found, [(4, 0.5), (2, 0.5), (8, 0.5), (4, 0.25), (4, 1.0), (4, 0.5)]);
+        let found = searches(&["glance_steps=1+rival_share=0.1", "glance_steps=9"]);
+        assert_eq!(found, [(4, 0.5), (1, 0.1), (9, 0.5), (4, 0.5)]);
         assert!(ablation(&["rivalry"]).unwrap_err().contains("rivalry"));
+        assert!(ablation(&["rivalry=1"]).unwrap_err().contains("rival_share"));
     }
 
     #[test]
-    fn the_table_compares_each_value_with_the_unchanged_runs() {
+    fn the_table_compares_each_value_with_the_unchanged_runs_and_names_draws_that_differ() {
         let right: &[(&str, f64, &[&str])] = &[("spring", 0.99, &[])];
         let trials = vec![
             trial(right, 1.9),
@@ -244,15 +287,20 @@ mod tests {
             trial(right, 3.0),
             trial(right, 2.1),
         ];
-        let table = ablation(&["rival_share"]).unwrap().table(&[trials]);
-        let rows: Vec<&str> = table.lines().skip(2).collect();
+        let wanted = ["rival_share=0.25", "rival_share=0.1+glance_steps=2"];
+        let table = ablation(&wanted).unwrap().table(&[trials]);
+        let (rows, below) = table.split_once("\n\n").unwrap();
+        let rows: Vec<&str> = rows.lines().skip(2).collect();
         let cells = rows[1].split(" | ").collect::<Vec<_>>();
-        assert_eq!(cells[..6], ["| `rival_share`", "0.5", "0.25", "0/1", "0/1", "1/1"]);
-        assert_eq!((cells[6], cells[8]), ("1", "1.0 (-50.0 %)"));
-        assert_eq!(cells[9..14], ["1.0", "1/1", "1/1", "1/1", "0"]);
-        assert!(rows[0].contains("1.9 (-5.0 %) | again"), "{}", rows[0]);
-        let columns = |row: &str| row.matches('|').count();
-        assert!(table.lines().all(|row| columns(row) == columns(rows[0])), "{table}");
+        assert_eq!(cells[..4], ["| `rival_share`: 0.5 → 0.25", "0/1", "0/1", "1/1"]);
+        assert_eq!((cells[4], cells[6]), ("1", "1.0 (-50.0 %) |"));
+        let both = "| `rival_share`: 0.5 → 0.1, `glance_steps`: 4 → 2 | 1/1 | 1/1 | 1/1 | 0 |";
+        assert!(rows[2].starts_with(both), "{}", rows[2]);
+        assert!(rows[0].starts_with("| unchanged") && rows[0].contains("1.9 (-5.0 %)"));
+        assert!(below.contains("0.25: another answer") && below.contains("single-60-spring-o0-0"));
+        assert_eq!(below.lines().count(), 1, "{below}");
+        let columns = |row: &str| row.matches(" | ").count();
+        assert!(rows.iter().all(|row| columns(row) == columns(rows[0])), "{table}");
     }
 
     #[test]

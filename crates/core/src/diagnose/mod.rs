@@ -45,7 +45,9 @@ pub fn examine(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<(Identification, Discrepancy), DiagnoseError> {
-    let fit = identify::fit_base(measurement, request, &Steady::new(observer));
+    let steady = Steady::new(observer);
+    steady.rest_is_certain();
+    let fit = identify::fit_base(measurement, request, &steady);
     let examined = fit.map(|fit| {
         let discrepancy = discrepancy::of(&fit, request.options.seed, observer);
         (fit.identification, discrepancy)
@@ -64,7 +66,7 @@ pub fn diagnose(
     observer: &dyn Observer,
 ) -> Result<Diagnosis, DiagnoseError> {
     let steady = Steady::new(observer);
-    diagnose_part(measurement, request, Part { whole: &steady, span: [0.0, 1.0] })
+    diagnose_part(measurement, request, Part::of(&steady))
 }
 
 /// The same as a part of a computation.

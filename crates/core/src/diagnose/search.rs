@@ -263,7 +263,7 @@ mod tests {
     use crate::machines::draw::NoiseStatement;
     use crate::observer::Silent;
 
-    pub(super) const PART: Part<'_> = Part { whole: &Silent, span: [0.0, 1.0] };
+    pub(super) const PART: Part<'_> = Part::of(&Silent);
 
     pub(super) fn nothing_fitted<'a>(session: &'a FitSession<'a>) -> Search<'a> {
         let noise_scale = NoiseScale { known: true, rounding: 0.0, dof: 100.0 };

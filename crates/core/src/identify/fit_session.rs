@@ -295,9 +295,8 @@ impl<'a> FitSession<'a> {
         let all = |_| true;
         let comparison = prediction::beside(
             self.measurement,
-            &self.problem,
-            &plant,
-            &effects,
+            (&self.problem, &[]),
+            (&plant, &effects),
             weights,
             dof,
             all,

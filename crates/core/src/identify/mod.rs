@@ -81,6 +81,7 @@ pub fn identify(
     observer: &dyn Observer,
 ) -> Result<Identification, IdentifyError> {
     let observer = &Steady::new(observer);
+    observer.rest_is_certain();
     let problem = Problem::new(measurement)?;
     let Solved { chosen, order_choice, .. } =
         solve(measurement, &problem, request, (None, &[]), observer)?;

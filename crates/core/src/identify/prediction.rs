@@ -35,7 +35,8 @@ pub fn compare(
     let plant = problem.in_scale(&reported_plant(answer)?);
     let effects = reported_effects(answer, problem.scales)?;
     let weights = weights_of(measurement, &problem, answer)?;
-    Ok(beside(measurement, &problem, &plant, &effects, &weights, answer.fit.dof, |_| true))
+    let (dof, law) = (answer.fit.dof, (&plant, effects.as_slice()));
+    Ok(beside(measurement, (&problem, &[]), law, &weights, dof, |_| true))
 }
 
 /// The weights of a problem beside the model of a stored answer.
@@ -53,13 +54,13 @@ pub(super) fn weights_of(
     Ok(noise::weights(measurement, problem, options, Some(Beside { plant, effects })))
 }
 
-/// Compares the measured and simulated responses of the experiments that are `wanted`. Plant and
-/// effects are in the problem's units; `dof` are the degrees of freedom of the fit.
+/// Compares the measured and simulated responses of the experiments that are `wanted`. The
+/// corrections are added to each simulated target of each experiment; without any, nothing is.
+/// Plant and effects are in the problem's units; `dof` are the degrees of freedom of the fit.
 pub(super) fn beside(
     measurement: &Measurement,
-    problem: &Problem,
-    plant: &Plant,
-    effects: &[ActiveEffect],
+    (problem, corrections): (&Problem, &[Vec<Complex>]),
+    (plant, effects): (&Plant, &[ActiveEffect]),
     weights: &Weights,
     dof: i64,
     wanted: impl Fn(usize) -> bool,
@@ -84,7 +85,7 @@ pub(super) fn beside(
                 run: experiment.run,
                 harmonics: harmonics(
                     experiment,
-                    prepared,
+                    (prepared, corrections.get(index).map_or(&[], Vec::as_slice)),
                     &velocity,
                     &weights.sigma[index],
                     problem.response_scale,
@@ -122,17 +123,19 @@ pub(super) fn beside(
 
 fn harmonics(
     experiment: &Experiment,
-    prepared: &Prepared,
+    (prepared, corrections): (&Prepared, &[Complex]),
     velocity: &[Complex],
     sigma: &[f64],
     response_scale: f64,
 ) -> Vec<ComparedHarmonic> {
     let pair = |z: Complex| [z.re, z.im];
-    let targets = prepared.targets.iter().zip(sigma).filter(|(target, _)| !target.constraint);
+    let targets = prepared.targets.iter().zip(sigma).enumerate();
     targets
-        .map(|(target, sigma)| {
+        .filter(|(_, (target, _))| !target.constraint)
+        .map(|(index, (target, sigma))| {
             let order = target.order;
-            let simulated = velocity[order] * target.per_velocity * response_scale;
+            let correction = corrections.get(index).copied().unwrap_or(Complex::ZERO);
+            let simulated = (velocity[order] * target.per_velocity + correction) * response_scale;
             let measured = experiment.harmonic(order).map_or(Complex::ZERO, |h| h.value);
             ComparedHarmonic {
                 order,

@@ -21,20 +21,34 @@ const RESOLUTION: f64 = 1.0 / 512.0;
 
 /// The history of progress, and the estimate of the time left that follows from it.
 ///
-/// Each sample of the latest third of the time forecasts the end: if the whole takes as long as the
-/// part done, in proportion, it ends after elapsed/fraction. So does the speed over that third. If
-/// these forecasts agree, their geometric middle is the estimate; if they do not, the fraction has
-/// not grown steadily, and nothing is known.
+/// It begins when the rest of the computation is certain. Each sample of the latest third of the
+/// time since then forecasts the end: if the rest takes as long as the part of it that is done, in
+/// proportion, it ends after elapsed/fraction. So does the speed over that third. If these
+/// forecasts agree, their geometric middle is the estimate; if they do not, the fraction has not
+/// grown steadily, and nothing is known.
 #[derive(Debug, Clone, Default)]
 pub(super) struct RemainingTime {
-    /// (seconds elapsed, fraction done), in order.
+    /// Seconds elapsed and fraction of the whole done when the rest became certain.
+    begin: Option<(f64, f64)>,
+    /// (seconds elapsed, fraction of the rest done) since then, in order.
     samples: Vec<(f64, f64)>,
 }
 
 impl RemainingTime {
+    /// The rest is certain after `elapsed_s` seconds, when `fraction` of the whole is done.
+    pub fn since(elapsed_s: f64, fraction: f64) -> Self {
+        Self { begin: Some((elapsed_s, fraction)), samples: Vec::new() }
+    }
+
     /// The time left, seconds, when `fraction` is done after `elapsed_s`; `None` while it is not
     /// known to within a factor of two.
     pub fn after(&mut self, elapsed_s: f64, fraction: f64) -> Option<f64> {
+        let (begin_s, begin) = self.begin?;
+        self.after_of_rest(elapsed_s - begin_s, (fraction - begin) / (1.0 - begin))
+    }
+
+    /// The same; both since the rest was certain, and as a fraction of the rest.
+    fn after_of_rest(&mut self, elapsed_s: f64, fraction: f64) -> Option<f64> {
         if self.samples.last().is_none_or(|(_, last)| fraction - last >= RESOLUTION) {
             self.samples.push((elapsed_s, fraction));
         }
@@ -62,7 +76,7 @@ mod tests {
 
     /// The estimates after each of these (seconds, fraction).
     fn estimates(samples: impl IntoIterator<Item = (f64, f64)>) -> Vec<Option<f64>> {
-        let mut remaining = RemainingTime::default();
+        let mut remaining = RemainingTime::since(0.0, 0.0);
         samples.into_iter().map(|(at, fraction)| remaining.after(at, fraction)).collect()
     }
 
@@ -108,7 +122,7 @@ mod tests {
 
     #[test]
     fn the_history_kept_is_bounded() {
-        let mut remaining = RemainingTime::default();
+        let mut remaining = RemainingTime::since(0.0, 0.0);
         for step in 0..100_000 {
             remaining.after(f64::from(step), 1e-5 * f64::from(step));
         }

@@ -20,6 +20,7 @@ pub(crate) struct Steady<'a> {
 #[derive(Default)]
 struct Reached {
     fraction: f64,
+    /// Nothing is estimated until the rest is certain.
     remaining: RemainingTime,
 }
 
@@ -42,6 +43,12 @@ impl Observer for Steady<'_> {
         let fraction = reached.fraction;
         let remaining_s = reached.remaining.after(self.whole.elapsed_s(), fraction);
         self.whole.progress(Progress { fraction, remaining_s, ..progress });
+    }
+
+    fn rest_is_certain(&self) {
+        let mut reached = self.reached.lock().unwrap_or_else(PoisonError::into_inner);
+        reached.remaining = RemainingTime::since(self.whole.elapsed_s(), reached.fraction);
+        self.whole.rest_is_certain();
     }
 
     fn row(&self, row: ConvergenceRow) {
@@ -71,10 +78,17 @@ mod tests {
         }
     }
 
-    fn reported(fractions: impl Iterator<Item = f64>) -> Vec<(f64, Option<f64>)> {
+    /// What is reported if the rest is certain from this step on.
+    fn reported(
+        fractions: impl Iterator<Item = f64>,
+        certain_from: Option<usize>,
+    ) -> Vec<(f64, Option<f64>)> {
         let log = Log::default();
         let steady = Steady::new(&log);
-        for fraction in fractions {
+        for (step, fraction) in fractions.enumerate() {
+            if certain_from == Some(step) {
+                steady.rest_is_certain();
+            }
             let stage = "search".to_owned();
             steady.progress(Progress { stage, done: 0, total: 1, fraction, remaining_s: None });
         }
@@ -84,16 +98,18 @@ mod tests {
     #[test]
     fn the_fraction_stays_where_a_stage_is_repeated() {
         let fractions: Vec<f64> =
-            reported([0.2, 0.6, 0.2, 0.6].into_iter()).iter().map(|seen| seen.0).collect();
+            reported([0.2, 0.6, 0.2, 0.6].into_iter(), None).iter().map(|seen| seen.0).collect();
         assert_eq!(fractions, [0.2, 0.6, 0.6, 0.6]);
     }
 
-    // One percent a second: 50 seconds are left after 50.
+    // One percent a second: 20 seconds are left at 80 %. The rest is certain a step late.
     #[test]
-    fn the_time_left_is_reported_with_the_fraction() {
-        let seen = reported((0..=100).map(|percent| 0.01 * f64::from(percent)));
-        assert_eq!(seen[0].1, None);
-        let left = seen[50].1.expect("steady progress");
-        assert!((left - 50.0).abs() < 1e-6, "{left}");
+    fn the_time_left_is_reported_with_the_fraction_once_the_rest_is_certain() {
+        let fractions = || (0..=100).map(|percent| 0.01 * f64::from(percent));
+        assert!(reported(fractions(), None).iter().all(|seen| seen.1.is_none()));
+        let seen = reported(fractions(), Some(40));
+        assert!(seen[..=40].iter().all(|seen| seen.1.is_none()));
+        let left = seen[80].1.expect("steady progress");
+        assert!((left - 20.0).abs() < 1.0, "{left}");
     }
 }

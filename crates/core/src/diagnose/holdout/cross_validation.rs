@@ -2,8 +2,8 @@
 //!
 //! Each part of the measurement is held out in turn. The base model and every model that may be
 //! chosen are refitted to the rest, starting from their fit to all data. The causes are chosen
-//! anew, and their predictions of the part are kept. A model is penalised as it is with all data. The errors of models that are certainly not
-//! chosen are computed to first order, without a refit.
+//! anew, and their predictions of the part are kept. A model is penalised as it is with all data.
+//! The errors of models that are certainly not chosen are computed to first order, without a refit.
 
 use std::collections::BTreeMap;
 
@@ -23,6 +23,18 @@ use crate::observer::Observer as _;
 /// Models whose −2 ln evidence exceeds the best by more than this are not refitted: no part of the
 /// data makes up for it. Tuned.
 const REFIT_MARGIN: f64 = 30.0;
+
+/// Shortest time that a simulation is reckoned to take, for the progress, s.
+const SHORTEST_S: f64 = 1e-6;
+
+/// A model to be refitted without each part.
+struct Refit<'m> {
+    scored: &'m ScoredModel,
+    /// `None` where it has no response.
+    linear: Option<LeavingOut>,
+    /// How long one simulation of it takes, for the progress.
+    weight: f64,
+}
 
 /// Predictions of held-out data.
 pub(crate) struct CrossValidation {
@@ -65,15 +77,24 @@ impl CrossValidation {
         splits: &CvSplits,
         part: Part<'_>,
     ) -> Result<Self, IdentifyError> {
-        let near = refitted(models);
-        // The base model, every model near the best, and the predictions.
-        let steps = near.len() + 2;
-        let stage = part.stage("predicting data held out", splits.parts.len() * steps);
+        const STAGE: &str = "predicting data held out";
+        part.stage(STAGE, 1);
         let base = session.leaving_out(session.base()).ok_or(IdentifyError::Cancelled)?;
-        let linear: Vec<(&ScoredModel, Option<LeavingOut>)> = near
+        let mut refits: Vec<Refit<'_>> = refitted(models)
             .into_par_iter()
-            .map(|scored| (scored, session.leaving_out(&scored.model)))
+            .map(|scored| {
+                let began = part.elapsed_s();
+                let linear = session.leaving_out(&scored.model);
+                // Equal where nobody has a clock.
+                Refit { scored, linear, weight: (part.elapsed_s() - began).max(SHORTEST_S) }
+            })
             .collect();
+        // Those that take longest come first, so that no thread waits for the last one.
+        refits.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        // With each part the base model and these are refitted, and then the predictions made.
+        let (count, steps) = (splits.parts.len(), refits.len() + 2);
+        let work = 2.0 * SHORTEST_S + refits.iter().map(|refit| refit.weight).sum::<f64>();
+        let stage = part.weighted_stage(STAGE, count * steps, count as f64 * work);
         let mut this = Self {
             base: Predicted::new(),
             chosen: Predicted::new(),
@@ -85,7 +106,7 @@ impl CrossValidation {
             what: splits.what.clone(),
         };
         for fold in &splits.parts {
-            this.add(session, (&base, &linear), (models, chosen), fold, (part, &stage))?;
+            this.add(session, (&base, &refits), (models, chosen), fold, (part, &stage))?;
         }
         let singles: Vec<(&Key, &Model)> = models.all().filter(|(key, _)| key.len() == 1).collect();
         let error = |(key, model): (&Key, &Model)| {
@@ -103,14 +124,14 @@ impl CrossValidation {
     fn add(
         &mut self,
         session: &FitSession<'_>,
-        (base, linear): (&LeavingOut, &[(&ScoredModel, Option<LeavingOut>)]),
+        (base, refits): (&LeavingOut, &[Refit<'_>]),
         (models, chosen): (&Models, &Key),
         fold: &CvSplit,
         (part, stage): (Part<'_>, &Stage<'_>),
     ) -> Result<(), IdentifyError> {
         let held = |e, order| fold.holds(e, order);
         let rest = session.without(held, base)?;
-        stage.step();
+        stage.begin_weighted(SHORTEST_S).finish();
         let lacking = session.data() - rest.data();
         let noise_scale = NoiseScale {
             rounding: rest.rounding(),
@@ -119,14 +140,16 @@ impl CrossValidation {
         };
         let mut fitted = Models::new(rest.base().clone(), noise_scale);
         fitted.family = models.family.clone();
-        let refit = |(scored, linear): &(&ScoredModel, Option<LeavingOut>)| {
-            let step = stage.begin();
-            let refit = |linear| rest.from_rest(rest.refit(linear, held, &|| step.advance()));
+        let refit = |Refit { scored, linear, weight }: &Refit<'_>| {
+            let step = stage.begin_weighted(*weight);
+            let on_step = || step.advance();
+            let refit =
+                |linear| rest.from_rest_watched(rest.refit(linear, held, &on_step), &on_step);
             let refitted = linear.as_ref().map(refit).map(|model| scored.refitted(model));
             step.finish();
             refitted
         };
-        let fits: Vec<Option<ScoredModel>> = linear.par_iter().map(refit).collect();
+        let fits: Vec<Option<ScoredModel>> = refits.par_iter().map(refit).collect();
         fits.into_iter().flatten().for_each(|scored| fitted.keep(scored));
         let choice = fitted.best_supported();
         let predict_held_out = |model: &Model| -> Predicted {
@@ -152,7 +175,7 @@ impl CrossValidation {
             }
         }
         self.choices.push(choice);
-        stage.step();
+        stage.begin_weighted(SHORTEST_S).finish();
         Ok(())
     }
 

@@ -241,7 +241,7 @@ mod tests {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
         let session = FitSession::new(&measurement, &request, &Silent).unwrap();
         let base = session.base();
-        let part = Part { whole: &Silent, span: [0.0, 1.0] };
+        let part = Part::of(&Silent);
         let noise_scale = NoiseScale { known: true, rounding: 0.0, dof: 100.0 };
         let (session, starts, followed, patient) = (&session, 1, 2, true);
         let fitter = Fitter { session, part, noise_scale, starts, followed, patient };
@@ -270,7 +270,7 @@ mod tests {
     fn what_leaves_most_or_explains_the_data_is_not_tried_from_aside() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
         let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
-        let part = Part { whole: &Silent, span: [0.0, 1.0] };
+        let part = Part::of(&Silent);
         let (starts, followed, patient) = (1, 1, true);
         let fitter = |dof: f64| {
             let noise_scale = NoiseScale { known: true, rounding: 0.0, dof };

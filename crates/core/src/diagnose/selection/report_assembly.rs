@@ -6,6 +6,7 @@
 use crate::answers::{Diagnosis, Discrepancy, Gain, NextExperiment, Verdict};
 use crate::identify::{FitAccuracy, FitSession, IdentifyError, Intervals, ModelFit};
 use crate::measurement::Measurement;
+use crate::observer::Observer as _;
 
 use super::models::{Key, Models};
 use super::{causes, next_experiment};
@@ -47,6 +48,9 @@ impl ReportAssembly<'_> {
         measurement: &Measurement,
         part: Part<'_>,
     ) -> Result<Diagnosis, DiagnoseError> {
+        if part.last {
+            part.rest_is_certain();
+        }
         let mut limitations = discrepancy::limitations(&self.fit, &self.discrepancy);
         limitations.extend(crate::diagnose::limitations::undecided(self.session));
         limitations.extend(crate::diagnose::limitations::incomparable(&self.models));

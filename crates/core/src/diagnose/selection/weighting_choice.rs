@@ -29,10 +29,6 @@ const WORTHWHILE_NRMSE_RATIO: f64 = 0.9;
 /// at 60 dB gives some 100.
 const EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM: f64 = 5e3;
 
-/// Most diagnoses with weights that follow from the model found before: the first such model is
-/// already near enough.
-const MOST_REWEIGHTINGS: usize = 1;
-
 /// Shares of the progress: fitting the base model, the first weighting, and the second. If the
 /// base model is limited by the noise already, there is no second; else there may be.
 const BASE_FIT_SPAN: [f64; 2] = [0.0, 0.1];
@@ -103,8 +99,8 @@ fn choose_weighting(
 }
 
 /// Diagnoses data of which no noise is stated. Weights follow from what the base model leaves. If
-/// those that follow from the model found are others, the diagnosis is repeated with them: what the
-/// base model lacks is easily taken for noise.
+/// those that follow from the model found are others, the diagnosis is repeated with them, once:
+/// what the base model lacks is easily taken for noise.
 fn by_what_is_left(
     measurement: &Measurement,
     request: &IdentifyRequest,
@@ -114,18 +110,11 @@ fn by_what_is_left(
     let diagnose = |session: &FitSession<'_>, span| {
         order_selection::diagnose(measurement, request, session, part.part(span))
     };
-    let [mut begin, end] = ONLY_WEIGHTING_SPAN;
-    let mut next_span = || {
-        let span = [begin, 0.5 * (begin + end)];
-        begin = span[1];
-        span
-    };
-    let mut answer = diagnose(first, next_span())?;
-    for _ in 0..MOST_REWEIGHTINGS {
-        let Some(session) = first.reweighted(best(&answer), &part)? else { break };
-        answer = diagnose(&session, next_span())?;
+    let answer = diagnose(first, FIRST_WEIGHTING_SPAN)?;
+    match first.reweighted(best(&answer), &part)? {
+        Some(session) => diagnose(&session, SECOND_WEIGHTING_SPAN),
+        None => Ok(answer),
     }
-    Ok(answer)
 }
 
 /// Whether the best model is limited by the noise, or the noise is unknown.
@@ -214,7 +203,7 @@ mod tests {
             Measurement::new(Metadata::default(), experiments, Vec::new(), String::new()).unwrap();
         let options = IdentifyOptions { most_effects: 1, ..request().options };
         let request = IdentifyRequest { options, ..request() };
-        diagnose(&measurement, &request, Part { whole: &Silent, span: [0.0, 1.0] }).unwrap()
+        diagnose(&measurement, &request, Part::of(&Silent)).unwrap()
     }
 
     // The noise is 90 dB below the largest harmonic; the hidden effect is a delay of 5 ms.
@@ -257,7 +246,7 @@ mod tests {
     fn a_finished_diagnosis_reports_its_progress_as_complete() {
         let measurement = noisy(&exact(), NoiseStatement::Std, 1);
         let latest = Latest::default();
-        let part = Part { whole: &latest, span: [0.0, 1.0] };
+        let part = Part::of(&latest);
         diagnose(&measurement, &request(), part).unwrap();
         assert_eq!(*latest.0.lock().unwrap(), 1.0);
     }

@@ -22,6 +22,11 @@ impl FitSession<'_> {
     /// these have the cost of the motions of the fit, it is unchanged; else it is fitted again.
     /// Its cost is infinite if too many experiments have none.
     pub fn from_rest(&self, model: Model) -> Model {
+        self.from_rest_watched(model, &|| ())
+    }
+
+    /// The same; `on_step` is called after every step of a fit.
+    pub fn from_rest_watched(&self, model: Model, on_step: &dyn Fn()) -> Model {
         if !model.cost.is_finite() || model.effects().is_empty() {
             return model;
         }
@@ -30,7 +35,7 @@ impl FitSession<'_> {
         if misfit.cost(&model.point) <= same {
             return model;
         }
-        self.descend_by(&misfit, &model, self.patience(FitAccuracy::Settle), &|| ())
+        self.descend_by(&misfit, &model, self.patience(FitAccuracy::Settle), on_step)
     }
 
     /// Indices of the experiments in which a model has no response from rest.

@@ -67,6 +67,15 @@ impl FitSession<'_> {
         Some(Coarse { problem, stand_in })
     }
 
+    /// What a coarse response lacks, for each target of each experiment: the difference between the
+    /// fine and the coarse response of the base model.
+    pub(super) fn corrections(&self, coarse: &Coarse) -> Vec<Vec<Complex>> {
+        let experiments = self.stand_in.iter().zip(&coarse.stand_in);
+        experiments
+            .map(|(fine, coarse)| fine.iter().zip(coarse).map(|(f, c)| f - c).collect())
+            .collect()
+    }
+
     /// √Σ|ΔŶ|²/σ² between a coarse and the fine simulation of the base model.
     fn defect(&self, coarse: &[Vec<Complex>]) -> f64 {
         let weighted = coarse.iter().zip(&self.stand_in).zip(&self.fitted.weights.sigma);
@@ -115,6 +124,8 @@ impl FitSession<'_> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DVector;
+
     use super::*;
     use crate::answers::{IdentifyOptions, PlantRequest};
     use crate::effects::find;
@@ -175,6 +186,27 @@ mod tests {
         let residuals = session.misfit(&lagging).residuals(&lagging.point).unwrap().norm();
         // The correction takes most of the error of the coarse simulation away.
         assert!(apart(&lagging) * residuals < 0.3 * defect(&lagging));
+    }
+
+    #[test]
+    fn a_coarse_comparison_is_corrected_by_the_error_of_the_base_model() {
+        let (measurement, request) = (multisine(&axis(ACTUATOR)), request());
+        let mut session = FitSession::new(&measurement, &request, &Silent).unwrap();
+        let models = [session.base().clone(), lagging(&session)];
+        let simulated = |session: &FitSession<'_>| {
+            models.each_ref().map(|model| {
+                let comparison = session.compare(model, |_| true);
+                let all = comparison.experiments.iter().flat_map(|e| &e.harmonics);
+                DVector::from_vec(all.flat_map(|h| h.simulated).collect::<Vec<_>>())
+            })
+        };
+        let coarse = simulated(&session);
+        session.coarse = None;
+        let fine = simulated(&session);
+        let [base, lagging] = [0, 1].map(|i| (&coarse[i] - &fine[i]).norm() / fine[i].norm());
+        assert!(base < 1e-12 && lagging < 1e-4, "{base} {lagging}");
+        let residual = (&fine[0] - &fine[1]).norm() / fine[0].norm();
+        assert!(residual > 100.0 * lagging, "the two models differ by {residual}");
     }
 
     #[test]

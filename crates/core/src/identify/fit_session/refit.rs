@@ -87,13 +87,19 @@ impl<'a> FitSession<'a> {
         }
     }
 
-    /// Compares the measurement with a model, in the experiments that are `wanted`.
+    /// Compares the measurement with a model, in the experiments that are `wanted`; as accurately as
+    /// the fits of a search.
     pub fn compare(&self, model: &Model, wanted: impl Fn(usize) -> bool) -> Comparison {
-        let plant = model.coordinates.plant(&model.point);
-        let effects = model.coordinates.effects_at(&model.point);
+        let law =
+            (model.coordinates.plant(&model.point), model.coordinates.effects_at(&model.point));
         let dof = self.problem.data() as i64 - model.parameters() as i64;
         let weights = &self.fitted.weights;
-        prediction::beside(self.measurement, &self.problem, &plant, &effects, weights, dof, wanted)
+        let (problem, corrections) = match &self.coarse {
+            Some(coarse) => (&coarse.problem, self.corrections(coarse)),
+            None => (&self.problem, Vec::new()),
+        };
+        let corrected = (problem, corrections.as_slice());
+        prediction::beside(self.measurement, corrected, (&law.0, &law.1), weights, dof, wanted)
     }
 }
 

@@ -65,8 +65,8 @@ impl PlotQuery {
     params(
         ("id" = String, Path, description = "Id of the job"),
         ("file" = String, Path,
-         description = "`bode.svg`, `spectrum.svg`, `residuals.svg`, `convergence.svg` or \
-                        `friction.svg`; with the causes of a diagnosis \
+         description = "`bode.svg`, `linearity.svg`, `spectrum.svg`, `residuals.svg`, \
+                        `convergence.svg` or `friction.svg`; with the causes of a diagnosis \
                         `spectrum-after.svg`, `residuals-after.svg` or `friction-after.svg`"),
         PlotQuery,
         ("If-None-Match" = Option<String>, Header, description = "`ETag` of an earlier answer"),

@@ -15,7 +15,9 @@ use super::written::lines;
 /// is the same.
 pub fn diagnosis(answer: &Diagnosis) -> String {
     let Diagnosis { discrepancy, base, extended, .. } = answer;
-    let headline = [Some(&discrepancy.sentence), answer.valid_band.as_ref().map(|b| &b.sentence)];
+    let linearity = answer.linearity.as_ref().map(|found| &found.sentence);
+    let band = answer.valid_band.as_ref().map(|band| &band.sentence);
+    let headline = [linearity, Some(&discrepancy.sentence), band];
     let headline = headline.into_iter().flatten().cloned().collect();
     let mut sections = vec![section(verdict(answer.verdict), headline)];
     sections.extend(causes::sections(answer));

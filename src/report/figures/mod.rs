@@ -13,6 +13,7 @@ pub mod chart;
 mod convergence;
 mod friction;
 mod history;
+mod linearity;
 mod panel;
 mod residuals;
 mod scale;
@@ -23,7 +24,9 @@ mod tests;
 mod text;
 mod theme;
 
-use servoscope_core::answers::{Answer, Comparison, ConvergenceRow, Discrepancy, Identification};
+use servoscope_core::answers::{
+    Answer, Comparison, ConvergenceRow, Discrepancy, Identification, Linearity,
+};
 
 use canvas::Canvas;
 
@@ -41,6 +44,8 @@ pub struct Subject<'a> {
     pub identification: Option<&'a Identification>,
     /// The measurement beside what that model makes of it.
     pub comparison: Option<&'a Comparison>,
+    /// What the data tell before any model.
+    pub linearity: Option<&'a Linearity>,
     /// Where the two depart.
     pub discrepancy: Option<&'a Discrepancy>,
     /// The model with the causes of that.
@@ -53,7 +58,8 @@ impl<'a> Subject<'a> {
     /// What an answer alone shows: no measurement beside it, no history.
     pub fn of(answer: &'a Answer) -> Self {
         let identification = Some(answer.base());
-        Self { identification, discrepancy: answer.discrepancy(), ..Self::default() }
+        let linearity = answer.diagnosis().and_then(|answer| answer.linearity.as_ref());
+        Self { identification, linearity, discrepancy: answer.discrepancy(), ..Self::default() }
     }
 
     /// The model with the causes in the place of the identified one.
@@ -90,6 +96,7 @@ type Draw = fn(&Subject<'_>) -> Result<Canvas, NothingToDraw>;
 /// Every figure: its name and how it is drawn; those `-after` are of the model with the causes.
 const FIGURES: &[(&str, Draw)] = &[
     ("bode", bode::draw),
+    ("linearity", linearity::draw),
     ("spectrum", spectrum::draw),
     ("residuals", residuals::draw),
     ("convergence", convergence::draw),

@@ -4,7 +4,7 @@ use roxmltree::{Document, Node};
 use servoscope_core::answers::sample;
 use servoscope_core::answers::{
     ComparedExperiment, ComparedHarmonic, Comparison, ConvergenceRow, Discrepancy, Identification,
-    Pattern, Unanswered,
+    Linearity, Pattern, Unanswered,
 };
 
 use super::{Extended, Subject, Theme, available, draw, names, text};
@@ -17,6 +17,7 @@ const MOST_BYTES: usize = 300_000;
 struct Known {
     identification: Identification,
     comparison: Comparison,
+    linearity: Linearity,
     discrepancy: Option<Discrepancy>,
     extended: Option<Comparison>,
     convergence: Vec<ConvergenceRow>,
@@ -28,13 +29,15 @@ impl Known {
         let level = identification.parameters["fc_plus"].clone();
         identification.parameters.insert("fc_minus".into(), level);
         let (discrepancy, extended) = (None, None);
-        Self { identification, comparison, discrepancy, extended, convergence: history() }
+        let (linearity, convergence) = (sample::linearity(), history());
+        Self { identification, comparison, linearity, discrepancy, extended, convergence }
     }
 
     fn subject(&self) -> Subject<'_> {
         Subject {
             identification: Some(&self.identification),
             comparison: Some(&self.comparison),
+            linearity: Some(&self.linearity),
             discrepancy: self.discrepancy.as_ref(),
             extended: self.extended.as_ref().map(|comparison| Extended {
                 name: "with static_friction and actuator_saturation",
@@ -289,8 +292,9 @@ fn no_text_meets_another_or_leaves_the_figure() {
 
 #[test]
 fn every_axis_says_its_unit() {
-    let axes: [(&str, &[&str]); 5] = [
+    let axes: [(&str, &[&str]); 6] = [
         ("bode", &["Gain (dB re 1 (rad/s)/A)", "Phase (degrees)", "Frequency (Hz)"]),
+        ("linearity", &["Amplitude (rad/s)", "Frequency (Hz)"]),
         ("spectrum", &["Amplitude (rad/s)", "Harmonic k (–)"]),
         ("residuals", &["|residual| (σ)", "Harmonic k (–)", "Frequency of the input (Hz)"]),
         ("convergence", &["Held-out loss (–)", "Cost χ² (–)", "Epoch (–)"]),

@@ -1,7 +1,5 @@
 //! Title, verdict and the figures a reader takes away.
 
-use std::iter;
-
 use maud::{Markup, html};
 
 use servoscope_core::answers::{Answer, Diagnosis, Identification, Verdict};
@@ -111,7 +109,9 @@ fn of_diagnosis(answer: &Diagnosis) -> Judgement {
         ),
     };
     let band = answer.valid_band.as_ref().map(|band| sentence(&band.sentence));
-    let details = iter::once(sentence(&answer.discrepancy.sentence)).chain(band).collect();
+    let before = answer.linearity.as_ref().map(|found| sentence(&found.sentence));
+    let found = sentence(&answer.discrepancy.sentence);
+    let details = before.into_iter().chain([found]).chain(band).collect();
     Judgement { word, class, text, details }
 }
 

@@ -11,6 +11,7 @@ mod described;
 mod discrepancy;
 mod figure;
 mod head;
+mod linearity;
 mod measured;
 mod model;
 mod next;
@@ -83,6 +84,7 @@ impl Section {
 /// Every section, in the order in which they are read.
 const SECTIONS: &[fn(&Content<'_>) -> Option<Section>] = &[
     measured::section,
+    linearity::section,
     discrepancy::section,
     causes::section,
     compared::section,

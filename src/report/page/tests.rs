@@ -131,6 +131,7 @@ fn a_page_with_everything_has_every_section_in_order_and_links_to_it() {
     let page = of(&gained());
     let ids = [
         "measured",
+        "linearity",
         "departure",
         "causes",
         "compared",
@@ -146,8 +147,8 @@ fn a_page_with_everything_has_every_section_in_order_and_links_to_it() {
     for id in ids {
         assert!(page.contains(&format!("<a href=\"#{id}\">")), "{id}");
     }
-    // Spectrum, Bode, friction, and the residuals before and after.
-    assert_eq!(page.matches("<figure>").count(), 5, "{page}");
+    // Linearity, spectrum, Bode, friction, and the residuals before and after.
+    assert_eq!(page.matches("<figure>").count(), 6, "{page}");
     assert!(page.contains("servoscope-residuals-after"));
 }
 

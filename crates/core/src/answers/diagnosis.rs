@@ -3,7 +3,9 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::{Discrepancy, Identification, ParameterEstimate, Provenance, ValidBand, Validation};
+use super::{
+    Discrepancy, Identification, Linearity, ParameterEstimate, Provenance, ValidBand, Validation,
+};
 
 /// Verdict of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -101,6 +103,10 @@ pub struct NextExperiment {
 pub struct Diagnosis {
     /// The verdict.
     pub verdict: Verdict,
+    /// How linear the measured response is, before any model; null if the data do not tell, or if
+    /// the answer is older than this figure.
+    #[serde(default)]
+    pub linearity: Option<Linearity>,
     /// Where the base model is wrong.
     pub discrepancy: Discrepancy,
     /// Effects that the base model lacks, strongest first.

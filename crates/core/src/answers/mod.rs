@@ -9,6 +9,7 @@ mod diagnosis;
 mod discrepancy;
 mod flat;
 mod identification;
+mod linearity;
 mod progress;
 mod request;
 pub mod sample;
@@ -24,6 +25,7 @@ pub use identification::{
     Correlations, Fit, Identification, NoiseLaw, NoisePart, NoiseSource, OrderCandidate,
     OrderChoice, ParameterEstimate, Provenance, Stage, TransferFunction,
 };
+pub use linearity::{DistortionLine, LinearLine, Linearity, LinearityLevel, Parity, Share};
 pub use progress::{ConvergenceRow, Progress};
 pub use request::{
     ColonyOptions, ColonyVariant, IdentifyOptions, InvalidOptions, JobKind, Method, NetworkOptions,

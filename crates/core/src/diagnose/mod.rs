@@ -1,5 +1,8 @@
 //! Diagnosis: where the base model is wrong, and which physical effect it lacks.
 //!
+//! Before any model, `linearity` tells from the data how much of the response is noise, and how much
+//! is not linear.
+//!
 //! 1. `residuals`: the residuals of the base model are tested for being noise, by magnitude,
 //!    frequency, harmonic and order of acquisition. If they are not, the regions in which the
 //!    simulation departs most are found and described in words.
@@ -15,6 +18,7 @@
 mod error;
 mod holdout;
 mod limitations;
+mod linearity;
 mod progress;
 mod residuals;
 mod search;
@@ -29,6 +33,7 @@ use crate::measurement::Measurement;
 use crate::observer::{Observer, Steady};
 
 pub use error::{DiagnoseError, ValidateError};
+pub use linearity::linearity;
 pub use validation::{diagnose_validated, validate};
 
 use progress::Part;

@@ -8,16 +8,12 @@
 mod subset;
 
 use crate::effects::Scope;
-use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};
+use crate::measurement::{Complex, EXCITED_SHARE, Experiment, Measurement, ResponseKind};
 use crate::plant::{Actuator, Friction, Plant};
 use crate::simulate::Excitation;
 
 use super::parameters::Prior;
 use super::request::IdentifyError;
-
-/// A line of an input counts as excited if it is larger than this share of the largest line
-/// (tuned).
-const EXCITED_SHARE: f64 = 0.02;
 
 /// Fewest samples of a coarse grid for each cycle of the highest line that is both excited and
 /// compared. Quintics interpolate that line with a relative error of 2e-3: (2π/3)⁶/46080.

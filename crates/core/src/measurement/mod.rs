@@ -29,6 +29,10 @@ pub use record::Record;
 pub use record_error::RecordError;
 pub use transient::{Beginning, Intersample, Transient};
 
+/// A line of an input counts as excited if it is larger than this share of the largest line
+/// (tuned).
+pub(crate) const EXCITED_SHARE: f64 = 0.02;
+
 /// Complex number; angles in radians.
 pub type Complex = nalgebra::Complex<f64>;
 

@@ -5,15 +5,13 @@
 use std::collections::BTreeMap;
 
 use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
+use crate::measurement::EXCITED_SHARE;
 
 /// Fewest lines of a response for which they are grouped into blocks.
 pub(crate) const FEWEST_LINES: usize = 20;
 
 /// Ratio of the highest to the lowest frequency of a block of lines. Tuned.
 const BLOCK_FREQUENCY_RATIO: f64 = 1.12;
-
-/// Share of the largest line of an input above which a line counts as excited.
-const EXCITED_SHARE: f64 = 0.02;
 
 /// Index of the experiment, and harmonic.
 pub(crate) type Row = (usize, usize);

@@ -3,7 +3,7 @@
 
 use crate::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
 use crate::identify::{Component, ModelFit};
-use crate::measurement::Complex;
+use crate::measurement::{Complex, EXCITED_SHARE};
 
 /// Largest number of magnitude classes.
 const MOST_MAGNITUDES: usize = 8;
@@ -13,9 +13,6 @@ const MOST_BANDS: usize = 24;
 
 /// This harmonic and all higher ones form one class.
 pub(crate) const LAST_HARMONIC: usize = 11;
-
-/// Share of the largest line of an input above which a line counts as excited.
-const EXCITED_SHARE: f64 = 0.02;
 
 /// A range of one axis, ends included.
 pub(crate) type Span = [f64; 2];

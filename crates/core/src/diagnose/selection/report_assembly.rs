@@ -13,6 +13,7 @@ use super::{causes, next_experiment};
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::holdout::cross_validation::{CrossValidation, Dropped};
 use crate::diagnose::holdout::cv_splits::CvSplits;
+use crate::diagnose::linearity;
 use crate::diagnose::progress::Part;
 use crate::diagnose::residuals::{discrepancy, valid_band};
 
@@ -125,6 +126,7 @@ impl ReportAssembly<'_> {
                 (false, false) => Verdict::Improved,
             },
             limitations,
+            linearity: linearity(measurement),
             valid_band,
             next_experiment,
             causes,

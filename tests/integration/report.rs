@@ -21,9 +21,9 @@ fn check(page: &str) {
     let document = Document::parse_with_options(page, options).unwrap();
     let named = |name: &str| document.descendants().filter(|n| n.has_tag_name(name)).count();
     assert_eq!(named("script"), 0);
-    // Residuals before and after, spectrum, Bode, friction, convergence.
-    assert_eq!(named("figure"), 6);
-    assert_eq!(named("section"), 11);
+    // Linearity, residuals before and after, spectrum, Bode, friction, convergence.
+    assert_eq!(named("figure"), 7);
+    assert_eq!(named("section"), 12);
     let title = document.descendants().find(|node| node.has_tag_name("h1")).unwrap();
     assert_eq!(title.text(), Some(format!("Diagnosis of {MACHINE}, axis C").as_str()));
     for part in ["The simulation misses static friction", "all but certain", "What to measure next"]

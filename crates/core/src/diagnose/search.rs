@@ -32,6 +32,10 @@ use score_tests::{Changes, Probed};
 const TESTS_SPAN: [f64; 2] = [0.0, 0.3];
 const SINGLES_SPAN: [f64; 2] = [0.3, 1.0];
 
+/// Rounds of adding an effect to a model that are expected: to the best effect, and to each effect
+/// of the best pair.
+const EXPECTED_ROUNDS: usize = 3;
+
 /// A search for the effects that a session's base model lacks.
 pub(super) struct Search<'a> {
     session: &'a FitSession<'a>,
@@ -87,19 +91,18 @@ impl<'a> Search<'a> {
         sufficient: impl Fn(&Model) -> bool,
         adds: impl Fn(&Model, &Model) -> bool,
     ) {
-        let mut rounds = Rounds { rest: Remaining(part), expected: self.breadth.grown_singles + 1 };
+        let mut rounds = Rounds { rest: Remaining(part), expected: EXPECTED_ROUNDS };
         for size in 1..most {
             let best = self.models.best_supported();
             let Some(model) = self.models.get(&best).filter(|_| best.len() >= size) else { break };
             let enough = sufficient(model);
             let mut grown = self.grow(&best, enough, &mut rounds);
             if size == 1 && !enough {
-                for other in self.models.ranked(size).into_iter().take(self.breadth.grown_singles) {
-                    let found = self.models.best_supported();
-                    if self.models.get(&found).is_some_and(&sufficient) {
-                        break;
-                    }
-                    grown |= self.grow(&other, enough, &mut rounds);
+                // The effect of most evidence, which need not be the supported one.
+                let found = self.models.best_supported();
+                let is_open = !self.models.get(&found).is_some_and(&sufficient);
+                if let Some(first) = self.models.ranked(size).first().cloned().filter(|_| is_open) {
+                    grown |= self.grow(&first, enough, &mut rounds);
                 }
             }
             if !grown {
@@ -139,7 +142,7 @@ impl<'a> Search<'a> {
         let promising = |probed: &Probed| self.promises(probed, &family, scale);
         probed.retain(|probed| !enough || promising(probed));
         probed.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
-        probed.truncate(self.breadth.partners(from.len()));
+        probed.truncate(self.breadth.partners);
         let fits = self.fitter(part, from.len()).fit(&linearization.model, &probed, promising);
         let any = !fits.is_empty();
         self.keep(fits);
@@ -175,8 +178,7 @@ impl<'a> Search<'a> {
     {
         let (session, noise_scale) = (self.session, self.models.noise_scale);
         let (starts, followed) = (self.breadth.starts(beside), self.breadth.followed_starts);
-        let patient = beside < 2;
-        Fitter { session, part, noise_scale, starts, followed, patient }
+        Fitter { session, part, noise_scale, starts, followed }
     }
 
     /// Whether an effect may gain more than the family-wise threshold; `scale` is the variance of
@@ -293,7 +295,7 @@ mod tests {
         let fitted = session.refine(&astray, FitAccuracy::Settle);
         astray.cost = 2.0 * fitted.cost;
         let pair = session.extend(&fitted, find("quadratic_drag").unwrap());
-        let pair = session.refine(&pair, FitAccuracy::Brief);
+        let pair = session.refine(&pair, FitAccuracy::Glance);
         let keys = [&fitted, &pair].map(key);
         search.keep(vec![astray, pair]);
         search.shrink(&keys[1], PART);

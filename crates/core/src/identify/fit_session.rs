@@ -44,10 +44,8 @@ const ROUNDING_SHARE: f64 = 1e-5;
 /// How accurate a fit has to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FitAccuracy {
-    /// A few steps, to choose among several starts.
+    /// A few steps, to choose among several starts and effects.
     Glance,
-    /// A little longer: roughly what an effect gains, if little is expected of it.
-    Brief,
     /// Until χ² changes by far less than 1.
     Settle,
     /// To the accuracy of the arithmetic.
@@ -236,8 +234,7 @@ impl<'a> FitSession<'a> {
         let search = self.search();
         let (steps, cost_tolerance) = match effort {
             FitAccuracy::Glance => (search.glance_steps, search.trial_tolerance),
-            FitAccuracy::Brief => (search.brief_steps, search.trial_tolerance),
-            FitAccuracy::Settle => (search.settle_steps, search.settle_tolerance),
+            FitAccuracy::Settle => (refine::THOROUGH.steps, search.settle_tolerance),
             FitAccuracy::Thorough => return refine::THOROUGH,
         };
         Patience { steps, cost_tolerance, negligible, ..refine::THOROUGH }

@@ -134,8 +134,7 @@ impl<'a> Profile<'a> {
         (coordinates.lower[i], coordinates.upper[i]) = (value, value);
         let misfit = Misfit { coordinates: &coordinates, ..*self.misfit };
         let patience = Patience {
-            steps: self.search.interval_steps,
-            cost_tolerance: self.search.interval_tolerance,
+            cost_tolerance: self.search.settle_tolerance,
             negligible: self.rise,
             ..refine::THOROUGH
         };

@@ -43,16 +43,12 @@ pub(crate) struct Fitter<'a> {
     pub starts: usize,
     /// Number of them that are followed until they converge.
     pub followed: usize,
-    /// Whether effects that gained little so far are followed, too, if no effect explains the data
-    /// alone.
-    pub patient: bool,
 }
 
 impl Fitter<'_> {
     /// Adds every effect to `from` and fits it from its probes. Promising effects are tried from
-    /// several starts. The best of them, the leader, is followed until it converges. If it explains
-    /// the data, only effects that are easily confused with it, or nearly as good so far, are
-    /// followed as well.
+    /// several starts. The best of them, the leader, is followed until it converges. Effects that are
+    /// easily confused with it, or nearly as good so far, are followed as well.
     pub fn fit(
         &self,
         from: &Model,
@@ -82,31 +78,22 @@ impl Fitter<'_> {
         let step = full.begin();
         let leader = self.settled(models, self.followed, &step).unwrap_or_else(|| from.clone());
         step.finish();
-        let SearchSettings { rival_share, hopeful_share, restart_remainder, .. } =
-            *self.session.search();
-        let unexplained = !self.noise_scale.explains(leader.cost);
-        let most = from.cost - leader.cost;
+        let SearchSettings { rival_share, restart_remainder, .. } = *self.session.search();
+        let least = rival_share * (from.cost - leader.cost);
+        let counts = |fit: &Model| from.cost - fit.cost > least;
         let follow = |(rival, models): (&Probed, Vec<Model>)| {
-            let gain = from.cost - models[0].cost;
             let step = full.begin();
-            let followed = if are_confusable(probed.effect, rival.effect)
-                || gain > rival_share * most
-            {
-                self.settled(models, self.followed, &step)
-            } else if self.patient && unexplained && promising(rival) && gain > hopeful_share * most
-            {
-                self.settled(models, 1, &step)
-            } else {
-                models.into_iter().next()
+            let is_rival = are_confusable(probed.effect, rival.effect) || counts(&models[0]);
+            let followed = match is_rival {
+                true => self.settled(models, self.followed, &step),
+                false => models.into_iter().next(),
             };
             step.finish();
             followed
         };
         let mut fits: Vec<Model> = tried.into_par_iter().filter_map(follow).collect();
         fits.push(leader);
-        let hopes = if self.patient && unexplained { hopeful_share } else { rival_share };
-        let counts = |nested: &&Model| from.cost - nested.cost > hopes * most;
-        let nested: Vec<&Model> = fits.iter().filter(counts).collect();
+        let nested: Vec<&Model> = fits.iter().filter(|fit| counts(fit)).collect();
         let mut further = Remaining(self.part.part([full_end, 1.0]));
         let starts = format!("{effects}: further starts");
         let stage = further.take(RESTART_SHARE).stage(&starts, fits.len());
@@ -197,12 +184,10 @@ impl Fitter<'_> {
 
     /// Fits of a few steps from the probes of an effect, the best first.
     fn tried(&self, probed: &Probed, promising: bool) -> Vec<Model> {
-        let (starts, effort) = match promising {
-            true => (self.starts, FitAccuracy::Glance),
-            false => (1, FitAccuracy::Brief),
-        };
+        let starts = if promising { self.starts } else { 1 };
         let starts: Vec<&Probe> = probed.probes.iter().take(starts).collect();
-        let tried = starts.par_iter().map(|probe| self.refine(&probe.start, effort)).collect();
+        let glance = |probe: &&Probe| self.refine(&probe.start, FitAccuracy::Glance);
+        let tried = starts.par_iter().map(glance).collect();
         best_first(tried)
     }
 
@@ -243,8 +228,7 @@ mod tests {
         let base = session.base();
         let part = Part::of(&Silent);
         let noise_scale = NoiseScale { known: true, rounding: 0.0, dof: 100.0 };
-        let (session, starts, followed, patient) = (&session, 1, 2, true);
-        let fitter = Fitter { session, part, noise_scale, starts, followed, patient };
+        let fitter = Fitter { session: &session, part, noise_scale, starts: 1, followed: 2 };
         let with = |id: &str| session.extend(base, find(id).unwrap());
         let mut joint = with("flexible_mode");
         let places = session.start_points(joint.effects()[0]);
@@ -271,13 +255,12 @@ mod tests {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
         let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
         let part = Part::of(&Silent);
-        let (starts, followed, patient) = (1, 1, true);
         let fitter = |dof: f64| {
             let noise_scale = NoiseScale { known: true, rounding: 0.0, dof };
-            Fitter { session, part, noise_scale, starts, followed, patient }
+            Fitter { session, part, noise_scale, starts: 1, followed: 1 }
         };
         let lag = session.extend(session.base(), find("sensor_lag").unwrap());
-        let lag = fitter(1.0).refine(&lag, FitAccuracy::Brief);
+        let lag = fitter(1.0).refine(&lag, FitAccuracy::Glance);
         let begin = &mut |steps| part.stage("one effect: further starts", steps);
         assert!(fitter(1.0).leave_local_minimum(&lag, 0.5 * lag.cost, begin).is_none());
         assert!(fitter(lag.cost).leave_local_minimum(&lag, 2.0 * lag.cost, begin).is_none());

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::effects::{Effect, Range};
-use crate::identify::{FitSession, SearchSettings};
+use crate::identify::FitSession;
 
 use super::linearization::Linearization;
 use super::score_tests::Tried;
@@ -31,10 +31,8 @@ pub(crate) fn pitches(
 ) -> Vec<Pitch> {
     let [low, high] = ranges[1].likely;
     let travel = 0.5 / low;
-    let SearchSettings { ripple_angle_step_rad, ripple_relative_step, .. } = *session.search();
-    let next = |pitch: &f64| {
-        Some((pitch * (1.0 + ripple_relative_step)).min(pitch + ripple_angle_step_rad / travel))
-    };
+    let step = session.search().ripple_angle_step_rad / travel;
+    let next = |pitch: &f64| Some(pitch + step);
     let grid: Vec<f64> =
         std::iter::successors(Some(low), next).take_while(|pitch| *pitch < high).collect();
     grid.par_iter()
@@ -47,7 +45,7 @@ pub(crate) fn pitches(
         .collect()
 }
 
-/// The `most` highest peaks of the gain over spatial frequency, given the residuals `left`, and the
+/// The peaks of the gain over spatial frequency, given the residuals `left`, and the
 /// subspace of every spatial frequency. Once the observer cancels, some of these are missing.
 pub(crate) fn peaks(
     observer: &dyn Observer,
@@ -55,7 +53,6 @@ pub(crate) fn peaks(
     left: &DVector<f64>,
     ranges: &[Range],
     pitches: &[Pitch],
-    most: usize,
 ) -> (Vec<Tried>, Vec<Subspace>) {
     let spans: Vec<Subspace> = pitches
         .par_iter()
@@ -76,5 +73,5 @@ pub(crate) fn peaks(
         let change: DVector<f64> = changes * sizes;
         Some(Tried { values, change, gain: gain(i) })
     };
-    (peaks.into_iter().take(most).filter_map(tried).collect(), spans)
+    (peaks.into_iter().filter_map(tried).collect(), spans)
 }

@@ -23,6 +23,10 @@ use super::grid;
 use super::linearization::Linearization;
 use crate::diagnose::residuals::subspace::Subspace;
 
+/// Largest step of a base parameter from the fitted model to a starting point, in logarithms or input
+/// scales: beyond it a linearisation that hardly determines the parameter says nothing.
+const LONGEST_START_SHIFT: f64 = 0.3;
+
 /// How an effect changes the response, at many values of its parameters.
 pub(crate) struct Changes {
     /// The effect.
@@ -105,14 +109,12 @@ impl Changes {
         let search = session.search();
         let (start_points, spans);
         if self.effect.is_scanned() {
-            let most = search.ripple_starts;
             (start_points, spans) = frequency_scan::peaks(
                 session.observer(),
                 linearization,
                 &aim.left,
                 &self.ranges,
                 &self.pitches,
-                most,
             );
         } else {
             let scaled = |place| self.scaled(place, linearization, &aim.left, search);
@@ -133,7 +135,7 @@ impl Changes {
                 let own = start.parameters_of(start.effects().len() - 1);
                 own.zip(&values).for_each(|(i, value)| start.set(i, *value));
                 let left = &linearization.residuals - change - &aim.balancing;
-                start.shift(linearization.steps(&left).into_iter(), search.longest_start_shift);
+                start.shift(linearization.steps(&left).into_iter(), LONGEST_START_SHIFT);
                 Probe { start, gain: gain - aim.price }
             })
             .collect();

@@ -27,6 +27,9 @@ const LEAST_PARAMETER_COST: f64 = 2.0 * std::f64::consts::LN_2;
 /// Tuned.
 const SIZE_DEVIATION: f64 = 2.0;
 
+/// Number of larger values tried in place of one below its likely range, in equal ratios.
+const LARGER_VALUES: usize = 4;
+
 /// Cost of one more actuator order: that of an effect with one parameter whose deviation the data
 /// reduce by a factor of e².
 pub(crate) const ACTUATOR_ORDER_COST: f64 = EFFECT_COST + 4.0;
@@ -121,29 +124,23 @@ fn small_value_cost(
         larger.set(parameter, value);
         Some(noise_scale.misfit(session.cost(&larger)?) - noise_scale.misfit(model.cost))
     };
-    let tried = session.search().larger_values;
-    cheapest_value_cost(&session.ranges(effect)[rare], model.value(parameter), tried, growth)
+    cheapest_value_cost(&session.ranges(effect)[rare], model.value(parameter), growth)
 }
 
-/// −2 ln of the prior density of a value relative to that in the likely range; or the same of one
-/// of the `tried` larger values plus the `growth` of the misfit there, if that is less. The last
-/// of them is the lower end of the likely range.
-fn cheapest_value_cost(
-    range: &Range,
-    value: f64,
-    tried: usize,
-    growth: impl Fn(f64) -> Option<f64>,
-) -> f64 {
+/// −2 ln of the prior density of a value relative to that in the likely range; or the same of a
+/// larger value plus the `growth` of the misfit there, if that is less. The largest of them is the
+/// lower end of the likely range.
+fn cheapest_value_cost(range: &Range, value: f64, growth: impl Fn(f64) -> Option<f64>) -> f64 {
     let price = |value: f64| -2.0 * range.share_of_small(value).ln();
     if price(value) == 0.0 {
         return 0.0;
     }
     let larger = |step: usize| {
-        let share = step as f64 / tried as f64;
+        let share = step as f64 / LARGER_VALUES as f64;
         let larger = value * (range.likely[0] / value).powf(share);
         Some(price(larger) + growth(larger)?)
     };
-    (1..=tried).filter_map(larger).fold(price(value), f64::min).max(0.0)
+    (1..=LARGER_VALUES).filter_map(larger).fold(price(value), f64::min).max(0.0)
 }
 
 /// Prior standard deviations of the effects' parameters, in the coordinates of the fit.
@@ -187,9 +184,8 @@ mod tests {
     #[test]
     fn a_small_value_costs_the_less_of_its_rarity_and_the_misfit_of_a_larger_one() {
         let rarity = 2.0 * 10.0_f64.ln();
-        let price = |value: f64, growth: fn(f64) -> Option<f64>| {
-            cheapest_value_cost(&RANGE, value, 4, growth)
-        };
+        let price =
+            |value: f64, growth: fn(f64) -> Option<f64>| cheapest_value_cost(&RANGE, value, growth);
         let close = |found: f64, expected: f64| (found - expected).abs() < 1e-12;
         assert!(close(price(1e-4, |_| Some(1e3)), 2.0 * rarity));
         assert!(close(price(1e-4, |_| None), 2.0 * rarity));

@@ -57,7 +57,8 @@ impl Part {
                 Share { value, detectable: Some(relative(least)) }
             }
         };
-        (lines > 0 && whole > 0.0).then_some(share)
+        // Nothing moved, or beyond all measure.
+        (lines > 0 && whole > 0.0).then_some(share).filter(|share| share.value.is_finite())
     }
 }
 
@@ -65,7 +66,7 @@ impl Part {
 pub(super) fn noise_share(lines: &[Power]) -> Option<f64> {
     let noise: Option<f64> = lines.iter().map(|line| line.noise).sum();
     let whole: f64 = lines.iter().map(|line| line.power).sum();
-    noise.filter(|_| whole > 0.0).map(|noise| (noise / whole).sqrt())
+    noise.map(|noise| (noise / whole).sqrt()).filter(|share| share.is_finite())
 }
 
 /// The median of some values; 0 without any.
@@ -94,6 +95,14 @@ mod tests {
         assert!((share.detectable.unwrap() - 0.0206).abs() < 1e-4, "{share:?}");
         let doubled = part(&[(0.5, Some(0.01)), (0.52, Some(0.01))]).share(100.0, 4.0).unwrap();
         assert!((doubled.value - 0.2).abs() < 1e-12);
+    }
+
+    // A share that is no number could not be stored.
+    #[test]
+    fn of_a_response_that_is_zero_nothing_has_a_share() {
+        assert_eq!(part(&[(0.0, None)]).share(0.0, 1.0), None);
+        assert_eq!(part(&[(f64::NAN, None)]).share(1.0, 1.0), None);
+        assert_eq!(noise_share(&[Power { power: 0.0, noise: Some(1.0) }]), None);
     }
 
     #[test]

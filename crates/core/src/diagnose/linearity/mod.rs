@@ -61,6 +61,9 @@ fn change(from: &LinearityLevel, to: &LinearityLevel) -> Option<Share> {
             .map(|(a, b)| a + b);
         // Relative, so that every line counts alike.
         let size = gain(line.gain).norm_sqr();
+        if size == 0.0 {
+            continue;
+        }
         let difference = (gain(line.gain) - gain(other.gain)).norm_sqr();
         changed
             .add(Power { power: difference / size, noise: noise.map(|n| n / size) }, f64::INFINITY);

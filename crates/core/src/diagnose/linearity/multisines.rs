@@ -152,32 +152,31 @@ impl Group<'_> {
         let count = self.members.len() as f64;
         let (mut scatter, mut whole) = (Part::default(), 0.0);
         let lines = (0..self.members[0].1.excited.len()).map(|index| {
-            let own: Vec<(Line, f64)> =
-                self.lines().map(|lines| (lines.excited[index], lines.degrees)).collect();
-            let gains = || own.iter().map(|(line, _)| line.gain());
+            let own: Vec<Line> = self.lines().map(|lines| lines.excited[index]).collect();
+            let gains = || own.iter().map(Line::gain);
             let gain = gains().sum::<Complex>() / count;
-            let of_gain = |(line, _): &(Line, f64)| Some(line.noise? / line.input.norm_sqr());
+            let of_gain = |line: &Line| Some(line.noise? / line.input.norm_sqr());
             // Variance of the gain of one realisation.
             let noise = own.iter().map(of_gain).sum::<Option<f64>>().map(|sum| sum / count);
             let squares: f64 = gains().map(|own| (own - gain).norm_sqr()).sum();
             let total = (realisations > 1).then(|| squares / (count - 1.0));
-            let input = own.iter().map(|(line, _)| line.input.norm_sqr()).sum::<f64>() / count;
+            let input = own.iter().map(|line| line.input.norm_sqr()).sum::<f64>() / count;
             if let Some(total) = total {
                 let power = Power { power: total * input, noise: noise.map(|n| n * input) };
-                // The scatter has count − 1 degrees of freedom itself.
+                // More than its variance: the scatter of several is better known than one line.
                 scatter.add(power, count - 1.0);
             }
             whole += gain.norm_sqr() * input;
             let of_mean = |variance: f64| (0.5 * variance / count).sqrt();
             let mean_power = |of: fn(&Line) -> Option<f64>| {
-                let sum: Option<f64> = own.iter().map(|(line, _)| of(line)).sum();
+                let sum: Option<f64> = own.iter().map(of).sum();
                 sum.map(|sum| (sum / count).sqrt())
             };
             LinearLine {
                 noise_std: noise.map(of_mean),
                 total_std: total.map(of_mean),
                 gain: [gain.re, gain.im],
-                omega_rad_s: own[0].0.order as f64 * self.omega_rad_s,
+                omega_rad_s: own[0].order as f64 * self.omega_rad_s,
                 amplitude: mean_power(|line| Some(line.response.norm_sqr())).unwrap_or(0.0),
                 noise: mean_power(|line| line.noise),
             }

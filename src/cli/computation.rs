@@ -61,8 +61,15 @@ pub(super) struct Args {
 
 /// Computes an answer from the files, prints it, and writes its figures and its
 /// page where they are asked for.
-pub(super) fn answer(args: &Args, kind: &str, second: Option<&Measurement>) -> Result<(), Failure> {
-    let request = JobRequest::check(&submission(args, kind)?)?;
+pub(super) fn answer(
+    args: &Args,
+    kind: &str,
+    second: Option<&Measurement>,
+    keep_all: bool,
+) -> Result<(), Failure> {
+    let mut submission = submission(args, kind)?;
+    submission.options.keep_all |= keep_all;
+    let request = JobRequest::check(&submission)?;
     let files = read(&args.files, &args.given)?;
     let sources = sources(&files);
     let measurement = BuiltIn.read(&sources).map_err(Failure::input)?;

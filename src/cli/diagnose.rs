@@ -13,6 +13,10 @@ pub(super) struct Args {
     /// files together are one.
     #[arg(long, value_name = "FILE")]
     validate: Vec<PathBuf>,
+    /// Takes the measurement as it is: leaves no row out, and looks for no fault of the
+    /// measurement.
+    #[arg(long)]
+    keep_all: bool,
 }
 
 /// Says where the base model departs from a measurement, and names what it lacks.
@@ -21,5 +25,5 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         [] => None,
         files => Some(computation::measurement(files, &args.computation.given)?),
     };
-    computation::answer(&args.computation, "diagnose", second.as_ref())
+    computation::answer(&args.computation, "diagnose", second.as_ref(), args.keep_all)
 }

@@ -4,6 +4,7 @@ use servoscope_core::answers::{Diagnosis, Discrepancy, NoiseSource, Pattern, Ver
 
 use super::causes::{self, with_causes};
 use super::columns::Side;
+use super::measurement;
 use super::tables::{self, Cell, Column, Table};
 use super::text::{identification, section};
 use super::validation;
@@ -17,9 +18,10 @@ pub fn diagnosis(answer: &Diagnosis) -> String {
     let Diagnosis { discrepancy, base, extended, .. } = answer;
     let linearity = answer.linearity.as_ref().map(|found| &found.sentence);
     let band = answer.valid_band.as_ref().map(|band| &band.sentence);
-    let headline = [linearity, Some(&discrepancy.sentence), band];
-    let headline = headline.into_iter().flatten().cloned().collect();
-    let mut sections = vec![section(verdict(answer.verdict), headline)];
+    let headline = [linearity, Some(&discrepancy.sentence), band].into_iter().flatten().cloned();
+    let faults = answer.measurement.iter().map(|f| format!("the measurement: {}", f.sentence));
+    let mut sections = vec![section(verdict(answer.verdict), faults.chain(headline).collect())];
+    sections.extend(measurement::section_of(answer));
     sections.extend(causes::sections(answer));
     if !answer.limitations.is_empty() {
         let texts = answer.limitations.iter().map(|text| format!("- {text}"));

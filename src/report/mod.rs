@@ -4,6 +4,7 @@ mod causes;
 mod columns;
 mod diagnosis;
 pub mod figures;
+mod measurement;
 mod number;
 pub mod page;
 mod tables;

@@ -21,14 +21,19 @@ pub struct Compared {
 
 impl Compared {
     /// Simulates the models of an answer on the inputs of the measurement they
-    /// were fitted to. `measurement` may be why it cannot be read.
+    /// were fitted to. Faults of the measurement that the answer found are mended, but every row is
+    /// kept. `measurement` may be why it cannot be read.
     pub fn of(
         numerics: &dyn Numerics,
         measurement: Result<&Measurement, String>,
         answer: &Answer,
     ) -> Self {
+        let faults = answer.diagnosis().map_or(&[][..], |answer| &answer.measurement);
+        let understood = measurement.and_then(|measurement| {
+            numerics.understood(measurement, faults).map_err(|error| error.to_string())
+        });
         let with = |model| {
-            let measurement = measurement.clone()?;
+            let measurement = understood.as_ref().map_err(String::clone)?;
             numerics.compare(measurement, model).map_err(|error| error.to_string())
         };
         let extended = answer.extended().and_then(|model| with(model).ok());

@@ -1,12 +1,14 @@
 //! The numeric core as the service sees it.
 
+use std::borrow::Cow;
+
 use servoscope_core::answers::{
-    Answer, Comparison, Diagnosis, Identification, JobKind, Validation,
+    Answer, Comparison, Diagnosis, Identification, JobKind, MeasurementFault, Validation,
 };
 use servoscope_core::diagnose::{self, DiagnoseError, ValidateError};
 use servoscope_core::identify::{self, IdentifyError, IdentifyRequest};
-use servoscope_core::measurement::Measurement;
 use servoscope_core::measurement::formats::{self, ParseError, Source};
+use servoscope_core::measurement::{InvalidMeasurement, Measurement};
 use servoscope_core::observer::Observer;
 
 /// Everything the service asks of the numeric core: a seam, so that queue,
@@ -62,6 +64,19 @@ pub trait Numerics: Send + Sync + 'static {
         measurement: &Measurement,
         observer: &dyn Observer,
     ) -> Result<Validation, ValidateError>;
+
+    /// The measurement as an answer understands it: without the faults that it found, but with every
+    /// row.
+    ///
+    /// # Errors
+    /// If nothing is left of it.
+    fn understood<'m>(
+        &self,
+        measurement: &'m Measurement,
+        faults: &[MeasurementFault],
+    ) -> Result<Cow<'m, Measurement>, InvalidMeasurement> {
+        diagnose::as_understood(measurement, faults)
+    }
 
     /// Answers a question of either kind.
     ///

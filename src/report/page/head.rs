@@ -111,7 +111,8 @@ fn of_diagnosis(answer: &Diagnosis) -> Judgement {
     let band = answer.valid_band.as_ref().map(|band| sentence(&band.sentence));
     let before = answer.linearity.as_ref().map(|found| sentence(&found.sentence));
     let found = sentence(&answer.discrepancy.sentence);
-    let details = before.into_iter().chain([found]).chain(band).collect();
+    let faults = answer.measurement.iter().map(|fault| sentence(&fault.sentence));
+    let details = faults.chain(before).chain([found]).chain(band).collect();
     Judgement { word, class, text, details }
 }
 

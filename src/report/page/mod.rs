@@ -13,6 +13,7 @@ mod figure;
 mod head;
 mod linearity;
 mod measured;
+mod measurement;
 mod model;
 mod next;
 mod provenance;
@@ -83,6 +84,7 @@ impl Section {
 
 /// Every section, in the order in which they are read.
 const SECTIONS: &[fn(&Content<'_>) -> Option<Section>] = &[
+    measurement::section,
     measured::section,
     linearity::section,
     discrepancy::section,

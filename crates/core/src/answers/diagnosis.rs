@@ -4,7 +4,8 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Discrepancy, Identification, Linearity, ParameterEstimate, Provenance, ValidBand, Validation,
+    AsMeasured, Discrepancy, Identification, Linearity, MeasurementFault, ParameterEstimate,
+    Provenance, ValidBand, Validation,
 };
 
 /// Verdict of a diagnosis.
@@ -107,6 +108,13 @@ pub struct Diagnosis {
     /// the answer is older than this figure.
     #[serde(default)]
     pub linearity: Option<Linearity>,
+    /// Faults of the measurement that were found. Everything else in this answer is of the
+    /// measurement with these mended.
+    #[serde(default)]
+    pub measurement: Vec<MeasurementFault>,
+    /// The answer to the measurement with its faults; null if it has none.
+    #[serde(default)]
+    pub as_measured: Option<AsMeasured>,
     /// Where the base model is wrong.
     pub discrepancy: Discrepancy,
     /// Effects that the base model lacks, strongest first.

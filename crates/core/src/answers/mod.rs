@@ -10,6 +10,7 @@ mod discrepancy;
 mod flat;
 mod identification;
 mod linearity;
+mod measurement_fault;
 mod progress;
 mod request;
 pub mod sample;
@@ -26,6 +27,7 @@ pub use identification::{
     OrderChoice, ParameterEstimate, Provenance, Stage, TransferFunction,
 };
 pub use linearity::{DistortionLine, LinearLine, Linearity, LinearityLevel, Parity, Share};
+pub use measurement_fault::{AsMeasured, FaultKind, LeftOutRow, MeasurementFault};
 pub use progress::{ConvergenceRow, Progress};
 pub use request::{
     ColonyOptions, ColonyVariant, IdentifyOptions, InvalidOptions, JobKind, Method, NetworkOptions,

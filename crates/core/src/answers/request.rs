@@ -202,6 +202,9 @@ pub struct IdentifyOptions {
     pub refine: bool,
     /// Largest number of effects that a diagnosis names together, 1 to 3.
     pub most_effects: usize,
+    /// Whether a diagnosis takes the measurement as it is: no row is left out, and no fault of the
+    /// measurement is looked for.
+    pub keep_all: bool,
 }
 
 impl Default for IdentifyOptions {
@@ -216,6 +219,7 @@ impl Default for IdentifyOptions {
             evaluation_budget: None,
             refine: true,
             most_effects: 3,
+            keep_all: false,
         }
     }
 }

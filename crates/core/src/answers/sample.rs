@@ -3,12 +3,12 @@
 use indexmap::IndexMap;
 
 use super::{
-    BandDeparture, Candidate, Cause, ComparedExperiment, ComparedHarmonic, Comparison,
-    Correlations, Diagnosis, Discrepancy, DistortionLine, Fit, Gain, Identification,
-    IdentifyOptions, LinearLine, Linearity, LinearityLevel, Method, NextExperiment, NoiseSource,
-    OrderCandidate, OrderChoice, ParameterEstimate, Parity, Pattern, Provenance, ResidualGroup,
-    ResidualTest, Share, Stage, TransferFunction, ValidBand, ValidatedCause, ValidatedModel,
-    ValidatedModels, Validation, ValidationProvenance, Verdict,
+    AsMeasured, BandDeparture, Candidate, Cause, ComparedExperiment, ComparedHarmonic, Comparison,
+    Correlations, Diagnosis, Discrepancy, DistortionLine, FaultKind, Fit, Gain, Identification,
+    IdentifyOptions, LeftOutRow, LinearLine, Linearity, LinearityLevel, MeasurementFault, Method,
+    NextExperiment, NoiseSource, OrderCandidate, OrderChoice, ParameterEstimate, Parity, Pattern,
+    Provenance, ResidualGroup, ResidualTest, Share, Stage, TransferFunction, ValidBand,
+    ValidatedCause, ValidatedModel, ValidatedModels, Validation, ValidationProvenance, Verdict,
 };
 
 /// An adequate identification of the paper's system G1, in which the data does not determine
@@ -241,6 +241,8 @@ pub fn diagnosis() -> Diagnosis {
         base,
         extended: None,
         linearity: Some(linearity()),
+        measurement: Vec::new(),
+        as_measured: None,
         valid_band: Some(ValidBand {
             usable_hz: Some([0.1, 8.0]),
             departures: vec![BandDeparture {
@@ -308,6 +310,38 @@ pub fn gain() -> Gain {
         chi2_per_dof_after: Some(0.98),
         heldout: "every third frequency".into(),
     }
+}
+
+/// [`diagnosis`] of a measurement of which one row was left out.
+pub fn mended() -> Diagnosis {
+    let row = LeftOutRow {
+        experiment: 4,
+        harmonic: 1,
+        repeat: None,
+        line: Some(153),
+        off: 0.2,
+        sigmas: 190.0,
+    };
+    let sentence = "line 153 (harmonic 1 at magnitude 2 and 3 Hz) does not belong to the rest: 20 % \
+                    off, 190 standard deviations; left out";
+    let fault = MeasurementFault {
+        fault: FaultKind::BadRows,
+        sentence: sentence.into(),
+        remedy: "measure these again, or delete their lines".into(),
+        left_out: vec![row],
+        magnitude: None,
+        experiment: None,
+        value: None,
+        interval95: None,
+        response: None,
+    };
+    let as_measured = AsMeasured {
+        nrmse: 0.041,
+        chi2_per_dof: Some(69.0),
+        causes: vec!["friction_drift".into()],
+        nrmse_with_causes: Some(0.039),
+    };
+    Diagnosis { measurement: vec![fault], as_measured: Some(as_measured), ..diagnosis() }
 }
 
 /// [`diagnosis`] with static friction as the cause. The data does not determine `fs_minus`, and two

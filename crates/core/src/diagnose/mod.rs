@@ -13,9 +13,12 @@
 //!    for several actuator orders, and the answer is assembled.
 //! 4. `holdout`: parts of the measurement are held out in turn. The causes are chosen and fitted
 //!    without them, and their predictions are compared with those of the base model.
-//! 5. `validation`: a stored answer is tested on another measurement, which need not be periodic.
+//! 5. `faults`: where a fault of the measurement explains it better than effects do, the
+//!    measurement is mended and diagnosed again.
+//! 6. `validation`: a stored answer is tested on another measurement, which need not be periodic.
 
 mod error;
+mod faults;
 mod holdout;
 mod limitations;
 mod linearity;
@@ -33,12 +36,12 @@ use crate::measurement::Measurement;
 use crate::observer::{Observer, Steady};
 
 pub use error::{DiagnoseError, ValidateError};
+pub use faults::as_understood;
 pub use linearity::linearity;
 pub use validation::{diagnose_validated, validate};
 
 use progress::Part;
 use residuals::discrepancy;
-use selection::weighting_choice;
 
 /// Fits the base model to a measurement and reports where it is wrong, without searching for the
 /// cause.
@@ -80,6 +83,6 @@ fn diagnose_part(
     request: &IdentifyRequest,
     part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let diagnosis = weighting_choice::diagnose(measurement, request, part);
+    let diagnosis = faults::diagnose(measurement, request, part);
     identify::unless_cancelled(&part, diagnosis)
 }

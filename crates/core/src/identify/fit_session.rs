@@ -2,6 +2,7 @@
 //! fitted.
 
 mod answered;
+mod changed;
 mod coarse;
 mod extension;
 mod left_out;
@@ -33,6 +34,7 @@ use super::request::{IdentifyError, IdentifyRequest, no_response};
 use super::search_settings::SearchSettings;
 use super::solve::{Solved, answer, solve};
 use super::summary::Intervals;
+pub use changed::DatumChange;
 use coarse::Coarse;
 pub use left_out::LeavingOut;
 pub use model::Model;

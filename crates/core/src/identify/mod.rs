@@ -55,7 +55,7 @@ use crate::answers::Identification;
 use crate::measurement::Measurement;
 use crate::observer::{Observer, Steady};
 
-pub use fit_session::{FitAccuracy, FitSession, LeavingOut, Linear, Model};
+pub use fit_session::{DatumChange, FitAccuracy, FitSession, LeavingOut, Linear, Model};
 pub use methods::{Methods, Steps};
 pub use model_fit::{Component, ModelFit, fit_base};
 pub use noise_law::NoiseLaw;

@@ -4,6 +4,9 @@
 //! [`formats`] parses files into a [`Measurement`]. A `Measurement` is always valid: its fields
 //! are private, and its constructors check them.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 mod experiment;
 pub mod formats;
 mod metadata;
@@ -47,7 +50,11 @@ pub struct Measurement {
     sha256: String,
     /// First and last position in the order of acquisition.
     acquisition: Option<[f64; 2]>,
+    lines: Arc<Lines>,
 }
+
+/// Lines of a file by experiment, harmonic and repeat.
+pub(crate) type Lines = BTreeMap<(usize, usize, usize), u64>;
 
 /// Why a measurement is invalid, independent of the file format it came from.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -92,7 +99,15 @@ impl Measurement {
         let runs = || experiments.iter().filter_map(|experiment| experiment.run);
         let acquisition = runs().reduce(f64::min).zip(runs().reduce(f64::max));
         let acquisition = acquisition.map(|(first, last)| [first, last]);
-        Ok(Self { metadata, experiments, transients: Vec::new(), notes, sha256, acquisition })
+        Ok(Self {
+            metadata,
+            experiments,
+            transients: Vec::new(),
+            notes,
+            sha256,
+            acquisition,
+            lines: Arc::default(),
+        })
     }
 
     /// Makes a measurement of motions that do not repeat. Models can be validated on it but not
@@ -118,7 +133,15 @@ impl Measurement {
         let runs = || transients.iter().filter_map(|transient| transient.run);
         let acquisition = runs().reduce(f64::min).zip(runs().reduce(f64::max));
         let acquisition = acquisition.map(|(first, last)| [first, last]);
-        Ok(Self { metadata, experiments: Vec::new(), transients, notes, sha256, acquisition })
+        Ok(Self {
+            metadata,
+            experiments: Vec::new(),
+            transients,
+            notes,
+            sha256,
+            acquisition,
+            lines: Arc::default(),
+        })
     }
 
     /// A copy of the measurement with one more experiment at the end.
@@ -155,6 +178,17 @@ impl Measurement {
     /// Remarks of the file reader for the user.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// The line of the file that gives a harmonic of an experiment, or of one repeat of it (in the
+    /// order of the file); `None` if it is not known.
+    pub fn line(&self, experiment: usize, order: usize, repeat: Option<usize>) -> Option<u64> {
+        self.lines.get(&(experiment, order, repeat.unwrap_or(0))).copied()
+    }
+
+    /// The same measurement with the lines of its file, by experiment, harmonic and repeat.
+    pub(crate) fn with_lines(self, lines: Lines) -> Self {
+        Self { lines: Arc::new(lines), ..self }
     }
 
     /// Hexadecimal SHA-256 of the bytes it was read from.

@@ -69,9 +69,19 @@ pub(crate) fn is_noise(fit: &ModelFit, seed: u64, observer: &dyn Observer) -> bo
     if is_rounding(&residuals, EXTENDED_ROUNDING_SHARE) {
         return true;
     }
+    is_without_structure(&residuals, seed, observer)
+}
+
+/// Whether residuals have no structure, be they of the size of the noise or, unless that is known, of
+/// another; at random once the observer cancels.
+pub(crate) fn is_without_structure(
+    residuals: &Residuals,
+    seed: u64,
+    observer: &dyn Observer,
+) -> bool {
     let regions = Regions::new(&residuals.layout, &residuals.freedom);
-    let statistics = statistics::all(&residuals, &regions);
-    let nulls = Nulls::draw(&residuals, &statistics, seed, observer);
+    let statistics = statistics::all(residuals, &regions);
+    let nulls = Nulls::draw(residuals, &statistics, seed, observer);
     nulls.judge(&statistics, &residuals.values).noise_like
 }
 

@@ -61,6 +61,12 @@ impl Residuals {
         residuals
     }
 
+    /// The same residuals, whatever the size of the noise.
+    pub fn of_any_size(self) -> Self {
+        let Self { layout, values, jacobian, law, .. } = self;
+        Self::new(layout, values, jacobian, law, false)
+    }
+
     /// Degrees of freedom: number of residuals less the rank of the Jacobian.
     pub fn dof(&self) -> f64 {
         (self.values.len() - self.fitted.dimension()) as f64

@@ -57,6 +57,30 @@ impl Subspace {
         vector - self.project(vector)
     }
 
+    /// The coordinates, in the basis of the subspace, of the part inside it of a vector of few
+    /// entries, each with its row.
+    pub fn coordinates(&self, entries: &[(usize, f64)]) -> DVector<f64> {
+        let mut coordinates = DVector::zeros(self.dimension());
+        for (row, value) in entries {
+            coordinates
+                .iter_mut()
+                .zip(self.basis.row(*row).iter())
+                .for_each(|(c, b)| *c += b * value);
+        }
+        coordinates
+    }
+
+    /// The span of this subspace and some columns.
+    pub fn with(&self, columns: &DMatrix<f64>) -> Self {
+        let more = Self::beyond(columns, self);
+        let joined = self.basis.column_iter().chain(more.basis.column_iter());
+        let joined: Vec<_> = joined.map(|column| column.into_owned()).collect();
+        match joined.is_empty() {
+            true => self.clone(),
+            false => Self { basis: DMatrix::from_columns(&joined) },
+        }
+    }
+
     /// The parts of columns orthogonal to the subspace.
     pub fn complements(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         columns - &self.basis * self.basis.tr_mul(columns)

@@ -8,13 +8,17 @@ use std::iter;
 
 use crate::answers::{Diagnosis, PlantRequest};
 use crate::identify::{FitSession, IdentifyRequest};
-use crate::measurement::Measurement;
 
 use super::causes::EQUIVALENCE_MARGIN;
 use super::evidence::ACTUATOR_ORDER_COST;
 use super::order_study::OrderStudy;
-use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::faults::{Data, Halt, Suspicion};
 use crate::diagnose::progress::{Part, Quiet};
+
+/// Where faults of the measurement beside one effect at most are better by this, −2 ln evidence, no
+/// combination of effects is tried: it could explain no more than noise, and a second effect of
+/// this size that shows just as a fault does is unlikely. Tuned.
+const CLEARLY_BETTER: f64 = 200.0;
 
 /// Shares of the progress.
 struct Spans {
@@ -46,13 +50,15 @@ impl Spans {
 /// than [`EQUIVALENCE_MARGIN`]. On time records only the order of `first` is studied.
 ///
 /// # Errors
-/// See [`DiagnoseError`].
+/// See [`crate::diagnose::DiagnoseError`]; and the faults of the measurement, if it is doubted and
+/// has any.
 pub(crate) fn diagnose(
-    measurement: &Measurement,
+    data: Data<'_>,
     request: &IdentifyRequest,
     first: &FitSession<'_>,
     part: Part<'_>,
-) -> Result<Diagnosis, DiagnoseError> {
+) -> Result<Diagnosis, Halt> {
+    let measurement = data.measurement;
     let (seed, most) = (request.options.seed, request.options.most_effects);
     let suited = first.order();
     let lower: Vec<IdentifyRequest> = (0..suited)
@@ -79,10 +85,16 @@ pub(crate) fn diagnose(
         criterion(study) - if study.order() == suited { EQUIVALENCE_MARGIN } else { 0.0 }
     };
     studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
+    if data.doubted && !studies[0].explained() {
+        doubt(&studies, CLEARLY_BETTER)?;
+    }
     studies[0].combine(part.part(spans.combining[0]), most, measurement)?;
     if !studies[0].explained() && studies.len() > 1 {
         studies[1].combine(part.part(spans.combining[1]), most, measurement)?;
         studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
+    }
+    if data.doubted {
+        doubt(&studies, 0.0)?;
     }
     let mut said = Vec::new();
     let best = studies.remove(0);
@@ -104,6 +116,26 @@ pub(crate) fn diagnose(
     let mut answer = best.conclusion().diagnosis(measurement, part)?;
     answer.limitations.extend(said);
     Ok(answer)
+}
+
+/// Halts where a model of any order with faults of the measurement is better than every model
+/// without any, by this margin of −2 ln evidence.
+fn doubt(studies: &[OrderStudy<'_>], margin: f64) -> Result<(), Halt> {
+    let order_cost = |study: &OrderStudy<'_>| ACTUATOR_ORDER_COST * f64::from(study.order());
+    let without = studies.iter().map(|study| study.best_criterion() + order_cost(study));
+    let without = without.fold(f64::INFINITY, f64::min);
+    let suspected = studies.iter().filter_map(|study| {
+        let suspected = study.suspected()?;
+        Some((suspected.criterion + order_cost(study), suspected.faults))
+    });
+    let best = suspected.min_by(|a, b| a.0.total_cmp(&b.0));
+    match (best, studies.first()) {
+        (Some((criterion, faults)), Some(study)) if criterion + margin < without => {
+            let as_measured = study.as_measured()?;
+            Err(Halt::Faults(Box::new(Suspicion { faults, as_measured })))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// −2 ln evidence of an order with its causes.

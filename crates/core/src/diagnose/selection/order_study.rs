@@ -1,6 +1,6 @@
 //! The study of one actuator order: residual tests, search for missing effects, model choice.
 
-use crate::answers::Discrepancy;
+use crate::answers::{AsMeasured, Discrepancy};
 use crate::identify::{FitSession, IdentifyError, Intervals, Model, ModelFit};
 use crate::measurement::Measurement;
 use crate::observer::Observer as _;
@@ -10,6 +10,7 @@ use super::evidence::NoiseScale;
 use super::models::Key;
 use super::report_assembly::ReportAssembly;
 use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::faults::suspects::{Suspected, Suspects};
 use crate::diagnose::holdout::cv_splits::CvSplits;
 use crate::diagnose::progress::Part;
 use crate::diagnose::residuals::discrepancy;
@@ -112,6 +113,39 @@ impl<'a> OrderStudy<'a> {
             _ => self.discrepancy.noise_like,
         };
         Ok(())
+    }
+
+    /// The best model with faults of the measurement. Where the chosen model leaves only noise, a
+    /// model with other effects and a fault cannot be more likely.
+    pub fn suspected(&self) -> Option<Suspected> {
+        let is_part = |key: &Key| key.iter().all(|id| self.chosen.contains(id));
+        self.suspects().best(|key| !self.explained() || is_part(key))
+    }
+
+    /// −2 ln evidence of the best model without faults, comparable with that of [`Self::suspected`].
+    pub fn best_criterion(&self) -> f64 {
+        self.suspects().best_without()
+    }
+
+    fn suspects(&self) -> Suspects<'_> {
+        let Self { session, fit, search, seed, .. } = self;
+        Suspects { session, base: fit, models: &search.models, seed: *seed }
+    }
+
+    /// The answer so far.
+    ///
+    /// # Errors
+    /// If a model has no response.
+    pub fn as_measured(&self) -> Result<AsMeasured, DiagnoseError> {
+        let base = &self.fit.identification.fit;
+        let model = self.search.models.get(&self.chosen).filter(|_| !self.chosen.is_empty());
+        let fit = model.map(|model| self.session.judge(model, Intervals::Curvature)).transpose()?;
+        Ok(AsMeasured {
+            nrmse: base.nrmse,
+            chi2_per_dof: base.chi2_per_dof,
+            causes: self.chosen.iter().map(|id| (*id).to_owned()).collect(),
+            nrmse_with_causes: fit.map(|fit| fit.identification.fit.nrmse),
+        })
     }
 
     /// Order of the actuator.

@@ -127,6 +127,8 @@ impl ReportAssembly<'_> {
             },
             limitations,
             linearity: linearity(measurement),
+            measurement: Vec::new(),
+            as_measured: None,
             valid_band,
             next_experiment,
             causes,

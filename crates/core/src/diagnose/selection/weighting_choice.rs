@@ -12,6 +12,8 @@ use crate::measurement::Measurement;
 
 use super::order_selection;
 use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::faults;
+use crate::diagnose::faults::{Data, Halt};
 use crate::diagnose::holdout::gain;
 use crate::diagnose::holdout::heldout_predictions::predicted;
 use crate::diagnose::progress::Part;
@@ -42,34 +44,42 @@ const SECOND_WEIGHTING_SPAN: [f64; 2] = [0.6, 1.0];
 /// and win if they leave clearly less of the response. If the base model is very far from the
 /// noise, equal weights come first, and noise weights only follow if the model found is not as far.
 ///
-/// # Errors See [`DiagnoseError`].
+/// # Errors
+/// See [`DiagnoseError`]; and the faults of the measurement, if it is doubted and has any.
 pub(crate) fn diagnose(
-    measurement: &Measurement,
+    data: Data<'_>,
     request: &IdentifyRequest,
     part: Part<'_>,
-) -> Result<Diagnosis, DiagnoseError> {
-    let answer = choose_weighting(measurement, request, part)?;
+) -> Result<Diagnosis, Halt> {
+    let answer = choose_weighting(data, request, part)?;
     // If one weighting sufficed, the share of the second was skipped.
     part.part([1.0, 1.0]).stage("finished", 1).step();
     Ok(answer)
 }
 
 fn choose_weighting(
-    measurement: &Measurement,
+    data: Data<'_>,
     request: &IdentifyRequest,
     part: Part<'_>,
-) -> Result<Diagnosis, DiagnoseError> {
+) -> Result<Diagnosis, Halt> {
+    let measurement = data.measurement;
     let options = IdentifyOptions { weights: Weighting::Response, ..request.options };
     let equal_request = IdentifyRequest { options, ..*request };
     let fitting = part.part(BASE_FIT_SPAN);
     let first = FitSession::new(measurement, request, &fitting)?;
-    let by_noise = |span| order_selection::diagnose(measurement, request, &first, part.part(span));
+    if data.doubted
+        && let Some(halt) = faults::misread(&first, measurement, request, &fitting)
+    {
+        return Err(halt);
+    }
+    let by_noise = |span| order_selection::diagnose(data, request, &first, part.part(span));
     let equal_weights = |span| {
         let part = part.part(span);
         let fitting = part.part([0.0, OWN_BASE_FIT_SHARE]);
         let session = first.weighted_as(&equal_request, &fitting)?;
+        let undoubted = Data { doubted: false, ..data };
         order_selection::diagnose(
-            measurement,
+            undoubted,
             &equal_request,
             &session,
             part.part([OWN_BASE_FIT_SHARE, 1.0]),
@@ -78,7 +88,7 @@ fn choose_weighting(
     let chi2_per_dof = first.base().cost / first.data() as f64;
     if !first.noise_known() || chi2_per_dof <= EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM {
         if !first.noise_known() {
-            return by_what_is_left(measurement, request, &first, part);
+            return by_what_is_left(data, request, &first, part);
         }
         let needs_one = chi2_per_dof <= NOISE_LIMITED_CHI2_PER_DOF;
         let by_noise =
@@ -102,13 +112,13 @@ fn choose_weighting(
 /// those that follow from the model found are others, the diagnosis is repeated with them, once:
 /// what the base model lacks is easily taken for noise.
 fn by_what_is_left(
-    measurement: &Measurement,
+    data: Data<'_>,
     request: &IdentifyRequest,
     first: &FitSession<'_>,
     part: Part<'_>,
-) -> Result<Diagnosis, DiagnoseError> {
+) -> Result<Diagnosis, Halt> {
     let diagnose = |session: &FitSession<'_>, span| {
-        order_selection::diagnose(measurement, request, session, part.part(span))
+        order_selection::diagnose(data, request, session, part.part(span))
     };
     let answer = diagnose(first, FIRST_WEIGHTING_SPAN)?;
     match first.reweighted(best(&answer), &part)? {
@@ -198,12 +208,20 @@ mod tests {
         diagnosed(experiments)
     }
 
+    fn undoubted(
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        part: Part<'_>,
+    ) -> Diagnosis {
+        diagnose(Data { measurement, doubted: false }, request, part).unwrap()
+    }
+
     fn diagnosed(experiments: Vec<Experiment>) -> Diagnosis {
         let measurement =
             Measurement::new(Metadata::default(), experiments, Vec::new(), String::new()).unwrap();
         let options = IdentifyOptions { most_effects: 1, ..request().options };
         let request = IdentifyRequest { options, ..request() };
-        diagnose(&measurement, &request, Part::of(&Silent)).unwrap()
+        undoubted(&measurement, &request, Part::of(&Silent))
     }
 
     // The noise is 90 dB below the largest harmonic; the hidden effect is a delay of 5 ms.
@@ -247,7 +265,7 @@ mod tests {
         let measurement = noisy(&exact(), NoiseStatement::Std, 1);
         let latest = Latest::default();
         let part = Part::of(&latest);
-        diagnose(&measurement, &request(), part).unwrap();
+        undoubted(&measurement, &request(), part);
         assert_eq!(*latest.0.lock().unwrap(), 1.0);
     }
 

@@ -11,6 +11,7 @@ use super::limits::MAX_INPUT_LINES;
 use super::part::Part;
 use super::repeats;
 use super::table::{Row, Table};
+use crate::measurement::Lines;
 
 /// The rows of one experiment.
 pub(super) struct Group {
@@ -47,7 +48,23 @@ pub(super) fn read(table: &Table, header: Header, mut notes: Vec<String>) -> Res
         .iter()
         .map(|group| repeats::experiment(table, group, header.repeats_are_periods))
         .collect::<Result<_, _>>()?;
-    Ok(Part { header, experiments, transients: Vec::new(), notes, runs_from_clock: false })
+    let (transients, lines) = (Vec::new(), lines(table, &groups));
+    Ok(Part { header, experiments, transients, notes, lines, runs_from_clock: false })
+}
+
+/// The line of every response, by experiment, harmonic and repeat.
+fn lines(table: &Table, groups: &[Group]) -> Lines {
+    let mut lines = Lines::new();
+    for (experiment, group) in groups.iter().enumerate() {
+        for (repeat, entries) in group.repeats.values().enumerate() {
+            for entry in entries.iter().filter(|entry| entry.response.is_some()) {
+                if let Some(line) = table.row(entry.row).line() {
+                    lines.insert((experiment, entry.harmonic, repeat), line);
+                }
+            }
+        }
+    }
+    lines
 }
 
 fn group(table: &Table, entries: &[Entry]) -> Result<Vec<Group>, Fault> {

@@ -6,7 +6,7 @@ use super::fault::ParseError;
 use super::header::Header;
 use super::part::Part;
 use super::source::Source;
-use crate::measurement::{Measurement, Metadata, scatter};
+use crate::measurement::{Lines, Measurement, Metadata, scatter};
 
 /// Hexadecimal SHA-256 of the bytes of all sources.
 pub(super) fn digest(sources: &[Source<'_>]) -> String {
@@ -25,6 +25,11 @@ pub(super) fn join(
     let (mut experiments, mut transients) = (Vec::new(), Vec::new());
     let mut notes = Vec::new();
     let mut metadata: Option<Metadata> = None;
+    // Line numbers of several files could not be told apart.
+    let lines = match parts.as_slice() {
+        [only] => only.lines.clone(),
+        _ => Lines::new(),
+    };
     for (source, part) in sources.iter().zip(parts) {
         match &mut metadata {
             None => metadata = Some(part.header.metadata.clone()),
@@ -75,7 +80,7 @@ pub(super) fn join(
         true => Measurement::new(metadata, experiments, notes, sha256),
         false => Measurement::of_transients(metadata, transients, notes, sha256),
     };
-    joined.map_err(|error| fault(error.to_string()))
+    joined.map(|joined| joined.with_lines(lines)).map_err(|error| fault(error.to_string()))
 }
 
 /// Checks that a further file has the same units as those before it.

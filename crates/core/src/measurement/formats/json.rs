@@ -12,6 +12,7 @@ use super::part::Part;
 use super::table::{Table, join_path};
 use super::time_record::Read;
 use super::{harmonic_table, time_record};
+use crate::measurement::Lines;
 
 /// Keys that hold the data; one of them is needed.
 const DATA_KEYS: [&str; 3] = ["rows", "columns", "experiments"];
@@ -90,7 +91,7 @@ fn read(text: &str, given: &Given) -> Result<Part, Fault> {
     if experiments.is_empty() && transients.is_empty() {
         return Err(Fault::new("the array is empty").in_column(key));
     }
-    Ok(Part { header, experiments, transients, notes, runs_from_clock: false })
+    Ok(Part { header, experiments, transients, notes, lines: Lines::new(), runs_from_clock: false })
 }
 
 /// Type of a value, for messages.

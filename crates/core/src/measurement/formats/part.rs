@@ -1,6 +1,6 @@
 //! The parsed content of one file.
 
-use crate::measurement::{Experiment, Transient};
+use crate::measurement::{Experiment, Lines, Transient};
 
 use super::header::Header;
 
@@ -10,6 +10,8 @@ pub(super) struct Part {
     pub experiments: Vec<Remarked<Experiment>>,
     pub transients: Vec<Remarked<Transient>>,
     pub notes: Vec<String>,
+    /// Where its experiments are in the file, if it is a table.
+    pub lines: Lines,
     /// Whether the order of acquisition was inferred from the time stamps of this file.
     pub runs_from_clock: bool,
 }

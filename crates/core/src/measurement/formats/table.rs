@@ -167,6 +167,14 @@ impl Row<'_> {
         }
     }
 
+    /// Its line, in a file that has lines.
+    pub(super) fn line(&self) -> Option<u64> {
+        match self.place() {
+            Place::Line(line) => Some(*line),
+            Place::Object(_) | Place::Element(..) => None,
+        }
+    }
+
     fn place(&self) -> &Place {
         &self.table.places[self.index]
     }

@@ -8,7 +8,7 @@ use super::table::Table;
 use crate::measurement::record::Record;
 use crate::measurement::record_error::RecordError;
 use crate::measurement::transient::FEWEST;
-use crate::measurement::{Experiment, Transient};
+use crate::measurement::{Experiment, Lines, Transient};
 
 /// Samples of one segment, and the index of its first row in the table.
 struct Segment {
@@ -47,7 +47,7 @@ pub(super) fn read(table: &Table, header: Header, notes: Vec<String>) -> Result<
     for segment in &segments {
         read_segment(table, segment, &header)?.push(&mut experiments, &mut transients);
     }
-    Ok(Part { header, experiments, transients, notes, runs_from_clock })
+    Ok(Part { header, experiments, transients, notes, lines: Lines::new(), runs_from_clock })
 }
 
 /// Reads a table that is a single segment.

@@ -1,0 +1,127 @@
+//! Faults of a measurement, as opposed to those of the machine.
+
+use serde::{Deserialize, Serialize};
+
+/// What is wrong with a measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum FaultKind {
+    /// Rows that do not belong to the rest.
+    BadRows,
+    /// The stated standard deviation is wrong by a factor.
+    StdFactor,
+    /// One magnitude was measured with another gain than the others.
+    LevelGain,
+    /// One magnitude was measured with another phase than the others.
+    LevelPhase,
+    /// One experiment was measured with another gain than the others.
+    RunGain,
+    /// One experiment was measured with another phase than the others.
+    RunPhase,
+    /// The imaginary parts have the wrong sign.
+    Conjugated,
+    /// The response has the wrong sign.
+    ReversedSign,
+    /// Harmonics refer to a sine, not to a cosine.
+    SineReference,
+    /// The response is another quantity than stated: a position called velocity, and the like.
+    ResponseKind,
+    /// Harmonics are rms or peak-to-peak values, not peak values.
+    AmplitudeConvention,
+    /// The response is ahead of the input by a constant time.
+    ChannelSkew,
+}
+
+impl FaultKind {
+    /// Every kind.
+    pub const ALL: [Self; 12] = [
+        Self::BadRows,
+        Self::StdFactor,
+        Self::LevelGain,
+        Self::LevelPhase,
+        Self::RunGain,
+        Self::RunPhase,
+        Self::Conjugated,
+        Self::ReversedSign,
+        Self::SineReference,
+        Self::ResponseKind,
+        Self::AmplitudeConvention,
+        Self::ChannelSkew,
+    ];
+
+    /// The name used on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::BadRows => "bad_rows",
+            Self::StdFactor => "std_factor",
+            Self::LevelGain => "level_gain",
+            Self::LevelPhase => "level_phase",
+            Self::RunGain => "run_gain",
+            Self::RunPhase => "run_phase",
+            Self::Conjugated => "conjugated",
+            Self::ReversedSign => "reversed_sign",
+            Self::SineReference => "sine_reference",
+            Self::ResponseKind => "response_kind",
+            Self::AmplitudeConvention => "amplitude_convention",
+            Self::ChannelSkew => "channel_skew",
+        }
+    }
+}
+
+/// A row that was left out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct LeftOutRow {
+    /// Index of the experiment in the measurement, from 0.
+    pub experiment: usize,
+    /// Harmonic.
+    pub harmonic: usize,
+    /// Which repeat, in the order of the file, from 0; null if the experiment has none.
+    pub repeat: Option<usize>,
+    /// Line of the file; null if it is not known.
+    pub line: Option<u64>,
+    /// Distance from the model, or from the other repeats, relative to their value.
+    pub off: f64,
+    /// The same in standard deviations.
+    pub sigmas: f64,
+}
+
+/// A fault of the measurement. The answer is that to the measurement with this mended.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct MeasurementFault {
+    /// What is wrong.
+    pub fault: FaultKind,
+    /// One sentence that says where and by how much.
+    pub sentence: String,
+    /// What mends it: the line, flag or column.
+    pub remedy: String,
+    /// The rows that were left out; empty for other faults.
+    pub left_out: Vec<LeftOutRow>,
+    /// The magnitude concerned, input units; null if it is not one level.
+    pub magnitude: Option<f64>,
+    /// Index of the experiment concerned, from 0; null if it is not one.
+    pub experiment: Option<usize>,
+    /// Its size: a factor (of the stated standard deviation, the gain or the amplitudes), an angle
+    /// of the fundamental in degrees, or a time in seconds; null if it has none.
+    pub value: Option<f64>,
+    /// 95 % interval of `value`.
+    pub interval95: Option<[f64; 2]>,
+    /// What the response really is: velocity, position or acceleration; null for other faults.
+    pub response: Option<String>,
+}
+
+/// The answer to the measurement as it is, with its faults.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct AsMeasured {
+    /// NRMSE of the base model.
+    pub nrmse: f64,
+    /// χ² per degree of freedom of the base model; null if the noise is unknown.
+    pub chi2_per_dof: Option<f64>,
+    /// The effects that would be named.
+    pub causes: Vec<String>,
+    /// NRMSE of the model with these effects; null if there are none.
+    pub nrmse_with_causes: Option<f64>,
+}

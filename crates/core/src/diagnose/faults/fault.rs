@@ -1,0 +1,71 @@
+//! Faults as they are answered, without their sentences.
+
+use crate::answers::{FaultKind, LeftOutRow, MeasurementFault};
+
+/// Half the width of a 95 % interval, in standard deviations.
+const HALF_WIDTH: f64 = 1.96;
+
+/// A fault of which only the kind is known.
+pub(super) fn new(fault: FaultKind) -> MeasurementFault {
+    MeasurementFault {
+        fault,
+        sentence: String::new(),
+        remedy: String::new(),
+        left_out: Vec::new(),
+        magnitude: None,
+        experiment: None,
+        value: None,
+        interval95: None,
+        response: None,
+    }
+}
+
+/// Rows that do not belong.
+pub(super) fn bad_rows(rows: impl Iterator<Item = LeftOutRow>) -> MeasurementFault {
+    MeasurementFault { left_out: rows.collect(), ..new(FaultKind::BadRows) }
+}
+
+/// A gain that differs by a relative `value`, or a phase that differs by `value` radians.
+pub(super) fn sized(kind: FaultKind, value: f64, deviation: f64) -> MeasurementFault {
+    let scaled = |value: f64| match kind {
+        FaultKind::LevelGain | FaultKind::RunGain => 1.0 + value,
+        _ => value.to_degrees(),
+    };
+    let ends = [-HALF_WIDTH, HALF_WIDTH].map(|width| scaled(value + width * deviation));
+    MeasurementFault { value: Some(scaled(value)), interval95: Some(ends), ..new(kind) }
+}
+
+/// A response ahead of its input by a time, s.
+pub(super) fn timed(seconds: f64, deviation: f64) -> MeasurementFault {
+    let ends = [-HALF_WIDTH, HALF_WIDTH].map(|width| seconds + width * deviation);
+    let fault = new(FaultKind::ChannelSkew);
+    MeasurementFault { value: Some(seconds), interval95: Some(ends), ..fault }
+}
+
+/// Adds a fault that was found beside others, which are mended. One of the same kind in the same
+/// place is joined with it. Returns whether it is a new one.
+pub(super) fn add(faults: &mut Vec<MeasurementFault>, new: MeasurementFault) -> bool {
+    let place = |fault: &MeasurementFault| (fault.fault, fault.magnitude, fault.experiment);
+    let Some(known) = faults.iter_mut().find(|known| place(known) == place(&new)) else {
+        faults.push(new);
+        return true;
+    };
+    let is_new = new.fault == FaultKind::BadRows;
+    match new.fault {
+        FaultKind::BadRows => known.left_out.extend(new.left_out),
+        FaultKind::LevelGain | FaultKind::RunGain | FaultKind::StdFactor => {
+            let factor = new.value.unwrap_or(1.0);
+            let before = known.value.unwrap_or(1.0);
+            let relative = new.interval95.map(|ends| ends.map(|end| end * before));
+            known.value = Some(before * factor);
+            known.interval95 = relative.or(known.interval95);
+        }
+        _ => {
+            let before = known.value.unwrap_or(0.0);
+            let moved = new.interval95.map(|ends| ends.map(|end| end + before));
+            known.value = new.value.map(|value| value + before);
+            known.interval95 = moved.or(known.interval95);
+        }
+    }
+    is_new
+}

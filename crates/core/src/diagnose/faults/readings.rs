@@ -1,0 +1,98 @@
+//! Ways in which a whole file may have been read wrongly: the response conjugated or of the wrong
+//! sign, a sine for the cosine as reference, another quantity than stated.
+//!
+//! Each has no parameter. The base model is fitted to the measurement read in each way. A wrong
+//! reading leaves a large part of the response, and the right one far less, whatever effects the
+//! machine has.
+
+use crate::answers::{Diagnosis, FaultKind, IdentifyOptions, MeasurementFault, Verdict};
+use crate::identify::{FitSession, IdentifyRequest, Intervals};
+use crate::measurement::{Measurement, ResponseKind};
+use crate::observer::Observer;
+
+use super::{fault, mending, undoubted};
+use crate::diagnose::progress::Part;
+
+/// Another reading is tried only where the base model leaves more than this of the response.
+const LEAST_LEFT: f64 = 0.003;
+/// The same where inputs have many lines, so that a fit takes seconds.
+const LEAST_LEFT_OF_RECORD: f64 = 0.3;
+
+/// Other readings are diagnosed if the best model leaves more than this.
+const LEAST_LEFT_UNEXPLAINED: f64 = 0.02;
+
+/// Another reading is right if it leaves less than this share of what the stated one leaves (rms).
+const CLEARLY_LESS: f64 = 0.3;
+
+/// The readings that are not the stated one.
+fn others(measurement: &Measurement) -> Vec<MeasurementFault> {
+    let stated = measurement.metadata().response_kind;
+    let kinds = [
+        (ResponseKind::Velocity, "velocity"),
+        (ResponseKind::Position, "position"),
+        (ResponseKind::Acceleration, "acceleration"),
+    ];
+    let another = kinds.into_iter().filter(|(kind, _)| *kind != stated).map(|(_, name)| {
+        MeasurementFault { response: Some(name.to_owned()), ..fault::new(FaultKind::ResponseKind) }
+    });
+    [FaultKind::Conjugated, FaultKind::ReversedSign, FaultKind::SineReference]
+        .into_iter()
+        .map(fault::new)
+        .chain(another)
+        .collect()
+}
+
+/// The reading of a measurement of which nothing explained what the best model leaves, if one effect
+/// explains it in another reading.
+pub(super) fn explained(
+    answer: &Diagnosis,
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    part: Part<'_>,
+) -> Option<MeasurementFault> {
+    let best = |answer: &Diagnosis| answer.extended.as_ref().unwrap_or(&answer.base).fit.nrmse;
+    let is_table = measurement.experiments().iter().all(|e| e.pure_cosine().is_some());
+    if !is_table || best(answer) <= LEAST_LEFT_UNEXPLAINED {
+        return None;
+    }
+    let options = IdentifyOptions { most_effects: 1, ..request.options };
+    let alone = IdentifyRequest { options, ..*request };
+    others(measurement).into_iter().find(|reading| {
+        let read = mending::mended(measurement, std::slice::from_ref(reading));
+        let other = read.ok().and_then(|read| undoubted(&read.measurement, &alone, part).ok());
+        other.is_some_and(|other| {
+            matches!(other.verdict, Verdict::Adequate | Verdict::Explained)
+                && best(&other) < CLEARLY_LESS * best(answer)
+        })
+    })
+}
+
+/// The reading of a measurement that is clearly right where the stated one is wrong.
+pub(super) fn better(
+    session: &FitSession<'_>,
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    observer: &dyn Observer,
+) -> Option<MeasurementFault> {
+    let left = |session: &FitSession<'_>| {
+        let fit = session.judge(session.base(), Intervals::Curvature).ok()?;
+        Some(fit.identification.fit.nrmse).filter(|nrmse| nrmse.is_finite())
+    };
+    let as_stated = left(session)?;
+    let least = if session.has_cosines_alone() { LEAST_LEFT } else { LEAST_LEFT_OF_RECORD };
+    if as_stated <= least {
+        return None;
+    }
+    let mut best: Option<(f64, MeasurementFault)> = None;
+    for reading in others(measurement) {
+        let Ok(read) = mending::mended(measurement, std::slice::from_ref(&reading)) else {
+            continue;
+        };
+        let Ok(other) = FitSession::new(&read.measurement, request, observer) else { continue };
+        let Some(left) = left(&other) else { continue };
+        if best.as_ref().is_none_or(|(least, _)| left < *least) {
+            best = Some((left, reading));
+        }
+    }
+    best.filter(|(left, _)| *left < CLEARLY_LESS * as_stated).map(|(_, reading)| reading)
+}

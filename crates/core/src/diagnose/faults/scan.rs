@@ -1,0 +1,240 @@
+//! Forward selection of faults beside one fitted model.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::answers::{FaultKind, LeftOutRow, MeasurementFault, NoiseSource};
+use crate::identify::ModelFit;
+use crate::measurement::Complex;
+
+use crate::diagnose::residuals::layout::Cell;
+use crate::diagnose::residuals::residual::Residuals;
+use crate::diagnose::residuals::subspace::Subspace;
+
+use super::candidates;
+use super::candidates::{Candidate, Place};
+use super::family::Family;
+use super::fault;
+use super::projection::{Outside, dense};
+use super::suspects::misfit;
+
+/// Largest share of rows that may be left out.
+const LARGEST_SHARE: f64 = 0.1;
+
+/// A fault that explains less than this share of what the first one explains is far smaller.
+const FAR_SMALLER: f64 = 0.05;
+
+/// −2 ln of the prior odds of a wrong size of the noise, and prior standard deviation of its
+/// logarithm.
+const SIZE_COST: f64 = 6.0;
+const SIZE_DEVIATION: f64 = 1.1;
+
+/// A factor between mean and harmonics is that of a convention if its logarithm differs by less.
+const SAME_CONVENTION: f64 = 0.15;
+
+/// Faults beside a model.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Found {
+    /// The faults, each with what it costs: −2 ln of its prior probability, and of the volume of its
+    /// parameters.
+    pub faults: Vec<(MeasurementFault, f64)>,
+    /// A stated standard deviation that is wrong by a factor, if it is.
+    pub std_factor: Option<MeasurementFault>,
+    /// −2 ln likelihood with them, up to a constant that all models of a measurement share, and the
+    /// cost of `std_factor`.
+    pub misfit: f64,
+}
+
+/// The residuals of a model, and what is left of them beside the faults found so far.
+pub(super) struct Scan<'a> {
+    fit: &'a ModelFit,
+    residuals: Residuals,
+    fitted: Subspace,
+    left: DVector<f64>,
+    /// Whether the noise has the size that is stated.
+    size_known: bool,
+    /// Degrees of freedom of the base model, of which all misfits are counted.
+    dof: f64,
+    /// Σr² before, in units of the residuals; and the same as a cost.
+    begin: [f64; 2],
+}
+
+impl<'a> Scan<'a> {
+    /// A scan beside a fitted model of this cost; `size_known` says whether its noise has the size
+    /// that the measurement states.
+    pub fn new(fit: &'a ModelFit, cost: f64, dof: f64, size_known: bool) -> Self {
+        let residuals = Residuals::of(fit);
+        let left = residuals.fitted.complement(&residuals.values);
+        let begin = [left.norm_squared().max(f64::MIN_POSITIVE), cost];
+        let fitted = residuals.fitted.clone();
+        Self { fit, residuals, fitted, left, size_known, dof, begin }
+    }
+
+    /// The candidates of this measurement.
+    pub fn candidates(&self) -> Vec<Candidate> {
+        candidates::all(&self.residuals.layout)
+    }
+
+    fn is_given(&self) -> bool {
+        self.fit.identification.noise == NoiseSource::Given
+    }
+
+    /// −2 ln likelihood where this Σr² is left.
+    fn misfit(&self, left: f64, size_known: bool) -> f64 {
+        misfit(left / self.begin[0] * self.begin[1], self.dof, size_known)
+    }
+
+    /// Adds the fault that is most likely as long as there is one that is more than chance. Faults far
+    /// smaller than the first are left to another scan after a refit, because what is left beside a
+    /// large fault is known to first order only.
+    pub fn select(mut self, candidates: &[Candidate], family: &Family) -> Found {
+        let mut found = Found::default();
+        let most = (LARGEST_SHARE * self.residuals.layout.cells.len() as f64) as usize;
+        let mut chosen: Vec<usize> = Vec::new();
+        let (mut first, mut size_price) = (0.0, 0.0);
+        for _ in 0..most.max(1) {
+            let now = self.misfit(self.left.norm_squared(), self.size_known);
+            let size = self.size_gain(now, family);
+            let best = candidates
+                .iter()
+                .enumerate()
+                .filter(|(index, _)| !chosen.contains(index))
+                .filter_map(|(index, candidate)| {
+                    let (net, outside) = self.net_gain(now, candidate, family)?;
+                    Some((net, index, outside))
+                })
+                .max_by(|a, b| a.0.total_cmp(&b.0));
+            match (size, best) {
+                (Some(size), best) if best.as_ref().is_none_or(|best| size > best.0) => {
+                    self.size_known = false;
+                    size_price = price_of_size(self.dof);
+                }
+                (_, Some((_, index, outside))) => {
+                    let gain = outside.best(&self.left).0;
+                    if gain < FAR_SMALLER * first {
+                        break;
+                    }
+                    first = gain.max(first);
+                    chosen.push(index);
+                    let candidate = &candidates[index];
+                    let price = candidate.price + outside.volume;
+                    found.faults.push((self.take(candidate, &outside), price));
+                }
+                _ => break,
+            }
+        }
+        if size_price > 0.0 {
+            found.std_factor = self.std_factor(family);
+            self.size_known = found.std_factor.is_none();
+        }
+        found.misfit = self.misfit(self.left.norm_squared(), self.size_known)
+            + if self.size_known { 0.0 } else { size_price };
+        found
+    }
+
+    /// What a wrong size of the noise would explain, less what it costs.
+    fn size_gain(&self, now: f64, family: &Family) -> Option<f64> {
+        if !self.size_known || !self.is_given() {
+            return None;
+        }
+        let left = self.left.norm_squared();
+        let dof = (self.left.len() - self.fitted.dimension()).max(1) as f64;
+        let gain = now - self.misfit(left, false) - price_of_size(self.dof);
+        ((left / dof - 1.0).abs() > family.size && gain > 0.0).then_some(gain)
+    }
+
+    fn net_gain(&self, now: f64, candidate: &Candidate, family: &Family) -> Option<(f64, Outside)> {
+        let outside = Outside::of(candidate, &self.fitted)?;
+        let left = self.left.norm_squared();
+        let (gain, values) = outside.best(&self.left);
+        if candidate.kind == FaultKind::AmplitudeConvention {
+            convention(1.0 + values[0])?;
+        }
+        let dof = (self.left.len() - self.fitted.dimension()).max(1) as f64;
+        let scale = if self.size_known { 1.0 } else { left / dof };
+        if gain <= family.limit(candidate.kind) * scale {
+            return None;
+        }
+        let net =
+            now - self.misfit(left - gain, self.size_known) - candidate.price - outside.volume;
+        (net > 0.0).then_some((net, outside))
+    }
+
+    /// Adds a fault: what it explains is taken from the residuals.
+    fn take(&mut self, candidate: &Candidate, outside: &Outside) -> MeasurementFault {
+        let (_, values) = outside.best(&self.left);
+        let rows = self.left.len();
+        let columns: Vec<DVector<f64>> =
+            candidate.columns.iter().map(|column| dense(column, rows)).collect();
+        self.fitted = self.fitted.with(&DMatrix::from_columns(&columns));
+        self.left = self.fitted.complement(&self.left);
+        let dof = (rows - self.fitted.dimension()).max(1) as f64;
+        let scale = if self.size_known { 1.0 } else { (self.left.norm_squared() / dof).sqrt() };
+        let value = values[0];
+        let deviation = scale * outside.deviations()[0];
+        match candidate.place {
+            Place::Row { experiment, order } => {
+                let cells = &self.residuals.layout.cells;
+                let cell = cells.iter().find(|c| (c.experiment, c.order) == (experiment, order));
+                fault::bad_rows(cell.map(|cell| left_out(cell, &values, scale)).into_iter())
+            }
+            Place::Level(magnitude) => MeasurementFault {
+                magnitude: Some(magnitude),
+                ..fault::sized(candidate.kind, value, deviation)
+            },
+            Place::Run(experiment) => MeasurementFault {
+                experiment: Some(experiment),
+                ..fault::sized(candidate.kind, value, deviation)
+            },
+            Place::All if candidate.kind == FaultKind::AmplitudeConvention => {
+                MeasurementFault { value: convention(1.0 + value), ..fault::new(candidate.kind) }
+            }
+            Place::All => {
+                let cells = &self.residuals.layout.cells;
+                let fastest = cells.iter().map(|cell| cell.frequency_hz).fold(0.0, f64::max);
+                let per_angle = 1.0 / (std::f64::consts::TAU * fastest);
+                fault::timed(value * per_angle, deviation * per_angle)
+            }
+        }
+    }
+
+    /// By which factor the noise differs from what is stated, with its interval: Σr²/s² has a χ²
+    /// distribution. `None` where the difference is no more than chance.
+    fn std_factor(&self, family: &Family) -> Option<MeasurementFault> {
+        let dof = (self.left.len() - self.fitted.dimension()).max(1) as f64;
+        let variance = self.left.norm_squared() / dof;
+        let factor = variance.sqrt();
+        let spread = 1.96 / (2.0 * dof).sqrt();
+        let ends = [factor * (-spread).exp(), factor * spread.exp()];
+        ((variance - 1.0).abs() > family.size).then(|| MeasurementFault {
+            value: Some(factor),
+            interval95: Some(ends),
+            ..fault::new(FaultKind::StdFactor)
+        })
+    }
+}
+
+fn price_of_size(dof: f64) -> f64 {
+    SIZE_COST + (1.0 + 2.0 * dof * SIZE_DEVIATION.powi(2)).ln()
+}
+
+/// The factor from the harmonics to peak values, if that from harmonics to means is nearly that of
+/// a convention: √2 of rms, ½ of peak-to-peak values.
+fn convention(factor: f64) -> Option<f64> {
+    [std::f64::consts::SQRT_2, 0.5]
+        .into_iter()
+        .find(|known| factor > 0.0 && (factor / known).ln().abs() < SAME_CONVENTION)
+}
+
+fn left_out(cell: &Cell, values: &DVector<f64>, scale: f64) -> LeftOutRow {
+    let off = Complex::new(values[0], values.get(1).copied().unwrap_or(0.0));
+    let expected = (cell.measured / cell.std - off).norm().max(f64::MIN_POSITIVE);
+    let off = off.norm();
+    LeftOutRow {
+        experiment: cell.experiment,
+        harmonic: cell.order,
+        repeat: None,
+        line: None,
+        off: (off / expected).min(f64::MAX),
+        sigmas: off / scale,
+    }
+}

@@ -1,0 +1,142 @@
+//! Faults of the measurement that, beside a model, explain it better than any model alone.
+
+use crate::answers::MeasurementFault;
+use crate::identify::{FitAccuracy, FitSession, Intervals, Model, ModelFit};
+
+use crate::diagnose::residuals::discrepancy;
+use crate::diagnose::residuals::residual::Residuals;
+use crate::diagnose::selection::models::{Key, Models};
+
+use super::family::Family;
+use super::fault;
+use super::mending;
+use super::scan::Scan;
+
+/// Models for which faults are estimated together with the model: those that a linearisation finds
+/// best.
+const MOST_REFITTED: usize = 4;
+
+/// Rounds of estimating faults and refitting the model: each adds faults, or corrects those that
+/// were added.
+const MOST_ROUNDS: usize = 12;
+
+/// Faults beside a model.
+pub(crate) struct Suspected {
+    /// The faults.
+    pub faults: Vec<MeasurementFault>,
+    /// −2 ln evidence of the model with them.
+    pub criterion: f64,
+}
+
+/// What is searched for faults.
+pub(crate) struct Suspects<'a> {
+    /// The session.
+    pub session: &'a FitSession<'a>,
+    /// The fit of its base model.
+    pub base: &'a ModelFit,
+    /// The models that were fitted.
+    pub models: &'a Models,
+    /// Seed of the draws of noise.
+    pub seed: u64,
+}
+
+impl Suspects<'_> {
+    /// The best model with faults, if it leaves only noise and is better than every model without
+    /// any; `wanted` says which models are tried.
+    pub fn best(&self, wanted: impl Fn(&Key) -> bool) -> Option<Suspected> {
+        if !self.session.has_cosines_alone() {
+            return None;
+        }
+        let scan = self.scan(self.base, self.session.base());
+        let family = Family::of(self.base, &scan.candidates(), self.seed);
+        let best_without = self.best_without();
+        let mut linear: Vec<(f64, &Key, &Model)> = Vec::new();
+        for (key, model) in self.models.all().filter(|(key, _)| wanted(key)) {
+            let Ok(fit) = self.session.judge(model, Intervals::Curvature) else { continue };
+            let scan = self.scan(&fit, model);
+            let candidates = scan.candidates();
+            let found = scan.select(&candidates, &family);
+            if !found.faults.is_empty() || found.std_factor.is_some() {
+                let price: f64 = found.faults.iter().map(|(_, price)| price).sum();
+                linear.push((found.misfit + price + self.models.complexity(key), key, model));
+            }
+        }
+        // The base model first: its fits are quick, and the linearisation of a large fault is poor.
+        linear.sort_by(|a, b| b.1.is_empty().cmp(&a.1.is_empty()).then(a.0.total_cmp(&b.0)));
+        let mut best: Option<Suspected> = None;
+        let mut bar = best_without;
+        for (criterion, key, model) in linear.into_iter().take(MOST_REFITTED) {
+            // A refit gains little beside what the linearisation promises.
+            if best.is_some() && criterion > bar {
+                break;
+            }
+            let refitted = self.refitted(key, model, &family);
+            if let Some(better) = refitted.filter(|refitted| refitted.criterion < bar) {
+                bar = better.criterion;
+                best = Some(better);
+            }
+        }
+        best
+    }
+
+    /// −2 ln evidence of the best model without faults.
+    pub fn best_without(&self) -> f64 {
+        let criteria = self.models.all().map(|(key, model)| {
+            misfit(model.cost, self.dof(), self.size_known()) + self.models.complexity(key)
+        });
+        criteria.fold(f64::INFINITY, f64::min)
+    }
+
+    fn dof(&self) -> f64 {
+        self.models.noise_scale.dof
+    }
+
+    fn size_known(&self) -> bool {
+        self.models.noise_scale.known
+    }
+
+    fn scan<'f>(&self, fit: &'f ModelFit, model: &Model) -> Scan<'f> {
+        Scan::new(fit, model.cost, self.dof(), self.size_known())
+    }
+
+    /// The model with its faults, both fitted together; `None` if more than noise is left.
+    fn refitted(&self, key: &Key, model: &Model, family: &Family) -> Option<Suspected> {
+        let experiments = self.session.measurement().experiments();
+        let (mut faults, mut price) = (Vec::<MeasurementFault>::new(), 0.0);
+        let mut model = model.clone();
+        for _ in 0..MOST_ROUNDS {
+            let session = self.session.changed(|experiment, order| {
+                mending::change(&faults, experiments, experiment, order)
+            });
+            model = session.refine(&model, FitAccuracy::Settle);
+            let fit = session.judge(&model, Intervals::Curvature).ok()?;
+            let scan = self.scan(&fit, &model);
+            let candidates = scan.candidates();
+            let found = scan.select(&candidates, family);
+            if found.faults.is_empty() {
+                let criterion = found.misfit + price + self.models.complexity(key);
+                let mut residuals = Residuals::of(&fit);
+                if found.std_factor.is_some() {
+                    residuals = residuals.of_any_size();
+                }
+                faults.extend(found.std_factor);
+                let observer = self.session.observer();
+                let is_noise = discrepancy::is_without_structure(&residuals, self.seed, observer);
+                return is_noise.then_some(Suspected { faults, criterion });
+            }
+            for (new, own_price) in found.faults {
+                let is_new = fault::add(&mut faults, new);
+                price += if is_new { own_price } else { 0.0 };
+            }
+        }
+        None
+    }
+}
+
+/// −2 ln likelihood of a cost, up to a constant that models of known and of unknown noise share.
+pub(super) fn misfit(cost: f64, dof: f64, size_known: bool) -> f64 {
+    match size_known {
+        true => cost,
+        false => dof * (1.0 + (cost.max(f64::MIN_POSITIVE) / dof).ln()),
+    }
+}

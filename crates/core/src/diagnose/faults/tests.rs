@@ -1,0 +1,203 @@
+//! Faults added to responses of the independent simulator are found and mended.
+
+use super::*;
+use crate::answers::{FaultKind, IdentifyOptions};
+use crate::diagnose::tests::{exact, noisy, request};
+use crate::machines::draw::NoiseStatement;
+use crate::measurement::{Complex, Experiment, Harmonic, Metadata};
+use crate::observer::Silent;
+
+fn of(experiments: Vec<Experiment>) -> Measurement {
+    Measurement::new(Metadata::default(), experiments, Vec::new(), String::new()).unwrap()
+}
+
+/// A healthy axis with noise of 60 dB, of which the standard deviation is stated, after a change.
+fn changed(seed: u64, change: impl Fn(usize, &Experiment, &mut Harmonic)) -> Measurement {
+    let mut experiments = noisy(&exact(), NoiseStatement::Std, seed).experiments().to_vec();
+    for (index, experiment) in experiments.iter_mut().enumerate() {
+        let before = experiment.clone();
+        experiment.response.iter_mut().for_each(|harmonic| change(index, &before, harmonic));
+    }
+    of(experiments)
+}
+
+fn answer(measurement: &Measurement) -> Diagnosis {
+    crate::diagnose::diagnose(measurement, &request(), &Silent).unwrap()
+}
+
+/// The only fault of a measurement of a healthy axis.
+fn only_fault(measurement: &Measurement) -> MeasurementFault {
+    let answer = answer(measurement);
+    let faults: Vec<FaultKind> = answer.measurement.iter().map(|fault| fault.fault).collect();
+    assert_eq!(answer.verdict, Verdict::Adequate, "{faults:?} {:?}", answer.causes);
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    assert!(answer.as_measured.is_some());
+    answer.measurement.into_iter().next().unwrap()
+}
+
+fn turned(harmonic: &mut Harmonic, degrees: f64) {
+    harmonic.value *= Complex::from_polar(1.0, harmonic.order as f64 * degrees.to_radians());
+}
+
+fn scaled(harmonic: &mut Harmonic, factor: f64) {
+    harmonic.value *= factor;
+    harmonic.std = harmonic.std.map(|std| std * factor);
+}
+
+fn level(index: usize) -> f64 {
+    let mut levels: Vec<f64> = exact().iter().map(|experiment| experiment.magnitude).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    levels[index]
+}
+
+#[test]
+fn a_sound_measurement_has_no_fault_however_it_states_its_noise() {
+    let statements = [NoiseStatement::Std, NoiseStatement::Repeats(6), NoiseStatement::Silent];
+    for (seed, statement) in (20..26).zip(statements.into_iter().cycle()) {
+        let answer = answer(&noisy(&exact(), statement, seed));
+        assert_eq!(answer.measurement, [], "{seed}");
+        assert_eq!((answer.verdict, answer.as_measured), (Verdict::Adequate, None), "{seed}");
+    }
+}
+
+// The fundamental of experiment 5 is some 500 deviations large.
+#[test]
+fn a_row_a_fifth_off_is_left_out_and_told_by_its_place() {
+    let wrong = |index: usize, _: &Experiment, harmonic: &mut Harmonic| {
+        harmonic.value *= if (index, harmonic.order) == (5, 1) { 1.2 } else { 1.0 };
+    };
+    let fault = only_fault(&changed(3, wrong));
+    let [row] = fault.left_out.as_slice() else { panic!("{fault:?}") };
+    assert_eq!((fault.fault, row.experiment, row.harmonic), (FaultKind::BadRows, 5, 1));
+    assert!((0.19..0.21).contains(&row.off) && row.sigmas > 30.0, "{row:?}");
+    assert!(fault.sentence.contains("20 % off"), "{}", fault.sentence);
+}
+
+#[test]
+fn a_user_can_insist_on_every_row() {
+    let measurement = changed(3, |index, _, harmonic| {
+        harmonic.value *= if (index, harmonic.order) == (5, 1) { 1.2 } else { 1.0 };
+    });
+    let options = IdentifyOptions { keep_all: true, most_effects: 1, ..request().options };
+    let insisting = IdentifyRequest { options, ..request() };
+    let answer = crate::diagnose::diagnose(&measurement, &insisting, &Silent).unwrap();
+    assert_eq!((answer.measurement.len(), answer.as_measured), (0, None));
+    assert_ne!(answer.verdict, Verdict::Adequate);
+}
+
+// Of 264 data the factor is known to 1/√(2·264) = 4 %: its 95 % interval to 9 %.
+#[test]
+fn a_stated_deviation_that_is_wrong_by_a_factor_is_told_from_structure() {
+    for (seed, factor) in [(4, 0.5), (5, 2.5)] {
+        let misstated = |_: usize, _: &Experiment, harmonic: &mut Harmonic| {
+            harmonic.std = harmonic.std.map(|std| std * factor);
+        };
+        let fault = only_fault(&changed(seed, misstated));
+        let [low, high] = fault.interval95.unwrap();
+        assert_eq!(fault.fault, FaultKind::StdFactor);
+        // One in twenty intervals misses; these do not.
+        assert!(low < 1.0 / factor && 1.0 / factor < high, "{factor}: {low} to {high}");
+        assert!(high / low < 1.2, "{low} to {high}");
+    }
+}
+
+#[test]
+fn another_gain_or_phase_of_one_level_or_experiment_is_told_with_its_size() {
+    let middle = level(1);
+    let at_level = |experiment: &Experiment| experiment.magnitude == middle;
+    let gain = only_fault(&changed(6, |_, experiment, harmonic| {
+        scaled(harmonic, if at_level(experiment) { 1.05 } else { 1.0 });
+    }));
+    assert_eq!((gain.fault, gain.magnitude), (FaultKind::LevelGain, Some(middle)));
+    let phase = only_fault(&changed(7, |_, experiment, harmonic| {
+        turned(harmonic, if at_level(experiment) { 5.0 } else { 0.0 });
+    }));
+    assert_eq!((phase.fault, phase.magnitude), (FaultKind::LevelPhase, Some(middle)));
+    let run = only_fault(&changed(8, |index, _, harmonic| {
+        turned(harmonic, if index == 9 { -6.0 } else { 0.0 });
+    }));
+    assert_eq!((run.fault, run.experiment), (FaultKind::RunPhase, Some(9)));
+    for (fault, truth) in [(gain, 1.05), (phase, 5.0), (run, -6.0)] {
+        let [low, high] = fault.interval95.unwrap();
+        // Half as wide again as the 95 % interval.
+        let slack = 0.5 * (high - low);
+        assert!(low - slack < truth && truth < high + slack, "{truth}: {low} to {high}");
+    }
+}
+
+#[test]
+fn a_file_that_is_read_wrongly_is_told_by_what_it_is() {
+    let conjugated = changed(9, |_, _, harmonic| harmonic.value = harmonic.value.conj());
+    assert_eq!(only_fault(&conjugated).fault, FaultKind::Conjugated);
+    let reversed = changed(10, |_, _, harmonic| harmonic.value = -harmonic.value);
+    assert_eq!(only_fault(&reversed).fault, FaultKind::ReversedSign);
+    let sine = changed(11, |_, _, harmonic| {
+        let quarters = (harmonic.order as i32 - 1).rem_euclid(4);
+        if harmonic.order > 0 {
+            harmonic.value *= Complex::new(0.0, -1.0).powi(quarters);
+        }
+    });
+    assert_eq!(only_fault(&sine).fault, FaultKind::SineReference);
+    let position = changed(12, |_, experiment, harmonic| {
+        if harmonic.order > 0 {
+            let s = Complex::new(0.0, harmonic.order as f64 * experiment.omega_rad_s);
+            harmonic.value /= s;
+            harmonic.std = harmonic.std.map(|std| std / s.norm());
+        }
+    });
+    let fault = only_fault(&position);
+    assert_eq!(
+        (fault.fault, fault.response.as_deref()),
+        (FaultKind::ResponseKind, Some("position"))
+    );
+}
+
+#[test]
+fn rms_values_are_told_by_the_means_and_a_response_ahead_of_its_input_by_its_time() {
+    let rms = changed(13, |_, _, harmonic| {
+        scaled(harmonic, if harmonic.order > 0 { 0.5_f64.sqrt() } else { 1.0 });
+    });
+    let fault = only_fault(&rms);
+    assert_eq!((fault.fault, fault.value), (FaultKind::AmplitudeConvention, Some(2.0_f64.sqrt())));
+    let fastest = exact().iter().map(|experiment| experiment.omega_rad_s).fold(0.0, f64::max);
+    let ahead = 0.1 / fastest;
+    let skewed = changed(14, |_, experiment, harmonic| {
+        turned(harmonic, (experiment.omega_rad_s * ahead).to_degrees());
+    });
+    let fault = only_fault(&skewed);
+    assert_eq!(fault.fault, FaultKind::ChannelSkew);
+    // A tenth of a radian at 60 dB is known to a few percent.
+    assert!((fault.value.unwrap() / ahead - 1.0).abs() < 0.1, "{fault:?} {ahead}");
+}
+
+#[test]
+fn a_repeat_that_differs_from_the_others_is_left_out_by_its_number() {
+    let mut experiments = noisy(&exact(), NoiseStatement::Repeats(6), 15).experiments().to_vec();
+    let off = 0.3 * experiments[7].response[1].value;
+    // One repeat off moves the mean by a sixth of it.
+    experiments[7].response[1].value += off / 6.0;
+    for (repeat, deviation) in experiments[7].repeats.iter_mut().enumerate() {
+        deviation.response[1] += if repeat == 2 { 5.0 * off / 6.0 } else { -off / 6.0 };
+    }
+    let fault = only_fault(&of(experiments));
+    let [row] = fault.left_out.as_slice() else { panic!("{fault:?}") };
+    assert_eq!((row.experiment, row.harmonic, row.repeat), (7, 1, Some(2)));
+    // It is some 15 deviations off, so that 0.3 is known to a fifteenth; three times that.
+    assert!((0.24..0.36).contains(&row.off), "{row:?}");
+}
+
+#[test]
+fn an_effect_behind_a_fault_is_still_named() {
+    let late = |experiment: &Experiment, harmonic: &mut Harmonic| {
+        turned(harmonic, -(experiment.omega_rad_s * 5e-3).to_degrees());
+    };
+    let measurement = changed(16, |index, experiment, harmonic| {
+        late(experiment, harmonic);
+        harmonic.value *= if (index, harmonic.order) == (5, 1) { 1.2 } else { 1.0 };
+    });
+    let answer = answer(&measurement);
+    assert_eq!(answer.measurement[0].fault, FaultKind::BadRows);
+    assert_eq!(answer.causes[0].effect, "transport_delay", "{:?}", answer.causes);
+    assert_eq!(answer.verdict, Verdict::Explained);
+}

@@ -1,0 +1,63 @@
+//! Faults of the measurement, as a diagnosis found them.
+
+use servoscope_core::answers::{AsMeasured, Diagnosis};
+
+use super::number::significant;
+use super::text::section;
+
+/// The section on faults of the measurement; none where it has none.
+pub(super) fn section_of(answer: &Diagnosis) -> Option<String> {
+    let mut lines = Vec::new();
+    for fault in &answer.measurement {
+        lines.push(format!("- {}", fault.sentence));
+        lines.push(format!("  to mend it: {}", fault.remedy));
+    }
+    lines.extend(without(answer));
+    (!answer.measurement.is_empty()).then(|| section("Faults of the measurement", lines))
+}
+
+/// What the answer is without the faults and what it would be with them, in one sentence each.
+pub(super) fn without(answer: &Diagnosis) -> Vec<String> {
+    let Some(as_measured) = answer.as_measured.as_ref() else { return Vec::new() };
+    let best = answer.extended.as_ref().unwrap_or(&answer.base);
+    let causes: Vec<&str> = answer.causes.iter().map(|cause| cause.effect.as_str()).collect();
+    vec![
+        format!("as it is, {}", left(as_measured)),
+        format!("with this mended, {}", one(&causes, answer.base.fit.nrmse, Some(best.fit.nrmse))),
+        "--keep-all (the option keep_all) takes the measurement as it is".to_owned(),
+    ]
+}
+
+fn left(as_measured: &AsMeasured) -> String {
+    let causes: Vec<&str> = as_measured.causes.iter().map(String::as_str).collect();
+    one(&causes, as_measured.nrmse, as_measured.nrmse_with_causes)
+}
+
+fn one(causes: &[&str], base: f64, with: Option<f64>) -> String {
+    let per_cent = |share: f64| format!("{} %", significant(100.0 * share, 3));
+    let base_leaves = format!("the base model leaves {} of the response", per_cent(base));
+    match (causes, with) {
+        ([], _) | (_, None) => format!("{base_leaves}, and no effect explains it better"),
+        (causes, Some(with)) => {
+            format!("{base_leaves}, and with {} {}", causes.join(" and "), per_cent(with))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use servoscope_core::answers::sample;
+
+    use super::*;
+
+    #[test]
+    fn a_fault_is_told_with_what_mends_it_and_the_answer_with_and_without_it() {
+        let text = section_of(&sample::mended()).unwrap();
+        assert!(text.contains("line 153 (harmonic 1 at magnitude 2 and 3 Hz) does not belong"));
+        assert!(text.contains("to mend it: measure these again"), "{text}");
+        assert!(text.contains("as it is, the base model leaves 4.1 % of the response"), "{text}");
+        assert!(text.contains("with this mended, the base model leaves"), "{text}");
+        assert!(text.contains("--keep-all"), "{text}");
+        assert_eq!(section_of(&sample::diagnosis()), None);
+    }
+}

@@ -48,16 +48,23 @@ pub(super) struct Args {
     /// that are recorded.
     #[arg(long, value_name = "N", default_value_t = Plan::default().machine_pairs)]
     machine_pairs: u32,
+    /// Measurements with a fault of each sort (bad rows, a wrong gain or phase of a level or an
+    /// experiment, a wrong sign, unit, reference, quantity or timing) of clean machines at each
+    /// level above 40 dB; as many of machines with an effect, the effects taken in turn. The same
+    /// measurements are diagnosed without the fault, too.
+    #[arg(long, value_name = "N", default_value_t = Plan::default().mismeasured)]
+    mismeasured: u32,
     /// Noise levels: 60, 50 or 40 dB; not of `analyser`.
     #[arg(long, value_name = "DB,…", value_delimiter = ',', default_values_t = [60, 50, 40])]
     #[arg(value_parser = clap::value_parser!(u32).range(20..=100))]
     levels: Vec<u32>,
-    /// Effects of the single draws and of `analyser`, dominant effects of `machine` [default: all].
+    /// Effects of the single draws, of `analyser` and of `mismeasured`, dominant effects of
+    /// `machine` [default: all].
     #[arg(long, value_name = "ID,…", value_delimiter = ',', value_parser = known_effect)]
     effects: Vec<&'static str>,
     /// Kinds of draw: single, clean, pair, outsider, analyser, machine, machine-2,
-    /// machine-record, machine-2-record [default: the first four; the others would make the run
-    /// several times as long].
+    /// machine-record, machine-2-record, mismeasured [default: the first four; the others would make
+    /// the run several times as long].
     #[arg(long, value_name = "KIND,…", value_delimiter = ',')]
     kinds: Vec<Kind>,
     /// Orders of the actuator, taken in turn.
@@ -131,6 +138,7 @@ impl Args {
             analysers: self.analyser,
             machines: self.machines,
             machine_pairs: self.machine_pairs,
+            mismeasured: self.mismeasured,
         }
     }
 
@@ -301,6 +309,11 @@ mod tests {
         let keys = asked(line).unwrap().plan().cases().into_iter().map(|case| case.to_string());
         let keys: Vec<String> = keys.collect();
         assert_eq!((keys.len(), keys[5].as_str()), (6, "machine-2-50-o0-0"));
+        let line = "--kinds mismeasured --effects spring,stribeck --mismeasured 1 --levels 60,40";
+        let keys = asked(line).unwrap().plan().cases().into_iter().map(|case| case.to_string());
+        let keys: Vec<String> = keys.collect();
+        assert_eq!((keys.len(), keys[12].as_str()), (2 * 13, "mismeasured-60-o0-12"));
+        assert_eq!(keys[14], "mismeasured-60-stribeck-o1-1");
         assert!(asked("--effects sprng").unwrap_err().contains("hardening_spring"));
         assert!(asked("--kinds none").unwrap_err().contains("outsider"));
         assert!(asked("--orders 3").is_err() && asked("--case spring").is_err());

@@ -14,6 +14,7 @@ use super::dominance::Dominance;
 use super::effect_draws::{draw_effect, two};
 use super::excess::{DETECTABLE, exact, excess_in, scaled_to_excess};
 use super::instrument::Instrument;
+use super::mismeasurement::{Mistake, Sort};
 use super::mixed_case::{dominant, mixed, recorded};
 use super::mixture::{CHI2_PER_DOF, Mixing};
 use super::outsiders;
@@ -31,9 +32,10 @@ const MOST_ATTEMPTS: usize = 24;
 const ATTEMPTS_WITH_FIRST_TARGET: usize = 6;
 /// Smallest excess χ² of an outsider, with the effect of the library that imitates it best.
 const MIN_OUTSIDER_EXCESS: f64 = 60.0;
-/// Smallest and largest excess χ² of an effect in an analyser's table; the smallest is that from
-/// which an effect has to be named.
-const ANALYSER_EXCESS: [f64; 2] = [300.0, 30_000.0];
+/// Excess χ² from which an effect has to be named.
+const MUST_BE_NAMED: f64 = 300.0;
+/// Smallest and largest excess χ² of an effect in an analyser's table.
+const ANALYSER_EXCESS: [f64; 2] = [MUST_BE_NAMED, 30_000.0];
 
 /// An effect hidden in a machine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -75,6 +77,8 @@ pub struct Made {
     pub noise: NoiseLaw,
     /// The measurement for the diagnosis.
     pub measurement: Measurement,
+    /// The fault of that measurement, if it has one.
+    pub mistake: Option<Mistake>,
     /// Number of attempts, including this one.
     pub attempts: usize,
 }
@@ -183,16 +187,25 @@ pub fn build_case(
             0 => (None, accepted(case, &machine, exact, excess)?),
         };
         let Some(hidden) = hidden else { continue };
-        let measurement = responses.noisy(&instrument.noise, instrument.said.statement(), rng)?;
+        let noise = instrument.law(&responses)?;
+        let sound = responses.noisy(&instrument.noise, instrument.said.statement(), rng)?;
+        let (mistake, measurement) = match Sort::of(case) {
+            Some(sort) => {
+                let made = Mistake::make(sort, sound, &noise, rng).map_err(DrawError::from)?;
+                (Some(made.0), made.1)
+            }
+            None => (None, sound),
+        };
         return Ok(Made {
             hidden,
             excess,
             dominance,
             plant: truth(&machine.plant),
             instrument,
-            noise: instrument.law(&responses)?,
+            noise,
             machine,
             measurement,
+            mistake,
             attempts: attempt,
         });
     }
@@ -204,6 +217,7 @@ pub fn build_case(
 fn target_range(case: &Case) -> [f64; 2] {
     match case.kind {
         Kind::Analyser => ANALYSER_EXCESS,
+        Kind::Mismeasured => [MUST_BE_NAMED, most_excess(case.level_db)],
         _ if case.kind.dominant() > 0 => CHI2_PER_DOF,
         _ => [DETECTABLE, most_excess(case.level_db)],
     }
@@ -229,7 +243,7 @@ fn effects(
     rng: &mut ChaCha8Rng,
 ) -> Option<Vec<Effect>> {
     match case.kind {
-        Kind::Single | Kind::Analyser => match case.effect {
+        Kind::Single | Kind::Analyser | Kind::Mismeasured => match case.effect {
             Some(id) => Some(vec![sized(draw_effect(id, machine, rng), targets[0])?]),
             None => Some(Vec::new()),
         },
@@ -334,6 +348,22 @@ mod tests {
         let responses = made.instrument.responses(&made.machine, &Settings::default()).unwrap();
         let exact = responses.stating(&made.noise).unwrap();
         assert_eq!(base_excess(&exact, 0), Ok(made.excess));
+    }
+
+    #[test]
+    fn a_fault_lies_in_the_measurement_and_not_in_the_machine() {
+        // Index 9 is a wrong sign, and has repeats.
+        let Made { mistake, measurement, excess, .. } = made("mismeasured-60-gain_asymmetry-o0-9");
+        assert!(excess >= MUST_BE_NAMED && excess <= 1.15 * most_excess(60), "{excess}");
+        let Mistake { sort, shows, sound, .. } = mistake.unwrap();
+        assert!(shows && sort == Sort::ReversedSign);
+        for (sound, faulty) in sound.experiments().iter().zip(measurement.experiments()) {
+            assert_eq!(faulty.repeats.len(), 6);
+            for (right, wrong) in sound.response.iter().zip(&faulty.response) {
+                assert_eq!(wrong.value, -right.value);
+            }
+        }
+        assert_eq!(made("clean-60-o0-0").mistake, None);
     }
 
     #[test]

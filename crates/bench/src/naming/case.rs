@@ -35,11 +35,13 @@ pub enum Kind {
     /// As [`Kind::MachinePair`], but recorded.
     #[serde(rename = "machine-2-record")]
     MachinePairRecord,
+    /// One effect or nothing, in a measurement that has a fault itself.
+    Mismeasured,
 }
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Single,
         Self::Clean,
         Self::Pair,
@@ -49,6 +51,7 @@ impl Kind {
         Self::MachinePair,
         Self::MachineRecord,
         Self::MachinePairRecord,
+        Self::Mismeasured,
     ];
 
     /// The name used in keys and on the command line.
@@ -63,13 +66,19 @@ impl Kind {
             Self::MachinePair => "machine-2",
             Self::MachineRecord => "machine-record",
             Self::MachinePairRecord => "machine-2-record",
+            Self::Mismeasured => "mismeasured",
         }
     }
 
     /// Number of dominant effects beside small ones; 0 if the kind has no small ones.
     pub fn dominant(self) -> usize {
         match self {
-            Self::Single | Self::Clean | Self::Pair | Self::Outsider | Self::Analyser => 0,
+            Self::Single
+            | Self::Clean
+            | Self::Pair
+            | Self::Outsider
+            | Self::Analyser
+            | Self::Mismeasured => 0,
             Self::Machine | Self::MachineRecord => 1,
             Self::MachinePair | Self::MachinePairRecord => 2,
         }
@@ -108,11 +117,12 @@ pub struct Case {
     /// record follows from what the dominant effects shall leave.
     pub level_db: u32,
     /// Id of the effect; always for [`Kind::Single`] and, the dominant one, for [`Kind::Machine`];
-    /// for [`Kind::Analyser`] if it hides one.
+    /// for [`Kind::Analyser`] and [`Kind::Mismeasured`] if they hide one.
     pub effect: Option<&'static str>,
     /// Order of the actuator, 0 to 2.
     pub order: u8,
-    /// Number of the draw among those that are otherwise equal.
+    /// Number of the draw among those that are otherwise equal. It says which fault a
+    /// [`Kind::Mismeasured`] has.
     pub index: u32,
 }
 
@@ -162,7 +172,7 @@ impl FromStr for Case {
         };
         let is_whole = match kind {
             Kind::Single | Kind::Machine | Kind::MachineRecord => effect.is_some(),
-            Kind::Analyser => true,
+            Kind::Analyser | Kind::Mismeasured => true,
             Kind::Clean
             | Kind::Pair
             | Kind::Outsider
@@ -197,6 +207,7 @@ mod tests {
             "clean-60-spring-o1-4",
             "single-60-sprng-o1-4",
             "analyser-70-sprng-o1-4",
+            "mismeasured-60-sprng-o1-4",
             "pair-60-o3-1",
             "machine-60-o1-4",
             "machine-2-60-spring-o1-4",
@@ -208,11 +219,14 @@ mod tests {
     }
 
     #[test]
-    fn the_key_of_an_analyser_has_an_effect_or_none() {
-        for (key, effect) in
-            [("analyser-70-spring-o1-4", Some("spring")), ("analyser-70-o1-4", None)]
-        {
-            let case = Case { kind: Kind::Analyser, level_db: 70, effect, order: 1, index: 4 };
+    fn the_key_of_an_analyser_or_a_measurement_with_a_fault_has_an_effect_or_none() {
+        for (kind, key, effect) in [
+            (Kind::Analyser, "analyser-70-spring-o1-4", Some("spring")),
+            (Kind::Analyser, "analyser-70-o1-4", None),
+            (Kind::Mismeasured, "mismeasured-70-spring-o1-4", Some("spring")),
+            (Kind::Mismeasured, "mismeasured-70-o1-4", None),
+        ] {
+            let case = Case { kind, level_db: 70, effect, order: 1, index: 4 };
             assert_eq!((key.parse(), case.to_string()), (Ok(case), key.to_owned()));
         }
     }

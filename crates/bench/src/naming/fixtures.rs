@@ -2,13 +2,16 @@
 
 use indexmap::IndexMap;
 use servoscope_core::answers::sample;
-use servoscope_core::answers::{Cause, Diagnosis, Verdict};
+use servoscope_core::answers::{
+    Cause, Diagnosis, FaultKind, LeftOutRow, MeasurementFault, Verdict,
+};
 
 use super::build_case::{Hidden, Made};
 use super::case::Case;
 use super::dominance::Dominance;
 use super::instrument::Instrument;
 use super::judge::{Outcome, Seconds};
+use super::mismeasurement::{Mismeasurement, Mistake, Sort};
 use crate::machines::draw::{draw, measure};
 use crate::machines::noise::NoiseLaw;
 
@@ -46,6 +49,7 @@ pub(super) fn made(case: &Case, hidden: &[&'static str]) -> Made {
         dominance: None,
         plant: IndexMap::from([("pole", -10.0)]),
         measurement: measure(&machine, 1).expect("a machine that moves"),
+        mistake: None,
         instrument: Instrument::of(case, &mut case.rng(1)),
         noise: NoiseLaw::uniform(0.1),
         machine,
@@ -78,4 +82,38 @@ pub(super) fn machine(
     let alone = vec![100.0; dominant];
     outcome.dominance = Some(Dominance { base: 1_000.0, alone, left: 50.0, chi2_per_dof: 2.5 });
     outcome
+}
+
+/// A fault that shows, in a measurement of one experiment.
+pub(super) fn mistake(sort: Sort, fault: Mismeasurement) -> Mistake {
+    let sound = made(&"clean-60-o0-0".parse().expect("a key"), &[]).measurement;
+    Mistake { sort, fault, shows: true, sound }
+}
+
+/// A named fault without details.
+pub(super) fn fault(fault: FaultKind) -> MeasurementFault {
+    MeasurementFault {
+        fault,
+        sentence: String::new(),
+        remedy: String::new(),
+        left_out: Vec::new(),
+        magnitude: None,
+        experiment: None,
+        value: None,
+        interval95: None,
+        response: None,
+    }
+}
+
+/// Bad rows that are named: experiment and harmonic of each.
+pub(super) fn left_out(rows: &[(usize, usize)]) -> MeasurementFault {
+    let row = |&(experiment, harmonic): &(usize, usize)| LeftOutRow {
+        experiment,
+        harmonic,
+        repeat: None,
+        line: None,
+        off: 0.2,
+        sigmas: 9.0,
+    };
+    MeasurementFault { left_out: rows.iter().map(row).collect(), ..fault(FaultKind::BadRows) }
 }

@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use super::case::{Case, Kind};
+use super::mismeasurement::Sort;
 use super::recording::Recording;
 use crate::machines::draw::{Draw, DrawError, NoiseStatement, log_uniform, stepped_sine};
 use crate::machines::noise::{NoiseLaw, RelativeNoise};
@@ -95,13 +96,14 @@ impl Instrument {
     /// | said of it | nothing (half), 3 … 6 repeats (a quarter), a coherence (a quarter) |
     ///
     /// Others measure at the points of the machine, harmonics 0 to 7 and with noise of the level of
-    /// the draw. They state its standard deviation; every fifth has repeats instead. What is
-    /// recorded has a random [`Recording`].
+    /// the draw. They state its standard deviation; every fifth has repeats instead, unless its
+    /// fault is what it states. What is recorded has a random [`Recording`].
     pub(super) fn of(case: &Case, rng: &mut ChaCha8Rng) -> Self {
         let level_db = f64::from(case.level_db);
         if case.kind != Kind::Analyser {
             let is_recorded = case.kind.is_recorded();
-            let has_repeats = case.index % 5 == 4 && !is_recorded;
+            let must_state_std = Sort::of(case) == Some(Sort::StdFactor);
+            let has_repeats = case.index % 5 == 4 && !is_recorded && !must_state_std;
             return Self {
                 points: None,
                 harmonics: Harmonics::UpTo(7),
@@ -242,6 +244,14 @@ mod tests {
         }
         let repeats = all.iter().filter(|one| one.said == NoiseSaid::Repeats(6)).count();
         assert_eq!(repeats, cases.len() / 5);
+    }
+
+    #[test]
+    fn a_wrong_statement_of_the_noise_needs_one() {
+        // Index 54 would have repeats, and its fault is a factor of the standard deviation.
+        let said = |key: &str| instrument(key).said;
+        assert_eq!(said("mismeasured-60-o0-54"), NoiseSaid::Std);
+        assert_eq!(said("mismeasured-60-o0-59"), NoiseSaid::Repeats(6));
     }
 
     #[test]

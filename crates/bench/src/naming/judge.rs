@@ -4,13 +4,14 @@ use std::f64::consts::TAU;
 
 use indexmap::IndexMap;
 use serde::Serialize;
-use servoscope_core::answers::{Diagnosis, ParameterEstimate, Verdict};
+use servoscope_core::answers::{Diagnosis, FaultKind, ParameterEstimate, Verdict};
 
 use super::build_case::{Hidden, Made};
 use super::case::{Case, Kind};
 use super::dominance::Dominance;
 use super::fresh::Fresh;
 use super::instrument::Instrument;
+use super::mismeasured::Mismeasured;
 use super::rivals::Nearest;
 use super::separation::Separation;
 
@@ -35,6 +36,11 @@ pub struct Outcome {
     pub hidden: Vec<Hidden>,
     /// The answer, or the error of the diagnosis.
     pub answer: Result<Answer, String>,
+    /// The fault of the measurement, and what the answer says of it; null if it has none.
+    pub mismeasurement: Option<Mismeasured>,
+    /// The answer to the same measurement without its fault, or the error of that diagnosis; null
+    /// if that was not diagnosed.
+    pub sound: Option<Result<Answer, String>>,
     /// Whether the next experiment distinguished the hidden effect from its rivals; null if that
     /// was not tried.
     pub separation: Option<Separation>,
@@ -68,6 +74,8 @@ pub struct Answer {
     /// Parameters of the plant, from the model with the causes or, if none is named, the base
     /// model.
     pub plant_parameters: Vec<Estimated>,
+    /// The faults of the measurement that are named.
+    pub faults: Vec<FaultKind>,
 }
 
 /// A named cause.
@@ -126,6 +134,7 @@ impl Outcome {
         answer: Result<&Diagnosis, String>,
         seconds: Seconds,
     ) -> Self {
+        let faults = answer.as_ref().map_or(&[][..], |diagnosis| &diagnosis.measurement);
         Self {
             key: case.to_string(),
             kind: case.kind,
@@ -135,7 +144,9 @@ impl Outcome {
             excess: made.excess,
             dominance: made.dominance.clone(),
             hidden: made.hidden.clone(),
+            mismeasurement: made.mistake.as_ref().map(|mistake| Mismeasured::of(mistake, faults)),
             answer: answer.map(|diagnosis| Answer::of(diagnosis, made)),
+            sound: None,
             separation: None,
             nearest: None,
             fresh: None,
@@ -145,7 +156,8 @@ impl Outcome {
 }
 
 impl Answer {
-    fn of(diagnosis: &Diagnosis, made: &Made) -> Self {
+    /// The part of a diagnosis that is judged, with the true values of this draw.
+    pub(super) fn of(diagnosis: &Diagnosis, made: &Made) -> Self {
         let named = diagnosis.causes.iter().map(|cause| Named {
             effect: cause.effect.clone(),
             confidence: cause.confidence,
@@ -170,6 +182,7 @@ impl Answer {
             causes: named.collect(),
             effect_parameters: effect_parameters.collect(),
             plant_parameters: made.plant.iter().map(of_plant).collect(),
+            faults: diagnosis.measurement.iter().map(|found| found.fault).collect(),
         }
     }
 }

@@ -61,6 +61,7 @@ pub(super) fn recorded(
         instrument: Instrument { noise: RelativeNoise::decibels(level_db), ..instrument },
         noise: NoiseLaw::uniform(std),
         measurement,
+        mistake: None,
         attempts: 1,
     })
 }

@@ -8,6 +8,7 @@
 //!   value.
 //! - `mixture`, `mixed_case`: the dominant and small effects of a machine. `dominance`: how much of the excess the
 //!   dominant ones make and leave.
+//! - `mismeasurement`: the fault of a measurement. `mismeasured`: whether an answer names it.
 //! - `recording`: records of a machine, in place of a table.
 //! - `rivals`: how well a single other effect of the library imitates the hidden one.
 //! - `build_case`: makes the machine, its hidden effects and its measurement.
@@ -30,6 +31,8 @@ mod fixtures;
 mod fresh;
 mod instrument;
 mod judge;
+mod mismeasured;
+mod mismeasurement;
 mod mixed_case;
 mod mixture;
 pub mod outsiders;
@@ -53,6 +56,8 @@ pub use excess::{DETECTABLE, base_excess};
 pub use fresh::Fresh;
 pub use instrument::{Harmonics, Instrument, NoiseSaid};
 pub use judge::{Answer, Estimated, Named, Outcome, Seconds};
+pub use mismeasured::{Mismeasured, RowCounts};
+pub use mismeasurement::{BadRow, Mismeasurement, Mistake, Sort};
 pub use plan::Plan;
 pub use rate::Rate;
 pub use recording::Recording;
@@ -61,5 +66,8 @@ pub use run::{Run, Settings, Unmade, run_all, run_case};
 pub use search_setting::{SettingChange, search_settings};
 pub use separation::Separation;
 pub use sizing::Sizing;
-pub use summary::{ConfidenceBin, Confusion, EffectRates, Line, NONE, Summary, Times, Wanted};
+pub use summary::{
+    ConfidenceBin, Confusion, EffectRates, FaultLine, FaultRates, Faults, Line, NONE, Summary,
+    Times, Wanted,
+};
 pub use text::{case_text, misses_text, summary_text};

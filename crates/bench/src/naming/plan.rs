@@ -2,6 +2,7 @@
 
 use super::case::{Case, Kind};
 use super::effect_draws::ids;
+use super::mismeasurement::Sort;
 
 /// The level of analysers, dB: their floors lie within 10 dB of it.
 const ANALYSER_LEVEL_DB: u32 = 70;
@@ -32,10 +33,13 @@ pub struct Plan {
     pub machines: u32,
     /// The same of machines with two dominant effects.
     pub machine_pairs: u32,
+    /// Number of measurements with a fault of each sort at each level above 40 dB, and as many that
+    /// hide an effect, too.
+    pub mismeasured: u32,
 }
 
-/// All kinds but [`Kind::Analyser`] and the machines with small effects, which would make the run
-/// several times as long.
+/// All kinds but [`Kind::Analyser`], the machines with small effects and [`Kind::Mismeasured`],
+/// which would make the run several times as long.
 impl Default for Plan {
     fn default() -> Self {
         Self {
@@ -50,6 +54,7 @@ impl Default for Plan {
             analysers: 10,
             machines: 2,
             machine_pairs: 30,
+            mismeasured: 2,
         }
     }
 }
@@ -122,6 +127,24 @@ impl Plan {
                     .map(|(effect, index)| case(ANALYSER_LEVEL_DB, effect, index))
                     .collect()
             }
+            Kind::Mismeasured => {
+                // The index says which sort of fault it is.
+                let count = Sort::ALL.len() as u32 * self.mismeasured;
+                let levels: Vec<u32> = levels.filter(|level| *level > 40).collect();
+                let draws = levels.iter().flat_map(|level| (0..count).map(move |i| (*level, i)));
+                let order = |place: usize, number: usize| {
+                    // The orders change from one effect to the next and from one turn to the next.
+                    self.orders[(place + number / self.effects.len()) % self.orders.len()]
+                };
+                let clean = draws.clone().map(|(level, index)| case(level, None, index));
+                let effects = self.effects.iter().copied().enumerate().cycle();
+                let hidden = draws.zip(effects).enumerate();
+                let hidden = hidden.map(|(number, ((level, index), (place, effect)))| Case {
+                    order: order(place, number),
+                    ..case(level, Some(effect), index)
+                });
+                clean.chain(hidden).collect()
+            }
         }
     }
 }
@@ -137,7 +160,7 @@ mod tests {
         let plan = Plan::default();
         let cases = plan.cases();
         let count = |kind: Kind| cases.iter().filter(|case| case.kind == kind).count();
-        assert_eq!(Kind::ALL.map(count), [3 * 17 * 10, 300, 2 * 60, 45, 0, 0, 0, 0, 0]);
+        assert_eq!(Kind::ALL.map(count), [3 * 17 * 10, 300, 2 * 60, 45, 0, 0, 0, 0, 0, 0]);
         let keys: HashSet<String> = cases.iter().map(Case::to_string).collect();
         assert_eq!(keys.len(), cases.len());
         for case in &cases {
@@ -159,6 +182,33 @@ mod tests {
         assert_eq!(cases[0].to_string(), format!("analyser-70-{}-o0-0", ids()[0]));
         let orders: Vec<u8> = cases[34..].iter().map(|case| case.order).collect();
         assert_eq!(orders, [0, 1, 2, 0, 1, 2]);
+        for case in cases {
+            assert_eq!(case.to_string().parse(), Ok(case));
+        }
+    }
+
+    #[test]
+    fn faults_are_drawn_only_if_they_are_asked_for_with_the_effects_in_turn_and_clean() {
+        assert!(!Plan::default().kinds.contains(&Kind::Mismeasured));
+        let kinds = vec![Kind::Mismeasured];
+        let cases = Plan { kinds, mismeasured: 3, ..Plan::default() }.cases();
+        let count = 2 * 3 * Sort::ALL.len();
+        assert_eq!(cases.len(), 2 * count);
+        assert!(cases.iter().all(|case| case.level_db > 40));
+        let (clean, hidden) = cases.split_at(count);
+        assert!(clean.iter().all(|case| case.effect.is_none()));
+        for (number, case) in hidden.iter().enumerate() {
+            assert_eq!(case.effect, Some(ids()[number % ids().len()]));
+        }
+        for order in 0..3 {
+            // A third of 78.
+            for cases in [clean, hidden] {
+                let found = cases.iter().filter(|case| case.order == order).count();
+                assert!((24..=28).contains(&found), "{order}: {found}");
+            }
+        }
+        let keys: HashSet<String> = cases.iter().map(Case::to_string).collect();
+        assert_eq!(keys.len(), cases.len());
         for case in cases {
             assert_eq!(case.to_string().parse(), Ok(case));
         }

@@ -14,7 +14,7 @@ use servoscope_core::observer::Observer;
 use super::build_case::{MakeError, build_case};
 use super::case::{Case, Kind};
 use super::fresh::fresh;
-use super::judge::{Outcome, Seconds};
+use super::judge::{Answer, Outcome, Seconds};
 use super::separation::separate;
 use super::sizing::Sizing;
 
@@ -73,7 +73,13 @@ pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Re
     let judged = answer.as_ref().map_err(ToString::to_string);
     let mut outcome = Outcome::new(case, &made, judged, seconds);
     let unmade = |error: MakeError| Unmade { key: case.to_string(), reason: error.to_string() };
-    if let Some(answer) = answer.as_ref().ok().filter(|_| !case.kind.is_recorded()) {
+    if let Some(mistake) = &made.mistake {
+        let answer = diagnose(&mistake.sound, &request, observer);
+        let answer = answer.map(|diagnosis| Answer::of(&diagnosis, &made));
+        outcome.sound = Some(answer.map_err(|error| error.to_string()));
+    }
+    let is_table = !case.kind.is_recorded() && made.mistake.is_none();
+    if let Some(answer) = answer.as_ref().ok().filter(|_| is_table) {
         // A third random stream.
         let rng = &mut case.rng(settings.seed.rotate_left(8));
         outcome.fresh = fresh(&made, answer, rng).map_err(unmade)?;

@@ -53,7 +53,12 @@ impl Outcome {
     /// Whether the first cause, or one of its first two equivalents, is a hidden effect, and none of
     /// the small ones.
     pub fn first_or_equivalent(&self) -> bool {
-        let first = self.causes().first();
+        self.is_first_or_equivalent(self.causes())
+    }
+
+    /// The same of other causes than those of the answer.
+    pub(super) fn is_first_or_equivalent(&self, causes: &[Named]) -> bool {
+        let first = causes.first();
         first.is_some_and(|first| stands_for(first, |id| self.is_dominant(id)))
     }
 
@@ -108,7 +113,8 @@ impl Outcome {
     /// no other may be named; without one nothing may be named, and the verdict must not be
     /// `unexplained`. Of a machine with small effects, the dominant one must be first or an
     /// equivalent of the first, or both dominant ones must be named, and no name may be wrong at a
-    /// confidence of 0.8 or more.
+    /// confidence of 0.8 or more. If the measurement has a fault, that must be named and no other,
+    /// and the answer must be as good as without it.
     pub fn is_right(&self) -> bool {
         self.answer.is_ok()
             && match self.kind {
@@ -116,9 +122,7 @@ impl Outcome {
                 Kind::Clean => self.causes().is_empty(),
                 Kind::Pair => self.named_exactly(),
                 Kind::Outsider => !self.is_explained() && !self.any_at(0.9),
-                Kind::Analyser if self.hidden.is_empty() => {
-                    self.causes().is_empty() && self.verdict() != Some(Verdict::Unexplained)
-                }
+                Kind::Analyser if self.hidden.is_empty() => self.is_without_suspicion(),
                 Kind::Analyser => self.first_or_equivalent() && !self.names_another(),
                 Kind::Machine | Kind::MachineRecord => {
                     self.first_or_equivalent() && !self.names_another_at(SURE)
@@ -126,6 +130,7 @@ impl Outcome {
                 Kind::MachinePair | Kind::MachinePairRecord => {
                     self.dominant_named_at(0.0) && !self.names_another_at(SURE)
                 }
+                Kind::Mismeasured => self.is_right_despite_fault(),
             }
     }
 }

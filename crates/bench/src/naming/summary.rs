@@ -3,6 +3,7 @@
 mod calibration;
 mod lines;
 mod machines;
+mod mismeasured;
 
 use std::collections::BTreeMap;
 
@@ -13,6 +14,7 @@ use super::judge::Outcome;
 use super::rate::Rate;
 pub use calibration::ConfidenceBin;
 use calibration::calibration;
+pub use mismeasured::{FaultLine, FaultRates, Faults};
 
 /// Bounds of the bins of the excess.
 const EXCESS_BOUNDS: [f64; 4] = [120.0, 1_200.0, 12_000.0, 120_000.0];
@@ -110,10 +112,13 @@ pub struct Summary {
     pub lines: Vec<Line>,
     /// Rates of draws of one effect by effect, noise level and excess.
     pub effects: Vec<EffectRates>,
-    /// Confusion tables of all draws of one effect or none, by noise level.
+    /// Confusion tables of all draws of one effect or none, but those with a fault of the
+    /// measurement, by noise level.
     pub confusions: Vec<Confusion>,
-    /// Causes of all draws by confidence.
+    /// Causes of all draws but those with a fault of the measurement, by confidence.
     pub calibration: Vec<ConfidenceBin>,
+    /// Faults of measurements.
+    pub faults: Faults,
     /// Times to make a draw.
     pub data_seconds: Times,
     /// Times to diagnose a draw.
@@ -131,6 +136,7 @@ impl Summary {
             effects: effects(outcomes, &levels),
             confusions: levels.iter().map(|level| confusion(outcomes, *level)).collect(),
             calibration: calibration(outcomes),
+            faults: mismeasured::faults(outcomes),
             data_seconds: times(outcomes.iter().map(|outcome| outcome.seconds.data)),
             job_seconds: times(outcomes.iter().map(|outcome| outcome.seconds.job)),
         }
@@ -167,7 +173,9 @@ fn effects(outcomes: &[Outcome], levels: &[u32]) -> Vec<EffectRates> {
 
 fn confusion(outcomes: &[Outcome], level_db: u32) -> Confusion {
     let mut counts = BTreeMap::new();
-    let of_one = |o: &&Outcome| o.level_db == level_db && o.dominant().count() < 2;
+    let of_one = |o: &&Outcome| {
+        o.level_db == level_db && o.dominant().count() < 2 && o.kind != Kind::Mismeasured
+    };
     for outcome in outcomes.iter().filter(of_one) {
         let hidden = outcome.dominant().next().map_or(NONE, |hidden| hidden.effect);
         let named = outcome.causes().first().map_or(NONE, |first| &first.effect);
@@ -339,6 +347,17 @@ mod tests {
         assert_eq!(count(loud, "none", "stribeck"), 1);
         assert_eq!(count(quiet, "spring", "none"), 1);
         assert_eq!(loud.counts.values().sum::<u32>(), 5, "pairs have no single row");
+    }
+
+    #[test]
+    fn a_fault_of_the_measurement_leaves_the_tables_of_other_kinds_as_they_are() {
+        let mut drawn = outcomes();
+        let before = Summary::of(&drawn);
+        let causes = [("cogging", 0.85, &[][..])];
+        for key in ["mismeasured-60-spring-o0-0", "mismeasured-60-spring-o1-1"] {
+            drawn.push(outcome(key, &["spring"], &causes, Verdict::Improved));
+        }
+        assert_eq!(Summary::of(&drawn), before);
     }
 
     #[test]

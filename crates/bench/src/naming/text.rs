@@ -1,10 +1,12 @@
 //! The benchmark's report as text.
 
+mod faults;
+
 use std::fmt::Write as _;
 
 use super::case::Kind;
 use super::effect_draws::ids;
-use super::judge::Outcome;
+use super::judge::{Answer, Outcome};
 use super::rate::Rate;
 use super::rivals::Nearest;
 use super::run::Unmade;
@@ -41,6 +43,7 @@ pub fn summary_text(summary: &Summary) -> String {
         let row = format!("  {from:<4} … {to:<4}  mean {mean:<6} {share:<38} {within:<7}  {asked}");
         push(&mut text, row.trim_end());
     }
+    faults::faults(&mut text, summary);
     let (data, job) = (summary.data_seconds, summary.job_seconds);
     push(&mut text, "\nSeconds                median     p95");
     push(&mut text, &format!("  making a draw      {:>8.2} {:>8.2}", data.median, data.p95));
@@ -139,6 +142,11 @@ pub fn case_text(outcome: &Outcome) -> String {
         let (share, left) = (100.0 * dominance.share(), dominance.chi2_per_dof);
         let _ = write!(text, "\n    dominant: {share:.1} % of it, χ² per dof {left:.1} left");
     }
+    if let Some(mismeasurement) = &outcome.mismeasurement {
+        let _ = write!(text, "\n    fault {}: {}", mismeasurement.sort.name(), mismeasurement.text);
+        let shown = if mismeasurement.shows { "" } else { " (below the noise)" };
+        text.push_str(shown);
+    }
     for hidden in &outcome.hidden {
         let values = hidden.parameters.iter().map(|(name, value)| format!("{name} {value:.4}"));
         let values = values.collect::<Vec<_>>().join(", ");
@@ -167,7 +175,32 @@ pub fn case_text(outcome: &Outcome) -> String {
     if outcome.causes().is_empty() {
         text.push_str("\n    named nothing");
     }
+    let faults = outcome.answer.as_ref().map_or(&[][..], |answer| &answer.faults);
+    for fault in faults {
+        let _ = write!(text, "\n    named the fault {}", fault.name());
+    }
+    if let Some(sound) = &outcome.sound {
+        let _ = write!(text, "\n    without the fault: {}", sound_text(sound));
+    }
     text
+}
+
+/// The verdict and the names of an answer.
+fn sound_text(answer: &Result<Answer, String>) -> String {
+    match answer {
+        Err(error) => format!("failed: {error}"),
+        Ok(answer) => {
+            let verdict = format!("{:?}", answer.verdict).to_lowercase();
+            let causes = answer.causes.iter().map(|cause| cause.effect.as_str());
+            let faults = answer.faults.iter().map(|fault| fault.name());
+            [verdict.as_str()]
+                .into_iter()
+                .chain(causes)
+                .chain(faults)
+                .collect::<Vec<_>>()
+                .join(", ")
+        }
+    }
 }
 
 /// The target of a rate, and whether it is met.
@@ -196,9 +229,11 @@ fn push(text: &mut String, line: &str) {
 
 #[cfg(test)]
 mod tests {
-    use servoscope_core::answers::Verdict;
+    use servoscope_core::answers::{FaultKind, Verdict};
 
-    use super::super::fixtures::{machine, outcome};
+    use super::super::fixtures::{fault as fault_named, machine, mistake, outcome};
+    use super::super::mismeasured::Mismeasured;
+    use super::super::mismeasurement::{Mismeasurement, Sort};
     use super::*;
 
     #[test]
@@ -241,6 +276,27 @@ mod tests {
             "hidden spring: amplitude 1.0000",
             "hidden small stribeck: amplitude 1.0000",
             "(excess 1000 alone)",
+        ] {
+            assert!(text.contains(part), "{part} in\n{text}");
+        }
+    }
+
+    #[test]
+    fn a_fault_is_described_with_the_answer_and_that_without_it() {
+        let fault = mistake(Sort::Conjugated, Mismeasurement::Conjugated);
+        let named = [fault_named(FaultKind::ReversedSign)];
+        let mismeasurement = Some(Mismeasured { shows: false, ..Mismeasured::of(&fault, &named) });
+        let mut drawn = outcome("mismeasured-60-o0-7", &[], &[], Verdict::Unexplained);
+        let sound =
+            outcome("clean-60-o0-7", &[], &[("spring", 0.9, &[])], Verdict::Improved).answer;
+        if let Ok(answer) = &mut drawn.answer {
+            answer.faults.push(FaultKind::ReversedSign);
+        }
+        let text = case_text(&Outcome { mismeasurement, sound: Some(sound), ..drawn });
+        for part in [
+            "fault conjugated: imaginary parts with the wrong sign (below the noise)",
+            "named the fault reversed_sign",
+            "without the fault: improved, spring",
         ] {
             assert!(text.contains(part), "{part} in\n{text}");
         }

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::Wanted;
+use crate::naming::case::Kind;
 use crate::naming::judge::Outcome;
 use crate::naming::rate::Rate;
 
@@ -31,14 +32,15 @@ pub struct ConfidenceBin {
     pub wanted: Wanted,
 }
 
-/// The causes of all draws, small effects of a machine among them, by confidence.
+/// The causes of all draws, small effects of a machine among them, by confidence. Those with a fault
+/// of the measurement do not count.
 pub(super) fn calibration(outcomes: &[Outcome]) -> Vec<ConfidenceBin> {
     let bin = |bounds: &[f64]| {
         let (from, to) = (bounds[0], bounds[1]);
         let within = |p: f64| p >= from && (p < to || (to >= 1.0 && p <= 1.0));
         let mut right = Rate::default();
         let mut sum = 0.0;
-        for outcome in outcomes {
+        for outcome in outcomes.iter().filter(|outcome| outcome.kind != Kind::Mismeasured) {
             for cause in outcome.causes().iter().filter(|cause| within(cause.confidence)) {
                 right.add(outcome.is_hidden(&cause.effect));
                 sum += cause.confidence;

@@ -1,0 +1,128 @@
+//! The sorts of fault that are drawn.
+
+use serde::Serialize;
+use servoscope_core::answers::FaultKind;
+
+use crate::naming::case::{Case, Kind};
+
+/// A sort of fault that is drawn: its kind and, of bad rows, how many there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sort {
+    /// One row in a hundred is bad, at least one.
+    OneBadRowInAHundred,
+    /// Five rows in a hundred are bad, at least one.
+    FiveBadRowsInAHundred,
+    /// The stated standard deviation is wrong by a factor.
+    StdFactor,
+    /// One magnitude has another gain.
+    LevelGain,
+    /// One magnitude has another phase.
+    LevelPhase,
+    /// One experiment has another gain.
+    RunGain,
+    /// One experiment has another phase.
+    RunPhase,
+    /// The imaginary parts have the wrong sign.
+    Conjugated,
+    /// Harmonics refer to a sine.
+    SineReference,
+    /// The response has the wrong sign.
+    ReversedSign,
+    /// A position is called a velocity.
+    PositionCalledVelocity,
+    /// Rms values are called peak values.
+    RmsCalledPeak,
+    /// The response is ahead by a constant time.
+    ChannelSkew,
+}
+
+impl Sort {
+    /// Every sort.
+    pub const ALL: [Self; 13] = [
+        Self::OneBadRowInAHundred,
+        Self::FiveBadRowsInAHundred,
+        Self::StdFactor,
+        Self::LevelGain,
+        Self::LevelPhase,
+        Self::RunGain,
+        Self::RunPhase,
+        Self::Conjugated,
+        Self::SineReference,
+        Self::ReversedSign,
+        Self::PositionCalledVelocity,
+        Self::RmsCalledPeak,
+        Self::ChannelSkew,
+    ];
+
+    /// That of a draw, from its index; `None` if its measurement is sound.
+    pub(in crate::naming) fn of(case: &Case) -> Option<Self> {
+        let place = case.index as usize % Self::ALL.len();
+        (case.kind == Kind::Mismeasured).then_some(Self::ALL[place])
+    }
+
+    /// The kind of fault that an answer should name.
+    pub fn kind(self) -> FaultKind {
+        match self {
+            Self::OneBadRowInAHundred | Self::FiveBadRowsInAHundred => FaultKind::BadRows,
+            Self::StdFactor => FaultKind::StdFactor,
+            Self::LevelGain => FaultKind::LevelGain,
+            Self::LevelPhase => FaultKind::LevelPhase,
+            Self::RunGain => FaultKind::RunGain,
+            Self::RunPhase => FaultKind::RunPhase,
+            Self::Conjugated => FaultKind::Conjugated,
+            Self::SineReference => FaultKind::SineReference,
+            Self::ReversedSign => FaultKind::ReversedSign,
+            Self::PositionCalledVelocity => FaultKind::ResponseKind,
+            Self::RmsCalledPeak => FaultKind::AmplitudeConvention,
+            Self::ChannelSkew => FaultKind::ChannelSkew,
+        }
+    }
+
+    /// The name of its row in a table.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::OneBadRowInAHundred => "bad_rows, 1 in 100",
+            Self::FiveBadRowsInAHundred => "bad_rows, 5 in 100",
+            sort => sort.kind().name(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::naming::Plan;
+
+    #[test]
+    fn every_sort_is_drawn_equally_often_clean_and_with_an_effect_at_both_levels() {
+        let plan = Plan { kinds: vec![Kind::Mismeasured], mismeasured: 3, ..Plan::default() };
+        let mut counts: BTreeMap<(u32, bool, Sort), u32> = BTreeMap::new();
+        for case in plan.cases() {
+            let sort = Sort::of(&case).unwrap();
+            *counts.entry((case.level_db, case.effect.is_some(), sort)).or_default() += 1;
+        }
+        assert_eq!(counts.len(), 2 * 2 * Sort::ALL.len());
+        assert!(counts.values().all(|count| *count == 3), "{counts:?}");
+    }
+
+    #[test]
+    fn every_kind_of_fault_is_among_the_sorts_and_each_sort_has_a_row_of_its_own() {
+        for kind in FaultKind::ALL {
+            assert!(Sort::ALL.iter().any(|sort| sort.kind() == kind), "{kind:?}");
+        }
+        let mut names = Sort::ALL.map(Sort::name).to_vec();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), Sort::ALL.len());
+    }
+
+    #[test]
+    fn other_draws_have_no_fault() {
+        assert_eq!(Sort::of(&"clean-60-o0-2".parse().unwrap()), None);
+        let faulty = "mismeasured-60-o0-15".parse().unwrap();
+        assert_eq!(Sort::of(&faulty), Some(Sort::StdFactor));
+    }
+}

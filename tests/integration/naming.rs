@@ -3,7 +3,7 @@
 use servoscope_bench::naming::{
     Case, DETECTABLE, Estimated, Outcome, Settings, Sizing, base_excess, build_case, run_case,
 };
-use servoscope_core::answers::{PlantRequest, Verdict};
+use servoscope_core::answers::{FaultKind, PlantRequest, Verdict};
 use servoscope_core::diagnose::diagnose;
 use servoscope_core::effects::find;
 use servoscope_core::identify::{FitAccuracy, FitSession, IdentifyRequest, SearchSettings};
@@ -115,6 +115,21 @@ fn a_small_draw_is_named_and_what_is_clean_is_not() {
         let outcome = outcome(key);
         let causes: Vec<&str> = outcome.causes().iter().map(|c| c.effect.as_str()).collect();
         assert_eq!(causes, named.into_iter().collect::<Vec<_>>(), "{key}");
+    }
+}
+
+// A stated std wrong by a factor, another gain of a level, and conjugated phases.
+#[test]
+fn a_fault_of_the_measurement_of_a_healthy_axis_is_named_and_no_effect_is() {
+    for (key, fault) in [
+        ("mismeasured-60-o2-2", FaultKind::StdFactor),
+        ("mismeasured-60-o0-3", FaultKind::LevelGain),
+        ("mismeasured-60-o1-7", FaultKind::Conjugated),
+    ] {
+        let outcome = outcome(key);
+        let answer = outcome.answer.as_ref().unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(answer.faults, [fault], "{key}");
+        assert_eq!(answer.verdict, Verdict::Adequate, "{key}: {:?}", outcome.causes());
     }
 }
 

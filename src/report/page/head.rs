@@ -108,6 +108,11 @@ fn of_diagnosis(answer: &Diagnosis) -> Judgement {
             "The simulation is wrong, and no known effect is the cause.".into(),
         ),
     };
+    let text = match answer.measurement.len() {
+        0 => text,
+        1 => format!("The measurement has a fault, which is mended here. {text}"),
+        count => format!("The measurement has {count} faults, which are mended here. {text}"),
+    };
     let band = answer.valid_band.as_ref().map(|band| sentence(&band.sentence));
     let before = answer.linearity.as_ref().map(|found| sentence(&found.sentence));
     let found = sentence(&answer.discrepancy.sentence);

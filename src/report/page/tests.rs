@@ -271,3 +271,12 @@ fn without_its_files_a_page_has_the_answer_and_no_figures_of_them() {
     assert!(text.contains("Diagnosis of a servo axis") && text.contains("0.8014"), "{text}");
     assert!(!text.contains("Experiments"), "{text}");
 }
+
+#[test]
+fn a_fault_of_the_measurement_is_told_before_all_else_with_what_mends_it() {
+    let page = of(&sample::mended());
+    assert_eq!(sections(&page)[0], "measurement");
+    assert!(page.contains("The measurement has a fault, which is mended here."));
+    assert!(page.contains("To mend it: measure these again, or delete their lines."));
+    assert!(!sections(&of(&sample::diagnosis())).contains(&"measurement".to_owned()));
+}

@@ -14,12 +14,8 @@ use crate::diagnose::residuals::layout::{Cell, Layout};
 /// −2 ln of the prior odds of a fault of one kind, as that of an effect.
 const FAULT_COST: f64 = 6.0;
 
-/// −2 ln of the probability that a row does not belong: one in a hundred.
-const ROW_COST: f64 = 9.2;
-
-/// Prior standard deviations: of a row, relative to its size; of a gain, relative; of a phase, rad;
-/// of the logarithm of a factor between the mean and the harmonics.
-const ROW_DEVIATION: f64 = 0.3;
+/// Prior standard deviations: of a gain, relative; of a phase, rad; of the logarithm of a factor
+/// between the mean and the harmonics.
 const GAIN_DEVIATION: f64 = 0.1;
 const PHASE_DEVIATION: f64 = 0.1;
 const MEAN_DEVIATION: f64 = LN_2;
@@ -58,9 +54,9 @@ pub(super) struct Candidate {
     pub place: Place,
     /// How the data, in standard deviations, change with each of its parameters.
     pub columns: Vec<Column>,
-    /// Prior standard deviation of each parameter.
-    pub deviations: Vec<f64>,
-    /// −2 ln of its prior probability.
+    /// Prior standard deviation of its parameter; `None` for a row, which may be off by anything.
+    pub deviation: Option<f64>,
+    /// −2 ln of its prior probability; 0 for a row, of which that depends on how many there are.
     pub price: f64,
     /// Whether its parameter can only be positive.
     pub positive: bool,
@@ -111,26 +107,25 @@ fn levels(layout: &Layout) -> Vec<f64> {
 }
 
 fn row(cell: &Cell) -> Candidate {
-    let size = cell.measured.norm().max(cell.simulated.norm()) / cell.std;
     let columns: Vec<Column> = cell.each_row().map(|row| vec![(row, 1.0)]).collect();
     Candidate {
         kind: FaultKind::BadRows,
         place: Place::Row { experiment: cell.experiment, order: cell.order },
-        deviations: vec![ROW_DEVIATION * size; columns.len()],
+        deviation: None,
         columns,
-        price: ROW_COST,
+        price: 0.0,
         positive: false,
     }
 }
 
 fn gain(kind: FaultKind, place: Place, cells: &[&Cell], price: f64) -> Candidate {
     let columns = vec![column(cells, |cell| cell.simulated)];
-    Candidate { kind, place, columns, deviations: vec![GAIN_DEVIATION], price, positive: false }
+    Candidate { kind, place, columns, deviation: Some(GAIN_DEVIATION), price, positive: false }
 }
 
 fn phase(kind: FaultKind, place: Place, cells: &[&Cell], price: f64) -> Candidate {
     let columns = vec![column(cells, |cell| turned(cell, 1.0))];
-    Candidate { kind, place, columns, deviations: vec![PHASE_DEVIATION], price, positive: false }
+    Candidate { kind, place, columns, deviation: Some(PHASE_DEVIATION), price, positive: false }
 }
 
 /// The means against the harmonics, if both were measured: an rms value differs from a peak value,
@@ -141,7 +136,7 @@ fn means(cells: &[&Cell]) -> Option<Candidate> {
         kind: FaultKind::AmplitudeConvention,
         place: Place::All,
         columns: vec![column(&means, |cell| cell.simulated)],
-        deviations: vec![MEAN_DEVIATION],
+        deviation: Some(MEAN_DEVIATION),
         price: FAULT_COST,
         positive: false,
     })
@@ -155,7 +150,7 @@ fn skew(cells: &[&Cell]) -> Option<Candidate> {
         kind: FaultKind::ChannelSkew,
         place: Place::All,
         columns: vec![column(cells, |cell| turned(cell, cell.frequency_hz / fastest))],
-        deviations: vec![PHASE_DEVIATION],
+        deviation: Some(PHASE_DEVIATION),
         price: FAULT_COST,
         positive: true,
     })

@@ -69,3 +69,16 @@ pub(super) fn add(faults: &mut Vec<MeasurementFault>, new: MeasurementFault) -> 
     }
     is_new
 }
+
+/// Whether the size of a fault is certainly not that of none; so if it has no size.
+pub(super) fn is_sure(fault: &MeasurementFault) -> bool {
+    let none = match fault.fault {
+        FaultKind::LevelGain | FaultKind::RunGain => 1.0,
+        FaultKind::LevelPhase | FaultKind::RunPhase | FaultKind::ChannelSkew => 0.0,
+        _ => return true,
+    };
+    // Three standard deviations on either side.
+    let Some([low, high]) = fault.interval95 else { return true };
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low) * 3.0 / HALF_WIDTH);
+    (middle - none).abs() > half
+}

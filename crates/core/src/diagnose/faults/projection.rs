@@ -1,5 +1,7 @@
 //! How much of what a fit leaves a fault of the measurement would explain.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnose::residuals::subspace::Subspace;
@@ -9,13 +11,17 @@ use super::candidates::{Candidate, Column};
 /// Below this share of its length a direction counts as absorbed by the fit.
 const ABSORBED: f64 = 1e-6;
 
+/// Least decrease of χ² by a fault of one experiment in rows other than that which shows most.
+/// Below, it is that row which is wrong. Three standard deviations.
+const LEAST_SHARED: f64 = 9.0;
+
 /// The directions of a candidate outside of what the fit absorbs.
 pub(super) struct Outside {
     columns: Vec<Column>,
     /// Inverse of the information matrix of the candidate's parameters.
     covariance: DMatrix<f64>,
-    /// ln det of I + S·Λ·S, with S the prior deviations and Λ the information.
-    pub volume: f64,
+    /// ln(1 + s²·λ), with s the prior deviation and λ the information; `None` for a row.
+    volume: Option<f64>,
     positive: bool,
 }
 
@@ -33,11 +39,8 @@ impl Outside {
         if !(0..count).all(is_seen) {
             return None;
         }
-        let deviations = &candidate.deviations;
-        let scaled = DMatrix::from_fn(count, count, |i, j| {
-            information[(i, j)] * deviations[i] * deviations[j] + f64::from(u8::from(i == j))
-        });
-        let volume = scaled.determinant().ln();
+        let one_size = |deviation: f64| (1.0 + deviation.powi(2) * information[(0, 0)]).ln();
+        let volume = candidate.deviation.map(one_size);
         let covariance = information.try_inverse()?;
         let columns = candidate.columns.clone();
         Some(Self { columns, covariance, volume, positive: candidate.positive })
@@ -55,6 +58,29 @@ impl Outside {
             true => (0.0, values * 0.0),
             false => (slope.dot(&values), values),
         }
+    }
+
+    /// What the volume of the parameters costs, −2 ln, where Σr² decreases by `gain`. A row may be off
+    /// by anything: its prior is as wide as what is found.
+    pub fn volume(&self, gain: f64) -> f64 {
+        self.volume.unwrap_or_else(|| self.columns.len() as f64 * gain.max(0.0).ln_1p())
+    }
+
+    /// Whether more than the row that shows most speaks for a gain or a phase that several rows
+    /// share; `left` as in [`Self::best`].
+    pub fn is_shared(&self, left: &DVector<f64>, rows_of_one: &dyn Fn(usize) -> usize) -> bool {
+        let mut by_cell: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
+        for (row, value) in self.columns.iter().flatten() {
+            let sums = by_cell.entry(rows_of_one(*row)).or_default();
+            sums[0] += value * left[*row];
+            sums[1] += value * value;
+        }
+        let whole = by_cell.values().fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
+        let gain =
+            |[slope, information]: [f64; 2]| slope.powi(2) / information.max(f64::MIN_POSITIVE);
+        let most = by_cell.values().max_by(|a, b| a[0].abs().total_cmp(&b[0].abs()));
+        let rest = most.map_or(whole, |most| [whole[0] - most[0], whole[1] - most[1]]);
+        rest[0] * whole[0] > 0.0 && gain(rest) > LEAST_SHARED
     }
 
     /// Standard deviations of the parameters, in units of that of the residuals.

@@ -5,7 +5,9 @@
 //! reading leaves a large part of the response, and the right one far less, whatever effects the
 //! machine has.
 
-use crate::answers::{Diagnosis, FaultKind, IdentifyOptions, MeasurementFault, Verdict};
+use crate::answers::{
+    Diagnosis, FaultKind, IdentifyOptions, MeasurementFault, NetworkOptions, Verdict,
+};
 use crate::identify::{FitSession, IdentifyRequest, Intervals};
 use crate::measurement::{Measurement, ResponseKind};
 use crate::observer::Observer;
@@ -14,7 +16,7 @@ use super::{fault, mending, undoubted};
 use crate::diagnose::progress::Part;
 
 /// Another reading is tried only where the base model leaves more than this of the response.
-const LEAST_LEFT: f64 = 0.003;
+const LEAST_LEFT: f64 = 0.01;
 /// The same where inputs have many lines, so that a fit takes seconds.
 const LEAST_LEFT_OF_RECORD: f64 = 0.3;
 
@@ -42,8 +44,30 @@ fn others(measurement: &Measurement) -> Vec<MeasurementFault> {
         .collect()
 }
 
+/// What the base model of a session leaves of the response.
+fn left(session: &FitSession<'_>) -> Option<f64> {
+    let fit = session.judge(session.base(), Intervals::Curvature).ok()?;
+    Some(fit.identification.fit.nrmse).filter(|nrmse| nrmse.is_finite())
+}
+
+/// What the base model leaves of a measurement that is read in another way, and that measurement.
+fn read_as(
+    reading: &MeasurementFault,
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    observer: &dyn Observer,
+) -> Option<(f64, Measurement)> {
+    let read = mending::mended(measurement, std::slice::from_ref(reading)).ok()?.measurement;
+    // The colony alone is good enough to tell readings apart, and twice as fast.
+    let network = NetworkOptions { enabled: false, ..request.options.network };
+    let options = IdentifyOptions { network, ..request.options };
+    let left =
+        left(&FitSession::new(&read, &IdentifyRequest { options, ..*request }, observer).ok()?)?;
+    Some((left, read))
+}
+
 /// The reading of a measurement of which nothing explained what the best model leaves, if one effect
-/// explains it in another reading.
+/// explains it in another reading. Only readings of which the base model leaves less are tried.
 pub(super) fn explained(
     answer: &Diagnosis,
     measurement: &Measurement,
@@ -58,8 +82,9 @@ pub(super) fn explained(
     let options = IdentifyOptions { most_effects: 1, ..request.options };
     let alone = IdentifyRequest { options, ..*request };
     others(measurement).into_iter().find(|reading| {
-        let read = mending::mended(measurement, std::slice::from_ref(reading));
-        let other = read.ok().and_then(|read| undoubted(&read.measurement, &alone, part).ok());
+        let read = read_as(reading, measurement, request, &part);
+        let better = read.filter(|(left, _)| *left < answer.base.fit.nrmse);
+        let other = better.and_then(|(_, read)| undoubted(&read, &alone, part).ok());
         other.is_some_and(|other| {
             matches!(other.verdict, Verdict::Adequate | Verdict::Explained)
                 && best(&other) < CLEARLY_LESS * best(answer)
@@ -74,25 +99,16 @@ pub(super) fn better(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Option<MeasurementFault> {
-    let left = |session: &FitSession<'_>| {
-        let fit = session.judge(session.base(), Intervals::Curvature).ok()?;
-        Some(fit.identification.fit.nrmse).filter(|nrmse| nrmse.is_finite())
-    };
     let as_stated = left(session)?;
     let least = if session.has_cosines_alone() { LEAST_LEFT } else { LEAST_LEFT_OF_RECORD };
     if as_stated <= least {
         return None;
     }
-    let mut best: Option<(f64, MeasurementFault)> = None;
-    for reading in others(measurement) {
-        let Ok(read) = mending::mended(measurement, std::slice::from_ref(&reading)) else {
-            continue;
-        };
-        let Ok(other) = FitSession::new(&read.measurement, request, observer) else { continue };
-        let Some(left) = left(&other) else { continue };
-        if best.as_ref().is_none_or(|(least, _)| left < *least) {
-            best = Some((left, reading));
-        }
-    }
+    let others = others(measurement).into_iter();
+    let read = others.filter_map(|reading| {
+        let (left, _) = read_as(&reading, measurement, request, observer)?;
+        Some((left, reading))
+    });
+    let best = read.min_by(|a, b| a.0.total_cmp(&b.0));
     best.filter(|(left, _)| *left < CLEARLY_LESS * as_stated).map(|(_, reading)| reading)
 }

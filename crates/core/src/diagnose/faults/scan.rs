@@ -23,6 +23,9 @@ const LARGEST_SHARE: f64 = 0.1;
 /// A fault that explains less than this share of what the first one explains is far smaller.
 const FAR_SMALLER: f64 = 0.05;
 
+/// Prior probability that a row does not belong: one in a hundred, or the share that was found.
+const LEAST_SHARE_OF_ROWS: f64 = 0.01;
+
 /// −2 ln of the prior odds of a wrong size of the noise, and prior standard deviation of its
 /// logarithm.
 const SIZE_COST: f64 = 6.0;
@@ -54,6 +57,8 @@ pub(super) struct Scan<'a> {
     size_known: bool,
     /// Degrees of freedom of the base model, of which all misfits are counted.
     dof: f64,
+    /// Rows that are left out already.
+    rows_before: usize,
     /// Σr² before, in units of the residuals; and the same as a cost.
     begin: [f64; 2],
 }
@@ -66,7 +71,12 @@ impl<'a> Scan<'a> {
         let left = residuals.fitted.complement(&residuals.values);
         let begin = [left.norm_squared().max(f64::MIN_POSITIVE), cost];
         let fitted = residuals.fitted.clone();
-        Self { fit, residuals, fitted, left, size_known, dof, begin }
+        Self { fit, residuals, fitted, left, size_known, dof, rows_before: 0, begin }
+    }
+
+    /// The same where so many rows are left out already.
+    pub fn beside(self, rows_before: usize) -> Self {
+        Self { rows_before, ..self }
     }
 
     /// The candidates of this measurement.
@@ -91,6 +101,7 @@ impl<'a> Scan<'a> {
         let most = (LARGEST_SHARE * self.residuals.layout.cells.len() as f64) as usize;
         let mut chosen: Vec<usize> = Vec::new();
         let (mut first, mut size_price) = (0.0, 0.0);
+        let mut rows = self.rows_before;
         for _ in 0..most.max(1) {
             let now = self.misfit(self.left.norm_squared(), self.size_known);
             let size = self.size_gain(now, family);
@@ -99,7 +110,7 @@ impl<'a> Scan<'a> {
                 .enumerate()
                 .filter(|(index, _)| !chosen.contains(index))
                 .filter_map(|(index, candidate)| {
-                    let (net, outside) = self.net_gain(now, candidate, family)?;
+                    let (net, outside) = self.net_gain(now, candidate, family, rows)?;
                     Some((net, index, outside))
                 })
                 .max_by(|a, b| a.0.total_cmp(&b.0));
@@ -116,7 +127,8 @@ impl<'a> Scan<'a> {
                     first = gain.max(first);
                     chosen.push(index);
                     let candidate = &candidates[index];
-                    let price = candidate.price + outside.volume;
+                    let price = self.price(candidate, &outside, gain, rows);
+                    rows += usize::from(candidate.kind == FaultKind::BadRows);
                     found.faults.push((self.take(candidate, &outside), price));
                 }
                 _ => break,
@@ -142,21 +154,61 @@ impl<'a> Scan<'a> {
         ((left / dof - 1.0).abs() > family.size && gain > 0.0).then_some(gain)
     }
 
-    fn net_gain(&self, now: f64, candidate: &Candidate, family: &Family) -> Option<(f64, Outside)> {
+    fn net_gain(
+        &self,
+        now: f64,
+        candidate: &Candidate,
+        family: &Family,
+        rows: usize,
+    ) -> Option<(f64, Outside)> {
         let outside = Outside::of(candidate, &self.fitted)?;
         let left = self.left.norm_squared();
         let (gain, values) = outside.best(&self.left);
         if candidate.kind == FaultKind::AmplitudeConvention {
             convention(1.0 + values[0])?;
         }
-        let dof = (self.left.len() - self.fitted.dimension()).max(1) as f64;
-        let scale = if self.size_known { 1.0 } else { left / dof };
-        if gain <= family.limit(candidate.kind) * scale {
+        let scale = self.scale();
+        // Of many rows the next needs to be no rarer than one of them all (Benjamini and Hochberg
+        // 1995, doi:10.1111/j.2517-6161.1995.tb02031.x).
+        let more = match candidate.kind {
+            FaultKind::BadRows => 2.0 * (1.0 + rows as f64).ln(),
+            _ => 0.0,
+        };
+        if gain <= (family.limit(candidate.kind) - more) * scale {
             return None;
         }
-        let net =
-            now - self.misfit(left - gain, self.size_known) - candidate.price - outside.volume;
+        if matches!(candidate.kind, FaultKind::RunGain | FaultKind::RunPhase)
+            && !outside.is_shared(&(&self.left / scale.sqrt()), &|row| self.cell_of(row))
+        {
+            return None;
+        }
+        let price = self.price(candidate, &outside, gain, rows);
+        let net = now - self.misfit(left - gain, self.size_known) - price;
         (net > 0.0).then_some((net, outside))
+    }
+
+    /// Variance of the noise in units of the residuals.
+    fn scale(&self) -> f64 {
+        let dof = (self.left.len() - self.fitted.dimension()).max(1) as f64;
+        if self.size_known { 1.0 } else { self.left.norm_squared() / dof }
+    }
+
+    /// The first row of the datum to which a row belongs.
+    fn cell_of(&self, row: usize) -> usize {
+        let cells = &self.residuals.layout.cells;
+        let next = cells.partition_point(|cell| cell.rows.0 <= row);
+        cells[next.saturating_sub(1)].rows.0
+    }
+
+    /// What a fault costs that lowers Σr² by `gain`, where so many rows are left out already.
+    fn price(&self, candidate: &Candidate, outside: &Outside, gain: f64, rows: usize) -> f64 {
+        let all = self.residuals.layout.cells.len().max(1) as f64;
+        let share = ((1.0 + rows as f64) / all).max(LEAST_SHARE_OF_ROWS);
+        let odds = match candidate.kind {
+            FaultKind::BadRows => -2.0 * share.ln(),
+            _ => candidate.price,
+        };
+        odds + outside.volume(gain / self.scale())
     }
 
     /// Adds a fault: what it explains is taken from the residuals.
@@ -167,8 +219,7 @@ impl<'a> Scan<'a> {
             candidate.columns.iter().map(|column| dense(column, rows)).collect();
         self.fitted = self.fitted.with(&DMatrix::from_columns(&columns));
         self.left = self.fitted.complement(&self.left);
-        let dof = (rows - self.fitted.dimension()).max(1) as f64;
-        let scale = if self.size_known { 1.0 } else { (self.left.norm_squared() / dof).sqrt() };
+        let scale = self.scale().sqrt();
         let value = values[0];
         let deviation = scale * outside.deviations()[0];
         match candidate.place {

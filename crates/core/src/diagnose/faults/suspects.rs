@@ -20,6 +20,10 @@ const MOST_REFITTED: usize = 4;
 /// were added.
 const MOST_ROUNDS: usize = 12;
 
+/// Most faults beside each other, all rows together counted as one. What needs more is not a
+/// measurement with faults.
+const MOST_FAULTS: usize = 4;
+
 /// Faults beside a model.
 pub(crate) struct Suspected {
     /// The faults.
@@ -110,10 +114,15 @@ impl Suspects<'_> {
             });
             model = session.refine(&model, FitAccuracy::Settle);
             let fit = session.judge(&model, Intervals::Curvature).ok()?;
-            let scan = self.scan(&fit, &model);
+            let scan = self.scan(&fit, &model).beside(rows_left_out(&faults));
             let candidates = scan.candidates();
             let found = scan.select(&candidates, family);
             if found.faults.is_empty() {
+                let before = faults.len();
+                faults.retain(fault::is_sure);
+                if faults.len() < before {
+                    continue;
+                }
                 let criterion = found.misfit + price + self.models.complexity(key);
                 let mut residuals = Residuals::of(&fit);
                 if found.std_factor.is_some() {
@@ -128,9 +137,16 @@ impl Suspects<'_> {
                 let is_new = fault::add(&mut faults, new);
                 price += if is_new { own_price } else { 0.0 };
             }
+            if faults.len() > MOST_FAULTS {
+                return None;
+            }
         }
         None
     }
+}
+
+fn rows_left_out(faults: &[MeasurementFault]) -> usize {
+    faults.iter().map(|fault| fault.left_out.len()).sum()
 }
 
 /// −2 ln likelihood of a cost, up to a constant that models of known and of unknown noise share.

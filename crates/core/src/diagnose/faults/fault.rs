@@ -1,9 +1,16 @@
 //! Faults as they are answered, without their sentences.
 
+use nalgebra::DVector;
+
 use crate::answers::{FaultKind, LeftOutRow, MeasurementFault};
+use crate::diagnose::residuals::layout::Cell;
+use crate::measurement::Complex;
 
 /// Half the width of a 95 % interval, in standard deviations.
 const HALF_WIDTH: f64 = 1.96;
+
+/// A factor between mean and harmonics is that of a convention if its logarithm differs by less.
+const SAME_CONVENTION: f64 = 0.15;
 
 /// A fault of which only the kind is known.
 pub(super) fn new(fault: FaultKind) -> MeasurementFault {
@@ -81,4 +88,28 @@ pub(super) fn is_sure(fault: &MeasurementFault) -> bool {
     let Some([low, high]) = fault.interval95 else { return true };
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low) * 3.0 / HALF_WIDTH);
     (middle - none).abs() > half
+}
+
+/// The factor from the harmonics to peak values, if that from harmonics to means is nearly that of
+/// a convention: √2 of rms, ½ of peak-to-peak values.
+pub(super) fn convention(factor: f64) -> Option<f64> {
+    [std::f64::consts::SQRT_2, 0.5]
+        .into_iter()
+        .find(|known| factor > 0.0 && (factor / known).ln().abs() < SAME_CONVENTION)
+}
+
+/// A row that is left out, by these errors in standard deviations; those are `scale` times as large as
+/// they are stated.
+pub(super) fn left_out(cell: &Cell, values: &DVector<f64>, scale: f64) -> LeftOutRow {
+    let off = Complex::new(values[0], values.get(1).copied().unwrap_or(0.0));
+    let expected = (cell.measured / cell.std - off).norm().max(f64::MIN_POSITIVE);
+    let off = off.norm();
+    LeftOutRow {
+        experiment: cell.experiment,
+        harmonic: cell.order,
+        repeat: None,
+        line: None,
+        off: (off / expected).min(f64::MAX),
+        sigmas: off / scale,
+    }
 }

@@ -14,6 +14,7 @@ mod candidates;
 mod family;
 mod fault;
 mod mending;
+mod noise_size;
 mod projection;
 mod readings;
 mod repeats;

@@ -2,11 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::answers::{FaultKind, LeftOutRow, MeasurementFault, NoiseSource};
+use crate::answers::{FaultKind, MeasurementFault, NoiseSource};
 use crate::identify::ModelFit;
-use crate::measurement::Complex;
 
-use crate::diagnose::residuals::layout::Cell;
 use crate::diagnose::residuals::residual::Residuals;
 use crate::diagnose::residuals::subspace::Subspace;
 
@@ -14,6 +12,7 @@ use super::candidates;
 use super::candidates::{Candidate, Place};
 use super::family::Family;
 use super::fault;
+use super::noise_size;
 use super::projection::{Outside, dense};
 use super::suspects::misfit;
 
@@ -25,14 +24,6 @@ const FAR_SMALLER: f64 = 0.05;
 
 /// Prior probability that a row does not belong: one in a hundred, or the share that was found.
 const LEAST_SHARE_OF_ROWS: f64 = 0.01;
-
-/// −2 ln of the prior odds of a wrong size of the noise, and prior standard deviation of its
-/// logarithm.
-const SIZE_COST: f64 = 6.0;
-const SIZE_DEVIATION: f64 = 1.1;
-
-/// A factor between mean and harmonics is that of a convention if its logarithm differs by less.
-const SAME_CONVENTION: f64 = 0.15;
 
 /// Faults beside a model.
 #[derive(Debug, Clone, Default)]
@@ -102,7 +93,7 @@ impl<'a> Scan<'a> {
         let mut chosen: Vec<usize> = Vec::new();
         let (mut first, mut size_price) = (0.0, 0.0);
         let mut rows = self.rows_before;
-        for _ in 0..most.max(1) {
+        for _ in 0..most.saturating_sub(self.rows_before).max(1) {
             let now = self.misfit(self.left.norm_squared(), self.size_known);
             let size = self.size_gain(now, family);
             let best = candidates
@@ -117,7 +108,7 @@ impl<'a> Scan<'a> {
             match (size, best) {
                 (Some(size), best) if best.as_ref().is_none_or(|best| size > best.0) => {
                     self.size_known = false;
-                    size_price = price_of_size(self.dof);
+                    size_price = noise_size::price(self.dof);
                 }
                 (_, Some((_, index, outside))) => {
                     let gain = outside.best(&self.left).0;
@@ -135,7 +126,8 @@ impl<'a> Scan<'a> {
             }
         }
         if size_price > 0.0 {
-            found.std_factor = self.std_factor(family);
+            found.std_factor =
+                noise_size::factor(self.left.norm_squared(), self.dof_left(), family.size);
             self.size_known = found.std_factor.is_none();
         }
         found.misfit = self.misfit(self.left.norm_squared(), self.size_known)
@@ -149,9 +141,9 @@ impl<'a> Scan<'a> {
             return None;
         }
         let left = self.left.norm_squared();
-        let dof = (self.left.len() - self.fitted.dimension()).max(1) as f64;
-        let gain = now - self.misfit(left, false) - price_of_size(self.dof);
-        ((left / dof - 1.0).abs() > family.size && gain > 0.0).then_some(gain)
+        let gain = now - self.misfit(left, false) - noise_size::price(self.dof);
+        let is_wrong = noise_size::factor(left, self.dof_left(), family.size).is_some();
+        (is_wrong && gain > 0.0).then_some(gain)
     }
 
     fn net_gain(
@@ -165,7 +157,7 @@ impl<'a> Scan<'a> {
         let left = self.left.norm_squared();
         let (gain, values) = outside.best(&self.left);
         if candidate.kind == FaultKind::AmplitudeConvention {
-            convention(1.0 + values[0])?;
+            fault::convention(1.0 + values[0])?;
         }
         let scale = self.scale();
         // Of many rows the next needs to be no rarer than one of them all (Benjamini and Hochberg
@@ -189,8 +181,12 @@ impl<'a> Scan<'a> {
 
     /// Variance of the noise in units of the residuals.
     fn scale(&self) -> f64 {
-        let dof = (self.left.len() - self.fitted.dimension()).max(1) as f64;
-        if self.size_known { 1.0 } else { self.left.norm_squared() / dof }
+        if self.size_known { 1.0 } else { self.left.norm_squared() / self.dof_left() }
+    }
+
+    /// Degrees of freedom that are left.
+    fn dof_left(&self) -> f64 {
+        (self.left.len() - self.fitted.dimension()).max(1) as f64
     }
 
     /// The first row of the datum to which a row belongs.
@@ -226,7 +222,7 @@ impl<'a> Scan<'a> {
             Place::Row { experiment, order } => {
                 let cells = &self.residuals.layout.cells;
                 let cell = cells.iter().find(|c| (c.experiment, c.order) == (experiment, order));
-                fault::bad_rows(cell.map(|cell| left_out(cell, &values, scale)).into_iter())
+                fault::bad_rows(cell.map(|cell| fault::left_out(cell, &values, scale)).into_iter())
             }
             Place::Level(magnitude) => MeasurementFault {
                 magnitude: Some(magnitude),
@@ -236,9 +232,10 @@ impl<'a> Scan<'a> {
                 experiment: Some(experiment),
                 ..fault::sized(candidate.kind, value, deviation)
             },
-            Place::All if candidate.kind == FaultKind::AmplitudeConvention => {
-                MeasurementFault { value: convention(1.0 + value), ..fault::new(candidate.kind) }
-            }
+            Place::All if candidate.kind == FaultKind::AmplitudeConvention => MeasurementFault {
+                value: fault::convention(1.0 + value),
+                ..fault::new(candidate.kind)
+            },
             Place::All => {
                 let cells = &self.residuals.layout.cells;
                 let fastest = cells.iter().map(|cell| cell.frequency_hz).fold(0.0, f64::max);
@@ -246,46 +243,5 @@ impl<'a> Scan<'a> {
                 fault::timed(value * per_angle, deviation * per_angle)
             }
         }
-    }
-
-    /// By which factor the noise differs from what is stated, with its interval: Σr²/s² has a χ²
-    /// distribution. `None` where the difference is no more than chance.
-    fn std_factor(&self, family: &Family) -> Option<MeasurementFault> {
-        let dof = (self.left.len() - self.fitted.dimension()).max(1) as f64;
-        let variance = self.left.norm_squared() / dof;
-        let factor = variance.sqrt();
-        let spread = 1.96 / (2.0 * dof).sqrt();
-        let ends = [factor * (-spread).exp(), factor * spread.exp()];
-        ((variance - 1.0).abs() > family.size).then(|| MeasurementFault {
-            value: Some(factor),
-            interval95: Some(ends),
-            ..fault::new(FaultKind::StdFactor)
-        })
-    }
-}
-
-fn price_of_size(dof: f64) -> f64 {
-    SIZE_COST + (1.0 + 2.0 * dof * SIZE_DEVIATION.powi(2)).ln()
-}
-
-/// The factor from the harmonics to peak values, if that from harmonics to means is nearly that of
-/// a convention: √2 of rms, ½ of peak-to-peak values.
-fn convention(factor: f64) -> Option<f64> {
-    [std::f64::consts::SQRT_2, 0.5]
-        .into_iter()
-        .find(|known| factor > 0.0 && (factor / known).ln().abs() < SAME_CONVENTION)
-}
-
-fn left_out(cell: &Cell, values: &DVector<f64>, scale: f64) -> LeftOutRow {
-    let off = Complex::new(values[0], values.get(1).copied().unwrap_or(0.0));
-    let expected = (cell.measured / cell.std - off).norm().max(f64::MIN_POSITIVE);
-    let off = off.norm();
-    LeftOutRow {
-        experiment: cell.experiment,
-        harmonic: cell.order,
-        repeat: None,
-        line: None,
-        off: (off / expected).min(f64::MAX),
-        sigmas: off / scale,
     }
 }

@@ -17,6 +17,7 @@
 //!    measurement is mended and diagnosed again.
 //! 6. `validation`: a stored answer is tested on another measurement, which need not be periodic.
 
+mod doubt;
 mod error;
 mod faults;
 mod holdout;

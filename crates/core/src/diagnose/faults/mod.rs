@@ -8,7 +8,8 @@
 //! again.
 //!
 //! [`readings`] tries other ways to read the whole file, [`repeats`] compares repeats with each
-//! other. Faults of one row, level or experiment are looked for in tables only.
+//! other. [`retest`] asks whether faults are still needed beside the effects that are named in the
+//! end. Faults of one row, level or experiment are looked for in tables only.
 
 mod candidates;
 mod family;
@@ -16,8 +17,9 @@ mod fault;
 mod mending;
 mod noise_size;
 mod projection;
-mod readings;
+pub(super) mod readings;
 mod repeats;
+mod retest;
 mod scan;
 pub(super) mod suspects;
 #[cfg(test)]
@@ -27,10 +29,11 @@ mod words;
 use std::sync::{Mutex, PoisonError};
 
 use crate::answers::{AsMeasured, ConvergenceRow, Diagnosis, MeasurementFault, Progress, Verdict};
-use crate::identify::{FitSession, IdentifyError, IdentifyRequest, Intervals};
+use crate::identify::{FitSession, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
+use super::doubt::{Data, Halt};
 use super::error::DiagnoseError;
 use super::progress::{Part, Quiet};
 use super::selection::weighting_choice;
@@ -39,45 +42,6 @@ pub use mending::as_understood;
 
 /// Most rounds of mending the measurement and diagnosing it again.
 const MOST_ROUNDS: usize = 5;
-
-/// A measurement to be diagnosed.
-#[derive(Clone, Copy)]
-pub(crate) struct Data<'a> {
-    /// The measurement.
-    pub measurement: &'a Measurement,
-    /// Whether faults of it are looked for.
-    pub doubted: bool,
-}
-
-/// Faults that were found before an answer was complete.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Suspicion {
-    /// The faults; indices are those of the measurement that was diagnosed.
-    pub faults: Vec<MeasurementFault>,
-    /// The answer without them, as far as it was known.
-    pub as_measured: AsMeasured,
-}
-
-/// Why a diagnosis ended without an answer.
-#[derive(Debug)]
-pub(crate) enum Halt {
-    /// An error.
-    Error(DiagnoseError),
-    /// The measurement has faults.
-    Faults(Box<Suspicion>),
-}
-
-impl From<DiagnoseError> for Halt {
-    fn from(error: DiagnoseError) -> Self {
-        Self::Error(error)
-    }
-}
-
-impl From<IdentifyError> for Halt {
-    fn from(error: IdentifyError) -> Self {
-        Self::Error(error.into())
-    }
-}
 
 /// Diagnoses a measurement, and looks for faults of it unless the request keeps all of it.
 ///
@@ -89,9 +53,9 @@ pub(super) fn diagnose(
     part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
     let reached = Reached { whole: &part, fraction: Mutex::new(0.0) };
-    let undoubted = || undoubted(measurement, request, reached.rest());
+    let as_it_is = || undoubted(measurement, request, reached.rest());
     if request.options.keep_all {
-        return undoubted();
+        return as_it_is();
     }
     let mut faults: Vec<MeasurementFault> = repeats::odd_rows(measurement).into_iter().collect();
     let mut as_measured = None;
@@ -101,16 +65,28 @@ pub(super) fn diagnose(
         match weighting_choice::diagnose(data, request, reached.rest()) {
             Ok(answer) if faults.is_empty() => {
                 let quiet = Quiet(&part);
-                let read =
-                    |answer| readings::explained(answer, measurement, request, Part::of(&quiet));
-                let Some(reading) = (!is_explained(&answer)).then(|| read(&answer)).flatten()
-                else {
+                let alone = |measurement: &Measurement, request: &IdentifyRequest| {
+                    undoubted(measurement, request, Part::of(&quiet)).ok()
+                };
+                let read = || readings::explained(&answer, measurement, request, &quiet, &alone);
+                let Some(reading) = (!is_explained(&answer)).then(read).flatten() else {
                     return Ok(answer);
                 };
                 as_measured = Some(as_answered(&answer));
                 faults.push(reading);
             }
             Ok(answer) if is_explained(&answer) || faults.iter().all(is_certain) => {
+                let certain: Vec<MeasurementFault> =
+                    faults.iter().filter(|fault| is_certain(fault)).cloned().collect();
+                let needed =
+                    || retest::needs(measurement, &certain, &answer, request, &Quiet(&part));
+                if certain.len() < faults.len() && !needed() {
+                    if certain.is_empty() {
+                        break;
+                    }
+                    faults = certain;
+                    continue;
+                }
                 let as_measured = match as_measured {
                     Some(known) => Some(known),
                     None => base_alone(measurement, request, &part),
@@ -129,7 +105,7 @@ pub(super) fn diagnose(
             }
         }
     }
-    undoubted()
+    as_it_is()
 }
 
 /// The answer to a measurement as it is.
@@ -158,14 +134,9 @@ fn is_certain(fault: &MeasurementFault) -> bool {
     }
 }
 
-/// Whether the answer's best model leaves only noise.
+/// Whether the answer's best model leaves only noise, and convinces.
 fn is_explained(answer: &Diagnosis) -> bool {
-    let best = answer.extended.as_ref().unwrap_or(&answer.base);
-    match answer.verdict {
-        Verdict::Adequate | Verdict::Explained => true,
-        Verdict::Improved => best.fit.adequate != Some(false),
-        Verdict::Unexplained => false,
-    }
+    matches!(answer.verdict, Verdict::Adequate | Verdict::Explained)
 }
 
 /// A complete answer to the measurement as it is.
@@ -186,30 +157,7 @@ fn base_alone(
 ) -> Option<AsMeasured> {
     let quietly = Quiet(part);
     let session = FitSession::new(measurement, request, &quietly).ok()?;
-    as_measured(&session)
-}
-
-/// What the base model of a session leaves.
-pub(super) fn as_measured(session: &FitSession<'_>) -> Option<AsMeasured> {
-    let fit = session.judge(session.base(), Intervals::Curvature).ok()?.identification.fit;
-    Some(AsMeasured {
-        nrmse: fit.nrmse,
-        chi2_per_dof: fit.chi2_per_dof,
-        causes: Vec::new(),
-        nrmse_with_causes: None,
-    })
-}
-
-/// Another reading of the whole file that is clearly right, if the stated one is wrong.
-pub(super) fn misread(
-    session: &FitSession<'_>,
-    measurement: &Measurement,
-    request: &IdentifyRequest,
-    part: &Part<'_>,
-) -> Option<Halt> {
-    let reading = readings::better(session, measurement, request, &Quiet(part))?;
-    let as_measured = as_measured(session)?;
-    Some(Halt::Faults(Box::new(Suspicion { faults: vec![reading], as_measured })))
+    readings::as_measured(&session)
 }
 
 /// Replaces indices of experiments of a mended measurement by those before it was mended.

@@ -6,19 +6,23 @@
 //! machine has.
 
 use crate::answers::{
-    Diagnosis, FaultKind, IdentifyOptions, MeasurementFault, NetworkOptions, Verdict,
+    AsMeasured, Diagnosis, FaultKind, IdentifyOptions, MeasurementFault, NetworkOptions, Verdict,
 };
 use crate::identify::{FitSession, IdentifyRequest, Intervals};
 use crate::measurement::{Measurement, ResponseKind};
 use crate::observer::Observer;
 
-use super::{fault, mending, undoubted};
-use crate::diagnose::progress::Part;
+use super::{fault, mending};
+use crate::diagnose::doubt::{Halt, Suspicion};
+use crate::diagnose::progress::{Part, Quiet};
 
 /// Another reading is tried only where the base model leaves more than this of the response.
 const LEAST_LEFT: f64 = 0.01;
 /// The same where inputs have many lines, so that a fit takes seconds.
 const LEAST_LEFT_OF_RECORD: f64 = 0.3;
+
+/// Fewest real data that tell readings apart.
+const FEWEST_DATA: usize = 30;
 
 /// Other readings are diagnosed if the best model leaves more than this.
 const LEAST_LEFT_UNEXPLAINED: f64 = 0.02;
@@ -67,12 +71,14 @@ fn read_as(
 }
 
 /// The reading of a measurement of which nothing explained what the best model leaves, if one effect
-/// explains it in another reading. Only readings of which the base model leaves less are tried.
+/// explains it in another reading. Only readings of which the base model leaves less are tried;
+/// `diagnosed` answers without doubting the measurement.
 pub(super) fn explained(
     answer: &Diagnosis,
     measurement: &Measurement,
     request: &IdentifyRequest,
-    part: Part<'_>,
+    observer: &dyn Observer,
+    diagnosed: &dyn Fn(&Measurement, &IdentifyRequest) -> Option<Diagnosis>,
 ) -> Option<MeasurementFault> {
     let best = |answer: &Diagnosis| answer.extended.as_ref().unwrap_or(&answer.base).fit.nrmse;
     let is_table = measurement.experiments().iter().all(|e| e.pure_cosine().is_some());
@@ -82,9 +88,9 @@ pub(super) fn explained(
     let options = IdentifyOptions { most_effects: 1, ..request.options };
     let alone = IdentifyRequest { options, ..*request };
     others(measurement).into_iter().find(|reading| {
-        let read = read_as(reading, measurement, request, &part);
+        let read = read_as(reading, measurement, request, observer);
         let better = read.filter(|(left, _)| *left < answer.base.fit.nrmse);
-        let other = better.and_then(|(_, read)| undoubted(&read, &alone, part).ok());
+        let other = better.and_then(|(_, read)| diagnosed(&read, &alone));
         other.is_some_and(|other| {
             matches!(other.verdict, Verdict::Adequate | Verdict::Explained)
                 && best(&other) < CLEARLY_LESS * best(answer)
@@ -93,12 +99,15 @@ pub(super) fn explained(
 }
 
 /// The reading of a measurement that is clearly right where the stated one is wrong.
-pub(super) fn better(
+fn better(
     session: &FitSession<'_>,
     measurement: &Measurement,
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Option<MeasurementFault> {
+    if session.data() < FEWEST_DATA {
+        return None;
+    }
     let as_stated = left(session)?;
     let least = if session.has_cosines_alone() { LEAST_LEFT } else { LEAST_LEFT_OF_RECORD };
     if as_stated <= least {
@@ -111,4 +120,27 @@ pub(super) fn better(
     });
     let best = read.min_by(|a, b| a.0.total_cmp(&b.0));
     best.filter(|(left, _)| *left < CLEARLY_LESS * as_stated).map(|(_, reading)| reading)
+}
+
+/// What the base model of a session leaves.
+pub(super) fn as_measured(session: &FitSession<'_>) -> Option<AsMeasured> {
+    let fit = session.judge(session.base(), Intervals::Curvature).ok()?.identification.fit;
+    Some(AsMeasured {
+        nrmse: fit.nrmse,
+        chi2_per_dof: fit.chi2_per_dof,
+        causes: Vec::new(),
+        nrmse_with_causes: None,
+    })
+}
+
+/// Another reading of the whole file that is clearly right, if the stated one is wrong.
+pub(in crate::diagnose) fn misread(
+    session: &FitSession<'_>,
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    part: &Part<'_>,
+) -> Option<Halt> {
+    let reading = better(session, measurement, request, &Quiet(part))?;
+    let as_measured = as_measured(session)?;
+    Some(Halt::Faults(Box::new(Suspicion { faults: vec![reading], as_measured })))
 }

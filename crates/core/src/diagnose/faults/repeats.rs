@@ -1,7 +1,9 @@
 //! Rows of single repeats that differ from the other repeats of the same experiment.
 //!
-//! The distance of each repeat from the median of all repeats is compared with the median distance
-//! at harmonics of nearly the same size, which a few wrong rows do not move.
+//! A repeat less the mean of the others has the variance M/(M − 1) of one repeat. That variance is the
+//! median over harmonics of nearly the same size, which a few wrong rows do not move. One wrong
+//! repeat moves the mean of the others, so that only the one that is furthest off is judged, then the
+//! rest without it.
 
 use crate::answers::{LeftOutRow, MeasurementFault};
 use crate::measurement::{Complex, Experiment, Measurement};
@@ -17,14 +19,39 @@ const NEIGHBOURS: usize = 40;
 /// Probability that any row of a sound measurement is left out.
 const LEVEL: f64 = 1e-3;
 
+/// By which factor the squared distance has to exceed its limit: the noise of a gain and that of a
+/// phase differ, so that the two parts of a deviation are not alike.
+const UNLIKE_PARTS: f64 = 1.5;
+
 /// One harmonic of one experiment.
 struct Datum {
     experiment: usize,
     order: usize,
     size: f64,
-    /// Squared distance of each repeat from their median, and the value there.
-    distances: Vec<f64>,
-    median: Complex,
+    /// Each repeat that is left, with its number.
+    values: Vec<(usize, Complex)>,
+}
+
+impl Datum {
+    /// Unbiased variance of each part of one repeat.
+    fn variance(&self) -> f64 {
+        let count = self.values.len() as f64;
+        let mean = self.values.iter().map(|(_, value)| value).sum::<Complex>() / count;
+        let squares: f64 = self.values.iter().map(|(_, z)| (z - mean).norm_sqr()).sum();
+        squares / (2.0 * (count - 1.0))
+    }
+
+    /// The position of the repeat that is furthest from the mean of the others, the squared distance
+    /// in units of the variance of one repeat times M/(M − 1), and that mean.
+    fn furthest(&self) -> Option<(usize, f64, Complex)> {
+        let count = self.values.len() as f64;
+        let sum: Complex = self.values.iter().map(|(_, value)| value).sum();
+        let each = self.values.iter().enumerate().map(|(position, (_, value))| {
+            let others = (sum - value) / (count - 1.0);
+            (position, (value - others).norm_sqr() * (count - 1.0) / count, others)
+        });
+        each.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
 }
 
 /// The rows that differ from the other repeats; `None` if there are none.
@@ -35,68 +62,67 @@ pub(super) fn odd_rows(measurement: &Measurement) -> Option<MeasurementFault> {
         .flat_map(|(index, experiment)| data_of(index, experiment))
         .collect();
     data.sort_by(|a, b| a.size.total_cmp(&b.size));
-    let rows: usize = data.iter().map(|datum| datum.distances.len()).sum();
+    let variances: Vec<Option<f64>> = (0..data.len()).map(|i| usual_variance(&data, i)).collect();
+    let rows: usize = data.iter().map(|datum| datum.values.len()).sum();
     // Of a complex normal deviation with variance s² of each part, |d|²/s² exceeds x with the
-    // probability exp(−x/2), and its median is 2 ln 2. The median of the repeats scatters itself.
-    let limit = -2.0 * (LEVEL / rows.max(1) as f64).ln();
+    // probability exp(−x/2); of a real one with less.
+    let limit = -2.0 * UNLIKE_PARTS * (LEVEL / rows.max(1) as f64).ln();
     let mut odd = Vec::new();
-    for (position, datum) in data.iter().enumerate() {
-        let begin =
-            position.saturating_sub(NEIGHBOURS / 2).min(data.len().saturating_sub(NEIGHBOURS));
-        let near = &data[begin..(begin + NEIGHBOURS).min(data.len())];
-        // A mean has one part instead of two, and smaller distances.
-        let alike = near.iter().filter(|datum| datum.order > 0);
-        let mut distances: Vec<f64> = alike.flat_map(|d| d.distances.iter().copied()).collect();
-        if distances.is_empty() {
-            continue;
-        }
-        let middle = distances.len() / 2;
-        let (_, typical, _) = distances.select_nth_unstable_by(middle, f64::total_cmp);
-        let repeats = datum.distances.len() as f64;
-        let variance = *typical / (2.0 * std::f64::consts::LN_2) * (repeats / (repeats - 1.0));
-        if variance <= 0.0 {
-            continue;
-        }
-        for (repeat, distance) in datum.distances.iter().enumerate() {
-            if *distance > limit * variance {
-                odd.push(LeftOutRow {
-                    experiment: datum.experiment,
-                    harmonic: datum.order,
-                    repeat: Some(repeat),
-                    line: None,
-                    off: (distance.sqrt() / datum.median.norm().max(f64::MIN_POSITIVE))
-                        .min(f64::MAX),
-                    sigmas: (distance / variance).sqrt(),
-                });
-            }
+    for (datum, variance) in data.iter_mut().zip(variances) {
+        let Some(variance) = variance else { continue };
+        while datum.values.len() >= FEWEST_REPEATS {
+            let furthest = datum.furthest().filter(|(_, square, _)| *square > limit * variance);
+            let Some((position, square, others)) = furthest else { break };
+            let (repeat, value) = datum.values.remove(position);
+            let size = others.norm().max(f64::MIN_POSITIVE);
+            odd.push(LeftOutRow {
+                experiment: datum.experiment,
+                harmonic: datum.order,
+                repeat: Some(repeat),
+                line: None,
+                off: ((value - others).norm() / size).min(f64::MAX),
+                sigmas: (square / variance).sqrt(),
+            });
         }
     }
     odd.sort_by_key(|row| (row.experiment, row.harmonic, row.repeat));
     (!odd.is_empty()).then(|| fault::bad_rows(odd.into_iter()))
 }
 
+/// The variance of each part of one repeat that is usual at the size of the harmonic at `position`:
+/// the median of those of nearly the same size or, if that is more, what the median of their ratios to
+/// the square of the size says. Medians are turned into means (Wilson and Hilferty 1931,
+/// doi:10.1073/pnas.17.12.684). `None` if nothing scatters.
+fn usual_variance(data: &[Datum], position: usize) -> Option<f64> {
+    let begin = position.saturating_sub(NEIGHBOURS / 2).min(data.len().saturating_sub(NEIGHBOURS));
+    let near = || data[begin..].iter().take(NEIGHBOURS).filter(|datum| datum.order > 0);
+    let variance = |datum: &Datum| {
+        let dof = 2.0 * (datum.values.len() as f64 - 1.0);
+        datum.variance() / (1.0 - 2.0 / (9.0 * dof)).powi(3)
+    };
+    let of_one_size = median(near().map(variance));
+    let relative = median(near().map(|datum| variance(datum) / datum.size.powi(2)));
+    let usual = of_one_size?.max(relative? * data[position].size.powi(2));
+    (usual > 0.0).then_some(usual)
+}
+
+/// The median of the finite values.
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
 fn data_of(index: usize, experiment: &Experiment) -> Vec<Datum> {
     let each = experiment.response.iter().enumerate();
     each.map(|(i, harmonic)| {
-        let values = || experiment.repeats.iter().map(|repeat| repeat.response[i]);
-        let shift = Complex::new(median(values().map(|z| z.re)), median(values().map(|z| z.im)));
+        let repeats = experiment.repeats.iter().enumerate();
         Datum {
             experiment: index,
             order: harmonic.order,
             size: harmonic.value.norm(),
-            distances: values().map(|z| (z - shift).norm_sqr()).collect(),
-            median: harmonic.value + shift,
+            values: repeats.map(|(p, repeat)| (p, harmonic.value + repeat.response[i])).collect(),
         }
     })
     .collect()
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() % 2 {
-        1 => values[middle],
-        _ => 0.5 * (values[middle - 1] + values[middle]),
-    }
 }

@@ -12,6 +12,9 @@ use super::fault;
 use super::mending;
 use super::scan::Scan;
 
+/// Fewest degrees of freedom that tell a fault from a model.
+const FEWEST_DOF: f64 = 20.0;
+
 /// Models for which faults are estimated together with the model: those that a linearisation finds
 /// best.
 const MOST_REFITTED: usize = 4;
@@ -30,6 +33,10 @@ pub(crate) struct Suspected {
     pub faults: Vec<MeasurementFault>,
     /// −2 ln evidence of the model with them.
     pub criterion: f64,
+    /// What they cost of it.
+    pub price: f64,
+    /// Number of effects of the model.
+    pub effects: usize,
 }
 
 /// What is searched for faults.
@@ -48,7 +55,7 @@ impl Suspects<'_> {
     /// The best model with faults, if it leaves only noise and is better than every model without
     /// any; `wanted` says which models are tried.
     pub fn best(&self, wanted: impl Fn(&Key) -> bool) -> Option<Suspected> {
-        if !self.session.has_cosines_alone() {
+        if !self.session.has_cosines_alone() || self.dof() < FEWEST_DOF {
             return None;
         }
         let scan = self.scan(self.base, self.session.base());
@@ -131,7 +138,8 @@ impl Suspects<'_> {
                 faults.extend(found.std_factor);
                 let observer = self.session.observer();
                 let is_noise = discrepancy::is_without_structure(&residuals, self.seed, observer);
-                return is_noise.then_some(Suspected { faults, criterion });
+                let effects = key.len();
+                return is_noise.then_some(Suspected { faults, criterion, price, effects });
             }
             for (new, own_price) in found.faults {
                 let is_new = fault::add(&mut faults, new);

@@ -12,13 +12,18 @@ use crate::identify::{FitSession, IdentifyRequest};
 use super::causes::EQUIVALENCE_MARGIN;
 use super::evidence::ACTUATOR_ORDER_COST;
 use super::order_study::OrderStudy;
-use crate::diagnose::faults::{Data, Halt, Suspicion};
+use crate::diagnose::doubt::{Data, Halt, Suspicion};
+use crate::diagnose::faults::suspects::Suspected;
 use crate::diagnose::progress::{Part, Quiet};
 
 /// Where faults of the measurement beside one effect at most are better by this, −2 ln evidence, no
 /// combination of effects is tried: it could explain no more than noise, and a second effect of
 /// this size that shows just as a fault does is unlikely. Tuned.
 const CLEARLY_BETTER: f64 = 200.0;
+
+/// What faults beside an effect may cost at most for that: about two rows. A second effect may show
+/// in a few rows alone. Tuned.
+const LARGEST_CLEAR_PRICE: f64 = 50.0;
 
 /// Shares of the progress.
 struct Spans {
@@ -86,7 +91,8 @@ pub(crate) fn diagnose(
     };
     studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
     if data.doubted && !studies[0].explained() {
-        doubt(&studies, CLEARLY_BETTER)?;
+        let is_clear = |found: &Suspected| found.effects == 0 || found.price < LARGEST_CLEAR_PRICE;
+        doubt(&studies, CLEARLY_BETTER, &is_clear)?;
     }
     studies[0].combine(part.part(spans.combining[0]), most, measurement)?;
     if !studies[0].explained() && studies.len() > 1 {
@@ -94,7 +100,7 @@ pub(crate) fn diagnose(
         studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
     }
     if data.doubted {
-        doubt(&studies, 0.0)?;
+        doubt(&studies, 0.0, &|_| true)?;
     }
     let mut said = Vec::new();
     let best = studies.remove(0);
@@ -119,13 +125,17 @@ pub(crate) fn diagnose(
 }
 
 /// Halts where a model of any order with faults of the measurement is better than every model
-/// without any, by this margin of −2 ln evidence.
-fn doubt(studies: &[OrderStudy<'_>], margin: f64) -> Result<(), Halt> {
+/// without any, by this margin of −2 ln evidence, and `is_clear`.
+fn doubt(
+    studies: &[OrderStudy<'_>],
+    margin: f64,
+    is_clear: &dyn Fn(&Suspected) -> bool,
+) -> Result<(), Halt> {
     let order_cost = |study: &OrderStudy<'_>| ACTUATOR_ORDER_COST * f64::from(study.order());
     let without = studies.iter().map(|study| study.best_criterion() + order_cost(study));
     let without = without.fold(f64::INFINITY, f64::min);
     let suspected = studies.iter().filter_map(|study| {
-        let suspected = study.suspected()?;
+        let suspected = study.suspected().filter(is_clear)?;
         Some((suspected.criterion + order_cost(study), suspected.faults))
     });
     let best = suspected.min_by(|a, b| a.0.total_cmp(&b.0));

@@ -11,9 +11,9 @@ use crate::identify::{FitSession, IdentifyRequest};
 use crate::measurement::Measurement;
 
 use super::order_selection;
+use crate::diagnose::doubt::{Data, Halt};
 use crate::diagnose::error::DiagnoseError;
-use crate::diagnose::faults;
-use crate::diagnose::faults::{Data, Halt};
+use crate::diagnose::faults::readings;
 use crate::diagnose::holdout::gain;
 use crate::diagnose::holdout::heldout_predictions::predicted;
 use crate::diagnose::progress::Part;
@@ -68,7 +68,7 @@ fn choose_weighting(
     let fitting = part.part(BASE_FIT_SPAN);
     let first = FitSession::new(measurement, request, &fitting)?;
     if data.doubted
-        && let Some(halt) = faults::misread(&first, measurement, request, &fitting)
+        && let Some(halt) = readings::misread(&first, measurement, request, &fitting)
     {
         return Err(halt);
     }

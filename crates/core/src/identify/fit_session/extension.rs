@@ -3,6 +3,8 @@
 use crate::effects::{Effect, Parameter, Range, WIDE_LANES};
 
 use super::{FitSession, Model};
+use crate::answers::Identification;
+use crate::identify::prediction;
 
 impl FitSession<'_> {
     /// The ranges of the parameters of an effect, in the problem's units.
@@ -55,6 +57,24 @@ impl FitSession<'_> {
         point.resize(coordinates.len(), f64::NAN);
         coordinates.clamp(&mut point);
         Model { coordinates, point, cost: f64::NAN, evaluations: 0 }
+    }
+
+    /// A model with the values that an answer reports of the same plant and effects, in units of the
+    /// measurement. `None` if the answer lacks one.
+    pub fn at_reported(&self, model: &Model, answer: &Identification) -> Option<Model> {
+        let plant = self.problem.in_scale(&prediction::reported_plant(answer).ok()?);
+        let reported = prediction::reported_effects(answer, self.problem.scales).ok()?;
+        let mut model = model.clone();
+        let base = model.coordinates.point(&plant);
+        let count = model.coordinates.base_len();
+        model.point[..count].copy_from_slice(&base[..count]);
+        for (index, effect) in model.effects().to_vec().into_iter().enumerate() {
+            let own = reported.iter().find(|own| own.effect().id() == effect.id())?;
+            let values = own.values().to_vec();
+            model.parameters_of(index).zip(values).for_each(|(i, value)| model.set(i, value));
+        }
+        model.cost = f64::NAN;
+        Some(model)
     }
 
     /// A model without the effect at `index`. Not fitted.

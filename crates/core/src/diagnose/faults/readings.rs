@@ -19,7 +19,7 @@ use crate::diagnose::progress::{Part, Quiet};
 /// Another reading is tried only where the base model leaves more than this of the response.
 const LEAST_LEFT: f64 = 0.01;
 /// The same where inputs have many lines, so that a fit takes seconds.
-const LEAST_LEFT_OF_RECORD: f64 = 0.3;
+const LEAST_LEFT_OF_RECORD: f64 = 0.75;
 
 /// Fewest real data that tell readings apart.
 const FEWEST_DATA: usize = 30;
@@ -41,11 +41,11 @@ fn others(measurement: &Measurement) -> Vec<MeasurementFault> {
     let another = kinds.into_iter().filter(|(kind, _)| *kind != stated).map(|(_, name)| {
         MeasurementFault { response: Some(name.to_owned()), ..fault::new(FaultKind::ResponseKind) }
     });
-    [FaultKind::Conjugated, FaultKind::ReversedSign, FaultKind::SineReference]
-        .into_iter()
-        .map(fault::new)
-        .chain(another)
-        .collect()
+    // Lines of a record are computed from its samples, in the convention that is wanted.
+    let conventions = [FaultKind::Conjugated, FaultKind::SineReference].into_iter();
+    let is_table = measurement.experiments().iter().all(|experiment| !experiment.from_record);
+    let read = conventions.filter(|_| is_table).chain([FaultKind::ReversedSign]);
+    read.map(fault::new).chain(another).collect()
 }
 
 /// What the base model of a session leaves of the response.

@@ -3,7 +3,7 @@
 //! A repeat less the mean of the others has the variance M/(M − 1) of one repeat. That variance is the
 //! median over harmonics of nearly the same size, which a few wrong rows do not move. One wrong
 //! repeat moves the mean of the others, so that only the one that is furthest off is judged, then the
-//! rest without it.
+//! rest without it. Periods of records are not judged: their noise depends on the frequency.
 
 use crate::answers::{LeftOutRow, MeasurementFault};
 use crate::measurement::{Complex, Experiment, Measurement};
@@ -18,6 +18,10 @@ const NEIGHBOURS: usize = 40;
 
 /// Probability that any row of a sound measurement is left out.
 const LEVEL: f64 = 1e-3;
+
+/// Largest share of rows that are left out. Where more differ, the noise depends on something else
+/// than the size of the response.
+const LARGEST_SHARE: f64 = 0.1;
 
 /// By which factor the squared distance has to exceed its limit: the noise of a gain and that of a
 /// phase differ, so that the two parts of a deviation are not alike.
@@ -58,6 +62,7 @@ impl Datum {
 pub(super) fn odd_rows(measurement: &Measurement) -> Option<MeasurementFault> {
     let all = measurement.experiments().iter().enumerate();
     let mut data: Vec<Datum> = all
+        .filter(|(_, experiment)| !experiment.from_record)
         .filter(|(_, experiment)| experiment.repeats.len() >= FEWEST_REPEATS)
         .flat_map(|(index, experiment)| data_of(index, experiment))
         .collect();
@@ -86,7 +91,8 @@ pub(super) fn odd_rows(measurement: &Measurement) -> Option<MeasurementFault> {
         }
     }
     odd.sort_by_key(|row| (row.experiment, row.harmonic, row.repeat));
-    (!odd.is_empty()).then(|| fault::bad_rows(odd.into_iter()))
+    let few = odd.len() as f64 <= LARGEST_SHARE * rows as f64;
+    (few && !odd.is_empty()).then(|| fault::bad_rows(odd.into_iter()))
 }
 
 /// The variance of each part of one repeat that is usual at the size of the harmonic at `position`:

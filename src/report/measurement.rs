@@ -37,7 +37,7 @@ fn one(causes: &[&str], base: f64, with: Option<f64>) -> String {
     let per_cent = |share: f64| format!("{} %", significant(100.0 * share, 3));
     let base_leaves = format!("the base model leaves {} of the response", per_cent(base));
     match (causes, with) {
-        ([], _) | (_, None) => format!("{base_leaves}, and no effect explains it better"),
+        ([], _) | (_, None) => base_leaves,
         (causes, Some(with)) => {
             format!("{base_leaves}, and with {} {}", causes.join(" and "), per_cent(with))
         }

@@ -90,21 +90,6 @@ pub(super) fn mistake(sort: Sort, fault: Mismeasurement) -> Mistake {
     Mistake { sort, fault, shows: true, sound }
 }
 
-/// A named fault without details.
-pub(super) fn fault(fault: FaultKind) -> MeasurementFault {
-    MeasurementFault {
-        fault,
-        sentence: String::new(),
-        remedy: String::new(),
-        left_out: Vec::new(),
-        magnitude: None,
-        experiment: None,
-        value: None,
-        interval95: None,
-        response: None,
-    }
-}
-
 /// Bad rows that are named: experiment and harmonic of each.
 pub(super) fn left_out(rows: &[(usize, usize)]) -> MeasurementFault {
     let row = |&(experiment, harmonic): &(usize, usize)| LeftOutRow {
@@ -115,5 +100,8 @@ pub(super) fn left_out(rows: &[(usize, usize)]) -> MeasurementFault {
         off: 0.2,
         sigmas: 9.0,
     };
-    MeasurementFault { left_out: rows.iter().map(row).collect(), ..fault(FaultKind::BadRows) }
+    MeasurementFault {
+        left_out: rows.iter().map(row).collect(),
+        ..MeasurementFault::of(FaultKind::BadRows)
+    }
 }

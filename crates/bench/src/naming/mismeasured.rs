@@ -114,7 +114,7 @@ fn rows(fault: &Mismeasurement, found: &[MeasurementFault]) -> RowCounts {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixtures::{fault, left_out, mistake};
+    use super::super::fixtures::{left_out, mistake};
     use super::*;
     use crate::naming::mismeasurement::BadRow;
 
@@ -135,9 +135,16 @@ mod tests {
         let conjugated = mistake(Sort::Conjugated, Mismeasurement::Conjugated);
         for (named, right, another) in [
             (vec![], false, false),
-            (vec![fault(FaultKind::Conjugated)], true, false),
-            (vec![fault(FaultKind::ReversedSign)], false, true),
-            (vec![fault(FaultKind::Conjugated), fault(FaultKind::StdFactor)], true, true),
+            (vec![MeasurementFault::of(FaultKind::Conjugated)], true, false),
+            (vec![MeasurementFault::of(FaultKind::ReversedSign)], false, true),
+            (
+                vec![
+                    MeasurementFault::of(FaultKind::Conjugated),
+                    MeasurementFault::of(FaultKind::StdFactor),
+                ],
+                true,
+                true,
+            ),
         ] {
             let found = Mismeasured::of(&conjugated, &named);
             assert_eq!((found.named, found.another_named), (right, another), "{named:?}");
@@ -165,7 +172,8 @@ mod tests {
 
     #[test]
     fn an_experiment_stands_for_a_bad_row_if_it_has_no_other() {
-        let run = MeasurementFault { experiment: Some(0), ..fault(FaultKind::RunGain) };
+        let run =
+            MeasurementFault { experiment: Some(0), ..MeasurementFault::of(FaultKind::RunGain) };
         let of_eight = bad_rows(&[bad(0, 1, 9.0)]);
         assert!(!Mismeasured::of(&of_eight, std::slice::from_ref(&run)).named);
         let mut alone = of_eight;
@@ -184,7 +192,7 @@ mod tests {
     fn the_place_of_a_level_or_experiment_is_compared() {
         let at = |experiment| MeasurementFault {
             experiment: Some(experiment),
-            ..fault(FaultKind::RunGain)
+            ..MeasurementFault::of(FaultKind::RunGain)
         };
         assert_eq!(Mismeasured::of(&run_gain(), &[at(0)]).in_place, Some(true));
         assert_eq!(Mismeasured::of(&run_gain(), &[at(1)]).in_place, Some(false));
@@ -192,7 +200,8 @@ mod tests {
         let phase = Mismeasurement::LevelPhase { magnitude: 3.0, degrees: 4.0 };
         let level = mistake(Sort::LevelPhase, phase);
         for (magnitude, right) in [(Some(3.0 + 1e-9), true), (Some(6.0), false), (None, false)] {
-            let named = MeasurementFault { magnitude, ..fault(FaultKind::LevelPhase) };
+            let named =
+                MeasurementFault { magnitude, ..MeasurementFault::of(FaultKind::LevelPhase) };
             assert_eq!(Mismeasured::of(&level, &[named]).in_place, Some(right));
         }
     }

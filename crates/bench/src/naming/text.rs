@@ -229,9 +229,9 @@ fn push(text: &mut String, line: &str) {
 
 #[cfg(test)]
 mod tests {
-    use servoscope_core::answers::{FaultKind, Verdict};
+    use servoscope_core::answers::{FaultKind, MeasurementFault, Verdict};
 
-    use super::super::fixtures::{fault as fault_named, machine, mistake, outcome};
+    use super::super::fixtures::{machine, mistake, outcome};
     use super::super::mismeasured::Mismeasured;
     use super::super::mismeasurement::{Mismeasurement, Sort};
     use super::*;
@@ -284,7 +284,7 @@ mod tests {
     #[test]
     fn a_fault_is_described_with_the_answer_and_that_without_it() {
         let fault = mistake(Sort::Conjugated, Mismeasurement::Conjugated);
-        let named = [fault_named(FaultKind::ReversedSign)];
+        let named = [MeasurementFault::of(FaultKind::ReversedSign)];
         let mismeasurement = Some(Mismeasured { shows: false, ..Mismeasured::of(&fault, &named) });
         let mut drawn = outcome("mismeasured-60-o0-7", &[], &[], Verdict::Unexplained);
         let sound =

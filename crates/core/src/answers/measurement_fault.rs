@@ -112,6 +112,23 @@ pub struct MeasurementFault {
     pub response: Option<String>,
 }
 
+impl MeasurementFault {
+    /// A fault of which only the kind is known.
+    pub fn of(fault: FaultKind) -> Self {
+        Self {
+            fault,
+            sentence: String::new(),
+            remedy: String::new(),
+            left_out: Vec::new(),
+            magnitude: None,
+            experiment: None,
+            value: None,
+            interval95: None,
+            response: None,
+        }
+    }
+}
+
 /// The answer to the measurement as it is, with its faults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
@@ -120,7 +137,7 @@ pub struct AsMeasured {
     pub nrmse: f64,
     /// χ² per degree of freedom of the base model; null if the noise is unknown.
     pub chi2_per_dof: Option<f64>,
-    /// The effects that would be named.
+    /// The effects that would be named; empty, too, if none were tried before the fault was found.
     pub causes: Vec<String>,
     /// NRMSE of the model with these effects; null if there are none.
     pub nrmse_with_causes: Option<f64>,

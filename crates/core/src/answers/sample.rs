@@ -325,15 +325,10 @@ pub fn mended() -> Diagnosis {
     let sentence = "line 153 (harmonic 1 at magnitude 2 and 3 Hz) does not belong to the rest: 20 % \
                     off, 190 standard deviations; left out";
     let fault = MeasurementFault {
-        fault: FaultKind::BadRows,
         sentence: sentence.into(),
         remedy: "measure these again, or delete their lines".into(),
         left_out: vec![row],
-        magnitude: None,
-        experiment: None,
-        value: None,
-        interval95: None,
-        response: None,
+        ..MeasurementFault::of(FaultKind::BadRows)
     };
     let as_measured = AsMeasured {
         nrmse: 0.041,

@@ -4,9 +4,6 @@
 //! [`formats`] parses files into a [`Measurement`]. A `Measurement` is always valid: its fields
 //! are private, and its constructors check them.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
-
 mod experiment;
 pub mod formats;
 mod metadata;
@@ -25,6 +22,9 @@ mod stated_period;
 mod transient;
 mod units;
 mod waveform;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 pub use experiment::{Experiment, Harmonic, Repeat};
 pub use metadata::{Loop, Metadata, Quantity, ResponseKind};
@@ -181,9 +181,13 @@ impl Measurement {
     }
 
     /// The line of the file that gives a harmonic of an experiment, or of one repeat of it (in the
-    /// order of the file); `None` if it is not known.
+    /// order of the file); `None` if it is not known, or if several repeats give it.
     pub fn line(&self, experiment: usize, order: usize, repeat: Option<usize>) -> Option<u64> {
-        self.lines.get(&(experiment, order, repeat.unwrap_or(0))).copied()
+        let line = |repeat: usize| self.lines.get(&(experiment, order, repeat)).copied();
+        match repeat {
+            Some(repeat) => line(repeat),
+            None => line(0).filter(|_| line(1).is_none()),
+        }
     }
 
     /// The same measurement with the lines of its file, by experiment, harmonic and repeat.

@@ -50,16 +50,17 @@ impl Answer {
 
 #[cfg(test)]
 mod tests {
-    use servoscope_core::answers::FaultKind;
+    use servoscope_core::answers::{FaultKind, MeasurementFault};
 
     use super::*;
-    use crate::naming::fixtures::{fault, mistake, outcome};
+    use crate::naming::fixtures::{mistake, outcome};
     use crate::naming::mismeasurement::{Mismeasurement, Sort};
 
     #[test]
     fn an_answer_is_right_if_it_names_the_fault_and_is_as_good_as_without_it() {
         let conjugated = mistake(Sort::Conjugated, Mismeasurement::Conjugated);
-        let named = Some(Mismeasured::of(&conjugated, &[fault(FaultKind::Conjugated)]));
+        let named =
+            Some(Mismeasured::of(&conjugated, &[MeasurementFault::of(FaultKind::Conjugated)]));
         let clean = |causes: &[(&str, f64, &[&str])], verdict, mismeasurement| Outcome {
             mismeasurement,
             ..outcome("mismeasured-60-o0-7", &[], causes, verdict)

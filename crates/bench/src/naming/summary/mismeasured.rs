@@ -144,7 +144,7 @@ mod tests {
     use servoscope_core::answers::{FaultKind, MeasurementFault};
 
     use super::*;
-    use crate::naming::fixtures::{fault, left_out, mistake, outcome};
+    use crate::naming::fixtures::{left_out, mistake, outcome};
     use crate::naming::mismeasurement::{BadRow, Mismeasurement};
 
     fn with(
@@ -192,8 +192,8 @@ mod tests {
         let faults = faults(&[
             sprung(&spring, &spring),
             sprung(&[], &spring),
-            clean(Verdict::Adequate, &[fault(FaultKind::StdFactor)]),
-            clean(Verdict::Unexplained, &[fault(FaultKind::RunGain)]),
+            clean(Verdict::Adequate, &[MeasurementFault::of(FaultKind::StdFactor)]),
+            clean(Verdict::Unexplained, &[MeasurementFault::of(FaultKind::RunGain)]),
         ]);
         let rate = |hits, of| Rate { hits, of };
         let [rows, std] = &faults.sorts[..] else { panic!("{:?}", faults.sorts) };
@@ -218,7 +218,7 @@ mod tests {
             sprung(&spring, &spring),
             sprung(&[], &spring),
             sprung(&spring, &[]),
-            clean(Verdict::Adequate, &[fault(FaultKind::StdFactor)]),
+            clean(Verdict::Adequate, &[MeasurementFault::of(FaultKind::StdFactor)]),
             clean(Verdict::Unexplained, &[]),
         ];
         if let Some(fault) = &mut found[4].mismeasurement {

@@ -42,11 +42,11 @@ fn short(rate: &Rate) -> String {
 
 #[cfg(test)]
 mod tests {
-    use servoscope_core::answers::{FaultKind, Verdict};
+    use servoscope_core::answers::{FaultKind, MeasurementFault, Verdict};
 
     use super::*;
     use crate::naming::Outcome;
-    use crate::naming::fixtures::{fault, mistake, outcome};
+    use crate::naming::fixtures::{mistake, outcome};
     use crate::naming::mismeasured::Mismeasured;
     use crate::naming::mismeasurement::{Mismeasurement, Sort};
 
@@ -59,7 +59,8 @@ mod tests {
     #[test]
     fn faults_have_a_table_and_rates_with_their_targets() {
         let skew = mistake(Sort::ChannelSkew, Mismeasurement::ChannelSkew { seconds: 1e-3 });
-        let mismeasurement = Some(Mismeasured::of(&skew, &[fault(FaultKind::ChannelSkew)]));
+        let mismeasurement =
+            Some(Mismeasured::of(&skew, &[MeasurementFault::of(FaultKind::ChannelSkew)]));
         let causes = [("spring", 0.9, &[][..])];
         let key = "mismeasured-60-spring-o0-12";
         let drawn = outcome(key, &["spring"], &causes, Verdict::Explained);

@@ -29,7 +29,7 @@ const LEVEL: f64 = 0.003;
 /// The limits of all kinds of fault.
 pub(super) struct Family {
     limits: BTreeMap<FaultKind, f64>,
-    /// The same for the logarithm of the size of the noise: largest |Σr²/ν − 1|.
+    /// The same for the size of the noise: largest |Σr²/ν − 1|.
     pub size: f64,
 }
 

@@ -12,24 +12,9 @@ const HALF_WIDTH: f64 = 1.96;
 /// A factor between mean and harmonics is that of a convention if its logarithm differs by less.
 const SAME_CONVENTION: f64 = 0.15;
 
-/// A fault of which only the kind is known.
-pub(super) fn new(fault: FaultKind) -> MeasurementFault {
-    MeasurementFault {
-        fault,
-        sentence: String::new(),
-        remedy: String::new(),
-        left_out: Vec::new(),
-        magnitude: None,
-        experiment: None,
-        value: None,
-        interval95: None,
-        response: None,
-    }
-}
-
 /// Rows that do not belong.
 pub(super) fn bad_rows(rows: impl Iterator<Item = LeftOutRow>) -> MeasurementFault {
-    MeasurementFault { left_out: rows.collect(), ..new(FaultKind::BadRows) }
+    MeasurementFault { left_out: rows.collect(), ..MeasurementFault::of(FaultKind::BadRows) }
 }
 
 /// A gain that differs by a relative `value`, or a phase that differs by `value` radians.
@@ -39,13 +24,17 @@ pub(super) fn sized(kind: FaultKind, value: f64, deviation: f64) -> MeasurementF
         _ => value.to_degrees(),
     };
     let ends = [-HALF_WIDTH, HALF_WIDTH].map(|width| scaled(value + width * deviation));
-    MeasurementFault { value: Some(scaled(value)), interval95: Some(ends), ..new(kind) }
+    MeasurementFault {
+        value: Some(scaled(value)),
+        interval95: Some(ends),
+        ..MeasurementFault::of(kind)
+    }
 }
 
 /// A response ahead of its input by a time, s.
 pub(super) fn timed(seconds: f64, deviation: f64) -> MeasurementFault {
     let ends = [-HALF_WIDTH, HALF_WIDTH].map(|width| seconds + width * deviation);
-    let fault = new(FaultKind::ChannelSkew);
+    let fault = MeasurementFault::of(FaultKind::ChannelSkew);
     MeasurementFault { value: Some(seconds), interval95: Some(ends), ..fault }
 }
 

@@ -281,7 +281,7 @@ mod tests {
     #[test]
     fn a_figure_shows_the_rows_that_were_left_out_but_no_other_fault() {
         let before = measurement();
-        let faults = [row(2, 1, None), fault::new(FaultKind::Conjugated)];
+        let faults = [row(2, 1, None), MeasurementFault::of(FaultKind::Conjugated)];
         let shown = as_understood(&before, &faults).unwrap();
         let of = |m: &Measurement| m.experiments()[2].harmonic(1).unwrap().value;
         assert_eq!(of(&shown), of(&before).conj());

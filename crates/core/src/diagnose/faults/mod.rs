@@ -28,7 +28,9 @@ mod words;
 
 use std::sync::{Mutex, PoisonError};
 
-use crate::answers::{AsMeasured, ConvergenceRow, Diagnosis, MeasurementFault, Progress, Verdict};
+use crate::answers::{
+    AsMeasured, ConvergenceRow, Diagnosis, FaultKind, MeasurementFault, Progress, Verdict,
+};
 use crate::identify::{FitSession, IdentifyRequest};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
@@ -76,15 +78,19 @@ pub(super) fn diagnose(
                 faults.push(reading);
             }
             Ok(answer) if is_explained(&answer) || faults.iter().all(is_certain) => {
-                let certain: Vec<MeasurementFault> =
-                    faults.iter().filter(|fault| is_certain(fault)).cloned().collect();
-                let needed =
-                    || retest::needs(measurement, &certain, &answer, request, &Quiet(&part));
-                if certain.len() < faults.len() && !needed() {
-                    if certain.is_empty() {
+                // What another effect might explain. The size of the noise it cannot.
+                let (asked, kept): (Vec<_>, Vec<_>) = faults
+                    .iter()
+                    .cloned()
+                    .partition(|fault| !is_certain(fault) && fault.fault != FaultKind::StdFactor);
+                let observer = Quiet(&part);
+                if !asked.is_empty()
+                    && !retest::needs(measurement, &kept, &answer, request, &observer)
+                {
+                    if kept.is_empty() {
                         break;
                     }
-                    faults = certain;
+                    faults = kept;
                     continue;
                 }
                 let as_measured = match as_measured {
@@ -124,9 +130,7 @@ fn undoubted(
 
 /// Whether a fault is found without a model of the machine, or whatever that is.
 fn is_certain(fault: &MeasurementFault) -> bool {
-    use crate::answers::FaultKind::{
-        BadRows, Conjugated, ResponseKind, ReversedSign, SineReference,
-    };
+    use FaultKind::{BadRows, Conjugated, ResponseKind, ReversedSign, SineReference};
     match fault.fault {
         Conjugated | ReversedSign | SineReference | ResponseKind => true,
         BadRows => fault.left_out.iter().all(|row| row.repeat.is_some()),

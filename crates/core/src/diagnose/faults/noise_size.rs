@@ -5,8 +5,6 @@
 
 use crate::answers::{FaultKind, MeasurementFault};
 
-use super::fault;
-
 /// −2 ln of the prior odds of a wrong size, and prior standard deviation of its logarithm.
 const COST: f64 = 6.0;
 const DEVIATION: f64 = 1.1;
@@ -28,7 +26,7 @@ pub(super) fn factor(squares: f64, dof: f64, limit: f64) -> Option<MeasurementFa
     ((variance - 1.0).abs() > limit).then(|| MeasurementFault {
         value: Some(factor),
         interval95: Some([factor * (-spread).exp(), factor * spread.exp()]),
-        ..fault::new(FaultKind::StdFactor)
+        ..MeasurementFault::of(FaultKind::StdFactor)
     })
 }
 

@@ -12,7 +12,7 @@ use crate::identify::{FitSession, IdentifyRequest, Intervals};
 use crate::measurement::{Measurement, ResponseKind};
 use crate::observer::Observer;
 
-use super::{fault, mending};
+use super::mending;
 use crate::diagnose::doubt::{Halt, Suspicion};
 use crate::diagnose::progress::{Part, Quiet};
 
@@ -38,14 +38,16 @@ fn others(measurement: &Measurement) -> Vec<MeasurementFault> {
         (ResponseKind::Position, "position"),
         (ResponseKind::Acceleration, "acceleration"),
     ];
-    let another = kinds.into_iter().filter(|(kind, _)| *kind != stated).map(|(_, name)| {
-        MeasurementFault { response: Some(name.to_owned()), ..fault::new(FaultKind::ResponseKind) }
-    });
+    let another =
+        kinds.into_iter().filter(|(kind, _)| *kind != stated).map(|(_, name)| MeasurementFault {
+            response: Some(name.to_owned()),
+            ..MeasurementFault::of(FaultKind::ResponseKind)
+        });
     // Lines of a record are computed from its samples, in the convention that is wanted.
     let conventions = [FaultKind::Conjugated, FaultKind::SineReference].into_iter();
     let is_table = measurement.experiments().iter().all(|experiment| !experiment.from_record);
     let read = conventions.filter(|_| is_table).chain([FaultKind::ReversedSign]);
-    read.map(fault::new).chain(another).collect()
+    read.map(MeasurementFault::of).chain(another).collect()
 }
 
 /// What the base model of a session leaves of the response.

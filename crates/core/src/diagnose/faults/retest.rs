@@ -14,21 +14,21 @@ use crate::diagnose::residuals::discrepancy;
 
 use super::mending;
 
-/// Whether the model of an answer, fitted to the measurement with only the `certain` faults mended,
+/// Whether the model of an answer, fitted to the measurement with only the `kept` faults mended,
 /// leaves more than noise.
 pub(super) fn needs(
     measurement: &Measurement,
-    certain: &[MeasurementFault],
+    kept: &[MeasurementFault],
     answer: &Diagnosis,
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> bool {
-    is_noise(measurement, certain, answer, request, observer) != Some(true)
+    is_noise(measurement, kept, answer, request, observer) != Some(true)
 }
 
 fn is_noise(
     measurement: &Measurement,
-    certain: &[MeasurementFault],
+    kept: &[MeasurementFault],
     answer: &Diagnosis,
     request: &IdentifyRequest,
     observer: &dyn Observer,
@@ -37,7 +37,7 @@ fn is_noise(
         // The base model alone was tried before any fault was looked for.
         return None;
     }
-    let whole = mending::mended(measurement, certain).ok()?.measurement;
+    let whole = mending::mended(measurement, kept).ok()?.measurement;
     let actuator_order = order(answer);
     let request = IdentifyRequest { plant: Some(PlantRequest { actuator_order }), ..*request };
     let session = FitSession::new(&whole, &request, observer).ok()?;

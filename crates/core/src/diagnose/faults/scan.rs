@@ -234,7 +234,7 @@ impl<'a> Scan<'a> {
             },
             Place::All if candidate.kind == FaultKind::AmplitudeConvention => MeasurementFault {
                 value: fault::convention(1.0 + value),
-                ..fault::new(candidate.kind)
+                ..MeasurementFault::of(candidate.kind)
             },
             Place::All => {
                 let cells = &self.residuals.layout.cells;

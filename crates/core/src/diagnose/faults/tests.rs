@@ -187,6 +187,20 @@ fn a_repeat_that_differs_from_the_others_is_left_out_by_its_number() {
     assert!((0.24..0.36).contains(&row.off), "{row:?}");
 }
 
+// A noise that is stated too large hides nothing, so that the model leaves no more than that without
+// mending it.
+#[test]
+fn a_deviation_that_is_stated_too_large_is_named_beside_an_effect() {
+    let measurement = changed(17, |_, experiment, harmonic| {
+        turned(harmonic, -(experiment.omega_rad_s * 5e-3).to_degrees());
+        harmonic.std = harmonic.std.map(|std| 2.0 * std);
+    });
+    let answer = answer(&measurement);
+    let faults: Vec<FaultKind> = answer.measurement.iter().map(|fault| fault.fault).collect();
+    assert_eq!(faults, [FaultKind::StdFactor]);
+    assert_eq!(answer.causes[0].effect, "transport_delay", "{:?}", answer.causes);
+}
+
 #[test]
 fn an_effect_behind_a_fault_is_still_named() {
     let late = |experiment: &Experiment, harmonic: &mut Harmonic| {

@@ -4,6 +4,7 @@
 //! [`formats`] parses files into a [`Measurement`]. A `Measurement` is always valid: its fields
 //! are private, and its constructors check them.
 
+mod doubts;
 mod experiment;
 pub mod formats;
 mod metadata;
@@ -26,11 +27,14 @@ mod waveform;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+pub use doubts::Doubt;
+pub(crate) use doubts::per_cent;
 pub use experiment::{Experiment, Harmonic, Repeat};
 pub use metadata::{Loop, Metadata, Quantity, ResponseKind};
 pub use record::Record;
 pub use record_error::RecordError;
 pub use transient::{Beginning, Intersample, Transient};
+use waveform::half_peak_to_peak;
 
 /// A line of an input counts as excited if it is larger than this share of the largest line
 /// (tuned).

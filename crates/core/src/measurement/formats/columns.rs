@@ -24,6 +24,7 @@ pub(super) enum Column {
     PhaseStdDeg,
     Repeat,
     Run,
+    Bias,
     URe,
     UIm,
     TimeS,
@@ -55,6 +56,7 @@ pub(super) const HARMONIC_TABLE: &[Column] = &[
     Column::PhaseStdDeg,
     Column::Repeat,
     Column::Run,
+    Column::Bias,
     Column::URe,
     Column::UIm,
 ];
@@ -90,6 +92,7 @@ impl Column {
             Self::PhaseStdDeg => "phase_std_deg",
             Self::Repeat => "repeat",
             Self::Run => "run",
+            Self::Bias => "bias",
             Self::URe => "u_re",
             Self::UIm => "u_im",
             Self::TimeS => "time_s",

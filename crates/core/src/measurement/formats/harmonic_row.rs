@@ -15,8 +15,8 @@ use crate::measurement::{Complex, size};
 pub(super) enum Key {
     /// Value of the column `experiment`.
     Index(u64),
-    /// Bit patterns of magnitude and frequency.
-    Pair(u64, u64),
+    /// Bit patterns of magnitude, frequency and bias.
+    Point(u64, u64, u64),
 }
 
 /// One row, converted to the conventions of this crate.
@@ -26,6 +26,8 @@ pub(super) struct Entry {
     /// Peak magnitude m, if the table has it.
     pub(super) magnitude: Option<f64>,
     pub(super) omega_rad_s: f64,
+    /// Constant added to the input, if the table has it.
+    pub(super) bias: Option<f64>,
     pub(super) harmonic: usize,
     pub(super) repeat: u64,
     pub(super) run: Option<f64>,
@@ -55,9 +57,15 @@ impl Entry {
         };
         let magnitude = magnitude(row, layout, header)?.map(|m| m * convention.peak());
         let omega_rad_s = frequency(row, layout)?;
+        // −0 and 0 must give the same bits, which are part of the key.
+        let bias = row.get(Column::Bias).map(|bias| bias + 0.0);
         let key = match row.required_index(Column::Experiment)? {
             Some(index) => Key::Index(index),
-            None => Key::Pair(magnitude.unwrap_or(0.0).to_bits(), omega_rad_s.to_bits()),
+            None => {
+                let values = [magnitude.unwrap_or(0.0), omega_rad_s, bias.unwrap_or(0.0)];
+                let [magnitude, omega_rad_s, bias] = values.map(f64::to_bits);
+                Key::Point(magnitude, omega_rad_s, bias)
+            }
         };
         let written_input = pair(row, Column::URe, Column::UIm, harmonic)?;
         let written_response = response(row, layout, harmonic, magnitude, convention)?;
@@ -69,6 +77,7 @@ impl Entry {
             key,
             magnitude,
             omega_rad_s,
+            bias,
             harmonic,
             repeat: row.index_in(Column::Repeat)?.unwrap_or(0),
             run: row.get(Column::Run),
@@ -97,6 +106,7 @@ impl Entry {
             (response, "the response", large(self.response)),
             (Column::URe, "the input", large(self.input)),
             (Column::Magnitude, "the magnitude", self.magnitude),
+            (Column::Bias, "the bias", self.bias.map(f64::abs)),
         ];
         for (column, what, value) in values {
             if let Some(reason) = value.and_then(|value| size::fault(what, value)) {

@@ -17,6 +17,8 @@ use crate::measurement::Lines;
 pub(super) struct Group {
     pub(super) magnitude: Option<f64>,
     pub(super) omega_rad_s: f64,
+    /// Constant added to the input, if the table has it.
+    pub(super) bias: Option<f64>,
     /// Index of its first row.
     pub(super) row: usize,
     /// Rows by index of the repeat, each in ascending order of harmonics.
@@ -76,6 +78,7 @@ fn group(table: &Table, entries: &[Entry]) -> Result<Vec<Group>, Fault> {
             groups.push(Group {
                 magnitude: entry.magnitude,
                 omega_rad_s: entry.omega_rad_s,
+                bias: entry.bias,
                 row: entry.row,
                 repeats: BTreeMap::new(),
             });
@@ -102,17 +105,22 @@ fn group(table: &Table, entries: &[Entry]) -> Result<Vec<Group>, Fault> {
     Ok(groups)
 }
 
-/// Checks that a row has the magnitude and frequency of its experiment.
+/// Checks that a row has the magnitude, frequency and bias of its experiment.
 fn check_same(table: &Table, group: &Group, entry: &Entry, row: Row<'_>) -> Result<(), Fault> {
     let first = table.row(group.row).name();
-    if entry.magnitude != group.magnitude {
-        let show = |m: Option<f64>| m.map_or("none".to_owned(), |m| m.to_string());
+    let settings = [
+        (Column::Magnitude, entry.magnitude, group.magnitude),
+        (Column::Bias, entry.bias, group.bias),
+    ];
+    if let Some((column, here, there)) = settings.into_iter().find(|(_, a, b)| a != b) {
+        let show = |value: Option<f64>| value.map_or("none".to_owned(), |value| value.to_string());
         return Err(row.fault(
-            Column::Magnitude,
+            column,
             format!(
-                "magnitude {} differs from {} of the same experiment at {first}",
-                show(entry.magnitude),
-                show(group.magnitude)
+                "{} {} differs from {} of the same experiment at {first}",
+                column.name(),
+                show(here),
+                show(there)
             ),
         ));
     }

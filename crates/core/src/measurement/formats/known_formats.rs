@@ -4,12 +4,14 @@ use super::fault::Fault;
 use super::format::{Content, Format};
 use super::given::Given;
 use super::part::Part;
-use super::{delimited, json, sysid, twincat_scope, universal, xlsx};
+use super::{delimited, json, matlab, sysid, tdms, twincat_scope, universal, xlsx};
 
 /// All formats. The first that a file looks like reads it; the last reads whatever is left.
 const FORMATS: &[Format] = &[
     xlsx::FORMAT,
     universal::FORMAT,
+    matlab::FORMAT,
+    tdms::FORMAT,
     twincat_scope::FORMAT,
     sysid::FORMAT,
     json::FORMAT,

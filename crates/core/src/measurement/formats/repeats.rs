@@ -41,8 +41,17 @@ pub(super) fn experiment(
         })
         .collect();
 
-    let inputs: Vec<Vec<Complex>> = repeats.iter().filter_map(|entries| input(entries)).collect();
-    let measured = !inputs.is_empty();
+    let mean_measured = repeats[0].iter().any(|entry| entry.harmonic == 0 && entry.input.is_some());
+    if group.bias.is_some() && mean_measured {
+        return Err(table.row(group.row).fault(
+            Column::Bias,
+            "the bias is a second statement of the input's mean, which u_re gives for harmonic 0: \
+             give one of them",
+        ));
+    }
+    let bias = Complex::new(group.bias.unwrap_or(0.0), 0.0);
+    let inputs: Vec<Vec<Complex>> =
+        repeats.iter().filter_map(|entries| input(entries, bias)).collect();
     // Inputs that are identical in all repeats are settings, not measurements.
     let input_scatters = inputs.windows(2).any(|pair| pair[0] != pair[1]);
     let mean_input = match (group.magnitude, inputs.first()) {
@@ -53,7 +62,7 @@ pub(super) fn experiment(
                 first.clone()
             }
         }
-        (Some(m), None) => vec![Complex::ZERO, Complex::new(m, 0.0)],
+        (Some(m), None) => vec![bias, Complex::new(m, 0.0)],
         (None, None) => {
             return Err(table
                 .row(group.row)
@@ -88,8 +97,7 @@ pub(super) fn experiment(
             magnitude,
             omega_rad_s: group.omega_rad_s,
             input: mean_input,
-            input_mean_measured: measured
-                && repeats[0].iter().any(|entry| entry.harmonic == 0 && entry.input.is_some()),
+            input_mean_measured: mean_measured || group.bias.is_some(),
             response,
             run: run(&repeats, &mut remarks),
             repeats: repeats_of_mean,
@@ -138,10 +146,11 @@ fn list(orders: &[usize]) -> String {
     format!("[{}{rest}]", shown.join(" "))
 }
 
-/// Uₖ for k from 0 to the highest given one, with 0 for those that are not given.
-fn input(entries: &[Entry]) -> Option<Vec<Complex>> {
+/// Uₖ for k from 0 to the highest given one: U₀ is the bias where it is not given, all others 0.
+fn input(entries: &[Entry], bias: Complex) -> Option<Vec<Complex>> {
     let highest = entries.iter().rfind(|entry| entry.input.is_some())?.harmonic;
     let mut input = vec![Complex::ZERO; highest.max(1) + 1];
+    input[0] = bias;
     for entry in entries {
         if let Some(value) = entry.input {
             input[entry.harmonic] = value;

@@ -176,3 +176,21 @@ fn several_files_are_joined_and_may_mix_tables_and_records() {
     assert!(m.notes().iter().any(|note| note.contains("b.csv") && note.contains("machine")));
     assert!(m.notes().iter().any(|note| note.starts_with("experiment 2: ")));
 }
+
+#[test]
+fn a_bias_is_the_mean_of_the_input_and_tells_experiments_apart() {
+    let m = ok("magnitude,omega_rad_s,harmonic,re,im,bias\n\
+        1,2,0,0.9,0,2\n1,2,1,0.4,-0.2,2\n1,2,1,0.3,-0.2,-2\n1,2,1,0.2,-0.2,\n");
+    let means: Vec<f64> = m.experiments().iter().map(|e| e.input[0].re).collect();
+    assert_eq!(means, [2.0, -2.0, 0.0]);
+    let [first, _, third] = m.experiments() else { panic!("three experiments") };
+    assert_eq!((first.magnitude, first.input[1].re, first.response.len()), (1.0, 1.0, 2));
+    assert!(first.input_mean_measured && !third.input_mean_measured);
+}
+
+#[test]
+fn a_bias_goes_with_measured_lines_of_the_input() {
+    let m = ok("magnitude,omega_rad_s,harmonic,re,im,bias,u_re,u_im\n1,1,1,1,0,3,1,0.5\n");
+    let lines = [Complex::new(3.0, 0.0), Complex::new(1.0, 0.5)];
+    assert_eq!(m.experiments()[0].input, lines);
+}

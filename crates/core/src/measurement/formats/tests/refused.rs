@@ -51,6 +51,16 @@ fn a_row_given_twice_is_refused_whatever_its_run() {
 }
 
 #[test]
+fn a_mean_of_the_input_is_stated_once() {
+    let text = "magnitude,omega_rad_s,harmonic,re,im,bias,u_re,u_im\n\
+        1,1,0,1,0,3,3,0\n1,1,1,1,0,3,1,0\n";
+    refused(text, 2, "bias", "give one of them");
+    let text =
+        "experiment,magnitude,omega_rad_s,harmonic,re,im,bias\n0,1,1,0,1,0,3\n0,1,1,1,1,0,2\n";
+    refused(text, 3, "bias", "bias 2 differs from 3");
+}
+
+#[test]
 fn a_missing_column_is_named_with_its_alternatives() {
     refused("omega_rad_s,re,im\n1,1,0\n", 1, "magnitude", "u_re,u_im");
     refused("# a\nmagnitude,re,im\n1,1,0\n", 2, "omega_rad_s", "frequency_hz");

@@ -131,12 +131,15 @@ pub(super) fn measurement(paths: &[PathBuf], given: &given::Args) -> Result<Meas
     BuiltIn.read(&sources(&read(paths, given)?)).map_err(Failure::input)
 }
 
-fn sources(files: &[(String, Vec<u8>)]) -> Vec<Source<'_>> {
+pub(super) fn sources(files: &[(String, Vec<u8>)]) -> Vec<Source<'_>> {
     files.iter().map(|(name, bytes)| Source { name, bytes }).collect()
 }
 
 /// The files, and behind them what is given beside them.
-fn read(paths: &[PathBuf], given: &given::Args) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+pub(super) fn read(
+    paths: &[PathBuf],
+    given: &given::Args,
+) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let file = |path: &PathBuf| match std::fs::read(path) {
         Ok(bytes) => Ok((path.display().to_string(), bytes)),
         Err(error) => Err(Failure::Input(format!("{}: {error}", path.display()))),

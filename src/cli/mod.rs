@@ -10,6 +10,7 @@ mod failure;
 mod figures;
 mod given;
 mod identify;
+mod inspect;
 mod interrupt;
 mod logging;
 mod openapi;
@@ -51,6 +52,8 @@ enum Command {
     Diagnose(diagnose::Args),
     /// Fits the base model to a measurement.
     Identify(computation::Args),
+    /// Says how a measurement was understood, what looks wrong with it, and which effects it can show.
+    Inspect(inspect::Args),
     /// Prints the OpenAPI document of the service.
     Openapi,
     /// Runs the experiments of the paper and prints its tables with our columns beside its own.
@@ -89,6 +92,10 @@ pub fn main() -> ExitCode {
         Command::Identify(args) => {
             start_log(cli.verbose);
             identify::run(&args)
+        }
+        Command::Inspect(args) => {
+            start_log(cli.verbose);
+            inspect::run(&args)
         }
         Command::Openapi => openapi::run(),
         Command::Reproduce(args) => {

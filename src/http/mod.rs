@@ -11,6 +11,7 @@ mod events;
 mod exports;
 mod flat;
 mod health;
+mod inspections;
 mod jobs;
 mod layers;
 mod lists;

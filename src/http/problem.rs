@@ -164,6 +164,12 @@ impl Problem {
             ServiceError::NoPlot { .. } => {
                 Self::new(StatusCode::NOT_FOUND, "no-plot", "No such plot", text)
             }
+            ServiceError::Uninspected { .. } => Self::new(
+                StatusCode::UNPROCESSABLE_ENTITY,
+                "uninspected",
+                "Measurement cannot be inspected",
+                text,
+            ),
             ServiceError::Ended { .. } => {
                 Self::new(StatusCode::CONFLICT, "already-ended", "Already ended", text)
             }

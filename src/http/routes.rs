@@ -8,8 +8,8 @@ use utoipa_axum::routes;
 use crate::service::Service;
 
 use super::{
-    axes, dashboard, events, exports, health, jobs, measurements, plots, report, results,
-    validations,
+    axes, dashboard, events, exports, health, inspections, jobs, measurements, plots, report,
+    results, validations,
 };
 
 #[derive(OpenApi)]
@@ -35,6 +35,8 @@ pub(super) fn list() -> OpenApiRouter<Service> {
         .routes(routes!(measurements::get, measurements::delete))
         .routes(routes!(exports::measurement_csv))
         .routes(routes!(exports::measurement_json))
+        .routes(routes!(inspections::get))
+        .routes(routes!(inspections::figure))
         .routes(routes!(jobs::submit, jobs::list))
         .routes(routes!(jobs::get, jobs::delete))
         .routes(routes!(results::get))

@@ -23,6 +23,7 @@ mod dashboard;
 mod documents;
 mod events;
 mod failures;
+mod inspections;
 mod operations;
 
 /// Bytes that an upload may have here.

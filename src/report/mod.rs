@@ -4,6 +4,7 @@ mod causes;
 mod columns;
 mod diagnosis;
 pub mod figures;
+mod inspection;
 mod measurement;
 mod number;
 pub mod page;
@@ -16,6 +17,7 @@ use servoscope_core::answers::Answer;
 
 pub use causes::with_causes;
 pub use diagnosis::diagnosis;
+pub use inspection::inspection;
 pub use text::identification;
 pub use validation::validation;
 

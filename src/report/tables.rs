@@ -2,12 +2,14 @@
 //! stands in its cells. The text and the page write them each in its own way.
 
 mod diagnosis;
+mod inspection;
 mod model;
 
 use super::columns::Side;
 use super::number::digits;
 
 pub(super) use diagnosis::{gains, residuals, tests, tried};
+pub(super) use inspection::{unseen, visible};
 pub(super) use model::{flags, in_digits, misfit, orders, parameters, stages};
 
 /// Probability below which another power of ten says nothing.

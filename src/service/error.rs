@@ -58,6 +58,12 @@ pub enum ServiceError {
         /// The figures there are.
         available: Vec<&'static str>,
     },
+    /// A measurement that cannot be inspected.
+    #[error("the measurement cannot be inspected: {reason}")]
+    Uninspected {
+        /// What is wrong.
+        reason: String,
+    },
     /// Cancelling a job that has ended.
     #[error("job `{id}` has already {}; there is nothing to cancel", status.name())]
     Ended {

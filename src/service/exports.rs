@@ -62,7 +62,7 @@ impl Service {
 
     /// Reads a stored measurement and makes something of it, off the threads that
     /// answer requests.
-    async fn with_measurement<T: Send + 'static>(
+    pub(super) async fn with_measurement<T: Send + 'static>(
         &self,
         id: &str,
         make: impl FnOnce(Measurement) -> T + Send + 'static,

@@ -5,9 +5,11 @@
 
 mod axes;
 mod compared;
+mod curves;
 mod error;
 mod events;
 mod exports;
+mod inspections;
 mod jobs;
 mod measurements;
 mod metrics;
@@ -27,6 +29,7 @@ pub use axes::HistoryQuery;
 pub use compared::Compared;
 pub use error::ServiceError;
 pub use events::JobEvent;
+use inspections::Inspections;
 pub use jobs::{Failure, Job};
 pub use measurements::{MAX_FILES, MAX_POINTS, Measured, Upload};
 pub use metrics::Metrics;
@@ -69,12 +72,14 @@ pub struct Service {
     numerics: Arc<dyn Numerics>,
     signals: Arc<Signals>,
     metrics: Arc<Metrics>,
+    inspections: Arc<Inspections>,
 }
 
 impl Service {
     /// Joins them. `signals` are shared with the worker of this process.
     pub fn new(store: Arc<dyn Store>, numerics: Arc<dyn Numerics>, signals: Arc<Signals>) -> Self {
-        Self { store, numerics, signals, metrics: Arc::default() }
+        let (metrics, inspections) = Default::default();
+        Self { store, numerics, signals, metrics, inspections }
     }
 
     /// What is counted of this service.

@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 
 use servoscope_core::answers::{
-    Answer, Comparison, Diagnosis, Identification, JobKind, MeasurementFault, Validation,
+    Answer, Comparison, Diagnosis, Identification, Inspection, JobKind, MeasurementFault,
+    Validation,
 };
 use servoscope_core::diagnose::{self, DiagnoseError, ValidateError};
 use servoscope_core::identify::{self, IdentifyError, IdentifyRequest};
@@ -53,6 +54,20 @@ pub trait Numerics: Send + Sync + 'static {
         request: &IdentifyRequest,
         observer: &dyn Observer,
     ) -> Result<Diagnosis, DiagnoseError>;
+
+    /// Looks at a measurement before it is diagnosed: what looks wrong with it, and which effects
+    /// it can show at which size.
+    ///
+    /// # Errors
+    /// See [`DiagnoseError`].
+    fn inspect(
+        &self,
+        measurement: &Measurement,
+        request: &IdentifyRequest,
+        observer: &dyn Observer,
+    ) -> Result<Inspection, DiagnoseError> {
+        diagnose::inspect(measurement, request, observer)
+    }
 
     /// Tries the models of an answer on another measurement.
     ///

@@ -43,6 +43,7 @@ const FILES: &[(&str, &str, &str)] = &[
     file!("overview.js", SCRIPT),
     file!("upload.js", SCRIPT),
     file!("measurement.js", SCRIPT),
+    file!("inspection.js", SCRIPT),
     file!("start.js", SCRIPT),
     file!("job.js", SCRIPT),
     file!("live.js", SCRIPT),

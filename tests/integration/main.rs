@@ -12,6 +12,7 @@ mod effects;
 mod eighteenth_effect;
 mod grafana;
 mod identification;
+mod inspection;
 mod layers;
 mod limits;
 mod machines;

@@ -120,8 +120,16 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
 }
 
 fn rows(content: &Content<'_>) -> Vec<(&'static str, String)> {
-    let Measured { magnitudes, omegas_rad_s, harmonics: [low, high], .. } = content.measured;
-    let measured = content.measured;
+    let noise = ("Noise", noise(content.answer.base().noise, content.comparison));
+    described(content.measured).into_iter().chain([noise]).collect()
+}
+
+/// What was read, by name; empty where nothing could be.
+pub(in crate::report) fn described(measured: &Measured) -> Vec<(&'static str, String)> {
+    let Measured { magnitudes, omegas_rad_s, harmonics: [low, high], .. } = measured;
+    if measured.experiments == 0 {
+        return Vec::new();
+    }
     let hertz: Vec<f64> = omegas_rad_s.iter().map(|w| w / std::f64::consts::TAU).collect();
     let feedback = measured.closed_loop.map(|closed| match closed {
         true => "closed: a controller was active",
@@ -142,12 +150,8 @@ fn rows(content: &Content<'_>) -> Vec<(&'static str, String)> {
         ("Fundamentals", values(&hertz, "Hz")),
         ("Harmonics", if low == high { low.to_string() } else { format!("{low} to {high}") }),
         ("Order of acquisition", order.to_owned()),
-        ("Noise", noise(content.answer.base().noise, content.comparison)),
     ];
-    let nothing_read = measured.experiments == 0;
-    let known =
-        |(name, value): &(&str, String)| !value.is_empty() && (!nothing_read || *name == "Noise");
-    rows.into_iter().filter(known).collect()
+    rows.into_iter().filter(|(_, value)| !value.is_empty()).collect()
 }
 
 fn with_unit(quantity: &str, unit: &str) -> String {

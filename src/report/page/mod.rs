@@ -30,6 +30,7 @@ use servoscope_core::answers::{Answer, Comparison, ConvergenceRow};
 
 use super::figures::{Extended, Subject};
 
+pub(super) use measured::described;
 pub use measured::{DataFile, Measured};
 pub use style::{dark as dark_colours, shared as shared_style};
 pub use words::parameter_name;

@@ -4,6 +4,7 @@ import { confirmed, h, keyed, row, table } from "./dom.js";
 import { json, remove, repeatedly } from "./api.js";
 import { kind, range, subject, time } from "./format.js";
 import { bar, chip, outcome } from "./status.js";
+import { inspection } from "./inspection.js";
 import { startForm } from "./start.js";
 
 const ACTIVE_MS = 700;
@@ -35,7 +36,8 @@ export async function show({ argument: id, query, signal, go }) {
       h("section", { "aria-labelledby": "start" },
         h("h2", { id: "start" }, earlier ? "Start it again" : "Start a job"),
         await startForm(measurement, (job) => go(`/jobs/${job.id}`), { earlier, signal }))),
-    jobs);
+    jobs,
+    inspection(path, signal));
   return { title, node };
 }
 

@@ -9,6 +9,7 @@ mod diagnosis;
 mod discrepancy;
 mod flat;
 mod identification;
+mod inspection;
 mod linearity;
 mod measurement_fault;
 mod progress;
@@ -25,6 +26,9 @@ pub use flat::{HistoryRow, ResultRow};
 pub use identification::{
     Correlations, Fit, Identification, NoiseLaw, NoisePart, NoiseSource, OrderCandidate,
     OrderChoice, ParameterEstimate, Provenance, Stage, TransferFunction,
+};
+pub use inspection::{
+    Detectability, DetectableEffect, EffectSize, Inspection, ReadingDoubt, SizedParameter,
 };
 pub use linearity::{DistortionLine, LinearLine, Linearity, LinearityLevel, Parity, Share};
 pub use measurement_fault::{AsMeasured, FaultKind, LeftOutRow, MeasurementFault};

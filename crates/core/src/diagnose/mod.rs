@@ -15,12 +15,15 @@
 //!    without them, and their predictions are compared with those of the base model.
 //! 5. `faults`: where a fault of the measurement explains it better than effects do, the
 //!    measurement is mended and diagnosed again.
-//! 6. `validation`: a stored answer is tested on another measurement, which need not be periodic.
+//! 6. `inspection`: before a diagnosis, what looks wrong with a measurement, and which effects it can
+//!    show at which size.
+//! 7. `validation`: a stored answer is tested on another measurement, which need not be periodic.
 
 mod doubt;
 mod error;
 mod faults;
 mod holdout;
+mod inspection;
 mod limitations;
 mod linearity;
 mod progress;
@@ -38,6 +41,7 @@ use crate::observer::{Observer, Steady};
 
 pub use error::{DiagnoseError, ValidateError};
 pub use faults::as_understood;
+pub use inspection::inspect;
 pub use linearity::linearity;
 pub use validation::{diagnose_validated, validate};
 

@@ -36,7 +36,7 @@ impl Units {
     }
 
     /// The unit of a quantity, as a product of powers of the units of input, velocity and time.
-    fn unit(&self, dimension: Dimension) -> String {
+    pub(super) fn unit(&self, dimension: Dimension) -> String {
         let Dimension { input, velocity, time } = dimension;
         let powers = [(&*self.input, input), (&*self.velocity, velocity), ("s", time)];
         let join = |sign: i8| -> Vec<String> {

@@ -9,6 +9,7 @@ mod left_out;
 mod model;
 mod predictions;
 mod refit;
+mod scales;
 mod stated_noise;
 mod weighted;
 

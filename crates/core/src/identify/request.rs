@@ -55,6 +55,6 @@ pub(crate) fn unless_cancelled<T, E: From<IdentifyError>>(
 }
 
 /// The error for a fitted plant that has no periodic response.
-pub(super) fn no_response() -> IdentifyError {
+pub(crate) fn no_response() -> IdentifyError {
     IdentifyError::Unusable { reason: "the fitted plant has no periodic response".into() }
 }

@@ -1,0 +1,141 @@
+//! From which size a measurement shows an effect.
+//!
+//! The base model is fitted. Beside it, every effect of the library is simulated at a typical size
+//! for the fitted machine and scaled until its *excess* reaches the limit: the χ² that the base
+//! model, refitted, would leave of it in data without noise. To first order that is the squared
+//! length of its change of the response, in standard deviations, outside the space that the
+//! parameters of the base model span. The same outside the space of each other effect says from
+//! which size the effect would be told from its imitators.
+
+use rayon::prelude::*;
+
+use crate::answers::{Detectability, DetectableEffect, EffectSize};
+use crate::effects::Effect;
+use crate::identify::{FitSession, IdentifyError, IdentifyRequest, Intervals, no_response};
+use crate::measurement::{Measurement, per_cent};
+
+use super::size::{SizeSearch, Sized, Unseen};
+use crate::diagnose::progress::Part;
+use crate::diagnose::residuals::subspace::Subspace;
+use crate::diagnose::search::linearization::Linearization;
+use crate::diagnose::search::score_tests::Changes;
+
+/// The excess χ² from which an effect is detectable (contract, section 2).
+const LEAST_EXCESS: f64 = 120.0;
+
+/// Shares of the progress at which the fit of the base model and the sizes end.
+const FITTED: f64 = 0.4;
+const SIZED: f64 = 0.7;
+
+/// A smaller relative change of the response is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// From which size a measurement shows each effect of the library.
+///
+/// # Errors
+/// See [`IdentifyError`].
+pub(super) fn of(
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    part: Part<'_>,
+) -> Result<Detectability, IdentifyError> {
+    let fitting = part.part([0.0, FITTED]);
+    let session = FitSession::new(measurement, request, &fitting)?;
+    let base = session.judge(session.base(), Intervals::Curvature)?.identification;
+    let linearization = Linearization::new(&session, session.base()).ok_or_else(no_response)?;
+    let search = SizeSearch::new(&session, &linearization, LEAST_EXCESS);
+    let library = session.library();
+
+    let stage = part.part([FITTED, SIZED]).stage("sizes of effects", library.len());
+    let sizes: Vec<Result<Sized, Unseen>> = library
+        .par_iter()
+        .map(|effect| {
+            let sized = search.smallest(*effect);
+            stage.step();
+            sized
+        })
+        .collect();
+    let stage = part.part([SIZED, 1.0]).stage("imitators", library.len());
+    let spans: Vec<Vec<Subspace>> = library
+        .par_iter()
+        .map(|effect| {
+            let changes = Changes::of(&session, &linearization, *effect);
+            let spans = changes.probe(&session, &linearization).spans;
+            stage.step();
+            spans
+        })
+        .collect();
+
+    let effect = |(index, found): (usize, &Result<Sized, Unseen>)| {
+        let effect = library[index];
+        let mut answer = DetectableEffect {
+            effect: effect.id().to_owned(),
+            title: effect.descriptor().title.to_owned(),
+            detected_from: None,
+            named_from: None,
+            closest_imitator: None,
+            reason: None,
+        };
+        let found = match found {
+            Ok(found) => found,
+            Err(unseen) => {
+                answer.reason = Some(reason(&search, effect, unseen));
+                return answer;
+            }
+        };
+        let size = |sized: &Sized| EffectSize {
+            parameters: session.in_units(effect, &sized.values),
+            set_by: search.set_by(effect, sized),
+            change: search.relative(sized),
+        };
+        answer.detected_from = Some(size(found));
+        let direction = found.left.normalize();
+        let imitated = spans.iter().enumerate().filter(|(other, _)| *other != index);
+        let closest = imitated
+            .flat_map(|(other, spans)| spans.iter().map(move |span| (other, span)))
+            .map(|(other, span)| (other, span, span.energy(&direction)))
+            .max_by(|a, b| a.2.total_cmp(&b.2));
+        match closest {
+            Some((other, span, _)) => {
+                answer.closest_imitator = Some(library[other].id().to_owned());
+                let named = search.beyond(effect, found, span);
+                answer.named_from = named.as_ref().map(size);
+            }
+            None => answer.named_from.clone_from(&answer.detected_from),
+        }
+        answer
+    };
+    let effects = sizes.iter().enumerate().map(effect).collect();
+    Ok(Detectability {
+        noise: base.noise,
+        nrmse: base.fit.nrmse,
+        chi2_per_dof: base.fit.chi2_per_dof,
+        least_excess: LEAST_EXCESS,
+        effects,
+    })
+}
+
+/// Why an effect is not seen, as a clause.
+fn reason(search: &SizeSearch<'_>, effect: &dyn Effect, unseen: &Unseen) -> String {
+    let sized = match unseen {
+        _ if search.lacks_order(effect) => {
+            return "the order of acquisition is not given; add the column `run`".into();
+        }
+        Unseen::NoResponse => return "its simulation has no periodic response here".into(),
+        Unseen::TooSmall(sized) => sized,
+    };
+    let change = search.relative(sized);
+    if change < ROUNDING {
+        return "nothing in this measurement depends on it".into();
+    }
+    match search.raw_share(sized) {
+        share if share < 1.0 => format!(
+            "the largest that a machine would have changes the response by {}, less than the noise \
+             would show",
+            per_cent(change)
+        ),
+        _ => "the parameters of the base model take up what it changes; measure more magnitudes, \
+              frequencies or harmonics"
+            .into(),
+    }
+}

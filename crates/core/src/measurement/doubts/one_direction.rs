@@ -1,0 +1,38 @@
+//! The axis moves in one direction all the time: friction is a constant in such data.
+
+use super::Finding;
+use crate::measurement::{Complex, Experiment, Measurement, ResponseKind, half_peak_to_peak};
+
+pub(super) fn check(measurement: &Measurement) -> Option<Finding> {
+    let is_velocity = measurement.metadata().response_kind == ResponseKind::Velocity;
+    let known: Vec<bool> =
+        measurement.experiments().iter().filter_map(reverses).filter(|_| is_velocity).collect();
+    let steady = known.iter().filter(|reverses| !**reverses).count();
+    if steady == 0 {
+        return None;
+    }
+    let where_ = match known.len() {
+        all if all == steady => "in every experiment".to_owned(),
+        all => format!("in {steady} of {all} experiments"),
+    };
+    Some(Finding {
+        sentence: format!(
+            "the axis moves in one direction {where_}: its velocity never crosses zero, so that dry \
+             friction acts as a constant there and can hardly be seen"
+        ),
+        remedy:
+            "to measure friction, leave out the offset or base motion, so that the axis reverses; \
+                 to keep it, state it in the column `bias` (a constant added to the input)"
+                .into(),
+    })
+}
+
+/// Whether the velocity of an experiment changes its sign; `None` if its mean is not known, or if it
+/// does not move.
+fn reverses(experiment: &Experiment) -> Option<bool> {
+    let mean = experiment.harmonic(0)?.value.re;
+    let mut harmonics = vec![Complex::ZERO; experiment.highest_harmonic() + 1];
+    experiment.response.iter().for_each(|harmonic| harmonics[harmonic.order] = harmonic.value);
+    let amplitude = half_peak_to_peak(&harmonics);
+    (amplitude > 0.0).then_some(mean.abs() <= amplitude)
+}

@@ -1,0 +1,72 @@
+//! `servoscope inspect`
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use serde::Serialize;
+use servoscope_core::answers::{IdentifyOptions, Inspection};
+use servoscope_core::diagnose::DiagnoseError;
+use servoscope_core::identify::IdentifyError;
+
+use crate::report;
+use crate::service::{BuiltIn, JobRequest, Numerics, Submission, measured};
+
+use super::{Failure, computation, given};
+
+/// Arguments of `inspect`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Harmonic tables or time records that together are one measurement.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    #[command(flatten)]
+    given: given::Args,
+    /// Order of the actuator: 0, 1 or 2 [default: chosen from the data].
+    #[arg(long, value_name = "N")]
+    actuator_order: Option<u8>,
+    /// Standard deviation of re and im of every harmonic, response units, for
+    /// data that carries neither deviations nor repeats.
+    #[arg(long, value_name = "S")]
+    noise_std: Option<f64>,
+    /// Prints the inspection as one object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Printed<'a> {
+    /// How the files were understood, in sentences.
+    notes: &'a [String],
+    #[serde(flatten)]
+    inspection: &'a Inspection,
+}
+
+/// Says how a measurement was understood, what looks wrong with it, and what it can show.
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let options = IdentifyOptions { noise_std: args.noise_std, ..IdentifyOptions::default() };
+    let submission = Submission {
+        kind: "identify".into(),
+        actuator_order: args.actuator_order,
+        options,
+        ..Submission::default()
+    };
+    let request = JobRequest::check(&submission)?.identify();
+    let files = computation::read(&args.files, &args.given)?;
+    let sources = computation::sources(&files);
+    let measurement = BuiltIn.read(&sources).map_err(Failure::input)?;
+    let watch = computation::Watch::new();
+    let inspection = BuiltIn.inspect(&measurement, &request, &watch);
+    watch.finish();
+    let inspection = inspection.map_err(|error| match error {
+        DiagnoseError::Identify(error @ IdentifyError::Cancelled) => Failure::other(error),
+        error => Failure::input(error),
+    })?;
+    let text = match args.json {
+        true => {
+            computation::json(&Printed { notes: measurement.notes(), inspection: &inspection })?
+        }
+        false => report::inspection(&measured(Some(&measurement), &sources), &inspection),
+    };
+    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)
+}

@@ -1,0 +1,60 @@
+//! A measurement as it is understood, before anything is computed of it, as text for a terminal.
+
+use servoscope_core::answers::{Detectability, Inspection, NoiseSource};
+
+use super::columns::{Side, table};
+use super::number::significant;
+use super::page::{Measured, described};
+use super::tables;
+use super::text::section;
+use super::written::lines;
+
+/// Writes how a measurement was understood, what looks wrong with it, and what it can show.
+pub fn inspection(measured: &Measured, inspection: &Inspection) -> String {
+    let mut sections = Vec::new();
+    if !inspection.doubts.is_empty() {
+        let doubts = inspection.doubts.iter().flat_map(|doubt| {
+            [format!("- {}", doubt.sentence), format!("  to do: {}", doubt.remedy)]
+        });
+        sections.push(section("Looks wrong", doubts.collect()));
+    }
+    let pairs = described(measured).into_iter().map(|(name, value)| [name.to_lowercase(), value]);
+    let mut read = table(&[Side::Left; 2], &pairs.collect::<Vec<_>>());
+    read.extend(measured.notes.iter().map(|note| format!("- {note}")));
+    sections.push(section("What was read", read));
+    if let Some(found) = &inspection.detectability {
+        let mut text = vec![noise(found)];
+        text.extend(lines(&tables::visible(found)));
+        sections.push(section("What it can show", text));
+        let unseen = tables::unseen(found);
+        if !unseen.rows.is_empty() {
+            sections.push(section("What it cannot show", lines(&unseen)));
+        }
+    }
+    if let Some(obstacle) = &inspection.obstacle {
+        sections.push(section("No model can be fitted", vec![obstacle.clone()]));
+    }
+    sections.join("\n")
+}
+
+/// By what the sizes are measured.
+fn noise(found: &Detectability) -> String {
+    let source = match found.noise {
+        NoiseSource::Given => "the stated noise",
+        NoiseSource::Repeats => "the scatter of the repeats",
+        NoiseSource::Periods => "the scatter from period to period",
+        NoiseSource::Estimated => {
+            "noise as large as all that the base model leaves, since the noise is not known"
+        }
+    };
+    let left = significant(100.0 * found.nrmse, 2);
+    let hint = match found.chi2_per_dof {
+        Some(each) if each > 1.5 => {
+            format!(
+                "; the base model leaves {left} % of the response, more than noise: diagnose it"
+            )
+        }
+        _ => format!("; the base model leaves {left} % of the response"),
+    };
+    format!("measured by {source}{hint}")
+}

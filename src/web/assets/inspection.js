@@ -1,0 +1,62 @@
+// What a measurement says before anything is computed of it: its curves, what looks wrong, and
+// which effects it can show.
+
+import { h, row, table } from "./dom.js";
+import { json } from "./api.js";
+import { frame, load } from "./figure.js";
+import { number, percent } from "./format.js";
+
+/// Sections of a page: the curves at once, the rest when it is computed.
+export function inspection(path, signal) {
+  const { node: curves, figure } = frame(null, "What was measured, over frequency");
+  load(figure, `${path}/measured.svg`, signal).catch(() => curves.remove());
+  const found = h("div", { role: "status" },
+    h("p", {}, "Looking for what is wrong with it, and for what it can show …"), h("progress", {}));
+  json(`${path}/inspection`, { signal })
+    .then((answer) => found.replaceChildren(...sections(answer)))
+    .catch((error) => signal.aborted || found.replaceChildren(h("p", {}, error.message)));
+  return h("section", { "aria-labelledby": "look" },
+    h("h2", { id: "look" }, "Before you compute"), found, curves);
+}
+
+function sections({ doubts, detectability, obstacle }) {
+  return [
+    ...doubts.map(({ sentence, remedy }) =>
+      h("p", {}, h("strong", {}, "Looks wrong: "), `${sentence}. To do: ${remedy}.`)),
+    obstacle && h("p", {}, `No model can be fitted: ${obstacle}.`),
+    ...(detectability ? shown(detectability) : []),
+  ].filter(Boolean);
+}
+
+function shown({ effects }) {
+  const seen = effects.filter((effect) => effect.detected_from)
+    .sort((a, b) => a.detected_from.change - b.detected_from.change);
+  const unseen = effects.filter((effect) => !effect.detected_from);
+  const body = seen.map((effect) => row([
+    effect.title,
+    size(effect.detected_from),
+    percent(effect.detected_from.change, 2),
+    effect.named_from ? size(effect.named_from) : "at no size",
+    name(effects, effect.closest_imitator),
+  ]));
+  return [
+    h("details", {},
+      h("summary", {}, `It can show ${seen.length} of ${effects.length} effects`),
+      table("", ["Effect", "noticed from", "changes the response by", "told from its imitators from", "closest imitator"], body),
+      unseen.length > 0 && [
+        h("p", {}, "It cannot show:"),
+        h("ul", {}, unseen.map((effect) => h("li", {}, `${effect.title}: ${effect.reason}`))),
+      ]),
+  ];
+}
+
+/// The parameter that sets the size of an effect.
+function size({ parameters, set_by: [first] }) {
+  const key = first ?? Object.keys(parameters)[0];
+  const { value, unit } = parameters[key];
+  return `${key.replaceAll("_", " ")} ${number(value, 3)} ${unit}`.trim();
+}
+
+function name(effects, id) {
+  return effects.find((effect) => effect.effect === id)?.title ?? "";
+}

@@ -2,7 +2,6 @@
 
 mod ablation;
 
-use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -18,7 +17,7 @@ use servoscope_core::observer::Observer;
 
 use crate::report;
 
-use super::{Failure, interrupt};
+use super::{Failure, interrupt, terminal};
 
 /// Arguments of `benchmark`.
 #[derive(Debug, clap::Args)]
@@ -165,7 +164,7 @@ impl Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.settings {
         let text = ablation::listing(&args.settings().search);
-        return std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other);
+        return terminal::print_raw(text.as_bytes());
     }
     if let Some(case) = &args.case {
         return one(case, args);
@@ -194,7 +193,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let mut text = format!("{} draws of {}, seed {}\n\n", outcomes.len(), cases.len(), args.seed);
     text.push_str(&summary_text(&summary));
     text.push_str(&misses_text(&outcomes, &unmade, &command));
-    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)?;
+    terminal::print_raw(text.as_bytes())?;
     if let Some(path) = &args.json {
         let software_version = env!("CARGO_PKG_VERSION");
         let (draws, unmade) = (&outcomes, &unmade);
@@ -230,7 +229,7 @@ fn one(case: &Case, args: &Args) -> Result<(), Failure> {
             std::fs::write(path, json + "\n").map_err(failed)?;
         }
     }
-    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)
+    terminal::print_raw(text.as_bytes())
 }
 
 /// Shows progress and stops on an interrupt.

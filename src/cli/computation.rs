@@ -1,6 +1,5 @@
 //! What `identify`, `diagnose` and `validate` share: reading, computing with progress, printing.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -15,11 +14,9 @@ use servoscope_core::measurement::Measurement;
 use servoscope_core::measurement::formats::Source;
 use servoscope_core::observer::Observer;
 
-use crate::report;
-use crate::report::page::Content;
-use crate::service::{BuiltIn, Compared, JobRequest, Numerics, Submission, measured};
+use crate::service::{BuiltIn, JobRequest, Numerics, Submission};
 
-use super::{Failure, figures, given, interrupt, page};
+use super::{Failure, given, interrupt, shown, terminal};
 
 /// Steps of the progress bar.
 const STEPS: u64 = 1000;
@@ -54,9 +51,7 @@ pub(super) struct Args {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    figures: figures::Args,
-    #[command(flatten)]
-    page: page::Args,
+    pub(super) shown: shown::Args,
 }
 
 /// Computes an answer from the files, prints it, and writes its figures and its
@@ -67,6 +62,7 @@ pub(super) fn answer(
     second: Option<&Measurement>,
     keep_all: bool,
 ) -> Result<(), Failure> {
+    args.shown.check()?;
     let mut submission = submission(args, kind)?;
     submission.options.keep_all |= keep_all;
     let request = JobRequest::check(&submission)?;
@@ -88,21 +84,11 @@ pub(super) fn answer(
             Failure::input(error)
         }
     })?;
-    let text = if args.json { json(&answer)? } else { report::answer(&answer) };
-    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)?;
-    if args.figures.are_wanted() || args.page.is_wanted() {
-        let compared = Compared::of(&BuiltIn, Ok(&measurement), &answer);
-        let convergence = &watch.rows();
-        args.figures.write(&compared.subject(&answer, convergence))?;
-        args.page.write(&Content {
-            answer: &answer,
-            measured: &measured(Some(&measurement), &sources),
-            comparison: compared.base.as_ref().ok(),
-            extended: compared.extended.as_ref(),
-            convergence,
-        })?;
+    match args.json {
+        true => terminal::print_raw(json(&answer)?.as_bytes())?,
+        false => args.shown.print(&answer)?,
     }
-    Ok(())
+    args.shown.write(&answer, &measurement, &sources, &watch.rows())
 }
 
 fn submission(args: &Args, kind: &str) -> Result<Submission, Failure> {
@@ -251,8 +237,7 @@ mod tests {
             noise_std: None,
             options: None,
             json: false,
-            figures: figures::Args::default(),
-            page: page::Args::default(),
+            shown: shown::Args::default(),
         }
     }
 

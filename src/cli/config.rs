@@ -1,6 +1,5 @@
 //! `servoscope config`, and where `serve` gets its settings from.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use clap::ArgMatches;
@@ -8,7 +7,7 @@ use clap::parser::ValueSource;
 
 use crate::config::{ServeConfig, Settings};
 
-use super::Failure;
+use super::{Failure, terminal};
 
 /// Arguments of every command that needs the settings of a server.
 #[derive(Debug, clap::Args)]
@@ -62,7 +61,7 @@ pub(super) fn run(command: &Command, matches: &ArgMatches) -> Result<(), Failure
             None => format!("{:<40} # not set\n", format!("# {name} =")),
         });
     }
-    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)?;
+    terminal::print_raw(text.as_bytes())?;
     // Shown first: what is refused can be seen.
     ServeConfig::check(settings).map(|_| ()).map_err(Failure::input)
 }

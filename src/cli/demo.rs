@@ -8,6 +8,8 @@ use crate::report;
 use crate::service::{Service, ServiceError, Submission, Upload};
 use crate::store::FileRow;
 
+use super::terminal;
+
 /// What `servoscope simulate --fs-plus 0.8 --fs-minus 0.6 --noise-db 60` prints: an
 /// axis that sticks harder than it slides.
 const MEASUREMENT: &[u8] = include_bytes!("demo/sticky_axis.csv");
@@ -43,7 +45,8 @@ pub(super) async fn show(service: &Service, address: &str) -> Result<(), Service
     }
     let result = service.result(&job).await?;
     if let Ok(answer) = Answer::from_json(&result) {
-        println!("\n{}", report::answer(&answer));
+        let text = report::summary(&answer, terminal::width());
+        anstream::println!("\n{text}");
     }
     println!(
         "Look at it:\n  \

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::report::figures::{self, Subject, Theme};
 
-use super::Failure;
+use super::{Failure, target};
 
 /// Arguments of every command that can draw its answer.
 #[derive(Debug, Default, clap::Args)]
@@ -22,6 +22,14 @@ impl Args {
     /// Whether any figure was asked for.
     pub(super) fn are_wanted(&self) -> bool {
         self.directory.is_some()
+    }
+
+    /// Looks whether the folder takes files.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] where it does not.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        self.directory.as_deref().map_or(Ok(()), target::folder)
     }
 
     /// Writes every figure that can be drawn of a subject, and says on standard

@@ -18,7 +18,11 @@ mod page;
 mod reproduce;
 mod rerun;
 mod serve;
+mod show;
+mod shown;
 mod simulate;
+mod target;
+mod terminal;
 mod validate;
 
 use std::process::ExitCode;
@@ -62,6 +66,8 @@ enum Command {
     Rerun(rerun::Args),
     /// Runs the service.
     Serve(Box<serve::Args>),
+    /// Shows a result that was stored: on the terminal, as figures or as a page.
+    Show(show::Args),
     /// Writes a measurement of an axis with known parameters.
     ///
     /// The response is exact; without any flag it is that of the first system of the paper.
@@ -107,6 +113,7 @@ pub fn main() -> ExitCode {
             rerun::run(&args)
         }
         Command::Serve(args) => serve::run(&args, cli.verbose),
+        Command::Show(args) => show::run(&args),
         Command::Simulate(args) => simulate::run(*args),
         Command::Validate(args) => {
             start_log(cli.verbose);

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::report::page::{Content, page};
 
-use super::Failure;
+use super::{Failure, target};
 
 /// Argument of every command whose answer can be a page.
 #[derive(Debug, Default, clap::Args)]
@@ -19,6 +19,14 @@ impl Args {
     /// Whether a page was asked for.
     pub(super) fn is_wanted(&self) -> bool {
         self.file.is_some()
+    }
+
+    /// Looks whether the file can be written.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] where it cannot.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        self.file.as_deref().map_or(Ok(()), target::file)
     }
 
     /// Writes the page, and says on standard error where.

@@ -1,6 +1,5 @@
 //! `servoscope reproduce`
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
@@ -12,7 +11,7 @@ use servoscope_bench::reproduction::{
 };
 use servoscope_core::answers::Method;
 
-use super::{Failure, interrupt};
+use super::{Failure, interrupt, terminal};
 
 mod charts;
 
@@ -99,7 +98,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn print(text: &str) -> Result<(), Failure> {
-    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)
+    terminal::print_raw(text.as_bytes())
 }
 
 fn write(

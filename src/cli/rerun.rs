@@ -1,6 +1,5 @@
 //! `servoscope rerun`
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use serde_json::Value;
@@ -11,7 +10,7 @@ use servoscope_core::measurement::Measurement;
 
 use crate::service::{BuiltIn, Numerics};
 
-use super::{Failure, computation, given};
+use super::{Failure, computation, given, terminal};
 
 /// Differences that are listed.
 const LISTED: usize = 10;
@@ -67,7 +66,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         (false, true) => same.to_owned(),
         (false, false) => String::new(),
     };
-    std::io::stdout().write_all(printed.as_bytes()).map_err(Failure::other)?;
+    terminal::print_raw(printed.as_bytes())?;
     if differences.is_empty() {
         return Ok(());
     }

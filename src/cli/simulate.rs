@@ -4,14 +4,13 @@ mod axis;
 mod bench;
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::PathBuf;
 
 use servoscope_core::effects::{ActiveEffect, check_slots};
 use servoscope_core::measurement::ResponseKind;
 use servoscope_core::measurement::formats::{MAX_ROWS, write_harmonic_csv};
 
-use super::Failure;
+use super::{Failure, target, terminal};
 use axis::Axis;
 use bench::{Bench, Noise};
 
@@ -128,6 +127,7 @@ impl Range {
 
 /// Simulates a measurement and writes it as a harmonic table.
 pub(super) fn run(args: Args) -> Result<(), Failure> {
+    args.output.as_deref().map_or(Ok(()), target::file)?;
     let (measurement, left_out) = bench(&args)?.measure().map_err(Failure::input)?;
     for point in left_out {
         eprintln!("left out: {point}");
@@ -137,7 +137,7 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
     match &args.output {
         Some(path) => std::fs::write(path, table)
             .map_err(|error| Failure::Other(format!("{}: {error}", path.display()))),
-        None => std::io::stdout().write_all(&table).map_err(Failure::other),
+        None => terminal::print_raw(&table),
     }
 }
 

@@ -1,6 +1,5 @@
 //! `servoscope validate`
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use servoscope_core::diagnose::ValidateError;
@@ -9,7 +8,7 @@ use servoscope_core::observer::Silent;
 use crate::report;
 use crate::service::{BuiltIn, Numerics};
 
-use super::{Failure, computation, given};
+use super::{Failure, computation, given, terminal};
 
 /// Arguments of `validate`.
 #[derive(Debug, clap::Args)]
@@ -42,5 +41,5 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         true => computation::json(&validation)?,
         false => report::validation(&validation),
     };
-    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)
+    terminal::print_raw(text.as_bytes())
 }

@@ -1,7 +1,6 @@
 //! `servoscope benchmark --settings` and `--ablation`: the settings of the search.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use servoscope_bench::naming::{
     Ablation, Case, SettingChange, Settings, Trials, Unmade, ablate, search_settings,
@@ -9,6 +8,7 @@ use servoscope_bench::naming::{
 use servoscope_core::identify::SearchSettings;
 
 use super::{Args, Watch};
+use crate::cli::terminal;
 use crate::cli::Failure;
 
 /// Settings that `--ablation` leaves out unless they are named: no draw is a record.
@@ -47,7 +47,7 @@ pub(super) fn run(cases: &[Case], args: &Args, names: &[String]) -> Result<(), F
     let results = ablate(cases, &settings, &ablation, &watch, &done).map_err(Failure::other)?;
     watch.bar.finish_and_clear();
     let text = text(cases, &settings, &ablation, results);
-    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)
+    terminal::print_raw(text.as_bytes())
 }
 
 fn text(cases: &[Case], settings: &Settings, ablation: &Ablation, results: Vec<Trials>) -> String {

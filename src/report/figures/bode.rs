@@ -1,16 +1,19 @@
 //! Frequency response at every magnitude, measured and simulated.
 
-mod curves;
+pub(super) mod curves;
 
 use servoscope_core::answers::Comparison;
 
-use super::canvas::{Anchor, Canvas, LABEL, Marker, WIDTH};
+use super::canvas::{Anchor, Canvas, LABEL, Marker, Trace, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, DEGREES, Scale, padded, range};
 use super::series::{in_fraction, left_out};
 use super::text::{self, number};
 use super::{Extended, NothingToDraw, Subject, comparison};
 use curves::{Curve, Point, Ratio, curves};
+
+/// What the horizontal axis is called.
+pub(super) const FREQUENCY: &str = "Frequency (Hz)";
 
 const LEFT: f64 = 64.0;
 const RIGHT: f64 = WIDTH - 92.0;
@@ -21,10 +24,10 @@ const PHASE_HEIGHT: f64 = 180.0;
 const BELOW_MEASURED_DB: f64 = 20.0;
 
 /// Points above which markers are small and have no hints.
-const FEW_POINTS: usize = 150;
+pub(super) const FEW_POINTS: usize = 150;
 
 /// What one of the models makes of a point.
-type Model = fn(&Point) -> Option<Ratio>;
+pub(super) type Model = fn(&Point) -> Option<Ratio>;
 
 pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let comparison = comparison(subject)?;
@@ -38,13 +41,14 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let title = format!("Frequency response from input to {quantity}");
     let mut canvas = Canvas::new("bode", &title, &says(&curves, extended), curves.len());
     let rests = curves.iter().flat_map(|curve| &curve.points).any(|p| p.measured.is_none());
-    let mut keys = vec![Key::new(Look::Marker(Marker::Circle), "key", "measured")];
+    let measured = Key::new(Look::Marker(Marker::Circle), "key", "measured");
+    let mut keys = vec![measured.toggling("measured")];
     match extended {
-        None => keys.push(Key::new(Look::Line("line"), "key", "simulated")),
+        None => keys.push(Key::new(Look::Line("line"), "key", "simulated").toggling("after")),
         Some(Extended { name, .. }) => {
             let name = text::shorten(&format!("simulated {name}"), 11.5, 420.0);
-            keys.push(Key::new(Look::Line("line"), "key", name));
-            keys.push(Key::new(Look::Line("thin"), "key", "base model"));
+            keys.push(Key::new(Look::Line("line"), "key", name).toggling("after"));
+            keys.push(Key::new(Look::Line("thin"), "key", "base model").toggling("before"));
         }
     }
     if rests {
@@ -62,32 +66,13 @@ fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], few: b
     let every = || curves.iter().flat_map(|curve| &curve.points);
     let [low, high] = range(every().map(|point| point.frequency_hz));
     let x = Scale::log([low / 1.12, high * 1.12], [LEFT, RIGHT]);
-    let gains = |of: fn(&Point) -> Option<Ratio>| every().filter_map(of).map(|r| r.gain_db);
-    let phases = |of: fn(&Point) -> Option<Ratio>| every().filter_map(of).map(|r| r.phase_deg);
-    let [lowest, _] = range(gains(|p| p.measured));
-    let floor = if lowest.is_finite() { lowest - BELOW_MEASURED_DB } else { f64::NEG_INFINITY };
-    let simulated =
-        gains(|p| p.simulated).chain(gains(|p| p.extended)).filter(|gain| *gain > floor);
-    // Where nothing moves there is nothing to take a range from.
-    let or_usual = |[low, high]: [f64; 2], usual: [f64; 2]| {
-        if low.is_finite() && high.is_finite() { [low, high] } else { usual }
-    };
-    let gain_range = padded(gains(|p| p.measured).chain(simulated), 0.06, 1.0);
-    let simulated = phases(|p| p.simulated).chain(phases(|p| p.extended));
-    let phase_range = padded(phases(|p| p.measured).chain(simulated), 0.06, 5.0);
-
+    let [gain_range, phase_range] = ranges(curves);
     let top = canvas.y + 22.0;
     let bottom = top + GAIN_HEIGHT;
-    let y = Scale::linear(or_usual(gain_range, [-40.0, 0.0]), [bottom, top]);
+    let y = Scale::linear(gain_range, [bottom, top]);
     let gain = Panel { x, y, left: LEFT, top, right: RIGHT, bottom };
-    let input = comparison.input_unit.as_str();
-    let response = comparison.response_unit.as_str();
-    let reference = match (input.is_empty(), response.is_empty()) {
-        (false, false) => format!("{}/{}", in_fraction(response), in_fraction(input)),
-        _ => "response unit/input unit".to_owned(),
-    };
-    let gain_name = text::shorten(&format!("Gain (dB re 1 {reference})"), 11.5, RIGHT - LEFT);
-    let naming = Naming { y: &gain_name, ..Naming::default() };
+    let gain_name = text::shorten(&gain_name(comparison), 11.5, RIGHT - LEFT);
+    let naming = Naming { y: &gain_name, x_below: FREQUENCY, ..Naming::default() };
     gain.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
     trace(canvas, &gain, curves, few, |ratio| ratio.gain_db);
     resting(canvas, &gain, curves);
@@ -95,33 +80,70 @@ fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], few: b
 
     let top = bottom + 34.0;
     let bottom = top + PHASE_HEIGHT;
-    let y = Scale::linear(or_usual(phase_range, [-180.0, 0.0]), [bottom, top]);
+    let y = Scale::linear(phase_range, [bottom, top]);
     let phase = Panel { x, y, left: LEFT, top, right: RIGHT, bottom };
-    let naming = Naming { x: "Frequency (Hz)", y: "Phase (degrees)", ..Naming::default() };
+    let naming = Naming { x: FREQUENCY, y: "Phase (degrees)", ..Naming::default() };
     phase.draw(canvas, &y.vertical_ticks(DEGREES), naming);
     trace(canvas, &phase, curves, few, |ratio| ratio.phase_deg);
     canvas.y = bottom + 44.0;
 }
 
-fn trace(canvas: &mut Canvas, panel: &Panel, curves: &[Curve], few: bool, value: fn(Ratio) -> f64) {
+/// Ranges of gain, dB, and phase, degrees, that show what was measured and simulated.
+pub(super) fn ranges(curves: &[Curve]) -> [[f64; 2]; 2] {
+    let every = || curves.iter().flat_map(|curve| &curve.points);
+    let gains = |of: Model| every().filter_map(of).map(|ratio| ratio.gain_db);
+    let phases = |of: Model| every().filter_map(of).map(|ratio| ratio.phase_deg);
+    let [lowest, _] = range(gains(|p| p.measured));
+    let floor = if lowest.is_finite() { lowest - BELOW_MEASURED_DB } else { f64::NEG_INFINITY };
+    let simulated =
+        gains(|p| p.simulated).chain(gains(|p| p.extended)).filter(|gain| *gain > floor);
+    let gain = padded(gains(|p| p.measured).chain(simulated), 0.06, 1.0);
+    let simulated = phases(|p| p.simulated).chain(phases(|p| p.extended));
+    let phase = padded(phases(|p| p.measured).chain(simulated), 0.06, 5.0);
+    // Where nothing moves there is nothing to take a range from.
+    let or_usual = |[low, high]: [f64; 2], usual: [f64; 2]| {
+        if low.is_finite() && high.is_finite() { [low, high] } else { usual }
+    };
+    [or_usual(gain, [-40.0, 0.0]), or_usual(phase, [-180.0, 0.0])]
+}
+
+/// What the axis of the gain is called.
+pub(super) fn gain_name(comparison: &Comparison) -> String {
+    let (input, response) = (&comparison.input_unit, &comparison.response_unit);
+    let reference = match (input.is_empty(), response.is_empty()) {
+        (false, false) => format!("{}/{}", in_fraction(response), in_fraction(input)),
+        _ => "response unit/input unit".to_owned(),
+    };
+    format!("Gain (dB re 1 {reference})")
+}
+
+/// Measured points and simulated lines of every curve.
+pub(super) fn trace(canvas: &mut Canvas, panel: &Panel, curves: &[Curve], few: bool, value: fn(Ratio) -> f64) {
     let is_extended = curves.iter().flat_map(|curve| &curve.points).any(|p| p.extended.is_some());
-    let models: &[(&str, Model)] = match is_extended {
-        false => &[("line", |point| point.simulated)],
-        true => &[("thin", |point| point.simulated), ("line", |point| point.extended)],
+    let models: &[(&str, &str, &str, Model)] = match is_extended {
+        false => &[("line", "after", "simulated", |point| point.simulated)],
+        true => &[
+            ("thin", "before", "base model", |point| point.simulated),
+            ("line", "after", "with causes", |point| point.extended),
+        ],
     };
     for (index, curve) in curves.iter().enumerate() {
-        canvas.open_clipped(&format!("s{index} simulated"), panel.sides());
-        for (style, model) in models {
+        for (style, key, name, model) in models {
+            let keys = format!("{key} s{index}");
+            let trace = Trace { series: &curve.label, name, keys: &keys };
+            canvas.open_trace(&format!("s{index} simulated"), panel.sides(), trace);
             simulated(canvas, panel, curve, style, |point| model(point).map(value));
+            canvas.close();
         }
-        canvas.close();
     }
     for (index, curve) in curves.iter().enumerate() {
         let (look, shape, radius) = match few {
             true => ("measured", Marker::of(index), 3.2),
             false => ("dense", Marker::Circle, 1.7),
         };
-        canvas.open(&format!("s{index} {look} data"));
+        let keys = format!("measured s{index}");
+        let trace = Trace { series: &curve.label, name: "measured", keys: &keys };
+        canvas.open_inside(&format!("s{index} {look} data"), panel.sides(), trace);
         for point in &curve.points {
             let Some(ratio) = point.measured else { continue };
             let Some(place) = panel.at(point.frequency_hz, value(ratio)) else { continue };
@@ -154,13 +176,15 @@ fn simulated(
 }
 
 /// What did not move, at the lower edge.
-fn resting(canvas: &mut Canvas, panel: &Panel, curves: &[Curve]) {
+pub(super) fn resting(canvas: &mut Canvas, panel: &Panel, curves: &[Curve]) {
     for (index, curve) in curves.iter().enumerate() {
         let resting: Vec<&Point> = curve.points.iter().filter(|p| p.measured.is_none()).collect();
         if resting.is_empty() {
             continue;
         }
-        canvas.open(&format!("s{index} rest data"));
+        let keys = format!("measured s{index}");
+        let trace = Trace { keys: &keys, ..Trace::default() };
+        canvas.open_inside(&format!("s{index} rest data"), panel.sides(), trace);
         // One above the other, where several magnitudes rest at a frequency.
         let y = panel.bottom - 6.0 - 8.0 * index.min(6) as f64;
         for point in resting {
@@ -218,7 +242,7 @@ fn labels(canvas: &mut Canvas, panel: &Panel, curves: &[Curve], few: bool) {
 
 /// What the figure says, in one line: of the model that has the causes, where
 /// there is one.
-fn says(curves: &[Curve], extended: Option<Extended<'_>>) -> String {
+pub(super) fn says(curves: &[Curve], extended: Option<Extended<'_>>) -> String {
     let (model, named): (Model, String) = match extended {
         None => (|point| point.simulated, String::new()),
         Some(Extended { name, .. }) => (|point| point.extended, format!(" {name}")),

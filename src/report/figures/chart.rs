@@ -106,7 +106,7 @@ pub fn lines(name: &'static str, title: &str, says: &str, plots: &[Plot], theme:
         };
         let (x, y) = (scale(0, [LEFT, right]), scale(1, [bottom, top]));
         let panel = Panel { x, y, left: LEFT, top, right, bottom };
-        let naming = Naming { heading: "", x: &plot.x, y: &plot.y };
+        let naming = Naming { x: &plot.x, y: &plot.y, ..Naming::default() };
         panel.draw(&mut canvas, &y.vertical_ticks(DECIMAL), naming);
         for line in &plot.lines {
             let index = labels.iter().position(|(label, _)| *label == line.label);
@@ -160,7 +160,7 @@ pub fn bars(
     let x = Scale::log([low / 2.0, high * 1.5], [left, right]);
     let y = Scale::linear([0.0, 1.0], [bottom, top]);
     let panel = Panel { x, y, left, top, right, bottom };
-    panel.draw(&mut canvas, &[], Naming { heading: "", x: axis, y: "" });
+    panel.draw(&mut canvas, &[], Naming { x: axis, ..Naming::default() });
     let mut place = top + GROUP_GAP;
     for name in names {
         let of_name: Vec<&Bar> = bars.iter().filter(|bar| bar.name == name).collect();

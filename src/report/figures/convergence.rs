@@ -2,7 +2,7 @@
 
 use servoscope_core::answers::ConvergenceRow;
 
-use super::canvas::{Canvas, MARGIN, Marker, WIDTH};
+use super::canvas::{self, Canvas, MARGIN, Marker, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, range};
 use super::series::counted;
@@ -145,7 +145,7 @@ fn panels(canvas: &mut Canvas, stages: &[Stage<'_>], cost: &str, noise: Option<f
             true => ("Epoch (–)", "Held-out loss (–)"),
             false => ("Evaluations in the stage (–)", cost),
         };
-        let naming = Naming { heading: &heading, x: x_name, y: y_name };
+        let naming = Naming { heading: &heading, x: x_name, y: y_name, ..Naming::default() };
         panel.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
         traces(canvas, &panel, stage, position, noise.filter(|_| !is_network));
         if !is_network && first_cost {
@@ -167,20 +167,24 @@ fn traces(
     if let Some(y) = noise.and_then(|noise| panel.y.at(noise)) {
         canvas.line("floor", [panel.left, y], [panel.right, y]);
     }
+    canvas.close();
     for Trace { order, rows } in &stage.traces {
-        canvas.open(&format!("s{order}"));
         let rows = thinned(rows);
-        let means = rows.iter().map(|row| panel.at(position(row), row.mean?));
-        canvas.polyline("thin", means);
+        let (class, series) = (format!("s{order}"), format!("order {order}"));
+        let named = |name| canvas::Trace { series: &series, name, keys: "" };
+        canvas.open_trace(&class, panel.sides(), named("mean"));
+        canvas.polyline("thin", rows.iter().map(|row| panel.at(position(row), row.mean?)));
+        canvas.close();
+        canvas.open_trace(&class, panel.sides(), named("best"));
         canvas.polyline("line", rows.iter().map(|row| panel.at(position(row), row.best)));
         canvas.close();
     }
-    canvas.close();
     for Trace { order, rows } in &stage.traces {
         let Some(last) = rows.last() else { continue };
         let Some([x, y]) = panel.at(position(last), last.best) else { continue };
         let inside = [x, y.clamp(panel.top, panel.bottom)];
-        canvas.open(&format!("s{order} measured"));
+        let class = format!("s{order} measured");
+        canvas.open_inside(&class, panel.sides(), canvas::Trace::default());
         let hint = format!("{}: {}", last.stage, number(last.best, 5));
         canvas.marker(Marker::Circle, inside, 3.4, &hint);
         canvas.close();
@@ -191,7 +195,8 @@ fn traces(
 fn starts(canvas: &mut Canvas, panel: &Panel, points: &[&Stage<'_>]) {
     for Trace { order, rows } in points.iter().flat_map(|stage| &stage.traces) {
         let Some([x, y]) = rows.last().and_then(|row| panel.at(0.0, row.best)) else { continue };
-        canvas.open(&format!("s{order} measured"));
+        let class = format!("s{order} measured");
+        canvas.open_inside(&class, panel.sides(), canvas::Trace::default());
         let y = y.clamp(panel.top, panel.bottom);
         canvas.marker(Marker::Diamond, [x, y], 4.0, "closed form");
         canvas.close();

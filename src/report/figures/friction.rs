@@ -1,15 +1,16 @@
-//! Friction torque against velocity, as the model has it.
+//! Friction against velocity, as the model has it.
 
 mod model;
 mod velocities;
 
 use servoscope_core::answers::{Comparison, Identification};
 
-use super::canvas::{Anchor, Canvas, LABEL, Marker, WIDTH};
+use super::canvas::{Anchor, Canvas, LABEL, Marker, Trace, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, padded, range};
 use super::series::{by_magnitude, in_fraction, spread, unit_or};
 use super::text::{self, number};
+use crate::report::units::friction;
 use super::{NothingToDraw, Subject};
 
 use model::{Side, Viscous, band, quantile, side, viscous};
@@ -42,8 +43,9 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
         .collect();
     let unit = input_unit(answer, comparison);
     let says = says(answer, &viscous, &sides, &unit);
-    let title = "Friction torque over velocity";
-    let mut canvas = Canvas::new("friction", title, &says, groups.len());
+    let quantity = friction(&unit);
+    let title = format!("{quantity} over velocity");
+    let mut canvas = Canvas::new("friction", &title, &says, groups.len());
     let mut keys = vec![
         Key::new(Look::Line("line"), MODEL, "dry and viscous friction of the model"),
         Key::new(Look::Area, MODEL, "95 % band"),
@@ -71,12 +73,12 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let panel = Panel { x, y, left: LEFT, top, right: RIGHT, bottom };
     let velocity = velocity_unit(comparison);
     let x_name = format!("Velocity ({velocity})");
-    let y_name = format!("Friction torque ({})", unit_or(&unit, "input units"));
+    let y_name = format!("{quantity} ({})", unit_or(&unit, "input units"));
     let x_name = if ranges.is_empty() { x_name.as_str() } else { "" };
     panel.draw(
         &mut canvas,
         &y.vertical_ticks(DECIMAL),
-        Naming { x: x_name, y: &y_name, heading: "" },
+        Naming { x: x_name, y: &y_name, ..Naming::default() },
     );
     axes(&mut canvas, &panel);
     for side in &sides {
@@ -142,7 +144,7 @@ fn curve(
     canvas.polyline("line", rest.into_iter().chain(moving));
     canvas.close();
     if let Some(place) = side.static_level.and_then(|level| panel.at(0.0, side.sign * level)) {
-        canvas.open(&format!("{MODEL} measured"));
+        canvas.open_inside(&format!("{MODEL} measured"), panel.sides(), Trace::default());
         canvas.marker(Marker::Diamond, place, 4.2, "static level");
         canvas.close();
     }
@@ -160,13 +162,13 @@ fn names(canvas: &mut Canvas, panel: &Panel, sides: &[Side], unit: &str) {
         };
         // Clear of the axis, where a level is small.
         let y = y - 4.0 * side.sign;
-        canvas.open(MODEL);
+        canvas.open_inside(MODEL, panel.sides(), Trace::default());
         canvas.text(x, y + 4.0, LABEL, anchor, &label);
         canvas.close();
     }
 }
 
-/// Names the slope below the branch of positive velocity, which it leaves free.
+/// Names the slope of the branch of positive velocity, and of the other where it has another.
 fn slope(
     canvas: &mut Canvas,
     panel: &Panel,
@@ -175,17 +177,28 @@ fn slope(
     reach: f64,
     unit: &str,
 ) {
-    let Some(side) = sides.iter().find(|side| side.sign > 0.0) else { return };
-    let label = format!("slope a/K = {}", text::quantity(viscous.slope, 3, unit));
-    let right = panel.right - 10.0;
-    let left = right - text::width(&label, LABEL.size);
     let (Some(zero), Some(end)) = (panel.x.at(0.0), panel.x.at(reach)) else { return };
-    let v = reach * (left - zero) / (end - zero);
-    let Some(y) = panel.y.at(side.torque(viscous.slope, v)) else { return };
-    canvas.open(MODEL);
-    // Below the lowest point of the branch that the text passes.
-    canvas.text(right, (y + 18.0).min(panel.bottom - 8.0), LABEL, Anchor::End, &label);
-    canvas.close();
+    let are_alike = sides.iter().all(|side| side.slope(1.0) == 1.0);
+    for side in sides.iter().filter(|side| side.sign > 0.0 || !are_alike) {
+        let slope = text::quantity(side.slope(viscous.slope), 3, unit);
+        let label = format!("slope {} = {slope}", side.slope_name());
+        let room = (panel.right - 10.0) - text::width(&label, LABEL.size) - zero;
+        let v = reach * room / (end - zero);
+        let Some(y) = panel.y.at(side.sign * side.torque(viscous.slope, v)) else { continue };
+        canvas.open_inside(MODEL, panel.sides(), Trace::default());
+        // On the side of zero, clear of the point of the branch nearest to it.
+        match side.sign > 0.0 {
+            true => {
+                let y = (y + 18.0).min(panel.bottom - 8.0);
+                canvas.text(panel.right - 10.0, y, LABEL, Anchor::End, &label);
+            }
+            false => {
+                let y = (y - 10.0).max(panel.top + 14.0);
+                canvas.text(panel.left + 10.0, y, LABEL, Anchor::Start, &label);
+            }
+        }
+        canvas.close();
+    }
 }
 
 fn input_unit(answer: &Identification, comparison: Option<&Comparison>) -> String {

@@ -1,7 +1,7 @@
 //! Parameters of an axis over the time of measuring, each in a panel of its own.
 
 use super::NothingToDraw;
-use super::canvas::{Canvas, MARGIN, Marker, TICK, WIDTH};
+use super::canvas::{Canvas, MARGIN, Marker, TICK, Trace, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, Tick, padded, range};
 use super::series::counted;
@@ -92,7 +92,7 @@ pub(super) fn draw(title: &str, trends: &[Trend]) -> Result<Canvas, NothingToDra
         let x = Scale::linear(span, [left, right]);
         let y = Scale::linear(padded(ends, 0.08, 0.0), [bottom, top]);
         let panel = Panel { x, y, left, top, right, bottom };
-        let naming = Naming { heading: &trend.name, x: "UTC", y: &trend.unit };
+        let naming = Naming { heading: &trend.name, x: "UTC", y: &trend.unit, ..Naming::default() };
         panel.draw_with(&mut canvas, &dates(span, &x, width), &y.vertical_ticks(DECIMAL), naming);
         points(&mut canvas, &panel, trend);
         canvas.y = bottom + 40.0;
@@ -101,20 +101,20 @@ pub(super) fn draw(title: &str, trends: &[Trend]) -> Result<Canvas, NothingToDra
 }
 
 fn points(canvas: &mut Canvas, panel: &Panel, trend: &Trend) {
-    canvas.open(&format!("s{STEADY}"));
+    canvas.open_inside(&format!("s{STEADY}"), panel.sides(), Trace::default());
     canvas.polyline("faint", trend.points.iter().map(|point| panel.at(point.at_s, point.value)));
     canvas.close();
     for point in &trend.points {
         let Some(at) = panel.at(point.at_s, point.value) else { continue };
         let class = if point.changed { CHANGED } else { STEADY };
-        canvas.open(&format!("s{class}"));
+        canvas.open_inside(&format!("s{class}"), panel.sides(), Trace::default());
         if let Some([low, high]) = point.interval95
             && let (Some(low), Some(high)) = (panel.y.at(low), panel.y.at(high))
         {
             canvas.line("bar", [at[0], low], [at[0], high]);
         }
         canvas.close();
-        canvas.open(&format!("s{class} measured"));
+        canvas.open_inside(&format!("s{class} measured"), panel.sides(), Trace::default());
         let shape = if point.changed { Marker::Diamond } else { Marker::Circle };
         canvas.marker(shape, at, 4.0, &hint(point, &trend.unit));
         canvas.close();

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use servoscope_core::answers::{DistortionLine, LinearLine, Linearity, LinearityLevel, Parity};
 
-use super::canvas::{Canvas, MARGIN, Marker, WIDTH};
+use super::canvas::{Canvas, MARGIN, Marker, Trace, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, range};
 use super::series::{spread, unit_or};
@@ -69,7 +69,7 @@ fn level(canvas: &mut Canvas, level: &LinearityLevel, units: [&str; 2], several:
     };
     let unit = unit_or(response_unit, "response units");
     let name = text::shorten(&format!("Amplitude ({unit})"), 11.5, 200.0);
-    let naming = Naming { heading: &heading, x: "Frequency (Hz)", y: &name };
+    let naming = Naming { heading: &heading, x: "Frequency (Hz)", y: &name, ..Naming::default() };
     panel.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
     canvas.open_clipped("", panel.sides());
     canvas.polyline("floor", noise.iter().map(|[hz, value]| panel.at(*hz, *value)));
@@ -77,7 +77,8 @@ fn level(canvas: &mut Canvas, level: &LinearityLevel, units: [&str; 2], several:
     let radius = if points.iter().map(Vec::len).sum::<usize>() > 150 { 2.0 } else { 3.2 };
     // The input's lines last: they are what the eye looks for.
     for ((class, name), points) in KINDS.iter().zip(points).rev() {
-        canvas.open_clipped(&format!("{class} dense data"), panel.sides());
+        let trace = Trace { name, ..Trace::default() };
+        canvas.open_trace(&format!("{class} dense data"), panel.sides(), trace);
         for [hz, value] in points {
             let hint = format!("{} Hz, {name}: {}", number(hz, 4), number(value, 4));
             if let Some(at) = panel.at(hz, value) {

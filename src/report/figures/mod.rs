@@ -8,6 +8,7 @@
 //! script, so that one file cannot follow the reader's colour scheme.
 
 mod bode;
+mod bode_errors;
 mod canvas;
 pub mod chart;
 mod convergence;
@@ -25,7 +26,7 @@ mod text;
 mod theme;
 
 use servoscope_core::answers::{
-    Answer, Comparison, ConvergenceRow, Discrepancy, Identification, Linearity,
+    Answer, Comparison, ConvergenceRow, Discrepancy, Identification, Linearity, ValidBand,
 };
 
 use canvas::Canvas;
@@ -48,6 +49,8 @@ pub struct Subject<'a> {
     pub linearity: Option<&'a Linearity>,
     /// Where the two depart.
     pub discrepancy: Option<&'a Discrepancy>,
+    /// Where the best model may be used.
+    pub valid_band: Option<&'a ValidBand>,
     /// The model with the causes of that.
     pub extended: Option<Extended<'a>>,
     /// How the identification converged.
@@ -58,8 +61,11 @@ impl<'a> Subject<'a> {
     /// What an answer alone shows: no measurement beside it, no history.
     pub fn of(answer: &'a Answer) -> Self {
         let identification = Some(answer.base());
-        let linearity = answer.diagnosis().and_then(|answer| answer.linearity.as_ref());
-        Self { identification, linearity, discrepancy: answer.discrepancy(), ..Self::default() }
+        let diagnosis = answer.diagnosis();
+        let linearity = diagnosis.and_then(|answer| answer.linearity.as_ref());
+        let valid_band = diagnosis.and_then(|answer| answer.valid_band.as_ref());
+        let discrepancy = answer.discrepancy();
+        Self { identification, linearity, discrepancy, valid_band, ..Self::default() }
     }
 
     /// The model with the causes in the place of the identified one.
@@ -96,6 +102,7 @@ type Draw = fn(&Subject<'_>) -> Result<Canvas, NothingToDraw>;
 /// Every figure: its name and how it is drawn; those `-after` are of the model with the causes.
 const FIGURES: &[(&str, Draw)] = &[
     ("bode", bode::draw),
+    ("bode-errors", bode_errors::draw),
     ("linearity", linearity::draw),
     ("spectrum", spectrum::draw),
     ("residuals", residuals::draw),

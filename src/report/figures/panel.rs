@@ -22,6 +22,8 @@ pub(super) struct Naming<'a> {
     pub heading: &'a str,
     /// Quantity and unit of the horizontal axis.
     pub x: &'a str,
+    /// The same where the numbers stand below another panel.
+    pub x_below: &'a str,
     /// Quantity and unit of the vertical axis.
     pub y: &'a str,
 }
@@ -53,6 +55,9 @@ impl Panel {
     ) {
         let [left, top, right, bottom] = self.sides();
         let inside = |px: &f64| *px > left + 0.5 && *px < right - 0.5;
+        let x_name = if naming.x.is_empty() { naming.x_below } else { naming.x };
+        let axes = [(self.x.described(), x_name), (self.y.described(), naming.y)];
+        canvas.open_grid(self.sides(), axes, [!naming.x.is_empty(), !vertical.is_empty()]);
         for px in self.x.minor().iter().filter(|px| inside(px)) {
             canvas.line("minor", [*px, top], [*px, bottom]);
         }
@@ -62,7 +67,6 @@ impl Panel {
         for tick in vertical.iter().filter(|tick| tick.px > top + 0.5 && tick.px < bottom - 0.5) {
             canvas.line("grid", [left, tick.px], [right, tick.px]);
         }
-        canvas.rectangle("frame", self.sides(), "");
         for tick in vertical {
             canvas.text(left - 7.0, tick.px + 4.0, TICK, Anchor::End, &tick.label);
         }
@@ -70,6 +74,10 @@ impl Panel {
             for tick in horizontal.iter().filter(|tick| !tick.label.is_empty()) {
                 canvas.text(tick.px, bottom + 16.0, TICK, Anchor::Middle, &tick.label);
             }
+        }
+        canvas.close();
+        canvas.rectangle("frame", self.sides(), "");
+        if !naming.x.is_empty() {
             let name = text::shorten(naming.x, AXIS.size, right - left);
             canvas.text(0.5 * (left + right), bottom + 33.0, AXIS, Anchor::Middle, &name);
         }
@@ -94,6 +102,8 @@ pub(super) struct Key {
     pub look: Look,
     pub class: String,
     pub text: String,
+    /// What it shows and hides; empty: nothing.
+    pub toggles: String,
 }
 
 /// How an entry of a legend looks.
@@ -103,11 +113,18 @@ pub(super) enum Look {
     Beyond,
     Line(&'static str),
     Area,
+    /// A rectangle of this class.
+    Shade(&'static str),
 }
 
 impl Key {
     pub fn new(look: Look, class: impl Into<String>, text: impl Into<String>) -> Self {
-        Self { look, class: class.into(), text: text.into() }
+        Self { look, class: class.into(), text: text.into(), toggles: String::new() }
+    }
+
+    /// The same, showing and hiding what has this key.
+    pub fn toggling(self, key: impl Into<String>) -> Self {
+        Self { toggles: key.into(), ..self }
     }
 }
 
@@ -125,6 +142,9 @@ pub(super) fn legend(canvas: &mut Canvas, keys: &[Key]) {
         }
         let middle = [x + 0.5 * SAMPLE, y];
         let class = &key.class;
+        if !key.toggles.is_empty() {
+            canvas.open_toggle(&key.toggles);
+        }
         match key.look {
             Look::Marker(shape) => {
                 canvas.open(&format!("{class} measured"));
@@ -141,6 +161,9 @@ pub(super) fn legend(canvas: &mut Canvas, keys: &[Key]) {
                 canvas.line(style, [x, y], [x + SAMPLE, y]);
                 canvas.close();
             }
+            Look::Shade(class) => {
+                canvas.rectangle(class, [x, y - 5.0, x + SAMPLE, y + 5.0], "");
+            }
             Look::Area => {
                 canvas.open(class);
                 canvas.rectangle("band", [x, y - 5.0, x + SAMPLE, y + 5.0], "");
@@ -148,6 +171,9 @@ pub(super) fn legend(canvas: &mut Canvas, keys: &[Key]) {
             }
         }
         canvas.text(x + SAMPLE + 6.0, y + 4.0, FONT, Anchor::Start, &key.text);
+        if !key.toggles.is_empty() {
+            canvas.close();
+        }
         x += width + 20.0;
     }
     canvas.y = y + 14.0;

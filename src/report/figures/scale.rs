@@ -82,6 +82,19 @@ impl Scale {
         [self.from_px, self.to_px]
     }
 
+    /// Kind, range (logarithms where it is logarithmic) and edges, for a script that moves it.
+    pub fn described(&self) -> String {
+        let kind = if self.kind == Kind::Log { "log" } else { "linear" };
+        let number = |value: f64| super::super::number::significant(value, 12);
+        format!(
+            "{kind} {} {} {} {}",
+            number(self.low),
+            number(self.high),
+            number(self.from_px),
+            number(self.to_px)
+        )
+    }
+
     fn coordinate(&self, value: f64) -> f64 {
         if self.kind == Kind::Log { value.log10() } else { value }
     }

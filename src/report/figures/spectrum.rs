@@ -2,7 +2,7 @@
 
 use servoscope_core::answers::{ComparedExperiment, ComparedHarmonic, Comparison};
 
-use super::canvas::{Canvas, MARGIN, Marker, TICK, WIDTH};
+use super::canvas::{Canvas, MARGIN, Marker, TICK, Trace, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, Tick, range};
 use super::series::{
@@ -105,7 +105,7 @@ fn stepped(comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
             0 => amplitude_name(comparison),
             _ => String::new(),
         };
-        let naming = Naming { heading: &heading, x: "Harmonic k (–)", y: &name };
+        let naming = Naming { heading: &heading, x: "Harmonic k (–)", y: &name, ..Naming::default() };
         panel.draw_with(&mut canvas, &orders(&x, highest), &y.vertical_ticks(DECIMAL), naming);
         harmonics(&mut canvas, &panel, *index, experiment);
         canvas.y = bottom + 44.0;
@@ -153,14 +153,15 @@ fn harmonics(canvas: &mut Canvas, panel: &Panel, index: usize, experiment: &Comp
     canvas.close();
     let (above, below): (Vec<&ComparedHarmonic>, Vec<_>) =
         experiment.harmonics.iter().partition(|h| lowest(size(h.measured)));
-    canvas.open(&format!("s{index} measured data"));
+    let trace = Trace { name: "measured", ..Trace::default() };
+    canvas.open_inside(&format!("s{index} measured data"), panel.sides(), trace);
     for harmonic in above {
         let value = size(harmonic.measured);
         let Some(place) = panel.at(harmonic.order as f64, value) else { continue };
         canvas.marker(Marker::Circle, place, 3.6, &hint(harmonic));
     }
     canvas.close();
-    canvas.open(&format!("s{index} rest data"));
+    canvas.open_inside(&format!("s{index} rest data"), panel.sides(), Trace::default());
     for harmonic in below {
         let Some(x) = panel.x.at(harmonic.order as f64) else { continue };
         canvas.marker(Marker::Beyond, [x, panel.bottom - 6.0], 3.6, &hint(harmonic));
@@ -244,7 +245,7 @@ fn record(
         false => String::new(),
     };
     let name = amplitude_name(comparison);
-    let naming = Naming { heading: &heading, x: "Frequency (Hz)", y: &name };
+    let naming = Naming { heading: &heading, x: "Frequency (Hz)", y: &name, ..Naming::default() };
     panel.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
     let place =
         |h: &ComparedHarmonic, value: f64| panel.at(frequency_hz(experiment, h.order), value);
@@ -252,14 +253,16 @@ fn record(
     let is_line = |h: &ComparedHarmonic| lines.iter().any(|line| line.order == h.order);
     let (input, other): (Vec<&ComparedHarmonic>, Vec<_>) = shown.iter().partition(|h| is_line(h));
     for (class, look, harmonics) in [("s0", "faint", &other), ("s1", "line", &input)] {
-        canvas.open_clipped(class, panel.sides());
+        let trace = Trace { name: "simulated", ..Trace::default() };
+        canvas.open_trace(class, panel.sides(), trace);
         let line = with_gaps(harmonics).map(|h| h.and_then(|h| place(h, size(h.simulated))));
         canvas.polyline(look, line);
         canvas.close();
     }
     let radius = if shown.len() > 300 { 1.7 } else { 2.4 };
     for (class, harmonics) in [("s0", other), ("s1", input)] {
-        canvas.open_clipped(&format!("{class} dense data"), panel.sides());
+        let trace = Trace { name: "measured", ..Trace::default() };
+        canvas.open_trace(&format!("{class} dense data"), panel.sides(), trace);
         for harmonic in harmonics {
             if let Some(at) = place(harmonic, size(harmonic.measured)) {
                 canvas.marker(Marker::Circle, at, radius, "");

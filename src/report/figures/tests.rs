@@ -4,7 +4,7 @@ use roxmltree::{Document, Node};
 use servoscope_core::answers::sample;
 use servoscope_core::answers::{
     ComparedExperiment, ComparedHarmonic, Comparison, ConvergenceRow, Discrepancy, Identification,
-    Linearity, Pattern, Unanswered,
+    Linearity, Pattern, Unanswered, ValidBand,
 };
 
 use super::{Extended, Subject, Theme, available, draw, names, text};
@@ -19,6 +19,7 @@ struct Known {
     comparison: Comparison,
     linearity: Linearity,
     discrepancy: Option<Discrepancy>,
+    valid_band: Option<ValidBand>,
     extended: Option<Comparison>,
     convergence: Vec<ConvergenceRow>,
 }
@@ -30,7 +31,16 @@ impl Known {
         identification.parameters.insert("fc_minus".into(), level);
         let (discrepancy, extended) = (None, None);
         let (linearity, convergence) = (sample::linearity(), history());
-        Self { identification, comparison, linearity, discrepancy, extended, convergence }
+        let valid_band = None;
+        Self {
+            identification,
+            comparison,
+            linearity,
+            discrepancy,
+            valid_band,
+            extended,
+            convergence,
+        }
     }
 
     fn subject(&self) -> Subject<'_> {
@@ -39,6 +49,7 @@ impl Known {
             comparison: Some(&self.comparison),
             linearity: Some(&self.linearity),
             discrepancy: self.discrepancy.as_ref(),
+            valid_band: self.valid_band.as_ref(),
             extended: self.extended.as_ref().map(|comparison| Extended {
                 name: "with static_friction and actuator_saturation",
                 identification: &self.identification,
@@ -298,7 +309,7 @@ fn every_axis_says_its_unit() {
         ("spectrum", &["Amplitude (rad/s)", "Harmonic k (–)"]),
         ("residuals", &["|residual| (σ)", "Harmonic k (–)", "Frequency of the input (Hz)"]),
         ("convergence", &["Held-out loss (–)", "Cost χ² (–)", "Epoch (–)"]),
-        ("friction", &["Friction torque (A)", "Velocity (rad/s)"]),
+        ("friction", &["Friction (A)", "Velocity (rad/s)"]),
     ];
     // What is drawn after is drawn alike.
     let drawn = names().filter(|name| !name.ends_with("-after"));

@@ -150,6 +150,8 @@ impl Palette {
             (".key".into(), format!("color:{}", self.muted)),
             (".model".into(), format!("color:{}", self.text)),
             (".shade".into(), format!("fill:{}", self.grid)),
+            (".noise".into(), format!("fill:{}", self.frame)),
+            (".invalid".into(), format!("fill:{}", self.series(1, 3))),
         ];
         rules.extend(
             (0..series).map(|i| (format!(".s{i}"), format!("color:{}", self.series(i, series)))),
@@ -189,8 +191,11 @@ const SHAPES: &[(&str, &str)] = &[
     (".stem", "fill:none;stroke:currentColor;stroke-width:1;opacity:.35"),
     (".bar", "fill:none;stroke:currentColor;stroke-width:2.4"),
     (".band", "fill:currentColor;stroke:none;opacity:.22"),
+    (".noise", "stroke:none;opacity:.3"),
+    (".invalid", "stroke:none;opacity:.13"),
     (".measured", "fill:currentColor;stroke-width:.9"),
     (".dense", "fill:currentColor;stroke:none"),
+    (".hollow", "fill:none;stroke:currentColor;stroke-width:1;opacity:.75"),
     (".faint", "fill:none;stroke:currentColor;stroke-width:1;opacity:.55"),
     (".rest>*", "stroke:currentColor;stroke-width:1.2"),
     (".label", "fill:currentColor;font-weight:600"),

@@ -1,52 +1,71 @@
-//! Where the simulation departs from the measurement.
+//! Where the simulation departs from the measurement, before and after.
 
 use maud::{Markup, html};
-use servoscope_core::answers::{Discrepancy, NoiseSource, Pattern, Verdict};
+use servoscope_core::answers::{Diagnosis, Discrepancy, NoiseSource, Pattern};
 
 use crate::report::tables;
 
+use super::cards::closer;
 use super::described::described;
 use super::figure::figure;
 use super::table::{Cell, table};
-use super::words::sentence;
+use super::words::{number, per_cent, quantity, sentence, with_causes};
 use super::{Content, Section};
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
-    let Some(answer) = content.answer.diagnosis() else { return fit(content) };
-    let found = &answer.discrepancy;
-    let subject = content.subject("");
-    let title = match answer.verdict {
-        Verdict::Adequate => "How small a departure would have been noticed",
-        _ => "What the simulation gets wrong",
+    let name = with_causes(content.answer.causes());
+    let subject = content.subject(&name);
+    let figures = html! {
+        (figure("residuals", &subject, "", "What the base model leaves of every harmonic, against \
+            its noise."))
+        (figure("residuals-after", &subject, "-after", "What the model with the causes leaves, \
+            drawn as the residuals before."))
     };
+    let Some(answer) = content.answer.diagnosis() else {
+        if figures.0.is_empty() {
+            return None;
+        }
+        let left = per_cent(content.answer.base().fit.nrmse, 3);
+        let short = format!("the model leaves {left} of the response");
+        return Section::new("departure", "Where is it wrong?", short, figures);
+    };
+    let found = &answer.discrepancy;
     let body = html! {
-        p.lead { (sentence(&found.sentence)) }
         (patterns(&found.patterns))
-        (figure("residuals", &subject, "", "What the base model leaves of every harmonic, against its noise."))
-        (figure("spectrum", &subject, "", "Harmonics of the response, measured and simulated with \
-            the base model, above the noise."))
-        h3 { "Is it noise?" }
-        p { "Each test holds what the model leaves against noise; " i { "p" } " is how often noise \
-            alone looks as bad." }
-        @if !found.tests.is_empty() { (described("", &tables::tests(&found.tests), &[])) }
+        (closer(answer, content.units()))
+        (figures)
         h3 { "What is left, part by part" }
         (left(found, answer.base.noise))
     };
-    Section::new("departure", title, body)
+    Section::new("departure", "Where is it wrong?", short(content, answer), body)
 }
 
-/// Of an identification, nobody asked where it is wrong; the figures show it.
-fn fit(content: &Content<'_>) -> Option<Section> {
-    let subject = content.subject("");
-    let body = html! {
-        (figure("residuals", &subject, "", "What the model leaves of every harmonic, against its noise."))
-        (figure("spectrum", &subject, "", "Harmonics of the response, measured and simulated, \
-            above the noise."))
+/// Where most of the misfit lies.
+fn short(content: &Content<'_>, answer: &Diagnosis) -> String {
+    let Some(first) = answer.discrepancy.patterns.first() else {
+        return match answer.discrepancy.noise_like {
+            true => "nowhere beyond the noise".to_owned(),
+            false => "everywhere: no pattern stands out".to_owned(),
+        };
     };
-    if body.0.is_empty() {
-        return None;
+    let range = |[low, high]: [f64; 2], unit: &str| match number(low, 3) == number(high, 3) {
+        true => quantity(low, 3, unit),
+        false => format!("{} to {}", number(low, 3), quantity(high, 3, unit)),
+    };
+    let magnitudes = first
+        .magnitudes
+        .map(|ends| format!("at magnitude {}", range(ends, content.units().input)));
+    let frequencies = first.frequencies_hz.map(|ends| format!("from {}", range(ends, "Hz")));
+    let harmonics = match first.harmonics.as_slice() {
+        [one] => Some(format!("in harmonic {one}")),
+        _ => None,
+    };
+    let parts = [magnitudes, frequencies, harmonics].into_iter().flatten().collect::<Vec<_>>();
+    let share = format!("{:.0}\u{a0}% of what the base model misses lies", 100.0 * first.share);
+    match parts.is_empty() {
+        true => format!("{share} in one pattern"),
+        false => format!("{share} {}", parts.join(", ")),
     }
-    Section::new("departure", "What the model leaves", body)
 }
 
 fn patterns(patterns: &[Pattern]) -> Markup {

@@ -6,7 +6,7 @@ use servoscope_core::answers::{Comparison, NoiseSource};
 
 use super::table::{Cell, table};
 use super::words::{number, quantity, sentence};
-use super::{Content, Section};
+use super::Content;
 
 /// The most values that are listed rather than given as a range.
 const LISTED: usize = 6;
@@ -102,9 +102,11 @@ fn day_and_time(rfc3339: &str) -> String {
     }
 }
 
-pub(super) fn section(content: &Content<'_>) -> Option<Section> {
+/// What was measured, in rows, remarks and files.
+pub(super) fn described(content: &Content<'_>) -> Markup {
     let measured = content.measured;
-    let body = html! {
+    html! {
+        h3 { "What was measured" }
         dl.pairs {
             @for (name, value) in rows(content) {
                 div { dt { (name) } dd { (value) } }
@@ -115,8 +117,7 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
             ul { @for note in &measured.notes { li { (sentence(note)) } } }
         }
         (files(&measured.files))
-    };
-    Section::new("measured", "What was measured", body)
+    }
 }
 
 fn rows(content: &Content<'_>) -> Vec<(&'static str, String)> {

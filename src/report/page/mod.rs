@@ -1,39 +1,40 @@
 //! An answer as one HTML page to hand to somebody else.
 //!
-//! The page needs nothing but itself: no script, no request, its figures are
-//! inline SVG and its style sheet is inside. It is read on a screen, light or
-//! dark, on a phone, and on paper. It is well-formed XML, too. One file a
-//! section, one line in the list `SECTIONS`.
+//! The page needs nothing but itself: no request, its figures are inline SVG, and
+//! its style sheet is inside. What a test engineer takes away is on the first screen;
+//! the rest is folded below it in the order in which a reader asks. It is read on a
+//! screen, light or dark, on a phone, and on paper. It is well-formed XML, too. One
+//! file a section, one line in the list `SECTIONS`.
 
-mod causes;
-mod compared;
+mod cards;
 mod described;
 mod discrepancy;
 mod figure;
+mod friction;
+mod harmonics;
 mod head;
-mod linearity;
 mod measured;
-mod measurement;
 mod model;
-mod next;
 mod provenance;
 mod rivals;
 mod style;
+mod sure;
 mod table;
 #[cfg(test)]
 mod tests;
-mod words;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use servoscope_core::answers::{Answer, Comparison, ConvergenceRow};
 
+use super::brief::Units;
 use super::figures::{Extended, Subject};
+use super::words;
 
 pub(super) use measured::described;
 pub use measured::{DataFile, Measured};
 pub use style::{dark as dark_colours, shared as shared_style};
-pub use words::parameter_name;
+pub use super::words::parameter_name;
 
 /// What a page is made of. What is not known is left out, and with it the
 /// figures that need it.
@@ -52,6 +53,15 @@ pub struct Content<'a> {
 }
 
 impl<'a> Content<'a> {
+    /// Units of the command and of the response, where they are known.
+    fn units(&self) -> Units<'a> {
+        let of = self.comparison;
+        Units {
+            input: of.map_or(&self.measured.input_unit, |of| &of.input_unit),
+            response: of.map_or(&self.measured.response_unit, |of| &of.response_unit),
+        }
+    }
+
     /// What the figures are drawn of; `name` is that of the model with the causes.
     fn subject(&self, name: &'a str) -> Subject<'a> {
         let extended = self.answer.extended().zip(self.extended);
@@ -69,34 +79,30 @@ impl<'a> Content<'a> {
     }
 }
 
-/// A section: what is linked to, what it is called, and what it says; `None`
-/// where an answer has nothing of the kind.
+/// A section that is folded until somebody asks: what is linked to, what it is called, its answer
+/// in short, and the whole; `None` where an answer has nothing of the kind.
 struct Section {
     id: &'static str,
-    title: String,
+    title: &'static str,
+    short: String,
     body: Markup,
 }
 
 impl Section {
-    fn new(id: &'static str, title: impl Into<String>, body: Markup) -> Option<Self> {
-        Some(Self { id, title: title.into(), body })
+    fn new(id: &'static str, title: &'static str, short: String, body: Markup) -> Option<Self> {
+        Some(Self { id, title, short, body })
     }
 }
 
-/// Every section, in the order in which they are read.
+/// Every section, in the order in which a reader asks.
 const SECTIONS: &[fn(&Content<'_>) -> Option<Section>] = &[
-    measurement::section,
-    measured::section,
-    linearity::section,
-    discrepancy::section,
-    causes::section,
-    compared::section,
-    compared::gain,
+    sure::section,
     rivals::section,
-    next::section,
-    next::limits,
-    model::section,
+    discrepancy::section,
+    friction::section,
+    harmonics::section,
     model::computed,
+    model::section,
     provenance::section,
 ];
 
@@ -116,18 +122,15 @@ pub fn page(content: &Content<'_>) -> String {
             }
             body {
                 (head::header(content, &title))
-                nav aria-label="Contents" {
-                    ol {
-                        @for section in &sections {
-                            li { a href={ "#" (section.id) } { (section.title) } }
-                        }
-                    }
-                }
                 main {
+                    div.screen {
+                        (figure::first(content))
+                        (cards::cards(content))
+                    }
                     @for section in &sections {
-                        section id=(section.id) {
-                            h2 { (section.title) }
-                            (section.body)
+                        details id=(section.id) {
+                            summary { h2 { (section.title) } span.short { (section.short) } }
+                            div.whole { (section.body) }
                         }
                     }
                 }

@@ -3,23 +3,18 @@
 use maud::{Markup, html};
 use servoscope_core::answers::{Identification, OrderChoice};
 
-use crate::report::figures::Subject;
+use crate::report::size::with_interval;
 use crate::report::tables;
 use crate::report::text::{coefficient_digits, stages};
 
 use super::described::described;
 use super::figure::figure;
-use super::words::{number, sentence, with_causes};
+use super::words::{number, parameter_name, sentence, with_causes};
 use super::{Content, Section};
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let answer = content.answer;
     let name = with_causes(answer.causes());
-    let moved = Subject {
-        identification: Some(answer.model()),
-        comparison: content.extended.or(content.comparison),
-        ..Subject::default()
-    };
     let body = html! {
         (transfer_function(answer.model()))
         @match answer.extended() {
@@ -32,10 +27,17 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
                 (estimates(answer.base()))
             }
         }
-        (figure("friction", &moved, "", "Friction of this model over velocity, and the range in \
-            which the measurement moved."))
     };
-    Section::new("model", "The model", body)
+    Section::new("model", "Parameters", short(answer.model()), body)
+}
+
+/// Pole, constant and levels of friction.
+fn short(model: &Identification) -> String {
+    let said = ["pole", "constant"].into_iter().filter_map(|id| {
+        let estimate = model.parameters.get(id)?;
+        Some(format!("{} {}", parameter_name(id), with_interval(estimate)))
+    });
+    said.collect::<Vec<_>>().join(", ")
 }
 
 fn estimates(answer: &Identification) -> Markup {
@@ -103,7 +105,11 @@ pub(super) fn computed(content: &Content<'_>) -> Option<Section> {
         }
         (figure("convergence", &subject, "", "How the base model's misfit fell, stage by stage."))
     };
-    Section::new("computed", "How it was computed", body)
+    let all: u64 = evaluations + of_model.iter().map(|(_, stage)| stage.evaluations).sum::<u64>();
+    let order = model.order_choice.as_ref().map(|choice| choice.actuator_order);
+    let order = order.map_or(String::new(), |order| format!(", actuator of order {order}"));
+    let short = format!("{all} simulations of the model{order}");
+    Section::new("computed", "Convergence", short, body)
 }
 
 fn order(choice: &OrderChoice, answer: &Identification) -> Markup {

@@ -1,8 +1,8 @@
-//! What is needed to compute the same answer again.
+//! What was measured, and what is needed to compute the same answer again.
 
 use maud::html;
 
-use super::{Content, Section};
+use super::{Content, Section, measured};
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let provenance = content.answer.provenance();
@@ -10,7 +10,10 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let order = provenance.actuator_order.map_or("chosen from the data".into(), |n| n.to_string());
     // Options are plain data, whose JSON form cannot fail.
     let options = serde_json::to_string_pretty(&provenance.options).unwrap_or_default();
+    let measured = content.measured;
     let body = html! {
+        (measured::described(content))
+        h3 { "How it was computed" }
         dl.pairs {
             div { dt { "Software" } dd { "servoscope " (provenance.software_version) } }
             div { dt { "Method" } dd { (base.method.name()) } }
@@ -22,5 +25,12 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
         pre { (options) }
         p.small { "The same data, options and seed give the same result, bit by bit." }
     };
-    Section::new("provenance", "Provenance", body)
+    let short = format!(
+        "servoscope {}, method {}, seed {}, {} experiments",
+        provenance.software_version,
+        base.method.name(),
+        base.seed,
+        measured.experiments,
+    );
+    Section::new("provenance", "Provenance", short, body)
 }

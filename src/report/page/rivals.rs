@@ -1,6 +1,7 @@
-//! Every effect that was tried, and why it is not the cause.
+//! What else the cause could be: every effect that was tried, and why it is not named.
 
 use maud::html;
+use servoscope_core::answers::Diagnosis;
 
 use crate::report::tables;
 
@@ -14,19 +15,33 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
         return None;
     }
     let ids: Vec<&str> = answer.candidates.iter().map(|c| c.effect.as_str()).collect();
-    let title = if answer.causes.is_empty() { "What was tried" } else { "The rivals" };
     let body = html! {
         p {
             "Each effect was fitted together with the whole base model. Δχ² is what it alone takes \
              off the misfit, the criterion weighs that against its parameters: the smallest wins."
         }
         (described("", &tables::tried(&answer.candidates), &ids))
-        @for cause in answer.causes.iter().filter(|cause| !cause.equivalents.is_empty()) {
-            p {
-                "Besides " (effect(&cause.effect)) ", this measurement leaves possible: "
-                (list(cause.equivalents.iter().map(String::as_str), "and")) "."
-            }
-        }
     };
-    Section::new("rivals", title, body)
+    let title =
+        if answer.causes.is_empty() { "What was tried" } else { "What else could it be?" };
+    Section::new("rivals", title, short(answer), body)
+}
+
+fn short(answer: &Diagnosis) -> String {
+    let tried = answer.candidates.len();
+    let equivalents: Vec<&str> =
+        answer.causes.iter().flat_map(|cause| &cause.equivalents).map(String::as_str).collect();
+    if answer.causes.is_empty() {
+        return format!("{tried} effects were tried, none is named");
+    }
+    if !equivalents.is_empty() {
+        return format!("{} cannot be told from it", list(equivalents, "or"));
+    }
+    let nearest = answer.candidates.iter().find(|candidate| candidate.rejected.is_some());
+    match nearest {
+        Some(rival) => {
+            format!("{tried} effects were tried; {} comes nearest and loses", effect(&rival.effect))
+        }
+        None => format!("{tried} effects were tried"),
+    }
 }

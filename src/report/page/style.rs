@@ -60,22 +60,52 @@ pre{margin:.75rem 0 0;padding:.75rem 1rem;background:var(--tint);overflow-x:auto
 section{margin-top:3rem;scroll-margin-top:1rem}
 article+article{margin-top:2.25rem;padding-top:.25rem;border-top:1px solid var(--grid)}
 .origin,.small,figcaption,caption{color:var(--muted);font-size:.9rem}
-.origin{margin-top:.4rem}
 .lead{font-size:1.1rem;line-height:1.5}
-.verdict{margin-top:1.75rem;padding:1rem 1.25rem 1.1rem;background:var(--tint);
-  border-left:.3rem solid var(--state)}
-.verdict p{margin:.35rem 0 0}
-.verdict .word{margin:0;font-size:.85rem;font-weight:600;letter-spacing:.04em;
-  color:var(--muted)}
-.verdict .lead{font-size:1.25rem;font-weight:600;line-height:1.4}
+.verdict{display:flex;gap:.35rem 1rem;align-items:baseline;flex-wrap:wrap;padding:.55rem .9rem .6rem;
+  background:var(--tint);border-left:.3rem solid var(--state)}
+.verdict p{margin:0;max-width:none}
+.verdict .word{font-size:.8rem;font-weight:700;letter-spacing:.05em;text-transform:uppercase;
+  color:var(--state);white-space:nowrap}
+.verdict .lead{flex:1 1 24rem;font-size:1.15rem;font-weight:600;line-height:1.35}
 .good{--state:var(--good)}.part{--state:var(--part)}.bad{--state:var(--bad)}
-.open{--state:var(--frame)}
+.open{--state:var(--muted)}
+/* The first screen: the response, and beside it what it comes to. */
+.screen{display:grid;grid-template-columns:minmax(0,1fr) 22.5rem;gap:0 2rem;align-items:start;
+  margin-top:.75rem}
+.screen:not(:has(.first)){grid-template-columns:minmax(0,44rem)}
+.screen .first{margin:0}
+.screen .first .scroll{margin:-.9rem 0 0 -1.4rem}
+.cards{display:flex;flex-direction:column;gap:.85rem}
+.card{padding:0 0 .85rem;border-bottom:1px solid var(--grid)}
+.card:last-child{border-bottom:0}
+.card h2{padding:0;border:0;font-size:.78rem;font-weight:600;letter-spacing:.05em;
+  text-transform:uppercase;color:var(--muted)}
+.card.bad{padding:.7rem .9rem .8rem;border:0;border-left:.25rem solid var(--bad);background:var(--tint)}
+.card.bad h2{color:var(--bad)}
+.card p{margin:.3rem 0 0;font-size:.92rem;line-height:1.45}
+.card .small{font-size:.84rem}
+.card .name{display:flex;flex-wrap:wrap;gap:0 .6rem;align-items:baseline;margin-top:.1rem}
+.card .name strong{font-size:1.2rem;font-weight:600;line-height:1.3}
+.card .sure{color:var(--muted);font-size:.84rem}
+.one+.one{margin-top:.8rem}
+.values{margin:.35rem 0 0;font-size:.92rem;font-variant-numeric:tabular-nums}
+.values div{display:flex;justify-content:space-between;gap:1rem;padding:.1rem 0}
+.values dt{font-size:inherit}
+.values dd{white-space:nowrap}
+details{border-top:1px solid var(--grid)}
+details:last-of-type{border-bottom:1px solid var(--grid)}
+summary{display:flex;gap:.2rem 1rem;align-items:baseline;padding:.6rem .2rem;cursor:pointer;list-style:none}
+summary::-webkit-details-marker{display:none}
+summary::before{content:"";flex:none;width:.4rem;height:.4rem;border:solid var(--muted);
+  border-width:0 .12rem .12rem 0;transform:rotate(-45deg) translateY(-.1rem)}
+details[open]>summary::before{transform:rotate(45deg) translateY(-.1rem)}
+summary:hover{background:var(--tint)}
+summary h2{flex:none;width:13.5rem;padding:0;border:0;font-size:1rem}
+summary .short{color:var(--muted);font-size:.92rem;line-height:1.4;min-width:0}
+.whole{padding:.2rem 0 1.75rem 1.6rem;max-width:55rem}
+.whole>:first-child{margin-top:0}
 dl,dd{margin:0}
 dt{color:var(--muted);font-size:.9rem}
-.facts{display:flex;flex-wrap:wrap;gap:1rem 2.5rem;margin-top:1.5rem}
-.facts div{display:flex;flex-direction:column-reverse;justify-content:flex-end}
-.facts dd{font-size:1.35rem;line-height:1.3;font-variant-numeric:tabular-nums}
-.facts dt{max-width:15rem}
 .pairs{margin-top:1rem}
 .pairs div{display:grid;grid-template-columns:11rem 1fr;gap:1rem;padding:.35rem 0;
   border-bottom:1px solid var(--grid)}
@@ -108,9 +138,18 @@ figcaption{margin-top:.25rem;max-width:44rem}
 main{counter-reset:figure}
 figure{counter-increment:figure}
 figcaption::before{content:"Figure " counter(figure) ". ";font-weight:600}
+@media (max-width:62rem){
+  .screen{grid-template-columns:minmax(0,1fr)}
+  .cards{margin-top:.75rem;display:grid;grid-template-columns:repeat(auto-fit,minmax(17rem,1fr));gap:1rem 2rem}
+  .card,.card:last-child{border-bottom:0;padding-bottom:0}
+}
 @media (max-width:40rem){
+  summary{flex-wrap:wrap}
+  summary h2{width:auto;flex:1}
+  summary .short{flex-basis:100%;padding-left:1.4rem}
+  .whole{padding-left:0}
   h1{font-size:1.5rem}
-  .verdict .lead{font-size:1.1rem}
+  .verdict .lead{font-size:1.05rem}
   .pairs div{grid-template-columns:1fr;gap:0}
   .scroll svg{width:44rem}
   figure .scroll{margin:0 -1rem}
@@ -120,30 +159,25 @@ figcaption::before{content:"Figure " counter(figure) ". ";font-weight:600}
 
 /// How a page is laid out on a screen and on paper.
 const PAGE: &str = r#"
-body{margin:0 auto;padding:2.5rem 1.5rem 5rem;max-width:53rem}
-nav{margin-top:2.25rem;font-size:.9rem}
-nav ol{margin:0;padding:0;list-style:none;display:flex;flex-wrap:wrap;gap:.3rem 1.4rem}
-@media (min-width:75rem){
-  body{max-width:72rem;display:grid;grid-template-columns:13rem minmax(0,50rem);
-    grid-template-rows:auto 1fr;column-gap:4rem;justify-content:center}
-  header,main{grid-column:2}
-  nav{grid-column:1;grid-row:1/3;margin-top:.6rem;position:sticky;top:2.5rem;align-self:start}
-  nav ol{flex-direction:column;gap:.55rem}
-  nav a{color:var(--muted);text-decoration:none}
-  nav a:hover{color:var(--text);text-decoration:underline}
-}
-@media (max-width:40rem){body{padding:1.5rem 1rem 3rem}}
+body{margin:0 auto;padding:1rem 1.5rem 4rem;max-width:84rem}
+.title{display:flex;flex-wrap:wrap;gap:.1rem 1.25rem;align-items:baseline;margin-bottom:.6rem}
+.title h1{font-size:1.3rem}
+.title .origin{margin:0}
+main>details:first-of-type{margin-top:1rem}
+@media (max-width:40rem){body{padding:1rem 1rem 3rem}}
 @media print{
   @page{size:A4;margin:17mm 11mm}
-  html{font-size:10pt}
-  body{max-width:none;padding:0 1.5rem;display:block}
-  nav{display:none}
-  section{margin-top:8mm}
-  h2,h3,caption,thead{break-after:avoid}
-  figure,tr,.verdict,.facts,pre,.formula{break-inside:avoid}
+  html{font-size:9.5pt}
+  body{max-width:none;padding:0 1rem}
+  .screen{display:block}
+  .cards{margin-top:4mm;display:grid;grid-template-columns:1fr 1fr;gap:4mm 8mm}
+  details::details-content{content-visibility:visible;block-size:auto}
+  summary::before{display:none}
+  h2,h3,caption,thead,summary{break-after:avoid}
+  figure,tr,.verdict,.card,pre,.formula{break-inside:avoid}
   figure svg{max-height:225mm}
   .scroll{overflow:visible}
   a{color:inherit;text-decoration:none}
-  .verdict,pre{print-color-adjust:exact;-webkit-print-color-adjust:exact}
+  .verdict,.card,pre{print-color-adjust:exact;-webkit-print-color-adjust:exact}
 }
 "#;

@@ -19,29 +19,43 @@ const MOST_TURNED_DEG: f64 = 720.0;
 const FIRST_BRANCH_DEG: f64 = -90.0;
 
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ratio {
-    pub(super) gain_db: f64,
-    pub(super) phase_deg: f64,
+pub(in crate::report::figures) struct Ratio {
+    pub(in crate::report::figures) gain_db: f64,
+    pub(in crate::report::figures) phase_deg: f64,
 }
 
 #[derive(Debug)]
-pub(super) struct Point {
-    pub(super) frequency_hz: f64,
+pub(in crate::report::figures) struct Point {
+    pub(in crate::report::figures) frequency_hz: f64,
     /// `None` where nothing moved.
-    pub(super) measured: Option<Ratio>,
-    pub(super) simulated: Option<Ratio>,
+    pub(in crate::report::figures) measured: Option<Ratio>,
+    pub(in crate::report::figures) simulated: Option<Ratio>,
     /// Of the model with the causes.
-    pub(super) extended: Option<Ratio>,
+    pub(in crate::report::figures) extended: Option<Ratio>,
+    /// Standard deviation of the measured ratio, as a share of it; `None` where it is not known.
+    pub(in crate::report::figures) noise: Option<f64>,
+}
+
+impl Point {
+    /// Measured without one of the models: dB and degrees, less than half a turn.
+    pub(in crate::report::figures) fn error(&self, model: Option<Ratio>) -> Option<Ratio> {
+        let (measured, model) = self.measured.zip(model)?;
+        let phase = measured.phase_deg - model.phase_deg;
+        Some(Ratio {
+            gain_db: measured.gain_db - model.gain_db,
+            phase_deg: phase - 360.0 * (phase / 360.0).round(),
+        })
+    }
 }
 
 #[derive(Debug)]
-pub(super) struct Curve {
-    pub(super) label: String,
-    pub(super) points: Vec<Point>,
+pub(in crate::report::figures) struct Curve {
+    pub(in crate::report::figures) label: String,
+    pub(in crate::report::figures) points: Vec<Point>,
 }
 
 /// The curves of a comparison, whole turns taken out of their phases.
-pub(super) fn curves(comparison: &Comparison, extended: Option<&Comparison>) -> Vec<Curve> {
+pub(in crate::report::figures) fn curves(comparison: &Comparison, extended: Option<&Comparison>) -> Vec<Curve> {
     let largest = largest_measured(comparison);
     let extended: HashMap<usize, &ComparedExperiment> = extended
         .iter()
@@ -59,6 +73,8 @@ pub(super) fn curves(comparison: &Comparison, extended: Option<&Comparison>) -> 
             extended: other
                 .and_then(|harmonics| harmonics.iter().find(same))
                 .and_then(|other| ratio(other.simulated, harmonic.input)),
+            noise: Some(harmonic.std / size(harmonic.measured))
+                .filter(|share| !comparison.std_estimated && *share > 0.0 && share.is_finite()),
         }
     };
     let many = has_many_lines(comparison);
@@ -135,6 +151,7 @@ mod tests {
             // A point of rest in the middle does not lose the count of turns.
             simulated: ratio(*phase).filter(|_| i != 20),
             extended: ratio(*phase),
+            noise: None,
         });
         let mut curve = Curve { label: String::new(), points: points.collect() };
         unwrap(&mut curve);

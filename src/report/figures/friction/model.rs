@@ -49,6 +49,20 @@ impl Side {
         self.level * (1.0 + stribeck) + slope * viscous * v + drag * v * v
     }
 
+    /// How fast its viscous friction grows with the speed; `slope` is a/K, that of both directions.
+    pub fn slope(&self, slope: f64) -> f64 {
+        slope * self.bend.viscous
+    }
+
+    /// The same as it is written: `a/K` times what an asymmetry makes of it.
+    pub fn slope_name(&self) -> &'static str {
+        match (self.bend.viscous == 1.0, self.sign > 0.0) {
+            (true, _) => "a/K",
+            (false, true) => "(1 + α)·a/K",
+            (false, false) => "(1 − α)·a/K",
+        }
+    }
+
     /// Points of the torque up to a velocity.
     pub fn curve(&self, slope: f64, reach: f64) -> impl Iterator<Item = [f64; 2]> {
         let at = move |i: usize| reach * i as f64 / STEPS as f64;

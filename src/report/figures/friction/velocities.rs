@@ -28,7 +28,7 @@ pub(super) fn extents(
     let naming = Naming {
         x: &format!("Velocity ({velocity})"),
         y: "Velocities measured at each magnitude",
-        heading: "",
+        ..Naming::default()
     };
     below.draw(canvas, &[], naming);
     for (row, (index, range)) in ranges.iter().rev().enumerate() {

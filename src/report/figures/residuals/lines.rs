@@ -2,7 +2,7 @@
 
 use servoscope_core::answers::{ComparedExperiment, Comparison, Pattern};
 
-use super::super::canvas::{Canvas, MARGIN, Marker, WIDTH};
+use super::super::canvas::{Canvas, MARGIN, Marker, Trace, WIDTH};
 use super::super::panel::{Key, Look, Naming, Panel, legend};
 use super::super::scale::{DECIMAL, Scale, range};
 use super::super::series::{experiment_label, frequency_hz, sigmas, spread};
@@ -27,7 +27,8 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
     let every = || shown.iter().flat_map(|i| lines(experiments[*i]));
     let [low, high] = range(every().map(|line| line.0));
     let [smallest, largest] = range(every().map(|line| line.1).filter(|size| *size > 0.0));
-    let sizes = [smallest.clamp(0.03, 0.5), largest.max(3.0) * 1.5];
+    // Down to the smallest: none is put at an edge where it does not belong.
+    let sizes = [0.8 * smallest.min(0.5), largest.max(3.0) * 1.5];
     let few = shown.len() == 1;
     for (series, &index) in shown.iter().enumerate() {
         let experiment = experiments[index];
@@ -39,7 +40,7 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
         let panel = Panel { x, y, left, top, right, bottom };
         let label = experiment_label(experiment, comparison);
         let heading = if few { String::new() } else { label };
-        let naming = Naming { heading: &heading, x: "Frequency (Hz)", y: "|Residual| (σ)" };
+        let naming = Naming { heading: &heading, x: "Frequency (Hz)", y: "|Residual| (σ)", ..Naming::default() };
         let bands = bands(canvas, &panel, experiment, patterns);
         panel.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
         canvas.open_clipped("", panel.sides());
@@ -59,10 +60,11 @@ fn lines(experiment: &ComparedExperiment) -> impl Iterator<Item = (f64, f64)> {
 
 fn points(canvas: &mut Canvas, panel: &Panel, series: usize, experiment: &ComparedExperiment) {
     let radius = if experiment.harmonics.len() > 300 { 1.8 } else { 2.6 };
-    canvas.open(&format!("s{series} dense data"));
-    for (frequency, size) in lines(experiment) {
-        let Some([x, y]) = panel.at(frequency, size.max(1e-300)) else { continue };
-        canvas.marker(Marker::Circle, [x, y.min(panel.bottom)], radius, "");
+    let trace = Trace { name: "residual", ..Trace::default() };
+    canvas.open_inside(&format!("s{series} dense data"), panel.sides(), trace);
+    for (frequency, size) in lines(experiment).filter(|(_, size)| *size > 0.0) {
+        let Some(at) = panel.at(frequency, size) else { continue };
+        canvas.marker(Marker::Circle, at, radius, "");
     }
     canvas.close();
 }

@@ -4,10 +4,10 @@ use maud::{Markup, html};
 use servoscope_core::answers::Cause;
 use servoscope_core::effects::{find, find_parameter};
 
-use crate::report::figures::superscript;
+use super::figures::superscript;
 
 /// A number as it is printed: a true minus sign, and a power of ten.
-pub(super) fn typeset(number: &str) -> String {
+pub(in crate::report) fn typeset(number: &str) -> String {
     let number = number.replace('-', "−");
     match number.split_once('e') {
         Some((mantissa, power)) => format!("{mantissa}·10{}", superscript(power)),
@@ -16,23 +16,23 @@ pub(super) fn typeset(number: &str) -> String {
 }
 
 /// A number with at most so many significant digits.
-pub(super) fn number(value: f64, digits: usize) -> String {
-    typeset(&crate::report::number::significant(value, digits))
+pub(in crate::report) fn number(value: f64, digits: usize) -> String {
+    typeset(&super::number::significant(value, digits))
 }
 
 /// A share as per cent with so many significant digits.
-pub(super) fn per_cent(share: f64, digits: usize) -> String {
-    format!("{}\u{a0}%", typeset(&crate::report::number::digits(100.0 * share, digits)))
+pub(in crate::report) fn per_cent(share: f64, digits: usize) -> String {
+    format!("{}\u{a0}%", typeset(&super::number::digits(100.0 * share, digits)))
 }
 
 /// A number with its unit, where there is one.
-pub(super) fn quantity(value: f64, digits: usize, unit: &str) -> String {
+pub(in crate::report) fn quantity(value: f64, digits: usize, unit: &str) -> String {
     let space = if unit.is_empty() { "" } else { "\u{a0}" };
     format!("{}{space}{unit}", number(value, digits))
 }
 
 /// A sentence: begins with a capital, unless with an id, and ends with a stop.
-pub(super) fn sentence(text: &str) -> String {
+pub(in crate::report) fn sentence(text: &str) -> String {
     let text = text.trim();
     let first_word = text.split_whitespace().next().unwrap_or_default();
     let mut characters = text.chars();
@@ -49,7 +49,7 @@ pub(super) fn sentence(text: &str) -> String {
 }
 
 /// An id as words: `static_friction` is static friction.
-pub(super) fn effect(id: &str) -> String {
+pub(in crate::report) fn effect(id: &str) -> String {
     match find(id) {
         Some(effect) => effect.descriptor().title.to_owned(),
         None => id.replace('_', " "),
@@ -57,7 +57,7 @@ pub(super) fn effect(id: &str) -> String {
 }
 
 /// The same as something that an axis has: a spring, but backlash.
-pub(super) fn a(id: &str) -> String {
+pub(in crate::report) fn a(id: &str) -> String {
     match find(id) {
         Some(effect) => effect.descriptor().with_article.to_owned(),
         None => effect(id),
@@ -65,12 +65,12 @@ pub(super) fn a(id: &str) -> String {
 }
 
 /// The equation of an effect.
-pub(super) fn equation(id: &str) -> Option<&'static str> {
+pub(in crate::report) fn equation(id: &str) -> Option<&'static str> {
     find(id).map(|effect| effect.descriptor().equation)
 }
 
 /// A text of a diagnosis with these ids as words.
-pub(super) fn without_ids<'a>(text: &str, ids: impl IntoIterator<Item = &'a str>) -> String {
+pub(in crate::report) fn without_ids<'a>(text: &str, ids: impl IntoIterator<Item = &'a str>) -> String {
     // The longest first: one id may be part of another.
     let mut ids: Vec<&str> = ids.into_iter().collect();
     ids.sort_by_key(|id| std::cmp::Reverse(id.len()));
@@ -78,17 +78,17 @@ pub(super) fn without_ids<'a>(text: &str, ids: impl IntoIterator<Item = &'a str>
 }
 
 /// What the model with the causes is called: `with Stribeck friction and backlash`.
-pub(super) fn with_causes(causes: &[Cause]) -> String {
+pub(in crate::report) fn with_causes(causes: &[Cause]) -> String {
     format!("with {}", list(causes.iter().map(|cause| cause.effect.as_str()), "and"))
 }
 
 /// Effects as they are said: one, one and another, one, another and a third.
-pub(super) fn list<'a>(ids: impl IntoIterator<Item = &'a str>, last: &str) -> String {
+pub(in crate::report) fn list<'a>(ids: impl IntoIterator<Item = &'a str>, last: &str) -> String {
     joined(ids.into_iter().map(effect).collect(), last)
 }
 
 /// Names with commas, and a word before the last.
-pub(super) fn joined(mut names: Vec<String>, last: &str) -> String {
+pub(in crate::report) fn joined(mut names: Vec<String>, last: &str) -> String {
     match names.pop() {
         Some(name) if names.is_empty() => name,
         Some(name) => format!("{} {last} {name}", names.join(", ")),
@@ -120,7 +120,7 @@ pub fn parameter_name(id: &str) -> String {
 }
 
 /// What a parameter is called, with its symbol, beside its id.
-pub(super) fn parameter(id: &str) -> Markup {
+pub(in crate::report) fn parameter(id: &str) -> Markup {
     let Some((name, [symbol, index])) = known(id) else {
         return html! { code { (id) } };
     };
@@ -132,7 +132,7 @@ pub(super) fn parameter(id: &str) -> Markup {
 
 /// A probability as a person says it. The limits are those between which the
 /// benchmark counts how often a cause of that confidence is right.
-pub(super) fn confidence(probability: f64) -> &'static str {
+pub(in crate::report) fn confidence(probability: f64) -> &'static str {
     match probability {
         p if p >= 0.99 => "all but certain",
         p if p >= 0.9 => "very likely",

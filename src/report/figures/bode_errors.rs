@@ -1,0 +1,312 @@
+//! Frequency response before and after, and beneath it what each model leaves: gain in dB and phase
+//! in degrees, against the noise.
+
+use servoscope_core::answers::{Comparison, ValidBand};
+
+use super::bode::curves::{Curve, Point, Ratio, curves};
+use super::bode::{FEW_POINTS, FREQUENCY, Model, gain_name, ranges, resting, says, trace};
+use super::canvas::{Anchor, Canvas, Font, Marker, NOTE, Trace};
+use super::panel::{Key, Look, Naming, Panel, legend};
+use super::scale::{DECIMAL, DEGREES, Scale, range};
+use super::series::{left_out, spread};
+use super::text::{self, number};
+use super::{NothingToDraw, Subject, comparison};
+
+/// Left and right side of each of the two columns: gain, phase.
+const COLUMNS: [[f64; 2]; 2] = [[56.0, 390.0], [452.0, 786.0]];
+const RESPONSE_HEIGHT: f64 = 212.0;
+const ERROR_HEIGHT: f64 = 132.0;
+
+/// Magnitudes that the legend names.
+const MOST_KEYS: usize = 8;
+
+/// Deviations that the shaded band of the noise reaches.
+const NOISE_BAND: f64 = 2.0;
+
+/// Decibels of a gain that differs from another by a small share of it, per share.
+const DB_PER_SHARE: f64 = 20.0 * std::f64::consts::LOG10_E;
+
+/// Text within a band that is not valid.
+const BAND: Font = Font { size: 10.5, class: "m" };
+
+/// What one column shows of a ratio.
+struct Column<'a> {
+    name: &'a str,
+    error_name: &'a str,
+    value: fn(Ratio) -> f64,
+    /// Of the ratio for each share by which noise moves it.
+    per_share: f64,
+    least_error: f64,
+    steps: &'static [f64],
+    range: [f64; 2],
+}
+
+pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
+    let comparison = comparison(subject)?;
+    let extended = subject.extended;
+    let curves = curves(comparison, extended.map(|extended| extended.comparison));
+    if curves.iter().all(|curve| curve.points.is_empty()) {
+        return Err(NothingToDraw("no line of the response is a line of the input".into()));
+    }
+    let title = format!("Measured and simulated {}", comparison.response_quantity);
+    let mut canvas = Canvas::new("bode-errors", &title, &says(&curves, extended), curves.len());
+    let bands = invalid(subject.valid_band);
+    legend(&mut canvas, &models(subject, !bands.is_empty(), is_noise_known(&curves)));
+    if curves.len() > 1 {
+        canvas.y -= 4.0;
+        legend(&mut canvas, &magnitudes(&curves));
+    }
+    columns(&mut canvas, comparison, &curves, &bands);
+    if let Some(sentence) = left_out(comparison) {
+        canvas.note(&sentence);
+    }
+    Ok(canvas)
+}
+
+fn models(subject: &Subject<'_>, shaded: bool, noise: bool) -> Vec<Key> {
+    let mut keys = vec![
+        Key::new(Look::Marker(Marker::Circle), "key", "measured").toggling("measured"),
+    ];
+    match subject.extended {
+        None => keys.push(Key::new(Look::Line("line"), "key", "simulated").toggling("after")),
+        Some(extended) => {
+            let after = text::shorten(&format!("after, {}", extended.name), NOTE.size, 250.0);
+            keys.push(Key::new(Look::Line("thin"), "key", "before, base model").toggling("before"));
+            keys.push(Key::new(Look::Line("line"), "key", after).toggling("after"));
+        }
+    }
+    if noise {
+        keys.push(Key::new(Look::Shade("noise"), "key", "noise, ± 2σ").toggling("noise"));
+    }
+    if shaded {
+        keys.push(Key::new(Look::Shade("invalid"), "key", "model not valid").toggling("invalid"));
+    }
+    keys
+}
+
+fn magnitudes(curves: &[Curve]) -> Vec<Key> {
+    let shown = spread(curves.len(), MOST_KEYS).into_iter();
+    let key = |i: usize| {
+        let class = format!("s{i}");
+        Key::new(Look::Marker(Marker::of(i)), &class, &curves[i].label).toggling(&class)
+    };
+    shown.map(key).collect()
+}
+
+/// Bands in which the model departs, Hz.
+fn invalid(band: Option<&ValidBand>) -> Vec<[f64; 2]> {
+    let departures = band.map_or(&[][..], |band| &band.departures);
+    departures.iter().map(|departure| [departure.from_hz, departure.to_hz]).collect()
+}
+
+fn is_noise_known(curves: &[Curve]) -> bool {
+    curves.iter().flat_map(|curve| &curve.points).any(|point| point.noise.is_some())
+}
+
+fn columns(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], bands: &[[f64; 2]]) {
+    let every = || curves.iter().flat_map(|curve| &curve.points);
+    let [low, high] = range(every().map(|point| point.frequency_hz));
+    let [gain_range, phase_range] = ranges(curves);
+    let [gain_left, gain_right] = COLUMNS[0];
+    let gain = text::shorten(&gain_name(comparison), 11.5, gain_right - gain_left);
+    let columns = [
+        Column {
+            name: &gain,
+            error_name: "Error of the gain (dB)",
+            value: |ratio| ratio.gain_db,
+            per_share: DB_PER_SHARE,
+            least_error: 0.01,
+            steps: DECIMAL,
+            range: gain_range,
+        },
+        Column {
+            name: "Phase (degrees)",
+            error_name: "Error of the phase (degrees)",
+            value: |ratio| ratio.phase_deg,
+            per_share: 1.0_f64.to_degrees(),
+            least_error: 0.1,
+            steps: DEGREES,
+            range: phase_range,
+        },
+    ];
+    let few = every().count() <= FEW_POINTS;
+    let top = canvas.y + 22.0;
+    let middle = top + RESPONSE_HEIGHT;
+    let [error_top, error_bottom] = [middle + 28.0, middle + 28.0 + ERROR_HEIGHT];
+    for (index, (column, [left, right])) in columns.iter().zip(COLUMNS).enumerate() {
+        let x = Scale::log([low / 1.12, high * 1.12], [left, right]);
+        let y = Scale::linear(column.range, [middle, top]);
+        let response = Panel { x, y, left, top, right, bottom: middle };
+        shade(canvas, &response, bands, true);
+        let naming = Naming { y: column.name, x_below: FREQUENCY, ..Naming::default() };
+        response.draw(canvas, &y.vertical_ticks(column.steps), naming);
+        trace(canvas, &response, curves, few, column.value);
+        if index == 0 {
+            resting(canvas, &response, curves);
+        }
+        let size = size(column, curves);
+        let y = Scale::linear([-size, size], [error_bottom, error_top]);
+        let panel = Panel { x, y, left, top: error_top, right, bottom: error_bottom };
+        shade(canvas, &panel, bands, false);
+        let naming = Naming { x: FREQUENCY, y: column.error_name, ..Naming::default() };
+        panel.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
+        errors(canvas, &panel, column, curves, few);
+        beyond(canvas, &panel, column, curves, size);
+    }
+    canvas.y = error_bottom + 40.0;
+}
+
+/// Errors of a column by one of the models.
+fn errors_of<'a>(
+    column: &'a Column<'_>,
+    curves: &'a [Curve],
+    model: Model,
+) -> impl Iterator<Item = f64> + 'a {
+    let every = curves.iter().flat_map(|curve| &curve.points);
+    every.filter_map(move |point| Some((column.value)(point.error(model(point))?).abs()))
+}
+
+/// The value that this share of all values does not exceed.
+fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut sorted: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().saturating_sub(1) as f64;
+    sorted.get((share * last).round() as usize).copied().unwrap_or(0.0)
+}
+
+/// How far the axis of an error reaches: nearly all that the best model leaves, and most of what
+/// the base model does. What lies beyond is said.
+fn size(column: &Column<'_>, curves: &[Curve]) -> f64 {
+    let before = quantile(errors_of(column, curves, |point| point.simulated), 0.85);
+    let after = quantile(errors_of(column, curves, |point| point.extended), 0.97);
+    let every = curves.iter().flat_map(|curve| &curve.points);
+    let noise = quantile(every.filter_map(|point| point.noise), 0.5);
+    let noise = 1.5 * NOISE_BAND * noise * column.per_share;
+    1.2 * before.max(after).max(noise).max(column.least_error)
+}
+
+fn errors(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, curves: &[Curve], few: bool) {
+    noise(canvas, panel, column, curves);
+    canvas.open_clipped("", panel.sides());
+    canvas.polyline("frame", [panel.at(1e-9, 0.0), panel.at(1e9, 0.0)]);
+    canvas.close();
+    let is_extended = curves.iter().flat_map(|curve| &curve.points).any(|p| p.extended.is_some());
+    let models: &[(&str, &str, Model)] = match is_extended {
+        false => &[("after", "error", |point| point.simulated)],
+        true => &[
+            ("before", "error before", |point| point.simulated),
+            ("after", "error after", |point| point.extended),
+        ],
+    };
+    for (key, name, model) in models {
+        for (index, curve) in curves.iter().enumerate() {
+            let at = |point: &Point| {
+                let error = point.error(model(point))?;
+                panel.at(point.frequency_hz, (column.value)(error))
+            };
+            let keys = format!("{key} s{index}");
+            let trace = Trace { series: &curve.label, name, keys: &keys };
+            let before = *key == "before";
+            let look = match (before, few) {
+                (true, true) => "",
+                (true, false) => " hollow",
+                (false, true) => " measured",
+                (false, false) => " dense",
+            };
+            canvas.open_trace(&format!("s{index}{look} errors"), panel.sides(), trace);
+            if few {
+                let line = if before { "thin" } else { "faint" };
+                canvas.polyline(line, curve.points.iter().map(at));
+            }
+            for place in curve.points.iter().filter_map(at).filter(|_| !few || !before) {
+                let (shape, radius) =
+                    if few { (Marker::of(index), 2.6) } else { (Marker::Circle, 1.5) };
+                canvas.marker(shape, place, radius, "");
+            }
+            canvas.close();
+        }
+    }
+}
+
+/// The noise of the noisiest magnitude at each frequency.
+fn noise(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, curves: &[Curve]) {
+    let every = curves.iter().flat_map(|curve| &curve.points);
+    let mut known: Vec<[f64; 2]> =
+        every.filter_map(|point| Some([point.frequency_hz, point.noise?])).collect();
+    known.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    known.dedup_by(|next, kept| {
+        let same = next[0] <= kept[0] * 1.001;
+        kept[1] = if same { kept[1].max(next[1]) } else { kept[1] };
+        same
+    });
+    let edge = |sign: f64| {
+        let value = move |share: f64| sign * NOISE_BAND * share * column.per_share;
+        known.iter().filter_map(move |[hz, share]| panel.at(*hz, value(*share)))
+    };
+    let area: Vec<[f64; 2]> =
+        edge(1.0).chain(edge(-1.0).collect::<Vec<_>>().into_iter().rev()).collect();
+    canvas.open_trace("", panel.sides(), Trace { keys: "noise", ..Trace::default() });
+    canvas.area("noise", &area);
+    canvas.close();
+}
+
+/// Bands in which the model is not to be used.
+fn shade(canvas: &mut Canvas, panel: &Panel, bands: &[[f64; 2]], named: bool) {
+    for band in bands {
+        let sides = band.map(|hz| {
+            panel.x.at(hz).unwrap_or(panel.left).clamp(panel.left, panel.right)
+        });
+        // A single frequency is a band of some width, too.
+        let [left, right] = [sides[0].min(sides[1] - 2.0), sides[1].max(sides[0] + 2.0)];
+        canvas.open_trace("", panel.sides(), Trace { keys: "invalid", ..Trace::default() });
+        canvas.rectangle("invalid", [left, panel.top, right, panel.bottom], "");
+        let label = "not valid";
+        if named && right - left > text::width(label, BAND.size) + 4.0 {
+            let middle = 0.5 * (left + right);
+            canvas.text(middle, panel.top + 14.0, BAND, Anchor::Middle, label);
+        }
+        canvas.close();
+    }
+}
+
+/// Says how far the errors go that the axis does not show.
+fn beyond(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, curves: &[Curve], size: f64) {
+    let count = |model: Model| errors_of(column, curves, model).filter(|e| *e > size).count();
+    let largest = |model: Model| errors_of(column, curves, model).fold(0.0, f64::max);
+    let before: Model = |point| point.simulated;
+    let after: Model = |point| point.extended;
+    let hidden = count(before) + count(after);
+    if hidden == 0 {
+        return;
+    }
+    let most = number(largest(before).max(largest(after)), 2);
+    let unit = if column.per_share == DB_PER_SHARE { " dB" } else { "°" };
+    let text = format!("{hidden} beyond the axis, up to {most}{unit}");
+    canvas.text(panel.right, panel.top - 8.0, BAND, Anchor::End, &text);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quantile_is_a_value_of_those_given() {
+        let values = || [4.0, 1.0, 3.0, 2.0, 5.0, f64::NAN].into_iter();
+        assert_eq!([0.0, 0.5, 1.0].map(|share| quantile(values(), share)), [1.0, 3.0, 5.0]);
+        assert_eq!(quantile(std::iter::empty(), 0.5), 0.0);
+    }
+
+    #[test]
+    fn errors_of_a_phase_are_less_than_half_a_turn() {
+        let ratio = |phase_deg: f64| Some(Ratio { gain_db: 1.0, phase_deg });
+        let point = Point {
+            frequency_hz: 1.0,
+            measured: ratio(-350.0),
+            simulated: ratio(5.0),
+            extended: None,
+            noise: None,
+        };
+        assert!((point.error(point.simulated).unwrap().phase_deg - 5.0).abs() < 1e-9);
+        assert!(point.error(point.extended).is_none());
+    }
+}

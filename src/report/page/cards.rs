@@ -1,0 +1,128 @@
+//! Beside the response: what is wrong with the measurement, the cause, what it gains, and what to do.
+
+use maud::{Markup, html};
+use servoscope_core::answers::{Cause, Diagnosis, Gain, ParameterEstimate};
+
+use super::Content;
+use super::words::{confidence, effect, equation, parameter_name, sentence};
+use crate::report::brief::{self, Units};
+use crate::report::causes::per_cent;
+use crate::report::size;
+use crate::report::units::fitting;
+
+/// Rows of the card on the axis, of a model without a cause and of one with.
+const PARAMETERS: [&str; 5] = ["pole", "constant", "dc_gain", "fc_plus", "fc_minus"];
+
+/// Every card that an answer has.
+pub(super) fn cards(content: &Content<'_>) -> Markup {
+    let answer = content.answer;
+    let units = content.units();
+    html! {
+        div.cards {
+            @if let Some(answer) = answer.diagnosis() { (faults(answer)) (causes(answer, units)) }
+            @if let Some(gain) = answer.diagnosis().and_then(|answer| answer.gain.as_ref()) {
+                (gained(gain))
+            }
+            @if answer.causes().is_empty() { (axis(content)) }
+            (next(content))
+        }
+    }
+}
+
+fn card(class: &str, title: &str, body: Markup) -> Markup {
+    html! { div.card.(class) { h2 { (title) } (body) } }
+}
+
+fn faults(answer: &Diagnosis) -> Markup {
+    let title = match answer.measurement.len() {
+        0 => return html! {},
+        1 => "Fault of the measurement",
+        _ => "Faults of the measurement",
+    };
+    let body = html! {
+        @for fault in &answer.measurement {
+            p { (sentence(&fault.sentence)) }
+            p.small { "To mend it: " (fault.remedy) "." }
+        }
+    };
+    card("bad", title, body)
+}
+
+fn causes(answer: &Diagnosis, units: Units<'_>) -> Markup {
+    let title = if answer.causes.len() > 1 { "Causes" } else { "Cause" };
+    if answer.causes.is_empty() {
+        return html! {};
+    }
+    let body = html! { @for found in &answer.causes { (cause(found, answer, units)) } };
+    card("cause", title, body)
+}
+
+fn cause(cause: &Cause, answer: &Diagnosis, units: Units<'_>) -> Markup {
+    let Cause { effect: id, confidence: probability, .. } = cause;
+    let model = answer.extended.as_ref().unwrap_or(&answer.base);
+    let rows = size::values(cause);
+    html! {
+        div.one {
+            p.name {
+                strong { (sentence(&effect(id)).trim_end_matches('.')) }
+                span.sure { (per_cent(*probability).replace(" %", "\u{a0}%")) ", " (confidence(*probability)) }
+            }
+            dl.values {
+                @for (name, value) in rows {
+                    div { dt { (sentence(&fitting(&name, units.input, units.response)).trim_end_matches('.')) } dd { (value) } }
+                }
+            }
+            @if let Some(said) = size::in_the_machine(cause, model) { p { (sentence(&said)) } }
+            p.small { (brief::meaning(cause, units)) }
+            @if let Some(said) = brief::equivalents(cause) { p.small { (said) } }
+        }
+    }
+}
+
+/// The equation and how an effect shows, for whoever looks closer.
+pub(super) fn closer(answer: &Diagnosis, units: Units<'_>) -> Markup {
+    html! {
+        @for cause in &answer.causes {
+            @if let Some(signature) = brief::signature(cause, units) {
+                p { "How " (effect(&cause.effect)) " shows: " (signature) }
+            }
+            @if let Some(equation) = equation(&cause.effect) { p.equation { (equation) } }
+        }
+    }
+}
+
+fn gained(gain: &Gain) -> Markup {
+    let (factor, is_sure) = brief::factor(gain);
+    let body = html! {
+        p.name { strong { (factor) } span.sure { (brief::interval(gain)) } }
+        p { (brief::before_and_after(gain)) " of the response, on data that no fit has seen." }
+        @if !is_sure { p.small { "No more than chance may make of it." } }
+    };
+    card("gain", "What it gains", body)
+}
+
+fn axis(content: &Content<'_>) -> Markup {
+    let model = content.answer.model();
+    let row = |id: &str| -> Option<(String, &ParameterEstimate)> {
+        Some((parameter_name(id), model.parameters.get(id)?))
+    };
+    let left = crate::report::words::per_cent(model.fit.nrmse, 3);
+    let body = html! {
+        dl.values {
+            @for (name, estimate) in PARAMETERS.iter().filter_map(|id| row(id)) {
+                div { dt { (sentence(&name).trim_end_matches('.')) } dd { (size::with_interval(estimate)) } }
+            }
+            div { dt { "Left of the response" } dd { (left) } }
+        }
+        @if let Some(answer) = content.answer.diagnosis() {
+            p.small { (sentence(&answer.discrepancy.sentence)) }
+        }
+    };
+    card("axis", "The axis", body)
+}
+
+fn next(content: &Content<'_>) -> Markup {
+    let texts = brief::next(content.answer, content.units());
+    let body = html! { @for text in texts { p { (text) } } };
+    card("next", "What to do next", body)
+}

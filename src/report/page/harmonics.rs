@@ -1,0 +1,35 @@
+//! What is not linear: what the data tell of it before any model, and the spectra.
+
+use maud::html;
+
+use super::figure::figure;
+use super::words::sentence;
+use super::{Content, Section};
+
+pub(super) fn section(content: &Content<'_>) -> Option<Section> {
+    let linearity = content.answer.diagnosis().and_then(|answer| answer.linearity.as_ref());
+    let subject = content.subject("");
+    let body = html! {
+        @if linearity.is_some() {
+            p { "A linear axis answers only at the frequencies that the input has. Symmetric \
+                friction, play and saturation answer at odd multiples as well, whatever differs \
+                between the two directions at even ones." }
+            (figure("linearity", &subject, "", "The response at lines of the input, and what \
+                appears beside them: distortion above the noise."))
+        }
+        (figure("spectrum", &subject, "", "Harmonics of the response, measured and simulated with \
+            the base model, above the noise."))
+        (figure("spectrum-after", &subject, "-after", "The same, simulated with the causes."))
+    };
+    if body.0.is_empty() {
+        return None;
+    }
+    let short = linearity.map_or_else(
+        || "measured and simulated spectra".to_owned(),
+        |found| {
+            let said = found.sentence.trim_start_matches("before any model: ");
+            sentence(said).trim_end_matches('.').to_owned()
+        },
+    );
+    Section::new("harmonics", "Harmonics", short, body)
+}

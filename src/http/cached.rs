@@ -11,7 +11,7 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; sandbox";
 
 /// What is made of a job that has ended stays the same but for new versions of
 /// the service.
-const SETTLED: &str = "private, max-age=3600";
+pub(super) const SETTLED: &str = "private, max-age=3600";
 
 /// What goes with a document.
 #[derive(Debug, Clone, Copy)]

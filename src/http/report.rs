@@ -4,13 +4,29 @@ use axum::extract::{Path, State};
 use axum::http::HeaderMap;
 use axum::response::Response;
 
-use crate::service::Service;
+use std::sync::LazyLock;
 
-use super::cached;
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD;
+use sha2::{Digest, Sha256};
+
+use crate::service::{Service, page_script};
+
+use super::cached::{self, Kept, SETTLED};
 use super::problem::Problem;
 
+/// What the page may do: style itself, run the one script that it carries, and keep pictures of
+/// its figures. It asks nobody for anything, and is nobody of this server's origin.
+static POLICY: LazyLock<String> = LazyLock::new(|| {
+    let digest = BASE64_STANDARD.encode(Sha256::digest(page_script()));
+    format!(
+        "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'; img-src data:; \
+         base-uri 'none'; form-action 'none'; sandbox allow-scripts allow-downloads"
+    )
+});
+
 /// The answer to a job as one page for a person: verdict, causes, figures,
-/// model and provenance, without script and without another file.
+/// model and provenance, without another file.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/report.html", tag = "jobs", operation_id = "get_report",
     params(
@@ -32,5 +48,6 @@ pub(super) async fn get(
     headers: HeaderMap,
 ) -> Result<Response, Box<Problem>> {
     let page = service.report(&id).await?;
-    Ok(cached::answer(&headers, "text/html; charset=utf-8", page, true))
+    let media_type = "text/html; charset=utf-8";
+    Ok(cached::keep(&headers, Kept { media_type, policy: &POLICY, caching: SETTLED }, page.into()))
 }

@@ -173,8 +173,8 @@ pub(super) fn next(answer: &Answer, units: Units<'_>) -> Vec<String> {
                 .into()
         }
         (None, Verdict::Improved) => {
-            "Confirm the cause at the machine: what remains looks like nothing in the library, and \
-             might look like the cause."
+            "Confirm the cause at the machine: something else is wrong, too, and it may look like \
+             this cause."
                 .into()
         }
         (None, Verdict::Unexplained) => {

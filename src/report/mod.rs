@@ -9,6 +9,7 @@ mod inspection;
 mod measurement;
 mod number;
 pub mod page;
+pub mod script;
 mod size;
 mod summary;
 mod tables;

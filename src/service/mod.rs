@@ -43,6 +43,7 @@ pub use signals::Signals;
 use crate::store::Store;
 
 pub use crate::report::figures::{Format, Theme};
+pub use crate::report::script::inline as page_script;
 
 /// The most items a list returns at once.
 pub const MAX_PAGE: u32 = 200;

@@ -7,7 +7,7 @@
 
 use std::borrow::Cow;
 
-use crate::report::page;
+use crate::report::{page, script};
 
 /// A file as it is sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -67,6 +67,9 @@ pub fn asset(name: &str) -> Option<Asset> {
         "dark.css" => return Some(Asset { media_type: CSS, text: page::dark_colours().into() }),
         _ => {}
     }
+    if let Some((_, text)) = script::FILES.iter().find(|(known, _)| *known == name) {
+        return Some(Asset { media_type: SCRIPT, text: (*text).into() });
+    }
     let (_, media_type, text) = FILES.iter().find(|(known, _, _)| *known == name)?;
     Some(Asset { media_type, text: (*text).into() })
 }
@@ -84,8 +87,9 @@ mod tests {
 
     #[test]
     fn every_file_that_a_file_asks_for_is_there() {
-        let texts =
-            FILES.iter().map(|(_, _, text)| *text).chain([include_str!("assets/index.html")]);
+        let texts = FILES.iter().map(|(_, _, text)| *text);
+        let texts = texts.chain(script::FILES.iter().map(|(_, text)| *text));
+        let texts = texts.chain([include_str!("assets/index.html")]);
         let names: Vec<&str> = texts.flat_map(asked_for).collect();
         assert!(names.len() > FILES.len(), "{names:?}");
         for name in names {

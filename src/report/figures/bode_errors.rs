@@ -144,7 +144,7 @@ fn columns(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], bands
         if index == 0 {
             resting(canvas, &response, curves);
         }
-        let size = size(column, curves);
+        let size = size(column, curves, bands);
         let y = Scale::linear([-size, size], [error_bottom, error_top]);
         let panel = Panel { x, y, left, top: error_top, right, bottom: error_bottom };
         shade(canvas, &panel, bands, false);
@@ -174,13 +174,21 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     sorted.get((share * last).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// How far the axis of an error reaches: nearly all that the best model leaves, and most of what
-/// the base model does. What lies beyond is said.
-fn size(column: &Column<'_>, curves: &[Curve]) -> f64 {
-    let before = quantile(errors_of(column, curves, |point| point.simulated), 0.85);
-    let after = quantile(errors_of(column, curves, |point| point.extended), 0.97);
-    let every = curves.iter().flat_map(|curve| &curve.points);
-    let noise = quantile(every.filter_map(|point| point.noise), 0.5);
+/// How far the axis of an error reaches: all that the best model leaves where it is valid, and
+/// nearly all that the base model does. What lies beyond is said.
+fn size(column: &Column<'_>, curves: &[Curve], bands: &[[f64; 2]]) -> f64 {
+    let is_valid = |point: &&Point| {
+        !bands.iter().any(|[from, to]| (*from..=*to).contains(&point.frequency_hz))
+    };
+    let every = || curves.iter().flat_map(|curve| &curve.points);
+    let sizes = |model: Model, share: f64| {
+        let error = |point: &Point| Some((column.value)(point.error(model(point))?).abs());
+        let valid = quantile(every().filter(is_valid).filter_map(error), share);
+        if valid > 0.0 { valid } else { quantile(every().filter_map(error), share) }
+    };
+    let before = sizes(|point| point.simulated, 0.95);
+    let after = sizes(|point| point.extended, 1.0);
+    let noise = quantile(every().filter_map(|point| point.noise), 0.5);
     let noise = 1.5 * NOISE_BAND * noise * column.per_share;
     1.2 * before.max(after).max(noise).max(column.least_error)
 }
@@ -207,22 +215,24 @@ fn errors(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, curves: &[Cur
             let keys = format!("{key} s{index}");
             let trace = Trace { series: &curve.label, name, keys: &keys };
             let before = *key == "before";
-            let look = match (before, few) {
-                (true, true) => "",
-                (true, false) => " hollow",
-                (false, true) => " measured",
-                (false, false) => " dense",
-            };
-            canvas.open_trace(&format!("s{index}{look} errors"), panel.sides(), trace);
+            let places = || curve.points.iter().filter_map(at);
             if few {
                 let line = if before { "thin" } else { "faint" };
+                canvas.open_trace(&format!("s{index}"), panel.sides(), trace);
                 canvas.polyline(line, curve.points.iter().map(at));
+                canvas.close();
+                if before {
+                    continue;
+                }
             }
-            for place in curve.points.iter().filter_map(at).filter(|_| !few || !before) {
-                let (shape, radius) =
-                    if few { (Marker::of(index), 2.6) } else { (Marker::Circle, 1.5) };
-                canvas.marker(shape, place, radius, "");
-            }
+            let (look, shape, radius) = match (few, before) {
+                (true, _) => ("measured", Marker::of(index), 2.6),
+                (false, true) => ("hollow", Marker::Circle, 1.4),
+                (false, false) => ("dense", Marker::Circle, 1.5),
+            };
+            let trace = if few { Trace { keys: &keys, ..Trace::default() } } else { trace };
+            canvas.open_trace(&format!("s{index} {look}"), panel.sides(), trace);
+            places().for_each(|place| canvas.marker(shape, place, radius, ""));
             canvas.close();
         }
     }

@@ -195,7 +195,7 @@ const SHAPES: &[(&str, &str)] = &[
     (".invalid", "stroke:none;opacity:.13"),
     (".measured", "fill:currentColor;stroke-width:.9"),
     (".dense", "fill:currentColor;stroke:none"),
-    (".hollow", "fill:none;stroke:currentColor;stroke-width:1;opacity:.75"),
+    (".hollow>*", "fill:none;stroke:currentColor;stroke-width:.9;opacity:.7"),
     (".faint", "fill:none;stroke:currentColor;stroke-width:1;opacity:.55"),
     (".rest>*", "stroke:currentColor;stroke-width:1.2"),
     (".label", "fill:currentColor;font-weight:600"),

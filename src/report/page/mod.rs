@@ -29,6 +29,7 @@ use servoscope_core::answers::{Answer, Comparison, ConvergenceRow};
 
 use super::brief::Units;
 use super::figures::{Extended, Subject};
+use super::script;
 use super::words;
 
 pub(super) use measured::described;
@@ -134,6 +135,7 @@ pub fn page(content: &Content<'_>) -> String {
                         }
                     }
                 }
+                script type="module" { (PreEscaped(script::inline())) }
             }
         }
     };

@@ -74,7 +74,7 @@ article+article{margin-top:2.25rem;padding-top:.25rem;border-top:1px solid var(-
   margin-top:.75rem}
 .screen:not(:has(.first)){grid-template-columns:minmax(0,44rem)}
 .screen .first{margin:0}
-.screen .first .scroll{margin:-.9rem 0 0 -1.4rem}
+.screen .first .scroll{margin:-.5rem 0 0 -1.4rem}
 .cards{display:flex;flex-direction:column;gap:.85rem}
 .card{padding:0 0 .85rem;border-bottom:1px solid var(--grid)}
 .card:last-child{border-bottom:0}
@@ -134,10 +134,17 @@ figure{margin:1.75rem 0 0}
 figure svg{display:block;width:100%;height:auto}
 /* A figure has a margin of its own: its content stands where the text does. */
 figure .scroll{margin:0 -1.5rem}
+figure svg:focus-visible{outline:2px solid var(--good);outline-offset:-2px}
+figure svg [data-toggle]:focus-visible{outline:2px solid var(--good)}
+.tools-of-figure{display:flex;flex-wrap:wrap;gap:.3rem .5rem;align-items:center;margin:.1rem 0 0;
+  color:var(--muted);font-size:.78rem;line-height:1.35}
+.tools-of-figure span{flex:1 1 16rem}
+.tools-of-figure button{padding:.15rem .55rem;font:inherit;color:var(--text);background:var(--back);
+  border:1px solid var(--frame);border-radius:.25rem;cursor:pointer}
+.tools-of-figure button:hover{background:var(--tint)}
+.unseen{position:absolute;width:1px;height:1px;margin:0;overflow:hidden;clip-path:inset(50%);
+  white-space:nowrap}
 figcaption{margin-top:.25rem;max-width:44rem}
-main{counter-reset:figure}
-figure{counter-increment:figure}
-figcaption::before{content:"Figure " counter(figure) ". ";font-weight:600}
 @media (max-width:62rem){
   .screen{grid-template-columns:minmax(0,1fr)}
   .cards{margin-top:.75rem;display:grid;grid-template-columns:repeat(auto-fit,minmax(17rem,1fr));gap:1rem 2rem}
@@ -171,6 +178,7 @@ main>details:first-of-type{margin-top:1rem}
   body{max-width:none;padding:0 1rem}
   .screen{display:block}
   .cards{margin-top:4mm;display:grid;grid-template-columns:1fr 1fr;gap:4mm 8mm}
+  .tools-of-figure{display:none}
   details::details-content{content-visibility:visible;block-size:auto}
   summary::before{display:none}
   h2,h3,caption,thead,summary{break-after:avoid}

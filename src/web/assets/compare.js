@@ -6,7 +6,9 @@ import { confidence, decimals, effect, fixed, kind, named, number, parameter, pe
 import { frame, load } from "./figure.js";
 import { ofVerdict } from "./status.js";
 
-const FIGURES = ["bode", "residuals", "spectrum", "friction", "convergence"];
+const FIGURES = ["bode-errors", "residuals", "spectrum", "friction", "convergence"];
+/// Figures of one model that are shown of the model of the table: that with the causes.
+const OF_MODEL = ["residuals", "spectrum", "friction"];
 
 export async function show({ query, signal, go }) {
   const [a, b] = await Promise.all(["a", "b"].map((side) => loaded(query.get(side), signal)));
@@ -88,9 +90,10 @@ function parameters(a, b) {
     table("", ["Parameter", n("left"), n("95 %"), n("right"), n("95 %"), n("change"), "unit", ""], rows));
 }
 
-function plot({ job }, name, signal) {
+function plot({ job, result }, name, signal) {
   const { node, figure } = frame("", `${name} of ${job.id}`);
-  load(figure, `/v1/jobs/${job.id}/plots/${name}.svg`, signal)
+  const of = result.extended && OF_MODEL.includes(name) ? `${name}-after` : name;
+  load(figure, `/v1/jobs/${job.id}/plots/${of}.svg`, signal)
     .catch((error) => signal.aborted || node.replaceChildren(h("p", { class: "small" }, error.message)));
   return node;
 }

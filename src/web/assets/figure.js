@@ -1,8 +1,9 @@
 // Figures that the server draws, in the page: sharp at any size, with hints at the
 // pointer and a description for those who do not see them.
 
-import { h } from "./dom.js";
+import { announce, h } from "./dom.js";
 import { text } from "./api.js";
+import { interactive } from "./plot.js";
 
 /// Condition under which a figure is dark, as the server writes it.
 const DARK = "screen and (prefers-color-scheme:dark)";
@@ -12,7 +13,8 @@ const DARK = "screen and (prefers-color-scheme:dark)";
 class ServerFigure extends HTMLElement {
   #style = "";
   #sheet = new CSSStyleSheet();
-  #paint = () => this.#sheet.replaceSync(this.#style.replaceAll(DARK, globalThis.colours.dark()));
+  #painted = () => this.#style.replaceAll(DARK, globalThis.colours.dark());
+  #paint = () => this.#sheet.replaceSync(this.#painted());
 
   constructor() {
     super();
@@ -32,11 +34,15 @@ class ServerFigure extends HTMLElement {
     this.#style = style;
     this.#paint();
     this.shadowRoot.replaceChildren(document.adoptNode(svg));
+    if (!interactive(svg, this.closest("figure"), announce, this.#painted)) return;
+    // The figure itself is what the keyboard stands on.
+    for (const name of ["tabindex", "role", "aria-label"]) this.parentElement.removeAttribute(name);
   }
 }
 
 const LAYOUT = new CSSStyleSheet();
-LAYOUT.replaceSync(":host{display:block}svg{display:block;width:100%;height:auto}");
+LAYOUT.replaceSync(`:host{display:block}svg{display:block;width:100%;height:auto}
+  svg:focus-visible,[data-toggle]:focus-visible{outline:2px solid var(--good);outline-offset:-2px}`);
 customElements.define("server-figure", ServerFigure);
 
 /// A place for a figure, wider than a phone: it is moved with the finger or, once

@@ -16,11 +16,12 @@ export async function show({ argument: id, signal, go }) {
   const actions = h("p", { class: "actions" });
   const body = h("div", { class: "body" });
   const node = h("div", { class: "job" },
-    h("p", { class: "trail" }, h("a", { href: "/" }, "Overview"), " / ",
-      h("a", { href: `/measurements/${measurement.id}` }, subject(measurement))),
-    h("h1", {}, title),
-    h("p", { class: "origin" }, origin(job, measurement)),
-    actions, body);
+    h("div", { class: "of" },
+      h("p", { class: "trail" }, h("a", { href: "/" }, "Overview"), " / ",
+        h("a", { href: `/measurements/${measurement.id}` }, subject(measurement))),
+      h("p", { class: "origin" }, origin(job, measurement))),
+    h("div", { class: "head" }, h("h1", {}, title), actions),
+    body);
 
   async function ended(job) {
     const path = `/v1/jobs/${job.id}`;

@@ -29,11 +29,16 @@ export async function tried(job, signal) {
       button.disabled = false;
     }
   });
-  return h("section", { id: "tried", "aria-labelledby": "tried-title" },
-    h("h2", { id: "tried-title" }, "Tried on another measurement"),
-    h("p", {}, "Does it predict what it has not seen? Its models are simulated on another measurement of the axis; nothing is fitted."),
-    others.length > 0 ? [form, body]
-      : h("p", { class: "state" }, "There is no other measurement yet. ", h("a", { href: "/" }, "Upload one"), ", then come back."));
+  return {
+    id: "tried",
+    title: "Another measurement",
+    short: "does it predict what it has not seen?",
+    body: [
+      h("p", {}, "Its models are simulated on another measurement of the axis; nothing is fitted."),
+      others.length > 0 ? [form, body]
+        : h("p", {}, "There is no other measurement yet. ", h("a", { href: "/" }, "Upload one"), ", then come back."),
+    ],
+  };
 }
 
 // Of the same axis first, then of the same machine, each as listed.

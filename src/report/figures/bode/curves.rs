@@ -18,6 +18,9 @@ const MOST_TURNED_DEG: f64 = 720.0;
 /// acceleration of an axis all begin within half a turn of it.
 const FIRST_BRANCH_DEG: f64 = -90.0;
 
+/// Angle from which a difference of phases is about half a turn, degrees.
+const HALF_TURN_DEG: f64 = 140.0;
+
 #[derive(Debug, Clone, Copy)]
 pub(in crate::report::figures) struct Ratio {
     pub(in crate::report::figures) gain_db: f64,
@@ -122,6 +125,7 @@ fn unwrap(curve: &mut Curve) {
 fn follow(curve: &mut Curve, predecessor: bool) {
     let near = |phase: f64, reference: f64| phase - 360.0 * ((phase - reference) / 360.0).round();
     let mut previous = FIRST_BRANCH_DEG;
+    let mut neighbour: Option<f64> = None;
     for point in &mut curve.points {
         let mut turn = |ratio: &mut Ratio, leads: bool| {
             ratio.phase_deg = near(ratio.phase_deg, previous);
@@ -129,16 +133,42 @@ fn follow(curve: &mut Curve, predecessor: bool) {
                 previous = ratio.phase_deg;
             }
         };
-        let answers = point.simulated.is_some();
         point.simulated.iter_mut().for_each(|ratio| turn(ratio, true));
         point.extended.iter_mut().for_each(|ratio| turn(ratio, false));
+        let answers = point.simulated.is_some();
         point.measured.iter_mut().for_each(|ratio| turn(ratio, !answers));
+        // Half a turn off the model, noise alone would choose the side: that of its neighbour.
+        let (Some(ratio), true) = (&mut point.measured, answers) else { continue };
+        if (ratio.phase_deg - previous).abs() > HALF_TURN_DEG
+            && let Some(neighbour) = neighbour
+        {
+            ratio.phase_deg = near(ratio.phase_deg, neighbour);
+        }
+        neighbour = Some(ratio.phase_deg);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn measured_points_half_a_turn_off_the_model_stay_together() {
+        let ratio = |phase_deg: f64| Some(Ratio { gain_db: 0.0, phase_deg });
+        let point = |measured: f64| Point {
+            frequency_hz: 1.0,
+            measured: ratio(measured),
+            simulated: ratio(0.0),
+            extended: None,
+            noise: None,
+        };
+        let points = [100.0, 150.0, 178.0, -179.0, 177.0].map(point);
+        let mut curve = Curve { label: String::new(), points: points.into() };
+        unwrap(&mut curve);
+        let phases: Vec<f64> =
+            curve.points.iter().map(|point| point.measured.unwrap().phase_deg).collect();
+        assert_eq!(phases, [100.0, 150.0, 178.0, 181.0, 177.0]);
+    }
 
     #[test]
     fn phases_have_no_jumps_of_a_whole_turn() {

@@ -86,10 +86,14 @@ fn of_diagnosis(answer: &Diagnosis) -> Judgement {
             "The simulation is wrong, and no known effect is the cause.".into(),
         ),
     };
-    let text = match answer.measurement.len() {
-        0 => text,
-        1 => format!("The measurement has a fault, which is mended here. {text}"),
-        count => format!("The measurement has {count} faults, which are mended here. {text}"),
+    let text = match (answer.measurement.len(), answer.verdict) {
+        (0, _) => text,
+        (1, Verdict::Adequate) => {
+            "The measurement has a fault; with that mended, nothing speaks against the simulation."
+                .into()
+        }
+        (1, _) => format!("The measurement has a fault, mended here. {text}"),
+        (count, _) => format!("The measurement has {count} faults, mended here. {text}"),
     };
     Judgement { word, mark, text }
 }

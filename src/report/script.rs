@@ -52,7 +52,8 @@ mod tests {
 
     #[test]
     fn it_is_small() {
-        let lines = |text: &str| text.lines().count();
+        let is_code = |line: &&str| !line.trim().is_empty() && !line.trim().starts_with("//");
+        let lines = |text: &str| text.lines().filter(is_code).count();
         assert!(FILES.iter().all(|(_, text)| lines(text) <= 250));
         assert!(lines(inline()) <= 400, "{} lines", lines(inline()));
     }

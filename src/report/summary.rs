@@ -2,7 +2,7 @@
 //! verdict again, where the eye is when the command has ended.
 
 use anstyle::{AnsiColor, Style};
-use servoscope_core::answers::{Answer, Diagnosis};
+use servoscope_core::answers::{Answer, Diagnosis, Verdict};
 
 use super::brief::{self, Judgement, Mark, Units, judgement};
 use super::causes::per_cent;
@@ -10,8 +10,8 @@ use super::size;
 use super::units::fitting;
 use super::words::{effect, parameter_name, sentence};
 
-/// Lines between the verdicts, at most.
-const MOST_LINES: usize = 33;
+/// Lines of all, at most.
+const MOST_LINES: usize = 40;
 
 /// Columns of the names of the parts, and of the space before them.
 const NAMES: usize = 13;
@@ -29,8 +29,10 @@ pub fn summary(answer: &Answer, width: usize) -> String {
         .into_iter()
         .flat_map(|(name, texts)| part(name, &texts, width))
         .collect();
-    if lines.len() > MOST_LINES {
-        lines.truncate(MOST_LINES - 1);
+    // Two verdicts, an empty line beside each, and the line that says how to see more.
+    let room = MOST_LINES - 2 * verdict.lines().count() - 3;
+    if lines.len() > room {
+        lines.truncate(room - 1);
         lines.push(format!("{:NAMES$}…", ""));
     }
     lines.push(format!("{:NAMES$}Everything: --full. As a page: --report FILE.", ""));
@@ -52,11 +54,11 @@ fn verdict(judgement: &Judgement, width: usize) -> String {
 
 type Part = (&'static str, Vec<String>);
 
+/// Every part, the most important first: the last are those that go where there is no room.
 fn parts(answer: &Answer) -> Vec<Part> {
-    let diagnosis = answer.diagnosis();
     let units = units(answer);
     let mut parts: Vec<Part> = Vec::new();
-    if let Some(diagnosis) = diagnosis {
+    if let Some(diagnosis) = answer.diagnosis() {
         parts.extend(found(diagnosis, units));
     }
     parts.push(("Next", brief::next(answer, units)));
@@ -108,7 +110,7 @@ fn found(answer: &Diagnosis, units: Units<'_>) -> Vec<Part> {
             .collect();
         texts.extend(columns(&values));
         texts.extend(size::in_the_machine(cause, model));
-        texts.push(brief::meaning(cause, units));
+        texts.extend((answer.causes.len() == 1).then(|| brief::meaning(cause, units)));
         texts.extend(brief::equivalents(cause));
         parts.push(("Cause", texts));
     }
@@ -124,7 +126,8 @@ fn found(answer: &Diagnosis, units: Units<'_>) -> Vec<Part> {
             )],
         ));
     }
-    parts.push(("Where", vec![sentence(&answer.discrepancy.sentence)]));
+    let name = if answer.verdict == Verdict::Adequate { "Limit" } else { "Where" };
+    parts.push((name, vec![sentence(&answer.discrepancy.sentence)]));
     parts
 }
 
@@ -157,7 +160,7 @@ fn part(name: &str, texts: &[String], width: usize) -> Vec<String> {
 /// A text in lines of at most so many columns, broken at spaces; a word that is longer stands
 /// alone. Signs are those that a keyboard has, for whoever copies a number.
 pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let text = text.replace('−', "-").replace('\u{a0}', " ");
+    let text = text.replace('−', "-").replace(" %", "\u{a0}%");
     let indent: String = text.chars().take_while(|c| *c == ' ').collect();
     let mut lines: Vec<String> = Vec::new();
     let mut line = indent.clone();
@@ -177,7 +180,7 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
         }
     }
     lines.push(line.trim_end().to_owned());
-    lines
+    lines.into_iter().map(|line| line.replace('\u{a0}', " ")).collect()
 }
 
 #[cfg(test)]
@@ -236,7 +239,7 @@ mod tests {
         let text = plain(&summary(&answers()[3], 100));
         for part in [
             "Cause        static friction (static_friction), confidence 93 %",
-            "static friction forwards   0.8014 ± 0.0066 A",
+            "static friction forwards   0.8014 ± 0.0065 A",
             "Gain         3.15 times less error (95 %: 2.71 to 3.64)",
             "cannot tell it from Stribeck friction or presliding",
             "--full",
@@ -253,6 +256,6 @@ mod tests {
         assert_eq!(wrapped("  one two three", 9), ["  one two", "  three"]);
         assert_eq!(wrapped("incomprehensible yes", 5), ["incomprehensible", "yes"]);
         assert_eq!(wrapped("a  b", 9), ["a  b"]);
-        assert_eq!(wrapped("−1\u{a0}A", 9), ["-1 A"]);
+        assert_eq!(wrapped("−1\u{a0}A is 66 %", 8), ["-1 A is", "66 %"]);
     }
 }

@@ -114,14 +114,23 @@ fn identify_draws_its_figures_into_a_folder_and_says_which() {
 }
 
 #[test]
+fn whoever_closes_the_pipe_ends_no_command_with_an_error() {
+    let program = env!("CARGO_BIN_EXE_servoscope");
+    let script = format!("({program} openapi; echo $? >&2) | head -c 10 >/dev/null");
+    let output = std::process::Command::new("sh").args(["-c", &script]).output().unwrap();
+    assert_eq!(error(&output).trim(), "0");
+}
+
+#[test]
 fn identify_prints_a_report_for_a_person() {
     let (_directory, file) = noisy();
-    let output = servoscope(&["identify", &file, "--actuator-order", "0"]);
+    let output = servoscope(&["identify", &file, "--actuator-order", "0", "--full"]);
     assert_eq!(code(&output), Some(0), "{}", error(&output));
     let report = String::from_utf8(output.stdout).unwrap();
     for part in ["ADEQUATE", "Parameters", "Transfer function", "Stages", "refinement"] {
         assert!(report.contains(part), "{report}");
     }
+    assert_eq!(report.lines().next(), report.lines().last());
 }
 
 #[test]
@@ -131,10 +140,21 @@ fn diagnose_says_where_the_base_model_is_wrong_and_names_the_cause() {
     let stiction = ["--fs-plus", "0.8", "--fs-minus", "0.6", "--noise-db", "60"];
     let output = servoscope(&[&["simulate"], &stiction[..], &["--output", &file]].concat());
     assert_eq!(code(&output), Some(0), "{}", error(&output));
-    let output = servoscope(&["diagnose", &file, "--actuator-order", "0"]);
+    let output = servoscope(&["diagnose", &file, "--actuator-order", "0", "--json"]);
     assert_eq!(code(&output), Some(0), "{}", error(&output));
-    let report = String::from_utf8(output.stdout).unwrap();
+    let stored = directory.path().join("result.json").to_str().unwrap().to_owned();
+    std::fs::write(&stored, output.stdout).unwrap();
+    let report = String::from_utf8(servoscope(&["show", &stored]).stdout).unwrap();
+    assert!(report.starts_with("EXPLAINED") && report.lines().count() <= 40, "{report}");
+    // No terminal: neither escape sequences nor lines of more than 100 columns.
+    assert!(!report.contains('\u{1b}'), "{report}");
+    assert!(report.lines().all(|line| line.chars().count() <= 100), "{report}");
+    let report = String::from_utf8(servoscope(&["show", &stored, "--full"]).stdout).unwrap();
     assert!(report.starts_with("EXPLAINED"), "{report}");
+    let page = directory.path().join("page.html").to_str().unwrap().to_owned();
+    assert_eq!(code(&servoscope(&["show", &stored, "--report", &page])), Some(2));
+    assert_eq!(code(&servoscope(&["show", &stored, &file, "--report", &page])), Some(0));
+    assert!(std::fs::read_to_string(page).unwrap().contains("misses static friction"));
     let parts = ["1. static_friction", "Where it is wrong", "What is left", "Is it noise?"];
     for part in parts.into_iter().chain(["The model with static_friction\n\nADEQUATE"]) {
         assert!(report.contains(part), "{report}");

@@ -39,7 +39,7 @@ fn a_plot_there_is_none_of_is_refused_with_those_there_are() {
     server.ended(&id);
     let unknown = problem(server.get(&format!("/v1/jobs/{id}/plots/pie.svg")), 404);
     assert!(
-        string(&unknown, "detail").contains("available: bode, linearity, spectrum"),
+        string(&unknown, "detail").contains("available: bode, bode-errors, linearity"),
         "{unknown}"
     );
     problem(server.get("/v1/jobs/nobody/plots/bode.svg"), 404);

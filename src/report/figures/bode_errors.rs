@@ -51,7 +51,12 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let title = format!("Measured and simulated {}", comparison.response_quantity);
     let mut canvas = Canvas::new("bode-errors", &title, &says(&curves, extended), curves.len());
     let bands = invalid(subject.valid_band);
-    legend(&mut canvas, &models(subject, !bands.is_empty(), is_noise_known(&curves)));
+    let mut keys = models(subject, !bands.is_empty(), is_noise_known(&curves));
+    if curves.iter().flat_map(|curve| &curve.points).any(|point| point.measured.is_none()) {
+        let rest = Key::new(Look::Beyond, "key", "measured, no motion above the noise");
+        keys.push(rest.toggling("measured"));
+    }
+    legend(&mut canvas, &keys);
     if curves.len() > 1 {
         canvas.y -= 4.0;
         legend(&mut canvas, &magnitudes(&curves));

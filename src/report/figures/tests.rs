@@ -303,8 +303,9 @@ fn no_text_meets_another_or_leaves_the_figure() {
 
 #[test]
 fn every_axis_says_its_unit() {
-    let axes: [(&str, &[&str]); 6] = [
+    let axes: [(&str, &[&str]); 7] = [
         ("bode", &["Gain (dB re 1 (rad/s)/A)", "Phase (degrees)", "Frequency (Hz)"]),
+        ("bode-errors", &["Error of the gain (dB)", "Error of the phase (degrees)"]),
         ("linearity", &["Amplitude (rad/s)", "Frequency (Hz)"]),
         ("spectrum", &["Amplitude (rad/s)", "Harmonic k (–)"]),
         ("residuals", &["|residual| (σ)", "Harmonic k (–)", "Frequency of the input (Hz)"]),
@@ -423,4 +424,66 @@ fn what_is_drawn_after_is_the_model_with_the_causes() {
     let without = Known::of(sample::comparison());
     let error = draw("friction-after", &without.subject(), Theme::Auto).unwrap_err();
     assert!(error.to_string().contains("a model with causes"), "{error}");
+}
+
+#[test]
+fn what_moves_with_axes_lies_in_a_panel_that_says_what_they_are() {
+    let mut panels = 0;
+    for known in [extended(), diagnosed()] {
+        for name in available(&known.subject()) {
+            let svg = known.draw(name);
+            let document = Document::parse(&svg).unwrap();
+            let with = |key: &'static str| {
+                let found = document.descendants().filter_map(move |node| node.attribute(key));
+                found.collect::<Vec<_>>()
+            };
+            let sides = with("data-panel");
+            for inside in with("data-in") {
+                assert!(sides.contains(&inside), "{name}: {inside} is in no panel of {sides:?}");
+            }
+            for scale in with("data-x").into_iter().chain(with("data-y")) {
+                let (kind, numbers) = scale.split_once(' ').unwrap();
+                assert!(["log", "linear"].contains(&kind), "{name}: {scale}");
+                let numbers: Vec<f64> = numbers.split(' ').map(|n| n.parse().unwrap()).collect();
+                assert!(numbers.len() == 4 && numbers[0] < numbers[1], "{name}: {scale}");
+            }
+            let toggled = with("data-toggle");
+            let keys: Vec<&str> = with("data-keys").iter().flat_map(|k| k.split(' ')).collect();
+            for key in toggled {
+                assert!(keys.contains(&key), "{name}: nothing is shown or hidden by {key}");
+            }
+            panels += sides.len();
+        }
+    }
+    assert!(panels > 10, "{panels}");
+}
+
+#[test]
+fn errors_are_drawn_before_and_after_with_the_noise_and_the_bands_that_are_not_valid() {
+    let mut known = extended();
+    let svg = known.draw("bode-errors");
+    for part in ["error before", "error after", "noise, ± 2σ", "class=\"noise\""] {
+        assert!(svg.contains(part), "{part}");
+    }
+    assert!(!svg.contains("model not valid"), "{svg}");
+    known.valid_band = sample::diagnosis().valid_band;
+    let svg = known.draw("bode-errors");
+    // In both columns, the response and its error.
+    assert_eq!(svg.matches("class=\"invalid\"").count(), 1 + 4, "{svg}");
+    assert!(svg.contains("model not valid"));
+    // The base model is 5 % off everywhere: 20·log10(1.05) = 0.424 dB.
+    let document = Document::parse(&svg).unwrap();
+    let before = document.descendants().find(|node| node.attribute("data-name") == Some("error before"));
+    let path = before.unwrap().first_element_child().unwrap().attribute("d").unwrap();
+    let panel = before.unwrap().attribute("data-in").unwrap();
+    let grid = document.descendants().find(|node| node.attribute("data-panel") == Some(panel));
+    let scale: Vec<f64> = grid.unwrap().attribute("data-y").unwrap()["linear ".len()..]
+        .split(' ')
+        .map(|number| number.parse().unwrap())
+        .collect();
+    let first: f64 = path[1..].split(['L', ' ']).nth(1).unwrap().parse().unwrap();
+    let share = (first - scale[2]) / (scale[3] - scale[2]);
+    let decibels = scale[0] + share * (scale[1] - scale[0]);
+    // To a tenth of a pixel, and the noise of the sample.
+    assert!((decibels + 0.424).abs() < 0.01, "{decibels} dB");
 }

@@ -73,7 +73,7 @@ fn cause(cause: &Cause, answer: &Diagnosis, units: Units<'_>) -> Markup {
                 }
             }
             @if let Some(said) = size::in_the_machine(cause, model) { p { (sentence(&said)) } }
-            p.small { (brief::meaning(cause, units)) }
+            @if answer.causes.len() == 1 { p.small { (brief::meaning(cause, units)) } }
             @if let Some(said) = brief::equivalents(cause) { p.small { (said) } }
         }
     }
@@ -83,6 +83,10 @@ fn cause(cause: &Cause, answer: &Diagnosis, units: Units<'_>) -> Markup {
 pub(super) fn closer(answer: &Diagnosis, units: Units<'_>) -> Markup {
     html! {
         @for cause in &answer.causes {
+            // One cause alone is explained on the first screen.
+            @if answer.causes.len() > 1 {
+                p { strong { (sentence(&effect(&cause.effect))) } " " (brief::meaning(cause, units)) }
+            }
             @if let Some(signature) = brief::signature(cause, units) {
                 p { "How " (effect(&cause.effect)) " shows: " (signature) }
             }

@@ -4,24 +4,26 @@ use maud::html;
 
 use super::figure::figure;
 use super::{Content, Section};
-use crate::report::figures::Subject;
 use crate::report::size::with_interval;
 
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let model = content.answer.model();
-    let moved = Subject {
-        identification: Some(model),
-        comparison: content.extended.or(content.comparison),
-        ..Subject::default()
-    };
-    let caption = match content.answer.causes().is_empty() {
-        true => "Friction of the model over velocity, and the range in which the measurement moved.",
-        false => {
+    let subject = content.subject("");
+    let body = match content.extended {
+        None => figure(
+            "friction",
+            &subject,
+            "",
+            "Friction of the model over velocity, and the range in which the measurement moved.",
+        ),
+        Some(_) => figure(
+            "friction-after",
+            &subject,
+            "-after",
             "Friction of the model with the causes over velocity, and the range in which the \
-             measurement moved."
-        }
+             measurement moved.",
+        ),
     };
-    let body = figure("friction", &moved, "", caption);
     if body.0.is_empty() {
         return None;
     }

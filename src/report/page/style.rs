@@ -89,9 +89,9 @@ article+article{margin-top:2.25rem;padding-top:.25rem;border-top:1px solid var(-
 .card .sure{color:var(--muted);font-size:.84rem}
 .one+.one{margin-top:.8rem}
 .values{margin:.35rem 0 0;font-size:.92rem;font-variant-numeric:tabular-nums}
-.values div{display:flex;justify-content:space-between;gap:1rem;padding:.1rem 0}
+.values div{display:flex;flex-wrap:wrap;justify-content:space-between;gap:0 1rem;padding:.1rem 0}
 .values dt{font-size:inherit}
-.values dd{white-space:nowrap}
+.values dd{margin-left:auto;text-align:right}
 details{border-top:1px solid var(--grid)}
 details:last-of-type{border-bottom:1px solid var(--grid)}
 summary{display:flex;gap:.2rem 1rem;align-items:baseline;padding:.6rem .2rem;cursor:pointer;list-style:none}

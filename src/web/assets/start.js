@@ -25,6 +25,9 @@ export async function startForm(measurement, started, { earlier, signal } = {}) 
       h("legend", {}, "What is to be found out"),
       radio("diagnose", "Diagnosis", "Where the model is wrong, which effect is missing, and what naming it gains."),
       radio("identify", "Identification", "The parameters of the base model: transfer function and friction.")),
+    // Before what hardly anybody changes: it is seen without scrolling.
+    h("p", { class: "actions" }, h("button", { class: "primary" }, "Start")),
+    h("p", { class: "wrong", role: "alert" }),
     h("div", { class: "fields" },
       select("plant.actuator_order", "Order of the actuator", [["", "chosen from the data"], ...[0, 1, 2].map((n) => [n, n])], order ?? ""),
       select("method", "Method", schemas.Method.enum.map((name) => [name, name]), earlier?.method),
@@ -34,9 +37,7 @@ export async function startForm(measurement, started, { earlier, signal } = {}) 
       select("weights", "Errors are weighed with", [["noise", "their noise"], ["response", "all alike"]], options.weights),
       select("validation_measurement_id", "Validate on", [["", "parts held out of it"],
         ...others.map((item) => [item.id, inList(item)])],
-        earlier?.validation_measurement_id ?? "", "A second measurement of the same axis; for a diagnosis.")),
-    h("p", { class: "actions" }, h("button", { class: "primary" }, "Start")),
-    h("p", { class: "wrong", role: "alert" }));
+        earlier?.validation_measurement_id ?? "", "A second measurement of the same axis; for a diagnosis.")));
 
   const chosen = () => form.elements.kind.value;
   const adapt = () => {

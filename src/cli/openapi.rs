@@ -1,6 +1,5 @@
 //! `servoscope openapi`
 
-
 use crate::http;
 
 use super::{Failure, terminal};

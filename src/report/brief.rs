@@ -35,14 +35,14 @@ pub(super) fn judgement(answer: &Answer) -> Judgement {
 fn of_fit(answer: &Identification) -> Judgement {
     let is_noise = answer.fit.p_value.is_some_and(|p| p >= 0.01);
     let (word, mark, text) = match answer.fit.adequate {
-        Some(true) => (
-            "Adequate",
-            Mark::Good,
-            "The model explains the measurement to within its noise.",
-        ),
-        Some(false) if is_noise => {
-            ("Not adequate", Mark::Bad, "The model leaves more of the measurement than it explains.")
+        Some(true) => {
+            ("Adequate", Mark::Good, "The model explains the measurement to within its noise.")
         }
+        Some(false) if is_noise => (
+            "Not adequate",
+            Mark::Bad,
+            "The model leaves more of the measurement than it explains.",
+        ),
         Some(false) => {
             ("Not adequate", Mark::Bad, "The model leaves more of the measurement than noise.")
         }
@@ -219,7 +219,10 @@ mod tests {
         assert_eq!(meaning(&cause, units), "It takes more force.");
         assert_eq!(signature(&cause, units).as_deref(), Some("It sticks."));
         cause.explanation = "it sticks".into();
-        assert_eq!((meaning(&cause, units).as_str(), signature(&cause, units)), ("It sticks.", None));
+        assert_eq!(
+            (meaning(&cause, units).as_str(), signature(&cause, units)),
+            ("It sticks.", None)
+        );
     }
 
     #[test]

@@ -19,8 +19,7 @@ const PAGE: &str = include_str!("script/plot-page.js");
 static INLINE: LazyLock<String> = LazyLock::new(|| {
     let texts = FILES.iter().map(|(_, text)| *text).chain([PAGE]);
     let lines = texts.flat_map(str::lines).filter(|line| !line.starts_with("import "));
-    let lines: Vec<&str> =
-        lines.map(|line| line.strip_prefix("export ").unwrap_or(line)).collect();
+    let lines: Vec<&str> = lines.map(|line| line.strip_prefix("export ").unwrap_or(line)).collect();
     // HTML takes a script as it is, XML only as a section of characters.
     format!("//<![CDATA[\n{}\n//]]>", lines.join("\n"))
 });

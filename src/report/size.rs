@@ -140,7 +140,9 @@ mod tests {
             model.parameters.insert(name.into(), estimate(value, None));
         }
         let said = |effect: &str, values: &[(&str, f64)]| {
-            in_the_machine(&cause(effect, values), &model).unwrap_or_default().replace('\u{a0}', " ")
+            in_the_machine(&cause(effect, values), &model)
+                .unwrap_or_default()
+                .replace('\u{a0}', " ")
         };
         assert_eq!(
             said("static_friction", &[("fs_plus", 0.8), ("fs_minus", 0.6)]),

@@ -25,10 +25,8 @@ const MOST_LIMITS: usize = 2;
 pub fn summary(answer: &Answer, width: usize) -> String {
     let width = width.max(60);
     let verdict = verdict(&judgement(answer), width);
-    let mut lines: Vec<String> = parts(answer)
-        .into_iter()
-        .flat_map(|(name, texts)| part(name, &texts, width))
-        .collect();
+    let mut lines: Vec<String> =
+        parts(answer).into_iter().flat_map(|(name, texts)| part(name, &texts, width)).collect();
     // Two verdicts, an empty line beside each, and the line that says how to see more.
     let room = MOST_LINES - 2 * verdict.lines().count() - 3;
     if lines.len() > room {
@@ -92,9 +90,10 @@ fn units(answer: &Answer) -> Units<'_> {
 
 fn found(answer: &Diagnosis, units: Units<'_>) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
-    let faults = answer.measurement.iter().map(|fault| {
-        format!("{} To mend it: {}.", sentence(&fault.sentence), fault.remedy)
-    });
+    let faults = answer
+        .measurement
+        .iter()
+        .map(|fault| format!("{} To mend it: {}.", sentence(&fault.sentence), fault.remedy));
     parts.push(("Measurement", faults.collect()));
     let model = answer.extended.as_ref().unwrap_or(&answer.base);
     for cause in &answer.causes {

@@ -11,8 +11,10 @@ pub(super) enum Effort {
 
 const FORCES: &[&str] = &["N", "mN", "kN", "MN", "lbf", "kgf", "dyn"];
 const LENGTHS: &[&str] = &["m", "mm", "cm", "dm", "um", "µm", "μm", "nm", "in", "inch", "ft"];
-const ANGLES: &[&str] =
-    &["rad", "mrad", "urad", "µrad", "deg", "°", "rev", "r", "turn", "turns", "rpm", "arcsec", "arcmin"];
+const ANGLES: &[&str] = &[
+    "rad", "mrad", "urad", "µrad", "deg", "°", "rev", "r", "turn", "turns", "rpm", "arcsec",
+    "arcmin",
+];
 
 /// The factors of the numerator of a unit: `N m`, `N·m/rad` and `Nm` begin with N and m.
 fn factors(unit: &str) -> Vec<&str> {

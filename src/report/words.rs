@@ -70,7 +70,10 @@ pub(in crate::report) fn equation(id: &str) -> Option<&'static str> {
 }
 
 /// A text of a diagnosis with these ids as words.
-pub(in crate::report) fn without_ids<'a>(text: &str, ids: impl IntoIterator<Item = &'a str>) -> String {
+pub(in crate::report) fn without_ids<'a>(
+    text: &str,
+    ids: impl IntoIterator<Item = &'a str>,
+) -> String {
     // The longest first: one id may be part of another.
     let mut ids: Vec<&str> = ids.into_iter().collect();
     ids.sort_by_key(|id| std::cmp::Reverse(id.len()));

@@ -8,8 +8,8 @@ use servoscope_bench::naming::{
 use servoscope_core::identify::SearchSettings;
 
 use super::{Args, Watch};
-use crate::cli::terminal;
 use crate::cli::Failure;
+use crate::cli::terminal;
 
 /// Settings that `--ablation` leaves out unless they are named: no draw is a record.
 const OF_RECORDS: &str = "records.";

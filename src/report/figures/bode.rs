@@ -118,7 +118,13 @@ pub(super) fn gain_name(comparison: &Comparison) -> String {
 }
 
 /// Measured points and simulated lines of every curve.
-pub(super) fn trace(canvas: &mut Canvas, panel: &Panel, curves: &[Curve], few: bool, value: fn(Ratio) -> f64) {
+pub(super) fn trace(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    curves: &[Curve],
+    few: bool,
+    value: fn(Ratio) -> f64,
+) {
     let is_extended = curves.iter().flat_map(|curve| &curve.points).any(|p| p.extended.is_some());
     let models: &[(&str, &str, &str, Model)] = match is_extended {
         false => &[("line", "after", "simulated", |point| point.simulated)],

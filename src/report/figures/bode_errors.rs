@@ -69,9 +69,8 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
 }
 
 fn models(subject: &Subject<'_>, shaded: bool, noise: bool) -> Vec<Key> {
-    let mut keys = vec![
-        Key::new(Look::Marker(Marker::Circle), "key", "measured").toggling("measured"),
-    ];
+    let mut keys =
+        vec![Key::new(Look::Marker(Marker::Circle), "key", "measured").toggling("measured")];
     match subject.extended {
         None => keys.push(Key::new(Look::Line("line"), "key", "simulated").toggling("after")),
         Some(extended) => {
@@ -268,9 +267,8 @@ fn noise(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, curves: &[Curv
 /// Bands in which the model is not to be used.
 fn shade(canvas: &mut Canvas, panel: &Panel, bands: &[[f64; 2]], named: bool) {
     for band in bands {
-        let sides = band.map(|hz| {
-            panel.x.at(hz).unwrap_or(panel.left).clamp(panel.left, panel.right)
-        });
+        let sides =
+            band.map(|hz| panel.x.at(hz).unwrap_or(panel.left).clamp(panel.left, panel.right));
         // A single frequency is a band of some width, too.
         let [left, right] = [sides[0].min(sides[1] - 2.0), sides[1].max(sides[0] + 2.0)];
         canvas.open_trace("", panel.sides(), Trace { keys: "invalid", ..Trace::default() });

@@ -198,8 +198,12 @@ impl Canvas {
     pub fn open_grid(&mut self, sides: [f64; 4], axes: [(String, &str); 2], numbered: [bool; 2]) {
         let [left, top, right, bottom] = sides.map(px);
         let [(x, x_name), (y, y_name)] = axes;
-        let numbered: String =
-            ["x", "y"].into_iter().zip(numbered).filter(|(_, on)| *on).map(|(name, _)| name).collect();
+        let numbered: String = ["x", "y"]
+            .into_iter()
+            .zip(numbered)
+            .filter(|(_, on)| *on)
+            .map(|(name, _)| name)
+            .collect();
         let _ = write!(
             self.body,
             "<g data-panel=\"{left} {top} {right} {bottom}\" data-x=\"{x}\" data-x-name=\"{}\" \

@@ -10,8 +10,10 @@ use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, padded, range};
 use super::series::{by_magnitude, in_fraction, spread, unit_or};
 use super::text::{self, number};
-use crate::report::units::friction;
 use super::{NothingToDraw, Subject};
+use crate::report::number::Rounding;
+use crate::report::units::friction;
+use crate::report::words::typeset;
 
 use model::{Side, Viscous, band, quantile, side, viscous};
 use velocities::{extents, velocities};
@@ -230,8 +232,13 @@ fn says(answer: &Identification, viscous: &Viscous, sides: &[Side], unit: &str) 
         Some(std) if std > 0.0 => {
             let half = quantile * std;
             // As many digits as the interval leaves any meaning.
-            let digits = (value.abs() / half).log10().ceil().clamp(1.0, 6.0) as usize + 1;
-            format!("{} ± {}", number(value, digits), number(half, 2))
+            match Rounding::of(value, half) {
+                Some(rounding) => {
+                    let written = [value, half].map(|number| typeset(&rounding.write(number)));
+                    written.join(" ± ")
+                }
+                None => number(value, 4),
+            }
         }
         _ => number(value, 4),
     };

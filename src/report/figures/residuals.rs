@@ -28,9 +28,11 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
         let reason = "nothing is known of the noise, and the residual is zero";
         return Err(NothingToDraw(reason.into()));
     }
-    let says = match subject.discrepancy {
-        Some(discrepancy) => discrepancy.sentence.clone(),
-        None => says(comparison),
+    let says = match (patterns, subject.discrepancy) {
+        ([], Some(discrepancy)) => discrepancy.sentence.clone(),
+        ([], None) => says(comparison),
+        // What each is stands below.
+        (patterns, _) => shares(patterns),
     };
     let series = comparison.experiments.len().min(lines::MOST_PANELS);
     let title = "Residual, measured less simulated, in standard deviations";
@@ -64,6 +66,16 @@ fn says(comparison: &Comparison) -> String {
         number(largest, 2),
         number(rms, 2)
     )
+}
+
+/// How much of what is left beyond the noise lies in each pattern.
+fn shares(patterns: &[Pattern]) -> String {
+    let share = |(i, pattern): (usize, &Pattern)| {
+        let of = if i == 0 { " of what is left beyond the noise lies in pattern" } else { " in" };
+        format!("{:.0} %{of} {}", 100.0 * pattern.share, i + 1)
+    };
+    let shares: Vec<String> = patterns.iter().enumerate().map(share).collect();
+    format!("{}.", shares.join(", "))
 }
 
 /// A numbered mark of a pattern.

@@ -31,7 +31,8 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     };
     let found = &answer.discrepancy;
     let body = html! {
-        (patterns(&found.patterns))
+        // The figure lists them, too.
+        @if content.comparison.is_none() { (patterns(&found.patterns)) }
         (closer(answer, content.units()))
         (figures)
         h3 { "What is left, part by part" }
@@ -52,9 +53,8 @@ fn short(content: &Content<'_>, answer: &Diagnosis) -> String {
         true => quantity(low, 3, unit),
         false => format!("{} to {}", number(low, 3), quantity(high, 3, unit)),
     };
-    let magnitudes = first
-        .magnitudes
-        .map(|ends| format!("at magnitude {}", range(ends, content.units().input)));
+    let magnitudes =
+        first.magnitudes.map(|ends| format!("at magnitude {}", range(ends, content.units().input)));
     let frequencies = first.frequencies_hz.map(|ends| format!("from {}", range(ends, "Hz")));
     let harmonics = match first.harmonics.as_slice() {
         [one] => Some(format!("in harmonic {one}")),

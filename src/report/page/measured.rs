@@ -4,9 +4,9 @@ use maud::{Markup, html};
 
 use servoscope_core::answers::{Comparison, NoiseSource};
 
+use super::Content;
 use super::table::{Cell, table};
 use super::words::{number, quantity, sentence};
-use super::Content;
 
 /// The most values that are listed rather than given as a range.
 const LISTED: usize = 6;

@@ -33,9 +33,9 @@ use super::script;
 use super::words;
 
 pub(super) use measured::described;
+pub use super::words::parameter_name;
 pub use measured::{DataFile, Measured};
 pub use style::{dark as dark_colours, shared as shared_style};
-pub use super::words::parameter_name;
 
 /// What a page is made of. What is not known is left out, and with it the
 /// figures that need it.

@@ -22,8 +22,7 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
         }
         (described("", &tables::tried(&answer.candidates), &ids))
     };
-    let title =
-        if answer.causes.is_empty() { "What was tried" } else { "What else could it be?" };
+    let title = if answer.causes.is_empty() { "What was tried" } else { "What else could it be?" };
     Section::new("rivals", title, short(answer), body)
 }
 

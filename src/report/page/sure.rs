@@ -38,15 +38,18 @@ fn short(answer: &Answer) -> String {
         None => "the noise is not known".to_owned(),
     };
     let Some(diagnosis) = answer.diagnosis() else { return each(answer.base()) };
-    let held_out = diagnosis.gain.as_ref().map(|gain| {
-        format!("{} on data held out ({})", factor(gain).0, interval(gain))
-    });
+    let held_out = diagnosis
+        .gain
+        .as_ref()
+        .map(|gain| format!("{} on data held out ({})", factor(gain).0, interval(gain)));
     let sure: Vec<String> =
         diagnosis.causes.iter().map(|cause| causes::per_cent(cause.confidence)).collect();
     match (sure.is_empty(), held_out) {
         (true, _) => each(answer.base()),
         (false, Some(held_out)) => format!("{}; {held_out}", sure.join(" and ")),
-        (false, None) => format!("{}; the gain on data held out was not measured", sure.join(" and ")),
+        (false, None) => {
+            format!("{}; the gain on data held out was not measured", sure.join(" and "))
+        }
     }
     .replace(" %", "\u{a0}%")
 }

@@ -134,16 +134,8 @@ fn every_page_is_well_formed_and_needs_nothing_from_outside() {
 #[test]
 fn a_page_with_everything_has_every_section_in_the_order_in_which_it_is_asked_for() {
     let page = of(&gained());
-    let ids = [
-        "sure",
-        "rivals",
-        "departure",
-        "friction",
-        "harmonics",
-        "computed",
-        "model",
-        "provenance",
-    ];
+    let ids =
+        ["sure", "rivals", "departure", "friction", "harmonics", "computed", "model", "provenance"];
     assert_eq!(sections(&page), ids);
     // Bode, friction, linearity, and spectrum and residuals before and after.
     assert_eq!(page.matches("<figure").count(), 7, "{page}");
@@ -240,7 +232,10 @@ fn the_gain_is_said_and_where_it_is_not_measured_that_is_said() {
     let gain = worse.gain.as_mut().unwrap();
     (gain.ratio, gain.interval95) = (0.9, [0.7, 1.1]);
     let text = read(&of(&worse));
-    assert!(text.contains("1.11 times the error") && text.contains("No more than chance"), "{text}");
+    assert!(
+        text.contains("1.11 times the error") && text.contains("No more than chance"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -248,7 +243,10 @@ fn rivals_lose_for_a_reason_in_words() {
     let text = read(&of(&sample::explained()));
     assert!(text.contains("Static friction explains the data better."), "{text}");
     assert!(text.contains("Named as a cause."), "{text}");
-    assert!(text.contains("At magnitude 1.250 and 0.3183 Hz their predictions differ most."), "{text}");
+    assert!(
+        text.contains("At magnitude 1.250 and 0.3183 Hz their predictions differ most."),
+        "{text}"
+    );
 }
 
 #[test]

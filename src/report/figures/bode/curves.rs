@@ -58,7 +58,10 @@ pub(in crate::report::figures) struct Curve {
 }
 
 /// The curves of a comparison, whole turns taken out of their phases.
-pub(in crate::report::figures) fn curves(comparison: &Comparison, extended: Option<&Comparison>) -> Vec<Curve> {
+pub(in crate::report::figures) fn curves(
+    comparison: &Comparison,
+    extended: Option<&Comparison>,
+) -> Vec<Curve> {
     let largest = largest_measured(comparison);
     let extended: HashMap<usize, &ComparedExperiment> = extended
         .iter()

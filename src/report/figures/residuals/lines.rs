@@ -40,7 +40,12 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
         let panel = Panel { x, y, left, top, right, bottom };
         let label = experiment_label(experiment, comparison);
         let heading = if few { String::new() } else { label };
-        let naming = Naming { heading: &heading, x: "Frequency (Hz)", y: "|Residual| (σ)", ..Naming::default() };
+        let naming = Naming {
+            heading: &heading,
+            x: "Frequency (Hz)",
+            y: "|Residual| (σ)",
+            ..Naming::default()
+        };
         let bands = bands(canvas, &panel, experiment, patterns);
         panel.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
         canvas.open_clipped("", panel.sides());

@@ -4,6 +4,7 @@ pub(super) mod curves;
 
 use servoscope_core::answers::Comparison;
 
+use super::bands;
 use super::canvas::{Anchor, Canvas, LABEL, Marker, Trace, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, DEGREES, Scale, padded, range};
@@ -54,25 +55,31 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     if rests {
         keys.push(Key::new(Look::Beyond, "key", "measured, no motion above the noise"));
     }
+    let bands = bands::invalid(subject.valid_band);
+    if !bands.is_empty() {
+        keys.push(bands::key());
+    }
     legend(&mut canvas, &keys);
-    panels(&mut canvas, comparison, &curves, points <= FEW_POINTS);
+    panels(&mut canvas, comparison, &curves, &bands);
     if let Some(sentence) = left_out(comparison) {
         canvas.note(&sentence);
     }
     Ok(canvas)
 }
 
-fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], few: bool) {
+fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], bands: &[[f64; 2]]) {
     let every = || curves.iter().flat_map(|curve| &curve.points);
     let [low, high] = range(every().map(|point| point.frequency_hz));
     let x = Scale::log([low / 1.12, high * 1.12], [LEFT, RIGHT]);
     let [gain_range, phase_range] = ranges(curves);
+    let few = every().count() <= FEW_POINTS;
     let top = canvas.y + 22.0;
     let bottom = top + GAIN_HEIGHT;
     let y = Scale::linear(gain_range, [bottom, top]);
     let gain = Panel { x, y, left: LEFT, top, right: RIGHT, bottom };
     let gain_name = text::shorten(&gain_name(comparison), 11.5, RIGHT - LEFT);
     let naming = Naming { y: &gain_name, x_below: FREQUENCY, ..Naming::default() };
+    bands::shade(canvas, &gain, bands, true);
     gain.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
     trace(canvas, &gain, curves, few, |ratio| ratio.gain_db);
     resting(canvas, &gain, curves);
@@ -83,6 +90,7 @@ fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], few: b
     let y = Scale::linear(phase_range, [bottom, top]);
     let phase = Panel { x, y, left: LEFT, top, right: RIGHT, bottom };
     let naming = Naming { x: FREQUENCY, y: "Phase (degrees)", ..Naming::default() };
+    bands::shade(canvas, &phase, bands, false);
     phase.draw(canvas, &y.vertical_ticks(DEGREES), naming);
     trace(canvas, &phase, curves, few, |ratio| ratio.phase_deg);
     canvas.y = bottom + 44.0;

@@ -1,16 +1,20 @@
 //! Frequency response before and after, and beneath it what each model leaves: gain in dB and phase
 //! in degrees, against the noise.
 
-use servoscope_core::answers::{Comparison, ValidBand};
+mod reach;
 
-use super::bode::curves::{Curve, Point, Ratio, curves};
+use servoscope_core::answers::Comparison;
+
+use super::bands::{self, invalid, shade};
+use super::bode::curves::{Curve, Point, curves};
 use super::bode::{FEW_POINTS, FREQUENCY, Model, gain_name, ranges, resting, says, trace};
-use super::canvas::{Anchor, Canvas, Font, Marker, NOTE, Trace};
+use super::canvas::{Canvas, Marker, NOTE, Trace};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, DEGREES, Scale, range};
 use super::series::{left_out, spread};
-use super::text::{self, number};
+use super::text;
 use super::{NothingToDraw, Subject, comparison};
+use reach::{Column, DB_PER_SHARE, NOISE_BAND, beyond, size};
 
 /// Left and right side of each of the two columns: gain, phase.
 const COLUMNS: [[f64; 2]; 2] = [[56.0, 390.0], [452.0, 786.0]];
@@ -19,27 +23,6 @@ const ERROR_HEIGHT: f64 = 132.0;
 
 /// Magnitudes that the legend names.
 const MOST_KEYS: usize = 8;
-
-/// Deviations that the shaded band of the noise reaches.
-const NOISE_BAND: f64 = 2.0;
-
-/// Decibels of a gain that differs from another by a small share of it, per share.
-const DB_PER_SHARE: f64 = 20.0 * std::f64::consts::LOG10_E;
-
-/// Text within a band that is not valid.
-const BAND: Font = Font { size: 10.5, class: "m" };
-
-/// What one column shows of a ratio.
-struct Column<'a> {
-    name: &'a str,
-    error_name: &'a str,
-    value: fn(Ratio) -> f64,
-    /// Of the ratio for each share by which noise moves it.
-    per_share: f64,
-    least_error: f64,
-    steps: &'static [f64],
-    range: [f64; 2],
-}
 
 pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let comparison = comparison(subject)?;
@@ -83,7 +66,7 @@ fn models(subject: &Subject<'_>, shaded: bool, noise: bool) -> Vec<Key> {
         keys.push(Key::new(Look::Shade("noise"), "key", "noise, ± 2σ").toggling("noise"));
     }
     if shaded {
-        keys.push(Key::new(Look::Shade("invalid"), "key", "model not valid").toggling("invalid"));
+        keys.push(bands::key());
     }
     keys
 }
@@ -95,12 +78,6 @@ fn magnitudes(curves: &[Curve]) -> Vec<Key> {
         Key::new(Look::Marker(Marker::of(i)), &class, &curves[i].label).toggling(&class)
     };
     shown.map(key).collect()
-}
-
-/// Bands in which the model departs, Hz.
-fn invalid(band: Option<&ValidBand>) -> Vec<[f64; 2]> {
-    let departures = band.map_or(&[][..], |band| &band.departures);
-    departures.iter().map(|departure| [departure.from_hz, departure.to_hz]).collect()
 }
 
 fn is_noise_known(curves: &[Curve]) -> bool {
@@ -158,43 +135,6 @@ fn columns(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], bands
         beyond(canvas, &panel, column, curves, size);
     }
     canvas.y = error_bottom + 40.0;
-}
-
-/// Errors of a column by one of the models.
-fn errors_of<'a>(
-    column: &'a Column<'_>,
-    curves: &'a [Curve],
-    model: Model,
-) -> impl Iterator<Item = f64> + 'a {
-    let every = curves.iter().flat_map(|curve| &curve.points);
-    every.filter_map(move |point| Some((column.value)(point.error(model(point))?).abs()))
-}
-
-/// The value that this share of all values does not exceed.
-fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
-    let mut sorted: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    let last = sorted.len().saturating_sub(1) as f64;
-    sorted.get((share * last).round() as usize).copied().unwrap_or(0.0)
-}
-
-/// How far the axis of an error reaches: all that the best model leaves where it is valid, and
-/// nearly all that the base model does. What lies beyond is said.
-fn size(column: &Column<'_>, curves: &[Curve], bands: &[[f64; 2]]) -> f64 {
-    let is_valid = |point: &&Point| {
-        !bands.iter().any(|[from, to]| (*from..=*to).contains(&point.frequency_hz))
-    };
-    let every = || curves.iter().flat_map(|curve| &curve.points);
-    let sizes = |model: Model, share: f64| {
-        let error = |point: &Point| Some((column.value)(point.error(model(point))?).abs());
-        let valid = quantile(every().filter(is_valid).filter_map(error), share);
-        if valid > 0.0 { valid } else { quantile(every().filter_map(error), share) }
-    };
-    let before = sizes(|point| point.simulated, 0.95);
-    let after = sizes(|point| point.extended, 1.0);
-    let noise = quantile(every().filter_map(|point| point.noise), 0.5);
-    let noise = 1.5 * NOISE_BAND * noise * column.per_share;
-    1.2 * before.max(after).max(noise).max(column.least_error)
 }
 
 fn errors(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, curves: &[Curve], few: bool) {
@@ -264,50 +204,10 @@ fn noise(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, curves: &[Curv
     canvas.close();
 }
 
-/// Bands in which the model is not to be used.
-fn shade(canvas: &mut Canvas, panel: &Panel, bands: &[[f64; 2]], named: bool) {
-    for band in bands {
-        let sides =
-            band.map(|hz| panel.x.at(hz).unwrap_or(panel.left).clamp(panel.left, panel.right));
-        // A single frequency is a band of some width, too.
-        let [left, right] = [sides[0].min(sides[1] - 2.0), sides[1].max(sides[0] + 2.0)];
-        canvas.open_trace("", panel.sides(), Trace { keys: "invalid", ..Trace::default() });
-        canvas.rectangle("invalid", [left, panel.top, right, panel.bottom], "");
-        let label = "not valid";
-        if named && right - left > text::width(label, BAND.size) + 4.0 {
-            let middle = 0.5 * (left + right);
-            canvas.text(middle, panel.top + 14.0, BAND, Anchor::Middle, label);
-        }
-        canvas.close();
-    }
-}
-
-/// Says how far the errors go that the axis does not show.
-fn beyond(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, curves: &[Curve], size: f64) {
-    let count = |model: Model| errors_of(column, curves, model).filter(|e| *e > size).count();
-    let largest = |model: Model| errors_of(column, curves, model).fold(0.0, f64::max);
-    let before: Model = |point| point.simulated;
-    let after: Model = |point| point.extended;
-    let hidden = count(before) + count(after);
-    if hidden == 0 {
-        return;
-    }
-    let most = number(largest(before).max(largest(after)), 2);
-    let unit = if column.per_share == DB_PER_SHARE { " dB" } else { "°" };
-    let text = format!("{hidden} beyond the axis, up to {most}{unit}");
-    canvas.text(panel.right, panel.top - 8.0, BAND, Anchor::End, &text);
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::bode::curves::Ratio;
     use super::*;
-
-    #[test]
-    fn a_quantile_is_a_value_of_those_given() {
-        let values = || [4.0, 1.0, 3.0, 2.0, 5.0, f64::NAN].into_iter();
-        assert_eq!([0.0, 0.5, 1.0].map(|share| quantile(values(), share)), [1.0, 3.0, 5.0]);
-        assert_eq!(quantile(std::iter::empty(), 0.5), 0.0);
-    }
 
     #[test]
     fn errors_of_a_phase_are_less_than_half_a_turn() {

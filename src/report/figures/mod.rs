@@ -7,6 +7,7 @@
 //! (plotters, charming, plotly) fix every colour as an attribute or need a
 //! script, so that one file cannot follow the reader's colour scheme.
 
+mod bands;
 mod bode;
 mod bode_errors;
 mod canvas;

@@ -1,7 +1,7 @@
 //! Beside the response: what is wrong with the measurement, the cause, what it gains, and what to do.
 
 use maud::{Markup, html};
-use servoscope_core::answers::{Cause, Diagnosis, Gain, ParameterEstimate};
+use servoscope_core::answers::{Cause, Diagnosis, Gain, ParameterEstimate, Verdict};
 
 use super::Content;
 use super::words::{confidence, effect, equation, parameter_name, sentence};
@@ -23,6 +23,7 @@ pub(super) fn cards(content: &Content<'_>) -> Markup {
             @if let Some(gain) = answer.diagnosis().and_then(|answer| answer.gain.as_ref()) {
                 (gained(gain))
             }
+            @if let Some(answer) = answer.diagnosis() { (unexplained(answer)) }
             @if answer.causes().is_empty() { (axis(content)) }
             (next(content))
         }
@@ -95,6 +96,14 @@ pub(super) fn closer(answer: &Diagnosis, units: Units<'_>) -> Markup {
     }
 }
 
+/// Where a model is wrong for which no cause is known.
+fn unexplained(answer: &Diagnosis) -> Markup {
+    if answer.verdict != Verdict::Unexplained {
+        return html! {};
+    }
+    card("where", "Where it is wrong", html! { p { (sentence(&answer.discrepancy.sentence)) } })
+}
+
 fn gained(gain: &Gain) -> Markup {
     let (factor, is_sure) = brief::factor(gain);
     let body = html! {
@@ -118,7 +127,7 @@ fn axis(content: &Content<'_>) -> Markup {
             }
             div { dt { "Left of the response" } dd { (left) } }
         }
-        @if let Some(answer) = content.answer.diagnosis() {
+        @if let Some(answer) = content.answer.diagnosis().filter(|a| a.verdict == Verdict::Adequate) {
             p.small { (sentence(&answer.discrepancy.sentence)) }
         }
     };

@@ -26,11 +26,12 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
         p.small { "The same data, options and seed give the same result, bit by bit." }
     };
     let short = format!(
-        "servoscope {}, method {}, seed {}, {} experiments",
+        "servoscope {}, method {}, seed {}, {} experiment{}",
         provenance.software_version,
         base.method.name(),
         base.seed,
         measured.experiments,
+        if measured.experiments == 1 { "" } else { "s" },
     );
     Section::new("provenance", "Provenance", short, body)
 }

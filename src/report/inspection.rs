@@ -4,7 +4,7 @@ use servoscope_core::answers::{Detectability, Inspection, NoiseSource};
 
 use super::columns::{Side, table};
 use super::number::significant;
-use super::page::{Measured, described};
+use super::page::{Measured, read};
 use super::tables;
 use super::text::section;
 use super::written::lines;
@@ -18,7 +18,7 @@ pub fn inspection(measured: &Measured, inspection: &Inspection) -> String {
         });
         sections.push(section("Looks wrong", doubts.collect()));
     }
-    let pairs = described(measured).into_iter().map(|(name, value)| [name.to_lowercase(), value]);
+    let pairs = read(measured).into_iter().map(|(name, value)| [name.to_lowercase(), value]);
     let mut read = table(&[Side::Left; 2], &pairs.collect::<Vec<_>>());
     read.extend(measured.notes.iter().map(|note| format!("- {note}")));
     sections.push(section("What was read", read));

@@ -122,11 +122,11 @@ pub(super) fn described(content: &Content<'_>) -> Markup {
 
 fn rows(content: &Content<'_>) -> Vec<(&'static str, String)> {
     let noise = ("Noise", noise(content.answer.base().noise, content.comparison));
-    described(content.measured).into_iter().chain([noise]).collect()
+    read(content.measured).into_iter().chain([noise]).collect()
 }
 
 /// What was read, by name; empty where nothing could be.
-pub(in crate::report) fn described(measured: &Measured) -> Vec<(&'static str, String)> {
+pub(in crate::report) fn read(measured: &Measured) -> Vec<(&'static str, String)> {
     let Measured { magnitudes, omegas_rad_s, harmonics: [low, high], .. } = measured;
     if measured.experiments == 0 {
         return Vec::new();

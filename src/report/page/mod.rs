@@ -32,8 +32,8 @@ use super::figures::{Extended, Subject};
 use super::script;
 use super::words;
 
-pub(super) use measured::described;
 pub use super::words::parameter_name;
+pub(super) use measured::read;
 pub use measured::{DataFile, Measured};
 pub use style::{dark as dark_colours, shared as shared_style};
 

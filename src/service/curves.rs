@@ -32,7 +32,10 @@ pub(super) fn draw(measurement: &Measurement) -> String {
     let step = magnitudes.len().div_ceil(MOST_LINES).max(1);
     let [input, output] = units(measurement);
     let levels: Vec<f64> = magnitudes.into_iter().step_by(step).collect();
-    let label = |magnitude: f64| format!("{magnitude:.3} {input}");
+    let label = |magnitude: f64| match magnitude {
+        0.01.. => format!("{} {input}", (1e3 * magnitude).round() / 1e3),
+        _ => format!("{magnitude:.2e} {input}"),
+    };
 
     let [mut gains, mut phases, mut inputs, mut outputs] = <[Vec<Line>; 4]>::default();
     for level in levels {

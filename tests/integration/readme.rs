@@ -1,4 +1,4 @@
-//! What the README tells a reader to type.
+//! What the README and the pages behind it tell a reader to type.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -10,8 +10,34 @@ use crate::shared_files::skipped;
 /// How the README runs the program.
 const RUN: &str = "cargo run --release -- ";
 
+/// The README and the pages that it leads to, in the order in which they are read.
+const PAGES: [&str; 14] = [
+    "README.md",
+    "docs/real-machine.md",
+    "docs/measuring.md",
+    "docs/reading-an-answer.md",
+    "docs/files.md",
+    "docs/dashboard.md",
+    "docs/http.md",
+    "docs/operating.md",
+    "docs/command-line.md",
+    "docs/effects.md",
+    "docs/how-it-works.md",
+    "docs/decisions.md",
+    "docs/how-good-it-is.md",
+    "docs/building.md",
+];
+
+/// The most bytes of the README: one page.
+const MOST_BYTES: usize = 8_000;
+
+fn page(path: &str) -> String {
+    std::fs::read_to_string(repository(path)).unwrap()
+}
+
+/// All pages as one text.
 fn readme() -> String {
-    std::fs::read_to_string(repository("README.md")).unwrap()
+    PAGES.map(page).concat()
 }
 
 /// Blocks of a kind, in order.
@@ -52,6 +78,16 @@ fn every_shell_block_works_as_pasted() {
     let diagnosis = blocks.iter().find(|block| block.contains("diagnose")).unwrap();
     let report = paste(diagnosis, directory.path(), None);
     assert_eq!(report, shown("EXPLAINED"), "the README shows another report");
+    let inspection = blocks.iter().find(|block| block.contains("inspect")).unwrap();
+    let report = paste(inspection, directory.path(), None);
+    let shown = reports.iter().find(|block| block.starts_with("What was read")).unwrap();
+    // Shortened: what stands between the dots is all there, in this order.
+    let mut rest = report.as_str();
+    for part in shown.split('…') {
+        let found = rest.find(part.trim_start_matches('\n'));
+        let from = found.unwrap_or_else(|| panic!("{part}\nis not in what is left of\n{report}"));
+        rest = &rest[from..];
+    }
     let validation = blocks.iter().find(|block| block.contains("validate")).unwrap();
     let report = paste(validation, directory.path(), None);
     assert!(report.starts_with("CONFIRMED: the causes help on another"), "{report}");
@@ -104,16 +140,26 @@ fn every_setting_of_the_server_has_its_row_and_no_row_has_another() {
 
 #[test]
 fn every_file_it_links_to_is_there() {
-    let text = readme();
-    let targets = text.split("](").skip(1).map(|rest| rest.split(')').next().unwrap());
-    for target in targets.filter(|target| !target.starts_with(['#', 'h'])) {
-        assert!(repository(target).exists(), "{target}");
+    for path in PAGES {
+        let text = page(path);
+        let folder = Path::new(path).parent().unwrap();
+        let targets = text.split("](").skip(1).map(|rest| rest.split(')').next().unwrap());
+        for target in targets.filter(|target| !target.starts_with(['#', 'h'])) {
+            let file = folder.join(target.split('#').next().unwrap());
+            assert!(repository(file.to_str().unwrap()).exists(), "{target} of {path}");
+        }
     }
 }
 
 #[test]
+fn the_readme_is_one_page() {
+    let bytes = page("README.md").len();
+    assert!(bytes <= MOST_BYTES, "{bytes} bytes");
+}
+
+#[test]
 fn the_tests_are_run_by_the_command_that_it_gives() {
-    let text = readme();
+    let text = page("README.md");
     let ci = std::fs::read_to_string(repository(".ci/run")).unwrap();
     let command = "cargo test --locked";
     assert!(blocks(&text, "sh").contains(&command));

@@ -6,23 +6,27 @@ import { json } from "./api.js";
 import { frame, load } from "./figure.js";
 import { number, percent } from "./format.js";
 
-/// Sections of a page: the curves at once, the rest when it is computed.
+/// The curves of a measurement.
+export function curves(path, signal) {
+  const { node, figure } = frame(null, "What was measured, over frequency");
+  load(figure, `${path}/measured.svg`, signal).catch(() => node.remove());
+  return node;
+}
+
+/// What looks wrong with a measurement and what it can show, once it is computed.
 export function inspection(path, signal) {
-  const { node: curves, figure } = frame(null, "What was measured, over frequency");
-  load(figure, `${path}/measured.svg`, signal).catch(() => curves.remove());
   const found = h("div", { role: "status" },
     h("p", {}, "Looking for what is wrong with it, and for what it can show …"), h("progress", {}));
   json(`${path}/inspection`, { signal })
     .then((answer) => found.replaceChildren(...sections(answer)))
     .catch((error) => signal.aborted || found.replaceChildren(h("p", {}, error.message)));
-  return h("section", { "aria-labelledby": "look" },
-    h("h2", { id: "look" }, "Before you compute"), found, curves);
+  return h("section", { "aria-labelledby": "look" }, h("h2", { id: "look" }, "Before you compute"), found);
 }
 
 function sections({ doubts, detectability, obstacle }) {
   return [
     ...doubts.map(({ sentence, remedy }) =>
-      h("p", {}, h("strong", {}, "Looks wrong: "), `${sentence}. To do: ${remedy}.`)),
+      h("p", {}, h("strong", {}, "Looks wrong: "), coded(`${sentence}. To do: ${remedy}.`))),
     obstacle && h("p", {}, `No model can be fitted: ${obstacle}.`),
     ...(detectability ? shown(detectability) : []),
   ].filter(Boolean);
@@ -48,6 +52,11 @@ function shown({ effects }) {
         h("ul", {}, unseen.map((effect) => h("li", {}, `${effect.title}: ${effect.reason}`))),
       ]),
   ];
+}
+
+/// A text in which what stands between backquotes is code.
+function coded(text) {
+  return text.split("`").map((part, place) => place % 2 ? h("code", {}, part) : part);
 }
 
 /// The parameter that sets the size of an effect.

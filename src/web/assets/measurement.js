@@ -4,7 +4,7 @@ import { confirmed, h, keyed, row, table } from "./dom.js";
 import { json, remove, repeatedly } from "./api.js";
 import { kind, range, subject, time } from "./format.js";
 import { bar, chip, outcome } from "./status.js";
-import { inspection } from "./inspection.js";
+import { curves, inspection } from "./inspection.js";
 import { startForm } from "./start.js";
 
 const ACTIVE_MS = 700;
@@ -31,13 +31,13 @@ export async function show({ argument: id, query, signal, go }) {
       h("a", { class: "button", href: `${path}/data.json`, download: `${measurement.name ?? "measurement"}.json` }, "JSON"),
       machine && axis && h("a", { class: "button", href: `/axes?${new URLSearchParams({ machine, axis })}` }, "History of the axis"),
       erase),
+    inspection(path, signal),
     h("div", { class: "halves" },
-      h("section", { "aria-labelledby": "what" }, h("h2", { id: "what" }, "What was measured"), facts(measurement)),
+      h("section", { "aria-labelledby": "what" }, h("h2", { id: "what" }, "What was measured"), facts(measurement), curves(path, signal)),
       h("section", { "aria-labelledby": "start" },
         h("h2", { id: "start" }, earlier ? "Start it again" : "Start a job"),
         await startForm(measurement, (job) => go(`/jobs/${job.id}`), { earlier, signal }))),
-    jobs,
-    inspection(path, signal));
+    jobs);
   return { title, node };
 }
 

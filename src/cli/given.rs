@@ -1,5 +1,7 @@
 //! What a command states beside its files: settings and metadata that they lack.
 
+use std::path::{Path, PathBuf};
+
 use servoscope_core::measurement::formats::Given;
 
 use super::Failure;
@@ -9,6 +11,10 @@ use super::Failure;
 #[derive(Debug, Default, clap::Args)]
 #[group(skip)]
 pub(super) struct Args {
+    /// A TOML file with any of the following, such as `sample_s = 0.001`, for files of one layout;
+    /// flags hold before it.
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
     /// Magnitude of the input at every frequency, for a table that has no column of it.
     #[arg(long, value_name = "M")]
     magnitude: Option<String>,
@@ -49,9 +55,9 @@ impl Args {
     /// What is given, as a file to read with the others.
     ///
     /// # Errors
-    /// [`Failure::Input`] for a value that means nothing.
+    /// [`Failure::Input`] for a value that means nothing, and for a mapping that cannot be read.
     pub(super) fn file(&self) -> Result<Option<(String, Vec<u8>)>, Failure> {
-        let entries = [
+        let flags = [
             ("magnitude", &self.magnitude),
             ("input", &self.input),
             ("response", &self.response),
@@ -65,19 +71,60 @@ impl Args {
             ("inverted", &self.inverted),
         ];
         let mut given = Given::default();
-        for (key, value) in entries {
+        for (key, value) in flags {
             let Some(value) = value else { continue };
             given.set(key, value).map_err(|error| {
                 Failure::Input(format!("--{}: {}", key.replace('_', "-"), error.reason))
             })?;
         }
+        let by_flag = |key: &str| flags.iter().any(|(flag, value)| *flag == key && value.is_some());
+        if let Some(path) = &self.mapping {
+            for (key, value) in mapping(path)?.into_iter().filter(|(key, _)| !by_flag(key)) {
+                given.set(&key, &value).map_err(|error| {
+                    Failure::Input(format!("{}: {key}: {}", path.display(), error.reason))
+                })?;
+            }
+        }
         Ok(given.text().map(|text| (Given::NAME.to_owned(), text.into_bytes())))
     }
+}
+
+/// The keys and values of a mapping.
+fn mapping(path: &Path) -> Result<Vec<(String, String)>, Failure> {
+    let wrong = |reason: String| Failure::Input(format!("{}: {reason}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
+    let table: toml::Table =
+        toml::from_str(&text).map_err(|error| wrong(error.to_string().trim().to_owned()))?;
+    let entry = |(key, value): (String, toml::Value)| match value {
+        toml::Value::String(value) => Ok((key, value)),
+        toml::Value::Integer(_) | toml::Value::Float(_) => Ok((key, value.to_string())),
+        toml::Value::Boolean(value) => Ok((key, if value { "yes" } else { "no" }.to_owned())),
+        _ => Err(wrong(format!("{key} is neither a text nor a number"))),
+    };
+    table.into_iter().map(entry).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mapping_holds_for_what_no_flag_says() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rig.toml");
+        let text = "sample_s = 0.001\nresponse = \"velocity rad/s\"\ninverted = true\n";
+        std::fs::write(&path, text).unwrap();
+        let mapping = Some(path.clone());
+        let args = Args { mapping, response: Some("position m".into()), ..Args::default() };
+        let (_, given) = args.file().unwrap().unwrap();
+        let given = String::from_utf8(given).unwrap();
+        for line in ["# sample_s: 0.001\n", "# response: position m\n", "# inverted: yes\n"] {
+            assert!(given.contains(line), "{given}");
+        }
+        std::fs::write(&path, "samples_s = 1\n").unwrap();
+        let refused = args.file().unwrap_err().to_string();
+        assert!(refused.contains("rig.toml") && refused.contains("samples_s"), "{refused}");
+    }
 
     #[test]
     fn a_value_that_means_nothing_is_refused_by_its_flag() {

@@ -1,7 +1,9 @@
 //! What an answer comes to, in the sentences that a person takes away. The page and the terminal
 //! begin with them.
 
-use servoscope_core::answers::{Answer, Cause, Diagnosis, Gain, Identification, Verdict};
+use servoscope_core::answers::{
+    Answer, Cause, Diagnosis, Gain, Identification, ReadingDoubt, Verdict,
+};
 
 use super::number::{digits, significant};
 use super::units::fitting;
@@ -96,6 +98,20 @@ fn of_diagnosis(answer: &Diagnosis) -> Judgement {
         (count, _) => format!("The measurement has {count} faults, mended here. {text}"),
     };
     Judgement { word, mark, text }
+}
+
+/// What is wrong with the measurement, and what looks wrong with it.
+pub(super) fn suspicions(answer: &Answer) -> Vec<String> {
+    let faults = answer.diagnosis().map_or(&[][..], |answer| &answer.measurement);
+    let faults = faults
+        .iter()
+        .map(|fault| format!("{} To mend it: {}.", sentence(&fault.sentence), fault.remedy));
+    faults.chain(answer.base().doubts.iter().map(doubt)).collect()
+}
+
+/// What looks wrong with the measurement, and what to do.
+pub(super) fn doubt(doubt: &ReadingDoubt) -> String {
+    format!("{} To do: {}.", sentence(&doubt.sentence), doubt.remedy)
 }
 
 /// Units of the command and of the response.

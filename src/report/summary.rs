@@ -55,7 +55,7 @@ type Part = (&'static str, Vec<String>);
 /// Every part, the most important first: the last are those that go where there is no room.
 fn parts(answer: &Answer) -> Vec<Part> {
     let units = units(answer);
-    let mut parts: Vec<Part> = Vec::new();
+    let mut parts: Vec<Part> = vec![("Measurement", brief::suspicions(answer))];
     if let Some(diagnosis) = answer.diagnosis() {
         parts.extend(found(diagnosis, units));
     }
@@ -90,11 +90,6 @@ fn units(answer: &Answer) -> Units<'_> {
 
 fn found(answer: &Diagnosis, units: Units<'_>) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
-    let faults = answer
-        .measurement
-        .iter()
-        .map(|fault| format!("{} To mend it: {}.", sentence(&fault.sentence), fault.remedy));
-    parts.push(("Measurement", faults.collect()));
     let model = answer.extended.as_ref().unwrap_or(&answer.base);
     for cause in &answer.causes {
         let mut texts = vec![format!(
@@ -184,7 +179,7 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use servoscope_core::answers::sample;
+    use servoscope_core::answers::{ReadingDoubt, sample};
 
     use super::*;
 
@@ -247,6 +242,19 @@ mod tests {
         }
         let text = plain(&summary(&answers()[2], 100));
         assert!(text.contains("Measurement  Line 153 (harmonic 1"), "{text}");
+    }
+
+    #[test]
+    fn what_looks_wrong_with_the_measurement_comes_before_the_model() {
+        let mut doubted = sample::identification();
+        doubted.doubts = vec![ReadingDoubt {
+            check: "rising_phase".into(),
+            sentence: "the phase rises".into(),
+            remedy: "change its sign".into(),
+        }];
+        let text = plain(&summary(&doubted.into(), 100));
+        let place = |part: &str| text.find(part).unwrap_or_else(|| panic!("{part}: {text}"));
+        assert!(place("The phase rises. To do: change its sign.") < place("Axis"), "{text}");
     }
 
     #[test]

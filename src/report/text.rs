@@ -7,6 +7,7 @@ use servoscope_core::answers::{
     TransferFunction,
 };
 
+use super::brief;
 use super::columns::{Side, table};
 use super::number::{Rounding, significant};
 use super::tables;
@@ -16,6 +17,10 @@ use super::written::lines;
 /// trusted, what to mind, what was found, and how.
 pub fn identification(answer: &Identification) -> String {
     let mut sections = vec![section(verdict(answer), fit(answer))];
+    if !answer.doubts.is_empty() {
+        let lines = answer.doubts.iter().map(|found| format!("- {}", brief::doubt(found)));
+        sections.push(section("The measurement looks wrong", lines.collect()));
+    }
     if !answer.limitations.is_empty() {
         let lines = answer.limitations.iter().map(|text| format!("- {text}"));
         sections.push(section("Limitations", lines.collect()));

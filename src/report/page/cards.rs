@@ -1,7 +1,7 @@
 //! Beside the response: what is wrong with the measurement, the cause, what it gains, and what to do.
 
 use maud::{Markup, html};
-use servoscope_core::answers::{Cause, Diagnosis, Gain, ParameterEstimate, Verdict};
+use servoscope_core::answers::{Answer, Cause, Diagnosis, Gain, ParameterEstimate, Verdict};
 
 use super::Content;
 use super::words::{confidence, effect, equation, parameter_name, sentence};
@@ -19,7 +19,9 @@ pub(super) fn cards(content: &Content<'_>) -> Markup {
     let units = content.units();
     html! {
         div.cards {
-            @if let Some(answer) = answer.diagnosis() { (faults(answer)) (causes(answer, units)) }
+            @if let Some(answer) = answer.diagnosis() { (faults(answer)) }
+            (doubts(answer))
+            @if let Some(answer) = answer.diagnosis() { (causes(answer, units)) }
             @if let Some(gain) = answer.diagnosis().and_then(|answer| answer.gain.as_ref()) {
                 (gained(gain))
             }
@@ -47,6 +49,21 @@ fn faults(answer: &Diagnosis) -> Markup {
         }
     };
     card("bad", title, body)
+}
+
+/// What looks wrong with the measurement.
+fn doubts(answer: &Answer) -> Markup {
+    let doubts = &answer.base().doubts;
+    if doubts.is_empty() {
+        return html! {};
+    }
+    let body = html! {
+        @for doubt in doubts {
+            p { (sentence(&doubt.sentence)) }
+            p.small { "To do: " (doubt.remedy) "." }
+        }
+    };
+    card("bad", "The measurement looks wrong", body)
 }
 
 fn causes(answer: &Diagnosis, units: Units<'_>) -> Markup {

@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::{IdentifyOptions, Method, Unanswered};
+use super::{IdentifyOptions, Method, ReadingDoubt, Unanswered};
 
 /// Where the weights of the fit come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -202,6 +202,9 @@ pub struct Identification {
     pub stages: Vec<Stage>,
     /// Why the last stage ended.
     pub stop_reason: String,
+    /// What looks wrong with the measurement, from the data alone.
+    #[serde(default)]
+    pub doubts: Vec<ReadingDoubt>,
     /// What this data cannot determine, and what was left out, in sentences.
     pub limitations: Vec<String>,
     /// What is needed to reproduce the answer.

@@ -65,6 +65,7 @@ pub fn identification() -> Identification {
             stage("refinement (order 1)", 47, 0.4, 811.9),
         ],
         stop_reason: "the cost no longer changes".into(),
+        doubts: Vec::new(),
         limitations: vec!["One magnitude only: fc_minus cannot be told from fc_plus.".into()],
         provenance: Provenance {
             software_version: "0.1.0".into(),

@@ -28,9 +28,6 @@ pub(super) fn of(
         sentences.push(format!("… and {more} more remarks on what was read, with the measurement"));
     }
     let mut say = |sentence: String| sentences.push(sentence);
-    for doubt in measurement.doubts() {
-        say(format!("{}; {}", doubt.sentence, doubt.remedy));
-    }
     if method == Method::TwoMagnitude {
         say("the closed form rests on the describing function of friction and fits nothing: its \
              parameters are percents off, more with noise and near breakaway, whatever their \

@@ -95,6 +95,7 @@ pub(super) fn answer(
         stop_reason: stop_reason.to_owned(),
         stages: fitted.stages.clone(),
         order_choice,
+        doubts: measurement.doubts(),
         limitations,
         provenance: Provenance {
             software_version: env!("CARGO_PKG_VERSION").to_owned(),

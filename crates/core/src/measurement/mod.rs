@@ -27,7 +27,6 @@ mod waveform;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-pub use doubts::Doubt;
 pub(crate) use doubts::per_cent;
 pub use experiment::{Experiment, Harmonic, Repeat};
 pub use metadata::{Loop, Metadata, Quantity, ResponseKind};

@@ -5,9 +5,9 @@ mod size;
 #[cfg(test)]
 mod tests;
 
-use crate::answers::{Inspection, ReadingDoubt};
+use crate::answers::Inspection;
 use crate::identify::{IdentifyError, IdentifyRequest, unless_cancelled};
-use crate::measurement::{Doubt, Measurement};
+use crate::measurement::Measurement;
 use crate::observer::{Observer, Steady};
 
 use super::DiagnoseError;
@@ -27,11 +27,7 @@ pub fn inspect(
 ) -> Result<Inspection, DiagnoseError> {
     let steady = Steady::new(observer);
     steady.rest_is_certain();
-    let doubt = |Doubt { check, sentence, remedy }| {
-        let check = String::from(check);
-        ReadingDoubt { check, sentence, remedy }
-    };
-    let doubts = measurement.doubts().into_iter().map(doubt).collect();
+    let doubts = measurement.doubts();
     let found = detectability::of(measurement, request, Part::of(&steady));
     let (detectability, obstacle) = match unless_cancelled(&steady, found) {
         Ok(found) => (Some(found), None),

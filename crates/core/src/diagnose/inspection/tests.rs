@@ -37,7 +37,7 @@ fn called(experiments: Vec<Experiment>, response_kind: ResponseKind) -> Measurem
 }
 
 /// The names of the checks that find something in these experiments, called a velocity.
-fn doubted(experiments: Vec<Experiment>) -> Vec<&'static str> {
+fn doubted(experiments: Vec<Experiment>) -> Vec<String> {
     let found = called(experiments, ResponseKind::Velocity).doubts();
     found.into_iter().map(|doubt| doubt.check).collect()
 }

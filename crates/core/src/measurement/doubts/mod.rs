@@ -11,22 +11,12 @@ mod position_as_velocity;
 mod rising_phase;
 
 use super::Measurement;
+use crate::answers::ReadingDoubt;
 
 /// What a check finds: what the data show, and what to do.
 struct Finding {
     sentence: String,
     remedy: String,
-}
-
-/// Something that looks wrong with a measurement.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Doubt {
-    /// Name of the check that found it.
-    pub check: &'static str,
-    /// What the data show, as a clause.
-    pub sentence: String,
-    /// What to do about it, as a clause.
-    pub remedy: String,
 }
 
 /// A check: `None` if nothing looks wrong.
@@ -43,10 +33,10 @@ const CHECKS: &[(&str, Check)] = &[
 
 impl Measurement {
     /// What looks wrong with the measurement, from the data alone; empty if nothing does.
-    pub fn doubts(&self) -> Vec<Doubt> {
+    pub fn doubts(&self) -> Vec<ReadingDoubt> {
         let found = CHECKS.iter().filter_map(|(check, find)| {
             let Finding { sentence, remedy } = find(self)?;
-            Some(Doubt { check, sentence, remedy })
+            Some(ReadingDoubt { check: (*check).to_owned(), sentence, remedy })
         });
         found.collect()
     }

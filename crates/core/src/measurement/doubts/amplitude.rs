@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use super::Finding;
+use super::finding::Finding;
 use super::plant_response::median;
 use crate::measurement::{Experiment, Measurement};
 

@@ -1,6 +1,6 @@
 //! The input varies from period to period more than the response: a controller makes it.
 
-use super::{Finding, per_cent};
+use super::finding::{Finding, per_cent};
 use crate::measurement::{Complex, EXCITED_SHARE, Experiment, Loop, Measurement};
 
 /// Least ratio of the relative scatter of the input to that of the response.

@@ -5,6 +5,7 @@
 
 mod amplitude;
 mod closed_loop;
+mod finding;
 mod one_direction;
 mod plant_response;
 mod position_as_velocity;
@@ -13,11 +14,9 @@ mod rising_phase;
 use super::Measurement;
 use crate::answers::ReadingDoubt;
 
-/// What a check finds: what the data show, and what to do.
-struct Finding {
-    sentence: String,
-    remedy: String,
-}
+pub(crate) use finding::per_cent;
+
+use finding::Finding;
 
 /// A check: `None` if nothing looks wrong.
 type Check = fn(&Measurement) -> Option<Finding>;
@@ -39,23 +38,5 @@ impl Measurement {
             Some(ReadingDoubt { check: (*check).to_owned(), sentence, remedy })
         });
         found.collect()
-    }
-}
-
-/// A share in per cent, with two significant digits.
-pub(crate) fn per_cent(share: f64) -> String {
-    let percent = 100.0 * share;
-    let decimals =
-        if percent > 0.0 { (1.0 - percent.log10().floor()).clamp(0.0, 9.0) } else { 0.0 };
-    format!("{percent:.*} %", decimals as usize)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shares_of_any_size_have_two_digits() {
-        assert_eq!([0.0031, 0.00000234, 0.5].map(per_cent), ["0.31 %", "0.00023 %", "50 %"]);
     }
 }

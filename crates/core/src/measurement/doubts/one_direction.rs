@@ -1,6 +1,6 @@
 //! The axis moves in one direction all the time: friction is a constant in such data.
 
-use super::Finding;
+use super::finding::Finding;
 use crate::measurement::{Complex, Experiment, Measurement, ResponseKind, half_peak_to_peak};
 
 pub(super) fn check(measurement: &Measurement) -> Option<Finding> {

@@ -1,6 +1,6 @@
 //! A response that falls like a position but is called a velocity.
 
-use super::Finding;
+use super::finding::Finding;
 use super::plant_response::{median, median_phase_deg, outer_thirds, points};
 use crate::measurement::{Measurement, ResponseKind};
 

@@ -1,6 +1,6 @@
 //! The phase rises with frequency, as that of a conjugated response does.
 
-use super::Finding;
+use super::finding::Finding;
 use super::plant_response::{median_phase_deg, outer_thirds, points};
 use crate::measurement::Measurement;
 

@@ -2,10 +2,9 @@
 //!
 //! The base model is fitted. Beside it, every effect of the library is simulated at a typical size
 //! for the fitted machine and scaled until its *excess* reaches the limit: the χ² that the base
-//! model, refitted, would leave of it in data without noise. To first order that is the squared
-//! length of its change of the response, in standard deviations, outside the space that the
-//! parameters of the base model span. The same outside the space of each other effect says from
-//! which size the effect would be told from its imitators.
+//! model, refitted, would leave of it in data without noise. One Gauss–Newton step of the base model
+//! finds what that is. What is left of it outside the directions in which another effect shows says
+//! from which size the effect would be told from that imitator.
 
 use rayon::prelude::*;
 
@@ -66,8 +65,29 @@ pub(super) fn of(
         })
         .collect();
 
-    let effect = |(index, found): (usize, &Result<Sized, Unseen>)| {
-        let effect = library[index];
+    let looked = Looked { session: &session, search, spans };
+    let effects = sizes.iter().enumerate().map(|(index, found)| looked.effect(index, found));
+    Ok(Detectability {
+        noise: base.noise,
+        nrmse: base.fit.nrmse,
+        chi2_per_dof: base.fit.chi2_per_dof,
+        least_excess: LEAST_EXCESS,
+        effects: effects.collect(),
+    })
+}
+
+/// What every effect of the library does to the response.
+struct Looked<'a> {
+    session: &'a FitSession<'a>,
+    search: SizeSearch<'a>,
+    /// The directions in which each effect would show.
+    spans: Vec<Vec<Subspace>>,
+}
+
+impl Looked<'_> {
+    /// From which size the effect at an index of the library shows.
+    fn effect(&self, index: usize, found: &Result<Sized, Unseen>) -> DetectableEffect {
+        let effect = self.session.library()[index];
         let mut answer = DetectableEffect {
             effect: effect.id().to_owned(),
             title: effect.descriptor().title.to_owned(),
@@ -76,43 +96,42 @@ pub(super) fn of(
             closest_imitator: None,
             reason: None,
         };
-        let found = match found {
-            Ok(found) => found,
-            Err(unseen) => {
-                answer.reason = Some(reason(&search, effect, unseen));
-                return answer;
+        match found {
+            Err(unseen) => answer.reason = Some(reason(&self.search, effect, unseen)),
+            Ok(found) => {
+                answer.detected_from = Some(self.size(effect, found));
+                let named = match self.closest(index, found) {
+                    None => Some(found.clone()),
+                    Some((imitator, span)) => {
+                        answer.closest_imitator = Some(imitator.id().to_owned());
+                        self.search.beyond(effect, found, span)
+                    }
+                };
+                answer.named_from = named.map(|named| self.size(effect, &named));
             }
-        };
-        let size = |sized: &Sized| EffectSize {
-            parameters: session.in_units(effect, &sized.values),
-            set_by: search.set_by(effect, sized),
-            change: search.relative(sized),
-        };
-        answer.detected_from = Some(size(found));
-        let direction = found.left.normalize();
-        let imitated = spans.iter().enumerate().filter(|(other, _)| *other != index);
-        let closest = imitated
-            .flat_map(|(other, spans)| spans.iter().map(move |span| (other, span)))
-            .map(|(other, span)| (other, span, span.energy(&direction)))
-            .max_by(|a, b| a.2.total_cmp(&b.2));
-        match closest {
-            Some((other, span, _)) => {
-                answer.closest_imitator = Some(library[other].id().to_owned());
-                let named = search.beyond(effect, found, span);
-                answer.named_from = named.as_ref().map(size);
-            }
-            None => answer.named_from.clone_from(&answer.detected_from),
         }
         answer
-    };
-    let effects = sizes.iter().enumerate().map(effect).collect();
-    Ok(Detectability {
-        noise: base.noise,
-        nrmse: base.fit.nrmse,
-        chi2_per_dof: base.fit.chi2_per_dof,
-        least_excess: LEAST_EXCESS,
-        effects,
-    })
+    }
+
+    fn size(&self, effect: &dyn Effect, sized: &Sized) -> EffectSize {
+        EffectSize {
+            parameters: self.session.in_units(effect, &sized.values),
+            set_by: self.search.set_by(effect, sized),
+            change: self.search.relative(sized),
+        }
+    }
+
+    /// The other effect that explains the largest share of what the base model does not take up,
+    /// and the directions in which it does.
+    fn closest(&self, index: usize, found: &Sized) -> Option<(&'static dyn Effect, &Subspace)> {
+        let direction = found.left.normalize();
+        let others = self.spans.iter().enumerate().filter(|(other, _)| *other != index);
+        others
+            .flat_map(|(other, spans)| spans.iter().map(move |span| (other, span)))
+            .map(|(other, span)| (other, span, span.energy(&direction)))
+            .max_by(|a, b| a.2.total_cmp(&b.2))
+            .map(|(other, span, _)| (self.session.library()[other], span))
+    }
 }
 
 /// Why an effect is not seen, as a clause.

@@ -1,4 +1,4 @@
-//! The input varies from period to period more than the response: a controller makes it.
+//! The input varies from period to period more than the response, as where a controller makes it.
 
 use super::finding::{Finding, per_cent};
 use crate::measurement::{Complex, EXCITED_SHARE, Experiment, Loop, Measurement};
@@ -14,8 +14,8 @@ pub(super) fn check(measurement: &Measurement) -> Option<Finding> {
     let [input, response] = scatters.reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])])?;
     (input > LEAST_RATIO * response).then(|| Finding {
         sentence: format!(
-            "from period to period the input varies by {}, the response by {}: a controller seems to \
-             make the input",
+            "from period to period the input varies by {}, the response by {}: a controller makes the \
+             input, or it is measured with noise",
             per_cent(input),
             per_cent(response)
         ),

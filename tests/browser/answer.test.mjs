@@ -3,26 +3,19 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
-import { after, afterEach, before, test } from "node:test";
+import { test } from "node:test";
 
-import { browser as launched, drop, open, overflows, picture } from "./page.mjs";
-import { STICKY, Server, simulated } from "./server.mjs";
+import { drop, overflows, picture } from "./page.mjs";
+import { STICKY, simulated } from "./server.mjs";
+import { stage } from "./stage.mjs";
 
 const PATIENCE = 600_000;
 const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
-const server = new Server();
-const pages = [];
-let browser;
+const { server, visit } = stage();
 /// The address of a diagnosis that has ended, and that of its report.
 let diagnosed;
 let report;
-
-async function visit(path, options) {
-  const page = await open(browser, server, path, options);
-  pages.push(page);
-  return page;
-}
 
 /// Asserts that something is seen whole without scrolling.
 async function seen(page, locator, name) {
@@ -40,21 +33,15 @@ async function faults(page) {
     .map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join(" | ")}`);
 }
 
-before(async () => {
-  await server.start();
-  browser = await launched();
-});
-
-after(async () => {
-  await browser?.close();
-  await server.end();
-});
-
-afterEach(async () => {
-  for (const page of pages.splice(0)) {
-    await page.context().close();
-    assert.deepEqual(page.wrong, []);
-  }
+test("a measurement says what it can show before anything is computed", async () => {
+  const page = await visit("/");
+  await drop(page, "axis.csv", simulated([]));
+  const shown = page.getByText(/It can show 1\d of 17 effects/);
+  await shown.waitFor({ timeout: PATIENCE });
+  await shown.click();
+  await page.getByRole("row", { name: /^static friction fs plus 0\.5/ }).waitFor();
+  await page.locator("server-figure").first().waitFor();
+  assert.equal(await page.getByText("Looks wrong").count(), 0);
 });
 
 test("from the drop of a file to its answer nobody scrolls", async () => {

@@ -2,28 +2,20 @@
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
-import { after, afterEach, before, test } from "node:test";
+import { test } from "node:test";
 
-import { browser as launched, drop, open, overflows, picture } from "./page.mjs";
-import { STICKY, Server, simulated } from "./server.mjs";
+import { drop, overflows, picture } from "./page.mjs";
+import { STICKY, simulated } from "./server.mjs";
+import { stage } from "./stage.mjs";
 
 const PHONE = { viewport: { width: 390, height: 844 } };
 /// Far more than a diagnosis takes.
 const PATIENCE = 600_000;
 const PRESS = { machine: "press 4", axis: "Y" };
 
-const server = new Server();
-const pages = [];
-let browser;
+const { server, visit } = stage();
 /// A diagnosis that has ended, which several tests look at.
 let diagnosed;
-
-/// A page whose errors are counted when its test ends.
-async function visit(path, options) {
-  const page = await open(browser, server, path, options);
-  pages.push(page);
-  return page;
-}
 
 /// Notes, in a page until it is loaded again, what it shows of a job that runs. It looks
 /// from within: a fast machine answers between two looks from outside.
@@ -36,23 +28,6 @@ function watched() {
     if (figure?.shadowRoot.firstChild) seen.drawings.add(figure.shadowRoot.innerHTML.length);
   }, 20);
 }
-
-before(async () => {
-  await server.start();
-  browser = await launched();
-});
-
-after(async () => {
-  await browser?.close();
-  await server.end();
-});
-
-afterEach(async () => {
-  for (const page of pages.splice(0)) {
-    await page.context().close();
-    assert.deepEqual(page.wrong, []);
-  }
-});
 
 test("an empty server says what to do", async () => {
   const page = await visit("/");

@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use servoscope_core::answers::{Diagnosis, Identification, NoiseSource, Verdict};
-use servoscope_core::diagnose::{DiagnoseError, diagnose};
+use servoscope_core::diagnose::{DiagnoseError, as_understood, diagnose};
 use servoscope_core::identify::{IdentifyError, IdentifyRequest, compare, identify};
 use servoscope_core::measurement::Measurement;
 use servoscope_core::measurement::formats::{Source, read};
@@ -194,6 +194,9 @@ fn contradicted(measurement: &Measurement, answer: &Identification) -> bool {
 }
 
 fn check_diagnosis(measurement: &Measurement, answer: &Diagnosis, findings: &mut Findings) {
+    // The models are of the measurement without the faults that were found in it.
+    let understood = as_understood(measurement, &answer.measurement).expect("something is left");
+    let measurement = understood.as_ref();
     check_identification(measurement, &answer.base, findings);
     if let Some(extended) = &answer.extended {
         check_identification(measurement, extended, findings);
@@ -212,10 +215,14 @@ fn check_diagnosis(measurement: &Measurement, answer: &Diagnosis, findings: &mut
     }
     if matches!(answer.verdict, Verdict::Adequate | Verdict::Explained) {
         if contradicted(measurement, best) {
-            fault(format!("{:?} against the stated noise", answer.verdict));
+            let faults = answer.measurement.iter().map(|fault| &fault.sentence);
+            let faults = faults.collect::<Vec<_>>();
+            fault(format!("{:?} against the stated noise: {faults:?}", answer.verdict));
         }
         if leaves_more_than_it_simulates(measurement, best) {
-            fault(format!("{:?}, and leaves more than it simulates", answer.verdict));
+            let faults = answer.measurement.iter().map(|fault| &fault.sentence);
+            let faults = faults.collect::<Vec<_>>();
+            fault(format!("{:?}, and leaves more than it simulates: {faults:?}", answer.verdict));
         }
     }
     if best.fit.dof == 0 && answer.verdict != Verdict::Adequate {

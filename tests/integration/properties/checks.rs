@@ -193,10 +193,24 @@ fn contradicted(measurement: &Measurement, answer: &Identification) -> bool {
     })
 }
 
+/// The measurement that the models of an answer are of: without the faults that were found in it.
+/// Rows that were left out state a deviation so large that they do not count.
+fn mended(measurement: &Measurement, answer: &Diagnosis) -> Measurement {
+    let faults = &answer.measurement;
+    let understood = as_understood(measurement, faults).expect("it is understood");
+    let mut experiments = understood.experiments().to_vec();
+    for row in faults.iter().flat_map(|fault| &fault.left_out).filter(|row| row.repeat.is_none()) {
+        let response = &mut experiments[row.experiment].response;
+        let harmonic = response.iter_mut().find(|harmonic| harmonic.order == row.harmonic);
+        let harmonic = harmonic.expect("a row that is left out was measured");
+        harmonic.std = harmonic.std.map(|std| 1e6 * std);
+    }
+    let (metadata, notes) = (understood.metadata().clone(), understood.notes().to_vec());
+    Measurement::new(metadata, experiments, notes, understood.sha256().to_owned()).expect("valid")
+}
+
 fn check_diagnosis(measurement: &Measurement, answer: &Diagnosis, findings: &mut Findings) {
-    // The models are of the measurement without the faults that were found in it.
-    let understood = as_understood(measurement, &answer.measurement).expect("something is left");
-    let measurement = understood.as_ref();
+    let measurement = &mended(measurement, answer);
     check_identification(measurement, &answer.base, findings);
     if let Some(extended) = &answer.extended {
         check_identification(measurement, extended, findings);

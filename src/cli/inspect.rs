@@ -1,6 +1,5 @@
 //! `servoscope inspect`
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use serde::Serialize;
@@ -11,7 +10,7 @@ use servoscope_core::identify::IdentifyError;
 use crate::report;
 use crate::service::{BuiltIn, JobRequest, Numerics, Submission, measured};
 
-use super::{Failure, computation, given};
+use super::{Failure, computation, given, terminal};
 
 /// Arguments of `inspect`.
 #[derive(Debug, clap::Args)]
@@ -62,11 +61,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         DiagnoseError::Identify(error @ IdentifyError::Cancelled) => Failure::other(error),
         error => Failure::input(error),
     })?;
-    let text = match args.json {
+    match args.json {
         true => {
-            computation::json(&Printed { notes: measurement.notes(), inspection: &inspection })?
+            let printed = Printed { notes: measurement.notes(), inspection: &inspection };
+            terminal::print_raw(computation::json(&printed)?.as_bytes())
         }
-        false => report::inspection(&measured(Some(&measurement), &sources), &inspection),
-    };
-    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::other)
+        false => {
+            let measured = measured(Some(&measurement), &sources);
+            terminal::print(&report::inspection(&measured, &inspection, terminal::width()))
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! Measurements and answers as tables for other programs.
+//! Measurements and answers as tables for other programs, and a figure.
 
 use axum::extract::{Path, State};
 use axum::http::HeaderMap;
@@ -11,6 +11,7 @@ use super::problem::Problem;
 
 const CSV: &str = "text/csv; charset=utf-8";
 const JSON: &str = "application/json";
+const SVG: &str = "image/svg+xml";
 
 /// Declares the handler of a table that a client may keep: `service` is the method of
 /// [`Service`] that makes it of an id, and the rest is what the document says of it.
@@ -75,6 +76,19 @@ export! {
     service: measurement_json -> JSON,
     body: Object as "application/json",
     unchanged: "The data is what `If-None-Match` names"
+}
+
+export! {
+    /// What was measured as an SVG: gain and phase over frequency, and one period of records over
+    /// time.
+    measurement_figure,
+    path: "/v1/measurements/{id}/measured.svg",
+    tag: "measurements",
+    operation: "get_measurement_figure",
+    id: "Id of the measurement",
+    service: measurement_figure -> SVG,
+    body: String as "image/svg+xml",
+    unchanged: "The figure is the one that `If-None-Match` names"
 }
 
 export! {

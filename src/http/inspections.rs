@@ -2,13 +2,10 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::HeaderMap;
-use axum::response::Response;
 use servoscope_core::answers::Inspection;
 
 use crate::service::Service;
 
-use super::cached;
 use super::problem::Problem;
 
 /// What looks wrong with a measurement, and which effects it can show at which size.
@@ -29,27 +26,4 @@ pub(super) async fn get(
     Path(id): Path<String>,
 ) -> Result<Json<Inspection>, Box<Problem>> {
     Ok(Json(service.inspection(&id).await?))
-}
-
-/// What was measured as an SVG: gain and phase over frequency, and one period of records over time.
-#[utoipa::path(
-    get, path = "/v1/measurements/{id}/measured.svg", tag = "measurements",
-    operation_id = "get_measurement_figure",
-    params(
-        ("id" = String, Path, description = "Id of the measurement"),
-        ("If-None-Match" = Option<String>, Header, description = "`ETag` of an earlier answer"),
-    ),
-    responses(
-        (status = 200, body = String, content_type = "image/svg+xml"),
-        (status = 304, description = "The figure is the one that `If-None-Match` names"),
-        (status = "4XX", body = Problem, content_type = "application/problem+json"),
-    )
-)]
-pub(super) async fn figure(
-    State(service): State<Service>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Box<Problem>> {
-    let svg = service.measurement_figure(&id).await?;
-    Ok(cached::answer(&headers, "image/svg+xml", svg, true))
 }

@@ -36,7 +36,7 @@ pub(super) fn list() -> OpenApiRouter<Service> {
         .routes(routes!(exports::measurement_csv))
         .routes(routes!(exports::measurement_json))
         .routes(routes!(inspections::get))
-        .routes(routes!(inspections::figure))
+        .routes(routes!(exports::measurement_figure))
         .routes(routes!(jobs::submit, jobs::list))
         .routes(routes!(jobs::get, jobs::delete))
         .routes(routes!(results::get))

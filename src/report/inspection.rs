@@ -2,20 +2,22 @@
 
 use servoscope_core::answers::{Detectability, Inspection, NoiseSource};
 
+use super::brief;
 use super::columns::{Side, table};
 use super::number::significant;
 use super::page::{Measured, read};
+use super::summary::wrapped;
 use super::tables;
 use super::text::section;
 use super::written::lines;
 
-/// Writes how a measurement was understood, what looks wrong with it, and what it can show.
-pub fn inspection(measured: &Measured, inspection: &Inspection) -> String {
+/// Writes how a measurement was understood, what looks wrong with it, and what it can show. Sentences
+/// are broken into lines of at most `width` columns; tables are not.
+pub fn inspection(measured: &Measured, inspection: &Inspection, width: usize) -> String {
     let mut sections = Vec::new();
     if !inspection.doubts.is_empty() {
-        let doubts = inspection.doubts.iter().flat_map(|doubt| {
-            [format!("- {}", doubt.sentence), format!("  to do: {}", doubt.remedy)]
-        });
+        let doubts =
+            inspection.doubts.iter().flat_map(|doubt| [format!("- {}", brief::doubt(doubt))]);
         sections.push(section("Looks wrong", doubts.collect()));
     }
     let pairs = read(measured).into_iter().map(|(name, value)| [name.to_lowercase(), value]);
@@ -34,7 +36,12 @@ pub fn inspection(measured: &Measured, inspection: &Inspection) -> String {
     if let Some(obstacle) = &inspection.obstacle {
         sections.push(section("No model can be fitted", vec![obstacle.clone()]));
     }
-    sections.join("\n")
+    let text = sections.join("\n");
+    let lines = text.lines().flat_map(|line| match line.trim_start().starts_with("- ") {
+        true => wrapped(line, width),
+        false => vec![line.to_owned()],
+    });
+    lines.map(|line| line + "\n").collect()
 }
 
 /// By what the sizes are measured.

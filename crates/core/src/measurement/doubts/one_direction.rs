@@ -1,5 +1,7 @@
 //! The axis moves in one direction all the time: friction is a constant in such data.
 
+use std::f64::consts::FRAC_PI_4;
+
 use super::finding::Finding;
 use crate::measurement::{Complex, Experiment, Measurement, ResponseKind, half_peak_to_peak};
 
@@ -30,9 +32,15 @@ pub(super) fn check(measurement: &Measurement) -> Option<Finding> {
 /// Whether the velocity of an experiment changes its sign; `None` if its mean is not known, or if it
 /// does not move.
 fn reverses(experiment: &Experiment) -> Option<bool> {
-    let mean = experiment.harmonic(0)?.value.re;
+    let mean = experiment.harmonic(0)?.value.re.abs();
+    let moving = experiment.response.iter().filter(|harmonic| harmonic.order > 0);
+    let largest = moving.map(|harmonic| harmonic.value.norm()).fold(0.0, f64::max);
+    // Half the peak-to-peak value is at least π/4 of any harmonic, with equality for a square wave.
+    if largest > 0.0 && mean <= FRAC_PI_4 * largest {
+        return Some(true);
+    }
     let mut harmonics = vec![Complex::ZERO; experiment.highest_harmonic() + 1];
     experiment.response.iter().for_each(|harmonic| harmonics[harmonic.order] = harmonic.value);
     let amplitude = half_peak_to_peak(&harmonics);
-    (amplitude > 0.0).then_some(mean.abs() <= amplitude)
+    (amplitude > 0.0).then_some(mean <= amplitude)
 }

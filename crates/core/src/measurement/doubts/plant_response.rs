@@ -8,6 +8,8 @@ const FEWEST: usize = 6;
 /// One point of the response.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Point {
+    /// Magnitude of the input, input units.
+    pub magnitude: f64,
     /// Angular frequency, rad/s.
     pub omega_rad_s: f64,
     /// Ratio of the velocity to the input, response units per input unit (and s or 1/s).
@@ -32,12 +34,25 @@ pub(super) fn points(measurement: &Measurement) -> Vec<Point> {
             };
             let ratio = harmonic.value / per_velocity / input;
             if ratio.norm() > 0.0 && ratio.norm().is_finite() {
-                points.push(Point { omega_rad_s, ratio });
+                points.push(Point { magnitude: experiment.magnitude, omega_rad_s, ratio });
             }
         }
     }
     points.sort_by(|a, b| a.omega_rad_s.total_cmp(&b.omega_rad_s));
     points
+}
+
+/// The points of the magnitude that has the most, the largest of several; all points where each has
+/// a magnitude of its own. Gains of several magnitudes differ by friction.
+pub(super) fn of_one_magnitude(points: &[Point]) -> Vec<Point> {
+    let count = |magnitude: f64| points.iter().filter(|p| p.magnitude == magnitude).count();
+    let mut magnitudes: Vec<f64> = points.iter().map(|point| point.magnitude).collect();
+    magnitudes.sort_by(f64::total_cmp);
+    magnitudes.dedup();
+    let most = magnitudes.into_iter().max_by_key(|magnitude| count(*magnitude));
+    let is_level = |magnitude: &f64| count(*magnitude) >= FEWEST;
+    let own = |point: &&Point| most.filter(is_level).is_none_or(|level| point.magnitude == level);
+    points.iter().filter(own).copied().collect()
 }
 
 /// The lowest and the highest third of the points, by their number; `None` if there are too few.

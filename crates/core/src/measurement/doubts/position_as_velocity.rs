@@ -1,7 +1,7 @@
 //! A response that falls like a position but is called a velocity.
 
 use super::finding::Finding;
-use super::plant_response::{Point, median, median_phase_deg, points};
+use super::plant_response::{Point, median, median_phase_deg, of_one_magnitude, points};
 use crate::measurement::{Measurement, ResponseKind};
 
 /// Share of the points that are looked at, the lowest: resonances and the actuator's lag come above.
@@ -22,7 +22,7 @@ pub(super) fn check(measurement: &Measurement) -> Option<Finding> {
     if measurement.metadata().response_kind != ResponseKind::Velocity {
         return None;
     }
-    let points = points(measurement);
+    let points = of_one_magnitude(&points(measurement));
     let count = ((LOWEST_SHARE * points.len() as f64) as usize).max(FEWEST);
     let low = points.get(..count)?;
     let lag = -median_phase_deg(low, -90.0);

@@ -22,9 +22,9 @@ use crate::simulate::signal::piecewise_quintic::Quintic;
 /// Largest truncation error of the series, as a share of the point. Sets the number of degrees d.
 const TRUNCATION_ERROR: f64 = 1e-10;
 
-/// Most degrees d; they are enough for arguments of j_d up to 4. There are at least six, the
-/// moments of a quintic.
-const MOST_DEGREES: usize = 20;
+/// Most degrees d; they are enough for arguments of j_d up to 16, 0.2 cells for each harmonic. There
+/// are at least six, the moments of a quintic.
+const MOST_DEGREES: usize = 40;
 
 /// ∫₀¹ uⁱ P_d(2u − 1) du, one row for each power i; see [`Points::add_whole`].
 const LEGENDRE_OF_POWER: [[f64; 6]; 6] = {
@@ -161,7 +161,16 @@ mod tests {
 
     #[test]
     fn sums_are_those_of_the_points_one_by_one() {
-        let (grid, highest) = (Grid::at_least(200), 100);
+        sums_are_those_of_the_points(200, 100);
+    }
+
+    #[test]
+    fn sums_hold_where_a_cell_is_longer_than_a_period_of_the_harmonic() {
+        sums_are_those_of_the_points(24, 120);
+    }
+
+    fn sums_are_those_of_the_points(cells: usize, highest: usize) {
+        let grid = Grid::at_least(cells);
         let points: Vec<(f64, f64)> =
             (0..500).map(|n| ((f64::from(n) * 0.618_034).fract(), f64::from(n).cos())).collect();
         let mut all = Points::new(grid, highest).unwrap();
@@ -204,7 +213,7 @@ mod tests {
 
     #[test]
     fn cells_that_are_too_long_are_refused() {
-        assert!(Points::<f64>::new(Grid::at_least(24), 12).is_some());
-        assert!(Points::<f64>::new(Grid::at_least(24), 200).is_none());
+        assert!(Points::<f64>::new(Grid::at_least(24), 120).is_some());
+        assert!(Points::<f64>::new(Grid::at_least(24), 130).is_none());
     }
 }

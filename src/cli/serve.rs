@@ -91,7 +91,11 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     let limits = http::Limits {
         sent_bytes: config.max_upload_mib * MIB,
         unpacked_bytes: config.max_unpacked_mib * MIB,
-        origins: origins.collect::<Result<_, _>>().map_err(Failure::input)?,
+        callers: http::Callers {
+            any_host: !config.listen.ip().is_loopback() && config.hosts.is_empty(),
+            hosts: config.hosts.clone(),
+            origins: origins.collect::<Result<_, _>>().map_err(Failure::input)?,
+        },
     };
     let app = http::app(service, limits);
     let served = http::serve(listener, app, Arc::clone(&signals), DRAIN).await;

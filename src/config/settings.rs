@@ -78,6 +78,12 @@ settings! {
     #[arg(long, value_name = "DAYS", env = "SERVOSCOPE_KEEP_DAYS")]
     keep_days: usize, in 1..=36_600;
 
+    /// Name by which the service is reached beside `localhost` and the addresses of the
+    /// loopback, as behind a proxy; repeated, or separated by commas. Requests for other names
+    /// are refused [default: none; any where other machines can reach it].
+    #[arg(long = "host", value_name = "NAME", env = "SERVOSCOPE_HOSTS", value_delimiter = ',')]
+    hosts: Vec<String> = |_| Vec::new();
+
     /// Origin of pages whose scripts may use the service from a browser; repeated,
     /// or separated by commas [default: none].
     #[arg(long = "cors-origin", value_name = "ORIGIN", env = "SERVOSCOPE_CORS_ORIGINS",
@@ -120,6 +126,7 @@ mod tests {
                 "workers" => "one a core",
                 "keep_days" => "never",
                 "cors_origins" => "none",
+                "hosts" => "none; any where other machines can reach it",
                 _ => default.trim_matches('"'),
             };
             assert!(help.contains(&format!("[default: {words}")), "{name}: {words}: {help}");

@@ -4,6 +4,8 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 
+use crate::service::harmless;
+
 use super::problem::Problem;
 
 /// Rows as CSV.
@@ -13,10 +15,19 @@ pub(super) fn csv(columns: &[&str], rows: &[impl Serialize]) -> Result<Response,
         Problem::internal(status, "this cannot be written as a table", error)
     };
     // The header by hand: there may be no row to take it from.
-    let mut table = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    table.write_record(columns).map_err(|error| internal(&error))?;
+    let plain = || csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    let mut serialised = plain();
     for row in rows {
-        table.serialize(row).map_err(|error| internal(&error))?;
+        serialised.serialize(row).map_err(|error| internal(&error))?;
+    }
+    let serialised = serialised.into_inner().map_err(|error| internal(&error))?;
+    let mut table = plain();
+    table.write_record(columns).map_err(|error| internal(&error))?;
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&serialised[..]);
+    for row in reader.records() {
+        let row = row.map_err(|error| internal(&error))?;
+        let cells = row.iter().map(|cell| harmless(cell).into_owned());
+        table.write_record(cells).map_err(|error| internal(&error))?;
     }
     let bytes = table.into_inner().map_err(|error| internal(&error))?;
     Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8")], bytes).into_response())

@@ -41,7 +41,8 @@ const METHODS: [Method; 7] = [
 
 /// Surrounds the routes; the last layer sees a request first.
 pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router {
-    let Limits { sent_bytes, unpacked_bytes, origins } = limits;
+    let Limits { sent_bytes, unpacked_bytes, callers } = limits;
+    let origins = callers.origins.clone();
     let router = router
         .layer(DefaultBodyLimit::max(unpacked_bytes))
         .layer(from_fn(move |request: Request, next: Next| {
@@ -53,6 +54,7 @@ pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router
             problems_only(request, next, [sent_bytes, unpacked_bytes])
         }))
         .layer(RequestBodyTimeoutLayer::new(BODY_PAUSE))
+        .layer(from_fn(move |request: Request, next: Next| callers.clone().admit(request, next)))
         .layer(CompressionLayer::new())
         .layer(PropagateRequestIdLayer::x_request_id())
         .layer(from_fn_with_state(service, counted))

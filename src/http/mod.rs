@@ -6,6 +6,7 @@
 mod axes;
 mod body;
 mod cached;
+mod callers;
 mod dashboard;
 mod events;
 mod exports;
@@ -30,11 +31,11 @@ mod validations;
 mod views;
 
 use axum::Router;
-use axum::http::HeaderValue;
 use utoipa_swagger_ui::{Config, SwaggerUi};
 
 use crate::service::Service;
 
+pub use callers::Callers;
 pub use routes::openapi;
 pub use server::serve;
 
@@ -46,8 +47,8 @@ pub struct Limits {
     /// Largest body once unpacked, bytes: a few kilobytes of gzip can stand for
     /// megabytes.
     pub unpacked_bytes: usize,
-    /// Origins of pages whose scripts may use the service from a browser.
-    pub origins: Vec<HeaderValue>,
+    /// Who may send requests.
+    pub callers: Callers,
 }
 
 /// The whole service: every route, and what surrounds them.

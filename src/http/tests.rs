@@ -15,7 +15,7 @@ use crate::service::{Service, Signals};
 use crate::store::{Sqlite, Store};
 use crate::worker;
 
-use super::Limits;
+use super::{Callers, Limits};
 
 mod axes;
 mod bodies;
@@ -53,7 +53,8 @@ impl Server {
             worker::start(store, service.clone(), Arc::clone(&signals), worker::Settings::new(2));
             let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
             let address = listener.local_addr().unwrap();
-            let limits = Limits { sent_bytes: LIMIT, unpacked_bytes: LIMIT, origins };
+            let callers = Callers { origins, ..Callers::default() };
+            let limits = Limits { sent_bytes: LIMIT, unpacked_bytes: LIMIT, callers };
             let app = super::app(service, limits);
             let stopping = Arc::clone(&signals);
             tokio::spawn(super::serve(listener, app, stopping, Duration::from_secs(5)));

@@ -9,7 +9,7 @@ use servoscope_core::measurement::Measurement;
 use servoscope_core::measurement::formats::write_harmonic_csv;
 
 use super::measurements::sources;
-use super::{Compared, Service, ServiceError, aside};
+use super::{Compared, Service, ServiceError, aside, harmless};
 
 /// Keys and values of a JSON object.
 type Members = Map<String, Value>;
@@ -201,7 +201,7 @@ fn csv(rows: &[Vec<String>]) -> String {
     let mut table = csv::Writer::from_writer(Vec::new());
     // Rows of one length into memory: nothing can fail.
     for row in rows {
-        let _ = table.write_record(row);
+        let _ = table.write_record(row.iter().map(|cell| harmless(cell).into_owned()));
     }
     String::from_utf8(table.into_inner().unwrap_or_default()).unwrap_or_default()
 }

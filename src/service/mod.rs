@@ -19,6 +19,7 @@ mod report;
 mod request;
 mod running;
 mod signals;
+mod spreadsheet;
 #[cfg(test)]
 pub(crate) mod testing;
 mod validations;
@@ -39,6 +40,7 @@ pub use report::measured;
 pub use request::{JobRequest, Submission};
 pub use running::RunError;
 pub use signals::Signals;
+pub use spreadsheet::harmless;
 
 use crate::store::Store;
 

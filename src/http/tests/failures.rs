@@ -5,6 +5,19 @@ use crate::service::testing::PANIC;
 use super::*;
 
 #[test]
+fn neither_a_foreign_name_nor_a_foreign_page_gets_through() {
+    let server = Server::start();
+    let table = b"magnitude,omega_rad_s,re,im\n1,2,0.5,-0.2\n";
+    let rebound = server.post("/v1/measurements", &[("Host", "evil.example")], table);
+    assert!(string(&problem(rebound, 421), "detail").contains("`--host evil.example`"));
+    let foreign = [("Origin", "https://evil.example"), ("Sec-Fetch-Site", "cross-site")];
+    let refused = problem(server.post("/v1/measurements", &foreign, table), 403);
+    assert!(string(&refused, "detail").contains("`--cors-origin https://evil.example`"));
+    let none = json_of(server.get("/v1/measurements"), 200);
+    assert_eq!(none["items"], json!([]));
+}
+
+#[test]
 fn a_panic_in_a_fit_fails_that_job_with_a_reference_and_nothing_else() {
     let server = Server::start();
     let beside = server.job(RUN_UNTIL_CANCELLED);

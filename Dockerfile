@@ -14,6 +14,9 @@ RUN mkdir -p tests/integration benches/load \
     && cargo build --release --locked --bin servoscope
 
 FROM debian:bookworm-slim
+# Whom webhooks and MQTT trust.
+RUN apt-get update && apt-get install --yes --no-install-recommends ca-certificates \
+    && rm -rf /var/lib/apt/lists/*
 RUN useradd --system --uid 10001 --home-dir /nonexistent servoscope \
     && install --directory --owner servoscope --group servoscope /data
 COPY --from=build /source/target/release/servoscope /usr/local/bin/servoscope

@@ -1,12 +1,16 @@
 //! What a server is told when it starts: defaults, then a file, then the
 //! environment, then flags; each says only what it changes. Checked once.
 
+mod broker;
 mod declaration;
 mod settings;
 
 use std::net::SocketAddr;
 use std::ops::RangeInclusive;
 
+use crate::notify::{Broker, BrokerError};
+
+pub use broker::BrokerAddress;
 pub use settings::{LogFormat, ServeConfig, Settings};
 
 /// A setting that no server can be started with.
@@ -42,6 +46,9 @@ pub enum ConfigError {
     /// An origin that no browser sends.
     #[error("cors_origins: `{0}` is not an origin as in `https://bench.example:8443`")]
     Origin(String),
+    /// Nothing can be published there.
+    #[error("mqtt: {0}")]
+    Broker(BrokerError),
 }
 
 impl ServeConfig {
@@ -58,10 +65,20 @@ impl ServeConfig {
             return Err(ConfigError::Open(listen));
         }
         let config = settings.in_range()?;
+        config.broker()?;
         match config.cors_origins.iter().find(|origin| !is_origin(origin)) {
             Some(wrong) => Err(ConfigError::Origin(wrong.clone())),
             None => Ok(config),
         }
+    }
+
+    /// The broker, where there is one.
+    ///
+    /// # Errors
+    /// [`ConfigError::Broker`], never once the settings are checked.
+    pub fn broker(&self) -> Result<Option<Broker>, ConfigError> {
+        let parsed = |address: &BrokerAddress| Broker::parse(address.reveal(), &self.mqtt_topic);
+        self.mqtt.as_ref().map(parsed).transpose().map_err(ConfigError::Broker)
     }
 }
 
@@ -120,6 +137,21 @@ mod tests {
         assert!(ServeConfig::check(none).is_err());
         let huge = Settings { max_upload_mib: Some(4097), ..loopback };
         assert!(ServeConfig::check(huge).is_err());
+    }
+
+    #[test]
+    fn a_broker_that_cannot_be_used_is_refused_without_its_password() {
+        for (address, topic, good) in [
+            ("mqtt://bench:secret@host", "plant/7", true),
+            ("http://bench:secret@host", "plant", false),
+            ("mqtt://bench:secret@host", "plant/#", false),
+            ("mqtt://bench:secret@host", "", false),
+        ] {
+            let (mqtt, mqtt_topic) = (address.parse().ok(), Some(topic.to_owned()));
+            let checked = ServeConfig::check(Settings { mqtt, mqtt_topic, ..settings("[::1]:0") });
+            assert_eq!(checked.is_ok(), good, "{address} {topic}");
+            assert!(!format!("{checked:?}").contains("secret"));
+        }
     }
 
     #[test]

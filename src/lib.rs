@@ -7,8 +7,8 @@
 //!   http      cli      worker        the outside: requests, arguments, threads
 //!     └────────┼─────────┘
 //!           service                  use cases: joins storage and numerics
-//!     ┌────────┼─────────┐
-//!   store   report       │           rows · text and figures
+//!     ┌────────┼─────────┬─────────┐
+//!   store   report       │      notify  rows · text and figures · messages to others
 //!     └────────┴─────────┤
 //!               servoscope_core      measurement → identification → diagnosis
 //! ```
@@ -22,6 +22,7 @@
 pub mod cli;
 pub mod config;
 pub mod http;
+pub mod notify;
 pub mod report;
 pub mod service;
 pub mod store;

@@ -8,7 +8,8 @@ use tokio::net::TcpListener;
 use tracing::info;
 
 use crate::config::ServeConfig;
-use crate::service::{BuiltIn, Service, Signals};
+use crate::notify::{Allowed, Webhooks};
+use crate::service::{BuiltIn, Outlets, Service, Signals};
 use crate::store::{Sqlite, Store};
 use crate::{http, worker};
 
@@ -59,13 +60,19 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     let address = listener.local_addr().map_err(Failure::other)?;
 
     let signals = Arc::new(Signals::default());
+    let outlets = Outlets {
+        webhooks: Webhooks::new(Allowed::new(config.webhook_allow.clone())),
+        broker: config.broker().map_err(Failure::input)?,
+    };
     let service = Service::new(Arc::clone(&store), Arc::new(BuiltIn), Arc::clone(&signals));
+    let service = service.telling(outlets);
     let settings = worker::Settings {
         lease: seconds(config.lease_seconds),
         limit: seconds(config.job_minutes * 60),
         ..worker::Settings::new(config.workers)
     };
     let worker = worker::start(Arc::clone(&store), service.clone(), Arc::clone(&signals), settings);
+    tokio::spawn(worker::tell(Arc::clone(&store), service.clone(), Arc::clone(&signals)));
     if let Some(days) = config.keep_days {
         let age = seconds(days * 24 * 3600);
         tokio::spawn(worker::forget(store, Arc::clone(&signals), age));

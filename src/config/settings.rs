@@ -4,9 +4,11 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+use ipnet::IpNet;
 use serde::{Deserialize, Serialize};
 
 use super::ConfigError;
+use super::broker::BrokerAddress;
 use super::declaration::settings;
 
 /// Where it listens.
@@ -90,6 +92,21 @@ settings! {
           value_delimiter = ',')]
     cors_origins: Vec<String> = |_| Vec::new();
 
+    /// Network that webhooks may be sent to though it is not public, as in `10.1.0.0/16`;
+    /// repeated, or separated by commas [default: none].
+    #[arg(long, value_name = "CIDR", env = "SERVOSCOPE_WEBHOOK_ALLOW", value_delimiter = ',')]
+    webhook_allow: Vec<IpNet> = |_| Vec::new();
+
+    /// MQTT broker that events are published on, `mqtt://user:password@host:1883` or
+    /// `mqtts://…`; other users of the machine see arguments, so that a password is better
+    /// put in the environment or the file [default: none].
+    #[arg(long, value_name = "URL", env = "SERVOSCOPE_MQTT", hide_env_values = true)]
+    mqtt: BrokerAddress;
+
+    /// Beginning of the topics that events are published under [default: servoscope].
+    #[arg(long, value_name = "TOPIC", env = "SERVOSCOPE_MQTT_TOPIC")]
+    mqtt_topic: String = |_| "servoscope".to_owned();
+
     /// How log lines are written [default: text].
     #[arg(long, value_name = "FORMAT", env = "SERVOSCOPE_LOG_FORMAT")]
     log_format: LogFormat = |_| LogFormat::Text;
@@ -125,8 +142,8 @@ mod tests {
                 "max_store_mib" => "as the disk has room",
                 "workers" => "one a core",
                 "keep_days" => "never",
-                "cors_origins" => "none",
                 "hosts" => "none; any where other machines can reach it",
+                "cors_origins" | "webhook_allow" | "mqtt" => "none",
                 _ => default.trim_matches('"'),
             };
             assert!(help.contains(&format!("[default: {words}")), "{name}: {words}: {help}");

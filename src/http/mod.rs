@@ -29,6 +29,7 @@ mod tests;
 mod unpacking;
 mod validations;
 mod views;
+mod webhooks;
 
 use axum::Router;
 use utoipa_swagger_ui::{Config, SwaggerUi};

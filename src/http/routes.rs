@@ -9,7 +9,7 @@ use crate::service::Service;
 
 use super::{
     axes, dashboard, events, exports, health, inspections, jobs, measurements, plots, report,
-    results, validations,
+    results, validations, webhooks,
 };
 
 #[derive(OpenApi)]
@@ -23,6 +23,7 @@ use super::{
         (name = "measurements", description = "What was measured"),
         (name = "jobs", description = "What is to be computed from it"),
         (name = "axes", description = "What came of it, over the time of measuring"),
+        (name = "webhooks", description = "Who is told what happens"),
         (name = "service", description = "The service itself"),
     )
 )]
@@ -55,6 +56,10 @@ pub(super) fn list() -> OpenApiRouter<Service> {
         .routes(routes!(axes::history_json))
         .routes(routes!(axes::history_csv))
         .routes(routes!(axes::history_svg))
+        .routes(routes!(webhooks::add, webhooks::list))
+        .routes(routes!(webhooks::get, webhooks::delete))
+        .routes(routes!(webhooks::test))
+        .routes(routes!(webhooks::deliveries))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
         .routes(routes!(health::metrics))

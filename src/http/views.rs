@@ -250,6 +250,6 @@ pub(super) struct SubmitJob {
     pub(super) options: Option<IdentifyOptions>,
 }
 
-fn rfc3339(millis: Millis) -> Option<String> {
+pub(super) fn rfc3339(millis: Millis) -> Option<String> {
     jiff::Timestamp::from_millisecond(millis).ok().map(|time| time.to_string())
 }

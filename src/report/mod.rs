@@ -24,7 +24,7 @@ use servoscope_core::answers::Answer;
 pub use causes::with_causes;
 pub use diagnosis::diagnosis;
 pub use inspection::inspection;
-pub use summary::summary;
+pub use summary::{headline, summary};
 pub use text::identification;
 pub use validation::validation;
 

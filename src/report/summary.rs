@@ -37,6 +37,12 @@ pub fn summary(answer: &Answer, width: usize) -> String {
     format!("{verdict}\n\n{}\n\n{verdict}\n", lines.join("\n"))
 }
 
+/// The verdict of an answer in one line: its word, and what it means.
+pub fn headline(answer: &Answer) -> String {
+    let Judgement { word, text, .. } = judgement(answer);
+    format!("{}: {text}", word.to_uppercase())
+}
+
 fn verdict(judgement: &Judgement, width: usize) -> String {
     let colour = match judgement.mark {
         Mark::Good => AnsiColor::Green,

@@ -6,13 +6,17 @@ use servoscope_core::answers::{Answer, HistoryRow, JobKind, ResultRow};
 
 use crate::report::figures::{self, Estimated, Format, Trend};
 use crate::report::page::parameter_name;
-use crate::store::{AxisRow, Millis, ResultFilter, StoredResult};
+use crate::store::{AxisRow, MeasurementRow, Millis, ResultFilter, StoredResult};
 
 use super::jobs::answer;
 use super::{Listed, Service, ServiceError};
 
 /// Most results that are read for one answer: each is a document of its own.
 const MOST_RESULTS: u32 = 500;
+
+/// Results before one that it is compared with when it is new: each of its parameters with the
+/// latest of these that has it.
+const LOOK_BACK: u32 = 20;
 
 /// Most axes that are listed.
 const MOST_AXES: u32 = 1000;
@@ -80,6 +84,40 @@ impl Service {
                 && query.changed.is_none_or(|changed| row.changed == changed)
         };
         Ok(rows.into_iter().filter(wanted).map(|(_, row)| row).collect())
+    }
+
+    /// Parameters that a job found changed: as [`Service::axis_history`] marks them, but that
+    /// only the 20 measurements before are looked at. There are none where a later job on the
+    /// same measurement has a result.
+    ///
+    /// # Errors
+    /// As [`Service::results`].
+    pub(super) async fn axis_changes(
+        &self,
+        measurement: &MeasurementRow,
+        job_id: &str,
+    ) -> Result<Vec<HistoryRow>, ServiceError> {
+        let measured_at = measurement.measured_at.as_deref().map(str::parse::<jiff::Timestamp>);
+        let at_ms = match measured_at {
+            Some(Ok(time)) => time.as_millisecond(),
+            _ => measurement.created_at_ms,
+        };
+        let filter = ResultFilter {
+            machine: measurement.machine.clone(),
+            axis: measurement.axis.clone(),
+            // The database rounds to a millisecond.
+            to_ms: Some(at_ms + 2),
+            latest_only: true,
+            ..ResultFilter::default()
+        };
+        let stored = self.store.results(&filter, LOOK_BACK + 1).await?;
+        let mut rows = Vec::new();
+        for stored in stored.into_iter().rev() {
+            rows.extend(parameters(stored, None)?);
+        }
+        compared(&mut rows);
+        let rows = rows.into_iter().map(|(_, row)| row);
+        Ok(rows.filter(|row| row.changed && row.job_id == job_id).collect())
     }
 
     /// The same as a figure.

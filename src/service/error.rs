@@ -13,7 +13,7 @@ pub enum ServiceError {
     /// No such resource.
     #[error("there is no {what} `{id}`")]
     Unknown {
-        /// `measurement` or `job`.
+        /// `measurement`, `job`, `webhook` ….
         what: &'static str,
         /// What was asked for.
         id: String,

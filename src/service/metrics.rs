@@ -42,6 +42,15 @@ struct Request {
     status: u16,
 }
 
+/// What an attempt to tell somebody came to.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
+pub(super) struct Told {
+    /// `webhook` or `mqtt`.
+    pub(super) to: &'static str,
+    /// `delivered`, `failed` (it is tried again), `given_up` or `disabled`.
+    pub(super) outcome: &'static str,
+}
+
 /// Makes histograms with the same bounds.
 #[derive(Debug, Clone, Copy)]
 struct Bounds([f64; 11]);
@@ -64,6 +73,8 @@ pub struct Metrics {
     queued: Gauge,
     running: Gauge,
     oldest_wait: Gauge<f64, AtomicU64>,
+    told: Family<Told, Counter>,
+    waiting: Gauge,
 }
 
 impl Default for Metrics {
@@ -75,6 +86,7 @@ impl Default for Metrics {
         let leases_expired = Counter::default();
         let requests = Family::new_with_constructor(Bounds(REQUEST_BOUNDS));
         let (queued, running, oldest_wait) = (Gauge::default(), Gauge::default(), Gauge::default());
+        let (told, waiting) = (Family::default(), Gauge::default());
         let build = Info::new([("version", env!("CARGO_PKG_VERSION"))]);
         registry.register("build", "What this is", build);
         registry.register("jobs_queued", "Jobs that wait for a worker", queued.clone());
@@ -108,6 +120,16 @@ impl Default for Metrics {
             Unit::Seconds,
             requests.clone(),
         );
+        registry.register(
+            "messages",
+            "Attempts of this process to tell somebody what happened",
+            told.clone(),
+        );
+        registry.register(
+            "messages_waiting",
+            "Messages that are not delivered yet",
+            waiting.clone(),
+        );
         Self {
             registry,
             jobs_ended,
@@ -118,6 +140,8 @@ impl Default for Metrics {
             queued,
             running,
             oldest_wait,
+            told,
+            waiting,
         }
     }
 }
@@ -150,8 +174,14 @@ impl Metrics {
         self.requests.get_or_create(&request).observe(took.as_secs_f64());
     }
 
-    /// Everything in the text format of OpenMetrics.
-    pub(super) fn text(&self, queue: QueueState) -> String {
+    /// Somebody was told something, or not.
+    pub(super) fn told(&self, told: Told) {
+        self.told.get_or_create(&told).inc();
+    }
+
+    /// Everything in the text format of OpenMetrics. `waiting`: messages not yet delivered.
+    pub(super) fn text(&self, queue: QueueState, waiting: i64) -> String {
+        self.waiting.set(waiting);
         self.queued.set(queue.queued);
         self.running.set(queue.running);
         self.oldest_wait.set(queue.oldest_wait_ms as f64 / 1000.0);
@@ -174,7 +204,8 @@ mod tests {
         metrics.evaluated("identify", 1832);
         metrics.leases_expired(2);
         metrics.answered("GET", "/v1/jobs/{id}", 200, Duration::from_millis(2));
-        let text = metrics.text(QueueState { queued: 3, running: 1, oldest_wait_ms: 1500 });
+        metrics.told(Told { to: "mqtt", outcome: "failed" });
+        let text = metrics.text(QueueState { queued: 3, running: 1, oldest_wait_ms: 1500 }, 4);
         for line in [
             "servoscope_jobs_queued 3",
             "servoscope_jobs_running 1",
@@ -185,6 +216,8 @@ mod tests {
             "servoscope_job_duration_seconds_bucket{le=\"0.5\",kind=\"identify\"} 0",
             "servoscope_evaluations_total{kind=\"identify\"} 1832",
             "servoscope_leases_expired_total 2",
+            "servoscope_messages_total{to=\"mqtt\",outcome=\"failed\"} 1",
+            "servoscope_messages_waiting 4",
         ] {
             assert!(text.lines().any(|found| found == line), "{line} is not in\n{text}");
         }

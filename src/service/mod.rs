@@ -13,6 +13,7 @@ mod inspections;
 mod jobs;
 mod measurements;
 mod metrics;
+mod notices;
 mod numerics;
 mod plots;
 mod report;
@@ -23,6 +24,7 @@ mod spreadsheet;
 #[cfg(test)]
 pub(crate) mod testing;
 mod validations;
+mod webhooks;
 
 use std::sync::Arc;
 
@@ -41,6 +43,7 @@ pub use request::{JobRequest, Submission};
 pub use running::RunError;
 pub use signals::Signals;
 pub use spreadsheet::harmless;
+pub use webhooks::{EventType, NewWebhook, Outlets, Tested, Webhook};
 
 use crate::store::Store;
 
@@ -76,13 +79,20 @@ pub struct Service {
     signals: Arc<Signals>,
     metrics: Arc<Metrics>,
     inspections: Arc<Inspections>,
+    outlets: Arc<Outlets>,
 }
 
 impl Service {
-    /// Joins them. `signals` are shared with the worker of this process.
+    /// Joins them. `signals` are shared with the worker of this process. Webhooks go to
+    /// public addresses, and there is no broker: see [`Service::telling`].
     pub fn new(store: Arc<dyn Store>, numerics: Arc<dyn Numerics>, signals: Arc<Signals>) -> Self {
-        let (metrics, inspections) = Default::default();
-        Self { store, numerics, signals, metrics, inspections }
+        let (metrics, inspections, outlets) = Default::default();
+        Self { store, numerics, signals, metrics, inspections, outlets }
+    }
+
+    /// The same, telling others in this way.
+    pub fn telling(self, outlets: Outlets) -> Self {
+        Self { outlets: Arc::new(outlets), ..self }
     }
 
     /// What is counted of this service.
@@ -95,7 +105,7 @@ impl Service {
     /// # Errors
     /// When the database does not answer.
     pub async fn metrics_text(&self) -> Result<String, ServiceError> {
-        Ok(self.metrics.text(self.store.queue().await?))
+        Ok(self.metrics.text(self.store.queue().await?, self.store.waiting().await?))
     }
 
     /// Whether requests can be served.

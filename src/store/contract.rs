@@ -1,6 +1,7 @@
 //! What every engine of [`Store`] must do. Each engine runs the whole list.
 
 mod lists;
+mod outbox;
 mod queue;
 
 use std::time::Duration;
@@ -11,6 +12,7 @@ use super::{
     Recovered, ResultFilter, Sqlite, Status, Store, StoreError,
 };
 use lists::*;
+use outbox::*;
 use queue::*;
 
 const LONG: Duration = Duration::from_secs(600);
@@ -215,6 +217,14 @@ engine!(
         what_is_old_is_deleted_and_what_is_wanted_is_not,
         results_are_listed_by_when_they_were_measured,
         the_queue_says_what_waits_and_how_long,
+        every_way_to_end_a_job_leaves_one_event,
+        an_event_is_announced_once,
+        one_message_at_a_time_is_under_way_to_a_receiver,
+        a_failed_message_waits_and_keeps_its_reason,
+        a_message_under_way_is_due_again_when_its_sender_is_killed,
+        a_receiver_that_wants_no_more_is_told_no_more,
+        webhooks_are_listed_counted_and_deleted_with_their_messages,
+        old_messages_are_deleted,
     ]
 );
 

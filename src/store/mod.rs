@@ -1,4 +1,4 @@
-//! Measurements, jobs, results, convergence history and the queue.
+//! Measurements, jobs, results, convergence history, the queue, and what is to be told.
 //!
 //! [`Store`] is the whole interface; an engine implements it in a folder of its
 //! own, with its SQL in sight, and must pass the tests of `contract`.
@@ -12,6 +12,7 @@
 #[cfg(test)]
 mod contract;
 mod error;
+mod outbox;
 mod rows;
 mod sqlite;
 
@@ -20,6 +21,7 @@ use std::time::Duration;
 use async_trait::async_trait;
 
 pub use error::StoreError;
+pub use outbox::{DeliveryRow, DueRow, EventRow, NewDeliveryRow, Outbox, Settled, WebhookRow};
 pub use rows::{
     AxisRow, ConvergencePoint, EndedRow, Expired, FileRow, IdempotencyKey, Inserted, JobFilter,
     JobRow, Lease, MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page, QueueState,
@@ -67,7 +69,7 @@ pub struct Recovered {
 
 /// Everything that is kept. Every method is one transaction.
 #[async_trait]
-pub trait Store: Send + Sync + 'static {
+pub trait Store: Outbox + Send + Sync + 'static {
     /// Whether the database can be read and written.
     async fn ping(&self) -> Result<(), StoreError>;
 

@@ -12,6 +12,7 @@
 //! computation has reported and learns whether it is still wanted.
 
 mod attempt;
+mod messages;
 mod retention;
 #[cfg(test)]
 mod tests;
@@ -27,6 +28,7 @@ use tracing::{Instrument, error, info_span, warn};
 use crate::service::{Service, Signals};
 use crate::store::{Recovered, Store};
 
+pub use messages::tell;
 pub use retention::forget;
 
 /// How often the queue is looked at without a signal: other processes may have

@@ -27,13 +27,15 @@ const ALLOWED: &[(&str, &[&str])] = &[
     // They know results, never solvers; the report also knows what effects are called.
     ("store", &[]),
     ("report", &["effects"]),
-    ("service", &["store", "report", "diagnose", "identify", "measurement", "methods"]),
+    ("notify", &[]),
+    ("service", &["store", "report", "notify", "diagnose", "identify", "measurement", "methods"]),
     // They know what is kept and what is done with it, never how it is computed.
     ("worker", &["service", "store"]),
     ("http", &["service", "store", "web"]),
     // Files, and the look of the report.
     ("web", &["report"]),
-    ("config", &[]),
+    // Says whether a broker can be used.
+    ("config", &["notify"]),
     // Puts the program together.
     (
         "cli",
@@ -44,6 +46,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "service",
             "store",
             "report",
+            "notify",
             "diagnose",
             "identify",
             "simulate",

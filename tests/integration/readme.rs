@@ -11,7 +11,7 @@ use crate::shared_files::skipped;
 const RUN: &str = "cargo run --release -- ";
 
 /// The README and the pages that it leads to, in the order in which they are read.
-const PAGES: [&str; 14] = [
+const PAGES: [&str; 15] = [
     "README.md",
     "docs/real-machine.md",
     "docs/measuring.md",
@@ -20,6 +20,7 @@ const PAGES: [&str; 14] = [
     "docs/dashboard.md",
     "docs/http.md",
     "docs/operating.md",
+    "docs/notifications.md",
     "docs/command-line.md",
     "docs/effects.md",
     "docs/how-it-works.md",

@@ -8,8 +8,8 @@ use sqlx::sqlite::{SqliteArgumentsBuffer, SqliteRow, SqliteTypeInfo, SqliteValue
 use sqlx::{Decode, Encode, FromRow, Row, Sqlite, Type};
 
 use crate::store::{
-    AxisRow, ConvergencePoint, EndedRow, FileRow, JobRow, Lease, MeasurementRow, QueueState,
-    Status, StoredResult,
+    AxisRow, ConvergencePoint, DeliveryRow, DueRow, EndedRow, EventRow, FileRow, JobRow, Lease,
+    MeasurementRow, QueueState, Status, StoredResult, WebhookRow,
 };
 
 /// Reads each field from the column of its name.
@@ -62,6 +62,20 @@ from_columns!(StoredResult { job_id, result, measurement_id, name, machine, axis
 from_columns!(AxisRow { machine, axis, measurements, results, first_ms, last_ms });
 from_columns!(QueueState { queued, running, oldest_wait_ms });
 from_columns!(EndedRow { kind, status });
+from_columns!(WebhookRow { id, created_at_ms, url, secret, events, disabled });
+from_columns!(EventRow { id, job_id, at_ms });
+from_columns!(DueRow { id, attempt, age_ms, webhook_id, url, secret, topic, body });
+from_columns!(DeliveryRow {
+    id,
+    event,
+    status,
+    attempts,
+    created_at_ms,
+    due_ms,
+    ended_at_ms,
+    answered,
+    error
+});
 
 impl Type<Sqlite> for Status {
     fn type_info() -> SqliteTypeInfo {

@@ -15,6 +15,11 @@ const STEPS: &[(i64, &str, &str)] = &[
         "lists deletion and history",
         include_str!("../../../migrations/0002_lists_deletion_and_history.sql"),
     ),
+    (
+        3,
+        "webhooks and deliveries",
+        include_str!("../../../migrations/0003_webhooks_and_deliveries.sql"),
+    ),
 ];
 
 /// Every step, to be run on a database of any earlier version.

@@ -6,6 +6,7 @@ mod idempotency;
 mod jobs;
 mod measurements;
 mod migrations;
+mod outbox;
 mod queue;
 mod results;
 mod retention;

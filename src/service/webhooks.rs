@@ -1,0 +1,301 @@
+//! Whom to tell what happens, and what came of telling.
+
+use std::time::{Duration, Instant};
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+use tracing::{info, warn};
+
+use crate::notify::{Broker, Secret, SendError, Webhooks, broker_delay, webhook_delay};
+use crate::store::{DeliveryRow, DueRow, Millis, Settled, WebhookRow};
+
+use super::metrics::Told;
+use super::{Service, ServiceError, notices};
+
+/// Most webhooks of a server.
+const MOST_WEBHOOKS: u32 = 100;
+
+/// Most deliveries of a webhook that are listed.
+const MOST_DELIVERIES: u32 = 200;
+
+/// How long one attempt may take altogether. After that its sender was killed, and it is tried
+/// again.
+const LEASE: Duration = Duration::from_secs(60);
+
+/// What others are told of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum EventType {
+    /// A job ended.
+    #[serde(rename = "job.finished")]
+    JobFinished,
+    /// A parameter of an axis differs from the measurement before.
+    #[serde(rename = "axis.changed")]
+    AxisChanged,
+}
+
+impl EventType {
+    /// Every type.
+    pub const ALL: [Self; 2] = [Self::JobFinished, Self::AxisChanged];
+
+    /// Its name on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::JobFinished => "job.finished",
+            Self::AxisChanged => "axis.changed",
+        }
+    }
+}
+
+/// How others are told.
+#[derive(Default)]
+pub struct Outlets {
+    /// Sends webhooks.
+    pub webhooks: Webhooks,
+    /// Where the same is published.
+    pub broker: Option<Broker>,
+}
+
+/// Somebody who is told what happens.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Webhook {
+    /// Its id.
+    pub id: String,
+    /// When it was stored.
+    pub created_at_ms: Millis,
+    /// Where messages go.
+    pub url: String,
+    /// What it is told of.
+    pub events: Vec<EventType>,
+    /// Why it is told nothing more.
+    pub disabled: Option<String>,
+}
+
+/// A webhook to be stored.
+#[derive(Debug, Clone, Default)]
+pub struct NewWebhook {
+    /// Where messages go.
+    pub url: String,
+    /// What it is told of; `None`: everything.
+    pub events: Option<Vec<EventType>>,
+    /// What messages are signed with; `None`: a new secret.
+    pub secret: Option<String>,
+}
+
+/// What came of a test.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tested {
+    /// Status of the answer.
+    pub answered: Option<u16>,
+    /// Why the message was not taken.
+    pub error: Option<String>,
+    /// How long it took, seconds.
+    pub seconds: f64,
+}
+
+impl Service {
+    /// Stores a webhook, and gives the secret, which is not shown again.
+    ///
+    /// # Errors
+    /// [`ServiceError::Request`] for what cannot be used.
+    pub async fn add_webhook(&self, new: NewWebhook) -> Result<(Webhook, Secret), ServiceError> {
+        let wrong = |member: &str, reason: String| {
+            Err(ServiceError::Request { member: member.into(), reason })
+        };
+        let secret = match new.secret.as_deref() {
+            Some(text) => match Secret::parse(text) {
+                Some(secret) => secret,
+                None => {
+                    return wrong(
+                        "secret",
+                        "it is not `whsec_` and 24 to 64 bytes in base64; leave it out and one \
+                         is made"
+                            .into(),
+                    );
+                }
+            },
+            None => match Secret::generate() {
+                Some(secret) => secret,
+                None => {
+                    return wrong("secret", "the system has no random numbers; give one".into());
+                }
+            },
+        };
+        let events = new.events.unwrap_or(EventType::ALL.to_vec());
+        if events.is_empty() {
+            return wrong("events", "name at least one, or leave it out for all".into());
+        }
+        match self.outlets.webhooks.check(&new.url).await {
+            // A name that cannot be resolved now may be later.
+            Ok(()) | Err(SendError::Unresolved { .. } | SendError::TimedOut) => {}
+            Err(error) => return wrong("url", error.to_string()),
+        }
+        let row = WebhookRow {
+            id: uuid::Uuid::now_v7().to_string(),
+            created_at_ms: 0,
+            url: new.url,
+            secret: secret.text(),
+            events: serde_json::json!(events).to_string(),
+            disabled: None,
+        };
+        if !self.store.insert_webhook(&row, MOST_WEBHOOKS).await? {
+            let reason = format!("there are {MOST_WEBHOOKS} webhooks already; delete one");
+            return wrong("url", reason);
+        }
+        Ok((self.webhook(&row.id).await?, secret))
+    }
+
+    /// Every webhook, newest first.
+    ///
+    /// # Errors
+    /// When the database does not answer.
+    pub async fn webhooks(&self) -> Result<Vec<Webhook>, ServiceError> {
+        self.store.webhooks().await?.into_iter().map(webhook).collect()
+    }
+
+    /// One webhook.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unknown`] when there is none with this id.
+    pub async fn webhook(&self, id: &str) -> Result<Webhook, ServiceError> {
+        webhook(self.webhook_row(id).await?)
+    }
+
+    /// Removes a webhook and what waits for it.
+    ///
+    /// # Errors
+    /// As [`Service::webhook`].
+    pub async fn delete_webhook(&self, id: &str) -> Result<(), ServiceError> {
+        match self.store.delete_webhook(id).await? {
+            true => Ok(()),
+            false => Err(unknown(id)),
+        }
+    }
+
+    /// The latest deliveries of a webhook, newest first; at most 200.
+    ///
+    /// # Errors
+    /// As [`Service::webhook`].
+    pub async fn deliveries(&self, webhook: &str) -> Result<Vec<DeliveryRow>, ServiceError> {
+        self.webhook_row(webhook).await?;
+        Ok(self.store.deliveries(webhook, MOST_DELIVERIES).await?)
+    }
+
+    /// Sends a webhook a message now, and says what came back. It is not repeated.
+    ///
+    /// # Errors
+    /// As [`Service::webhook`].
+    pub async fn test_webhook(&self, id: &str) -> Result<Tested, ServiceError> {
+        let row = self.webhook_row(id).await?;
+        let began = Instant::now();
+        let message = notices::new_id();
+        let body = notices::test_body(&row.id);
+        let sent = self.send(&row.url, &row.secret, &message, &body).await;
+        Ok(Tested {
+            answered: answered(&sent),
+            error: sent.err().map(|error| error.to_string()),
+            seconds: began.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// Takes a message that is to be sent now.
+    ///
+    /// # Errors
+    /// When the database does not answer.
+    pub(crate) async fn due(&self) -> Result<Option<DueRow>, ServiceError> {
+        Ok(self.store.due(LEASE, self.outlets.broker.is_some()).await?)
+    }
+
+    /// Sends a message that is due, and remembers what came of it.
+    ///
+    /// # Errors
+    /// When the database does not answer: the message is then sent again.
+    pub(crate) async fn deliver(&self, due: DueRow) -> Result<(), ServiceError> {
+        let sent = match (&due.webhook_id, &self.outlets.broker) {
+            (Some(_), _) => self.send(&due.url, &due.secret, &due.id, &due.body).await,
+            (None, Some(broker)) => broker.publish(&due.topic, &due.body).await.map(|()| 0),
+            (None, None) => Err(SendError::Broker("there is none any more".into())),
+        };
+        let settled = settled(&due, &sent);
+        let error = sent.as_ref().err().map(ToString::to_string);
+        let kept = self.store.settle(&due, &settled, answered(&sent), error.as_deref()).await?;
+        let receiver = due.webhook_id.as_deref().unwrap_or("broker");
+        let DueRow { id, attempt, .. } = &due;
+        let error = error.unwrap_or_default();
+        let outcome = match &settled {
+            Settled::Delivered => {
+                info!(receiver, message = id, attempt, "message delivered");
+                "delivered"
+            }
+            Settled::Later(wait) => {
+                let wait_s = wait.as_secs();
+                warn!(receiver, message = id, attempt, error, wait_s, "message not delivered yet");
+                "failed"
+            }
+            Settled::GivenUp => {
+                warn!(receiver, message = id, attempt, error, "message given up");
+                "given_up"
+            }
+            Settled::Disabled => {
+                warn!(receiver, error, "webhook disabled");
+                "disabled"
+            }
+        };
+        if kept {
+            let to = if due.webhook_id.is_some() { "webhook" } else { "mqtt" };
+            self.metrics.told(Told { to, outcome });
+        }
+        Ok(())
+    }
+
+    async fn send(&self, url: &str, secret: &str, id: &str, body: &str) -> Result<u16, SendError> {
+        // What was stored was read before.
+        let secret = Secret::parse(secret).ok_or(SendError::Connection("no secret".into()))?;
+        let now = Timestamp::now().as_second();
+        self.outlets.webhooks.send(url, &secret, id, now, body).await
+    }
+
+    async fn webhook_row(&self, id: &str) -> Result<WebhookRow, ServiceError> {
+        self.store.webhook(id).await?.ok_or_else(|| unknown(id))
+    }
+}
+
+/// What becomes of a message after an attempt.
+fn settled(due: &DueRow, sent: &Result<u16, SendError>) -> Settled {
+    let wait = match (sent, &due.webhook_id) {
+        (Ok(_), _) => return Settled::Delivered,
+        (Err(SendError::Gone), _) => return Settled::Disabled,
+        (Err(_), Some(_)) => webhook_delay(due.attempt, chance()),
+        (Err(_), None) => {
+            broker_delay(due.attempt, Duration::from_millis(due.age_ms.unsigned_abs()))
+        }
+    };
+    wait.map_or(Settled::GivenUp, Settled::Later)
+}
+
+/// A number from 0 to 1.
+fn chance() -> f64 {
+    f64::from(getrandom::u32().unwrap_or_default()) / f64::from(u32::MAX)
+}
+
+/// Status of an answer, where there was one.
+fn answered(sent: &Result<u16, SendError>) -> Option<u16> {
+    match sent {
+        Ok(0) => None,
+        Ok(status) | Err(SendError::Status(status) | SendError::Redirected(status)) => {
+            Some(*status)
+        }
+        Err(SendError::Gone) => Some(410),
+        Err(_) => None,
+    }
+}
+
+fn webhook(row: WebhookRow) -> Result<Webhook, ServiceError> {
+    let corrupt = |source| ServiceError::Corrupt { what: "webhook", source };
+    let events = serde_json::from_str(&row.events).map_err(corrupt)?;
+    let WebhookRow { id, created_at_ms, url, disabled, .. } = row;
+    Ok(Webhook { id, created_at_ms, url, events, disabled })
+}
+
+fn unknown(id: &str) -> ServiceError {
+    ServiceError::Unknown { what: "webhook", id: id.into() }
+}

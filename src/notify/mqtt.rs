@@ -1,14 +1,19 @@
 //! Publishing on an MQTT broker (3.1.1).
 
 use std::borrow::Cow;
+use std::time::Duration;
 
 use percent_encoding::percent_decode_str;
 use reqwest::Url;
 use rumqttc::{
-    AsyncClient, ConnectionError, Event, Incoming, MqttOptions, PublishOptions, QoS, Transport,
+    AsyncClient, ConnectionError, Event, Incoming, MqttOptions, Outgoing, PublishOptions, QoS,
+    Transport,
 };
 
 use super::{PATIENCE, SendError, tls};
+
+/// How long taking leave of a broker may take.
+const FAREWELL: Duration = Duration::from_secs(1);
 
 /// Why there is no broker at an address. It does not repeat the address, which may hold a
 /// password.
@@ -106,7 +111,13 @@ impl Broker {
         ) {}
         // It has taken the message; that the farewell arrives is not needed.
         if client.disconnect().await.is_ok() {
-            while connection.poll().await.is_ok() {}
+            let farewell = async {
+                while !matches!(
+                    connection.poll().await,
+                    Ok(Event::Outgoing(Outgoing::Disconnect)) | Err(_)
+                ) {}
+            };
+            let _ = tokio::time::timeout(FAREWELL, farewell).await;
         }
         Ok(())
     }

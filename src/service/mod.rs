@@ -6,6 +6,7 @@
 mod axes;
 mod compared;
 mod curves;
+mod deliveries;
 mod error;
 mod events;
 mod exports;

@@ -1,15 +1,13 @@
 //! Whom to tell what happens, and what came of telling.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
-use tracing::{info, warn};
 
-use crate::notify::{Broker, Secret, SendError, Webhooks, broker_delay, webhook_delay};
-use crate::store::{DeliveryRow, DueRow, Millis, Settled, WebhookRow};
+use crate::notify::{Broker, Secret, SendError, Webhooks};
+use crate::store::{DeliveryRow, Millis, WebhookRow};
 
-use super::metrics::Told;
+use super::deliveries::answered;
 use super::{Service, ServiceError, notices};
 
 /// Most webhooks of a server.
@@ -17,10 +15,6 @@ const MOST_WEBHOOKS: u32 = 100;
 
 /// Most deliveries of a webhook that are listed.
 const MOST_DELIVERIES: u32 = 200;
-
-/// How long one attempt may take altogether. After that its sender was killed, and it is tried
-/// again.
-const LEASE: Duration = Duration::from_secs(60);
 
 /// What others are told of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -189,7 +183,7 @@ impl Service {
         let began = Instant::now();
         let message = notices::new_id();
         let body = notices::test_body(&row.id);
-        let sent = self.send(&row.url, &row.secret, &message, &body).await;
+        let sent = self.send(&row.url, &row.secret, &message, &body).await.map(Some);
         Ok(Tested {
             answered: answered(&sent),
             error: sent.err().map(|error| error.to_string()),
@@ -197,95 +191,8 @@ impl Service {
         })
     }
 
-    /// Takes a message that is to be sent now.
-    ///
-    /// # Errors
-    /// When the database does not answer.
-    pub(crate) async fn due(&self) -> Result<Option<DueRow>, ServiceError> {
-        Ok(self.store.due(LEASE, self.outlets.broker.is_some()).await?)
-    }
-
-    /// Sends a message that is due, and remembers what came of it.
-    ///
-    /// # Errors
-    /// When the database does not answer: the message is then sent again.
-    pub(crate) async fn deliver(&self, due: DueRow) -> Result<(), ServiceError> {
-        let sent = match (&due.webhook_id, &self.outlets.broker) {
-            (Some(_), _) => self.send(&due.url, &due.secret, &due.id, &due.body).await,
-            (None, Some(broker)) => broker.publish(&due.topic, &due.body).await.map(|()| 0),
-            (None, None) => Err(SendError::Broker("there is none any more".into())),
-        };
-        let settled = settled(&due, &sent);
-        let error = sent.as_ref().err().map(ToString::to_string);
-        let kept = self.store.settle(&due, &settled, answered(&sent), error.as_deref()).await?;
-        let receiver = due.webhook_id.as_deref().unwrap_or("broker");
-        let DueRow { id, attempt, .. } = &due;
-        let error = error.unwrap_or_default();
-        let outcome = match &settled {
-            Settled::Delivered => {
-                info!(receiver, message = id, attempt, "message delivered");
-                "delivered"
-            }
-            Settled::Later(wait) => {
-                let wait_s = wait.as_secs();
-                warn!(receiver, message = id, attempt, error, wait_s, "message not delivered yet");
-                "failed"
-            }
-            Settled::GivenUp => {
-                warn!(receiver, message = id, attempt, error, "message given up");
-                "given_up"
-            }
-            Settled::Disabled => {
-                warn!(receiver, error, "webhook disabled");
-                "disabled"
-            }
-        };
-        if kept {
-            let to = if due.webhook_id.is_some() { "webhook" } else { "mqtt" };
-            self.metrics.told(Told { to, outcome });
-        }
-        Ok(())
-    }
-
-    async fn send(&self, url: &str, secret: &str, id: &str, body: &str) -> Result<u16, SendError> {
-        // What was stored was read before.
-        let secret = Secret::parse(secret).ok_or(SendError::Connection("no secret".into()))?;
-        let now = Timestamp::now().as_second();
-        self.outlets.webhooks.send(url, &secret, id, now, body).await
-    }
-
     async fn webhook_row(&self, id: &str) -> Result<WebhookRow, ServiceError> {
         self.store.webhook(id).await?.ok_or_else(|| unknown(id))
-    }
-}
-
-/// What becomes of a message after an attempt.
-fn settled(due: &DueRow, sent: &Result<u16, SendError>) -> Settled {
-    let wait = match (sent, &due.webhook_id) {
-        (Ok(_), _) => return Settled::Delivered,
-        (Err(SendError::Gone), _) => return Settled::Disabled,
-        (Err(_), Some(_)) => webhook_delay(due.attempt, chance()),
-        (Err(_), None) => {
-            broker_delay(due.attempt, Duration::from_millis(due.age_ms.unsigned_abs()))
-        }
-    };
-    wait.map_or(Settled::GivenUp, Settled::Later)
-}
-
-/// A number from 0 to 1.
-fn chance() -> f64 {
-    f64::from(getrandom::u32().unwrap_or_default()) / f64::from(u32::MAX)
-}
-
-/// Status of an answer, where there was one.
-fn answered(sent: &Result<u16, SendError>) -> Option<u16> {
-    match sent {
-        Ok(0) => None,
-        Ok(status) | Err(SendError::Status(status) | SendError::Redirected(status)) => {
-            Some(*status)
-        }
-        Err(SendError::Gone) => Some(410),
-        Err(_) => None,
     }
 }
 

@@ -76,7 +76,7 @@ fn a_message_is_signed_and_sent_again_until_it_is_taken() {
         (&"job.finished".into(), &job.into())
     );
     assert_eq!(message["data"]["status"], "cancelled");
-    assert_eq!(message["data"]["measurement"]["name"], "g1");
+    assert_eq!(message["data"]["measurement"]["name"], "simulated axis");
     let delivered = until(&server, &webhook, |latest| latest["status"] == "delivered");
     assert_eq!(delivered["id"], first.header("webhook-id"));
     assert_eq!((&delivered["attempts"], &delivered["answered"]), (&2.into(), &204.into()));
@@ -188,8 +188,9 @@ fn a_webhook_is_told_of_the_axis_that_changed_and_of_nothing_else_if_it_wants() 
     registered(&server, &json!({"url": everything.url()}));
     let mut jobs = Vec::new();
     for (name, pole) in [("before", "-10"), ("same", "-10"), ("after", "-12")] {
-        let table = simulated(&["--noise-db", "60", &format!("--pole={pole}")]);
-        let path = format!("/v1/measurements?name={name}&machine=press%204&axis=x/1");
+        let mut table = b"# machine: press 4\n# axis: x/1\n".to_vec();
+        table.extend(simulated(&["--noise-db", "60", &format!("--pole={pole}")]));
+        let path = format!("/v1/measurements?name={name}");
         let measurement = server.post(&path, "text/csv", &table);
         assert_eq!(measurement.status, 201, "{}", measurement.text);
         let job = server.submit(&json!({
@@ -267,7 +268,7 @@ const EXAMPLE: [&str; 4] = [
     "msg_p5jXN8AQM9LWM0D4loKWxJek",
     "1614265330",
     r#"{"test": 2432232314}"#,
-    "v1,g0hM9SsE+OTPJTt/tmKZCGK5g1vVZGDnDOrpkJj1lA=",
+    "v1,g0hM9SsE+OTPJTGt/tmIKtSyZlE3uFJELVlNIOLJ1OE=",
 ];
 
 #[test]

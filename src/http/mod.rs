@@ -16,8 +16,10 @@ mod inspections;
 mod jobs;
 mod layers;
 mod lists;
+mod mappings;
 mod measurements;
 mod plots;
+mod previews;
 mod problem;
 mod query;
 mod report;
@@ -27,6 +29,7 @@ mod server;
 #[cfg(test)]
 mod tests;
 mod unpacking;
+mod uploads;
 mod validations;
 mod views;
 mod webhooks;

@@ -8,8 +8,8 @@ use utoipa_axum::routes;
 use crate::service::Service;
 
 use super::{
-    axes, dashboard, events, exports, health, inspections, jobs, measurements, plots, report,
-    results, validations, webhooks,
+    axes, dashboard, events, exports, health, inspections, jobs, mappings, measurements, plots,
+    previews, report, results, validations, webhooks,
 };
 
 #[derive(OpenApi)]
@@ -21,6 +21,7 @@ use super::{
     ),
     tags(
         (name = "measurements", description = "What was measured"),
+        (name = "mappings", description = "How files of a layout are read that do not say it all"),
         (name = "jobs", description = "What is to be computed from it"),
         (name = "axes", description = "What came of it, over the time of measuring"),
         (name = "webhooks", description = "Who is told what happens"),
@@ -33,6 +34,10 @@ struct Document;
 pub(super) fn list() -> OpenApiRouter<Service> {
     OpenApiRouter::with_openapi(Document::openapi())
         .routes(routes!(measurements::add, measurements::list))
+        .routes(routes!(previews::preview))
+        .routes(routes!(mappings::list))
+        .routes(routes!(mappings::get, mappings::put, mappings::delete))
+        .routes(routes!(mappings::toml))
         .routes(routes!(measurements::get, measurements::delete))
         .routes(routes!(exports::measurement_csv))
         .routes(routes!(exports::measurement_json))

@@ -8,7 +8,7 @@ use servoscope_core::answers::{
 };
 use utoipa::ToSchema;
 
-use crate::service::{Job, Listed, Measured};
+use crate::service::{Job, Listed, Measured, Quantities, Quantity};
 use crate::store::{AxisRow, Millis, Status};
 
 /// A page of a list.
@@ -56,12 +56,50 @@ pub(super) struct MeasurementView {
     magnitude_range: [f64; 2],
     /// Lowest and highest fundamental, rad/s.
     omega_range_rad_s: [f64; 2],
+    /// The input; null for a measurement stored before this was kept.
+    input: Option<SignalView>,
+    /// The response; null for a measurement stored before this was kept.
+    response: Option<SignalView>,
+    /// `velocity`, `position` or `acceleration`; null for a measurement stored before this was
+    /// kept.
+    response_kind: Option<String>,
+    /// `open` or `closed`; null where the upload does not say.
+    r#loop: Option<String>,
     /// Remarks of the reader: unknown columns, dropped periods, …
     notes: Vec<String>,
 }
 
+/// Name and unit of an input or a response.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Signal)]
+pub(super) struct SignalView {
+    /// `current`, `force`, `velocity` …; empty where the upload does not say.
+    name: String,
+    /// `A`, `N`, `rad/s` …; empty where the upload does not say.
+    unit: String,
+}
+
+impl SignalView {
+    /// Input, response, kind of the response and loop.
+    pub(super) fn both(
+        quantities: Option<Quantities>,
+    ) -> (Option<Self>, Option<Self>, Option<String>, Option<String>) {
+        let Some(Quantities { input, response, response_kind, r#loop }) = quantities else {
+            return (None, None, None, None);
+        };
+        (Some(input.into()), Some(response.into()), Some(response_kind), r#loop)
+    }
+}
+
+impl From<Quantity> for SignalView {
+    fn from(Quantity { name, unit }: Quantity) -> Self {
+        Self { name, unit }
+    }
+}
+
 impl From<Measured> for MeasurementView {
-    fn from(Measured { row, labels, notes }: Measured) -> Self {
+    fn from(Measured { row, labels, quantities, notes }: Measured) -> Self {
+        let (input, response, response_kind, r#loop) = SignalView::both(quantities);
         Self {
             id: row.id,
             created_at: rfc3339(row.created_at_ms),
@@ -76,6 +114,10 @@ impl From<Measured> for MeasurementView {
             highest_harmonic: row.highest_harmonic,
             magnitude_range: [row.magnitude_min, row.magnitude_max],
             omega_range_rad_s: [row.omega_min_rad_s, row.omega_max_rad_s],
+            input,
+            response,
+            response_kind,
+            r#loop,
             notes,
         }
     }

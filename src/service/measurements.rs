@@ -1,7 +1,6 @@
 //! Uploading and looking up measurements.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use servoscope_core::measurement::formats::{Given, Source};
 use servoscope_core::measurement::{Experiment, Measurement, Transient};
@@ -9,7 +8,8 @@ use sha2::{Digest, Sha256};
 
 use crate::store::{FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow};
 
-use super::{Added, Listed, Service, ServiceError, aside, page, paged};
+use super::quantities::Quantities;
+use super::{Added, Listed, Service, ServiceError, page, paged, reading};
 
 /// Most files that are read as one measurement.
 pub const MAX_FILES: usize = 64;
@@ -25,6 +25,8 @@ pub struct Upload {
     pub name: Option<String>,
     /// Metadata that is given beside the files, and holds before theirs.
     pub given: BTreeMap<String, String>,
+    /// Stored mapping that is used.
+    pub mapping: Option<String>,
     /// The files.
     pub files: Vec<FileRow>,
 }
@@ -35,40 +37,24 @@ impl Upload {
         Given::knows(key)
     }
 
-    /// Adds what is given beside the files to them, so that it is stored and read with them.
-    fn with_given(mut self) -> Result<Self, ServiceError> {
-        let mut given = Given::default();
-        for (key, value) in std::mem::take(&mut self.given) {
-            given.set(&key, &value).map_err(ServiceError::Upload)?;
-        }
-        let name = Given::NAME.to_owned();
-        let file = |text: String| FileRow {
-            name,
-            content_type: "text/plain".into(),
-            bytes: text.into_bytes(),
-        };
-        self.files.extend(given.text().map(file));
-        Ok(self)
-    }
-
-    fn sources(&self) -> Vec<Source<'_>> {
-        sources(&self.files)
-    }
-
-    /// What tells two uploads apart.
-    fn digest(&self) -> String {
+    /// What tells two uploads apart: a mapping by its name, whatever it says.
+    fn digest(&self) -> Result<String, ServiceError> {
         let mut hash = Sha256::new();
         let mut add = |part: &[u8]| {
             hash.update((part.len() as u64).to_le_bytes());
             hash.update(part);
         };
         add(self.name.as_deref().unwrap_or_default().as_bytes());
-        for file in &self.files {
+        let given = reading::text(&self.given)?;
+        for file in self.files.iter().chain(&given) {
             add(file.name.as_bytes());
             add(file.content_type.as_bytes());
             add(&file.bytes);
         }
-        hexadecimal(&hash.finalize())
+        if let Some(mapping) = &self.mapping {
+            add(mapping.as_bytes());
+        }
+        Ok(hexadecimal(&hash.finalize()))
     }
 }
 
@@ -79,6 +65,8 @@ pub struct Measured {
     pub row: MeasurementRow,
     /// `label.*` entries.
     pub labels: BTreeMap<String, String>,
+    /// What input and response are; `None` for a measurement stored by an earlier version.
+    pub quantities: Option<Quantities>,
     /// Remarks of the reader.
     pub notes: Vec<String>,
 }
@@ -93,19 +81,15 @@ impl Service {
         upload: Upload,
         key: Option<String>,
     ) -> Result<Added<Measured>, ServiceError> {
-        at_most("files", upload.files.len(), MAX_FILES)?;
-        let upload = upload.with_given()?;
-        let numerics = Arc::clone(&self.numerics);
-        let reading = aside(move || {
-            let read = numerics.read(&upload.sources());
-            (upload, read)
-        });
-        let (upload, read) = reading.await;
-        let measurement = read?;
-        at_most("experiments", measurement.experiments().len(), MAX_POINTS)?;
-        let row = row(&upload, &measurement);
-        let key = key.map(|key| IdempotencyKey { key, body_sha256: upload.digest() });
-        match self.store.insert_measurement(&row, &upload.files, key.as_ref()).await? {
+        check_files(&upload)?;
+        let body_sha256 = upload.digest()?;
+        let key = key.map(|key| IdempotencyKey { key, body_sha256 });
+        let Upload { name, given, mapping, files } = upload;
+        let reading = self.read_upload(files, given, mapping.as_deref()).await?;
+        let measurement = reading.measurement?;
+        check_points(&measurement)?;
+        let row = row(name, reading.note, &measurement);
+        match self.store.insert_measurement(&row, &reading.files, key.as_ref()).await? {
             Inserted::Created => {
                 Ok(Added { resource: self.measurement(&row.id).await?, replayed: false })
             }
@@ -156,6 +140,14 @@ impl Service {
     }
 }
 
+pub(super) fn check_files(upload: &Upload) -> Result<(), ServiceError> {
+    at_most("files", upload.files.len(), MAX_FILES)
+}
+
+pub(super) fn check_points(measurement: &Measurement) -> Result<(), ServiceError> {
+    at_most("experiments", measurement.experiments().len(), MAX_POINTS)
+}
+
 fn at_most(what: &str, count: usize, most: usize) -> Result<(), ServiceError> {
     if count <= most {
         return Ok(());
@@ -173,14 +165,21 @@ pub(super) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-fn measured(row: MeasurementRow) -> Result<Measured, ServiceError> {
+pub(super) fn measured(row: MeasurementRow) -> Result<Measured, ServiceError> {
     let corrupt = |what| move |source| ServiceError::Corrupt { what, source };
     let labels = serde_json::from_str(&row.labels).map_err(corrupt("labels"))?;
     let notes = serde_json::from_str(&row.notes).map_err(corrupt("notes"))?;
-    Ok(Measured { row, labels, notes })
+    let quantities = row.quantities.as_deref().map(serde_json::from_str).transpose();
+    let quantities = quantities.map_err(corrupt("quantities"))?;
+    Ok(Measured { row, labels, quantities, notes })
 }
 
-fn row(upload: &Upload, measurement: &Measurement) -> MeasurementRow {
+/// What is kept of a measurement; `note` comes before the remarks of its reader.
+pub(super) fn row(
+    name: Option<String>,
+    note: Option<String>,
+    measurement: &Measurement,
+) -> MeasurementRow {
     let metadata = measurement.metadata();
     let (experiments, transients) = (measurement.experiments(), measurement.transients());
     let range = |of_experiment: fn(&Experiment) -> f64, of_transient: fn(&Transient) -> f64| {
@@ -195,11 +194,12 @@ fn row(upload: &Upload, measurement: &Measurement) -> MeasurementRow {
     // A motion that does not repeat has no fundamental: once over its duration stands for it.
     let once = |transient: &Transient| std::f64::consts::TAU / transient.duration_s();
     let (omega_min_rad_s, omega_max_rad_s) = range(|experiment| experiment.omega_rad_s, once);
+    let notes: Vec<&String> = note.iter().chain(measurement.notes()).collect();
     let highest_harmonic = experiments.iter().map(Experiment::highest_harmonic).max();
     MeasurementRow {
         id: uuid::Uuid::now_v7().to_string(),
         created_at_ms: 0,
-        name: metadata.name.clone().or_else(|| upload.name.clone()),
+        name: metadata.name.clone().or(name),
         machine: metadata.machine.clone(),
         axis: metadata.axis.clone(),
         operator: metadata.operator.clone(),
@@ -212,6 +212,7 @@ fn row(upload: &Upload, measurement: &Measurement) -> MeasurementRow {
         magnitude_max,
         omega_min_rad_s,
         omega_max_rad_s,
-        notes: serde_json::json!(measurement.notes()).to_string(),
+        notes: serde_json::json!(notes).to_string(),
+        quantities: Some(serde_json::json!(Quantities::of(metadata)).to_string()),
     }
 }

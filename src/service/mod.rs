@@ -12,11 +12,15 @@ mod events;
 mod exports;
 mod inspections;
 mod jobs;
+mod mappings;
 mod measurements;
 mod metrics;
 mod notices;
 mod numerics;
 mod plots;
+mod preview;
+mod quantities;
+mod reading;
 mod report;
 mod request;
 mod running;
@@ -35,10 +39,13 @@ pub use error::ServiceError;
 pub use events::JobEvent;
 use inspections::Inspections;
 pub use jobs::{Failure, Job};
+pub use mappings::Mapping;
 pub use measurements::{MAX_FILES, MAX_POINTS, Measured, Upload};
 pub use metrics::Metrics;
 pub use numerics::{BuiltIn, Numerics};
 pub use plots::Plot;
+pub use preview::Preview;
+pub use quantities::{Quantities, Quantity};
 pub use report::measured;
 pub use request::{JobRequest, Submission};
 pub use running::RunError;
@@ -47,6 +54,10 @@ pub use spreadsheet::harmless;
 pub use webhooks::{EventType, NewWebhook, Outlets, Tested, Webhook};
 
 use crate::store::Store;
+
+pub use servoscope_core::measurement::formats::{
+    ColumnLook, FileLook, Lack, ParseError, QUANTITIES, QuantityChoice, TableLook,
+};
 
 pub use crate::report::figures::{Format, Theme};
 pub use crate::report::script::inline as page_script;

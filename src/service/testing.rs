@@ -37,6 +37,7 @@ impl Numerics for Scripted {
                 line: Some(3),
                 column: Some("gain".into()),
                 reason: "`x` is not a number".into(),
+                lacks: Vec::new(),
             });
         }
         let experiment = |magnitude: f64, omega_rad_s: f64| Experiment {

@@ -2,17 +2,19 @@
 
 mod lists;
 mod outbox;
+mod mappings;
 mod queue;
 
 use std::time::Duration;
 
 use super::{
     Beat, Cancelling, ConvergencePoint, EndedRow, FileRow, IdempotencyKey, Inserted, JobFilter,
-    Lease, MAX_ATTEMPTS, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, QueueState,
+    Lease, MAX_ATTEMPTS, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, QueueState,
     Recovered, ResultFilter, Sqlite, Status, Store, StoreError,
 };
 use lists::*;
 use outbox::*;
+use mappings::*;
 use queue::*;
 
 const LONG: Duration = Duration::from_secs(600);
@@ -41,6 +43,7 @@ fn measurement(id: &str) -> MeasurementRow {
         omega_min_rad_s: 0.5,
         omega_max_rad_s: 200.0,
         notes: "[]".into(),
+        quantities: Some("{}".into()),
     }
 }
 
@@ -198,6 +201,7 @@ engine!(
     [
         a_measurement_comes_back_as_it_was_stored,
         lists_are_paged_newest_first_and_filtered,
+        a_mapping_is_found_by_its_name_and_by_the_latest_of_its_layout,
         an_idempotency_key_answers_the_same_request_only,
         a_deleted_job_takes_its_key_with_it,
         a_job_of_an_unknown_measurement_is_refused,

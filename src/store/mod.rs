@@ -24,7 +24,7 @@ pub use error::StoreError;
 pub use outbox::{DeliveryRow, DueRow, EventRow, NewDeliveryRow, Outbox, Settled, WebhookRow};
 pub use rows::{
     AxisRow, ConvergencePoint, EndedRow, Expired, FileRow, IdempotencyKey, Inserted, JobFilter,
-    JobRow, Lease, MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page, QueueState,
+    JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page, QueueState,
     ResultFilter, Status, StoredResult,
 };
 pub use sqlite::Sqlite;
@@ -97,6 +97,21 @@ pub trait Store: Outbox + Send + Sync + 'static {
     /// Removes a measurement, its files and every job on it, whatever their
     /// status: the worker of a running one loses its lease. `false`: there is none.
     async fn delete_measurement(&self, id: &str) -> Result<bool, StoreError>;
+
+    /// Stores a mapping under its name; `false`: in place of another.
+    async fn put_mapping(&self, row: &MappingRow) -> Result<bool, StoreError>;
+
+    /// The mapping, if there is one of this name.
+    async fn mapping(&self, name: &str) -> Result<Option<MappingRow>, StoreError>;
+
+    /// The mapping for files of this layout that was stored last, if there is one.
+    async fn mapping_of_layout(&self, layout: &str) -> Result<Option<MappingRow>, StoreError>;
+
+    /// At most `limit` mappings, by name.
+    async fn mappings(&self, limit: u32) -> Result<Vec<MappingRow>, StoreError>;
+
+    /// Removes a mapping. `false`: there is none of this name.
+    async fn delete_mapping(&self, name: &str) -> Result<bool, StoreError>;
 
     /// Queues a job, unless `key` answers the request.
     async fn insert_job(

@@ -49,6 +49,8 @@ pub struct MeasurementRow {
     pub omega_max_rad_s: f64,
     /// JSON array: remarks of the reader.
     pub notes: String,
+    /// JSON of what input and response are; `None` for a row of an earlier version.
+    pub quantities: Option<String>,
 }
 
 /// Where a job stands.
@@ -86,6 +88,19 @@ impl Status {
             Status::Cancelled => "cancelled",
         }
     }
+}
+
+/// What is given beside files of one layout, under a name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MappingRow {
+    /// Its name.
+    pub name: String,
+    /// JSON object of keys and values.
+    pub settings: String,
+    /// Layout of the files that it is for; `None`: it is used by its name alone.
+    pub layout: Option<String>,
+    /// When it was last stored; the store says.
+    pub updated_at_ms: Millis,
 }
 
 /// A job to be queued.

@@ -9,7 +9,7 @@ use sqlx::{Decode, Encode, FromRow, Row, Sqlite, Type};
 
 use crate::store::{
     AxisRow, ConvergencePoint, DeliveryRow, DueRow, EndedRow, EventRow, FileRow, JobRow, Lease,
-    MeasurementRow, QueueState, Status, StoredResult, WebhookRow,
+    MappingRow, MeasurementRow, QueueState, Status, StoredResult, WebhookRow,
 };
 
 /// Reads each field from the column of its name.
@@ -40,8 +40,10 @@ from_columns!(MeasurementRow {
     magnitude_max,
     omega_min_rad_s,
     omega_max_rad_s,
-    notes
+    notes,
+    quantities
 });
+from_columns!(MappingRow { name, settings, layout, updated_at_ms });
 from_columns!(JobRow {
     id,
     measurement_id,

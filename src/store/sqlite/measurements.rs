@@ -20,9 +20,9 @@ pub(super) async fn insert(
         "INSERT INTO measurements
              (id, created_at_ms, name, machine, axis, operator, measured_at, labels, sha256,
               experiments, highest_harmonic, magnitude_min, magnitude_max, omega_min_rad_s,
-              omega_max_rad_s, notes)
+              omega_max_rad_s, notes, quantities)
          VALUES (?1, (SELECT now_ms FROM clock), ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12,
-                 ?13, ?14, ?15)",
+                 ?13, ?14, ?15, ?16)",
     )
     .bind(&row.id)
     .bind(&row.name)
@@ -39,6 +39,7 @@ pub(super) async fn insert(
     .bind(row.omega_min_rad_s)
     .bind(row.omega_max_rad_s)
     .bind(&row.notes)
+    .bind(&row.quantities)
     .execute(&mut *connection)
     .await?;
     for (position, file) in (0_i64..).zip(files) {

@@ -20,6 +20,7 @@ const STEPS: &[(i64, &str, &str)] = &[
         "webhooks and deliveries",
         include_str!("../../../migrations/0003_webhooks_and_deliveries.sql"),
     ),
+    (4, "mappings", include_str!("../../../migrations/0004_mappings.sql")),
 ];
 
 /// Every step, to be run on a database of any earlier version.

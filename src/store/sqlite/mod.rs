@@ -4,6 +4,7 @@ mod decode;
 mod history;
 mod idempotency;
 mod jobs;
+mod mappings;
 mod measurements;
 mod migrations;
 mod outbox;
@@ -22,7 +23,7 @@ use sqlx::{SqlitePool, Transaction};
 
 use super::{
     AxisRow, Beat, Cancelling, ConvergencePoint, Expired, FileRow, IdempotencyKey, Inserted,
-    JobFilter, JobRow, Lease, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page,
+    JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page,
     QueueState, Recovered, ResultFilter, Store, StoreError, StoredResult,
 };
 
@@ -171,6 +172,30 @@ impl Store for Sqlite {
     async fn delete_measurement(&self, id: &str) -> Result<bool, StoreError> {
         let mut transaction = self.begin().await?;
         let deleted = measurements::delete(&mut transaction, id).await;
+        self.end(transaction, deleted).await
+    }
+
+    async fn put_mapping(&self, row: &MappingRow) -> Result<bool, StoreError> {
+        let mut transaction = self.begin().await?;
+        let created = mappings::put(&mut transaction, row).await;
+        self.end(transaction, created).await
+    }
+
+    async fn mapping(&self, name: &str) -> Result<Option<MappingRow>, StoreError> {
+        Ok(mappings::get(&self.readers, name).await?)
+    }
+
+    async fn mapping_of_layout(&self, layout: &str) -> Result<Option<MappingRow>, StoreError> {
+        Ok(mappings::of_layout(&self.readers, layout).await?)
+    }
+
+    async fn mappings(&self, limit: u32) -> Result<Vec<MappingRow>, StoreError> {
+        Ok(mappings::list(&self.readers, limit).await?)
+    }
+
+    async fn delete_mapping(&self, name: &str) -> Result<bool, StoreError> {
+        let mut transaction = self.begin().await?;
+        let deleted = mappings::delete(&mut transaction, name).await;
         self.end(transaction, deleted).await
     }
 

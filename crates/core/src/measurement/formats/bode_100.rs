@@ -2,9 +2,9 @@
 //! `Trace 1: Gain: Magnitude (dB)`, `Trace 2: Gain: Phase (°)`, `Trace 1: Gain: Real`.
 
 use super::fault::Fault;
-use super::given;
 use super::header::Header;
 use super::instrument::{Comments, Instrument, renamed};
+use super::lack;
 
 pub(super) const INSTRUMENT: Instrument = Instrument { name: "the Bode 100 of OMICRON", is, names };
 
@@ -28,11 +28,12 @@ fn names(names: &[String], _: &Comments, header: &mut Header) -> Result<Vec<Stri
     }
     // A loop gain at an injection point is measured with the sign of the feedback.
     if !header.states("inverted") {
+        let lack = lack::ask("inverted", "yes");
         return Err(Fault::new(format!(
             "the phase of a loop gain that is measured at an injection point must be turned by \
-             180°: {}, or `no` if the phase is that of the axis",
-            given::ask("inverted", "yes")
-        )));
+             180°: {lack}, or `no` if the phase is that of the axis"
+        ))
+        .lacking(lack));
     }
     let has = |wanted: &str| traces().any(|(_, form)| form == wanted);
     let rectangular = has("Real") && has("Imaginary");

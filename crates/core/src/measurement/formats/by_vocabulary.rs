@@ -2,8 +2,8 @@
 
 use super::columns::{self, Column};
 use super::fault::Fault;
-use super::given;
 use super::header::Header;
+use super::lack;
 use super::name::{self, Name};
 use super::naming::{
     Naming, ROW_NUMBER, Used, check_unit, driven_by, note_unused, response, unknown_kind,
@@ -64,14 +64,16 @@ impl Vocabulary<'_> {
         let Some(first) = fields.next() else { return Ok(None) };
         match fields.next() {
             None => Ok(Some(first)),
-            Some(second) => Err(Fault::new(format!(
-                "`{}` and `{}` may both be the {what}: {}; leave the name of a column empty that \
-                 is not to be used",
-                self.names[first].written,
-                self.names[second].written,
-                given::ask("column_names", &self.example(&[])),
-            ))
-            .in_column(self.names[second].written.as_str())),
+            Some(second) => {
+                let lack = lack::ask("column_names", self.example(&[]));
+                Err(Fault::new(format!(
+                    "`{}` and `{}` may both be the {what}: {lack}; leave the name of a column \
+                     empty that is not to be used",
+                    self.names[first].written, self.names[second].written,
+                ))
+                .lacking(lack)
+                .in_column(self.names[second].written.as_str()))
+            }
         }
     }
 
@@ -107,11 +109,12 @@ impl Vocabulary<'_> {
             (Some(Holds::LinearGain | Holds::GainRe | Holds::GainIm), "") => "1",
             (Some(Holds::Coherence | Holds::Averages), "") => "1",
             (_, "") => {
+                let lack = lack::ask("column_names", self.example(&[(field, example)]));
                 return Err(Fault::new(format!(
-                    "the unit of `{}` is not said: {}",
-                    name.written,
-                    given::ask("column_names", &self.example(&[(field, example)])),
+                    "the unit of `{}` is not said: {lack}",
+                    name.written
                 ))
+                .lacking(lack)
                 .in_column(name.written.as_str()));
             }
             (_, unit) => unit,
@@ -259,7 +262,8 @@ impl Vocabulary<'_> {
         let magnitude = [Column::Magnitude, Column::URe, Column::Input];
         let mut fault = unknown_kind();
         if !self.has(&magnitude) && header.magnitude.is_none() {
-            fault = fault.and(&format!(", and {}", given::ask("magnitude", "0.5")));
+            let lack = lack::ask("magnitude", "0.5");
+            fault = fault.and(&format!(", and {lack}")).lacking(lack);
         }
         Err(fault)
     }
@@ -269,12 +273,13 @@ impl Vocabulary<'_> {
         let parts =
             |name: &&Name| matches!(name.holds, Some(Holds::RealPart | Holds::ImaginaryPart));
         let Some(name) = self.names.iter().find(parts) else { return Ok(()) };
+        let lack = lack::ask("column_names", "frequency_hz; gain_re; gain_im");
         Err(Fault::new(format!(
-            "`{}` may be of the ratio of response to input or of the response itself: {}, with \
+            "`{}` may be of the ratio of response to input or of the response itself: {lack}, with \
              gain_re and gain_im for the ratio, re and im for the response",
             name.written,
-            given::ask("column_names", "frequency_hz; gain_re; gain_im"),
         ))
+        .lacking(lack)
         .in_column(name.written.as_str()))
     }
 
@@ -314,12 +319,13 @@ impl Vocabulary<'_> {
     }
 
     fn missing(&self, what: &str, example: &str) -> Fault {
+        let lack = lack::ask("column_names", example);
         Fault::new(format!(
-            "the column is missing: none is known as the {what}; {}, with a name for each of the {} columns of the \
-             file",
-            given::ask("column_names", example),
+            "the column is missing: none is known as the {what}; {lack}, with a name for each of \
+             the {} columns of the file",
             self.names.len(),
         ))
+        .lacking(lack)
         .in_column(if what == "input" { "input" } else { "output" })
     }
 }

@@ -3,10 +3,12 @@
 use super::csv_text::NamedTable;
 use super::delimited;
 use super::fault::Fault;
+use super::given::Given;
 use super::header::Header;
 use super::name::Name;
 use super::naming::{self, ROW_NUMBER};
 use super::part::Part;
+use super::sight::{self, Sight};
 use super::table::{Place, Table};
 
 /// Channels of one recording.
@@ -20,6 +22,24 @@ pub(super) struct ColumnTable {
 }
 
 impl ColumnTable {
+    /// The channels as they are seen in a file of this kind.
+    pub(super) fn sight(&self, kind: &str, given: &Given) -> Sight {
+        let (names, units): (Vec<String>, Vec<String>) = self.names.iter().cloned().unzip();
+        let shortest = self.values.iter().map(Vec::len).min().unwrap_or_default();
+        let cell = |row: usize| move |values: &Vec<f64>| format!("{}", values[row]);
+        let row = |row: usize| self.values.iter().map(cell(row)).collect();
+        Sight {
+            layout: sight::layout(kind, &names, &units),
+            meant: names.clone(),
+            names,
+            units,
+            rows: (0..shortest.min(sight::ROWS)).map(row).collect(),
+            header: given.header(),
+            timed: true,
+            ..Sight::default()
+        }
+    }
+
     /// Reads the channels as a time record. Where `column_names` is given, it has a name for each
     /// channel.
     ///

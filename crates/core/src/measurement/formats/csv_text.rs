@@ -9,6 +9,7 @@ use super::fault::Fault;
 use super::given::Given;
 use super::header::Header;
 use super::instruments;
+use super::lack;
 use super::limits::{MAX_COLUMNS, MAX_ROWS};
 use super::name::{self, Name};
 use super::naming;
@@ -114,7 +115,8 @@ impl<'a> CsvText<'a> {
         let names = self.names.iter().enumerate();
         let names: Vec<Name> = names.map(|(field, name)| Name::of(name, unit(field))).collect();
         if !names.iter().any(Name::is_known) {
-            return Err(self.fault_of_header(NO_KNOWN_COLUMN));
+            let lack = lack::ask("column_names", "Time (s); Current (A); Position (mm)");
+            return Err(self.fault_of_header(format!("{NO_KNOWN_COLUMN}; {lack}")).lacking(lack));
         }
         let line = self.names_line;
         let naming =

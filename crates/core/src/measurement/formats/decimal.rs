@@ -1,7 +1,7 @@
 //! Reads numbers with a decimal point or a decimal comma, and finds out which one a file has.
 
 use super::fault::Fault;
-use super::given;
+use super::lack;
 
 /// A decimal mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,12 +81,13 @@ impl Decimals {
             ))
             .at_line(Some(comma.line.max(point.line)))),
             (None, Some(comma)) if !self.decided && self.stated.is_none() => {
+                let lack = lack::ask("decimal", "comma");
                 Err(Fault::new(format!(
-                    "the comma of `{}` may be a decimal comma or stand between thousands: {}, or \
-                     export the numbers without marks between thousands",
+                    "the comma of `{}` may be a decimal comma or stand between thousands: {lack}, \
+                     or export the numbers without marks between thousands",
                     comma.number,
-                    given::ask("decimal", "comma"),
                 ))
+                .lacking(lack)
                 .at_line(Some(comma.line)))
             }
             (None, Some(_)) => Ok(Some(Mark::Comma)),

@@ -5,11 +5,16 @@ use super::fault::Fault;
 use super::format::Format;
 use super::given::Given;
 use super::part::Part;
+use super::sight::Sight;
 use super::{harmonic_table, time_record};
 
 /// Any text that is nothing else.
-pub(super) const FORMAT: Format =
-    Format { is: |_| true, read: |content, given| read(content.text()?, given) };
+pub(super) const FORMAT: Format = Format {
+    name: "text in columns",
+    is: |_| true,
+    read: |content, given| read(content.text()?, given),
+    see: |content, given| Sight::of_text(content.text().ok()?, None, given),
+};
 
 fn read(text: &str, given: &Given) -> Result<Part, Fault> {
     part(CsvText::open(text, given)?.table()?)

@@ -1,6 +1,7 @@
 //! Errors in an upload.
 
 use super::columns::Column;
+use super::lack::Lack;
 
 /// An error in an upload: where it is, and what is wrong.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -15,6 +16,8 @@ pub struct ParseError {
     pub column: Option<String>,
     /// What is wrong, and what would be right.
     pub reason: String,
+    /// What may be given beside the file to have it read.
+    pub lacks: Vec<Lack>,
 }
 
 /// A [`ParseError`] without the file name.
@@ -23,11 +26,12 @@ pub(super) struct Fault {
     line: Option<u64>,
     column: Option<String>,
     reason: String,
+    lacks: Vec<Lack>,
 }
 
 impl Fault {
     pub(super) fn new(reason: impl Into<String>) -> Self {
-        Self { line: None, column: None, reason: reason.into() }
+        Self { line: None, column: None, reason: reason.into(), lacks: Vec::new() }
     }
 
     pub(super) fn at_line(mut self, line: Option<u64>) -> Self {
@@ -38,6 +42,12 @@ impl Fault {
     /// The fault with more said.
     pub(super) fn and(mut self, more: &str) -> Self {
         self.reason.push_str(more);
+        self
+    }
+
+    /// The fault with what would mend it if it were given.
+    pub(super) fn lacking(mut self, lack: Lack) -> Self {
+        self.lacks.push(lack);
         self
     }
 
@@ -70,6 +80,7 @@ impl Fault {
             line: self.line,
             column: self.column,
             reason: self.reason,
+            lacks: self.lacks,
         }
     }
 }

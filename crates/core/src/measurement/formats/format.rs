@@ -6,6 +6,7 @@ use super::encoding;
 use super::fault::Fault;
 use super::given::Given;
 use super::part::Part;
+use super::sight::Sight;
 
 /// The content of a file, as bytes and, where it is one, as text.
 pub(super) struct Content<'a> {
@@ -43,8 +44,13 @@ impl<'a> Content<'a> {
 
 /// One file format.
 pub(super) struct Format {
+    /// Its name, in words.
+    pub(super) name: &'static str,
     /// Whether a file looks like it.
     pub(super) is: fn(&Content<'_>) -> bool,
     /// Reads a file that looks like it.
     pub(super) read: fn(&Content<'_>, &Given) -> Result<Part, Fault>,
+    /// The table of such a file, readable or not; `None` for a format whose columns need no names,
+    /// and where no table is found.
+    pub(super) see: fn(&Content<'_>, &Given) -> Option<Sight>,
 }

@@ -78,28 +78,23 @@ impl Given {
 
     /// The names of the columns, if they are given.
     pub(super) fn column_names(&self) -> Option<Vec<String>> {
+        self.header().column_names
+    }
+
+    /// What is given, as metadata.
+    pub(super) fn header(&self) -> Header {
         let mut header = Header::default();
-        header.set(None, "column_names", self.entries.get("column_names")?).ok()?;
-        header.column_names
+        for (key, value) in &self.entries {
+            // What means nothing was refused when it was set.
+            let _ = header.set(None, key, value);
+        }
+        header
     }
 
     /// Keys and values.
     pub(super) fn entries(&self) -> impl Iterator<Item = (&str, &str)> {
         self.entries.iter().map(|(key, value)| (key.as_str(), value.as_str()))
     }
-}
-
-/// How to give what a file lacks, for messages.
-pub(super) fn ask(key: &str, example: &str) -> String {
-    let quoted = match example.contains([' ', ';', '(']) {
-        true => format!("\"{example}\""),
-        false => example.to_owned(),
-    };
-    format!(
-        "give {key} as a line `# {key}: {example}` above the header, as --{} {quoted} on the \
-         command line, or as the query parameter or form field {key}",
-        key.replace('_', "-")
-    )
 }
 
 #[cfg(test)]
@@ -128,14 +123,5 @@ mod tests {
         }
         given.set("axis", "X").unwrap();
         assert!(given.set("axis", "Y").unwrap_err().reason.contains("twice"));
-    }
-
-    #[test]
-    fn a_question_names_the_line_the_flag_and_the_parameter() {
-        let question = ask("period_s", "0.5");
-        for part in ["`# period_s: 0.5`", "--period-s 0.5", "form field period_s"] {
-            assert!(question.contains(part), "{question}");
-        }
-        assert!(ask("response", "velocity rad/s").contains("--response \"velocity rad/s\""));
     }
 }

@@ -65,7 +65,7 @@ pub(super) fn join(
         }
     }
     let file = sources.first().map_or("upload", |source| source.name);
-    let fault = |reason| ParseError { file: file.to_owned(), line: None, column: None, reason };
+    let fault = |reason| ParseError { file: file.to_owned(), line: None, column: None, reason, lacks: Vec::new() };
     if !experiments.is_empty() && !transients.is_empty() {
         return Err(fault(format!(
             "{} of {} experiments have a period and the others have none: give period_s where it \
@@ -93,6 +93,7 @@ fn check_units(metadata: &Metadata, header: &Header, file: &str) -> Result<(), P
         line: header.line_of(key),
         column: Some(key.to_owned()),
         reason,
+        lacks: Vec::new(),
     };
     if metadata.response_kind != header.metadata.response_kind {
         return Err(fault(

@@ -27,8 +27,10 @@ const SHARED_COLUMNS: [Column; 5] =
 
 /// Any text that begins as JSON does.
 pub(super) const FORMAT: Format = Format {
+    name: "JSON",
     is: |content| content.begins_with(&["{", "["]),
     read: |content, given| read(content.text()?, given),
+    see: |_, _| None,
 };
 
 /// Reads a whole upload.

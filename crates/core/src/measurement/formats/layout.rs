@@ -2,8 +2,8 @@
 
 use super::columns::Column;
 use super::fault::Fault;
-use super::given;
 use super::header::Header;
+use super::lack;
 use super::table::Table;
 
 /// Columns in which a table gives a harmonic of the response.
@@ -65,10 +65,9 @@ impl Layout {
         let magnitude = table.has(Column::Magnitude) || header.magnitude.is_some();
         if !magnitude && !input {
             let fault = missing(table, Column::Magnitude, "magnitude, or u_re,u_im");
-            return Err(fault.and(&format!(
-                "; where it is the same at all frequencies, {}",
-                given::ask("magnitude", "0.5")
-            )));
+            let lack = lack::ask("magnitude", "0.5");
+            let more = format!("; where it is the same at all frequencies, {lack}");
+            return Err(fault.and(&more).lacking(lack));
         }
         Ok(Self { form, hertz, magnitude, input })
     }

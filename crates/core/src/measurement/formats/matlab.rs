@@ -9,12 +9,14 @@ use std::fmt::Write as _;
 
 use super::csv_text::CsvText;
 use super::delimited;
+use super::delimiter::Delimiter;
 use super::fault::Fault;
 use super::format::Format;
 use super::given::Given;
 use super::limits::{MAX_CELLS_IN_ROW, MAX_ROWS};
 use super::matlab_variable::{Variable, variables};
 use super::part::Part;
+use super::sight::Sight;
 
 /// What a file of level 5, and one of level 7.3, begin with.
 const LEVEL_5: &[u8] = b"MATLAB 5.0 MAT-file";
@@ -22,8 +24,15 @@ const LEVEL_7_3: &[u8] = b"MATLAB 7.3 MAT-file";
 
 /// A file that says which level it has.
 pub(super) const FORMAT: Format = Format {
+    name: "MATLAB file",
     is: |content| content.bytes.starts_with(LEVEL_5) || content.bytes.starts_with(LEVEL_7_3),
     read: |content, given| read(content.bytes, given),
+    see: |content, given| {
+        let found = variables(content.bytes).ok()?;
+        let (used, _, rows) = longest(&found)?;
+        let sight = Sight::of_text(&text(&used, rows), Some(Delimiter::Tab), given)?;
+        Some(Sight { delimiter: None, line: None, ..sight })
+    },
 };
 
 fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {
@@ -33,9 +42,7 @@ fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {
         ));
     }
     let found = variables(bytes)?;
-    let columns: Vec<Column<'_>> = found.iter().flat_map(columns).collect();
-    let Some(rows) = columns.iter().map(|column| column.re.len()).max().filter(|rows| *rows > 1)
-    else {
+    let Some((used, others, rows)) = longest(&found) else {
         return Err(Fault::new(
             "the MATLAB file has no vector: save time, input and response as vectors or as fields \
              of a structure (an object such as a timeseries is not read: save its Time and Data)",
@@ -44,8 +51,6 @@ fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {
     if rows > MAX_ROWS {
         return Err(Fault::new(format!("more than {MAX_ROWS} rows")));
     }
-    let (used, others): (Vec<_>, Vec<_>) =
-        columns.into_iter().partition(|column| column.re.len() == rows);
     let text = text(&used, rows);
     let mut part = CsvText::open_cells(&text, given)
         .and_then(CsvText::table)
@@ -68,6 +73,15 @@ fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {
     }
     part.notes.insert(0, note);
     Ok(part)
+}
+
+/// The longest vectors of a file, the others, and how long they are; `None` if there is no vector.
+#[expect(clippy::type_complexity, reason = "both lists are of one type")]
+fn longest(found: &[Variable]) -> Option<(Vec<Column<'_>>, Vec<Column<'_>>, usize)> {
+    let columns: Vec<Column<'_>> = found.iter().flat_map(columns).collect();
+    let rows = columns.iter().map(|column| column.re.len()).max().filter(|rows| *rows > 1)?;
+    let (used, others) = columns.into_iter().partition(|column| column.re.len() == rows);
+    Some((used, others, rows))
 }
 
 /// A column of a variable.

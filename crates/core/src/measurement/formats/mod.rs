@@ -78,8 +78,10 @@ mod join;
 mod json;
 mod json_table;
 mod known_formats;
+mod lack;
 mod layout;
 mod limits;
+mod look;
 mod matlab;
 mod matlab_variable;
 mod name;
@@ -87,8 +89,10 @@ mod naming;
 mod nf_fra;
 mod part;
 mod preamble;
+mod quantities;
 mod repeats;
 mod row_noise;
+mod sight;
 mod source;
 mod sysid;
 mod table;
@@ -105,6 +109,9 @@ mod xlsx;
 
 pub use fault::ParseError;
 pub use given::Given;
+pub use lack::Lack;
+pub use look::{ColumnLook, FileLook, Look, TableLook, look};
+pub use quantities::{QUANTITIES, QuantityChoice};
 pub use limits::{
     MAX_CELLS_IN_ROW, MAX_COLUMNS, MAX_HARMONIC, MAX_INDEX, MAX_INPUT_LINES, MAX_NAME,
     MAX_NAMES_LINE, MAX_ROWS, MAX_SETTLE_PERIODS, MAX_UNPACKED, MAX_UNPACKED_STRINGS,

@@ -80,7 +80,7 @@ pub(super) fn is_unit(cell: &str) -> bool {
 }
 
 /// A unit without the brackets around it.
-fn bare(unit: &str) -> &str {
+pub(super) fn bare(unit: &str) -> &str {
     let unit = unit.trim();
     let inner = [('(', ')'), ('[', ']'), ('<', '>')].into_iter().find_map(|(open, close)| {
         unit.strip_prefix(open).and_then(|rest| rest.strip_suffix(close))

@@ -7,8 +7,8 @@
 use super::by_vocabulary;
 use super::columns::{self, Column};
 use super::fault::Fault;
-use super::given;
 use super::header::Header;
+use super::lack;
 use super::name::{self, Name};
 use super::vocabulary::{Holds, Measures};
 use crate::measurement::ResponseKind;
@@ -186,8 +186,9 @@ pub(super) fn note_unused(names: &[Name], used: &[Used], notes: &mut Vec<String>
 
 /// Asks for the kind of the response.
 pub(super) fn unknown_kind() -> Fault {
+    let lack = lack::ask("response", "velocity rad/s");
     Fault::new(format!(
-        "it is not said whether the response is a velocity, a position or an acceleration: {}",
-        given::ask("response", "velocity rad/s")
+        "it is not said whether the response is a velocity, a position or an acceleration: {lack}"
     ))
+    .lacking(lack)
 }

@@ -63,7 +63,7 @@ pub(super) fn read<'a>(
             lines.extend(line.contains(':').then_some((number, line)));
         } else if !line.is_empty() && (number > 1 || line_of_delimiter.is_none()) {
             found = match &names {
-                Some(names) => row_delimiter(line, stated, names.len()),
+                Some(names) => row_delimiter(line, stated, names),
                 None => names_delimiter(line, stated, first.is_none()),
             };
             first.get_or_insert((rest, number));
@@ -182,12 +182,16 @@ fn names_delimiter(line: &str, stated: Option<Delimiter>, first: bool) -> Option
     candidates.into_iter().find(|delimiter| count(delimiter) >= 2)
 }
 
-/// The delimiter of a row of so many cells, all of them numbers or blank; `None` if it is not one.
-fn row_delimiter(line: &str, stated: Option<Delimiter>, columns: usize) -> Option<Delimiter> {
+/// The delimiter of a row with as many cells as there are names, numbers or blanks in all columns
+/// that have one; `None` if it is not one.
+fn row_delimiter(line: &str, stated: Option<Delimiter>, names: &[String]) -> Option<Delimiter> {
     Delimiter::ALL.into_iter().filter(|d| stated.is_none_or(|stated| stated == *d)).find(|d| {
         let cells = d.cells(line);
-        let mut filled = cells.iter().filter(|cell| !cell.is_empty()).peekable();
-        cells.len() == columns && filled.peek().is_some() && filled.all(|cell| is_number(cell))
+        let used = cells.iter().zip(names).filter(|(cell, name)| {
+            !cell.is_empty() && !name.is_empty()
+        });
+        let mut used = used.map(|(cell, _)| cell).peekable();
+        cells.len() == names.len() && used.peek().is_some() && used.all(|cell| is_number(cell))
     })
 }
 

@@ -6,8 +6,9 @@ use serde_json::Value;
 use super::columns::{Column, TIME_RECORD};
 use super::fault::Fault;
 use super::format::Format;
-use super::given::{self, Given};
+use super::given::Given;
 use super::header::Header;
+use super::lack;
 use super::limits::MAX_ROWS;
 use super::part::Part;
 use super::table::{Place, Table};
@@ -16,12 +17,14 @@ use crate::measurement::ResponseKind;
 
 /// A JSON object that says `"sysid": true`.
 pub(super) const FORMAT: Format = Format {
+    name: "log of WPILib SysId",
     is: |content| {
         content.begins_with(&["{"])
             && content.text().is_ok_and(|text| text.contains("\"sysid\""))
             && content.text().is_ok_and(|text| TESTS.iter().any(|test| text.contains(test)))
     },
     read: |content, given| read(content.text()?, given),
+    see: |_, _| None,
 };
 
 /// The tests, in the order in which they are run.
@@ -35,10 +38,11 @@ fn read(text: &str, given: &Given) -> Result<Part, Fault> {
     let mut notes = vec!["the file is a log of WPILib SysId".to_owned()];
     header.take(given, &mut notes)?;
     if !header.states("response") {
+        let lack = lack::ask("response", "velocity");
         return Err(Fault::new(format!(
-            "the log has the position and the velocity, either of which may be the response: {}",
-            given::ask("response", "velocity")
-        )));
+            "the log has the position and the velocity, either of which may be the response: {lack}"
+        ))
+        .lacking(lack));
     }
     let column = match header.metadata.response_kind {
         ResponseKind::Position => 2,

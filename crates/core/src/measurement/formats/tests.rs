@@ -7,6 +7,7 @@ use crate::measurement::ResponseKind;
 mod accepted;
 mod dialects;
 mod json;
+mod look;
 mod mutated;
 mod names;
 mod noise;

@@ -7,7 +7,7 @@
 //! an export with one time for all channels has it once.
 
 use super::column_table::ColumnTable;
-use super::decimal::Decimals;
+use super::decimal::{Decimals, Mark};
 use super::delimiter::{Delimiter, unquote};
 use super::fault::Fault;
 use super::format::Format;
@@ -18,8 +18,14 @@ use super::part::Part;
 
 /// A text that begins with the lines `Name` and `Starttime of export`.
 pub(super) const FORMAT: Format = Format {
+    name: "export of TwinCAT Scope",
     is: |content| content.text().is_ok_and(|text| delimiter(text).is_some()),
     read: |content, given| read(content.text()?, given),
+    see: |content, given| {
+        let text = content.text().ok()?;
+        let table = table(text, delimiter(text)?, given.header().decimal).ok()?;
+        Some(table.sight("TwinCAT Scope", given))
+    },
 };
 
 const KEY_OF_TIME: &str = "Name";
@@ -52,9 +58,14 @@ fn read(text: &str, given: &Given) -> Result<Part, Fault> {
     )];
     let mut header = Header::default();
     header.take(given, &mut notes)?;
+    table(text, mark, header.decimal)?.read(header, notes)
+}
+
+/// The channels and their times.
+fn table(text: &str, mark: char, decimal: Option<Mark>) -> Result<ColumnTable, Fault> {
     let mut lines = (1..).zip(text.lines()).skip_while(|(_, line)| !line.trim().is_empty());
     let channels = channels(&mut lines, mark)?;
-    let mut decimals = Decimals::new(header.decimal);
+    let mut decimals = Decimals::new(decimal);
     let mut times: Vec<Vec<f64>> = channels.iter().map(|_| Vec::new()).collect();
     let mut values = times.clone();
     for (line, text) in lines {
@@ -83,7 +94,7 @@ fn read(text: &str, given: &Given) -> Result<Part, Fault> {
     }
     decimals.mark()?;
     let names = channels.iter().map(|channel| (channel.name.clone(), channel.unit.clone()));
-    ColumnTable { names: names.collect(), times, values }.read(header, notes)
+    Ok(ColumnTable { names: names.collect(), times, values })
 }
 
 /// Reads the lines that describe the channels, up to the blank line behind them.

@@ -13,8 +13,17 @@ use super::table::{Place, Table};
 use super::universal_dataset::{Axis, Dataset, Lines};
 
 /// A file whose first line is `-1` and whose second names a dataset.
-pub(super) const FORMAT: Format =
-    Format { is: |content| is(content.bytes), read: |content, given| read(content.bytes, given) };
+pub(super) const FORMAT: Format = Format {
+    name: "universal file",
+    is: |content| is(content.bytes),
+    read: |content, given| read(content.bytes, given),
+    see: |content, given| {
+        let functions = functions(content.bytes).ok()?;
+        let records: Vec<&Dataset> =
+            functions.iter().filter(|data| data.function == TIME_RECORD).collect();
+        (!records.is_empty()).then(|| table(&records).sight("universal file", given))
+    },
+};
 
 const TIME_RECORD: u32 = 1;
 const FREQUENCY_RESPONSE: u32 = 4;
@@ -45,7 +54,7 @@ fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {
             "the file has {} frequency responses: one is needed, so save them as one file each",
             responses.len()
         ))),
-        (_, []) => time_records(&records, header, notes),
+        (_, []) => table(&records).read(header, notes),
         _ => Err(Fault::new(
             "the file has time records and frequency responses: save them as two files",
         )),
@@ -100,13 +109,13 @@ fn name(axis: &Axis) -> String {
     if axis.unit.is_empty() { name.to_owned() } else { format!("{name} [{}]", axis.unit) }
 }
 
-fn time_records(records: &[&Dataset], header: Header, notes: Vec<String>) -> Result<Part, Fault> {
-    let table = ColumnTable {
+/// The channels of time records.
+fn table(records: &[&Dataset]) -> ColumnTable {
+    ColumnTable {
         names: records.iter().map(|record| (name(&record.numerator), String::new())).collect(),
         times: records.iter().map(|record| record.x.clone()).collect(),
         values: records.iter().map(|record| record.re.clone()).collect(),
-    };
-    table.read(header, notes)
+    }
 }
 
 fn frequency_response(

@@ -10,22 +10,51 @@ use calamine::{DataRef, Reader, Xlsx};
 
 use super::csv_text::CsvText;
 use super::delimited;
+use super::delimiter::Delimiter;
 use super::fault::Fault;
 use super::format::Format;
-use super::given::{self, Given};
+use super::given::Given;
+use super::lack;
 use super::limits::{MAX_CELLS_IN_ROW, MAX_ROWS, MAX_UNPACKED, MAX_UNPACKED_STRINGS};
 use super::part::Part;
+use super::sight::Sight;
 
 /// A zip archive.
 pub(super) const FORMAT: Format = Format {
+    name: "workbook (xlsx)",
     is: |content| content.bytes.starts_with(b"PK\x03\x04"),
     read: |content, given| read(content.bytes, given),
+    see: |content, given| see(content.bytes, given).ok()?,
 };
 
-fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {
+type Book<'a> = Xlsx<Cursor<&'a [u8]>>;
+
+fn open(bytes: &[u8]) -> Result<Book<'_>, Fault> {
     check_size(bytes)?;
-    let mut book: Xlsx<_> =
-        calamine::open_workbook_from_rs(Cursor::new(bytes)).map_err(|error| no_book(&error))?;
+    calamine::open_workbook_from_rs(Cursor::new(bytes)).map_err(|error| no_book(&error))
+}
+
+/// The table of the sheet that is stated, or else of the first sheet that has one. The layout is
+/// that of all sheets.
+fn see(bytes: &[u8], given: &Given) -> Result<Option<Sight>, Fault> {
+    let mut book = open(bytes)?;
+    let (mut seen, mut sheets, mut layouts) = (None, Vec::new(), Vec::new());
+    for sheet in book.sheet_names() {
+        let text = text(&mut book, &sheet)?;
+        let Some(sight) = Sight::of_text(&text, Some(Delimiter::Tab), given) else { continue };
+        layouts.extend(sight.layout.clone());
+        let is_stated = given.get("sheet") == Some(sheet.as_str());
+        if seen.is_none() || is_stated {
+            seen = Some(sight);
+        }
+        sheets.push(sheet);
+    }
+    let layout = (!layouts.is_empty()).then(|| layouts.join("\u{1d}"));
+    Ok(seen.map(|sight| Sight { delimiter: None, sheets, layout, ..sight }))
+}
+
+fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {
+    let mut book = open(bytes)?;
     let names = book.sheet_names();
     let stated = given.get("sheet");
     if let Some(sheet) = stated
@@ -54,18 +83,14 @@ fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {
             Ok(part)
         }
         [] => Err(fault.unwrap_or_else(|| {
-            Fault::new(format!(
-                "no sheet has a line of known column names: {}",
-                given::ask("column_names", "Time (s); Current (A); Position (mm)")
-            ))
+            let lack = lack::ask("column_names", "Time (s); Current (A); Position (mm)");
+            Fault::new(format!("no sheet has a line of known column names: {lack}")).lacking(lack)
         })),
         several => {
             let found: Vec<String> = several.iter().map(|(name, _)| (*name).clone()).collect();
-            Err(Fault::new(format!(
-                "the sheets {} all have a table: {}",
-                listed(&found),
-                given::ask("sheet", &found[0])
-            )))
+            let lack = lack::ask("sheet", &found[0]);
+            Err(Fault::new(format!("the sheets {} all have a table: {lack}", listed(&found)))
+                .lacking(lack))
         }
     }
 }
@@ -102,7 +127,7 @@ fn check_size(bytes: &[u8]) -> Result<(), Fault> {
 }
 
 /// The cells of a sheet as text between tabs.
-fn text(book: &mut Xlsx<Cursor<&[u8]>>, sheet: &str) -> Result<String, Fault> {
+fn text(book: &mut Book<'_>, sheet: &str) -> Result<String, Fault> {
     let wrong = |error: calamine::XlsxError| no_book(&error).in_sheet(sheet);
     let mut cells = book.worksheet_cells_reader(sheet).map_err(wrong)?;
     let mut text = String::new();

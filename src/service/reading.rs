@@ -1,0 +1,128 @@
+//! Reading an upload, with what is given beside its files and with a stored mapping.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use servoscope_core::measurement::Measurement;
+use servoscope_core::measurement::formats::{Given, Look, ParseError, look};
+
+use crate::store::FileRow;
+
+use super::mappings::Mapping;
+use super::measurements::sources;
+use super::{Service, ServiceError, aside};
+
+/// An upload that was read, or that was refused.
+pub(super) struct Reading {
+    /// The files, with what is given beside them.
+    pub(super) files: Vec<FileRow>,
+    /// All that is given: by the upload, and by the mapping where the upload says nothing.
+    pub(super) given: BTreeMap<String, String>,
+    /// The stored mapping that is used.
+    pub(super) mapping: Option<String>,
+    /// What is said of the mapping.
+    pub(super) note: Option<String>,
+    pub(super) measurement: Result<Measurement, ParseError>,
+}
+
+impl Service {
+    /// Reads files. With `mapping`, the stored one of this name is used. Otherwise, where the files
+    /// cannot be read, the one for files of their layout is used, if there is one.
+    ///
+    /// # Errors
+    /// [`ServiceError::Request`] for a mapping that there is not. Files that cannot be read are no
+    /// error.
+    pub(super) async fn read_upload(
+        &self,
+        files: Vec<FileRow>,
+        given: BTreeMap<String, String>,
+        mapping: Option<&str>,
+    ) -> Result<Reading, ServiceError> {
+        if let Some(name) = mapping {
+            let mapping = self.mapping(name).await.map_err(|error| unknown(error, name))?;
+            return Ok(self.read_with(files, given, &mapping, "as asked for").await);
+        }
+        let reading = self.read_given(files, given.clone()).await;
+        if reading.measurement.is_ok() {
+            return Ok(reading);
+        }
+        let (reading, layout) = aside(move || {
+            let layout = look(&sources(&reading.files)).layout;
+            (reading, layout)
+        })
+        .await;
+        let Some(layout) = layout else { return Ok(reading) };
+        let Some(mapping) = self.mapping_of_layout(&layout).await? else { return Ok(reading) };
+        let files = reading.files.into_iter().filter(|file| file.name != Given::NAME).collect();
+        let why = "since it is for files of this layout, which is not understood without it";
+        Ok(self.read_with(files, given, &mapping, why).await)
+    }
+
+    /// Looks at files that were read.
+    pub(super) async fn look_at(&self, files: Vec<FileRow>) -> Look {
+        aside(move || look(&sources(&files))).await
+    }
+
+    async fn read_with(
+        &self,
+        files: Vec<FileRow>,
+        given: BTreeMap<String, String>,
+        mapping: &Mapping,
+        why: &str,
+    ) -> Reading {
+        let mut all = mapping.settings.clone();
+        all.extend(given);
+        let reading = self.read_given(files, all).await;
+        let name = &mapping.name;
+        let measurement = reading.measurement.map_err(|mut error| {
+            error.reason += &format!(" (read with the stored mapping `{name}`)");
+            error
+        });
+        let words = mapping.in_words();
+        let note = Some(format!("the stored mapping `{name}` is used, {why}: {words}"));
+        Reading { mapping: Some(name.clone()), note, measurement, ..reading }
+    }
+
+    async fn read_given(
+        &self,
+        mut files: Vec<FileRow>,
+        given: BTreeMap<String, String>,
+    ) -> Reading {
+        let text = text(&given);
+        let numerics = Arc::clone(&self.numerics);
+        let (files, measurement) = aside(move || match text {
+            Ok(stated) => {
+                files.extend(stated);
+                let measurement = numerics.read(&sources(&files));
+                (files, measurement)
+            }
+            Err(error) => (files, Err(error)),
+        })
+        .await;
+        Reading { files, given, mapping: None, note: None, measurement }
+    }
+}
+
+/// What is given, as one more file.
+pub(super) fn text(given: &BTreeMap<String, String>) -> Result<Option<FileRow>, ParseError> {
+    let mut stated = Given::default();
+    for (key, value) in given {
+        stated.set(key, value)?;
+    }
+    let file = |text: String| FileRow {
+        name: Given::NAME.to_owned(),
+        content_type: "text/plain".into(),
+        bytes: text.into_bytes(),
+    };
+    Ok(stated.text().map(file))
+}
+
+fn unknown(error: ServiceError, name: &str) -> ServiceError {
+    match error {
+        ServiceError::Unknown { .. } => ServiceError::Request {
+            member: "mapping".into(),
+            reason: format!("there is no mapping `{name}`; `GET /v1/mappings` lists those there are"),
+        },
+        other => other,
+    }
+}

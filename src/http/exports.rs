@@ -105,6 +105,9 @@ export! {
 
 export! {
     /// Measured and simulated harmonics of a result, units in the header.
+    ///
+    /// `std_estimated` is 1 where `std` is estimated from the residual, and 0 where the upload or
+    /// its repeats tell it.
     comparison_csv,
     path: "/v1/jobs/{id}/comparison.csv",
     tag: "jobs",

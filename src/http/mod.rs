@@ -8,6 +8,7 @@ mod body;
 mod cached;
 mod callers;
 mod dashboard;
+mod document;
 mod events;
 mod exports;
 mod flat;

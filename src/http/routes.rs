@@ -8,8 +8,8 @@ use utoipa_axum::routes;
 use crate::service::Service;
 
 use super::{
-    axes, dashboard, events, exports, health, inspections, jobs, mappings, measurements, plots,
-    previews, report, results, validations, webhooks,
+    axes, dashboard, document, events, exports, health, inspections, jobs, mappings, measurements,
+    plots, previews, report, results, validations, webhooks,
 };
 
 #[derive(OpenApi)]
@@ -80,5 +80,7 @@ pub(super) fn list() -> OpenApiRouter<Service> {
 
 /// The OpenAPI document of the service.
 pub fn openapi() -> utoipa::openapi::OpenApi {
-    list().into_openapi()
+    let mut document = list().into_openapi();
+    document::teach(&mut document);
+    document
 }

@@ -40,7 +40,8 @@ impl Service {
     }
 
     /// Every harmonic of a job's measurement beside what the models of its answer
-    /// make of it, one row each, units in the header.
+    /// make of it, one row each, units in the header. `std_estimated` is 1 where `std` is estimated
+    /// from the residual, 0 where it is given or from repeats.
     ///
     /// # Errors
     /// As [`Service::result`]; [`ServiceError::NoPlot`] where they cannot be compared.
@@ -163,9 +164,10 @@ fn comparison(base: &Comparison, extended: Option<&Comparison>) -> String {
         "harmonic".to_owned(),
     ];
     header.extend(["u_re", "u_im"].map(|name| format!("{name} [{input}]")));
-    let columns = ["measured_re", "measured_im", "std", "base_re", "base_im"];
-    header.extend(columns.map(|name| format!("{name} [{response}]")));
-    header.extend(["extended_re", "extended_im"].map(|name| format!("{name} [{response}]")));
+    let of_response = |name: &str| format!("{name} [{response}]");
+    header.extend(["measured_re", "measured_im", "std"].map(of_response));
+    header.push("std_estimated".to_owned());
+    header.extend(["base_re", "base_im", "extended_re", "extended_im"].map(of_response));
     let mut rows = vec![header];
     for experiment in &base.experiments {
         let beside = extended.and_then(|extended| {
@@ -184,7 +186,9 @@ fn comparison(base: &Comparison, extended: Option<&Comparison>) -> String {
                 order.to_string(),
             ];
             let numbers = [input[0], input[1], measured[0], measured[1], std];
-            row.extend(numbers.into_iter().chain(simulated).map(|number| cell(Some(number))));
+            row.extend(numbers.map(|number| cell(Some(number))));
+            row.push(u8::from(base.std_estimated).to_string());
+            row.extend(simulated.map(|number| cell(Some(number))));
             row.extend([0, 1].map(|part| cell(other.map(|value| value[part]))));
             rows.push(row);
         }
@@ -258,5 +262,14 @@ mod tests {
         assert_eq!(text.lines().count(), 1 + harmonics);
         let alone = comparison(&base, None);
         assert!(alone.lines().nth(1).unwrap().ends_with(",,"), "{alone}");
+        for estimated in [false, true] {
+            let base = Comparison { std_estimated: estimated, ..base.clone() };
+            let text = comparison(&base, None);
+            let mut rows = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+            let names = rows.next().unwrap();
+            let at = names.iter().position(|name| *name == "std_estimated").unwrap();
+            let expected = if estimated { "1" } else { "0" };
+            assert!(rows.all(|row| row[at] == expected && row.len() == names.len()), "{text}");
+        }
     }
 }

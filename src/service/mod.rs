@@ -56,7 +56,7 @@ pub use webhooks::{EventType, NewWebhook, Outlets, Tested, Webhook};
 use crate::store::Store;
 
 pub use servoscope_core::measurement::formats::{
-    ColumnLook, FileLook, Lack, ParseError, QUANTITIES, QuantityChoice, TableLook,
+    ColumnLook, FileLook, Lack, Look, ParseError, QUANTITIES, QuantityChoice, TableLook,
 };
 
 pub use crate::report::figures::{Format, Theme};

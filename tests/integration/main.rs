@@ -16,6 +16,7 @@ mod inspection;
 mod layers;
 mod limits;
 mod machines;
+mod mappings;
 mod measurements;
 mod measurements_of_instruments;
 mod methods;

@@ -103,6 +103,12 @@ impl Server {
         request.header("content-type", content_type).send(body).unwrap().into()
     }
 
+    pub fn put(&self, path: &str, body: &Value) -> Answer {
+        let request = self.agent.put(format!("{}{path}", self.address));
+        let request = request.header("content-type", "application/json");
+        request.send(body.to_string()).unwrap().into()
+    }
+
     /// Queues a job and gives its path.
     pub fn submit(&self, request: &Value) -> String {
         let job = self.post("/v1/jobs", "application/json", request.to_string().as_bytes());

@@ -3,8 +3,12 @@
 use sqlx::SqlSafeStr as _;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
-/// Number, what it does, and its statements; a step that was released never changes.
-const STEPS: &[(i64, &str, &str)] = &[
+/// Number, what it does, and its statements.
+type Step = (i64, &'static str, &'static str);
+
+/// A step that was released never changes. Numbers may be left out; a step with a number below those
+/// that a database has had is run, too.
+const STEPS: &[Step] = &[
     (
         1,
         "measurements and jobs",
@@ -25,16 +29,22 @@ const STEPS: &[(i64, &str, &str)] = &[
 
 /// Every step, to be run on a database of any earlier version.
 pub(super) fn all() -> Migrator {
-    let step = |&(version, description, sql): &(i64, &'static str, &'static str)| {
+    of(STEPS)
+}
+
+fn of(steps: &'static [Step]) -> Migrator {
+    let step = |&(version, description, sql): &Step| {
         let simple = MigrationType::Simple;
         Migration::new(version, description.into(), simple, sql.into_sql_str(), false)
     };
-    Migrator::with_migrations(STEPS.iter().map(step).collect())
+    Migrator::with_migrations(steps.iter().map(step).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use std::path::Path;
+
+    use sqlx::sqlite::SqlitePoolOptions;
 
     use super::*;
 
@@ -51,5 +61,19 @@ mod tests {
         };
         let listed: Vec<String> = all().iter().map(name).collect();
         assert_eq!(listed, files);
+    }
+
+    #[tokio::test]
+    async fn a_step_that_arrives_after_a_later_one_is_run_too() {
+        const ONE: Step = (1, "one", "CREATE TABLE one (x INTEGER)");
+        const TWO: Step = (2, "two", "ALTER TABLE one ADD COLUMN y INTEGER");
+        const THREE: Step = (3, "three", "CREATE TABLE three (x INTEGER)");
+        let pool = SqlitePoolOptions::new().max_connections(1);
+        let pool = pool.connect("sqlite::memory:").await.unwrap();
+        of(&[ONE, THREE]).run(&pool).await.unwrap();
+        for _ in 0..2 {
+            of(&[ONE, TWO, THREE]).run(&pool).await.unwrap();
+            sqlx::query("SELECT one.y, three.x FROM one, three").execute(&pool).await.unwrap();
+        }
     }
 }

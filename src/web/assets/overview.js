@@ -4,7 +4,9 @@ import { h, keyed, row, table } from "./dom.js";
 import { json, repeatedly, send } from "./api.js";
 import { kind, number, range, subject, time } from "./format.js";
 import { bar, chip, outcome } from "./status.js";
-import { dropZone, upload } from "./upload.js";
+import { upload } from "./files.js";
+import { dropZone } from "./upload.js";
+import { mappings } from "./mappings.js";
 
 const ACTIVE_MS = 700;
 const QUIET_MS = 4000;
@@ -67,11 +69,12 @@ export async function show({ signal, go }) {
   }
 
   const empty = welcome(go);
+  const kept = mappings(signal);
   const node = h("div", { class: "wide" },
     h("h1", {}, "Overview"),
     dropZone((measurement) => go(`/measurements/${measurement.id}`)),
-    empty, jobs.node, measurements.node);
-  const pause = await refresh();
+    empty, jobs.node, measurements.node, kept.node);
+  const [pause] = await Promise.all([refresh(), kept.refresh()]);
   let first = true;
   repeatedly(signal, async () => {
     // What was just asked for need not be asked for again.

@@ -1,38 +1,61 @@
 // Uploading a measurement by drag and drop, or from a dialog.
 
 import { announce, h } from "./dom.js";
-import { Problem, json } from "./api.js";
+import { Problem } from "./api.js";
+import { upload } from "./files.js";
+import { preview, previewForm } from "./preview.js";
 
 /// Lines shown before and after one that is wrong.
 const AROUND = 2;
 
 /// A place to drop files on. `done` gets the measurement.
 export function dropZone(done) {
-  const input = h("input", { type: "file", multiple: true, accept: ".csv,.json,.txt,.tsv,.dat,.xlsx,.uff,.unv,.58", id: "files", class: "unseen" });
+  const input = h("input", { type: "file", multiple: true, accept: ".csv,.json,.txt,.tsv,.dat,.xlsx,.uff,.unv,.58,.mat,.tdms", id: "files", class: "unseen" });
   const outcome = h("div", { role: "alert" });
+  const look = h("input", { type: "checkbox" });
+  const shown = h("div");
   const zone = h("section", { class: "drop", "aria-label": "Upload a measurement" },
     h("p", {},
       h("strong", {}, "Drop a measurement here"), " or ",
       h("label", { class: "button", for: "files" }, "choose files")),
-    h("p", { class: "small" }, "Harmonic table or time record, as instruments and spreadsheets write them: text, JSON, xlsx, universal files. Files chosen together are one measurement. ",
+    h("p", { class: "small" }, "Harmonic table or time record, as instruments and spreadsheets write them: text, JSON, xlsx, universal, MATLAB and TDMS files. Files chosen together are one measurement. ",
       h("a", { href: "/assets/example.csv", download: "sticky_axis.csv" }, "An example to look at"), "."),
-    input, outcome);
+    h("p", { class: "small" }, h("label", {}, look, " Show how it is read before it is stored")),
+    input, outcome, shown);
 
   async function take(files) {
     if (files.length === 0) return;
     outcome.replaceChildren(h("p", {}, `Reading ${files.map((file) => file.name).join(", ")} …`));
+    shown.replaceChildren();
     zone.classList.add("busy");
     try {
+      if (look.checked) return await show(files);
       const measurement = await upload(files);
       outcome.replaceChildren();
       announce("The measurement was uploaded.");
       done(measurement);
     } catch (error) {
-      outcome.replaceChildren(await explained(error, files));
+      if (error instanceof Problem && error.status === 422) await show(files, error).catch(() => {});
+      if (!shown.firstChild) outcome.replaceChildren(await explained(error, files));
     } finally {
       zone.classList.remove("busy");
       input.value = "";
     }
+  }
+
+  /// Shows how files are read; after a refusal only where something can be given to mend it.
+  async function show(files, refused) {
+    const seen = await preview(files);
+    const lacking = seen.refusal?.missing.length > 0;
+    if (refused && !lacking) return;
+    const reason = seen.refusal && h("div", { class: "refused" },
+      h("h2", {}, "Nothing is stored yet"), h("p", {}, "The file does not say everything. Fill in what is missing, and store it then."));
+    outcome.replaceChildren(...(reason ? [reason] : []));
+    shown.replaceChildren(previewForm(files, seen, done, () => {
+      shown.replaceChildren();
+      outcome.replaceChildren();
+    }));
+    shown.querySelector(".understood").scrollIntoView({ block: "nearest" });
   }
 
   input.addEventListener("change", () => take([...input.files]));
@@ -49,17 +72,6 @@ export function dropZone(done) {
     take([...event.dataTransfer.files]);
   });
   return zone;
-}
-
-/// Sends files as one measurement.
-export function upload(files) {
-  const form = new FormData();
-  for (const file of files) {
-    const type = file.name.endsWith(".json") ? "application/json" : "text/csv";
-    form.append("file", new File([file], file.name, { type }));
-  }
-  const name = files.length === 1 ? files[0].name.replace(/\.(csv|json|txt|tsv|dat|xlsx|uff|unv|58)$/, "") : "";
-  return json(`/v1/measurements${name && `?name=${encodeURIComponent(name)}`}`, { method: "POST", body: form });
 }
 
 /// What is wrong with a file, at the lines where it is.

@@ -76,7 +76,6 @@ fn read(bytes: &[u8], given: &Given) -> Result<Part, Fault> {
 }
 
 /// The longest vectors of a file, the others, and how long they are; `None` if there is no vector.
-#[expect(clippy::type_complexity, reason = "both lists are of one type")]
 fn longest(found: &[Variable]) -> Option<(Vec<Column<'_>>, Vec<Column<'_>>, usize)> {
     let columns: Vec<Column<'_>> = found.iter().flat_map(columns).collect();
     let rows = columns.iter().map(|column| column.re.len()).max().filter(|rows| *rows > 1)?;

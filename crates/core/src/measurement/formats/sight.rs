@@ -61,7 +61,7 @@ impl Sight {
         let lines: Vec<&str> = text.lines().collect();
         let Found { delimiter: mark, names: at, first } =
             found_by_names(text, delimiter).or_else(|| found_by_numbers(&lines, delimiter))?;
-        let rows = lines[first..].iter().filter(|line| is_content(line));
+        let rows = lines[first..].iter().filter(is_content);
         let mut rows: Vec<Vec<String>> = rows.take(ROWS + 1).map(|line| mark.cells(line)).collect();
         let mut units = Vec::new();
         if at.is_some() && rows.first().is_some_and(|row| are_units(row)) {

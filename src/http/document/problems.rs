@@ -1,0 +1,223 @@
+//! Which problems an operation may answer with.
+
+use std::collections::BTreeMap;
+
+use serde_json::json;
+use utoipa::openapi::example::ExampleBuilder;
+use utoipa::openapi::path::{Operation, Parameter, ParameterIn};
+use utoipa::openapi::{ContentBuilder, Ref, RefOr, ResponseBuilder};
+
+use super::Effect;
+use crate::http::problem::MEDIA_TYPE;
+
+/// A problem: its status, its type, its title and what it may say. A type that is empty is
+/// `about:blank`: the status says everything.
+struct Kind {
+    status: u16,
+    kind: &'static str,
+    title: &'static str,
+    detail: &'static str,
+}
+
+const fn kind(
+    status: u16,
+    kind: &'static str,
+    title: &'static str,
+    detail: &'static str,
+) -> Kind {
+    Kind { status, kind, title, detail }
+}
+
+const BAD_REQUEST: Kind =
+    kind(400, "", "Bad Request", "the body ends early: the connection was closed");
+const BAD_QUERY: Kind = kind(
+    400,
+    "invalid-request",
+    "Invalid request",
+    "limit: it is not a whole number from 0 on",
+);
+const MALFORMED: Kind =
+    kind(400, "malformed-json", "Malformed JSON", "the body is not JSON: expected value");
+const UNKNOWN: Kind =
+    kind(404, "unknown", "No such resource", "there is no measurement `nobody`");
+const NO_RESULT: Kind = kind(
+    404,
+    "no-result",
+    "No result",
+    "job `01a2` was cancelled and has no result; submit it again with `POST /v1/jobs`",
+);
+const NO_PLOT: Kind = kind(
+    404,
+    "no-plot",
+    "No such plot",
+    "job `01a2` has no plot `pie`: it is unknown; available: bode, residuals",
+);
+const NOT_FINISHED: Kind = kind(
+    409,
+    "not-finished",
+    "No result yet",
+    "job `01a2` is running, it has no result yet; ask `GET /v1/jobs/01a2?wait=30` until its status \
+     is `succeeded`",
+);
+const ENDED: Kind = kind(
+    409,
+    "already-ended",
+    "Already ended",
+    "job `01a2` has already succeeded; there is nothing to cancel",
+);
+const TOO_LARGE: Kind =
+    kind(413, "", "Payload Too Large", "the body is larger than 67108864 bytes as sent");
+const NOT_READ: Kind = kind(
+    415,
+    "",
+    "Unsupported Media Type",
+    "`image/png` is not read here; send application/json",
+);
+const UNREADABLE: Kind = kind(
+    422,
+    "unreadable-measurement",
+    "Unreadable measurement",
+    "axis.csv, line 4, column gain: `two` is not a number",
+);
+const INVALID: Kind = kind(
+    422,
+    "invalid-request",
+    "Invalid request",
+    "options.noise_std: -1 is not a positive number",
+);
+const KEY_REUSED: Kind = kind(
+    422,
+    "idempotency-key-reused",
+    "Idempotency key reused",
+    "the idempotency key `7` was used before for another request; use a new key",
+);
+const UNINSPECTED: Kind = kind(
+    422,
+    "uninspected",
+    "Measurement cannot be inspected",
+    "the measurement cannot be inspected: it has no experiment",
+);
+const INTERNAL: Kind = kind(
+    500,
+    "internal",
+    "Internal error",
+    "an internal error stopped the request; the log says more under the reference",
+);
+const NO_DATABASE: Kind = kind(
+    503,
+    "internal",
+    "Internal error",
+    "the database does not answer as it should; the log says more under the reference",
+);
+const NO_ROOM: Kind = kind(
+    507,
+    "internal",
+    "Internal error",
+    "the disk is full, or the database as large as it may be; the log says more under the reference",
+);
+
+/// The problems of single operations.
+const OWN: &[(&str, &[&Kind])] = &[
+    ("add_measurement", &[&UNREADABLE, &INVALID, &KEY_REUSED]),
+    ("preview_measurement", &[&INVALID]),
+    ("get_measurement_csv", &[&UNREADABLE]),
+    ("get_measurement_json", &[&UNREADABLE]),
+    ("get_measurement_figure", &[&UNREADABLE]),
+    ("inspect_measurement", &[&UNREADABLE, &UNINSPECTED]),
+    ("list_measurements", &[&INVALID]),
+    ("list_jobs", &[&INVALID]),
+    ("submit_job", &[&UNKNOWN, &KEY_REUSED]),
+    ("get_result", &[&NOT_FINISHED, &NO_RESULT]),
+    ("get_parameters_csv", &[&NOT_FINISHED, &NO_RESULT]),
+    ("get_comparison_csv", &[&NOT_FINISHED, &NO_RESULT, &NO_PLOT, &UNREADABLE]),
+    ("get_plot", &[&NOT_FINISHED, &NO_RESULT, &NO_PLOT]),
+    ("get_report", &[&NOT_FINISHED, &NO_RESULT]),
+    ("cancel_job", &[&ENDED]),
+    ("follow_job", &[&BAD_REQUEST]),
+    ("validate", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT, &UNREADABLE]),
+    ("get_history_figure", &[&UNKNOWN]),
+];
+
+/// Puts every status of an error, with its types of problem, in place of what the handlers say.
+pub(super) fn declare(path: &str, effect: &Effect, operation: &mut Operation) {
+    let responses = &mut operation.responses.responses;
+    let is_error = |status: &str| status.starts_with(['4', '5']);
+    let said = responses.iter().find_map(|(status, response)| match response {
+        RefOr::T(response) if is_error(status) => Some(response.description.clone()),
+        _ => None,
+    });
+    responses.retain(|status, _| !is_error(status));
+    let mut by_status: BTreeMap<u16, Vec<&Kind>> = BTreeMap::new();
+    for kind in kinds(path, effect, operation) {
+        let known = by_status.entry(kind.status).or_default();
+        if known.iter().all(|other| other.kind != kind.kind) {
+            known.push(kind);
+        }
+    }
+    // What a handler says of its errors is not of a single status.
+    if let Some(said) = said.filter(|said| !said.is_empty()) {
+        let more = operation.description.get_or_insert_default();
+        let gap = if more.is_empty() { "" } else { "\n\n" };
+        more.push_str(&format!("{gap}Errors: {said}."));
+    }
+    for (status, kinds) in by_status {
+        let response = response(&kinds);
+        operation.responses.responses.insert(status.to_string(), RefOr::T(response));
+    }
+}
+
+fn kinds(path: &str, effect: &Effect, operation: &Operation) -> Vec<&'static Kind> {
+    let id = operation.operation_id.as_deref().unwrap_or_default();
+    if matches!(id, "ready" | "metrics") {
+        return vec![&NO_DATABASE];
+    }
+    if !path.starts_with("/v1/") {
+        return Vec::new();
+    }
+    let parameters = operation.parameters.iter().flatten();
+    let has = |place: ParameterIn| {
+        let mut places = parameters.clone().filter_map(|parameter| match parameter {
+            RefOr::T(Parameter { parameter_in, .. }) => Some(parameter_in),
+            RefOr::Ref(_) => None,
+        });
+        places.any(|of| *of == place)
+    };
+    let mut kinds: Vec<&Kind> = vec![&INTERNAL, &NO_DATABASE];
+    if has(ParameterIn::Path) && id != "put_mapping" {
+        kinds.push(&UNKNOWN);
+    }
+    if has(ParameterIn::Query) {
+        kinds.push(&BAD_QUERY);
+    }
+    if let Some(RefOr::T(body)) = &operation.request_body {
+        kinds.extend([&BAD_REQUEST, &TOO_LARGE, &NOT_READ]);
+        if body.content.len() == 1 {
+            kinds.extend([&MALFORMED, &INVALID]);
+        }
+    }
+    if matches!(effect, Effect::Writes) {
+        kinds.push(&NO_ROOM);
+    }
+    let own = OWN.iter().find(|(of, _)| *of == id);
+    kinds.extend(own.into_iter().flat_map(|(_, own)| own.iter().copied()));
+    kinds
+}
+
+fn response(kinds: &[&Kind]) -> utoipa::openapi::Response {
+    let mut content = ContentBuilder::new().schema(Some(Ref::from_schema_name("Problem")));
+    let mut titles: Vec<&str> = Vec::new();
+    for Kind { status, kind, title, detail } in kinds {
+        let (name, kind) = match *kind {
+            "" => ("about-blank", "about:blank".to_owned()),
+            kind => (kind, format!("urn:servoscope:problem:{kind}")),
+        };
+        let value = json!({"type": kind, "title": title, "status": status, "detail": detail});
+        let example = ExampleBuilder::new().summary(format!("{title}: `{kind}`")).value(Some(value));
+        content = content.examples_from_iter([(name, example.build())]);
+        titles.push(title);
+    }
+    ResponseBuilder::new()
+        .description(titles.join("; "))
+        .content(MEDIA_TYPE, content.build())
+        .build()
+}

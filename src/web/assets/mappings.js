@@ -1,0 +1,68 @@
+// Mappings: how files of one layout are read, kept under a name.
+
+import { announce, confirmed, h, row, table } from "./dom.js";
+import { json, remove, send } from "./api.js";
+import { time } from "./format.js";
+
+const path = (name) => `/v1/mappings/${encodeURIComponent(name)}`;
+
+/// A field for the name under which a mapping is kept; `made` says what it is.
+export function keep(made, name) {
+  const field = h("input", { name: "mapping_name", autocomplete: "off", value: name ?? "", maxlength: 64 });
+  const outcome = h("span", { class: "small", role: "status" });
+  const button = h("button", { type: "button", onclick: () => store().catch(refuse) }, "Keep it");
+  // The name says nothing of how the file is read.
+  field.addEventListener("change", (event) => event.stopPropagation());
+  const node = h("fieldset", { class: "keep" },
+    h("legend", {}, "Keep this for the next file of this layout"),
+    h("p", { class: "actions" }, h("label", {}, "Name ", field), button, outcome));
+
+  function refuse(error) {
+    field.setAttribute("aria-invalid", "true");
+    outcome.className = "small wrong";
+    outcome.textContent = error.message;
+  }
+
+  /// Stores the mapping if it has a name.
+  async function store() {
+    const name = field.value.trim();
+    field.removeAttribute("aria-invalid");
+    if (!name) return;
+    const { layout, settings } = made();
+    await send(path(name), { layout, settings }, { method: "PUT" });
+    outcome.className = "small";
+    outcome.replaceChildren("Kept as ", toml(name), layout ? "; used by itself for the next file of this layout." : "; the file has no column names to know it by, so name it as mapping.");
+    announce(`The mapping ${name} is kept.`);
+  }
+  return { node, store };
+}
+
+function toml(name) {
+  return h("a", { href: `${path(name)}/mapping.toml`, download: `${name}.toml` }, `${name}.toml`);
+}
+
+/// The mappings that are kept; hidden where there are none.
+export function mappings(signal) {
+  const part = table("", ["Name", "What is given", "Kept", { text: "", class: "end" }], [], "list");
+  const node = h("section", { hidden: true, id: "mappings", "aria-labelledby": "mappings-title" },
+    h("div", { class: "tools" }, h("h2", { id: "mappings-title" }, "Mappings")), part);
+
+  async function refresh() {
+    const { items } = await json("/v1/mappings", { signal });
+    part.querySelector("tbody").replaceChildren(...items.map((mapping) => row([
+      mapping.name,
+      h("span", { class: "small" }, Object.entries(mapping.settings).map(([key, value]) => `${key} = ${value}`).join("; ")),
+      { content: time(mapping.updated_at), class: "time" },
+      { content: [toml(mapping.name), " ", h("button", { class: "danger", "aria-label": `Delete the mapping ${mapping.name}`, onclick: () => erase(mapping.name) }, "Delete")], class: "end" },
+    ])));
+    node.hidden = items.length === 0;
+  }
+
+  async function erase(name) {
+    if (!await confirmed(`Delete the mapping ${name}? Measurements that were read with it stay.`, "Delete")) return;
+    await remove(path(name));
+    announce(`The mapping ${name} is deleted.`);
+    await refresh();
+  }
+  return { node, refresh };
+}

@@ -1,0 +1,134 @@
+// A file that does not say everything: seen, named, kept, and read by itself the next time.
+
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { createRequire } from "node:module";
+import { test } from "node:test";
+
+import { drop, overflows, picture } from "./page.mjs";
+import { STICKY, simulated } from "./server.mjs";
+import { stage } from "./stage.mjs";
+
+const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const { server, visit } = stage();
+
+/// A record under names that nobody knows, with a column of words.
+function foreign(amplitude = 1) {
+  const rows = Array.from({ length: 400 }, (_, n) => {
+    const angle = (2 * Math.PI * n) / 50;
+    return [n, (amplitude * Math.cos(angle)).toFixed(5), "on", Math.cos(angle - 0.5).toFixed(5)].join(";").replaceAll(".", ",");
+  });
+  return ["Rig 7", "", "tick;chan a;state;chan b", ...rows, ""].join("\n");
+}
+
+/// A gain in dB, of which it is not said what response and magnitude are.
+const BODE = ["Frequency (Hz),Magnitude (dB),Phase (deg)", ...Array.from({ length: 12 }, (_, n) => `${n + 1},${-n},${-10 * n}`), ""].join("\n");
+
+/// The browser itself notes that the server refused.
+const forgive = (page) => (page.wrong = page.wrong.filter((text) => !text.includes("422")));
+const measured = async () => (await (await fetch(`${server.address}/v1/measurements`)).json()).items;
+
+async function faults(page) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  return violations.filter(({ impact }) => ["serious", "critical"].includes(impact))
+    .map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join(" | ")}`);
+}
+
+/// Says what the columns of the foreign record are.
+async function named(page) {
+  for (const [column, quantity, unit] of [["tick", "time", "ms"], ["chan a", "input: current", "A"], ["chan b", "response: position", "mm"]]) {
+    await page.getByLabel(`What ${column} is`).selectOption({ label: quantity });
+    await page.getByLabel(`Unit of ${column}`).fill(unit);
+    await page.getByLabel(`Unit of ${column}`).press("Tab");
+  }
+  await page.getByText("This is understood").waitFor();
+}
+
+test("a file of unknown columns is shown, named and kept, and the next one needs nothing", async () => {
+  const page = await visit("/");
+  await drop(page, "rig.txt", foreign());
+  await page.getByText("Not yet understood").waitFor();
+  await picture(page, "40-preview-asked");
+  const store = page.getByRole("button", { name: "Store it" });
+  assert.equal(await store.isEnabled(), false);
+  assert.equal((await measured()).length, 0);
+  assert.equal(await page.locator(".rows tbody tr").count(), 20);
+  assert.match(await page.locator(".rows caption").textContent(), /between semicolons; a decimal comma; the table begins at line 3/);
+  assert.match(await page.locator(".understood").textContent(), /say below what each column is/);
+  await named(page);
+  assert.match(await page.locator(".understood").textContent(), /from current \(A\) to position \(mm\), at 1 A and 20 Hz/);
+  await page.getByRole("textbox", { name: "Name" }).fill("rig 7");
+  await page.getByRole("button", { name: "Keep it" }).click();
+  const waiting = page.waitForEvent("download");
+  await page.getByRole("link", { name: "rig 7.toml" }).click();
+  assert.equal(await readFile(await (await waiting).path(), "utf8"), 'column_names = "Time (ms); Current (A); ; Position (mm)"\n');
+  await picture(page, "41-preview-named");
+  await store.click();
+  await page.getByRole("heading", { name: "Start a job" }).waitFor();
+  forgive(page);
+
+  await page.getByRole("link", { name: "Overview" }).first().click();
+  await drop(page, "next.txt", foreign(2));
+  await page.getByRole("heading", { name: "Start a job" }).waitFor();
+  await page.getByText("the stored mapping `rig 7` is used").waitFor();
+  assert.equal((await measured()).length, 2);
+});
+
+test("what a response and a magnitude are is asked for by name", async () => {
+  const page = await visit("/");
+  await drop(page, "bode.csv", BODE);
+  await page.getByText("Not yet understood").waitFor();
+  for (const [field, value] of [["Response Kind and unit", "velocity rad/s"], ["Magnitude of the input", "0.5"]]) {
+    const one = page.getByLabel(field);
+    assert.equal(await one.getAttribute("aria-invalid"), "true");
+    await one.fill(value);
+    await one.press("Tab");
+  }
+  await page.getByText("This is understood").waitFor();
+  await picture(page, "42-preview-bode");
+  await page.getByRole("button", { name: "Store it" }).click();
+  await page.getByRole("heading", { name: "Start a job" }).waitFor();
+  forgive(page);
+});
+
+test("a file that is understood is shown before it is stored where that is asked for", async () => {
+  const before = (await measured()).length;
+  const page = await visit("/");
+  await page.getByLabel("Show how it is read before it is stored").check();
+  await drop(page, "sticky.csv", simulated(STICKY));
+  await page.getByText("This is understood").waitFor();
+  await picture(page, "43-preview-understood");
+  assert.equal((await measured()).length, before);
+  assert.equal(await page.getByLabel("What omega_rad_s is").inputValue(), "frequency");
+  await page.getByRole("button", { name: "Leave it" }).click();
+  assert.equal(await page.locator(".preview").count(), 0);
+  await drop(page, "sticky.csv", simulated(STICKY));
+  await page.getByRole("button", { name: "Store it" }).click();
+  await page.getByRole("heading", { name: "Start a job" }).waitFor();
+  assert.equal((await measured()).length, before + 1);
+});
+
+test("nothing keeps anybody from a preview, in either colour scheme or on a phone", async () => {
+  for (const options of [{ colorScheme: "light" }, { colorScheme: "dark" }, { viewport: { width: 390, height: 844 } }]) {
+    const page = await visit("/", options);
+    await drop(page, "other.txt", foreign().replace("chan b", "chan c"));
+    await page.getByText("Not yet understood").waitFor();
+    await page.evaluate(() => document.querySelectorAll("details").forEach((section) => (section.open = true)));
+    assert.deepEqual(await faults(page), []);
+    assert.ok(!await overflows(page), "the preview is too wide");
+    await picture(page, `44-preview-${options.colorScheme ?? "phone"}`, { fullPage: true });
+    const unnamed = await page.locator(".preview button, .preview input, .preview select").evaluateAll((all) =>
+      all.filter((one) => !(one.textContent.trim() && one.tagName === "BUTTON" || one.ariaLabel || one.labels?.length)).map((one) => one.outerHTML));
+    assert.deepEqual(unnamed, []);
+    forgive(page);
+  }
+});
+
+test("a mapping is deleted where mappings are listed", async () => {
+  const page = await visit("/");
+  await page.getByRole("button", { name: "Delete the mapping rig 7" }).click();
+  await page.getByRole("dialog").getByRole("button", { name: "Delete" }).click();
+  await page.locator("#mappings").waitFor({ state: "hidden" });
+  assert.deepEqual((await (await fetch(`${server.address}/v1/mappings`)).json()).items, []);
+});

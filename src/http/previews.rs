@@ -204,11 +204,8 @@ impl From<ParseError> for Refusal {
     fn from(error: ParseError) -> Self {
         let detail = error.to_string();
         let ParseError { file, line, column, lacks, .. } = error;
-        let missing = |lack: Lack| Missing {
-            how: lack.to_string(),
-            key: lack.key,
-            example: lack.example,
-        };
+        let missing =
+            |lack: Lack| Missing { how: lack.to_string(), key: lack.key, example: lack.example };
         Self { detail, file, line, column, missing: lacks.into_iter().map(missing).collect() }
     }
 }

@@ -69,12 +69,7 @@ impl UploadQuery {
             ("inverted", self.inverted),
         ];
         let given = given.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?)));
-        Upload {
-            name: self.name,
-            given: given.collect(),
-            mapping: self.mapping,
-            files: Vec::new(),
-        }
+        Upload { name: self.name, given: given.collect(), mapping: self.mapping, files: Vec::new() }
     }
 }
 

@@ -121,7 +121,9 @@ fn unknown(error: ServiceError, name: &str) -> ServiceError {
     match error {
         ServiceError::Unknown { .. } => ServiceError::Request {
             member: "mapping".into(),
-            reason: format!("there is no mapping `{name}`; `GET /v1/mappings` lists those there are"),
+            reason: format!(
+                "there is no mapping `{name}`; `GET /v1/mappings` lists those there are"
+            ),
         },
         other => other,
     }

@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use super::{
     Beat, Cancelling, ConvergencePoint, EndedRow, FileRow, IdempotencyKey, Inserted, JobFilter,
-    Lease, MAX_ATTEMPTS, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, QueueState,
-    Recovered, ResultFilter, Sqlite, Status, Store, StoreError,
+    Lease, MAX_ATTEMPTS, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page,
+    QueueState, Recovered, ResultFilter, Sqlite, Status, Store, StoreError,
 };
 use lists::*;
 use outbox::*;

@@ -24,8 +24,8 @@ pub use error::StoreError;
 pub use outbox::{DeliveryRow, DueRow, EventRow, NewDeliveryRow, Outbox, Settled, WebhookRow};
 pub use rows::{
     AxisRow, ConvergencePoint, EndedRow, Expired, FileRow, IdempotencyKey, Inserted, JobFilter,
-    JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page, QueueState,
-    ResultFilter, Status, StoredResult,
+    JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page,
+    QueueState, ResultFilter, Status, StoredResult,
 };
 pub use sqlite::Sqlite;
 

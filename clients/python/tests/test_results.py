@@ -77,14 +77,22 @@ def test_the_friction_curve_starts_at_the_level_and_rises_by_the_damping(
 def test_the_fastest_motion_is_that_of_the_record(diagnosis: Diagnosis) -> None:
     assert diagnosis.comparison
     assert diagnosis.comparison.quantities == Quantities("$A<b>", "velocity", "rad/s")
+    assert not diagnosis.comparison.std_estimated
     assert 5.0 < diagnosis.comparison.fastest() < 6.5
 
 
 def test_units_of_the_velocity_follow_from_the_response() -> None:
-    said = "# input: force N\n# response: {}\nmagnitude\n"
+    def said(kind: str, unit: str) -> dict[str, object]:
+        return {"response": {"name": kind, "unit": unit}, "response_kind": kind}
+
     units = [
-        Quantities.of(said.format(response)).velocity_unit
-        for response in ("velocity mm/s", "position mm", "acceleration m/s²", "position")
+        Quantities.of(said(kind, unit)).velocity_unit
+        for kind, unit in (
+            ("velocity", "mm/s"),
+            ("position", "mm"),
+            ("acceleration", "m/s²"),
+            ("position", ""),
+        )
     ]
     assert units == ["mm/s", "mm/s", "(m/s²)·s", ""]
 

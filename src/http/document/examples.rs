@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde_json::{Value, json};
 use servoscope_core::answers::{
-    ConvergenceRow, DetectableEffect, Detectability, EffectSize, HistoryRow, IdentifyOptions,
+    ConvergenceRow, Detectability, DetectableEffect, EffectSize, HistoryRow, IdentifyOptions,
     Inspection, JobKind, Method, NoiseSource, PlantRequest, Progress, ResultRow, SizedParameter,
     Verdict, sample,
 };
@@ -207,12 +207,9 @@ fn preview() -> Value {
 
 fn inspection() -> Inspection {
     let size = |value: f64| EffectSize {
-        parameters: [(
-            "fs_plus".to_owned(),
-            SizedParameter { value, unit: "A".into() },
-        )]
-        .into_iter()
-        .collect(),
+        parameters: [("fs_plus".to_owned(), SizedParameter { value, unit: "A".into() })]
+            .into_iter()
+            .collect(),
         set_by: vec!["fs_plus".into()],
         change: 0.004,
     };

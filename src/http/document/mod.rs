@@ -98,12 +98,16 @@ mod tests {
         assert!(all(&document).len() > 30);
         for (name, operation) in all(&document) {
             let body = &operation["requestBody"]["content"];
-            let answers = members(&operation["responses"]).filter(|(status, _)| *status < &"300".to_owned());
+            let answers =
+                members(&operation["responses"]).filter(|(status, _)| *status < &"300".to_owned());
             let answers = answers.flat_map(|(_, answer)| members(&answer["content"]));
             for (media_type, content) in members(body).chain(answers) {
                 assert!(content["schema"].is_object(), "{name}, {media_type}: no type");
                 let shown = content.get("example").is_some_and(|example| !example.is_null());
-                assert!(shown || BYTES.contains(&media_type.as_str()), "{name}, {media_type}: no example");
+                assert!(
+                    shown || BYTES.contains(&media_type.as_str()),
+                    "{name}, {media_type}: no example"
+                );
             }
         }
     }

@@ -19,27 +19,17 @@ struct Kind {
     detail: &'static str,
 }
 
-const fn kind(
-    status: u16,
-    kind: &'static str,
-    title: &'static str,
-    detail: &'static str,
-) -> Kind {
+const fn kind(status: u16, kind: &'static str, title: &'static str, detail: &'static str) -> Kind {
     Kind { status, kind, title, detail }
 }
 
 const BAD_REQUEST: Kind =
     kind(400, "", "Bad Request", "the body ends early: the connection was closed");
-const BAD_QUERY: Kind = kind(
-    400,
-    "invalid-request",
-    "Invalid request",
-    "limit: it is not a whole number from 0 on",
-);
+const BAD_QUERY: Kind =
+    kind(400, "invalid-request", "Invalid request", "limit: it is not a whole number from 0 on");
 const MALFORMED: Kind =
     kind(400, "malformed-json", "Malformed JSON", "the body is not JSON: expected value");
-const UNKNOWN: Kind =
-    kind(404, "unknown", "No such resource", "there is no measurement `nobody`");
+const UNKNOWN: Kind = kind(404, "unknown", "No such resource", "there is no measurement `nobody`");
 const NO_RESULT: Kind = kind(
     404,
     "no-result",
@@ -67,12 +57,8 @@ const ENDED: Kind = kind(
 );
 const TOO_LARGE: Kind =
     kind(413, "", "Payload Too Large", "the body is larger than 67108864 bytes as sent");
-const NOT_READ: Kind = kind(
-    415,
-    "",
-    "Unsupported Media Type",
-    "`image/png` is not read here; send application/json",
-);
+const NOT_READ: Kind =
+    kind(415, "", "Unsupported Media Type", "`image/png` is not read here; send application/json");
 const UNREADABLE: Kind = kind(
     422,
     "unreadable-measurement",
@@ -212,7 +198,8 @@ fn response(kinds: &[&Kind]) -> utoipa::openapi::Response {
             kind => (kind, format!("urn:servoscope:problem:{kind}")),
         };
         let value = json!({"type": kind, "title": title, "status": status, "detail": detail});
-        let example = ExampleBuilder::new().summary(format!("{title}: `{kind}`")).value(Some(value));
+        let example =
+            ExampleBuilder::new().summary(format!("{title}: `{kind}`")).value(Some(value));
         content = content.examples_from_iter([(name, example.build())]);
         titles.push(title);
     }

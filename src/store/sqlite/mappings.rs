@@ -5,10 +5,7 @@ use sqlx::{SqliteConnection, SqlitePool};
 use crate::store::MappingRow;
 
 /// Stores a mapping; `false`: in place of one of its name.
-pub(super) async fn put(
-    connection: &mut SqliteConnection,
-    row: &MappingRow,
-) -> sqlx::Result<bool> {
+pub(super) async fn put(connection: &mut SqliteConnection, row: &MappingRow) -> sqlx::Result<bool> {
     let known: bool = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM mappings WHERE name = ?1)")
         .bind(&row.name)
         .fetch_one(&mut *connection)

@@ -23,8 +23,8 @@ use sqlx::{SqlitePool, Transaction};
 
 use super::{
     AxisRow, Beat, Cancelling, ConvergencePoint, Expired, FileRow, IdempotencyKey, Inserted,
-    JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page,
-    QueueState, Recovered, ResultFilter, Store, StoreError, StoredResult,
+    JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow, Outcome,
+    Page, QueueState, Recovered, ResultFilter, Store, StoreError, StoredResult,
 };
 
 /// How long a writer waits for another one before it gives up.

@@ -29,7 +29,7 @@ export function columnsForm(table, { quantities, refusal }, file) {
     return { title, used_as, select, measure, units };
   });
   const choices = columns.map(({ used_as, select, measure, units }) =>
-    h("td", { class: !used_as && !select.value && "unknown" }, select, measure, units));
+    h("td", { class: refusal && !used_as && !select.value && "unknown" }, select, measure, units));
   const node = h("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": `The first rows of ${file}` },
     h("table", { class: "rows" },
       h("caption", {}, about(table, file)),

@@ -7,8 +7,8 @@ import { time } from "./format.js";
 const path = (name) => `/v1/mappings/${encodeURIComponent(name)}`;
 
 /// A field for the name under which a mapping is kept; `made` says what it is.
-export function keep(made, name) {
-  const field = h("input", { name: "mapping_name", autocomplete: "off", value: name ?? "", maxlength: 64 });
+export function keep(made) {
+  const field = h("input", { name: "mapping_name", autocomplete: "off", maxlength: 64 });
   const outcome = h("span", { class: "small", role: "status" });
   const button = h("button", { type: "button", onclick: () => store().catch(refuse) }, "Keep it");
   // The name says nothing of how the file is read.

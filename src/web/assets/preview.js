@@ -46,7 +46,7 @@ export function previewForm(files, first, done, stopped) {
   const wanted = Object.keys(SETTINGS).filter((key) => missing.has(key));
   const others = Object.keys(SETTINGS).filter((key) => !missing.has(key));
   const store = h("button", { class: "primary" }, "Store it");
-  const kept = keep(() => ({ layout: seen.layout, settings: settings() }), first.mapping);
+  const kept = keep(() => ({ layout: seen.layout, settings: settings() }));
   const form = h("form", { class: "preview", novalidate: true, "aria-label": "How the file is read", onchange: changed },
     said,
     columns?.node,
@@ -92,7 +92,6 @@ export function previewForm(files, first, done, stopped) {
     asking.abort();
     asking = new AbortController();
     const { signal } = asking;
-    store.disabled = true;
     try {
       const answer = await preview(files, settings(), signal);
       if (signal.aborted) return;

@@ -7,6 +7,7 @@ import io
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,12 +34,11 @@ class Quantities:
     response_unit: str = ""
 
     @classmethod
-    def of(cls, text: str) -> Quantities:
-        """Read the lines ahead of the column names of a measurement's data."""
-        stated = dict(re.findall(r"^# (input|response): *(.*)$", text, flags=re.MULTILINE))
-        _, _, input_unit = stated.get("input", "").partition(" ")
-        kind, _, response_unit = stated.get("response", "").partition(" ")
-        return cls(input_unit.strip(), kind or "velocity", response_unit.strip())
+    def of(cls, measurement: dict[str, Any]) -> Quantities:
+        """Read the server's answer; one that was stored by an older server says nothing."""
+        source, response = measurement.get("input") or {}, measurement.get("response") or {}
+        kind = measurement.get("response_kind") or "velocity"
+        return cls(source.get("unit", ""), kind, response.get("unit", ""))
 
     @property
     def velocity_unit(self) -> str:
@@ -65,6 +65,8 @@ class Comparison:
         input: Amplitude of the input.
         measured: Amplitude of the response.
         std: Standard deviation of its real and of its imaginary part.
+        std_estimated: Whether `std` is estimated from the residual; otherwise the measurement
+            states it or has repeats.
         base: Amplitude by the base model.
         extended: Amplitude by the model with the causes; NaN where there is none.
     """
@@ -77,6 +79,7 @@ class Comparison:
     input: Complexes
     measured: Complexes
     std: Floats
+    std_estimated: bool
     base: Complexes
     extended: Complexes
 
@@ -100,6 +103,7 @@ class Comparison:
             input=amplitude("u"),
             measured=amplitude("measured"),
             std=column["std"],
+            std_estimated=bool(column["std_estimated"].any()),
             base=amplitude("base"),
             extended=amplitude("extended"),
         )

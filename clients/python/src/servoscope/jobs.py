@@ -133,12 +133,12 @@ def result_of(job: JobState, give_up_after_s: float) -> Steps[Result]:
 
     answer = yield from send(get(f"{_path(job.id)}/result"), give_up_after_s)
     table = yield from send_if_there(get(f"{_path(job.id)}/comparison.csv"), give_up_after_s)
-    data = yield from send_if_there(
-        get(f"/v1/measurements/{job.measurement_id}/data.csv"), give_up_after_s
+    measured = yield from send_if_there(
+        get(f"/v1/measurements/{job.measurement_id}"), give_up_after_s
     )
     comparison = None
-    if table is not None and data is not None:
-        comparison = Comparison.of(table.text, Quantities.of(data.text))
+    if table is not None and measured is not None:
+        comparison = Comparison.of(table.text, Quantities.of(measured.json()))
     return read_result(answer.json(), comparison)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from .comparison import Quantities
 from .html import table
 
 #: Notes that a notebook shows.
@@ -23,6 +24,9 @@ class Measurement:
         highest_harmonic: Highest harmonic of any experiment.
         magnitude_range: Smallest and largest magnitude, in the unit of the input.
         omega_range_rad_s: Lowest and highest fundamental, rad/s.
+        input_unit: Unit of the input; empty if the measurement does not say.
+        response_kind: ``"velocity"``, ``"position"`` or ``"acceleration"``.
+        response_unit: Unit of the response; empty if the measurement does not say.
         notes: How the server understood the files. Read them once.
         raw: The whole answer of the server.
     """
@@ -33,6 +37,9 @@ class Measurement:
     highest_harmonic: int
     magnitude_range: tuple[float, float]
     omega_range_rad_s: tuple[float, float]
+    input_unit: str
+    response_kind: str
+    response_unit: str
     notes: list[str]
     raw: dict[str, Any] = field(repr=False, compare=False)
 
@@ -41,6 +48,7 @@ class Measurement:
         """Read the server's answer."""
         low, high = raw["magnitude_range"]
         slow, fast = raw["omega_range_rad_s"]
+        quantities = Quantities.of(raw)
         return cls(
             id=raw["id"],
             name=raw.get("name"),
@@ -48,6 +56,9 @@ class Measurement:
             highest_harmonic=raw["highest_harmonic"],
             magnitude_range=(low, high),
             omega_range_rad_s=(slow, fast),
+            input_unit=quantities.input_unit,
+            response_kind=quantities.response_kind,
+            response_unit=quantities.response_unit,
             notes=raw["notes"],
             raw=raw,
         )
@@ -58,7 +69,8 @@ class Measurement:
             ("machine, axis", " ".join(filter(None, map(self.raw.get, ("machine", "axis"))))),
             ("experiments", str(self.experiments)),
             ("harmonics", f"up to {self.highest_harmonic}"),
-            ("magnitudes", "{:g} to {:g}".format(*self.magnitude_range)),
+            ("response", " ".join(filter(None, (self.response_kind, self.response_unit)))),
+            ("magnitudes", "{:g} to {:g} {}".format(*self.magnitude_range, self.input_unit)),
             ("fundamentals", "{:g} to {:g} rad/s".format(*self.omega_range_rad_s)),
             *(("note", note) for note in self.notes[:_MOST_NOTES]),
         ]

@@ -97,7 +97,7 @@ class UploadSettings(TypedDict, total=False):
     averages: averages behind each coherence. sample_s: seconds between samples, for a record
     without times. decimal: ``"comma"`` or ``"point"``. column_names: names of the columns
     between semicolons. sheet: sheet of a workbook. inverted: whether the response has the
-    opposite sign. machine, axis, operator, measured_at, labels: by which lists are filtered.
+    opposite sign. mapping: name of a stored mapping, which fills in what is not said. machine, axis, operator, measured_at, labels: by which lists are filtered.
     """
 
     name: str
@@ -115,6 +115,7 @@ class UploadSettings(TypedDict, total=False):
     column_names: str
     sheet: str
     inverted: bool
+    mapping: str
     machine: str
     axis: str
     operator: str

@@ -65,7 +65,13 @@ pub(super) fn join(
         }
     }
     let file = sources.first().map_or("upload", |source| source.name);
-    let fault = |reason| ParseError { file: file.to_owned(), line: None, column: None, reason, lacks: Vec::new() };
+    let fault = |reason| ParseError {
+        file: file.to_owned(),
+        line: None,
+        column: None,
+        reason,
+        lacks: Vec::new(),
+    };
     if !experiments.is_empty() && !transients.is_empty() {
         return Err(fault(format!(
             "{} of {} experiments have a period and the others have none: give period_s where it \

@@ -110,12 +110,12 @@ mod xlsx;
 pub use fault::ParseError;
 pub use given::Given;
 pub use lack::Lack;
-pub use look::{ColumnLook, FileLook, Look, TableLook, look};
-pub use quantities::{QUANTITIES, QuantityChoice};
 pub use limits::{
     MAX_CELLS_IN_ROW, MAX_COLUMNS, MAX_HARMONIC, MAX_INDEX, MAX_INPUT_LINES, MAX_NAME,
     MAX_NAMES_LINE, MAX_ROWS, MAX_SETTLE_PERIODS, MAX_UNPACKED, MAX_UNPACKED_STRINGS,
 };
+pub use look::{ColumnLook, FileLook, Look, TableLook, look};
+pub use quantities::{QUANTITIES, QuantityChoice};
 pub use source::Source;
 pub use write::write_harmonic_csv;
 

@@ -187,9 +187,8 @@ fn names_delimiter(line: &str, stated: Option<Delimiter>, first: bool) -> Option
 fn row_delimiter(line: &str, stated: Option<Delimiter>, names: &[String]) -> Option<Delimiter> {
     Delimiter::ALL.into_iter().filter(|d| stated.is_none_or(|stated| stated == *d)).find(|d| {
         let cells = d.cells(line);
-        let used = cells.iter().zip(names).filter(|(cell, name)| {
-            !cell.is_empty() && !name.is_empty()
-        });
+        let used =
+            cells.iter().zip(names).filter(|(cell, name)| !cell.is_empty() && !name.is_empty());
         let mut used = used.map(|(cell, _)| cell).peekable();
         cells.len() == names.len() && used.peek().is_some() && used.all(|cell| is_number(cell))
     })

@@ -161,7 +161,8 @@ fn found_by_numbers(lines: &[&str], delimiter: Option<Delimiter>) -> Option<Foun
         let words = cells.iter().filter(|cell| !cell.is_empty());
         cells.len() == count && words.clone().count() > 0 && !words.clone().any(|c| is_number(c))
     };
-    let mut above = (0..first).rev().filter(|at| is_content(&&lines[*at])).take_while(|at| fits(*at));
+    let mut above =
+        (0..first).rev().filter(|at| is_content(&&lines[*at])).take_while(|at| fits(*at));
     let (nearest, next) = (above.next(), above.next());
     let names = match (nearest, next) {
         (Some(units), Some(names)) if are_units(&delimiter.cells(lines[units])) => Some(names),
@@ -187,7 +188,8 @@ mod tests {
 
     #[test]
     fn a_table_of_unknown_names_begins_where_its_numbers_do() {
-        let seen = of("Rig 7\nstarted; by hand\n\nt_rel;chan a;chan b\n[ms];[A];\n0;1,5;x\n1;2,5;y\n");
+        let seen =
+            of("Rig 7\nstarted; by hand\n\nt_rel;chan a;chan b\n[ms];[A];\n0;1,5;x\n1;2,5;y\n");
         assert_eq!(seen.names, ["t_rel", "chan a", "chan b"]);
         assert_eq!(seen.units, ["ms", "A", ""]);
         assert_eq!(seen.rows, [["0", "1,5", "x"], ["1", "2,5", "y"]]);

@@ -36,14 +36,16 @@ fn a_file_that_is_understood_shows_what_each_column_is_used_as() {
     let text = "Zeit [ms];Motorstrom (A);Ist-Position [mm];Colour\n0;1,5;2,5;3\n1;1,5;2,5;3\n";
     let seen = table(text, "");
     let columns = seen.columns.iter();
-    let columns: Vec<_> =
-        columns.map(|c| (c.quantity, c.unit.as_str(), c.used_as)).collect();
-    assert_eq!(columns, [
-        (Some("time"), "ms", Some("time_s")),
-        (Some("current"), "A", Some("input")),
-        (Some("position"), "mm", Some("output")),
-        (None, "", None),
-    ]);
+    let columns: Vec<_> = columns.map(|c| (c.quantity, c.unit.as_str(), c.used_as)).collect();
+    assert_eq!(
+        columns,
+        [
+            (Some("time"), "ms", Some("time_s")),
+            (Some("current"), "A", Some("input")),
+            (Some("position"), "mm", Some("output")),
+            (None, "", None),
+        ]
+    );
     assert_eq!((seen.delimiter, seen.decimal), (Some("semicolons"), Some("comma")));
     assert_eq!(seen.rows[0], ["0", "1,5", "2,5", "3"]);
 }
@@ -66,7 +68,10 @@ fn names_for_its_columns_have_it_read_though_a_column_without_one_has_words() {
     let text = foreign("tick;chan a;state;chan b", |value| format!("{value:.4}"));
     let names = given(&[("column_names", "Time (ms); Current (A); ; Position (mm)")]);
     let m = read(&sources(&text, &names)).unwrap();
-    assert_eq!((m.metadata().input.unit.as_str(), m.metadata().response.unit.as_str()), ("A", "mm"));
+    assert_eq!(
+        (m.metadata().input.unit.as_str(), m.metadata().response.unit.as_str()),
+        ("A", "mm")
+    );
     let seen = table(&text, &names);
     let used: Vec<_> = seen.columns.iter().map(|column| column.used_as).collect();
     assert_eq!(used, [Some("time_s"), Some("input"), None, Some("output")]);
@@ -88,16 +93,29 @@ fn one_layout_is_known_again_whatever_is_given_and_measured() {
 
 #[test]
 fn an_instrument_gives_its_columns_another_meaning() {
-    let seen = table("Frequency (Hz), V1 (Vrms), V2 (Vrms), θ (deg), Y1, Y2\n\
-        1, 0.5, 0.25, -45, 0, 0\n10, 0.7, 0.1, -90, 0, 0\n", "");
+    let seen = table(
+        "Frequency (Hz), V1 (Vrms), V2 (Vrms), θ (deg), Y1, Y2\n\
+        1, 0.5, 0.25, -45, 0, 0\n10, 0.7, 0.1, -90, 0, 0\n",
+        "",
+    );
     let quantities: Vec<_> = seen.columns.iter().map(|column| column.quantity).collect();
-    let expected = [Some("frequency"), Some("magnitude"), Some("amplitude"), Some("phase"), None, None];
+    let expected =
+        [Some("frequency"), Some("magnitude"), Some("amplitude"), Some("phase"), None, None];
     assert_eq!(quantities, expected);
 }
 
 #[test]
 fn whatever_bytes_come_looking_at_them_ends() {
-    for bytes in [&b""[..], b"\xff\xfe", b"PK\x03\x04", b"TDSm", b"    -1\n    58\n", b"\0\0\0", b"1", b"#\n#"] {
+    for bytes in [
+        &b""[..],
+        b"\xff\xfe",
+        b"PK\x03\x04",
+        b"TDSm",
+        b"    -1\n    58\n",
+        b"\0\0\0",
+        b"1",
+        b"#\n#",
+    ] {
         let seen = look(&[Source { name: "x", bytes }]);
         assert!(seen.files[0].table.as_ref().is_none_or(|table| table.rows.len() <= 20));
     }

@@ -8,8 +8,6 @@ use serde_json::Value;
 use utoipa::openapi::path::{Operation, PathItem};
 use utoipa::openapi::{OpenApi, RefOr};
 
-use super::problem::MEDIA_TYPE;
-
 /// What a method does to an operation of the document.
 pub(super) enum Effect {
     /// It reads.
@@ -67,6 +65,7 @@ fn set(content: &mut RefOr<utoipa::openapi::Content>, example: Option<Value>) {
 mod tests {
     use super::*;
     use crate::http::openapi;
+    use crate::http::problem::MEDIA_TYPE;
 
     /// Bodies that no text can show.
     const BYTES: [&str; 2] = [

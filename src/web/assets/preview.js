@@ -84,7 +84,7 @@ export function previewForm(files, first, done, stopped) {
     said.className = measurement ? "understood" : "understood wrong";
     said.replaceChildren(
       h("p", {}, h("strong", {}, measurement ? "This is understood: " : "Not yet understood: "), measurement ? summary(measurement) : plain(refusal)),
-      mapping && h("p", { class: "small" }, `The stored mapping “${mapping}” is used.`));
+      ...(mapping ? [h("p", { class: "small" }, `The stored mapping “${mapping}” is used.`)] : []));
   }
 
   /// Asks again with what the form says; only the latest answer counts.

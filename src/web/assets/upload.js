@@ -12,7 +12,7 @@ const AROUND = 2;
 export function dropZone(done) {
   const input = h("input", { type: "file", multiple: true, accept: ".csv,.json,.txt,.tsv,.dat,.xlsx,.uff,.unv,.58,.mat,.tdms", id: "files", class: "unseen" });
   const outcome = h("div", { role: "alert" });
-  const look = h("input", { type: "checkbox" });
+  const look = h("input", { type: "checkbox", id: "look-first" });
   const shown = h("div");
   const zone = h("section", { class: "drop", "aria-label": "Upload a measurement" },
     h("p", {},

@@ -4,12 +4,14 @@
 //! - [`methods`]: the searches that only comparisons need;
 //! - [`naming`]: how often a diagnosis names a hidden effect, and how often it names one that is
 //!   not there;
+//! - [`planning`]: whether a plan names more than a sweep of the same duration;
 //! - [`reproduction`]: the experiments of the paper;
 //! - [`workloads`]: work of fixed size, to be timed.
 
 pub mod machines;
 pub mod methods;
 pub mod naming;
+pub mod planning;
 pub mod reproduction;
 pub mod workloads;
 

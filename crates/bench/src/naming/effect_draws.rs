@@ -14,7 +14,7 @@ pub fn ids() -> Vec<&'static str> {
 }
 
 /// Scales of a machine and its design.
-pub(super) fn scales(draw: &Draw) -> MachineScales {
+pub(crate) fn scales(draw: &Draw) -> MachineScales {
     let friction = draw.plant.friction;
     let magnitudes = || draw.design.iter().map(|(magnitude, _)| *magnitude);
     MachineScales {

@@ -12,6 +12,7 @@ mod identification;
 mod inspection;
 mod linearity;
 mod measurement_fault;
+mod plan;
 mod progress;
 mod request;
 pub mod sample;
@@ -32,6 +33,9 @@ pub use inspection::{
 };
 pub use linearity::{DistortionLine, LinearLine, Linearity, LinearityLevel, Parity, Share};
 pub use measurement_fault::{AsMeasured, FaultKind, LeftOutRow, MeasurementFault};
+pub use plan::{
+    Plan, PlanRequest, PlannedEffect, PlannedExperiment, PlannedSweep, RoughAxis,
+};
 pub use progress::{ConvergenceRow, Progress};
 pub use request::{
     ColonyOptions, ColonyVariant, IdentifyOptions, InvalidOptions, JobKind, Method, NetworkOptions,

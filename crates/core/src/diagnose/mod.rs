@@ -17,7 +17,8 @@
 //!    measurement is mended and diagnosed again.
 //! 6. `inspection`: before a diagnosis, what looks wrong with a measurement, and which effects it can
 //!    show at which size.
-//! 7. `validation`: a stored answer is tested on another measurement, which need not be periodic.
+//! 7. `plan`: before anything is measured, which experiments would show most.
+//! 8. `validation`: a stored answer is tested on another measurement, which need not be periodic.
 
 mod doubt;
 mod error;
@@ -26,6 +27,7 @@ mod holdout;
 mod inspection;
 mod limitations;
 mod linearity;
+mod plan;
 mod progress;
 mod residuals;
 mod search;
@@ -43,6 +45,7 @@ pub use error::{DiagnoseError, ValidateError};
 pub use faults::as_understood;
 pub use inspection::inspect;
 pub use linearity::linearity;
+pub use plan::{ExcitationError, ExcitationKind, PlanError, excitation, plan};
 pub use validation::{diagnose_validated, validate};
 
 use progress::Part;

@@ -50,6 +50,20 @@ pub trait Draws {
     fn signed(&mut self, low: f64, high: f64) -> f64;
 }
 
+/// Draws that give the middle of every range: an effect of typical size.
+#[derive(Debug, Clone, Copy)]
+pub struct Middle;
+
+impl Draws for Middle {
+    fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
+        (low * high).sqrt()
+    }
+
+    fn signed(&mut self, low: f64, high: f64) -> f64 {
+        (low * high).sqrt()
+    }
+}
+
 /// Parameters of the effect `factor` times as large; `None` if no machine would have that.
 pub type Scaling = fn(&MachineScales, values: &[f64], factor: f64) -> Option<Vec<f64>>;
 

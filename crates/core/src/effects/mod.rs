@@ -41,7 +41,7 @@ use crate::plant::{Plant, Scalar};
 pub use active::{ActiveEffect, WrongParameters};
 pub use axis::{Axis, InputMap, SecondMass, Stage, WIDE_LANES, Wide};
 pub use descriptor::Descriptor;
-pub use draw_plan::{DrawPlan, Draws, MachineScales, Scaling, lowered, up_to};
+pub use draw_plan::{DrawPlan, Draws, MachineScales, Middle, Scaling, lowered, up_to};
 pub use effect::Effect;
 pub use given::NoSuchEffect;
 pub use law::{Form, LAW_PARAMETERS, Law, Partials};

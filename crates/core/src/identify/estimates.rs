@@ -15,7 +15,7 @@ use super::uncertainty::{LARGEST_LOG_STD, Uncertainty, largest_std, unit};
 
 /// The units from which those of the parameters are made.
 #[derive(Debug)]
-pub(super) struct Units {
+pub(crate) struct Units {
     pub input: String,
     pub velocity: String,
 }
@@ -36,7 +36,7 @@ impl Units {
     }
 
     /// The unit of a quantity, as a product of powers of the units of input, velocity and time.
-    pub(super) fn unit(&self, dimension: Dimension) -> String {
+    pub fn unit(&self, dimension: Dimension) -> String {
         let Dimension { input, velocity, time } = dimension;
         let powers = [(&*self.input, input), (&*self.velocity, velocity), ("s", time)];
         let join = |sign: i8| -> Vec<String> {

@@ -55,6 +55,7 @@ use crate::answers::Identification;
 use crate::measurement::Measurement;
 use crate::observer::{Observer, Steady};
 
+pub(crate) use estimates::Units;
 pub use fit_session::{DatumChange, FitAccuracy, FitSession, LeavingOut, Linear, Model};
 pub use methods::{Methods, Steps};
 pub use model_fit::{Component, ModelFit, fit_base};

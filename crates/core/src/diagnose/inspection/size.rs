@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use crate::diagnose::residuals::subspace::Subspace;
 use crate::diagnose::search::linearization::Linearization;
-use crate::effects::{ALL, Draws, Effect, MachineScales};
+use crate::effects::{ALL, Effect, MachineScales, Middle};
 use crate::identify::FitSession;
 
 /// Sizes are found to within this factor.
@@ -201,7 +201,7 @@ impl<'a> SizeSearch<'a> {
     /// Its parameters at that size, in the problem's units; `None` if no machine has that.
     fn values(&self, effect: &dyn Effect, factor: f64) -> Option<Vec<f64>> {
         let draw = &effect.descriptor().draw;
-        let typical = (draw.draw)(&self.scales, &mut Typical);
+        let typical = (draw.draw)(&self.scales, &mut Middle);
         (draw.scaled)(&self.scales, &typical, factor)
     }
 
@@ -226,18 +226,5 @@ impl<'a> SizeSearch<'a> {
             (model.value(i) - value).abs() <= ROUNDING * value.abs().max(f64::MIN_POSITIVE)
         };
         own.zip(values).all(is_kept).then(|| self.session.predict(&model))?
-    }
-}
-
-/// Every draw gives the middle of its range.
-struct Typical;
-
-impl Draws for Typical {
-    fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
-        (low * high).sqrt()
-    }
-
-    fn signed(&mut self, low: f64, high: f64) -> f64 {
-        (low * high).sqrt()
     }
 }

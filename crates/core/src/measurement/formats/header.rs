@@ -35,6 +35,8 @@ pub(super) struct Header {
     pub(super) decimal: Option<Mark>,
     /// Whether the response is read with the opposite sign.
     pub(super) inverted: bool,
+    /// Whether rows of a time record with a blank segment are left out (ramps and settling).
+    pub(super) blank_segments_unused: bool,
     /// Time between the samples of a record that has no column of times, s.
     pub(super) sample_s: Option<f64>,
     /// Names of the columns of a text, in place of those that it has.
@@ -208,6 +210,13 @@ impl Header {
                     "yes" => true,
                     "no" => false,
                     _ => return Err(format!("`{value}` is neither yes nor no")),
+                };
+            }
+            "blank_segments" => {
+                self.blank_segments_unused = match value {
+                    "unused" => true,
+                    "refused" => false,
+                    _ => return Err(format!("`{value}` is neither unused nor refused")),
                 };
             }
             "sample_s" => self.sample_s = Some(sample(value)?),

@@ -41,7 +41,13 @@ impl Read {
 
 /// Reads a time record, one experiment or motion per segment.
 pub(super) fn read(table: &Table, header: Header, notes: Vec<String>) -> Result<Part, Fault> {
-    let mut segments = segments(table, header.inverted)?;
+    let mut notes = notes;
+    let mut segments = segments(table, &header)?;
+    let used: usize = segments.iter().map(|segment| segment.record.time_s.len()).sum();
+    if used < table.len() {
+        let unused = table.len() - used;
+        notes.push(format!("{unused} samples without a segment (blank_segments: unused) are left out"));
+    }
     let runs_from_clock = number_runs(&mut segments);
     let (mut experiments, mut transients) = (Vec::new(), Vec::new());
     for segment in &segments {
@@ -52,7 +58,7 @@ pub(super) fn read(table: &Table, header: Header, notes: Vec<String>) -> Result<
 
 /// Reads a table that is a single segment.
 pub(super) fn read_one(table: &Table, run: Option<f64>, header: &Header) -> Result<Read, Fault> {
-    let mut segments = segments(table, header.inverted)?;
+    let mut segments = segments(table, header)?;
     let Some(mut segment) = segments.pop() else {
         return Err(table.fault(None, "the record has no sample"));
     };
@@ -98,7 +104,7 @@ fn fault(table: &Table, segment: &Segment, error: RecordError) -> Fault {
     }
 }
 
-fn segments(table: &Table, inverted: bool) -> Result<Vec<Segment>, Fault> {
+fn segments(table: &Table, header: &Header) -> Result<Vec<Segment>, Fault> {
     for column in columns::TIME_RECORD.iter().filter(|column| **column != Column::Segment) {
         if !table.has(*column) {
             return Err(table.fault(
@@ -110,6 +116,12 @@ fn segments(table: &Table, inverted: bool) -> Result<Vec<Segment>, Fault> {
     let mut segments: Vec<Segment> = Vec::new();
     let mut ended = std::collections::HashSet::new();
     for row in table.rows() {
+        if header.blank_segments_unused
+            && table.has(Column::Segment)
+            && row.get(Column::Segment).is_none()
+        {
+            continue;
+        }
         let index = row.required_index(Column::Segment)?;
         if segments.last().is_none_or(|segment| segment.index != index) {
             if !ended.insert(index) {
@@ -124,7 +136,7 @@ fn segments(table: &Table, inverted: bool) -> Result<Vec<Segment>, Fault> {
             segment.record.time_s.push(row.require(Column::TimeS)?);
             segment.record.input.push(row.require(Column::Input)?);
             let output = row.require(Column::Output)?;
-            segment.record.output.push(if inverted { -output } else { output });
+            segment.record.output.push(if header.inverted { -output } else { output });
         }
     }
     Ok(segments)

@@ -1,0 +1,238 @@
+//! The answer: the experiments in their order, and what they and the sweeps show.
+
+use indexmap::IndexMap;
+use nalgebra::DMatrix;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::answers::{EffectSize, Plan, PlannedEffect, PlannedExperiment, PlannedSweep, SizedParameter};
+use crate::effects::{ALL, Effect, MachineScales};
+use crate::identify::Units;
+use crate::measurement::per_cent;
+
+use super::criterion::{Left, SURE, left, mean};
+use super::design::{Design, Point};
+use super::information::{SHAPES, Scenario, Share};
+use super::order;
+use super::setting::{HARMONICS, Setting};
+use super::sweep::Sweep;
+
+/// The excess χ² from which an effect is detectable (contract, section 2).
+const LEAST_EXCESS: f64 = 120.0;
+
+/// A smaller relative difference of two values is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Points and their repeats, in order.
+type Ordered = Vec<(usize, usize)>;
+
+/// What an answer is made of.
+pub(super) struct Report<'a> {
+    pub setting: &'a Setting,
+    pub points: &'a [Point],
+    pub scenarios: &'a [Scenario],
+    pub imitators: &'a [Vec<usize>],
+    pub allowed: &'a [bool],
+}
+
+/// What is left of every effect, by axis.
+struct Shown(Vec<Vec<[Left; SHAPES]>>);
+
+impl Shown {
+    /// The mean over axes and shapes of what `value` says of an effect.
+    fn of(&self, effect: usize, value: impl Fn(&Left) -> f64) -> f64 {
+        let shapes = self.0.iter().flat_map(|axis| &axis[effect]);
+        shapes.map(value).sum::<f64>() / (self.0.len() * SHAPES) as f64
+    }
+
+    fn score(&self) -> f64 {
+        self.0.iter().map(|axis| mean(axis, Left::score)).sum::<f64>() / self.0.len() as f64
+    }
+
+    fn probability(&self, effect: usize) -> f64 {
+        self.of(effect, |left| left.probability(1.0))
+    }
+
+    fn nameable(&self) -> usize {
+        (0..ALL.len()).filter(|effect| self.probability(*effect) >= SURE).count()
+    }
+}
+
+impl Report<'_> {
+    /// The answer for a design.
+    pub fn plan(&self, design: &Design, sweeps: &[Sweep], rng: &mut ChaCha8Rng) -> Plan {
+        let measured: Vec<usize> = design.measured().collect();
+        let chosen: Vec<Point> = measured.iter().map(|point| self.points[*point]).collect();
+        let order = order::of(&chosen, rng);
+        let ordered: Ordered =
+            order.iter().map(|i| (measured[*i], design.0[measured[*i]])).collect();
+        let shown = self.shown(&ordered);
+        let mut experiments = self.experiments(&ordered);
+        let serves: Vec<Option<usize>> =
+            (0..ordered.len()).into_par_iter().map(|i| self.serves(&ordered, i, &shown)).collect();
+        for (experiment, serves) in experiments.iter_mut().zip(serves) {
+            experiment.serves = serves.map(|effect| ALL[effect].id().to_owned());
+        }
+        let request = self.setting.request;
+        Plan {
+            software_version: env!("CARGO_PKG_VERSION").to_owned(),
+            request,
+            duration_s: duration_s(&experiments),
+            harmonics: HARMONICS,
+            score: shown.score(),
+            nameable: shown.nameable(),
+            effects: self.effects(&ordered, &shown),
+            sweeps: sweeps.iter().map(|sweep| self.sweep(sweep)).collect(),
+            notes: self.notes(),
+            experiments,
+        }
+    }
+
+    fn experiments(&self, ordered: &Ordered) -> Vec<PlannedExperiment> {
+        let numbered = ordered.iter().enumerate();
+        numbered.map(|(run, (point, repeats))| self.points[*point].experiment(run, *repeats)).collect()
+    }
+
+    /// The products of experiments in their order, for one axis.
+    fn sum(&self, scenario: &Scenario, ordered: &Ordered) -> DMatrix<f64> {
+        let last = ordered.len().saturating_sub(1).max(1) as f64;
+        let mut sum = scenario.nothing();
+        for (run, (point, repeats)) in ordered.iter().enumerate() {
+            scenario.add(&mut sum, *point, *repeats as f64, Share::at(run as f64 / last));
+        }
+        sum
+    }
+
+    fn shown(&self, ordered: &Ordered) -> Shown {
+        let of = |scenario| left(scenario, &self.sum(scenario, ordered), self.imitators);
+        Shown(self.scenarios.iter().map(of).collect())
+    }
+
+    /// The effect whose score falls most without one of the experiments.
+    fn serves(&self, ordered: &Ordered, index: usize, shown: &Shown) -> Option<usize> {
+        let mut fewer = ordered.clone();
+        fewer.remove(index);
+        let without = self.shown(&fewer);
+        let fall = |effect| shown.of(effect, Left::score) - without.of(effect, Left::score);
+        let falls = (0..ALL.len()).map(|effect| (effect, fall(effect)));
+        falls.filter(|(_, fall)| *fall > 0.0).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(e, _)| e)
+    }
+
+    fn effects(&self, ordered: &Ordered, shown: &Shown) -> Vec<PlannedEffect> {
+        // Sizes are those in the axis as it was given.
+        let [scenario, ..] = self.scenarios else { return Vec::new() };
+        let sum = self.sum(scenario, ordered);
+        let response: f64 = ordered
+            .iter()
+            .map(|(point, repeats)| *repeats as f64 * scenario.response(*point))
+            .sum();
+        let scales = self.setting.scales(&self.setting.plant);
+        let effect = |(index, effect): (usize, &&'static dyn Effect)| {
+            let typical = &scenario.shapes[index][0];
+            let column = scenario.base + SHAPES * index;
+            let change = (sum[(column, column)] / response.max(f64::MIN_POSITIVE)).sqrt();
+            let sized = |factor: f64| size(*effect, &scales, typical, factor, change);
+            let from = |excess: f64| sized((LEAST_EXCESS / excess).sqrt());
+            let left = shown.0[0][index][0];
+            PlannedEffect {
+                effect: effect.id().to_owned(),
+                title: effect.descriptor().title.to_owned(),
+                typical: sized(1.0).unwrap_or_else(|| EffectSize {
+                    parameters: IndexMap::new(),
+                    set_by: Vec::new(),
+                    change,
+                }),
+                noticed_from: from(left.excess),
+                named_from: from(left.beyond),
+                closest_imitator: left.imitator.map(|imitator| ALL[imitator].id().to_owned()),
+                probability: shown.probability(index),
+                score: shown.of(index, Left::score),
+            }
+        };
+        ALL.iter().enumerate().map(effect).collect()
+    }
+
+    fn sweep(&self, sweep: &Sweep) -> PlannedSweep {
+        let order = sweep.order(self.allowed);
+        let ordered: Ordered = order.iter().map(|point| (*point, sweep.repeats)).collect();
+        let shown = self.shown(&ordered);
+        let experiments = self.experiments(&ordered);
+        let distinct = |value: fn(&PlannedExperiment) -> f64| {
+            let mut values: Vec<f64> = experiments.iter().map(value).collect();
+            values.sort_by(f64::total_cmp);
+            values.dedup();
+            values
+        };
+        PlannedSweep {
+            magnitudes: distinct(|experiment| experiment.magnitude),
+            frequencies_rad_s: distinct(|experiment| experiment.omega_rad_s),
+            repeats: sweep.repeats,
+            duration_s: duration_s(&experiments),
+            score: shown.score(),
+            nameable: shown.nameable(),
+            probabilities: ALL
+                .iter()
+                .enumerate()
+                .map(|(index, effect)| (effect.id().to_owned(), shown.probability(index)))
+                .collect(),
+            experiments,
+        }
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let request = &self.setting.request;
+        let mut notes = vec![format!(
+            "the axis is known to ± {} per parameter; the plan is made for it and {} axes drawn around it",
+            per_cent(request.uncertainty),
+            self.scenarios.len() - 1
+        )];
+        notes.push(format!(
+            "noise: a standard deviation of {:.3e} in re and im of a harmonic after one second, and {} of its \
+             size in each repeat",
+            self.setting.noise_std,
+            per_cent(request.noise_share)
+        ));
+        let out = self.allowed.iter().filter(|allowed| !**allowed).count();
+        if out > 0 {
+            notes.push(format!(
+                "{out} of {} points are left out: there the axis may exceed the largest velocity or travel",
+                self.allowed.len()
+            ));
+        }
+        notes
+    }
+}
+
+fn duration_s(experiments: &[PlannedExperiment]) -> f64 {
+    experiments.iter().map(|experiment| experiment.duration_s).sum()
+}
+
+/// The effect `factor` times as large; `None` if no machine has that. `change` is the relative change of
+/// the response at the typical size.
+fn size(
+    effect: &dyn Effect,
+    scales: &MachineScales,
+    typical: &[f64],
+    factor: f64,
+    change: f64,
+) -> Option<EffectSize> {
+    let scaled = effect.descriptor().draw.scaled;
+    let values = scaled(scales, typical, factor)?;
+    let units = Units { input: "input".into(), velocity: "response".into() };
+    let parameters = effect.parameters().iter().zip(&values).map(|(parameter, value)| {
+        let unit = units.unit(parameter.dimension);
+        (parameter.name.to_owned(), SizedParameter { value: *value, unit })
+    });
+    let near = [0.99, 1.01].into_iter().find_map(|k| scaled(scales, typical, k * factor));
+    let differs = |(here, near): (&f64, f64)| (here - near).abs() > ROUNDING * here.abs();
+    let set_by = near.into_iter().flat_map(|near| {
+        let names = effect.parameters().iter().map(|parameter| parameter.name.to_owned());
+        let pairs = names.zip(values.iter().zip(near));
+        pairs.filter(|(_, pair)| differs(*pair)).map(|(name, _)| name).collect::<Vec<_>>()
+    });
+    Some(EffectSize {
+        set_by: set_by.collect(),
+        parameters: parameters.collect(),
+        change: factor * change,
+    })
+}

@@ -1,0 +1,253 @@
+//! The request of a plan, checked, with every default filled in.
+
+use crate::answers::{PlanRequest, RoughAxis};
+use crate::effects::MachineScales;
+use crate::plant::{Actuator, Friction, Plant};
+use crate::simulate::{Excitation, respond};
+
+use super::error::PlanError;
+
+/// Highest harmonic that is planned for.
+pub(super) const HARMONICS: usize = 7;
+
+/// Default limits, as multiples of the larger friction level and of a.
+const LARGEST_OVER_FRICTION: f64 = 8.0;
+const LOWEST_OVER_RATE: f64 = 0.15;
+const HIGHEST_OVER_RATE: f64 = 10.0;
+/// Default of the highest frequency over the natural frequency of the actuator.
+const HIGHEST_OVER_NATURAL: f64 = 2.5;
+
+/// Default noise: this share of the response, when it is measured for so many times 1/a.
+const DEFAULT_NOISE: (f64, f64) = (1e-3, 10.0);
+
+/// The smallest magnitude that is planned with, as a multiple of the larger friction level: below it
+/// an axis whose friction is that uncertain may not move.
+const LEAST_OVER_FRICTION: f64 = 1.4;
+
+/// The least ratio of the largest magnitude to the smallest.
+const LEAST_SPAN: f64 = 1.5;
+
+/// Largest uncertainty of a parameter: with more, nothing is known of the axis.
+const LARGEST_UNCERTAINTY: f64 = 1.0;
+
+/// Settling: an exponential falls to a thousandth in this many time constants.
+const SETTLING_TIME_CONSTANTS: f64 = 7.0;
+/// A repeat is at least this many of the slowest time constant long.
+const REPEAT_TIME_CONSTANTS: f64 = 5.0;
+/// Longest ratio of highest to lowest frequency, and of the budget to 1/a.
+const LARGEST_RATIO: f64 = 1e6;
+
+/// A checked request.
+#[derive(Debug, Clone)]
+pub(super) struct Setting {
+    /// The request with every default filled in.
+    pub request: PlanRequest,
+    /// The rough axis.
+    pub plant: Plant,
+    /// Smallest and largest magnitude, input units.
+    pub magnitudes: [f64; 2],
+    /// Lowest and highest frequency, rad/s.
+    pub band_rad_s: [f64; 2],
+    /// Standard deviation of the additive noise of a harmonic after one second, velocity units.
+    pub noise_std: f64,
+    /// Time until the response has settled, s.
+    pub settle_s: f64,
+    /// Least duration of a repeat, s.
+    pub repeat_s: f64,
+}
+
+impl Setting {
+    /// Checks a request.
+    ///
+    /// # Errors
+    /// [`PlanError::Invalid`] says which value cannot be used, and what to do.
+    pub fn of(request: &PlanRequest) -> Result<Self, PlanError> {
+        let axis = &request.axis;
+        let plant = plant(axis)?;
+        positive("budget_s", request.budget_s)?;
+        if !(request.uncertainty > 0.0 && request.uncertainty <= LARGEST_UNCERTAINTY) {
+            let reason =
+                format!("{} is not above 0 and at most 1; 0.25 means ± 25 %", request.uncertainty);
+            return Err(PlanError::Invalid { field: "uncertainty", reason });
+        }
+        if !(request.noise_share >= 0.0 && request.noise_share < 1.0) {
+            let reason = format!("{} is not a share from 0 to below 1", request.noise_share);
+            return Err(PlanError::Invalid { field: "noise_share", reason });
+        }
+        for (field, value) in [
+            ("largest_magnitude", request.largest_magnitude),
+            ("lowest_rad_s", request.lowest_rad_s),
+            ("highest_rad_s", request.highest_rad_s),
+            ("largest_velocity", request.largest_velocity),
+            ("largest_travel", request.largest_travel),
+            ("noise_std", request.noise_std),
+        ] {
+            value.map_or(Ok(()), |value| positive(field, value))?;
+        }
+        let magnitudes = magnitudes(&plant, request.largest_magnitude)?;
+        let band_rad_s = band(&plant, request)?;
+        let slowest = slowest_rate(&plant) * (-request.uncertainty).exp();
+        let rate = plant.viscous_rate_rad_s;
+        if request.budget_s * rate > LARGEST_RATIO {
+            let reason = format!(
+                "{} s is more than a million time constants of the axis ({:.3} s); give less",
+                request.budget_s,
+                1.0 / rate
+            );
+            return Err(PlanError::Invalid { field: "budget_s", reason });
+        }
+        let noise_std = request.noise_std.unwrap_or_else(|| default_noise(&plant, magnitudes));
+        let request = PlanRequest {
+            largest_magnitude: Some(magnitudes[1]),
+            lowest_rad_s: Some(band_rad_s[0]),
+            highest_rad_s: Some(band_rad_s[1]),
+            noise_std: Some(noise_std),
+            ..*request
+        };
+        Ok(Self {
+            request,
+            plant,
+            magnitudes,
+            band_rad_s,
+            noise_std,
+            settle_s: SETTLING_TIME_CONSTANTS / slowest,
+            repeat_s: REPEAT_TIME_CONSTANTS / slowest,
+        })
+    }
+
+    /// Periods to settle, and periods of a repeat, at a frequency (rad/s).
+    pub fn periods(&self, omega_rad_s: f64) -> [usize; 2] {
+        let periods = |seconds: f64| (seconds * omega_rad_s / std::f64::consts::TAU).ceil();
+        [periods(self.settle_s), periods(self.repeat_s)].map(|periods| periods.max(1.0) as usize)
+    }
+
+    /// Scales from which effects of an axis take their typical sizes.
+    pub fn scales(&self, plant: &Plant) -> MachineScales {
+        let [lowest, highest] = self.magnitudes;
+        let level = |fc: f64| fc.max(1e-3 * highest);
+        MachineScales {
+            viscous_rate: plant.viscous_rate_rad_s,
+            constant: plant.constant,
+            coulomb: [level(plant.friction.fc_plus), level(plant.friction.fc_minus)],
+            lowest: lowest.max(0.25 * highest),
+            highest,
+            fastest_rad_s: self.band_rad_s[1],
+        }
+    }
+}
+
+fn positive(field: &'static str, value: f64) -> Result<(), PlanError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(PlanError::Invalid { field, reason: format!("{value} is not a positive number") })
+}
+
+/// The rate of a pole, which is its negative.
+fn rate(field: &'static str, pole: f64) -> Result<f64, PlanError> {
+    if pole < 0.0 && pole.is_finite() {
+        return Ok(-pole);
+    }
+    let reason = format!("{pole} is not the pole of a stable axis, a negative number (rad/s)");
+    Err(PlanError::Invalid { field, reason })
+}
+
+fn plant(axis: &RoughAxis) -> Result<Plant, PlanError> {
+    let viscous_rate_rad_s = rate("axis.pole", axis.pole)?;
+    if !(axis.constant.is_finite() && axis.constant != 0.0) {
+        let reason = format!("{} does not move the axis", axis.constant);
+        return Err(PlanError::Invalid { field: "axis.constant", reason });
+    }
+    for (field, level) in [("axis.fc_plus", axis.fc_plus), ("axis.fc_minus", axis.fc_minus)] {
+        if !(level >= 0.0 && level.is_finite()) {
+            let reason = format!("{level} is not a number ≥ 0; both levels are sizes");
+            return Err(PlanError::Invalid { field, reason });
+        }
+    }
+    let actuator = match (axis.actuator_pole, axis.natural_frequency, axis.damping_ratio) {
+        (None, None, None) => Actuator::Direct,
+        (Some(pole), None, None) => {
+            Actuator::FirstOrder { corner_rad_s: rate("axis.actuator_pole", pole)? }
+        }
+        (None, Some(natural_frequency_rad_s), Some(damping_ratio)) => {
+            positive("axis.natural_frequency", natural_frequency_rad_s)?;
+            positive("axis.damping_ratio", damping_ratio)?;
+            Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio }
+        }
+        _ => {
+            let reason = "give `actuator_pole` alone for an actuator of first order, \
+                          `natural_frequency` and `damping_ratio` for one of second order, or none \
+                          of them"
+                .into();
+            return Err(PlanError::Invalid { field: "axis", reason });
+        }
+    };
+    Ok(Plant {
+        viscous_rate_rad_s,
+        constant: axis.constant,
+        actuator,
+        friction: Friction::coulomb(axis.fc_plus, axis.fc_minus),
+    })
+}
+
+/// Smallest and largest magnitude.
+fn magnitudes(plant: &Plant, largest: Option<f64>) -> Result<[f64; 2], PlanError> {
+    let level = plant.friction.fc_plus.max(plant.friction.fc_minus);
+    let Some(largest) = largest.or((level > 0.0).then_some(LARGEST_OVER_FRICTION * level)) else {
+        let reason = "give it: without friction no magnitude follows from the axis".into();
+        return Err(PlanError::Invalid { field: "largest_magnitude", reason });
+    };
+    let least = LEAST_OVER_FRICTION * level;
+    if largest < LEAST_SPAN * least {
+        let reason = format!(
+            "{largest} hardly moves an axis whose friction is {level}; give at least {:.3}",
+            LEAST_SPAN * least
+        );
+        return Err(PlanError::Invalid { field: "largest_magnitude", reason });
+    }
+    Ok([least.max(largest / LARGEST_OVER_FRICTION), largest])
+}
+
+/// Lowest and highest frequency.
+fn band(plant: &Plant, request: &PlanRequest) -> Result<[f64; 2], PlanError> {
+    let rate = plant.viscous_rate_rad_s;
+    let highest = match plant.actuator {
+        Actuator::SecondOrder { natural_frequency_rad_s, .. } => {
+            HIGHEST_OVER_NATURAL * natural_frequency_rad_s
+        }
+        _ => HIGHEST_OVER_RATE * rate,
+    };
+    let lowest = request.lowest_rad_s.unwrap_or(LOWEST_OVER_RATE * rate);
+    let highest = request.highest_rad_s.unwrap_or(highest.max(2.0 * lowest));
+    if highest < 2.0 * lowest || highest > LARGEST_RATIO * lowest {
+        let reason = format!(
+            "the band from {lowest} to {highest} rad/s is none to plan in; give a highest frequency of at \
+             least twice the lowest and at most a million times"
+        );
+        return Err(PlanError::Invalid { field: "highest_rad_s", reason });
+    }
+    Ok([lowest, highest])
+}
+
+/// The slowest rate at which a linear motion dies away, 1/s.
+fn slowest_rate(plant: &Plant) -> f64 {
+    let actuator = match plant.actuator {
+        Actuator::Direct => f64::INFINITY,
+        Actuator::FirstOrder { corner_rad_s } => corner_rad_s,
+        // The real part of the slower pole; of an overdamped one to within a factor of two.
+        Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
+            natural_frequency_rad_s * damping_ratio.min(0.5 / damping_ratio)
+        }
+    };
+    plant.viscous_rate_rad_s.min(actuator)
+}
+
+/// The default noise after one second.
+fn default_noise(plant: &Plant, [least, largest]: [f64; 2]) -> f64 {
+    let (share, time_constants) = DEFAULT_NOISE;
+    let rate = plant.viscous_rate_rad_s;
+    let excitation = Excitation::cosine(rate, (least * largest).sqrt());
+    let linear = (least * largest).sqrt() * plant.constant.abs() / rate;
+    let response = respond(plant, &[], &excitation, 1).map_or(linear, |found| found[1].norm());
+    share * response * (time_constants / rate).sqrt()
+}

@@ -15,6 +15,7 @@ mod interrupt;
 mod logging;
 mod openapi;
 mod page;
+mod plan;
 mod reproduce;
 mod rerun;
 mod serve;
@@ -60,6 +61,8 @@ enum Command {
     Inspect(inspect::Args),
     /// Prints the OpenAPI document of the service.
     Openapi,
+    /// Plans experiments: where to measure within a time budget, and which effects that can name.
+    Plan(Box<plan::Args>),
     /// Runs the experiments of the paper and prints its tables with our columns beside its own.
     Reproduce(reproduce::Args),
     /// Computes a result again and compares every bit.
@@ -104,6 +107,10 @@ pub fn main() -> ExitCode {
             inspect::run(&args)
         }
         Command::Openapi => openapi::run(),
+        Command::Plan(args) => {
+            start_log(cli.verbose);
+            plan::run(&args)
+        }
         Command::Reproduce(args) => {
             start_log(cli.verbose);
             reproduce::run(&args)

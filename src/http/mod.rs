@@ -19,6 +19,7 @@ mod layers;
 mod lists;
 mod mappings;
 mod measurements;
+mod plans;
 mod plots;
 mod previews;
 mod problem;

@@ -9,7 +9,7 @@ use crate::service::Service;
 
 use super::{
     axes, dashboard, document, events, exports, health, inspections, jobs, mappings, measurements,
-    plots, previews, report, results, validations, webhooks,
+    plans, plots, previews, report, results, validations, webhooks,
 };
 
 #[derive(OpenApi)]
@@ -21,6 +21,7 @@ use super::{
     ),
     tags(
         (name = "measurements", description = "What was measured"),
+        (name = "plans", description = "What is to be measured"),
         (name = "mappings", description = "How files of a layout are read that do not say it all"),
         (name = "jobs", description = "What is to be computed from it"),
         (name = "axes", description = "What came of it, over the time of measuring"),
@@ -43,6 +44,9 @@ pub(super) fn list() -> OpenApiRouter<Service> {
         .routes(routes!(exports::measurement_json))
         .routes(routes!(inspections::get))
         .routes(routes!(exports::measurement_figure))
+        .routes(routes!(plans::create))
+        .routes(routes!(plans::excitation))
+        .routes(routes!(plans::figure))
         .routes(routes!(jobs::submit, jobs::list))
         .routes(routes!(jobs::get, jobs::delete))
         .routes(routes!(results::get))

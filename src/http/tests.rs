@@ -25,6 +25,7 @@ mod events;
 mod failures;
 mod inspections;
 mod operations;
+mod plans;
 
 /// Bytes that an upload may have here.
 const LIMIT: usize = 10_000;

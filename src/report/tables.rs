@@ -4,13 +4,16 @@
 mod diagnosis;
 mod inspection;
 mod model;
+mod plan;
 
 use super::columns::Side;
 use super::number::digits;
 
 pub(super) use diagnosis::{gains, residuals, tests, tried};
+use inspection::size as parameter_of_size;
 pub(super) use inspection::{unseen, visible};
 pub(super) use model::{flags, in_digits, misfit, orders, parameters, stages};
+pub(super) use plan::{nameable, planned};
 
 /// Probability below which another power of ten says nothing.
 pub(super) const LEAST_P: f64 = 1e-6;

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use servoscope_core::answers::Inspection;
 use servoscope_core::identify::IdentifyRequest;
 use servoscope_core::observer::Observer;
-use tokio::sync::Semaphore;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::measurements::sources;
 use super::{Service, ServiceError, aside, curves};
@@ -28,6 +28,12 @@ impl Default for Inspections {
 }
 
 impl Inspections {
+    /// Waits until nothing else is looked at or planned.
+    pub(super) async fn turn(&self) -> Option<OwnedSemaphorePermit> {
+        // It is never closed.
+        Arc::clone(&self.turn).acquire_owned().await.ok()
+    }
+
     fn known(&self, id: &str) -> Option<Inspection> {
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known.iter().find(|(of, _)| of == id).map(|(_, inspection)| inspection.clone())
@@ -43,7 +49,7 @@ impl Inspections {
 }
 
 /// Stops a computation when the request that waits for it is gone.
-struct Gone(Arc<AtomicBool>);
+pub(super) struct Gone(pub Arc<AtomicBool>);
 
 impl Drop for Gone {
     fn drop(&mut self) {
@@ -52,7 +58,7 @@ impl Drop for Gone {
 }
 
 /// An observer that only says whether the request is gone.
-struct WhileWaiting(Arc<AtomicBool>);
+pub(super) struct WhileWaiting(pub Arc<AtomicBool>);
 
 impl Observer for WhileWaiting {
     fn cancelled(&self) -> bool {
@@ -72,7 +78,7 @@ impl Service {
         let files = self.store.measurement_files(id).await?;
         let flag = Arc::new(AtomicBool::new(false));
         let _gone = Gone(Arc::clone(&flag));
-        let turn = Arc::clone(&self.inspections.turn).acquire_owned().await;
+        let turn = self.inspections.turn().await;
         if let Some(known) = self.inspections.known(id) {
             return Ok(known);
         }

@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 
 use servoscope_core::answers::{
-    Answer, Comparison, Diagnosis, Identification, Inspection, JobKind, MeasurementFault,
-    Validation,
+    Answer, Comparison, Diagnosis, Identification, Inspection, JobKind, MeasurementFault, Plan,
+    PlanRequest, Validation,
 };
-use servoscope_core::diagnose::{self, DiagnoseError, ValidateError};
+use servoscope_core::diagnose::{self, DiagnoseError, PlanError, ValidateError};
 use servoscope_core::identify::{self, IdentifyError, IdentifyRequest};
 use servoscope_core::measurement::formats::{self, ParseError, Source};
 use servoscope_core::measurement::{InvalidMeasurement, Measurement};
@@ -67,6 +67,14 @@ pub trait Numerics: Send + Sync + 'static {
         observer: &dyn Observer,
     ) -> Result<Inspection, DiagnoseError> {
         diagnose::inspect(measurement, request, observer)
+    }
+
+    /// Plans experiments before anything is measured.
+    ///
+    /// # Errors
+    /// See [`PlanError`].
+    fn plan(&self, request: &PlanRequest, observer: &dyn Observer) -> Result<Plan, PlanError> {
+        diagnose::plan(request, observer)
     }
 
     /// Tries the models of an answer on another measurement.

@@ -3,9 +3,10 @@
 use std::time::Duration;
 
 use servoscope_core::answers::{
-    Answer, Comparison, ConvergenceRow, Diagnosis, Identification, Progress, Validation,
+    Answer, Comparison, ConvergenceRow, Diagnosis, Identification, Plan, PlanRequest, Progress,
+    Validation,
 };
-use servoscope_core::diagnose::{DiagnoseError, ValidateError};
+use servoscope_core::diagnose::{DiagnoseError, PlanError, ValidateError};
 use servoscope_core::identify::{IdentifyError, IdentifyRequest};
 use servoscope_core::measurement::formats::{ParseError, Source};
 use servoscope_core::measurement::{Complex, Experiment, Harmonic, Measurement, Metadata};
@@ -116,6 +117,10 @@ impl Numerics for Scripted {
         let base = self.identify(measurement, request, observer)?;
         let validation = second.map(|_| servoscope_core::answers::sample::validation());
         Ok(Diagnosis { base, validation, ..servoscope_core::answers::sample::diagnosis() })
+    }
+
+    fn plan(&self, _request: &PlanRequest, _observer: &dyn Observer) -> Result<Plan, PlanError> {
+        Ok(servoscope_core::answers::sample::plan())
     }
 
     fn validate(

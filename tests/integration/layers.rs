@@ -64,7 +64,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     // Judges the others by the public interface.
     ("naming", &["machines", "diagnose", "identify", "effects", "plant", "measurement"]),
     // The same of plans.
-    ("planning", &["machines", "naming", "diagnose", "identify", "effects", "plant", "measurement"]),
+    (
+        "planning",
+        &["machines", "naming", "diagnose", "identify", "effects", "plant", "measurement"],
+    ),
     // The experiments of the paper.
     ("reproduction", &["machines", "methods", "identify", "plant", "measurement"]),
     // Work to be timed.

@@ -58,7 +58,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         let [plan, sweep] = paired.rates();
         println!(
             "{what}: plan {} of {}, sweep {} of {}; only the plan {}, only the sweep {}, p = {:.2e}",
-            plan.hits, plan.of, sweep.hits, sweep.of, paired.first, paired.second, paired.p_value()
+            plan.hits,
+            plan.of,
+            sweep.hits,
+            sweep.of,
+            paired.first,
+            paired.second,
+            paired.p_value()
         );
     }
     println!("{unmade} not made");

@@ -17,6 +17,7 @@ mod friction;
 mod history;
 mod linearity;
 mod panel;
+mod plan;
 mod residuals;
 mod scale;
 mod series;
@@ -27,7 +28,7 @@ mod text;
 mod theme;
 
 use servoscope_core::answers::{
-    Answer, Comparison, ConvergenceRow, Discrepancy, Identification, Linearity, ValidBand,
+    Answer, Comparison, ConvergenceRow, Discrepancy, Identification, Linearity, Plan, ValidBand,
 };
 
 use canvas::Canvas;
@@ -148,6 +149,11 @@ pub fn draw_history(
     format: impl Into<Format>,
 ) -> Result<String, NothingToDraw> {
     Ok(history::draw(title, trends)?.finish(format.into(), ""))
+}
+
+/// Draws the experiments of a plan, and what they name beside a sweep of the same duration.
+pub fn draw_plan(subject: &Plan, format: impl Into<Format>) -> String {
+    plan::draw(subject).finish(format.into(), "")
 }
 
 /// The same for a page that shows figures of one name of several subjects:

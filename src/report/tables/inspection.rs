@@ -45,7 +45,7 @@ pub(in crate::report) fn unseen(found: &Detectability) -> Table {
 }
 
 /// The parameter that sets the size of an effect, the first where several do.
-fn size(size: &EffectSize) -> String {
+pub(super) fn size(size: &EffectSize) -> String {
     let first = size.set_by.first().and_then(|name| size.parameters.get_key_value(name));
     let Some((name, sized)) = first.or_else(|| size.parameters.first()) else {
         return String::new();

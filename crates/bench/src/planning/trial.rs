@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 use servoscope_core::answers::{
-    IdentifyOptions, PlanRequest, PlannedExperiment, PlantRequest, RoughAxis,
+    IdentifyOptions, PlanOptions, PlanRequest, PlannedExperiment, PlantRequest, RoughAxis,
 };
 use servoscope_core::diagnose::{DiagnoseError, PlanError, diagnose, plan};
 use servoscope_core::effects::{ALL, find};
@@ -112,16 +112,18 @@ pub fn trial(
     let hidden = sized(effect, &machine, settings.least_size, rng);
     let machine = Draw { effects: vec![hidden], ..machine };
     let rate = machine.plant.viscous_rate_rad_s;
-    let request = PlanRequest {
+    let noise_std = noise_std(&machine, settings.noise_db);
+    let options = PlanOptions {
         uncertainty: settings.off,
-        noise_std: Some(noise_std(&machine, settings.noise_db)),
+        noise_std: Some(noise_std),
         seed: rng.random::<u32>().into(),
-        ..PlanRequest::new(rough(&machine.plant, settings.off, rng), settings.budget / rate)
+        ..PlanOptions::default()
     };
+    let axis = rough(&machine.plant, settings.off, rng);
+    let request = PlanRequest { axis, budget_s: settings.budget / rate, options };
     let planned = plan(&request, observer)?;
     let sweep = planned.sweeps.iter().find(|sweep| sweep.magnitudes.len() == 3);
     let sweep = sweep.ok_or(TrialError::NoSweep)?;
-    let noise_std = request.noise_std.unwrap_or_default();
     let mut answer = |experiments: &[PlannedExperiment]| -> Result<Verdict, TrialError> {
         let measurement = measured(&machine, experiments, noise_std, rng)?;
         let identify = IdentifyRequest {

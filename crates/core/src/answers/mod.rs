@@ -34,7 +34,7 @@ pub use inspection::{
 pub use linearity::{DistortionLine, LinearLine, Linearity, LinearityLevel, Parity, Share};
 pub use measurement_fault::{AsMeasured, FaultKind, LeftOutRow, MeasurementFault};
 pub use plan::{
-    Plan, PlanRequest, PlannedEffect, PlannedExperiment, PlannedSweep, RoughAxis,
+    Plan, PlanOptions, PlanRequest, PlannedEffect, PlannedExperiment, PlannedSweep, RoughAxis,
 };
 pub use progress::{ConvergenceRow, Progress};
 pub use request::{

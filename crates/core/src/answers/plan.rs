@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::EffectSize;
+use super::{EffectSize, Identification};
 
 /// A rough idea of an axis. The names and signs are those of identified parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -29,7 +29,7 @@ pub struct RoughAxis {
     pub damping_ratio: Option<f64>,
 }
 
-/// What a plan is asked for. Everything but axis and budget has a default.
+/// What a plan is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(deny_unknown_fields)]
@@ -38,59 +38,45 @@ pub struct PlanRequest {
     pub axis: RoughAxis,
     /// Time that the experiments may take in all, settling included, s.
     pub budget_s: f64,
-    /// Relative standard deviation of each parameter of the axis (log-normal). Default 0.25.
-    #[serde(default = "default_uncertainty")]
-    #[cfg_attr(feature = "openapi", schema(default = default_uncertainty))]
+    /// Limits, noise and seed.
+    #[serde(default)]
+    pub options: PlanOptions,
+}
+
+/// Limits, noise and seed of a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct PlanOptions {
+    /// Relative standard deviation of each parameter of the axis (log-normal), above 0 and at most 1.
     pub uncertainty: f64,
     /// Largest magnitude of the input, input units. Default: 8 times the larger friction level.
-    #[serde(default)]
     pub largest_magnitude: Option<f64>,
     /// Lowest frequency, rad/s. Default: 0.15 a.
-    #[serde(default)]
     pub lowest_rad_s: Option<f64>,
     /// Highest frequency, rad/s. Default: 10 a; with an actuator of second order 2.5 times its natural
     /// frequency.
-    #[serde(default)]
     pub highest_rad_s: Option<f64>,
     /// Largest velocity that is allowed, velocity units. Default: any.
-    #[serde(default)]
     pub largest_velocity: Option<f64>,
     /// Largest distance from the middle of the travel that is allowed, velocity units times second.
     /// Default: any.
-    #[serde(default)]
     pub largest_travel: Option<f64>,
     /// Additive noise: the standard deviation of re and im of a harmonic that is measured for one second,
     /// velocity units. It falls as 1/√time. Default: a thousandth of the response to a middle magnitude
     /// at the pole's frequency, when that is measured for 10/a.
-    #[serde(default)]
     pub noise_std: Option<f64>,
     /// Proportional noise: the standard deviation of re and im of a harmonic in one repeat, as a share
-    /// of its size. Default 0.
-    #[serde(default)]
+    /// of its size.
     pub noise_share: f64,
-    /// Seed of the axes that are drawn and of the order. Default 1.
-    #[serde(default = "default_seed")]
-    #[cfg_attr(feature = "openapi", schema(default = default_seed))]
+    /// Seed of the axes that are drawn and of the order.
     pub seed: u64,
 }
 
-/// Default of [`PlanRequest::uncertainty`].
-fn default_uncertainty() -> f64 {
-    0.25
-}
-
-/// Default of [`PlanRequest::seed`].
-fn default_seed() -> u64 {
-    1
-}
-
-impl PlanRequest {
-    /// A request with every default.
-    pub fn new(axis: RoughAxis, budget_s: f64) -> Self {
+impl Default for PlanOptions {
+    fn default() -> Self {
         Self {
-            axis,
-            budget_s,
-            uncertainty: default_uncertainty(),
+            uncertainty: 0.25,
             largest_magnitude: None,
             lowest_rad_s: None,
             highest_rad_s: None,
@@ -98,8 +84,28 @@ impl PlanRequest {
             largest_travel: None,
             noise_std: None,
             noise_share: 0.0,
-            seed: default_seed(),
+            seed: 1,
         }
+    }
+}
+
+impl RoughAxis {
+    /// The axis of an identification.
+    ///
+    /// # Errors
+    /// The name of the first parameter that the measurement did not determine.
+    pub fn of(answer: &Identification) -> Result<Self, &'static str> {
+        let value = |name: &str| answer.parameters.get(name).and_then(|found| found.value);
+        let needed = |name: &'static str| value(name).ok_or(name);
+        Ok(Self {
+            pole: needed("pole")?,
+            constant: needed("constant")?,
+            fc_plus: needed("fc_plus")?,
+            fc_minus: needed("fc_minus")?,
+            actuator_pole: value("actuator_pole"),
+            natural_frequency: value("natural_frequency"),
+            damping_ratio: value("damping_ratio"),
+        })
     }
 }
 

@@ -153,7 +153,7 @@ fn told(
         .iter()
         .map(|value| {
             let additive = setting.noise_std / point.repeat_s().sqrt();
-            1.0 / additive.hypot(setting.request.noise_share * value.norm())
+            1.0 / additive.hypot(setting.request.options.noise_share * value.norm())
         })
         .collect();
     let row = |change: &[Complex]| -> Vec<f64> {

@@ -54,12 +54,12 @@ const FEWEST_EXPERIMENTS: usize = 4;
 pub fn plan(request: &PlanRequest, observer: &dyn Observer) -> Result<Plan, PlanError> {
     let setting = Setting::of(request)?;
     let points = design::grid(&setting);
-    let rng = &mut ChaCha8Rng::seed_from_u64(request.seed);
+    let rng = &mut ChaCha8Rng::seed_from_u64(request.options.seed);
     let mut scenarios = Vec::with_capacity(SCENARIOS);
     for index in 0..SCENARIOS {
         let plant = match index {
             0 => setting.plant,
-            _ => scenario::drawn(&setting.plant, request.uncertainty, rng),
+            _ => scenario::drawn(&setting.plant, request.options.uncertainty, rng),
         };
         scenarios.push(Scenario::of(&setting, &plant, &points, rng, observer));
     }
@@ -100,7 +100,8 @@ fn allowed(setting: &Setting, points: &[Point], scenarios: &[Scenario]) -> Vec<b
     let request = &setting.request;
     let is_allowed = |point: usize| {
         scenarios.iter().map(|scenario| scenario.motion(point)).all(|[speed, travel]| {
-            within(speed, request.largest_velocity) && within(travel, request.largest_travel)
+            within(speed, request.options.largest_velocity)
+                && within(travel, request.options.largest_travel)
         })
     };
     (0..points.len()).map(is_allowed).collect()

@@ -5,7 +5,9 @@ use nalgebra::DMatrix;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::answers::{EffectSize, Plan, PlannedEffect, PlannedExperiment, PlannedSweep, SizedParameter};
+use crate::answers::{
+    EffectSize, Plan, PlannedEffect, PlannedExperiment, PlannedSweep, SizedParameter,
+};
 use crate::effects::{ALL, Effect, MachineScales};
 use crate::identify::Units;
 use crate::measurement::per_cent;
@@ -90,7 +92,9 @@ impl Report<'_> {
 
     fn experiments(&self, ordered: &Ordered) -> Vec<PlannedExperiment> {
         let numbered = ordered.iter().enumerate();
-        numbered.map(|(run, (point, repeats))| self.points[*point].experiment(run, *repeats)).collect()
+        numbered
+            .map(|(run, (point, repeats))| self.points[*point].experiment(run, *repeats))
+            .collect()
     }
 
     /// The products of experiments in their order, for one axis.
@@ -183,14 +187,14 @@ impl Report<'_> {
         let request = &self.setting.request;
         let mut notes = vec![format!(
             "the axis is known to ± {} per parameter; the plan is made for it and {} axes drawn around it",
-            per_cent(request.uncertainty),
+            per_cent(request.options.uncertainty),
             self.scenarios.len() - 1
         )];
         notes.push(format!(
             "noise: a standard deviation of {:.3e} in re and im of a harmonic after one second, and {} of its \
              size in each repeat",
             self.setting.noise_std,
-            per_cent(request.noise_share)
+            per_cent(request.options.noise_share)
         ));
         let out = self.allowed.iter().filter(|allowed| !**allowed).count();
         if out > 0 {

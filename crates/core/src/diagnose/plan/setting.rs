@@ -1,6 +1,6 @@
 //! The request of a plan, checked, with every default filled in.
 
-use crate::answers::{PlanRequest, RoughAxis};
+use crate::answers::{PlanOptions, PlanRequest, RoughAxis};
 use crate::effects::MachineScales;
 use crate::plant::{Actuator, Friction, Plant};
 use crate::simulate::{Excitation, respond};
@@ -65,28 +65,33 @@ impl Setting {
         let axis = &request.axis;
         let plant = plant(axis)?;
         positive("budget_s", request.budget_s)?;
-        if !(request.uncertainty > 0.0 && request.uncertainty <= LARGEST_UNCERTAINTY) {
-            let reason =
-                format!("{} is not above 0 and at most 1; 0.25 means ± 25 %", request.uncertainty);
-            return Err(PlanError::Invalid { field: "uncertainty", reason });
+        if !(request.options.uncertainty > 0.0
+            && request.options.uncertainty <= LARGEST_UNCERTAINTY)
+        {
+            let reason = format!(
+                "{} is not above 0 and at most 1; 0.25 means ± 25 %",
+                request.options.uncertainty
+            );
+            return Err(PlanError::Invalid { field: "options.uncertainty", reason });
         }
-        if !(request.noise_share >= 0.0 && request.noise_share < 1.0) {
-            let reason = format!("{} is not a share from 0 to below 1", request.noise_share);
-            return Err(PlanError::Invalid { field: "noise_share", reason });
+        if !(request.options.noise_share >= 0.0 && request.options.noise_share < 1.0) {
+            let reason =
+                format!("{} is not a share from 0 to below 1", request.options.noise_share);
+            return Err(PlanError::Invalid { field: "options.noise_share", reason });
         }
         for (field, value) in [
-            ("largest_magnitude", request.largest_magnitude),
-            ("lowest_rad_s", request.lowest_rad_s),
-            ("highest_rad_s", request.highest_rad_s),
-            ("largest_velocity", request.largest_velocity),
-            ("largest_travel", request.largest_travel),
-            ("noise_std", request.noise_std),
+            ("options.largest_magnitude", request.options.largest_magnitude),
+            ("options.lowest_rad_s", request.options.lowest_rad_s),
+            ("options.highest_rad_s", request.options.highest_rad_s),
+            ("options.largest_velocity", request.options.largest_velocity),
+            ("options.largest_travel", request.options.largest_travel),
+            ("options.noise_std", request.options.noise_std),
         ] {
             value.map_or(Ok(()), |value| positive(field, value))?;
         }
-        let magnitudes = magnitudes(&plant, request.largest_magnitude)?;
+        let magnitudes = magnitudes(&plant, request.options.largest_magnitude)?;
         let band_rad_s = band(&plant, request)?;
-        let slowest = slowest_rate(&plant) * (-request.uncertainty).exp();
+        let slowest = slowest_rate(&plant) * (-request.options.uncertainty).exp();
         let rate = plant.viscous_rate_rad_s;
         if request.budget_s * rate > LARGEST_RATIO {
             let reason = format!(
@@ -96,14 +101,16 @@ impl Setting {
             );
             return Err(PlanError::Invalid { field: "budget_s", reason });
         }
-        let noise_std = request.noise_std.unwrap_or_else(|| default_noise(&plant, magnitudes));
-        let request = PlanRequest {
+        let noise_std =
+            request.options.noise_std.unwrap_or_else(|| default_noise(&plant, magnitudes));
+        let options = PlanOptions {
             largest_magnitude: Some(magnitudes[1]),
             lowest_rad_s: Some(band_rad_s[0]),
             highest_rad_s: Some(band_rad_s[1]),
             noise_std: Some(noise_std),
-            ..*request
+            ..request.options
         };
+        let request = PlanRequest { options, ..*request };
         Ok(Self {
             request,
             plant,
@@ -195,7 +202,7 @@ fn magnitudes(plant: &Plant, largest: Option<f64>) -> Result<[f64; 2], PlanError
     let level = plant.friction.fc_plus.max(plant.friction.fc_minus);
     let Some(largest) = largest.or((level > 0.0).then_some(LARGEST_OVER_FRICTION * level)) else {
         let reason = "give it: without friction no magnitude follows from the axis".into();
-        return Err(PlanError::Invalid { field: "largest_magnitude", reason });
+        return Err(PlanError::Invalid { field: "options.largest_magnitude", reason });
     };
     let least = LEAST_OVER_FRICTION * level;
     if largest < LEAST_SPAN * least {
@@ -203,7 +210,7 @@ fn magnitudes(plant: &Plant, largest: Option<f64>) -> Result<[f64; 2], PlanError
             "{largest} hardly moves an axis whose friction is {level}; give at least {:.3}",
             LEAST_SPAN * least
         );
-        return Err(PlanError::Invalid { field: "largest_magnitude", reason });
+        return Err(PlanError::Invalid { field: "options.largest_magnitude", reason });
     }
     Ok([least.max(largest / LARGEST_OVER_FRICTION), largest])
 }
@@ -217,14 +224,14 @@ fn band(plant: &Plant, request: &PlanRequest) -> Result<[f64; 2], PlanError> {
         }
         _ => HIGHEST_OVER_RATE * rate,
     };
-    let lowest = request.lowest_rad_s.unwrap_or(LOWEST_OVER_RATE * rate);
-    let highest = request.highest_rad_s.unwrap_or(highest.max(2.0 * lowest));
+    let lowest = request.options.lowest_rad_s.unwrap_or(LOWEST_OVER_RATE * rate);
+    let highest = request.options.highest_rad_s.unwrap_or(highest.max(2.0 * lowest));
     if highest < 2.0 * lowest || highest > LARGEST_RATIO * lowest {
         let reason = format!(
             "the band from {lowest} to {highest} rad/s is none to plan in; give a highest frequency of at \
              least twice the lowest and at most a million times"
         );
-        return Err(PlanError::Invalid { field: "highest_rad_s", reason });
+        return Err(PlanError::Invalid { field: "options.highest_rad_s", reason });
     }
     Ok([lowest, highest])
 }

@@ -35,8 +35,7 @@ impl Sweep {
             let design = sweep.design(points, allowed);
             design.measured().next().is_some() && design.duration_s(points) <= budget_s
         };
-        let stride =
-            STRIDES.into_iter().find(|stride| fits(&sweep(*stride, FEWEST_REPEATS)))?;
+        let stride = STRIDES.into_iter().find(|stride| fits(&sweep(*stride, FEWEST_REPEATS)))?;
         let more = (FEWEST_REPEATS..).map(|repeats| sweep(stride, repeats));
         more.take_while(fits).last()
     }

@@ -46,7 +46,9 @@ pub(super) fn read(table: &Table, header: Header, notes: Vec<String>) -> Result<
     let used: usize = segments.iter().map(|segment| segment.record.time_s.len()).sum();
     if used < table.len() {
         let unused = table.len() - used;
-        notes.push(format!("{unused} samples without a segment (blank_segments: unused) are left out"));
+        notes.push(format!(
+            "{unused} samples without a segment (blank_segments: unused) are left out"
+        ));
     }
     let runs_from_clock = number_runs(&mut segments);
     let (mut experiments, mut transients) = (Vec::new(), Vec::new());

@@ -37,7 +37,7 @@ pub(super) fn samples(setting: &Setting) -> Result<Samples, ExcitationError> {
     let step_s = sample_s(setting);
     let period = samples_per_period(setting, lowest);
     let period_s = period as f64 * step_s;
-    let rng = &mut ChaCha8Rng::seed_from_u64(setting.request.seed);
+    let rng = &mut ChaCha8Rng::seed_from_u64(setting.request.options.seed);
     let lines = lines((highest / lowest).floor() as usize, rng);
     let phased = optimised(&lines, rng);
     let waveform = phased.waveform(period);
@@ -122,7 +122,7 @@ fn lines(highest: usize, rng: &mut ChaCha8Rng) -> Vec<usize> {
 /// Whether the rough axis keeps within the limits under the multisine.
 fn within_limits(setting: &Setting, phased: &Phased, gain: f64, omega_rad_s: f64) -> bool {
     let request = &setting.request;
-    if request.largest_velocity.is_none() && request.largest_travel.is_none() {
+    if request.options.largest_velocity.is_none() && request.options.largest_travel.is_none() {
         return true;
     }
     let highest = phased.lines.last().copied().unwrap_or(1);
@@ -143,11 +143,12 @@ fn within_limits(setting: &Setting, phased: &Phased, gain: f64, omega_rad_s: f64
         };
         (0..count).map(at).fold(0.0, f64::max)
     };
-    let reserve = 1.0 + request.uncertainty;
+    let reserve = 1.0 + request.options.uncertainty;
     let speed = velocity[0].norm() + largest(&|_, value| value);
     let travel = largest(&|k, value| value / Complex::new(0.0, k as f64 * omega_rad_s));
     let within = |value: f64, most: Option<f64>| most.is_none_or(|most| reserve * value <= most);
-    within(speed, request.largest_velocity) && within(travel, request.largest_travel)
+    within(speed, request.options.largest_velocity)
+        && within(travel, request.options.largest_travel)
 }
 
 #[cfg(test)]

@@ -1,0 +1,114 @@
+//! `/v1/plans`: experiments planned before anything is measured.
+
+use axum::Json;
+use axum::body::Bytes;
+use axum::extract::State;
+use axum::http::{HeaderMap, header};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use servoscope_core::answers::{Plan, PlanOptions, RoughAxis};
+use utoipa::{IntoParams, ToSchema};
+
+use crate::service::{PlanFor, Service};
+
+use super::body;
+use super::plots::PlotQuery;
+use super::problem::Problem;
+use super::query::Query;
+
+/// What is to be planned: for an axis that is given, or for that of a first result.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AskForPlan {
+    /// A rough idea of the axis.
+    axis: Option<RoughAxis>,
+    /// In its place a job that has succeeded, of either kind: the axis is its base model.
+    job_id: Option<String>,
+    /// Time that the experiments may take in all, settling included, s.
+    budget_s: f64,
+    /// Limits, noise and seed.
+    #[serde(default)]
+    options: PlanOptions,
+}
+
+impl From<AskForPlan> for PlanFor {
+    fn from(asked: AskForPlan) -> Self {
+        let AskForPlan { axis, job_id, budget_s, options } = asked;
+        Self { axis, job_id, budget_s, options }
+    }
+}
+
+/// Which input is written.
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct ExcitationQuery {
+    /// `stepped-sine` (if left out) or `multisine`.
+    kind: Option<String>,
+}
+
+/// Plans experiments: where to measure, in which order, and which effects that can name.
+///
+/// It takes a few seconds and stores nothing: the same question has the same answer.
+#[utoipa::path(
+    post, path = "/v1/plans", tag = "plans", operation_id = "plan",
+    request_body = AskForPlan,
+    responses(
+        (status = 200, body = Plan),
+        (status = "4XX", body = Problem, content_type = "application/problem+json",
+         description = "422 names the member that cannot be used; 404 for an unknown job"),
+    )
+)]
+pub(super) async fn create(
+    State(service): State<Service>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Json<Plan>, Box<Problem>> {
+    let asked: AskForPlan = body::json(&headers, &body)?;
+    Ok(Json(service.plan(asked.into()).await?))
+}
+
+/// The input of a plan as samples, which a generator or a drive can play.
+///
+/// With a column `output` added, it is a record that `POST /v1/measurements` takes.
+#[utoipa::path(
+    post, path = "/v1/plans/excitation.csv", tag = "plans", operation_id = "plan_excitation",
+    params(ExcitationQuery),
+    request_body = AskForPlan,
+    responses(
+        (status = 200, body = String, content_type = "text/csv"),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn excitation(
+    State(service): State<Service>,
+    Query(query): Query<ExcitationQuery>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Response, Box<Problem>> {
+    let asked: AskForPlan = body::json(&headers, &body)?;
+    let kind = query.kind.as_deref().unwrap_or("stepped-sine");
+    let text = service.plan_excitation(asked.into(), kind).await?;
+    Ok(([(header::CONTENT_TYPE, "text/csv")], text).into_response())
+}
+
+/// A plan as SVG: its experiments, and what they name beside a sweep.
+#[utoipa::path(
+    post, path = "/v1/plans/plan.svg", tag = "plans", operation_id = "plan_figure",
+    params(PlotQuery),
+    request_body = AskForPlan,
+    responses(
+        (status = 200, body = String, content_type = "image/svg+xml"),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn figure(
+    State(service): State<Service>,
+    Query(query): Query<PlotQuery>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Response, Box<Problem>> {
+    let asked: AskForPlan = body::json(&headers, &body)?;
+    let svg = service.plan_figure(asked.into(), query.format()?).await?;
+    Ok(([(header::CONTENT_TYPE, "image/svg+xml")], svg).into_response())
+}

@@ -25,7 +25,7 @@ use crate::naming::effect_draws::{draw_effect, scales};
 pub struct Settings {
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Time for all experiments, as a multiple of 1/a.
+    /// Time for all experiments, as a multiple of the slowest time constant of the machine.
     pub budget: f64,
     /// Standard deviation of the logarithm of what the rough idea is off by.
     pub off: f64,
@@ -39,7 +39,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { seed: 1, budget: 700.0, off: 0.25, noise_db: 55.0, least_size: 0.1 }
+        Self { seed: 1, budget: 1000.0, off: 0.25, noise_db: 40.0, least_size: 0.05 }
     }
 }
 
@@ -111,7 +111,7 @@ pub fn trial(
     let machine = draw(order, rng.random());
     let hidden = sized(effect, &machine, settings.least_size, rng);
     let machine = Draw { effects: vec![hidden], ..machine };
-    let rate = machine.plant.viscous_rate_rad_s;
+    let rate = slowest_rate(&machine.plant);
     let noise_std = noise_std(&machine, settings.noise_db);
     let options = PlanOptions {
         uncertainty: settings.off,
@@ -167,6 +167,18 @@ fn sized(id: &str, machine: &Draw, least: f64, rng: &mut ChaCha8Rng) -> Effect {
         (effect.descriptor().draw.scaled)(&scales(machine), drawn.values(), factor)
     });
     scaled.map_or(drawn, |values| Effect::of(id, &values))
+}
+
+/// The slowest rate at which a motion dies away, 1/s.
+fn slowest_rate(plant: &Plant) -> f64 {
+    let actuator = match plant.actuator {
+        Actuator::Direct => f64::INFINITY,
+        Actuator::FirstOrder { corner_rad_s } => corner_rad_s,
+        Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
+            natural_frequency_rad_s * damping_ratio
+        }
+    };
+    plant.viscous_rate_rad_s.min(actuator)
 }
 
 /// What is thought of a plant: every parameter off by a log-normal factor.

@@ -1,7 +1,7 @@
 //! Chooses the experiments.
 //!
-//! Repeats and points are added one at a time, each time what gains most of the criterion per second,
-//! until the budget is spent. Then a point is taken out, the time it frees is filled again in the same
+//! Points are added one at a time, each time what gains most of the criterion per second, until the budget
+//! is spent; repeats only where no other point fits. Then a point is taken out, the time it frees is filled again in the same
 //! way, and what comes out is kept if it is better: an exchange (V. V. Fedorov 1972, Theory of Optimal
 //! Experiments) with excursions of more than one point (T. J. Mitchell 1974,
 //! doi:10.1080/00401706.1974.10489175).
@@ -16,9 +16,13 @@ use super::design::{Design, Point};
 use super::information::{Scenario, Share};
 
 /// Most exchanges.
-const MOST_EXCHANGES: usize = 24;
+const MOST_EXCHANGES: usize = 8;
 /// How many of the least useful points are tried to be exchanged before it ends.
-const TRIED: usize = 3;
+const TRIED: usize = 2;
+
+/// Every how many-th step all points are tried; in between, so many of those that gained most then.
+const ALL_TRIED_EVERY: usize = 6;
+const PROMISING: usize = 16;
 
 /// The choice of a design for some axes.
 pub(super) struct Choice<'a> {
@@ -81,9 +85,11 @@ impl Choice<'_> {
 
     /// Adds what gains most per second until nothing fits.
     fn filled(&self, mut state: State) -> State {
-        loop {
+        // What each point gained per second when it was last tried.
+        let mut last = vec![f64::INFINITY; self.points.len()];
+        for step in 0.. {
             let left_s = self.budget_s - state.design.duration_s(self.points);
-            let candidates: Vec<(usize, usize, f64)> = (0..self.points.len())
+            let fitting: Vec<(usize, usize, f64)> = (0..self.points.len())
                 .filter(|point| self.allowed[*point])
                 .map(|point| {
                     let repeats = state.design.more(point);
@@ -93,20 +99,30 @@ impl Choice<'_> {
                 })
                 .filter(|(_, _, cost_s)| *cost_s <= left_s)
                 .collect();
+            // New points first: what a diagnosis names must show in points that no fit has seen, too.
+            let is_new = |(point, _, _): &&(usize, usize, f64)| state.design.0[*point] == 0;
+            let new: Vec<(usize, usize, f64)> = fitting.iter().filter(is_new).copied().collect();
+            let mut candidates = if new.is_empty() { fitting } else { new };
+            if step % ALL_TRIED_EVERY != 0 {
+                candidates.sort_by(|a, b| last[b.0].total_cmp(&last[a.0]));
+                candidates.truncate(PROMISING);
+            }
             let gains: Vec<f64> = candidates
                 .par_iter()
                 .map(|(point, repeats, cost_s)| {
                     (self.with(&state, *point, *repeats).score - state.score) / cost_s
                 })
                 .collect();
+            candidates.iter().zip(&gains).for_each(|(candidate, gain)| last[candidate.0] = *gain);
             let best = candidates.iter().zip(gains).max_by(|a, b| a.1.total_cmp(&b.1));
             match best {
                 Some(((point, repeats, _), _)) if !self.observer.cancelled() => {
                     state = self.with(&state, *point, *repeats);
                 }
-                _ => return state,
+                _ => break,
             }
         }
+        state
     }
 
     /// Exchanges points while that makes the design better.

@@ -22,7 +22,7 @@ use super::scenario;
 use super::setting::{HARMONICS, Setting};
 
 /// Sizes and shapes of every effect that are simulated: a rival imitates with any sum of them.
-pub(super) const SHAPES: usize = 3;
+pub(super) const SHAPES: usize = 4;
 
 /// Share of the order of acquisition at which an experiment stands: its mean and mean square.
 #[derive(Debug, Clone, Copy)]

@@ -56,7 +56,7 @@ fn a_plan_keeps_within_budget_and_limits() {
     for (run, experiment) in plan.experiments.iter().enumerate() {
         let PlannedExperiment { magnitude, omega_rad_s, repeats, .. } = *experiment;
         assert_eq!(experiment.run, run);
-        assert!(magnitude >= 0.7 - 1e-9 && magnitude <= 4.0 + 1e-9, "{magnitude}");
+        assert!((0.7 - 1e-9..=4.0 + 1e-9).contains(&magnitude), "{magnitude}");
         // Periods are rounded to samples: by half a sample of a hundred at most.
         assert!((1.49..=100.5).contains(&omega_rad_s), "{omega_rad_s}");
         assert!(repeats >= 2 && experiment.measured_periods >= 1);

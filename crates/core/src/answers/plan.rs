@@ -126,7 +126,7 @@ pub struct Plan {
     /// Mean over the effects of the probability that one is named, at sizes log-uniform from a thirtieth of
     /// the typical size up to it. The plan maximises it.
     pub score: f64,
-    /// How many effects are named with a probability of 0.9 or more at their typical size.
+    /// Predicted by a linearisation: how many effects are named with a probability of 0.9 or more at their typical size.
     pub nameable: usize,
     /// Every effect of the library.
     pub effects: Vec<PlannedEffect>,

@@ -15,6 +15,8 @@ use rand_chacha::ChaCha8Rng;
 
 /// Samples of a period in the search, as a multiple of the highest line.
 const OVERSAMPLING: usize = 8;
+/// The highest line that sets the number of samples is at least this.
+const FEWEST_LINES: usize = 16;
 /// Starts with random phases, beside Schroeder's.
 const RANDOM_STARTS: usize = 1;
 /// Times that the signal is clipped, and at which share of its peak.
@@ -52,7 +54,7 @@ impl Phased {
     /// Peak over rms.
     pub fn crest_factor(&self) -> f64 {
         let highest = self.lines.last().copied().unwrap_or(1);
-        let peak = largest(&self.waveform(2 * OVERSAMPLING * highest));
+        let peak = largest(&self.waveform(2 * OVERSAMPLING * highest.max(FEWEST_LINES)));
         peak / (0.5 * self.lines.len() as f64).sqrt()
     }
 }

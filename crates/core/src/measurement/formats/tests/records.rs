@@ -220,3 +220,21 @@ fn motions_and_experiments_are_not_one_measurement() {
     let both = both.map(|(name, text)| Source { name, bytes: text.as_bytes() });
     assert_eq!(read(&both).unwrap().transients().len(), 2);
 }
+
+#[test]
+fn rows_without_a_segment_are_left_out_where_the_file_says_so() {
+    let mut text = String::from("# blank_segments: unused\ntime_s,input,output,segment\n");
+    for sample in 0..300 {
+        let angle = std::f64::consts::TAU * f64::from(sample) / 50.0;
+        // The first 100 samples rise to the magnitude; the last 50 belong to nothing either.
+        let gain = (f64::from(sample) / 100.0).min(1.0);
+        let segment = if (100..250).contains(&sample) { "7" } else { "" };
+        let (u, y) = (gain * angle.cos(), gain * angle.sin());
+        text += &format!("{},{u:.9},{y:.9},{segment}\n", f64::from(sample) * 0.01);
+    }
+    let measurement = ok(&text);
+    let [experiment] = measurement.experiments() else { panic!("one experiment") };
+    assert!((experiment.magnitude - 1.0).abs() < 1e-6);
+    assert!(measurement.notes().iter().any(|note| note.contains("150 samples without a segment")));
+    refused(&text.replace("unused", "perhaps"), 1, "blank_segments", "neither unused nor refused");
+}

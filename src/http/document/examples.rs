@@ -62,6 +62,10 @@ pub(super) fn request(operation: &str, media_type: &str) -> Option<Value> {
             "measurement_id": MEASUREMENT, "kind": "diagnose", "options": {"seed": 1},
         }),
         ("validate", _) => json!({"job_id": JOB, "measurement_id": MEASUREMENT}),
+        ("plan" | "plan_excitation" | "plan_figure", _) => json!({
+            "axis": {"pole": -10.0, "constant": 10.0, "fc_plus": 0.5, "fc_minus": 0.4},
+            "budget_s": 80.0,
+        }),
         ("put_mapping", _) => json!({
             "settings": {"column_names": COLUMN_NAMES}, "layout": LAYOUT,
         }),
@@ -90,6 +94,8 @@ pub(super) fn answer(operation: &str, media_type: &str) -> Option<Value> {
                 [{"harmonic": 1, "re": 0.4416, "im": -0.0415, "std": 0.0007}]}],
         }),
         ("inspect_measurement", _) => shown(inspection()),
+        ("plan", _) => shown(sample::plan()),
+        ("plan_excitation", _) => json!("time_s,input,segment\n0.0,1.0,0\n0.001,0.999,0\n"),
         ("submit_job", _) => shown(JobView::from(job(Status::Queued))),
         ("get_job", _) => shown(JobView::from(job(Status::Running))),
         ("cancel_job", _) => shown(JobView::from(job(Status::Cancelled))),
@@ -107,7 +113,7 @@ pub(super) fn answer(operation: &str, media_type: &str) -> Option<Value> {
             "model,parameter,value,std,low95,high95,unit\nbase,pole,-10.02,0.031,-10.08,-9.96,rad/s\n"
         ),
         ("get_comparison_csv", _) => json!(COMPARISON),
-        ("get_measurement_figure" | "get_plot" | "get_history_figure", _) => json!(SVG),
+        ("get_measurement_figure" | "get_plot" | "get_history_figure" | "plan_figure", _) => json!(SVG),
         ("get_report", _) => json!("<!DOCTYPE html>\n<html lang=\"en\">…</html>\n"),
         ("validate", _) => shown(sample::validation()),
         ("list_results", _) => rows(json!([result()])),

@@ -1,8 +1,8 @@
 //! What every engine of [`Store`] must do. Each engine runs the whole list.
 
 mod lists;
-mod outbox;
 mod mappings;
+mod outbox;
 mod queue;
 
 use std::time::Duration;
@@ -13,8 +13,8 @@ use super::{
     QueueState, Recovered, ResultFilter, Sqlite, Status, Store, StoreError,
 };
 use lists::*;
-use outbox::*;
 use mappings::*;
+use outbox::*;
 use queue::*;
 
 const LONG: Duration = Duration::from_secs(600);

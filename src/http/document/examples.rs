@@ -113,7 +113,9 @@ pub(super) fn answer(operation: &str, media_type: &str) -> Option<Value> {
             "model,parameter,value,std,low95,high95,unit\nbase,pole,-10.02,0.031,-10.08,-9.96,rad/s\n"
         ),
         ("get_comparison_csv", _) => json!(COMPARISON),
-        ("get_measurement_figure" | "get_plot" | "get_history_figure" | "plan_figure", _) => json!(SVG),
+        ("get_measurement_figure" | "get_plot" | "get_history_figure" | "plan_figure", _) => {
+            json!(SVG)
+        }
         ("get_report", _) => json!("<!DOCTYPE html>\n<html lang=\"en\">…</html>\n"),
         ("validate", _) => shown(sample::validation()),
         ("list_results", _) => rows(json!([result()])),

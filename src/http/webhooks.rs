@@ -49,7 +49,6 @@ impl From<EventName> for EventType {
 /// Who is to be told what.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-#[schema(example = json!({"url": "https://mes.example/servoscope", "events": ["axis.changed"]}))]
 pub(super) struct AddWebhook {
     /// Where messages go, http or https. Its name must lead to public addresses, or to ones
     /// that the operator allows.
@@ -62,10 +61,7 @@ pub(super) struct AddWebhook {
 
 /// Somebody who is told what happens.
 #[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Webhook, example = json!({
-    "id": "019ac0de-7a11-7000-8000-000000000001", "created_at": "2026-11-26T08:00:00Z",
-    "url": "https://mes.example/servoscope", "events": ["axis.changed"], "disabled": null,
-}))]
+#[schema(as = Webhook)]
 pub(super) struct WebhookView {
     /// Its id.
     id: String,
@@ -88,11 +84,6 @@ impl From<Webhook> for WebhookView {
 
 /// A webhook with its secret.
 #[derive(Debug, Serialize, ToSchema)]
-#[schema(example = json!({
-    "id": "019ac0de-7a11-7000-8000-000000000001", "created_at": "2026-11-26T08:00:00Z",
-    "url": "https://mes.example/servoscope", "events": ["axis.changed"], "disabled": null,
-    "secret": "whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw",
-}))]
 pub(super) struct AddedWebhook {
     #[serde(flatten)]
     webhook: WebhookView,
@@ -102,11 +93,6 @@ pub(super) struct AddedWebhook {
 
 /// Where a message stands.
 #[derive(Debug, Serialize, ToSchema)]
-#[schema(example = json!({
-    "id": "msg_019ac0de7a1170008000000000000002", "event": "job.finished", "status": "waiting",
-    "attempts": 1, "created_at": "2026-11-26T08:00:00Z", "next_attempt_at": "2026-11-26T08:00:05Z",
-    "ended_at": null, "answered": 503, "error": "the receiver answered 503",
-}))]
 pub(super) struct Delivery {
     /// Its id: the header `webhook-id`, the same at every attempt.
     id: String,
@@ -147,7 +133,6 @@ impl From<DeliveryRow> for Delivery {
 
 /// What came of a test.
 #[derive(Debug, Serialize, ToSchema)]
-#[schema(example = json!({"delivered": true, "answered": 204, "error": null, "seconds": 0.042}))]
 pub(super) struct TestedWebhook {
     /// Whether the receiver took the message.
     delivered: bool,

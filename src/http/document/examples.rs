@@ -19,10 +19,12 @@ use crate::service::{
 };
 use crate::store::{AxisRow, JobRow, MeasurementRow, Status};
 
+use super::webhooks;
+
 const MEASUREMENT: &str = "019a9c1e-7d20-7c55-9f3a-5e0d3b1c2a44";
 const JOB: &str = "019a9c1e-8b31-7d06-8a4e-2f9c6d7e1b55";
 /// 2026-03-04T10:20:00Z
-const AT_MS: i64 = 1_772_619_600_000;
+pub(super) const AT_MS: i64 = 1_772_619_600_000;
 const AT: &str = "2026-03-04T10:20:00Z";
 
 const TABLE: &str = "# input: current A\n# response: velocity rad/s\n\
@@ -69,7 +71,7 @@ pub(super) fn request(operation: &str, media_type: &str) -> Option<Value> {
         ("put_mapping", _) => json!({
             "settings": {"column_names": COLUMN_NAMES}, "layout": LAYOUT,
         }),
-        _ => return None,
+        _ => return webhooks::request(operation),
     })
 }
 
@@ -129,12 +131,12 @@ pub(super) fn answer(operation: &str, media_type: &str) -> Option<Value> {
             "{HISTORY}{AT},pole,Pole,-10.02,0.031,-10.08,-9.96,rad/s,,false,,press 4,Y,\
              {MEASUREMENT},{JOB}\n"
         )),
-        _ => return None,
+        _ => return webhooks::answer(operation),
     })
 }
 
 /// The JSON of a view. Numbers and text only: it cannot fail.
-fn shown(view: impl Serialize) -> Value {
+pub(super) fn shown(view: impl Serialize) -> Value {
     serde_json::to_value(view).unwrap_or_default()
 }
 

@@ -3,6 +3,7 @@
 
 mod examples;
 mod problems;
+mod webhooks;
 
 use serde_json::Value;
 use utoipa::openapi::path::{Operation, PathItem};

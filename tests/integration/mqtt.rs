@@ -19,9 +19,9 @@ use crate::shared_files::skipped;
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// No part of it occurs anywhere else.
-const PASSWORD: &str = "p@ss:w/rd-7391";
+const PASSWORD: &str = "p@ss:w/rd-kestrel";
 /// The same as an address has it.
-const ESCAPED: &str = "p%40ss%3Aw%2Frd-7391";
+const ESCAPED: &str = "p%40ss%3Aw%2Frd-kestrel";
 
 /// A broker in a folder, and what it keeps when it is stopped.
 struct Mosquitto {
@@ -151,7 +151,7 @@ fn the_end_of_a_job_is_published_though_the_broker_was_down_and_no_log_has_the_p
     assert_eq!(server.terminate(), Some(0));
     let log = std::fs::read_to_string(&log).unwrap();
     assert!(log.contains("message not delivered yet"), "{log}");
-    assert!(!log.contains("7391"), "the password is in the log");
+    assert!(!log.contains("kestrel"), "the password is in the log");
 }
 
 #[test]
@@ -165,26 +165,27 @@ fn a_broker_that_refuses_says_so() {
         runtime.block_on(async { broker.publish("jobs/1/finished", "{}").await })
     };
     assert_eq!(publish(ESCAPED), Ok(()));
-    let refused = publish("wrong-7391");
+    let refused = publish("wrong-kestrel");
     let Err(SendError::Broker(reason)) = &refused else { panic!("{refused:?}") };
-    assert!(reason.contains("NotAuthorized") && !reason.contains("7391"), "{reason}");
+    assert!(reason.contains("NotAuthorized") && !reason.contains("kestrel"), "{reason}");
 }
 
 #[test]
 fn the_settings_are_shown_without_the_password() {
     let mut show = command();
-    show.args(["config", "show"]).env("SERVOSCOPE_MQTT", "mqtt://bench:secret-7391@host");
+    show.args(["config", "show"]).env("SERVOSCOPE_MQTT", "mqtt://bench:secret-kestrel@host");
     let output = show.output().unwrap();
     let shown = String::from_utf8(output.stdout).unwrap();
     assert!(shown.contains("mqtt = \"mqtt://bench:***@host\""), "{shown}");
     let mut wrong = command();
-    wrong.args(["config", "show", "--mqtt", "http://bench:secret-7391@host"]);
+    wrong.args(["config", "show", "--mqtt", "http://bench:secret-kestrel@host"]);
     let output = wrong.output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     let mut help = command();
-    let help = help.args(["serve", "--help"]).env("SERVOSCOPE_MQTT", "mqtt://b:secret-7391@host");
+    let help =
+        help.args(["serve", "--help"]).env("SERVOSCOPE_MQTT", "mqtt://b:secret-kestrel@host");
     let help = help.output().unwrap();
     for text in [output.stdout, output.stderr, help.stdout] {
-        assert!(!String::from_utf8(text).unwrap().contains("7391"));
+        assert!(!String::from_utf8(text).unwrap().contains("kestrel"));
     }
 }

@@ -97,7 +97,8 @@ class UploadSettings(TypedDict, total=False):
     averages: averages behind each coherence. sample_s: seconds between samples, for a record
     without times. decimal: ``"comma"`` or ``"point"``. column_names: names of the columns
     between semicolons. sheet: sheet of a workbook. inverted: whether the response has the
-    opposite sign. mapping: name of a stored mapping, which fills in what is not said. machine, axis, operator, measured_at, labels: by which lists are filtered.
+    opposite sign. mapping: name of a stored mapping, which fills in what is not said. machine,
+    axis, operator, measured_at, labels: by which lists are filtered.
     """
 
     name: str

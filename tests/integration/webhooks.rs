@@ -80,10 +80,14 @@ fn a_message_is_signed_and_sent_again_until_it_is_taken() {
     let delivered = until(&server, &webhook, |latest| latest["status"] == "delivered");
     assert_eq!(delivered["id"], first.header("webhook-id"));
     assert_eq!((&delivered["attempts"], &delivered["answered"]), (&2.into(), &204.into()));
-    let metrics = server.get("/metrics").text;
     for outcome in ["failed", "delivered"] {
+        // It is counted once it is settled.
         let line = format!("servoscope_messages_total{{to=\"webhook\",outcome=\"{outcome}\"}} 1\n");
-        assert!(metrics.contains(&line), "{metrics}");
+        let began = Instant::now();
+        while !server.get("/metrics").text.contains(&line) {
+            assert!(began.elapsed() < PATIENCE, "{}", server.get("/metrics").text);
+            std::thread::sleep(Duration::from_millis(50));
+        }
     }
 }
 

@@ -70,7 +70,7 @@ class Measurement:
             ("experiments", str(self.experiments)),
             ("harmonics", f"up to {self.highest_harmonic}"),
             ("response", " ".join(filter(None, (self.response_kind, self.response_unit)))),
-            ("magnitudes", "{:g} to {:g} {}".format(*self.magnitude_range, self.input_unit)),
+            ("magnitudes", "{:g} to {:g}".format(*self.magnitude_range) + f" {self.input_unit}"),
             ("fundamentals", "{:g} to {:g} rad/s".format(*self.omega_range_rad_s)),
             *(("note", note) for note in self.notes[:_MOST_NOTES]),
         ]

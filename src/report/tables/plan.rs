@@ -27,7 +27,7 @@ pub(in crate::report) fn nameable(plan: &Plan) -> Table {
         ("named", Right, "named with"),
         ("by a sweep", Right, "by a sweep"),
         ("typical size", Left, "typical size"),
-        ("told apart from", Left, "told from its imitators from"),
+        ("told from its imitators from", Left, "told from its imitators from"),
         ("closest imitator", Left, "closest imitator"),
     ];
     Table::new(columns, rows)

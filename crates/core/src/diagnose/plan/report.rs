@@ -196,6 +196,11 @@ impl Report<'_> {
             self.setting.noise_std,
             per_cent(request.options.noise_share)
         ));
+        notes.push(
+            "the percentages are those of a linearisation: they rank experiments, and are higher than the \
+             share of machines of which a diagnosis names the effect"
+                .to_owned(),
+        );
         let out = self.allowed.iter().filter(|allowed| !**allowed).count();
         if out > 0 {
             notes.push(format!(

@@ -35,14 +35,15 @@ async function faults(page) {
     .map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join(" | ")}`);
 }
 
-/// Says what the columns of the foreign record are.
+/// Says what the columns of the foreign record are, and waits for the answer to the last of it: with
+/// a position in no unit the record is understood, too.
 async function named(page) {
   for (const [column, quantity, unit] of [["tick", "time", "ms"], ["chan a", "input: current", "A"], ["chan b", "response: position", "mm"]]) {
     await page.getByLabel(`What ${column} is`).selectOption({ label: quantity });
     await page.getByLabel(`Unit of ${column}`).fill(unit);
     await page.getByLabel(`Unit of ${column}`).press("Tab");
   }
-  await page.getByText("This is understood").waitFor();
+  await page.locator(".understood", { hasText: /This is understood: .* to position \(mm\)/ }).waitFor();
 }
 
 test("a file of unknown columns is shown, named and kept, and the next one needs nothing", async () => {

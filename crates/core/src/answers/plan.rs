@@ -189,7 +189,7 @@ pub struct PlannedSweep {
     pub magnitudes: Vec<f64>,
     /// Its frequencies, ascending at each magnitude, rad/s.
     pub frequencies_rad_s: Vec<f64>,
-    /// Repeats of every point.
+    /// Fewest repeats of a point. The first points have more where the rest of the time pays for it.
     pub repeats: usize,
     /// Its duration, s.
     pub duration_s: f64,

@@ -79,7 +79,7 @@ pub fn plan(request: &PlanRequest, observer: &dyn Observer) -> Result<Plan, Plan
         budget_s,
         observer,
     };
-    let starts: Vec<_> = sweeps.iter().map(|sweep| sweep.design(&points, &allowed)).collect();
+    let starts: Vec<_> = sweeps.iter().map(|sweep| sweep.design.clone()).collect();
     let design = choice.best(&starts);
     if observer.cancelled() {
         return Err(PlanError::Cancelled);

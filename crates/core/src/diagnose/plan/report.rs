@@ -157,8 +157,8 @@ impl Report<'_> {
     }
 
     fn sweep(&self, sweep: &Sweep) -> PlannedSweep {
-        let order = sweep.order(self.allowed);
-        let ordered: Ordered = order.iter().map(|point| (*point, sweep.repeats)).collect();
+        let ordered: Ordered =
+            sweep.order.iter().map(|point| (*point, sweep.design.0[*point])).collect();
         let shown = self.shown(&ordered);
         let experiments = self.experiments(&ordered);
         let distinct = |value: fn(&PlannedExperiment) -> f64| {
@@ -170,7 +170,7 @@ impl Report<'_> {
         PlannedSweep {
             magnitudes: distinct(|experiment| experiment.magnitude),
             frequencies_rad_s: distinct(|experiment| experiment.omega_rad_s),
-            repeats: sweep.repeats,
+            repeats: ordered.iter().map(|(_, repeats)| *repeats).min().unwrap_or(0),
             duration_s: duration_s(&experiments),
             score: shown.score(),
             nameable: shown.nameable(),

@@ -13,45 +13,49 @@ pub(super) const ALL: [usize; 3] = [1, 3, 5];
 /// A sweep on the grid.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Sweep {
-    /// Magnitudes of the grid, ascending.
-    pub magnitudes: Vec<usize>,
-    /// Every how many-th frequency.
-    pub stride: usize,
-    /// Repeats of every point.
-    pub repeats: usize,
+    /// Its points, magnitude by magnitude, frequencies ascending.
+    pub order: Vec<usize>,
+    /// Their repeats.
+    pub design: Design,
 }
 
 impl Sweep {
     /// The sweep at some magnitudes with the most frequencies that a budget pays for, and then the most
-    /// repeats; `None` if it pays for none. Points beyond the limits are left out.
+    /// repeats: the same number of every point, and one more of the first points that the rest pays for.
+    /// `None` if it pays for none. Points beyond the limits are left out.
     pub fn within(
         points: &[Point],
         allowed: &[bool],
         magnitudes: &[usize],
         budget_s: f64,
     ) -> Option<Self> {
-        let sweep = |stride, repeats| Self { magnitudes: magnitudes.to_vec(), stride, repeats };
-        let fits = |sweep: &Self| {
-            let design = sweep.design(points, allowed);
-            design.measured().next().is_some() && design.duration_s(points) <= budget_s
-        };
-        let stride = STRIDES.into_iter().find(|stride| fits(&sweep(*stride, FEWEST_REPEATS)))?;
-        let more = (FEWEST_REPEATS..).map(|repeats| sweep(stride, repeats));
-        more.take_while(fits).last()
+        let fits = |design: &Design| design.duration_s(points) <= budget_s;
+        let mut sweep = STRIDES
+            .into_iter()
+            .map(|stride| Self::of(points, allowed, magnitudes, stride))
+            .find(|sweep| !sweep.order.is_empty() && fits(&sweep.design))?;
+        loop {
+            let before = sweep.design.clone();
+            for point in &sweep.order {
+                sweep.design.0[*point] += 1;
+                if !fits(&sweep.design) {
+                    sweep.design.0[*point] -= 1;
+                }
+            }
+            if sweep.design == before {
+                return Some(sweep);
+            }
+        }
     }
 
-    /// Its points, magnitude by magnitude, frequencies ascending.
-    pub fn order(&self, allowed: &[bool]) -> Vec<usize> {
-        let all = self.magnitudes.iter().flat_map(|magnitude| {
-            (0..FREQUENCIES).step_by(self.stride).map(move |f| magnitude * FREQUENCIES + f)
+    /// Every `stride`-th frequency at some magnitudes, with the fewest repeats.
+    fn of(points: &[Point], allowed: &[bool], magnitudes: &[usize], stride: usize) -> Self {
+        let all = magnitudes.iter().flat_map(|magnitude| {
+            (0..FREQUENCIES).step_by(stride).map(move |f| magnitude * FREQUENCIES + f)
         });
-        all.filter(|point| allowed[*point]).collect()
-    }
-
-    /// The same as a design.
-    pub fn design(&self, points: &[Point], allowed: &[bool]) -> Design {
+        let order: Vec<usize> = all.filter(|point| allowed[*point]).collect();
         let mut design = Design::none(points);
-        self.order(allowed).into_iter().for_each(|point| design.0[point] = self.repeats);
-        design
+        order.iter().for_each(|point| design.0[*point] = FEWEST_REPEATS);
+        Self { order, design }
     }
 }

@@ -9,4 +9,4 @@ mod paired;
 mod trial;
 
 pub use paired::Paired;
-pub use trial::{Settings, Trial, TrialError, Verdict, trial};
+pub use trial::{Settings, Swept, Trial, TrialError, Verdict, trial};

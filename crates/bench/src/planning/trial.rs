@@ -1,4 +1,4 @@
-//! One machine, measured as planned and by a sweep.
+//! One machine, measured as planned and by sweeps.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -9,7 +9,7 @@ use servoscope_core::answers::{
 };
 use servoscope_core::diagnose::{DiagnoseError, PlanError, diagnose, plan};
 use servoscope_core::effects::{ALL, find};
-use servoscope_core::identify::IdentifyRequest;
+use servoscope_core::identify::{IdentifyError, IdentifyRequest};
 use servoscope_core::measurement::{InvalidMeasurement, Measurement, Metadata};
 use servoscope_core::observer::Observer;
 use servoscope_core::plant::{Actuator, Plant};
@@ -18,6 +18,7 @@ use crate::machines::draw::{Draw, DrawError, NoiseStatement, draw, log_uniform};
 use crate::machines::noise::NoiseLaw;
 use crate::machines::responses::Responses;
 use crate::machines::simulator::{Effect, Settings as Simulation};
+use crate::naming::base_excess;
 use crate::naming::effect_draws::{draw_effect, scales};
 
 /// How trials are made.
@@ -33,13 +34,13 @@ pub struct Settings {
     /// lowest frequency.
     pub noise_db: f64,
     /// Smallest size of an effect, as a share of what a laboratory would meet; sizes are log-uniform up to
-    /// 1.
+    /// 1. A thirtieth is what the criterion of a plan assumes.
     pub least_size: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { seed: 1, budget: 1000.0, off: 0.25, noise_db: 40.0, least_size: 0.05 }
+        Self { seed: 1, budget: 800.0, off: 0.25, noise_db: 25.0, least_size: 1.0 / 30.0 }
     }
 }
 
@@ -56,9 +57,11 @@ pub struct Verdict {
     pub experiments: usize,
     /// Their duration, s.
     pub duration_s: f64,
+    /// The excess χ² that the base model leaves of the response without noise.
+    pub excess: f64,
 }
 
-/// One machine, measured in both ways.
+/// One machine, measured in each way.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trial {
     /// The hidden effect.
@@ -67,11 +70,21 @@ pub struct Trial {
     pub order: u8,
     /// As planned.
     pub planned: Verdict,
-    /// By the sweep at three magnitudes.
-    pub swept: Verdict,
-    /// The probability with which the plan expects to name an effect of typical size, and with which
-    /// the sweep does.
-    pub expected: [f64; 2],
+    /// The score of the plan: the share of effects that it expects to name.
+    pub expected: f64,
+    /// By the sweep at one magnitude, and by that at three if the time pays for one.
+    pub swept: Vec<Swept>,
+}
+
+/// What comes of a sweep.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Swept {
+    /// Number of magnitudes.
+    pub magnitudes: usize,
+    /// Its answer.
+    pub verdict: Verdict,
+    /// Its score.
+    pub expected: f64,
 }
 
 /// Why there is no trial.
@@ -80,15 +93,15 @@ pub enum TrialError {
     /// There is no plan.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// The budget does not pay for the sweep.
-    #[error("the budget does not pay for a sweep at three magnitudes")]
-    NoSweep,
     /// The machine cannot be simulated.
     #[error(transparent)]
     Draw(#[from] DrawError),
     /// The measurement is invalid.
     #[error(transparent)]
     Invalid(#[from] InvalidMeasurement),
+    /// The base model cannot be fitted.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
     /// The measurement cannot be diagnosed.
     #[error(transparent)]
     Diagnose(#[from] DiagnoseError),
@@ -122,10 +135,8 @@ pub fn trial(
     let axis = rough(&machine.plant, settings.off, rng);
     let request = PlanRequest { axis, budget_s: settings.budget / rate, options };
     let planned = plan(&request, observer)?;
-    let sweep = planned.sweeps.iter().find(|sweep| sweep.magnitudes.len() == 3);
-    let sweep = sweep.ok_or(TrialError::NoSweep)?;
     let mut answer = |experiments: &[PlannedExperiment]| -> Result<Verdict, TrialError> {
-        let measurement = measured(&machine, experiments, noise_std, rng)?;
+        let (exact, measurement) = measured(&machine, experiments, noise_std, rng)?;
         let identify = IdentifyRequest {
             plant: Some(PlantRequest { actuator_order: order }),
             options: IdentifyOptions {
@@ -144,19 +155,19 @@ pub fn trial(
             named: causes.iter().map(|cause| cause.effect.clone()).collect(),
             experiments: experiments.len(),
             duration_s: experiments.iter().map(|experiment| experiment.duration_s).sum(),
+            excess: base_excess(&exact, order)?,
         })
     };
-    let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / ALL.len() as f64;
-    Ok(Trial {
-        effect,
-        order,
-        planned: answer(&planned.experiments)?,
-        swept: answer(&sweep.experiments)?,
-        expected: [
-            mean(&mut planned.effects.iter().map(|effect| effect.probability)),
-            mean(&mut sweep.probabilities.values().copied()),
-        ],
-    })
+    let verdict = answer(&planned.experiments)?;
+    let mut swept = Vec::new();
+    for sweep in &planned.sweeps {
+        swept.push(Swept {
+            magnitudes: sweep.magnitudes.len(),
+            verdict: answer(&sweep.experiments)?,
+            expected: sweep.score,
+        });
+    }
+    Ok(Trial { effect, order, planned: verdict, expected: planned.score, swept })
 }
 
 /// An effect as a laboratory would meet it, made smaller by a log-uniform factor.
@@ -215,25 +226,31 @@ fn noise_std(machine: &Draw, noise_db: f64) -> f64 {
     response * 10.0_f64.powf(-noise_db / 20.0) / viscous_rate_rad_s.sqrt()
 }
 
-/// The measurement of a machine by these experiments, each with the noise of its own duration.
+/// The measurement of a machine by these experiments without noise, its deviations stated, and with the
+/// noise of the duration of each.
 fn measured(
     machine: &Draw,
     experiments: &[PlannedExperiment],
     noise_std: f64,
     rng: &mut ChaCha8Rng,
-) -> Result<Measurement, TrialError> {
+) -> Result<(Measurement, Measurement), TrialError> {
     let design = experiments.iter().map(|e| (e.magnitude, e.omega_rad_s)).collect();
     let machine = Draw { design, ..machine.clone() };
     let exact = Responses::simulate(&machine, &Simulation::default())?.exact(None)?;
-    let mut noisy = exact.experiments().to_vec();
-    for experiment in &mut noisy {
-        let run = experiment.run.map_or(0, |run| run as usize);
+    let (mut clean, mut noisy) = (exact.experiments().to_vec(), exact.experiments().to_vec());
+    for (clean, noisy) in clean.iter_mut().zip(&mut noisy) {
+        let run = noisy.run.map_or(0, |run| run as usize);
         let PlannedExperiment { repeats, measured_periods, omega_rad_s, .. } = experiments[run];
         let periods = (repeats * measured_periods) as f64;
         let measured_s = periods * std::f64::consts::TAU / omega_rad_s;
         let law = NoiseLaw::uniform(noise_std / measured_s.sqrt());
-        let values: Vec<_> = experiment.response.iter().map(|harmonic| harmonic.value).collect();
-        (experiment.response, experiment.repeats) = law.observe(&values, NoiseStatement::Std, rng);
+        let values: Vec<_> = noisy.response.iter().map(|harmonic| harmonic.value).collect();
+        (noisy.response, noisy.repeats) = law.observe(&values, NoiseStatement::Std, rng);
+        for (exact, observed) in clean.response.iter_mut().zip(&noisy.response) {
+            exact.std = observed.std;
+        }
     }
-    Ok(Measurement::new(Metadata::default(), noisy, Vec::new(), String::new())?)
+    let whole =
+        |experiments| Measurement::new(Metadata::default(), experiments, Vec::new(), String::new());
+    Ok((whole(clean)?, whole(noisy)?))
 }

@@ -3,14 +3,15 @@
 
 mod broker;
 mod declaration;
+mod secret;
 mod settings;
 
-use std::net::SocketAddr;
 use std::ops::RangeInclusive;
 
 use crate::notify::{Broker, BrokerError};
 
 pub use broker::BrokerAddress;
+pub use secret::SecretText;
 pub use settings::{LogFormat, ServeConfig, Settings};
 
 /// A setting that no server can be started with.
@@ -24,13 +25,9 @@ pub enum ConfigError {
         /// What is wrong with it.
         reason: String,
     },
-    /// The address is open to other machines and the service has no lock.
-    #[error(
-        "{0} can be reached from other machines and the service asks nobody who they are; listen \
-         on a loopback address such as 127.0.0.1, or say --insecure-listen if something in front \
-         of it does"
-    )]
-    Open(SocketAddr),
+    /// Two first admin keys.
+    #[error("admin_key, admin_key_file: give one of them, not both")]
+    TwoKeys,
     /// A number is out of range.
     #[error("{setting}: {value} is outside {low} to {high}")]
     Range {
@@ -58,11 +55,8 @@ impl ServeConfig {
     /// The first setting that cannot be used.
     pub fn check(settings: Settings) -> Result<Self, ConfigError> {
         let settings = settings.completed();
-        if let Some(listen) = settings.listen
-            && !listen.ip().is_loopback()
-            && settings.insecure_listen != Some(true)
-        {
-            return Err(ConfigError::Open(listen));
+        if settings.admin_key.is_some() && settings.admin_key_file.is_some() {
+            return Err(ConfigError::TwoKeys);
         }
         let config = settings.in_range()?;
         config.broker()?;
@@ -70,6 +64,19 @@ impl ServeConfig {
             Some(wrong) => Err(ConfigError::Origin(wrong.clone())),
             None => Ok(config),
         }
+    }
+
+    /// The first admin key, where one is given.
+    ///
+    /// # Errors
+    /// [`ConfigError::File`] where its file cannot be read.
+    pub fn first_admin_key(&self) -> Result<Option<SecretText>, ConfigError> {
+        let Some(file) = &self.admin_key_file else { return Ok(self.admin_key.clone()) };
+        let text = std::fs::read_to_string(file).map_err(|error| ConfigError::File {
+            file: file.display().to_string(),
+            reason: error.to_string(),
+        })?;
+        Ok(Some(text.into()))
     }
 
     /// The broker, where there is one.
@@ -113,21 +120,29 @@ mod tests {
     }
 
     #[test]
-    fn a_loopback_address_needs_no_consent() {
-        for listen in ["127.0.0.1:0", "[::1]:8080"] {
-            let config = ServeConfig::check(settings(listen)).unwrap();
-            assert_eq!((config.max_upload_mib, config.workers), (64, 3));
-        }
+    fn what_is_not_given_takes_its_default() {
+        let config = ServeConfig::check(settings("127.0.0.1:0")).unwrap();
+        assert_eq!((config.max_upload_mib, config.workers), (64, 3));
     }
 
     #[test]
-    fn an_open_address_needs_consent() {
-        for listen in ["0.0.0.0:8080", "[::]:8080", "192.168.0.1:80"] {
-            let refused = ServeConfig::check(settings(listen)).unwrap_err();
-            assert!(matches!(refused, ConfigError::Open(_)), "{refused}");
-            let consent = Settings { insecure_listen: Some(true), ..settings(listen) };
-            assert!(ServeConfig::check(consent).is_ok());
-        }
+    fn the_first_admin_key_comes_from_one_place_and_is_not_shown() {
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("key");
+        std::fs::write(&file, "in a file\n").unwrap();
+        let filed = Settings { admin_key_file: Some(file.clone()), ..settings("[::1]:0") };
+        let given = Settings { admin_key: "given".parse().ok(), ..settings("[::1]:0") };
+        let both = filed.clone().over(given.clone());
+        let key = |settings| {
+            let config = ServeConfig::check(settings).unwrap();
+            assert!(!format!("{config:?}").contains("given"));
+            config.first_admin_key().map(|key| key.unwrap().reveal().to_owned())
+        };
+        assert_eq!(key(given), Ok("given".into()));
+        assert_eq!(key(filed.clone()), Ok("in a file\n".into()));
+        assert_eq!(ServeConfig::check(both), Err(ConfigError::TwoKeys));
+        std::fs::remove_file(file).unwrap();
+        assert!(key(filed).unwrap_err().to_string().contains("key: "));
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod given;
 mod identify;
 mod inspect;
 mod interrupt;
+mod keys;
 mod logging;
 mod openapi;
 mod page;
@@ -59,6 +60,9 @@ enum Command {
     Identify(computation::Args),
     /// Says how a measurement was understood, what looks wrong with it, and which effects it can show.
     Inspect(inspect::Args),
+    /// Makes, lists and revokes the keys of a server.
+    #[command(subcommand)]
+    Keys(keys::Command),
     /// Prints the OpenAPI document of the service.
     Openapi,
     /// Plans experiments: where to measure within a time budget, and which effects that can name.
@@ -106,6 +110,7 @@ pub fn main() -> ExitCode {
             start_log(cli.verbose);
             inspect::run(&args)
         }
+        Command::Keys(command) => keys::run(command),
         Command::Openapi => openapi::run(),
         Command::Plan(args) => {
             start_log(cli.verbose);

@@ -54,17 +54,18 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     let store: Arc<dyn Store> = Arc::new(store.await.map_err(|error| {
         Failure::Other(format!("cannot keep data in {}: {error}", config.data_dir.display()))
     })?);
+    let signals = Arc::new(Signals::default());
+    let service = Service::new(Arc::clone(&store), Arc::new(BuiltIn), Arc::clone(&signals));
+    lock(&service, &config).await?;
     let listener = TcpListener::bind(config.listen)
         .await
         .map_err(|error| Failure::Other(format!("cannot listen on {}: {error}", config.listen)))?;
     let address = listener.local_addr().map_err(Failure::other)?;
 
-    let signals = Arc::new(Signals::default());
     let outlets = Outlets {
         webhooks: Webhooks::new(Allowed::new(config.webhook_allow.clone())),
         broker: config.broker().map_err(Failure::input)?,
     };
-    let service = Service::new(Arc::clone(&store), Arc::new(BuiltIn), Arc::clone(&signals));
     let service = service.telling(outlets);
     let settings = worker::Settings {
         lease: seconds(config.lease_seconds),
@@ -103,6 +104,7 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
             hosts: config.hosts.clone(),
             origins: origins.collect::<Result<_, _>>().map_err(Failure::input)?,
         },
+        keys_always: !config.listen.ip().is_loopback(),
     };
     let app = http::app(service, limits);
     let served = http::serve(listener, app, Arc::clone(&signals), DRAIN).await;
@@ -111,6 +113,25 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
         info!("a job was not handed back; it is queued again when its lease expires");
     }
     served.map_err(Failure::other)
+}
+
+/// Stores the first admin key, where one is given, and sees to it that other machines meet a lock.
+async fn lock(service: &Service, config: &ServeConfig) -> Result<(), Failure> {
+    if let Some(key) = config.first_admin_key().map_err(Failure::input)?
+        && service.import_admin_key(key.reveal()).await?
+    {
+        info!("the first admin key was stored");
+    }
+    if config.listen.ip().is_loopback() || service.has_valid_key().await? {
+        return Ok(());
+    }
+    let (listen, folder) = (config.listen, config.data_dir.display());
+    Err(Failure::Input(format!(
+        "other machines can reach {listen}, and {folder} has no valid key that would keep strangers \
+         out; make one with `servoscope keys add --name first --scope admin --data-dir {folder}`, \
+         or give one in the variable SERVOSCOPE_ADMIN_KEY or in a file that \
+         SERVOSCOPE_ADMIN_KEY_FILE names, or listen on 127.0.0.1"
+    )))
 }
 
 fn seconds(count: usize) -> Duration {

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::ConfigError;
 use super::broker::BrokerAddress;
 use super::declaration::settings;
+use super::secret::SecretText;
 
 /// Where it listens.
 const LISTEN: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 8080);
@@ -32,19 +33,24 @@ pub enum LogFormat {
 }
 
 settings! {
-    /// Address to listen on; port 0 takes a free one [default: 127.0.0.1:8080].
+    /// Address to listen on; port 0 takes a free one. Where other machines can reach it, a key is
+    /// needed: see `servoscope keys` [default: 127.0.0.1:8080].
     #[arg(long, value_name = "ADDRESS", env = "SERVOSCOPE_LISTEN")]
     listen: SocketAddr = |_| LISTEN;
-
-    /// Allows an address that other machines can reach. The service asks nobody
-    /// who they are: something in front of it must.
-    #[arg(long, env = "SERVOSCOPE_INSECURE_LISTEN", num_args = 0..=1, require_equals = true,
-          default_missing_value = "true", value_name = "BOOL")]
-    insecure_listen: bool = |_| false;
 
     /// Directory of the database; made if it is not there [default: servoscope-data].
     #[arg(long, value_name = "DIR", env = "SERVOSCOPE_DATA_DIR")]
     data_dir: PathBuf = |_| "servoscope-data".into();
+
+    /// First admin key, as for a container: it is stored at the start unless it is there already.
+    /// Other users of the machine see arguments, so that it is better put in the environment or a
+    /// file [default: none].
+    #[arg(long, value_name = "KEY", env = "SERVOSCOPE_ADMIN_KEY", hide_env_values = true)]
+    admin_key: SecretText;
+
+    /// File that has the first admin key [default: none].
+    #[arg(long, value_name = "FILE", env = "SERVOSCOPE_ADMIN_KEY_FILE")]
+    admin_key_file: PathBuf;
 
     /// Largest upload as sent, mebibytes [default: 64].
     #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_UPLOAD_MIB")]
@@ -138,12 +144,11 @@ mod tests {
             let help = argument.unwrap().get_help().unwrap().to_string();
             let default = default.unwrap_or_default();
             let words = match name {
-                "insecure_listen" => continue,
                 "max_store_mib" => "as the disk has room",
                 "workers" => "one a core",
                 "keep_days" => "never",
                 "hosts" => "none; any where other machines can reach it",
-                "cors_origins" | "webhook_allow" | "mqtt" => "none",
+                "cors_origins" | "webhook_allow" | "mqtt" | "admin_key" | "admin_key_file" => "none",
                 _ => default.trim_matches('"'),
             };
             assert!(help.contains(&format!("[default: {words}")), "{name}: {words}: {help}");

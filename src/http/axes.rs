@@ -1,7 +1,6 @@
 //! `/v1/results`, `/v1/axes` and `/v1/history`: flat, over the time of measuring.
 
-use axum::Json;
-use axum::extract::State;
+use axum::{Extension, Json};
 use axum::http::HeaderMap;
 use axum::response::Response;
 use serde::{Deserialize, Serialize};
@@ -65,7 +64,7 @@ impl ResultsQuery {
     )
 )]
 pub(super) async fn results_json(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Query(query): Query<ResultsQuery>,
 ) -> Result<Json<Rows<ResultRow>>, Box<Problem>> {
     Ok(Json(Rows { rows: service.results(&query.filter()?).await? }))
@@ -81,7 +80,7 @@ pub(super) async fn results_json(
     )
 )]
 pub(super) async fn results_csv(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Query(query): Query<ResultsQuery>,
 ) -> Result<Response, Box<Problem>> {
     flat::csv(ResultRow::COLUMNS, &service.results(&query.filter()?).await?)
@@ -106,7 +105,7 @@ pub(super) struct AxesQuery {
     )
 )]
 pub(super) async fn list(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Query(query): Query<AxesQuery>,
 ) -> Result<Json<List<Axis>>, Box<Problem>> {
     Ok(Json(List::new(service.axes(query.machine.as_deref()).await?)))
@@ -159,7 +158,7 @@ impl AxisQuery {
     )
 )]
 pub(super) async fn history_json(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Query(query): Query<AxisQuery>,
 ) -> Result<Json<Rows<HistoryRow>>, Box<Problem>> {
     Ok(Json(Rows { rows: service.axis_history(&query.check()?).await? }))
@@ -175,7 +174,7 @@ pub(super) async fn history_json(
     )
 )]
 pub(super) async fn history_csv(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Query(query): Query<AxisQuery>,
 ) -> Result<Response, Box<Problem>> {
     flat::csv(HistoryRow::COLUMNS, &service.axis_history(&query.check()?).await?)
@@ -218,7 +217,7 @@ pub(super) struct FigureQuery {
     )
 )]
 pub(super) async fn history_svg(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Query(query): Query<FigureQuery>,
     headers: HeaderMap,
 ) -> Result<Response, Box<Problem>> {

@@ -19,7 +19,8 @@ use axum::response::{IntoResponse, Response};
 
 use super::problem::Problem;
 
-const SEC_FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
+/// Where a browser says a request comes from.
+pub(super) const SEC_FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
 
 /// Who may send requests.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -1,6 +1,7 @@
 //! Measurements and answers as tables for other programs, and a figure.
 
-use axum::extract::{Path, State};
+use axum::Extension;
+use axum::extract::Path;
 use axum::http::HeaderMap;
 use axum::response::Response;
 
@@ -42,7 +43,7 @@ macro_rules! export {
             )
         )]
         pub(super) async fn $handler(
-            State(service): State<Service>,
+            Extension(service): Extension<Service>,
             Path(id): Path<String>,
             headers: HeaderMap,
         ) -> Result<Response, Box<Problem>> {

@@ -1,7 +1,7 @@
 //! `/v1/measurements/{id}/inspection`: a measurement looked at before anything is computed of it.
 
-use axum::Json;
-use axum::extract::{Path, State};
+use axum::{Extension, Json};
+use axum::extract::Path;
 use servoscope_core::answers::Inspection;
 
 use crate::service::Service;
@@ -22,7 +22,7 @@ use super::problem::Problem;
     )
 )]
 pub(super) async fn get(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
 ) -> Result<Json<Inspection>, Box<Problem>> {
     Ok(Json(service.inspection(&id).await?))

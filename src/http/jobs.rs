@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use axum::Json;
+use axum::{Extension, Json};
 use axum::body::Bytes;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
@@ -45,7 +45,7 @@ const RETRY_AFTER_S: &str = "1";
     )
 )]
 pub(super) async fn submit(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Response, Box<Problem>> {
@@ -80,7 +80,7 @@ pub(super) struct GetQuery {
     )
 )]
 pub(super) async fn get(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
     Query(query): Query<GetQuery>,
 ) -> Result<Response, Box<Problem>> {
@@ -136,7 +136,7 @@ pub(super) struct ListQuery {
     )
 )]
 pub(super) async fn list(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Query(query): Query<ListQuery>,
 ) -> Result<Json<List<JobView>>, Box<Problem>> {
     let filter = JobFilter {
@@ -163,7 +163,7 @@ pub(super) async fn list(
     )
 )]
 pub(super) async fn delete(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
 ) -> Result<StatusCode, Box<Problem>> {
     service.delete_job(&id).await?;
@@ -184,7 +184,7 @@ pub(super) async fn delete(
     )
 )]
 pub(super) async fn cancel(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
 ) -> Result<Response, Box<Problem>> {
     let job = service.cancel(&id).await?;

@@ -1,6 +1,7 @@
 //! What surrounds every route: limits, problem documents, log, compression.
 
 use std::any::Any;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::Router;
@@ -19,8 +20,10 @@ use tracing::{Level, Span, info_span};
 
 use crate::service::Service;
 
+use super::access::Needs;
+use super::gate::{self, Gate};
 use super::problem::{MEDIA_TYPE, Problem};
-use super::{Limits, body, unpacking};
+use super::{Limits, body, routes, unpacking};
 
 /// How long a client may pause while it sends a body.
 const BODY_PAUSE: Duration = Duration::from_secs(30);
@@ -41,7 +44,9 @@ const METHODS: [Method; 7] = [
 
 /// Surrounds the routes; the last layer sees a request first.
 pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router {
-    let Limits { sent_bytes, unpacked_bytes, callers } = limits;
+    let Limits { sent_bytes, unpacked_bytes, callers, keys_always: always } = limits;
+    let needs = Arc::new(Needs::of(&routes::openapi()));
+    let gate = Gate { service: service.clone(), needs, always };
     let origins = callers.origins.clone();
     let router = router
         .layer(DefaultBodyLimit::max(unpacked_bytes))
@@ -54,6 +59,8 @@ pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router
             problems_only(request, next, [sent_bytes, unpacked_bytes])
         }))
         .layer(RequestBodyTimeoutLayer::new(BODY_PAUSE))
+        // Before a body is read: a stranger's is not.
+        .layer(from_fn_with_state(gate, gate::admit))
         .layer(from_fn(move |request: Request, next: Next| callers.clone().admit(request, next)))
         .layer(CompressionLayer::new())
         .layer(PropagateRequestIdLayer::x_request_id())
@@ -74,6 +81,7 @@ fn cross_origin(origins: Vec<HeaderValue>) -> CorsLayer {
         .allow_origin(origins)
         .allow_methods([Method::GET, Method::POST, Method::PUT, Method::DELETE])
         .allow_headers([
+            header::AUTHORIZATION,
             header::CONTENT_TYPE,
             header::IF_NONE_MATCH,
             name("idempotency-key"),

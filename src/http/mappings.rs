@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use axum::Json;
+use axum::{Extension, Json};
 use axum::body::Bytes;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -63,7 +63,7 @@ impl From<Mapping> for MappingView {
     )
 )]
 pub(super) async fn put(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(name): Path<String>,
     headers: HeaderMap,
     body: Bytes,
@@ -90,7 +90,7 @@ pub(super) async fn put(
     )
 )]
 pub(super) async fn get(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(name): Path<String>,
     headers: HeaderMap,
 ) -> Result<Response, Box<Problem>> {
@@ -113,7 +113,7 @@ pub(super) async fn get(
     )
 )]
 pub(super) async fn toml(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(name): Path<String>,
 ) -> Result<Response, Box<Problem>> {
     Ok(in_toml(&service.mapping(&name).await?))
@@ -129,7 +129,7 @@ fn in_toml(mapping: &Mapping) -> Response {
     responses((status = 200, body = List<MappingView>))
 )]
 pub(super) async fn list(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
 ) -> Result<Json<List<MappingView>>, Box<Problem>> {
     Ok(Json(List::new(Listed { items: service.mappings().await?, next: None })))
 }
@@ -144,7 +144,7 @@ pub(super) async fn list(
     )
 )]
 pub(super) async fn delete(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(name): Path<String>,
 ) -> Result<StatusCode, Box<Problem>> {
     service.delete_mapping(&name).await?;

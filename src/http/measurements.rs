@@ -1,7 +1,7 @@
 //! `/v1/measurements`.
 
-use axum::Json;
-use axum::extract::{Path, Request, State};
+use axum::{Extension, Json};
+use axum::extract::{Path, Request};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
@@ -47,7 +47,7 @@ use super::views::{List, MeasurementView};
     )
 )]
 pub(super) async fn add(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Query(query): Query<UploadQuery>,
     headers: HeaderMap,
     request: Request,
@@ -73,7 +73,7 @@ pub(super) async fn add(
     )
 )]
 pub(super) async fn get(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
 ) -> Result<Json<MeasurementView>, Box<Problem>> {
     Ok(Json(service.measurement(&id).await?.into()))
@@ -116,7 +116,7 @@ pub(super) struct ListQuery {
     )
 )]
 pub(super) async fn list(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Query(query): Query<ListQuery>,
 ) -> Result<Json<List<MeasurementView>>, Box<Problem>> {
     let filter = MeasurementFilter {
@@ -143,7 +143,7 @@ pub(super) async fn list(
     )
 )]
 pub(super) async fn delete(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
 ) -> Result<StatusCode, Box<Problem>> {
     service.delete_measurement(&id).await?;

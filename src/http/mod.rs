@@ -3,6 +3,7 @@
 //! `routes` is the whole interface as one list, which feeds the router and the
 //! OpenAPI document. A handler extracts, calls the service and maps to a view.
 
+mod access;
 mod axes;
 mod body;
 mod cached;
@@ -12,9 +13,11 @@ mod document;
 mod events;
 mod exports;
 mod flat;
+mod gate;
 mod health;
 mod inspections;
 mod jobs;
+mod keys;
 mod layers;
 mod lists;
 mod mappings;
@@ -28,6 +31,7 @@ mod report;
 mod results;
 mod routes;
 mod server;
+mod sessions;
 #[cfg(test)]
 mod tests;
 mod unpacking;
@@ -55,12 +59,14 @@ pub struct Limits {
     pub unpacked_bytes: usize,
     /// Who may send requests.
     pub callers: Callers,
+    /// Whether requests need a key also while none is stored.
+    pub keys_always: bool,
 }
 
 /// The whole service: every route, and what surrounds them.
 pub fn app(service: Service, limits: Limits) -> Router {
     let (router, _) = routes::list().split_for_parts();
     let documents = SwaggerUi::new("/docs").config(Config::from("/openapi.json"));
-    let router = router.with_state(service.clone()).merge(documents);
+    let router = router.merge(routes::pages()).merge(documents);
     layers::around(router, service, limits)
 }

@@ -1,8 +1,7 @@
 //! `/v1/plans`: experiments planned before anything is measured.
 
-use axum::Json;
+use axum::{Extension, Json};
 use axum::body::Bytes;
-use axum::extract::State;
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
@@ -60,7 +59,7 @@ pub(super) struct ExcitationQuery {
     )
 )]
 pub(super) async fn create(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Json<Plan>, Box<Problem>> {
@@ -81,7 +80,7 @@ pub(super) async fn create(
     )
 )]
 pub(super) async fn excitation(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Query(query): Query<ExcitationQuery>,
     headers: HeaderMap,
     body: Bytes,
@@ -103,7 +102,7 @@ pub(super) async fn excitation(
     )
 )]
 pub(super) async fn figure(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Query(query): Query<PlotQuery>,
     headers: HeaderMap,
     body: Bytes,

@@ -1,6 +1,7 @@
 //! `/v1/jobs/{id}/plots`.
 
-use axum::extract::{Path, State};
+use axum::Extension;
+use axum::extract::Path;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::Response;
 use serde::Deserialize;
@@ -81,7 +82,7 @@ impl PlotQuery {
     )
 )]
 pub(super) async fn get(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path((id, file)): Path<(String, String)>,
     Query(query): Query<PlotQuery>,
     headers: HeaderMap,

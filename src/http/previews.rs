@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use axum::Json;
-use axum::extract::{Request, State};
+use axum::{Extension, Json};
+use axum::extract::Request;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -238,7 +238,7 @@ impl From<&QuantityChoice> for QuantityView {
     )
 )]
 pub(super) async fn preview(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Query(query): Query<UploadQuery>,
     request: Request,
 ) -> Result<Json<PreviewView>, Response> {

@@ -18,6 +18,9 @@ const READ_ONLY: &str = "the database cannot be written; nothing of this request
 /// Seconds after which a request that met a sick database may be sent again.
 const RETRY_AFTER_S: HeaderValue = HeaderValue::from_static("5");
 
+/// How a caller shows who it is (RFC 6750).
+const BEARER: HeaderValue = HeaderValue::from_static("Bearer realm=\"servoscope\"");
+
 /// Media type of a problem document.
 pub(super) const MEDIA_TYPE: &str = "application/problem+json";
 
@@ -143,6 +146,12 @@ impl Problem {
             ServiceError::Unknown { .. } => {
                 Self::new(StatusCode::NOT_FOUND, "unknown", "No such resource", text)
             }
+            ServiceError::Unrecognised { .. } => {
+                Self::new(StatusCode::UNAUTHORIZED, "no-key", "A key is needed", text)
+            }
+            ServiceError::Lacking { .. } => {
+                Self::new(StatusCode::FORBIDDEN, "missing-scope", "The key lacks a scope", text)
+            }
             ServiceError::Upload(wrong) => Self {
                 file: Some(wrong.file),
                 line: wrong.line,
@@ -200,6 +209,9 @@ impl IntoResponse for Box<Problem> {
         let mut response = (status, Json(self)).into_response();
         if matches!(status, StatusCode::SERVICE_UNAVAILABLE | StatusCode::INSUFFICIENT_STORAGE) {
             response.headers_mut().insert(header::RETRY_AFTER, RETRY_AFTER_S);
+        }
+        if status == StatusCode::UNAUTHORIZED {
+            response.headers_mut().insert(header::WWW_AUTHENTICATE, BEARER);
         }
         let media_type = HeaderValue::from_static(MEDIA_TYPE);
         response.headers_mut().insert(header::CONTENT_TYPE, media_type);

@@ -1,6 +1,7 @@
 //! `/v1/jobs/{id}/report.html`.
 
-use axum::extract::{Path, State};
+use axum::Extension;
+use axum::extract::Path;
 use axum::http::HeaderMap;
 use axum::response::Response;
 
@@ -43,7 +44,7 @@ static POLICY: LazyLock<String> = LazyLock::new(|| {
     )
 )]
 pub(super) async fn get(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
     headers: HeaderMap,
 ) -> Result<Response, Box<Problem>> {

@@ -1,7 +1,7 @@
 //! What a job gives: its result, and how it converged.
 
-use axum::Json;
-use axum::extract::{Path, State};
+use axum::{Extension, Json};
+use axum::extract::Path;
 use axum::http::HeaderMap;
 use axum::response::Response;
 use servoscope_core::answers::{Diagnosis, Identification};
@@ -43,7 +43,7 @@ pub(super) enum ResultView {
     )
 )]
 pub(super) async fn get(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
     headers: HeaderMap,
 ) -> Result<Response, Box<Problem>> {
@@ -62,7 +62,7 @@ pub(super) async fn get(
     )
 )]
 pub(super) async fn convergence(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
 ) -> Result<Json<Convergence>, Box<Problem>> {
     Ok(Json(Convergence { rows: service.convergence(&id).await? }))
@@ -78,7 +78,7 @@ pub(super) async fn convergence(
     )
 )]
 pub(super) async fn convergence_csv(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
 ) -> Result<Response, Box<Problem>> {
     let columns = ["stage", "cycle", "evaluations", "best", "mean", "elapsed_s"];

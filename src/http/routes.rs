@@ -1,15 +1,14 @@
 //! Every route, in one list.
 
+use axum::Router;
 use axum::routing::get;
 use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use crate::service::Service;
-
 use super::{
-    axes, dashboard, document, events, exports, health, inspections, jobs, mappings, measurements,
-    plans, plots, previews, report, results, validations, webhooks,
+    access, axes, dashboard, document, events, exports, health, inspections, jobs, keys, mappings,
+    measurements, plans, plots, previews, report, results, sessions, validations, webhooks,
 };
 
 #[derive(OpenApi)]
@@ -26,13 +25,14 @@ use super::{
         (name = "jobs", description = "What is to be computed from it"),
         (name = "axes", description = "What came of it, over the time of measuring"),
         (name = "webhooks", description = "Who is told what happens"),
+        (name = "keys", description = "Who may do what"),
         (name = "service", description = "The service itself"),
     )
 )]
 struct Document;
 
 /// The routes, and with them the document that describes them.
-pub(super) fn list() -> OpenApiRouter<Service> {
+pub(super) fn list() -> OpenApiRouter {
     OpenApiRouter::with_openapi(Document::openapi())
         .routes(routes!(measurements::add, measurements::list))
         .routes(routes!(previews::preview))
@@ -69,17 +69,22 @@ pub(super) fn list() -> OpenApiRouter<Service> {
         .routes(routes!(webhooks::get, webhooks::delete))
         .routes(routes!(webhooks::test))
         .routes(routes!(webhooks::deliveries))
+        .routes(routes!(keys::add, keys::list))
+        .routes(routes!(keys::get, keys::revoke))
+        .routes(routes!(keys::rotate))
+        .routes(routes!(sessions::sign_in, sessions::get, sessions::sign_out))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
         .routes(routes!(health::metrics))
         .routes(routes!(health::document))
-        // For people, not for programs: they are not in the document.
-        .route("/", get(dashboard::page))
-        .route("/measurements/{id}", get(dashboard::page))
-        .route("/jobs/{id}", get(dashboard::page))
-        .route("/compare", get(dashboard::page))
-        .route("/axes", get(dashboard::page))
-        .route("/assets/{file}", get(dashboard::asset))
+}
+
+/// The pages for people, not for programs: they are not in the document.
+pub(super) fn pages() -> Router {
+    access::PAGES.into_iter().fold(Router::new(), |router, path| match path {
+        "/assets/{file}" => router.route(path, get(dashboard::asset)),
+        page => router.route(page, get(dashboard::page)),
+    })
 }
 
 /// The OpenAPI document of the service.

@@ -55,7 +55,12 @@ impl Server {
             let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
             let address = listener.local_addr().unwrap();
             let callers = Callers { origins, ..Callers::default() };
-            let limits = Limits { sent_bytes: LIMIT, unpacked_bytes: LIMIT, callers };
+            let limits = Limits {
+                sent_bytes: LIMIT,
+                unpacked_bytes: LIMIT,
+                callers,
+                keys_always: false,
+            };
             let app = super::app(service, limits);
             let stopping = Arc::clone(&signals);
             tokio::spawn(super::serve(listener, app, stopping, Duration::from_secs(5)));

@@ -1,8 +1,7 @@
 //! `/v1/validations`.
 
-use axum::Json;
+use axum::{Extension, Json};
 use axum::body::Bytes;
-use axum::extract::State;
 use axum::http::HeaderMap;
 use serde::Deserialize;
 use servoscope_core::answers::Validation;
@@ -40,7 +39,7 @@ pub(super) struct Validate {
     )
 )]
 pub(super) async fn create(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Json<Validation>, Box<Problem>> {

@@ -1,8 +1,8 @@
 //! `/v1/webhooks`.
 
-use axum::Json;
+use axum::{Extension, Json};
 use axum::body::Bytes;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -165,7 +165,7 @@ impl From<Tested> for TestedWebhook {
     )
 )]
 pub(super) async fn add(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Response, Box<Problem>> {
@@ -186,7 +186,7 @@ pub(super) async fn add(
     )
 )]
 pub(super) async fn list(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
 ) -> Result<Json<List<WebhookView>>, Box<Problem>> {
     Ok(Json(List::new(Listed { items: service.webhooks().await?, next: None })))
 }
@@ -201,7 +201,7 @@ pub(super) async fn list(
     )
 )]
 pub(super) async fn get(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
 ) -> Result<Json<WebhookView>, Box<Problem>> {
     Ok(Json(service.webhook(&id).await?.into()))
@@ -217,7 +217,7 @@ pub(super) async fn get(
     )
 )]
 pub(super) async fn delete(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
 ) -> Result<StatusCode, Box<Problem>> {
     service.delete_webhook(&id).await?;
@@ -236,7 +236,7 @@ pub(super) async fn delete(
     )
 )]
 pub(super) async fn test(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
 ) -> Result<Json<TestedWebhook>, Box<Problem>> {
     Ok(Json(service.test_webhook(&id).await?.into()))
@@ -252,7 +252,7 @@ pub(super) async fn test(
     )
 )]
 pub(super) async fn deliveries(
-    State(service): State<Service>,
+    Extension(service): Extension<Service>,
     Path(id): Path<String>,
 ) -> Result<Json<List<Delivery>>, Box<Problem>> {
     Ok(Json(List::new(Listed { items: service.deliveries(&id).await?, next: None })))

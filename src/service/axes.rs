@@ -44,7 +44,7 @@ impl Service {
     /// # Errors
     /// [`ServiceError::Corrupt`] where this version cannot read a result.
     pub async fn results(&self, filter: &ResultFilter) -> Result<Vec<ResultRow>, ServiceError> {
-        let stored = self.store.results(filter, MOST_RESULTS).await?;
+        let stored = self.store.results(&self.reach, filter, MOST_RESULTS).await?;
         stored.into_iter().map(result_row).collect()
     }
 
@@ -53,7 +53,7 @@ impl Service {
     /// # Errors
     /// When the database does not answer.
     pub async fn axes(&self, machine: Option<&str>) -> Result<Listed<AxisRow>, ServiceError> {
-        Ok(Listed { items: self.store.axes(machine, MOST_AXES).await?, next: None })
+        Ok(Listed { items: self.store.axes(&self.reach, machine, MOST_AXES).await?, next: None })
     }
 
     /// Parameters of an axis by the time of measuring: of each measurement the
@@ -72,7 +72,7 @@ impl Service {
             latest_only: true,
             ..ResultFilter::default()
         };
-        let stored = self.store.results(&filter, MOST_RESULTS).await?;
+        let stored = self.store.results(&self.reach, &filter, MOST_RESULTS).await?;
         let mut rows = Vec::new();
         for stored in stored.into_iter().rev() {
             rows.extend(parameters(stored, query.parameter.as_deref())?);
@@ -110,7 +110,7 @@ impl Service {
             latest_only: true,
             ..ResultFilter::default()
         };
-        let stored = self.store.results(&filter, LOOK_BACK + 1).await?;
+        let stored = self.store.results(&self.reach, &filter, LOOK_BACK + 1).await?;
         let mut rows = Vec::new();
         for stored in stored.into_iter().rev() {
             rows.extend(parameters(stored, None)?);

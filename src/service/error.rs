@@ -5,6 +5,8 @@ use servoscope_core::measurement::formats::ParseError;
 
 use crate::store::{Status, StoreError};
 
+use super::caller::Scope;
+
 /// Why a request was not carried out. Texts are for the caller; what only the
 /// operator may know is in the source of [`ServiceError::Store`] and
 /// [`ServiceError::Corrupt`].
@@ -17,6 +19,25 @@ pub enum ServiceError {
         what: &'static str,
         /// What was asked for.
         id: String,
+    },
+    /// Nobody knows who asks.
+    #[error(
+        "{reason}; send a key as `Authorization: Bearer sk_servoscope_…`, or sign in; whoever \
+         operates the server makes one with `servoscope keys add`"
+    )]
+    Unrecognised {
+        /// Why.
+        reason: &'static str,
+    },
+    /// The key may not do this.
+    #[error("the key `{name}` lacks the scope `{scope}`; it has {}", names(scopes))]
+    Lacking {
+        /// Name of the key.
+        name: String,
+        /// What it lacks.
+        scope: Scope,
+        /// What it has.
+        scopes: Vec<Scope>,
     },
     /// The upload cannot be read; nothing of it was stored.
     #[error(transparent)]
@@ -93,6 +114,11 @@ pub enum ServiceError {
 
 fn listed(names: &[&str]) -> String {
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+fn names(scopes: &[Scope]) -> String {
+    let names: Vec<String> = scopes.iter().map(|scope| format!("`{scope}`")).collect();
+    names.join(", ")
 }
 
 impl From<InvalidOptions> for ServiceError {

@@ -71,7 +71,7 @@ impl Service {
     ) -> Result<Option<impl Stream<Item = JobEvent> + Send + use<>>, ServiceError> {
         let job = self.job(id).await?;
         let mut read = after.max(0);
-        if read > 0 && self.store.history(id, read - 1, 1).await?.is_empty() {
+        if read > 0 && self.store.history(&self.reach, id, read - 1, 1).await?.is_empty() {
             // No row has that number: that of the end, or one that was never given.
             if job.row.status.is_final() {
                 return Ok(None);
@@ -124,7 +124,7 @@ impl Follower {
     async fn read(&mut self) -> Result<(), ServiceError> {
         // The job first: once it has ended its history is complete.
         let job = self.service.job(&self.id).await?;
-        let rows = self.service.store.history(&self.id, self.read, BATCH).await?;
+        let rows = self.service.store.history(&self.service.reach, &self.id, self.read, BATCH).await?;
         let complete = rows.len() < BATCH as usize;
         for point in rows {
             self.read = point.seq + 1;

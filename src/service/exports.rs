@@ -69,7 +69,7 @@ impl Service {
         make: impl FnOnce(Measurement) -> T + Send + 'static,
     ) -> Result<T, ServiceError> {
         self.measurement(id).await?;
-        let files = self.store.measurement_files(id).await?;
+        let files = self.store.measurement_files(&self.reach, id).await?;
         let numerics = Arc::clone(&self.numerics);
         aside(move || Ok(make(numerics.read(&sources(&files))?))).await
     }

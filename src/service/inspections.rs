@@ -75,7 +75,7 @@ impl Service {
     /// where it cannot be inspected.
     pub async fn inspection(&self, id: &str) -> Result<Inspection, ServiceError> {
         self.measurement(id).await?;
-        let files = self.store.measurement_files(id).await?;
+        let files = self.store.measurement_files(&self.reach, id).await?;
         let flag = Arc::new(AtomicBool::new(false));
         let _gone = Gone(Arc::clone(&flag));
         let turn = self.inspections.turn().await;

@@ -69,7 +69,7 @@ impl Service {
             kind: submission.kind.clone(),
             request,
         };
-        match self.store.insert_job(&row, key.as_ref()).await? {
+        match self.store.insert_job(&self.reach, &row, key.as_ref()).await? {
             Inserted::Created => {
                 self.signals.job_queued();
                 Ok(Added { resource: self.job(&row.id).await?, replayed: false })
@@ -86,7 +86,7 @@ impl Service {
     /// # Errors
     /// [`ServiceError::Unknown`] when there is none with this id.
     pub async fn job(&self, id: &str) -> Result<Job, ServiceError> {
-        let row = self.store.job(id).await?;
+        let row = self.store.job(&self.reach, id).await?;
         job(row.ok_or_else(|| ServiceError::Unknown { what: "job", id: id.into() })?)
     }
 
@@ -124,7 +124,7 @@ impl Service {
         limit: u32,
         cursor: Option<String>,
     ) -> Result<Listed<Job>, ServiceError> {
-        let rows = self.store.jobs(filter, &page(limit, cursor)?).await?;
+        let rows = self.store.jobs(&self.reach, filter, &page(limit, cursor)?).await?;
         paged(rows, limit, |row| &row.id, job)
     }
 
@@ -134,7 +134,7 @@ impl Service {
     /// [`ServiceError::NotFinished`] before it has one, [`ServiceError::NoResult`]
     /// when it ended without.
     pub async fn result(&self, id: &str) -> Result<String, ServiceError> {
-        if let Some(result) = self.store.result(id).await? {
+        if let Some(result) = self.store.result(&self.reach, id).await? {
             return Ok(result);
         }
         let job = self.job(id).await?;
@@ -165,7 +165,7 @@ impl Service {
     /// [`ServiceError::Unknown`] when there is no such job.
     pub async fn convergence(&self, id: &str) -> Result<Vec<ConvergenceRow>, ServiceError> {
         self.job(id).await?;
-        Ok(self.store.convergence(id).await?.into_iter().map(convergence_row).collect())
+        Ok(self.store.convergence(&self.reach, id).await?.into_iter().map(convergence_row).collect())
     }
 
     /// Cancels a queued job at once; asks a running one to stop, which it does at
@@ -174,7 +174,7 @@ impl Service {
     /// # Errors
     /// [`ServiceError::Ended`] when it has already succeeded or failed.
     pub async fn cancel(&self, id: &str) -> Result<Job, ServiceError> {
-        match self.store.cancel(id).await? {
+        match self.store.cancel(&self.reach, id).await? {
             Cancelling::Unknown => Err(ServiceError::Unknown { what: "job", id: id.into() }),
             Cancelling::Ended(status @ (Status::Succeeded | Status::Failed)) => {
                 Err(ServiceError::Ended { id: id.into(), status })
@@ -198,7 +198,7 @@ impl Service {
     /// # Errors
     /// [`ServiceError::Unknown`] when there is none with this id.
     pub async fn delete_job(&self, id: &str) -> Result<(), ServiceError> {
-        if !self.store.delete_job(id).await? {
+        if !self.store.delete_job(&self.reach, id).await? {
             return Err(ServiceError::Unknown { what: "job", id: id.into() });
         }
         self.signals.job_unwanted();

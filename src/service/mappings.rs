@@ -68,7 +68,7 @@ impl Service {
         }
         let settings = serde_json::json!(settings).to_string();
         let row = MappingRow { name: name.to_owned(), settings, layout, updated_at_ms: 0 };
-        let created = self.store.put_mapping(&row).await?;
+        let created = self.store.put_mapping(&self.reach, &row).await?;
         Ok(Added { resource: self.mapping(name).await?, replayed: !created })
     }
 
@@ -77,7 +77,7 @@ impl Service {
     /// # Errors
     /// [`ServiceError::Unknown`] when there is none of this name.
     pub async fn mapping(&self, name: &str) -> Result<Mapping, ServiceError> {
-        let row = self.store.mapping(name).await?;
+        let row = self.store.mapping(&self.reach, name).await?;
         mapping(row.ok_or_else(|| ServiceError::Unknown { what: "mapping", id: name.into() })?)
     }
 
@@ -86,7 +86,7 @@ impl Service {
     /// # Errors
     /// When the database does not answer.
     pub async fn mappings(&self) -> Result<Vec<Mapping>, ServiceError> {
-        self.store.mappings(MOST_LISTED).await?.into_iter().map(mapping).collect()
+        self.store.mappings(&self.reach, MOST_LISTED).await?.into_iter().map(mapping).collect()
     }
 
     /// Removes a mapping. Measurements that were read with it stay as they are.
@@ -94,7 +94,7 @@ impl Service {
     /// # Errors
     /// [`ServiceError::Unknown`] when there is none of this name.
     pub async fn delete_mapping(&self, name: &str) -> Result<(), ServiceError> {
-        match self.store.delete_mapping(name).await? {
+        match self.store.delete_mapping(&self.reach, name).await? {
             true => Ok(()),
             false => Err(ServiceError::Unknown { what: "mapping", id: name.into() }),
         }
@@ -105,7 +105,7 @@ impl Service {
         &self,
         layout: &str,
     ) -> Result<Option<Mapping>, ServiceError> {
-        self.store.mapping_of_layout(layout).await?.map(mapping).transpose()
+        self.store.mapping_of_layout(&self.reach, layout).await?.map(mapping).transpose()
     }
 }
 

@@ -89,7 +89,7 @@ impl Service {
         let measurement = reading.measurement?;
         check_points(&measurement)?;
         let row = row(name, reading.note, &measurement);
-        match self.store.insert_measurement(&row, &reading.files, key.as_ref()).await? {
+        match self.store.insert_measurement(&self.reach, &row, &reading.files, key.as_ref()).await? {
             Inserted::Created => {
                 Ok(Added { resource: self.measurement(&row.id).await?, replayed: false })
             }
@@ -107,7 +107,7 @@ impl Service {
     /// # Errors
     /// [`ServiceError::Unknown`] when there is none with this id.
     pub async fn measurement(&self, id: &str) -> Result<Measured, ServiceError> {
-        let row = self.store.measurement(id).await?;
+        let row = self.store.measurement(&self.reach, id).await?;
         measured(row.ok_or_else(|| ServiceError::Unknown { what: "measurement", id: id.into() })?)
     }
 
@@ -117,7 +117,7 @@ impl Service {
     /// # Errors
     /// [`ServiceError::Unknown`] when there is none with this id.
     pub async fn delete_measurement(&self, id: &str) -> Result<(), ServiceError> {
-        if !self.store.delete_measurement(id).await? {
+        if !self.store.delete_measurement(&self.reach, id).await? {
             return Err(ServiceError::Unknown { what: "measurement", id: id.into() });
         }
         self.signals.job_unwanted();
@@ -135,7 +135,7 @@ impl Service {
         limit: u32,
         cursor: Option<String>,
     ) -> Result<Listed<Measured>, ServiceError> {
-        let rows = self.store.measurements(filter, &page(limit, cursor)?).await?;
+        let rows = self.store.measurements(&self.reach, filter, &page(limit, cursor)?).await?;
         paged(rows, limit, |row| &row.id, measured)
     }
 }

@@ -4,6 +4,7 @@
 //! line refuse the same things in the same words.
 
 mod axes;
+mod caller;
 mod compared;
 mod curves;
 mod deliveries;
@@ -12,6 +13,7 @@ mod events;
 mod exports;
 mod inspections;
 mod jobs;
+mod keys;
 mod mappings;
 mod measurements;
 mod metrics;
@@ -29,17 +31,20 @@ mod signals;
 mod spreadsheet;
 #[cfg(test)]
 pub(crate) mod testing;
+mod token;
 mod validations;
 mod webhooks;
 
 use std::sync::Arc;
 
 pub use axes::HistoryQuery;
+pub use caller::{Caller, Key, Scope};
 pub use compared::Compared;
 pub use error::ServiceError;
 pub use events::JobEvent;
 use inspections::Inspections;
 pub use jobs::{Failure, Job};
+pub use keys::{NewKey, Session};
 pub use mappings::Mapping;
 pub use measurements::{MAX_FILES, MAX_POINTS, Measured, Upload};
 pub use metrics::Metrics;
@@ -53,9 +58,10 @@ pub use request::{JobRequest, Submission};
 pub use running::RunError;
 pub use signals::Signals;
 pub use spreadsheet::harmless;
+pub use token::Token;
 pub use webhooks::{EventType, NewWebhook, Outlets, Tested, Webhook};
 
-use crate::store::Store;
+use crate::store::{Reach, Store};
 
 pub use servoscope_core::measurement::formats::{
     ColumnLook, FileLook, Lack, Look, ParseError, QUANTITIES, QuantityChoice, TableLook,
@@ -85,7 +91,8 @@ pub struct Added<T> {
     pub replayed: bool,
 }
 
-/// The use cases over a store and the numeric core.
+/// The use cases over a store and the numeric core, for one caller: what is out of its reach is
+/// not there.
 #[derive(Clone)]
 pub struct Service {
     store: Arc<dyn Store>,
@@ -94,14 +101,28 @@ pub struct Service {
     metrics: Arc<Metrics>,
     inspections: Arc<Inspections>,
     outlets: Arc<Outlets>,
+    caller: Arc<Caller>,
+    reach: Reach,
 }
 
 impl Service {
-    /// Joins them. `signals` are shared with the worker of this process. Webhooks go to
+    /// Joins them, for the server itself: see [`Service::on_behalf_of`]. `signals` are shared with the worker of this process. Webhooks go to
     /// public addresses, and there is no broker: see [`Service::telling`].
     pub fn new(store: Arc<dyn Store>, numerics: Arc<dyn Numerics>, signals: Arc<Signals>) -> Self {
         let (metrics, inspections, outlets) = Default::default();
-        Self { store, numerics, signals, metrics, inspections, outlets }
+        let (caller, reach) = (Arc::new(Caller::Everybody), Reach::everything());
+        Self { store, numerics, signals, metrics, inspections, outlets, caller, reach }
+    }
+
+    /// The same for a caller: it finds what it may see, and owns what it makes.
+    pub fn on_behalf_of(&self, caller: Caller) -> Self {
+        let reach = caller.reach();
+        Self { caller: Arc::new(caller), reach, ..self.clone() }
+    }
+
+    /// Who asks.
+    pub fn caller(&self) -> &Caller {
+        &self.caller
     }
 
     /// The same, telling others in this way.

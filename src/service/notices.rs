@@ -7,10 +7,10 @@ use servoscope_core::answers::{Answer, HistoryRow, Verdict};
 use tracing::warn;
 
 use crate::report;
-use crate::store::{EventRow, Millis, NewDeliveryRow, Status};
+use crate::store::{EventRow, Millis, NewDeliveryRow, Status, WebhookRow};
 
-use super::webhooks::EventType;
-use super::{Job, Measured, Service, ServiceError};
+use super::webhooks::{EventType, webhook};
+use super::{Caller, Job, Measured, Service, ServiceError};
 
 /// Events that are read at once.
 const BATCH: u32 = 100;
@@ -119,21 +119,30 @@ impl Service {
     }
 
     async fn messages(&self, event: &EventRow) -> Result<Vec<NewDeliveryRow>, ServiceError> {
-        let mut receivers: Vec<(Option<String>, Vec<EventType>)> = Vec::new();
-        for webhook in self.webhooks().await? {
+        let mut receivers: Vec<(Option<String>, Vec<EventType>, Caller)> = Vec::new();
+        for row in self.store.webhooks(&self.reach).await? {
+            let owner = self.owner_of(&row).await?;
+            let webhook = webhook(row)?;
             if webhook.disabled.is_none() {
-                receivers.push((Some(webhook.id), webhook.events));
+                receivers.push((Some(webhook.id), webhook.events, owner));
             }
         }
         if self.outlets.broker.is_some() {
-            receivers.push((None, EventType::ALL.to_vec()));
-        }
-        if receivers.is_empty() {
-            return Ok(Vec::new());
+            receivers.push((None, EventType::ALL.to_vec(), Caller::Everybody));
         }
         let mut rows = Vec::new();
-        for notice in self.notices(event).await? {
-            for (webhook_id, wanted) in &receivers {
+        // What each caller sees of it.
+        let mut seen: Vec<(Caller, Vec<Notice>)> = Vec::new();
+        for (webhook_id, wanted, caller) in receivers {
+            if !seen.iter().any(|(other, _)| *other == caller) {
+                let notices = match self.on_behalf_of(caller.clone()).notices(event).await {
+                    Err(ServiceError::Unknown { .. }) => Vec::new(),
+                    notices => notices?,
+                };
+                seen.push((caller.clone(), notices));
+            }
+            let notices = seen.iter().filter(|(other, _)| *other == caller);
+            for notice in notices.flat_map(|(_, notices)| notices) {
                 if wanted.contains(&notice.event) {
                     rows.push(NewDeliveryRow {
                         id: new_id(),
@@ -146,6 +155,17 @@ impl Service {
             }
         }
         Ok(rows)
+    }
+
+    /// On whose behalf a webhook is told something: that of its key, as long as that opens anything.
+    async fn owner_of(&self, row: &WebhookRow) -> Result<Caller, ServiceError> {
+        if row.owner.is_empty() {
+            return Ok(Caller::Everybody);
+        }
+        Ok(match self.store.key(&row.owner).await? {
+            Some(key) if key.is_valid() => Caller::Holder(key.try_into()?),
+            _ => Caller::Nobody,
+        })
     }
 
     async fn notices(&self, event: &EventRow) -> Result<Vec<Notice>, ServiceError> {

@@ -33,7 +33,7 @@ impl Service {
             return Err(no_plot(id, name, "there is no such figure", available));
         }
         let convergence = self.convergence(id).await?;
-        let Some(result) = self.store.result(id).await? else {
+        let Some(result) = self.store.result(&self.reach, id).await? else {
             let subject = Subject { convergence: &convergence, ..Subject::default() };
             return match figures::draw(name, &subject, format) {
                 Ok(svg) => Ok(Plot { svg, settled: row.status.is_final() }),
@@ -44,7 +44,7 @@ impl Service {
             };
         };
         let answer = answer(&result)?;
-        let files = self.store.measurement_files(&row.measurement_id).await?;
+        let files = self.store.measurement_files(&self.reach, &row.measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);
         let (id, name) = (id.to_owned(), name.to_owned());
         let drawing = aside(move || {

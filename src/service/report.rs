@@ -25,7 +25,7 @@ impl Service {
         let answer = self.answer(id).await?;
         let row = self.job(id).await?.row;
         let convergence = self.convergence(id).await?;
-        let files = self.store.measurement_files(&row.measurement_id).await?;
+        let files = self.store.measurement_files(&self.reach, &row.measurement_id).await?;
         let name = self.measurement(&row.measurement_id).await?.row.name;
         let numerics = Arc::clone(&self.numerics);
         let writing = aside(move || {

@@ -59,9 +59,9 @@ impl Service {
         let request = serde_json::from_str::<JobRequest>(request).ok();
         let second = request.and_then(|request| request.validation_measurement_id);
         Ok(JobFiles {
-            measured: self.store.measurement_files(measurement_id).await?,
+            measured: self.store.measurement_files(&self.reach, measurement_id).await?,
             second: match second {
-                Some(id) => Some(self.store.measurement_files(&id).await?),
+                Some(id) => Some(self.store.measurement_files(&self.reach, &id).await?),
                 None => None,
             },
         })

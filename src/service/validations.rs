@@ -24,7 +24,7 @@ impl Service {
     ) -> Result<Validation, ServiceError> {
         let answer = self.answer(job_id).await?;
         self.measurement(measurement_id).await?;
-        let files = self.store.measurement_files(measurement_id).await?;
+        let files = self.store.measurement_files(&self.reach, measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);
         let trying = aside(move || {
             let measurement = numerics.read(&sources(&files))?;

@@ -10,7 +10,7 @@ use crate::store::{DeliveryRow, Millis, WebhookRow};
 use super::deliveries::answered;
 use super::{Service, ServiceError, notices};
 
-/// Most webhooks of a server.
+/// Most webhooks of a key.
 const MOST_WEBHOOKS: u32 = 100;
 
 /// Most deliveries of a webhook that are listed.
@@ -130,8 +130,9 @@ impl Service {
             secret: secret.text(),
             events: serde_json::json!(events).to_string(),
             disabled: None,
+            owner: self.reach.owner.clone(),
         };
-        if !self.store.insert_webhook(&row, MOST_WEBHOOKS).await? {
+        if !self.store.insert_webhook(&self.reach, &row, MOST_WEBHOOKS).await? {
             let reason = format!("there are {MOST_WEBHOOKS} webhooks already; delete one");
             return wrong("url", reason);
         }
@@ -143,7 +144,7 @@ impl Service {
     /// # Errors
     /// When the database does not answer.
     pub async fn webhooks(&self) -> Result<Vec<Webhook>, ServiceError> {
-        self.store.webhooks().await?.into_iter().map(webhook).collect()
+        self.store.webhooks(&self.reach).await?.into_iter().map(webhook).collect()
     }
 
     /// One webhook.
@@ -159,7 +160,7 @@ impl Service {
     /// # Errors
     /// As [`Service::webhook`].
     pub async fn delete_webhook(&self, id: &str) -> Result<(), ServiceError> {
-        match self.store.delete_webhook(id).await? {
+        match self.store.delete_webhook(&self.reach, id).await? {
             true => Ok(()),
             false => Err(unknown(id)),
         }
@@ -171,7 +172,7 @@ impl Service {
     /// As [`Service::webhook`].
     pub async fn deliveries(&self, webhook: &str) -> Result<Vec<DeliveryRow>, ServiceError> {
         self.webhook_row(webhook).await?;
-        Ok(self.store.deliveries(webhook, MOST_DELIVERIES).await?)
+        Ok(self.store.deliveries(&self.reach, webhook, MOST_DELIVERIES).await?)
     }
 
     /// Sends a webhook a message now, and says what came back. It is not repeated.
@@ -192,11 +193,11 @@ impl Service {
     }
 
     async fn webhook_row(&self, id: &str) -> Result<WebhookRow, ServiceError> {
-        self.store.webhook(id).await?.ok_or_else(|| unknown(id))
+        self.store.webhook(&self.reach, id).await?.ok_or_else(|| unknown(id))
     }
 }
 
-fn webhook(row: WebhookRow) -> Result<Webhook, ServiceError> {
+pub(super) fn webhook(row: WebhookRow) -> Result<Webhook, ServiceError> {
     let corrupt = |source| ServiceError::Corrupt { what: "webhook", source };
     let events = serde_json::from_str(&row.events).map_err(corrupt)?;
     let WebhookRow { id, created_at_ms, url, disabled, .. } = row;

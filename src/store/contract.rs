@@ -10,7 +10,7 @@ use std::time::Duration;
 use super::{
     Beat, Cancelling, ConvergencePoint, EndedRow, FileRow, IdempotencyKey, Inserted, JobFilter,
     Lease, MAX_ATTEMPTS, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page,
-    QueueState, Recovered, ResultFilter, Sqlite, Status, Store, StoreError,
+    QueueState, Reach, Recovered, ResultFilter, Sqlite, Status, Store, StoreError,
 };
 use lists::*;
 use mappings::*;
@@ -20,6 +20,10 @@ use queue::*;
 const LONG: Duration = Duration::from_secs(600);
 /// A lease that has expired as soon as it is given.
 const EXPIRED: Duration = Duration::ZERO;
+
+fn all() -> Reach {
+    Reach::everything()
+}
 
 fn id() -> String {
     uuid::Uuid::now_v7().to_string()
@@ -69,14 +73,14 @@ fn point(seq: i64) -> ConvergencePoint {
 
 async fn stored_measurement(store: &dyn Store) -> String {
     let id = id();
-    store.insert_measurement(&measurement(&id), &[file(b"x")], None).await.unwrap();
+    store.insert_measurement(&all(), &measurement(&id), &[file(b"x")], None).await.unwrap();
     id
 }
 
 async fn queued_job(store: &dyn Store) -> String {
     let measurement_id = stored_measurement(store).await;
     let row = NewJobRow { id: id(), measurement_id, kind: "identify".into(), request: "{}".into() };
-    assert_eq!(store.insert_job(&row, None).await.unwrap(), Inserted::Created);
+    assert_eq!(store.insert_job(&all(), &row, None).await.unwrap(), Inserted::Created);
     row.id
 }
 
@@ -88,31 +92,31 @@ async fn leased_job(store: &dyn Store, duration: Duration) -> Lease {
 }
 
 async fn status(store: &dyn Store, id: &str) -> Status {
-    store.job(id).await.unwrap().expect("the job exists").status
+    store.job(&all(), id).await.unwrap().expect("the job exists").status
 }
 
 async fn a_measurement_comes_back_as_it_was_stored(store: &dyn Store) {
     let id = id();
     let files = [file(b"one"), file(&[0, 255, 10])];
-    store.insert_measurement(&measurement(&id), &files, None).await.unwrap();
+    store.insert_measurement(&all(), &measurement(&id), &files, None).await.unwrap();
 
-    let row = store.measurement(&id).await.unwrap().expect("it was stored");
+    let row = store.measurement(&all(), &id).await.unwrap().expect("it was stored");
     let created_at_ms = row.created_at_ms;
     assert!(created_at_ms > 1_700_000_000_000, "{created_at_ms} is not a time of today in ms");
     assert_eq!(row, MeasurementRow { created_at_ms, ..measurement(&id) });
-    assert_eq!(store.measurement_files(&id).await.unwrap(), files);
-    assert_eq!(store.measurement("nobody").await.unwrap(), None);
+    assert_eq!(store.measurement_files(&all(), &id).await.unwrap(), files);
+    assert_eq!(store.measurement(&all(), "nobody").await.unwrap(), None);
 }
 
 async fn an_idempotency_key_answers_the_same_request_only(store: &dyn Store) {
     let (first, second) = (id(), id());
     let insert = async |id: &str, key: &IdempotencyKey| {
-        store.insert_measurement(&measurement(id), &[file(b"x")], Some(key)).await.unwrap()
+        store.insert_measurement(&all(), &measurement(id), &[file(b"x")], Some(key)).await.unwrap()
     };
     assert_eq!(insert(&first, &key("k", "body")).await, Inserted::Created);
     assert_eq!(insert(&second, &key("k", "body")).await, Inserted::Replayed(first));
     assert_eq!(insert(&second, &key("k", "other body")).await, Inserted::KeyReused);
-    assert_eq!(store.measurement(&second).await.unwrap(), None, "neither may store anything");
+    assert_eq!(store.measurement(&all(), &second).await.unwrap(), None, "neither may store anything");
     assert_eq!(insert(&second, &key("another k", "body")).await, Inserted::Created);
 }
 
@@ -123,30 +127,30 @@ async fn a_job_of_an_unknown_measurement_is_refused(store: &dyn Store) {
         kind: "identify".into(),
         request: "{}".into(),
     };
-    store.insert_job(&row, Some(&key("k", "body"))).await.unwrap_err();
-    assert_eq!(store.job(&row.id).await.unwrap(), None);
+    store.insert_job(&all(), &row, Some(&key("k", "body"))).await.unwrap_err();
+    assert_eq!(store.job(&all(), &row.id).await.unwrap(), None);
 }
 
 async fn a_deleted_measurement_takes_its_jobs_and_keys_with_it(store: &dyn Store) {
     let measured = id();
     let promise = key("k", "body");
-    store.insert_measurement(&measurement(&measured), &[file(b"x")], Some(&promise)).await.unwrap();
+    store.insert_measurement(&all(), &measurement(&measured), &[file(b"x")], Some(&promise)).await.unwrap();
     let row = NewJobRow {
         id: id(),
         measurement_id: measured.clone(),
         kind: "identify".into(),
         request: "{}".into(),
     };
-    store.insert_job(&row, None).await.unwrap();
+    store.insert_job(&all(), &row, None).await.unwrap();
     let lease = store.lease(LONG).await.unwrap().expect("it is queued");
-    assert!(store.delete_measurement(&measured).await.unwrap());
-    assert!(!store.delete_measurement(&measured).await.unwrap());
-    assert_eq!(store.job(&row.id).await.unwrap(), None);
-    assert!(store.measurement_files(&measured).await.unwrap().is_empty());
+    assert!(store.delete_measurement(&all(), &measured).await.unwrap());
+    assert!(!store.delete_measurement(&all(), &measured).await.unwrap());
+    assert_eq!(store.job(&all(), &row.id).await.unwrap(), None);
+    assert!(store.measurement_files(&all(), &measured).await.unwrap().is_empty());
     assert_eq!(store.heartbeat(&lease, LONG, None, &[point(0)]).await.unwrap(), Beat::Lost);
     assert!(!store.finish(&lease, &Outcome::Cancelled).await.unwrap());
-    assert!(store.history(&row.id, 0, 10).await.unwrap().is_empty());
-    let again = store.insert_measurement(&measurement(&id()), &[], Some(&promise)).await.unwrap();
+    assert!(store.history(&all(), &row.id, 0, 10).await.unwrap().is_empty());
+    let again = store.insert_measurement(&all(), &measurement(&id()), &[], Some(&promise)).await.unwrap();
     assert_eq!(again, Inserted::Created);
 }
 
@@ -161,10 +165,10 @@ async fn a_deleted_job_takes_its_key_with_it(store: &dyn Store) {
         request: "{}".into(),
     };
     let first = job();
-    assert_eq!(store.insert_job(&first, Some(&promise)).await.unwrap(), Inserted::Created);
-    store.cancel(&first.id).await.unwrap();
-    store.delete_job(&first.id).await.unwrap();
-    assert_eq!(store.insert_job(&job(), Some(&promise)).await.unwrap(), Inserted::Created);
+    assert_eq!(store.insert_job(&all(), &first, Some(&promise)).await.unwrap(), Inserted::Created);
+    store.cancel(&all(), &first.id).await.unwrap();
+    store.delete_job(&all(), &first.id).await.unwrap();
+    assert_eq!(store.insert_job(&all(), &job(), Some(&promise)).await.unwrap(), Inserted::Created);
 }
 
 async fn what_is_old_is_deleted_and_what_is_wanted_is_not(store: &dyn Store) {
@@ -176,10 +180,10 @@ async fn what_is_old_is_deleted_and_what_is_wanted_is_not(store: &dyn Store) {
     tokio::time::sleep(Duration::from_millis(5)).await;
     let old = store.delete_older(Duration::from_millis(1), 10).await.unwrap();
     assert_eq!((old.jobs, old.measurements), (1, 1));
-    assert_eq!(store.job(&ended.job_id).await.unwrap(), None);
-    assert_eq!(store.measurement(&ended.measurement_id).await.unwrap(), None);
-    let kept = store.job(&queued).await.unwrap().expect("it is still wanted");
-    assert!(store.measurement(&kept.measurement_id).await.unwrap().is_some());
+    assert_eq!(store.job(&all(), &ended.job_id).await.unwrap(), None);
+    assert_eq!(store.measurement(&all(), &ended.measurement_id).await.unwrap(), None);
+    let kept = store.job(&all(), &queued).await.unwrap().expect("it is still wanted");
+    assert!(store.measurement(&all(), &kept.measurement_id).await.unwrap().is_some());
 }
 
 /// Runs every test of the contract on a fresh store of one engine each.
@@ -261,18 +265,17 @@ async fn what_has_no_room_is_refused_whole_and_accepted_once_there_is() {
     let small = stored_measurement(&store).await;
     let large = file(&vec![b'x'; 700 << 10]);
     let first = id();
-    store
-        .insert_measurement(&measurement(&first), std::slice::from_ref(&large), None)
+    store.insert_measurement(&all(), &measurement(&first), std::slice::from_ref(&large), None)
         .await
         .unwrap();
     let second = id();
     let refused =
-        store.insert_measurement(&measurement(&second), std::slice::from_ref(&large), None).await;
+        store.insert_measurement(&all(), &measurement(&second), std::slice::from_ref(&large), None).await;
     assert!(matches!(refused, Err(StoreError::Full(_))), "{refused:?}");
-    assert_eq!(store.measurement(&second).await.unwrap(), None, "nothing is stored by half");
-    assert!(store.measurement(&small).await.unwrap().is_some());
-    assert!(store.delete_measurement(&first).await.unwrap());
-    let accepted = store.insert_measurement(&measurement(&second), &[large], None).await;
+    assert_eq!(store.measurement(&all(), &second).await.unwrap(), None, "nothing is stored by half");
+    assert!(store.measurement(&all(), &small).await.unwrap().is_some());
+    assert!(store.delete_measurement(&all(), &first).await.unwrap());
+    let accepted = store.insert_measurement(&all(), &measurement(&second), &[large], None).await;
     assert_eq!(accepted.unwrap(), Inserted::Created);
     store.ping().await.unwrap();
 }

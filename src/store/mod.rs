@@ -12,7 +12,9 @@
 #[cfg(test)]
 mod contract;
 mod error;
+mod keys;
 mod outbox;
+mod reach;
 mod rows;
 mod sqlite;
 
@@ -21,7 +23,9 @@ use std::time::Duration;
 use async_trait::async_trait;
 
 pub use error::StoreError;
+pub use keys::{KeyRow, Keyring};
 pub use outbox::{DeliveryRow, DueRow, EventRow, NewDeliveryRow, Outbox, Settled, WebhookRow};
+pub use reach::Reach;
 pub use rows::{
     AxisRow, ConvergencePoint, EndedRow, Expired, FileRow, IdempotencyKey, Inserted, JobFilter,
     JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page,
@@ -68,67 +72,64 @@ pub struct Recovered {
 }
 
 /// Everything that is kept. Every method is one transaction.
+///
+/// What a caller asks for takes the [`Reach`] of the caller. The methods without one are for the
+/// server's own work: the queue, and what is old.
 #[async_trait]
-pub trait Store: Outbox + Send + Sync + 'static {
+pub trait Store: Outbox + Keyring + Send + Sync + 'static {
     /// Whether the database can be read and written.
     async fn ping(&self) -> Result<(), StoreError>;
 
     /// Stores a measurement with its files, unless `key` answers the request.
-    async fn insert_measurement(
-        &self,
-        row: &MeasurementRow,
+    async fn insert_measurement(&self, reach: &Reach, row: &MeasurementRow,
         files: &[FileRow],
         key: Option<&IdempotencyKey>,
     ) -> Result<Inserted, StoreError>;
 
     /// The measurement, if there is one with this id.
-    async fn measurement(&self, id: &str) -> Result<Option<MeasurementRow>, StoreError>;
+    async fn measurement(&self, reach: &Reach, id: &str) -> Result<Option<MeasurementRow>, StoreError>;
 
     /// The files of a measurement in the order of the upload.
-    async fn measurement_files(&self, id: &str) -> Result<Vec<FileRow>, StoreError>;
+    async fn measurement_files(&self, reach: &Reach, id: &str) -> Result<Vec<FileRow>, StoreError>;
 
     /// Measurements, newest first.
-    async fn measurements(
-        &self,
-        filter: &MeasurementFilter,
+    async fn measurements(&self, reach: &Reach, filter: &MeasurementFilter,
         page: &Page,
     ) -> Result<Vec<MeasurementRow>, StoreError>;
 
     /// Removes a measurement, its files and every job on it, whatever their
     /// status: the worker of a running one loses its lease. `false`: there is none.
-    async fn delete_measurement(&self, id: &str) -> Result<bool, StoreError>;
+    async fn delete_measurement(&self, reach: &Reach, id: &str) -> Result<bool, StoreError>;
 
     /// Stores a mapping under its name; `false`: in place of another.
-    async fn put_mapping(&self, row: &MappingRow) -> Result<bool, StoreError>;
+    async fn put_mapping(&self, reach: &Reach, row: &MappingRow) -> Result<bool, StoreError>;
 
     /// The mapping, if there is one of this name.
-    async fn mapping(&self, name: &str) -> Result<Option<MappingRow>, StoreError>;
+    async fn mapping(&self, reach: &Reach, name: &str) -> Result<Option<MappingRow>, StoreError>;
 
     /// The mapping for files of this layout that was stored last, if there is one.
-    async fn mapping_of_layout(&self, layout: &str) -> Result<Option<MappingRow>, StoreError>;
+    async fn mapping_of_layout(&self, reach: &Reach, layout: &str) -> Result<Option<MappingRow>, StoreError>;
 
     /// At most `limit` mappings, by name.
-    async fn mappings(&self, limit: u32) -> Result<Vec<MappingRow>, StoreError>;
+    async fn mappings(&self, reach: &Reach, limit: u32) -> Result<Vec<MappingRow>, StoreError>;
 
     /// Removes a mapping. `false`: there is none of this name.
-    async fn delete_mapping(&self, name: &str) -> Result<bool, StoreError>;
+    async fn delete_mapping(&self, reach: &Reach, name: &str) -> Result<bool, StoreError>;
 
     /// Queues a job, unless `key` answers the request.
-    async fn insert_job(
-        &self,
-        row: &NewJobRow,
+    async fn insert_job(&self, reach: &Reach, row: &NewJobRow,
         key: Option<&IdempotencyKey>,
     ) -> Result<Inserted, StoreError>;
 
     /// The job, if there is one with this id.
-    async fn job(&self, id: &str) -> Result<Option<JobRow>, StoreError>;
+    async fn job(&self, reach: &Reach, id: &str) -> Result<Option<JobRow>, StoreError>;
 
     /// Jobs, newest first.
-    async fn jobs(&self, filter: &JobFilter, page: &Page) -> Result<Vec<JobRow>, StoreError>;
+    async fn jobs(&self, reach: &Reach, filter: &JobFilter, page: &Page) -> Result<Vec<JobRow>, StoreError>;
 
     /// Removes a job, its result and its history, whatever its status: the worker
     /// of a running one loses its lease. `false`: there is none.
-    async fn delete_job(&self, id: &str) -> Result<bool, StoreError>;
+    async fn delete_job(&self, reach: &Reach, id: &str) -> Result<bool, StoreError>;
 
     /// Removes jobs that ended longer than `age` ago, measurements stored longer
     /// ago that no job works on, and idempotency keys as old; at most `limit` of
@@ -136,28 +137,24 @@ pub trait Store: Outbox + Send + Sync + 'static {
     async fn delete_older(&self, age: Duration, limit: u32) -> Result<Expired, StoreError>;
 
     /// JSON of a job's result, once it has one.
-    async fn result(&self, id: &str) -> Result<Option<String>, StoreError>;
+    async fn result(&self, reach: &Reach, id: &str) -> Result<Option<String>, StoreError>;
 
     /// At most `limit` results with what they are of, latest measured first; of those
     /// measured at one time, latest submitted first.
-    async fn results(
-        &self,
-        filter: &ResultFilter,
+    async fn results(&self, reach: &Reach, filter: &ResultFilter,
         limit: u32,
     ) -> Result<Vec<StoredResult>, StoreError>;
 
     /// At most `limit` axes that measurements name, by machine and axis; of one
     /// machine, or of every one.
-    async fn axes(&self, machine: Option<&str>, limit: u32) -> Result<Vec<AxisRow>, StoreError>;
+    async fn axes(&self, reach: &Reach, machine: Option<&str>, limit: u32) -> Result<Vec<AxisRow>, StoreError>;
 
     /// Convergence history of a job's latest attempt, in order.
-    async fn convergence(&self, id: &str) -> Result<Vec<ConvergencePoint>, StoreError>;
+    async fn convergence(&self, reach: &Reach, id: &str) -> Result<Vec<ConvergencePoint>, StoreError>;
 
     /// At most `limit` rows of convergence history of all attempts from position
     /// `from` on, in order.
-    async fn history(
-        &self,
-        id: &str,
+    async fn history(&self, reach: &Reach, id: &str,
         from: i64,
         limit: u32,
     ) -> Result<Vec<ConvergencePoint>, StoreError>;
@@ -166,7 +163,7 @@ pub trait Store: Outbox + Send + Sync + 'static {
     async fn queue(&self) -> Result<QueueState, StoreError>;
 
     /// Cancels a queued job, or asks the worker of a running one to stop.
-    async fn cancel(&self, id: &str) -> Result<Cancelling, StoreError>;
+    async fn cancel(&self, reach: &Reach, id: &str) -> Result<Cancelling, StoreError>;
 
     /// Leases the oldest queued job for `duration`, if there is one.
     async fn lease(&self, duration: Duration) -> Result<Option<Lease>, StoreError>;

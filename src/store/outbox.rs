@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use async_trait::async_trait;
 
-use super::{Millis, StoreError};
+use super::{Millis, Reach, StoreError};
 
 /// Somebody who is told what happens.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,6 +26,8 @@ pub struct WebhookRow {
     pub events: String,
     /// Why it is told nothing more.
     pub disabled: Option<String>,
+    /// Whose it is; the reach says on insertion.
+    pub owner: String,
 }
 
 /// A job that ended, of which nobody has been told.
@@ -115,17 +117,17 @@ pub struct DeliveryRow {
 /// The part of a store that remembers what is to be told.
 #[async_trait]
 pub trait Outbox {
-    /// Stores a webhook, unless there are `most` of them already; `false`: there are.
-    async fn insert_webhook(&self, row: &WebhookRow, most: u32) -> Result<bool, StoreError>;
+    /// Stores a webhook, unless its owner has `most` of them already; `false`: there are.
+    async fn insert_webhook(&self, reach: &Reach, row: &WebhookRow, most: u32) -> Result<bool, StoreError>;
 
     /// Every webhook, newest first.
-    async fn webhooks(&self) -> Result<Vec<WebhookRow>, StoreError>;
+    async fn webhooks(&self, reach: &Reach) -> Result<Vec<WebhookRow>, StoreError>;
 
     /// The webhook, if there is one with this id.
-    async fn webhook(&self, id: &str) -> Result<Option<WebhookRow>, StoreError>;
+    async fn webhook(&self, reach: &Reach, id: &str) -> Result<Option<WebhookRow>, StoreError>;
 
     /// Removes a webhook and its deliveries. `false`: there is none.
-    async fn delete_webhook(&self, id: &str) -> Result<bool, StoreError>;
+    async fn delete_webhook(&self, reach: &Reach, id: &str) -> Result<bool, StoreError>;
 
     /// At most so many events, oldest first.
     async fn events(&self, limit: u32) -> Result<Vec<EventRow>, StoreError>;
@@ -150,7 +152,7 @@ pub trait Outbox {
     ) -> Result<bool, StoreError>;
 
     /// At most so many deliveries of a webhook, newest first.
-    async fn deliveries(&self, webhook: &str, limit: u32) -> Result<Vec<DeliveryRow>, StoreError>;
+    async fn deliveries(&self, reach: &Reach, webhook: &str, limit: u32) -> Result<Vec<DeliveryRow>, StoreError>;
 
     /// How many deliveries wait.
     async fn waiting(&self) -> Result<i64, StoreError>;

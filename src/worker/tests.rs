@@ -8,7 +8,7 @@ use tokio::task::JoinHandle;
 use super::{Settings, start};
 use crate::service::testing::{PANIC, RUN_UNTIL_CANCELLED, SUCCEED, Scripted, UNUSABLE};
 use crate::service::{Job, Service, ServiceError, Signals, Submission, Upload};
-use crate::store::{FileRow, Sqlite, Status, Store};
+use crate::store::{FileRow, Reach, Sqlite, Status, Store};
 
 /// Far more than anything here takes: it ends a test that hangs.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -140,7 +140,7 @@ async fn a_running_job_is_cancelled_even_from_another_process() {
     let progress = bench.service.job(&id).await.unwrap().progress.expect("it has begun");
     assert_eq!((progress.stage.as_str(), progress.fraction), ("searching", 0.5));
     // The store is all that two processes share.
-    bench.store.cancel(&id).await.unwrap();
+    bench.store.cancel(&Reach::everything(), &id).await.unwrap();
     assert_eq!(bench.ended(&id).await.row.status, Status::Cancelled);
 }
 

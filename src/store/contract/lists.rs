@@ -10,14 +10,14 @@ pub(super) async fn lists_are_paged_newest_first_and_filtered(store: &dyn Store)
     ];
     let everything = MeasurementFilter::default();
     let first = Page { limit: 2, before: None };
-    let rows = store.measurements(&everything, &first).await.unwrap();
+    let rows = store.measurements(&all(), &everything, &first).await.unwrap();
     assert_eq!(rows.iter().map(|row| &row.id).collect::<Vec<_>>(), [&ids[2], &ids[1]]);
     let second = Page { limit: 2, before: Some(ids[1].clone()) };
-    let rows = store.measurements(&everything, &second).await.unwrap();
+    let rows = store.measurements(&all(), &everything, &second).await.unwrap();
     assert_eq!(rows.iter().map(|row| &row.id).collect::<Vec<_>>(), [&ids[0]]);
 
     let elsewhere = MeasurementFilter { machine: Some("press 5".into()), ..everything.clone() };
-    assert!(store.measurements(&elsewhere, &first).await.unwrap().is_empty());
+    assert!(store.measurements(&all(), &elsewhere, &first).await.unwrap().is_empty());
     let here = MeasurementFilter {
         machine: Some("press 4".into()),
         axis: Some("x".into()),
@@ -28,14 +28,14 @@ pub(super) async fn lists_are_paged_newest_first_and_filtered(store: &dyn Store)
         measured_until_ms: Some(1_714_979_289_001),
         ..everything.clone()
     };
-    assert_eq!(store.measurements(&here, &first).await.unwrap().len(), 2);
+    assert_eq!(store.measurements(&all(), &here, &first).await.unwrap().len(), 2);
     for wrong in [
         MeasurementFilter { labels: vec![("site".into(), "south".into())], ..here.clone() },
         MeasurementFilter { until_ms: Some(1_700_000_000_000), ..here.clone() },
         MeasurementFilter { measured_since_ms: Some(1_714_979_289_001), ..here.clone() },
         MeasurementFilter { measured_until_ms: Some(1_714_979_289_000), ..here.clone() },
     ] {
-        assert!(store.measurements(&wrong, &first).await.unwrap().is_empty(), "{wrong:?}");
+        assert!(store.measurements(&all(), &wrong, &first).await.unwrap().is_empty(), "{wrong:?}");
     }
 
     let job = queued_job(store).await;
@@ -49,15 +49,15 @@ pub(super) async fn lists_are_paged_newest_first_and_filtered(store: &dyn Store)
         ..JobFilter::default()
     };
     let running = JobFilter { status: Some(Status::Running), ..JobFilter::default() };
-    assert_eq!(store.jobs(&queued, &first).await.unwrap()[0].id, job);
-    assert!(store.jobs(&running, &first).await.unwrap().is_empty());
+    assert_eq!(store.jobs(&all(), &queued, &first).await.unwrap()[0].id, job);
+    assert!(store.jobs(&all(), &running, &first).await.unwrap().is_empty());
     for wrong in [
         JobFilter { kind: Some("diagnose".into()), ..queued.clone() },
         JobFilter { machine: Some("press 5".into()), ..queued.clone() },
         JobFilter { labels: vec![("shift".into(), "night".into())], ..queued.clone() },
         JobFilter { until_ms: Some(1_700_000_000_000), ..queued.clone() },
     ] {
-        assert!(store.jobs(&wrong, &first).await.unwrap().is_empty(), "{wrong:?}");
+        assert!(store.jobs(&all(), &wrong, &first).await.unwrap().is_empty(), "{wrong:?}");
     }
 }
 
@@ -69,7 +69,7 @@ pub(super) async fn results_are_listed_by_when_they_were_measured(store: &dyn St
             measured_at: measured_at.map(str::to_owned),
             ..measurement(&id())
         };
-        store.insert_measurement(&row, &[file(b"x")], None).await.unwrap();
+        store.insert_measurement(&all(), &row, &[file(b"x")], None).await.unwrap();
         for _ in 0..2 {
             let job = NewJobRow {
                 id: id(),
@@ -77,14 +77,14 @@ pub(super) async fn results_are_listed_by_when_they_were_measured(store: &dyn St
                 kind: "identify".into(),
                 request: "{}".into(),
             };
-            store.insert_job(&job, None).await.unwrap();
+            store.insert_job(&all(), &job, None).await.unwrap();
             let lease = store.lease(LONG).await.unwrap().expect("it is queued");
             store.finish(&lease, &Outcome::Succeeded("{}".into())).await.unwrap();
             jobs.push(job.id);
         }
     }
     let listed = async |filter: ResultFilter| {
-        let rows = store.results(&filter, 100).await.unwrap();
+        let rows = store.results(&all(), &filter, 100).await.unwrap();
         rows.into_iter().map(|row| row.job_id).collect::<Vec<_>>()
     };
     let everything = ResultFilter::default;
@@ -99,10 +99,10 @@ pub(super) async fn results_are_listed_by_when_they_were_measured(store: &dyn St
     assert!(listed(ResultFilter { to_ms: at, ..everything() }).await.is_empty());
     assert_eq!(listed(ResultFilter { from_ms: at, ..everything() }).await.len(), 6);
 
-    let axes = store.axes(Some("press 4"), 100).await.unwrap();
+    let axes = store.axes(&all(), Some("press 4"), 100).await.unwrap();
     let counts: Vec<_> =
         axes.iter().map(|axis| (axis.axis.as_str(), axis.measurements, axis.results)).collect();
     assert_eq!(counts, [("x", 2, 2), ("y", 1, 1)]);
     assert_eq!(Some(axes[0].first_ms), at);
-    assert!(store.axes(Some("press 5"), 100).await.unwrap().is_empty());
+    assert!(store.axes(&all(), Some("press 5"), 100).await.unwrap().is_empty());
 }

@@ -11,12 +11,13 @@ fn webhook(id: &str) -> WebhookRow {
         secret: "whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw".into(),
         events: r#"["job.finished"]"#.into(),
         disabled: None,
+        owner: String::new(),
     }
 }
 
 async fn stored_webhook(store: &dyn Store) -> String {
     let id = id();
-    assert!(store.insert_webhook(&webhook(&id), 100).await.unwrap());
+    assert!(store.insert_webhook(&all(), &webhook(&id), 100).await.unwrap());
     id
 }
 
@@ -53,14 +54,14 @@ pub(super) async fn every_way_to_end_a_job_leaves_one_event(store: &dyn Store) {
         ended.push(lease.job_id);
     }
     let queued = queued_job(store).await;
-    store.cancel(&queued).await.unwrap();
+    store.cancel(&all(), &queued).await.unwrap();
     ended.push(queued);
     let unwanted = leased_job(store, LONG).await;
-    store.cancel(&unwanted.job_id).await.unwrap();
+    store.cancel(&all(), &unwanted.job_id).await.unwrap();
     store.hand_back(&unwanted).await.unwrap();
     ended.push(unwanted.job_id);
     let killed = leased_job(store, EXPIRED).await;
-    store.cancel(&killed.job_id).await.unwrap();
+    store.cancel(&all(), &killed.job_id).await.unwrap();
     store.recover_expired().await.unwrap();
     ended.push(killed.job_id);
     // Back in the queue is no end.
@@ -71,7 +72,7 @@ pub(super) async fn every_way_to_end_a_job_leaves_one_event(store: &dyn Store) {
         events.iter().map(|event| &event.job_id).collect::<Vec<_>>(),
         Vec::from_iter(&ended)
     );
-    store.delete_job(&ended[0]).await.unwrap();
+    store.delete_job(&all(), &ended[0]).await.unwrap();
     assert_eq!(store.events(100).await.unwrap().len(), ended.len() - 1);
 }
 
@@ -89,7 +90,7 @@ pub(super) async fn an_event_is_announced_once(store: &dyn Store) {
     };
     assert!(store.announce(event.id, &[row(&hook), row("nobody")]).await.unwrap());
     assert!(!store.announce(event.id, &[row(&hook)]).await.unwrap());
-    assert_eq!(store.deliveries(&hook, 10).await.unwrap().len(), 1);
+    assert_eq!(store.deliveries(&all(), &hook, 10).await.unwrap().len(), 1);
     assert_eq!((store.waiting().await.unwrap(), store.events(10).await.unwrap().len()), (1, 0));
 }
 
@@ -120,7 +121,7 @@ pub(super) async fn a_failed_message_waits_and_keeps_its_reason(store: &dyn Stor
     let later = Settled::Later(LONG);
     assert!(store.settle(&due, &later, Some(500), Some("it answered 500")).await.unwrap());
     assert_eq!(store.due(LONG, true).await.unwrap(), None);
-    let rows = store.deliveries(&hook, 10).await.unwrap();
+    let rows = store.deliveries(&all(), &hook, 10).await.unwrap();
     assert_eq!((rows[0].id.as_str(), rows[0].attempts), (ids[0].as_str(), 1));
     assert_eq!((rows[0].answered, rows[0].error.as_deref()), (Some(500), Some("it answered 500")));
     assert!(rows[0].due_ms - rows[0].created_at_ms >= 600_000 && rows[0].ended_at_ms.is_none());
@@ -128,7 +129,7 @@ pub(super) async fn a_failed_message_waits_and_keeps_its_reason(store: &dyn Stor
     announced(store, &[Some(&hook)]).await;
     let due = taken(store).await;
     assert!(store.settle(&due, &Settled::GivenUp, None, Some("no")).await.unwrap());
-    let rows = store.deliveries(&hook, 10).await.unwrap();
+    let rows = store.deliveries(&all(), &hook, 10).await.unwrap();
     assert_eq!(rows[0].status, "given_up");
     assert!(rows[0].ended_at_ms.is_some());
 }
@@ -149,9 +150,9 @@ pub(super) async fn a_receiver_that_wants_no_more_is_told_no_more(store: &dyn St
     announced(store, &[Some(&hook)]).await;
     let due = taken(store).await;
     assert!(store.settle(&due, &Settled::Disabled, Some(410), Some("gone")).await.unwrap());
-    let row = store.webhook(&hook).await.unwrap().expect("it stays");
+    let row = store.webhook(&all(), &hook).await.unwrap().expect("it stays");
     assert_eq!(row.disabled.as_deref(), Some("gone"));
-    let rows = store.deliveries(&hook, 10).await.unwrap();
+    let rows = store.deliveries(&all(), &hook, 10).await.unwrap();
     assert!(rows.iter().all(|row| row.status == "given_up"), "{rows:?}");
     announced(store, &[Some(&hook)]).await;
     assert_eq!(store.waiting().await.unwrap(), 0);
@@ -159,17 +160,17 @@ pub(super) async fn a_receiver_that_wants_no_more_is_told_no_more(store: &dyn St
 
 pub(super) async fn webhooks_are_listed_counted_and_deleted_with_their_messages(store: &dyn Store) {
     let [first, second] = [stored_webhook(store).await, stored_webhook(store).await];
-    assert!(!store.insert_webhook(&webhook(&id()), 2).await.unwrap());
-    let listed = store.webhooks().await.unwrap();
+    assert!(!store.insert_webhook(&all(), &webhook(&id()), 2).await.unwrap());
+    let listed = store.webhooks(&all()).await.unwrap();
     assert_eq!(listed.iter().map(|row| &row.id).collect::<Vec<_>>(), [&second, &first]);
     let created_at_ms = listed[1].created_at_ms;
     assert_eq!(listed[1], WebhookRow { created_at_ms, ..webhook(&first) });
     announced(store, &[Some(&first), Some(&second)]).await;
     let due = taken(store).await;
-    assert!(store.delete_webhook(&first).await.unwrap());
-    assert!(!store.delete_webhook(&first).await.unwrap());
+    assert!(store.delete_webhook(&all(), &first).await.unwrap());
+    assert!(!store.delete_webhook(&all(), &first).await.unwrap());
     assert!(!store.settle(&due, &Settled::Delivered, Some(200), None).await.unwrap());
-    assert_eq!((store.webhook(&first).await.unwrap(), store.waiting().await.unwrap()), (None, 1));
+    assert_eq!((store.webhook(&all(), &first).await.unwrap(), store.waiting().await.unwrap()), (None, 1));
 }
 
 pub(super) async fn old_messages_are_deleted(store: &dyn Store) {
@@ -179,5 +180,5 @@ pub(super) async fn old_messages_are_deleted(store: &dyn Store) {
     tokio::time::sleep(Duration::from_millis(5)).await;
     assert_eq!(store.delete_deliveries(Duration::from_millis(1), 1).await.unwrap(), 1);
     assert_eq!(store.delete_deliveries(Duration::from_millis(1), 10).await.unwrap(), 1);
-    assert!(store.webhook(&hook).await.unwrap().is_some());
+    assert!(store.webhook(&all(), &hook).await.unwrap().is_some());
 }

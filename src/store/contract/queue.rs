@@ -16,25 +16,25 @@ pub(super) async fn a_job_runs_and_succeeds_with_its_history(store: &dyn Store) 
     assert_eq!(beat.unwrap(), Beat::Renewed { cancel_requested: false });
     // Sent again, as after a lost answer, with one more row and no progress.
     store.heartbeat(&lease, LONG, None, &[point(1), point(2)]).await.unwrap();
-    assert_eq!(store.result(&lease.job_id).await.unwrap(), None);
+    assert_eq!(store.result(&all(), &lease.job_id).await.unwrap(), None);
 
     let outcome = Outcome::Succeeded("{\"answer\":42}".into());
     assert!(store.finish(&lease, &outcome).await.unwrap());
-    let job = store.job(&lease.job_id).await.unwrap().expect("it exists");
+    let job = store.job(&all(), &lease.job_id).await.unwrap().expect("it exists");
     assert_eq!(job.status, Status::Succeeded);
     assert_eq!(job.progress.as_deref(), Some("{\"done\":1}"));
     assert!(job.finished_at_ms >= job.started_at_ms && job.started_at_ms.is_some());
-    assert_eq!(store.result(&job.id).await.unwrap().as_deref(), Some("{\"answer\":42}"));
-    assert_eq!(store.convergence(&job.id).await.unwrap(), [point(0), point(1), point(2)]);
+    assert_eq!(store.result(&all(), &job.id).await.unwrap().as_deref(), Some("{\"answer\":42}"));
+    assert_eq!(store.convergence(&all(), &job.id).await.unwrap(), [point(0), point(1), point(2)]);
 }
 
 pub(super) async fn a_failed_job_says_why_and_has_no_result(store: &dyn Store) {
     let lease = leased_job(store, LONG).await;
     let outcome = Outcome::Failed("{\"reason\":\"no\"}".into());
     assert!(store.finish(&lease, &outcome).await.unwrap());
-    let job = store.job(&lease.job_id).await.unwrap().expect("it exists");
+    let job = store.job(&all(), &lease.job_id).await.unwrap().expect("it exists");
     assert_eq!((job.status, job.failure.as_deref()), (Status::Failed, Some("{\"reason\":\"no\"}")));
-    assert_eq!(store.result(&job.id).await.unwrap(), None);
+    assert_eq!(store.result(&all(), &job.id).await.unwrap(), None);
 }
 
 pub(super) async fn nothing_is_written_after_the_end(store: &dyn Store) {
@@ -45,7 +45,7 @@ pub(super) async fn nothing_is_written_after_the_end(store: &dyn Store) {
     assert!(!store.hand_back(&lease).await.unwrap());
     assert_eq!(store.heartbeat(&lease, LONG, None, &[point(0)]).await.unwrap(), Beat::Lost);
     assert_eq!(status(store, &lease.job_id).await, Status::Cancelled);
-    assert!(store.convergence(&lease.job_id).await.unwrap().is_empty());
+    assert!(store.convergence(&all(), &lease.job_id).await.unwrap().is_empty());
 }
 
 pub(super) async fn an_expired_lease_writes_nothing_even_before_it_is_recovered(store: &dyn Store) {
@@ -67,7 +67,7 @@ pub(super) async fn a_stale_worker_cannot_spoil_its_successor(store: &dyn Store)
     assert_eq!(store.heartbeat(&stale, LONG, None, &[point(1)]).await.unwrap(), Beat::Lost);
     assert!(!store.finish(&stale, &Outcome::Failed("{}".into())).await.unwrap());
     assert!(store.finish(&fresh, &Outcome::Succeeded("{}".into())).await.unwrap());
-    assert_eq!(store.convergence(&fresh.job_id).await.unwrap(), [point(0)]);
+    assert_eq!(store.convergence(&all(), &fresh.job_id).await.unwrap(), [point(0)]);
 }
 
 pub(super) async fn a_job_that_kills_its_workers_fails_after_the_last_attempt(store: &dyn Store) {
@@ -80,7 +80,7 @@ pub(super) async fn a_job_that_kills_its_workers_fails_after_the_last_attempt(st
     let recovered = store.recover_expired().await.unwrap();
     let ended = EndedRow { kind: "identify".into(), status: Status::Failed };
     assert_eq!(recovered, Recovered { requeued: 0, ended: vec![ended] });
-    let job = store.job(&job).await.unwrap().expect("it exists");
+    let job = store.job(&all(), &job).await.unwrap().expect("it exists");
     assert_eq!(job.status, Status::Failed);
     assert!(job.failure.expect("it says why").contains("3 attempts"));
 }
@@ -101,15 +101,15 @@ pub(super) async fn a_job_handed_back_is_queued_and_not_charged(store: &dyn Stor
 
 pub(super) async fn a_queued_job_is_cancelled_at_once(store: &dyn Store) {
     let job = queued_job(store).await;
-    assert_eq!(store.cancel(&job).await.unwrap(), Cancelling::Cancelled);
+    assert_eq!(store.cancel(&all(), &job).await.unwrap(), Cancelling::Cancelled);
     assert_eq!(store.lease(LONG).await.unwrap(), None);
-    assert_eq!(store.cancel(&job).await.unwrap(), Cancelling::Ended(Status::Cancelled));
-    assert_eq!(store.cancel("nobody").await.unwrap(), Cancelling::Unknown);
+    assert_eq!(store.cancel(&all(), &job).await.unwrap(), Cancelling::Ended(Status::Cancelled));
+    assert_eq!(store.cancel(&all(), "nobody").await.unwrap(), Cancelling::Unknown);
 }
 
 pub(super) async fn the_worker_of_a_running_job_learns_that_it_is_cancelled(store: &dyn Store) {
     let lease = leased_job(store, LONG).await;
-    assert_eq!(store.cancel(&lease.job_id).await.unwrap(), Cancelling::Requested);
+    assert_eq!(store.cancel(&all(), &lease.job_id).await.unwrap(), Cancelling::Requested);
     let beat = store.heartbeat(&lease, LONG, None, &[]).await.unwrap();
     assert_eq!(beat, Beat::Renewed { cancel_requested: true });
     assert!(store.finish(&lease, &Outcome::Cancelled).await.unwrap());
@@ -118,12 +118,12 @@ pub(super) async fn the_worker_of_a_running_job_learns_that_it_is_cancelled(stor
 
 pub(super) async fn a_cancelled_job_does_not_come_back_to_the_queue(store: &dyn Store) {
     let lease = leased_job(store, LONG).await;
-    store.cancel(&lease.job_id).await.unwrap();
+    store.cancel(&all(), &lease.job_id).await.unwrap();
     assert!(store.hand_back(&lease).await.unwrap());
     assert_eq!(status(store, &lease.job_id).await, Status::Cancelled);
 
     let lease = leased_job(store, EXPIRED).await;
-    store.cancel(&lease.job_id).await.unwrap();
+    store.cancel(&all(), &lease.job_id).await.unwrap();
     let recovered = store.recover_expired().await.unwrap();
     let ended = EndedRow { kind: "identify".into(), status: Status::Cancelled };
     assert_eq!(recovered, Recovered { requeued: 0, ended: vec![ended] });
@@ -138,9 +138,9 @@ pub(super) async fn history_goes_on_where_the_attempt_before_left_it(store: &dyn
     let second = store.lease(LONG).await.unwrap().expect("it is queued again");
     assert_eq!(second.next_seq, 2);
     store.heartbeat(&second, LONG, None, &[point(2)]).await.unwrap();
-    assert_eq!(store.convergence(&second.job_id).await.unwrap(), [point(2)]);
+    assert_eq!(store.convergence(&all(), &second.job_id).await.unwrap(), [point(2)]);
     let from =
-        async |position, limit| store.history(&second.job_id, position, limit).await.unwrap();
+        async |position, limit| store.history(&all(), &second.job_id, position, limit).await.unwrap();
     assert_eq!(from(0, 10).await, [point(0), point(1), point(2)]);
     assert_eq!(from(1, 1).await, [point(1)]);
     assert!(from(3, 10).await.is_empty());

@@ -8,8 +8,8 @@ use sqlx::sqlite::{SqliteArgumentsBuffer, SqliteRow, SqliteTypeInfo, SqliteValue
 use sqlx::{Decode, Encode, FromRow, Row, Sqlite, Type};
 
 use crate::store::{
-    AxisRow, ConvergencePoint, DeliveryRow, DueRow, EndedRow, EventRow, FileRow, JobRow, Lease,
-    MappingRow, MeasurementRow, QueueState, Status, StoredResult, WebhookRow,
+    AxisRow, ConvergencePoint, DeliveryRow, DueRow, EndedRow, EventRow, FileRow, JobRow, KeyRow,
+    Lease, MappingRow, MeasurementRow, QueueState, Status, StoredResult, WebhookRow,
 };
 
 /// Reads each field from the column of its name.
@@ -64,7 +64,18 @@ from_columns!(StoredResult { job_id, result, measurement_id, name, machine, axis
 from_columns!(AxisRow { machine, axis, measurements, results, first_ms, last_ms });
 from_columns!(QueueState { queued, running, oldest_wait_ms });
 from_columns!(EndedRow { kind, status });
-from_columns!(WebhookRow { id, created_at_ms, url, secret, events, disabled });
+from_columns!(KeyRow {
+    id,
+    name,
+    scopes,
+    sha256,
+    created_at_ms,
+    expires_at_ms,
+    revoked_at_ms,
+    used_at_ms,
+    now_ms
+});
+from_columns!(WebhookRow { id, created_at_ms, url, secret, events, disabled, owner });
 from_columns!(EventRow { id, job_id, at_ms });
 from_columns!(DueRow { id, attempt, age_ms, webhook_id, url, secret, topic, body });
 from_columns!(DeliveryRow {

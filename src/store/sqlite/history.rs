@@ -2,7 +2,7 @@
 
 use sqlx::{SqliteConnection, SqlitePool};
 
-use crate::store::{ConvergencePoint, Lease};
+use crate::store::{ConvergencePoint, Lease, Reach};
 
 pub(super) async fn append(
     connection: &mut SqliteConnection,
@@ -34,21 +34,25 @@ pub(super) async fn append(
 
 pub(super) async fn of_latest_attempt(
     pool: &SqlitePool,
+    reach: &Reach,
     id: &str,
 ) -> sqlx::Result<Vec<ConvergencePoint>> {
     sqlx::query_as(
         "SELECT seq, stage, cycle, evaluations, best, mean, elapsed_s
          FROM convergence
-         WHERE job_id = ?1 AND attempt = (SELECT attempt FROM jobs WHERE id = ?1)
+         WHERE job_id = ?1 AND attempt = (SELECT attempt FROM jobs
+                                           WHERE id = ?1 AND (?2 IS NULL OR owner = ?2))
          ORDER BY seq",
     )
     .bind(id)
+    .bind(reach.read())
     .fetch_all(pool)
     .await
 }
 
 pub(super) async fn from(
     pool: &SqlitePool,
+    reach: &Reach,
     id: &str,
     position: i64,
     limit: u32,
@@ -57,11 +61,13 @@ pub(super) async fn from(
         "SELECT seq, stage, cycle, evaluations, best, mean, elapsed_s
          FROM convergence
          WHERE job_id = ?1 AND seq >= ?2
+           AND (?4 IS NULL OR EXISTS (SELECT 1 FROM jobs WHERE id = ?1 AND owner = ?4))
          ORDER BY attempt, seq LIMIT ?3",
     )
     .bind(id)
     .bind(position)
     .bind(limit)
+    .bind(reach.read())
     .fetch_all(pool)
     .await
 }

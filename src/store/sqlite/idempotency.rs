@@ -2,21 +2,24 @@
 
 use sqlx::SqliteConnection;
 
-use crate::store::{IdempotencyKey, Inserted};
+use crate::store::{IdempotencyKey, Inserted, Reach};
 
 /// Claims a key for a resource about to be inserted in the same transaction.
 pub(super) async fn claim(
     connection: &mut SqliteConnection,
+    reach: &Reach,
     scope: &'static str,
     key: Option<&IdempotencyKey>,
     resource_id: &str,
 ) -> sqlx::Result<Inserted> {
     let Some(key) = key else { return Ok(Inserted::Created) };
     let earlier: Option<(String, String)> = sqlx::query_as(
-        "SELECT body_sha256, resource_id FROM idempotency_keys WHERE scope = ?1 AND key = ?2",
+        "SELECT body_sha256, resource_id FROM idempotency_keys
+         WHERE scope = ?1 AND key = ?2 AND owner = ?3",
     )
     .bind(scope)
     .bind(&key.key)
+    .bind(&reach.owner)
     .fetch_optional(&mut *connection)
     .await?;
     match earlier {
@@ -24,13 +27,15 @@ pub(super) async fn claim(
         Some(_) => Ok(Inserted::KeyReused),
         None => {
             sqlx::query(
-                "INSERT INTO idempotency_keys (scope, key, body_sha256, resource_id, created_at_ms)
-                 VALUES (?1, ?2, ?3, ?4, (SELECT now_ms FROM clock))",
+                "INSERT INTO idempotency_keys
+                     (scope, key, body_sha256, resource_id, created_at_ms, owner)
+                 VALUES (?1, ?2, ?3, ?4, (SELECT now_ms FROM clock), ?5)",
             )
             .bind(scope)
             .bind(&key.key)
             .bind(&key.body_sha256)
             .bind(resource_id)
+            .bind(&reach.owner)
             .execute(connection)
             .await?;
             Ok(Inserted::Created)

@@ -2,46 +2,54 @@
 
 use sqlx::{SqliteConnection, SqlitePool};
 
-use crate::store::{IdempotencyKey, Inserted, JobFilter, JobRow, NewJobRow, Page};
+use crate::store::{IdempotencyKey, Inserted, JobFilter, JobRow, NewJobRow, Page, Reach};
 
 use super::idempotency;
 use super::measurements::label_pairs;
 
 pub(super) async fn insert(
     connection: &mut SqliteConnection,
+    reach: &Reach,
     row: &NewJobRow,
     key: Option<&IdempotencyKey>,
 ) -> sqlx::Result<Inserted> {
-    let claim = idempotency::claim(connection, "job", key, &row.id).await?;
+    let claim = idempotency::claim(connection, reach, "job", key, &row.id).await?;
     if claim != Inserted::Created {
         return Ok(claim);
     }
     sqlx::query(
-        "INSERT INTO jobs (id, measurement_id, kind, request, status, created_at_ms)
-         VALUES (?1, ?2, ?3, ?4, 'queued', (SELECT now_ms FROM clock))",
+        "INSERT INTO jobs (id, measurement_id, kind, request, status, created_at_ms, owner)
+         VALUES (?1, ?2, ?3, ?4, 'queued', (SELECT now_ms FROM clock), ?5)",
     )
     .bind(&row.id)
     .bind(&row.measurement_id)
     .bind(&row.kind)
     .bind(&row.request)
+    .bind(&reach.owner)
     .execute(connection)
     .await?;
     Ok(claim)
 }
 
-pub(super) async fn get(pool: &SqlitePool, id: &str) -> sqlx::Result<Option<JobRow>> {
+pub(super) async fn get(
+    pool: &SqlitePool,
+    reach: &Reach,
+    id: &str,
+) -> sqlx::Result<Option<JobRow>> {
     sqlx::query_as(
         "SELECT id, measurement_id, kind, request, status, progress, attempt, cancel_requested,
                 created_at_ms, started_at_ms, finished_at_ms, failure
-         FROM jobs WHERE id = ?1",
+         FROM jobs WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)",
     )
     .bind(id)
+    .bind(reach.read())
     .fetch_optional(pool)
     .await
 }
 
 pub(super) async fn list(
     pool: &SqlitePool,
+    reach: &Reach,
     filter: &JobFilter,
     page: &Page,
 ) -> sqlx::Result<Vec<JobRow>> {
@@ -65,6 +73,7 @@ pub(super) async fn list(
                                      SELECT 1 FROM json_each(measurements.labels) AS label
                                      WHERE label.key = json_extract(wanted.value, '$[0]')
                                        AND label.value = json_extract(wanted.value, '$[1]')))))
+           AND (?11 IS NULL OR owner = ?11)
          ORDER BY id DESC LIMIT ?10",
     )
     .bind(&page.before)
@@ -77,22 +86,42 @@ pub(super) async fn list(
     .bind(&filter.axis)
     .bind(label_pairs(&filter.labels))
     .bind(page.limit)
+    .bind(reach.read())
     .fetch_all(pool)
     .await
 }
 
-pub(super) async fn delete(connection: &mut SqliteConnection, id: &str) -> sqlx::Result<bool> {
-    sqlx::query("DELETE FROM idempotency_keys WHERE resource_id = ?1")
+pub(super) async fn delete(
+    connection: &mut SqliteConnection,
+    reach: &Reach,
+    id: &str,
+) -> sqlx::Result<bool> {
+    let done = sqlx::query("DELETE FROM jobs WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)")
         .bind(id)
+        .bind(reach.changed())
         .execute(&mut *connection)
         .await?;
-    let done = sqlx::query("DELETE FROM jobs WHERE id = ?1").bind(id).execute(connection).await?;
-    Ok(done.rows_affected() == 1)
+    if done.rows_affected() == 0 {
+        return Ok(false);
+    }
+    sqlx::query("DELETE FROM idempotency_keys WHERE resource_id = ?1")
+        .bind(id)
+        .execute(connection)
+        .await?;
+    Ok(true)
 }
 
-pub(super) async fn result(pool: &SqlitePool, id: &str) -> sqlx::Result<Option<String>> {
-    sqlx::query_scalar("SELECT result FROM jobs WHERE id = ?1 AND result IS NOT NULL")
-        .bind(id)
-        .fetch_optional(pool)
-        .await
+pub(super) async fn result(
+    pool: &SqlitePool,
+    reach: &Reach,
+    id: &str,
+) -> sqlx::Result<Option<String>> {
+    sqlx::query_scalar(
+        "SELECT result FROM jobs
+         WHERE id = ?1 AND result IS NOT NULL AND (?2 IS NULL OR owner = ?2)",
+    )
+    .bind(id)
+    .bind(reach.read())
+    .fetch_optional(pool)
+    .await
 }

@@ -1,51 +1,100 @@
-//! Stored mappings.
+//! Stored mappings. Each owner has names of its own; a caller who reads those of others finds its
+//! own first.
 
 use sqlx::{SqliteConnection, SqlitePool};
 
-use crate::store::MappingRow;
+use crate::store::{MappingRow, Reach};
 
-/// Stores a mapping; `false`: in place of one of its name.
-pub(super) async fn put(connection: &mut SqliteConnection, row: &MappingRow) -> sqlx::Result<bool> {
-    let known: bool = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM mappings WHERE name = ?1)")
-        .bind(&row.name)
-        .fetch_one(&mut *connection)
-        .await?;
+/// Stores a mapping; `false`: in place of one of its owner's with its name.
+pub(super) async fn put(
+    connection: &mut SqliteConnection,
+    reach: &Reach,
+    row: &MappingRow,
+) -> sqlx::Result<bool> {
+    let known: bool = sqlx::query_scalar(
+        "SELECT EXISTS (SELECT 1 FROM mappings WHERE name = ?1 AND owner = ?2)",
+    )
+    .bind(&row.name)
+    .bind(&reach.owner)
+    .fetch_one(&mut *connection)
+    .await?;
     sqlx::query(
-        "INSERT INTO mappings (name, settings, layout, updated_at_ms)
-         VALUES (?1, ?2, ?3, (SELECT now_ms FROM clock))
-         ON CONFLICT (name) DO UPDATE SET settings = excluded.settings,
+        "INSERT INTO mappings (name, settings, layout, updated_at_ms, owner)
+         VALUES (?1, ?2, ?3, (SELECT now_ms FROM clock), ?4)
+         ON CONFLICT (owner, name) DO UPDATE SET settings = excluded.settings,
              layout = excluded.layout, updated_at_ms = excluded.updated_at_ms",
     )
     .bind(&row.name)
     .bind(&row.settings)
     .bind(&row.layout)
+    .bind(&reach.owner)
     .execute(connection)
     .await?;
     Ok(!known)
 }
 
-pub(super) async fn get(pool: &SqlitePool, name: &str) -> sqlx::Result<Option<MappingRow>> {
-    sqlx::query_as("SELECT * FROM mappings WHERE name = ?1").bind(name).fetch_optional(pool).await
-}
-
-pub(super) async fn of_layout(pool: &SqlitePool, layout: &str) -> sqlx::Result<Option<MappingRow>> {
+pub(super) async fn get(
+    pool: &SqlitePool,
+    reach: &Reach,
+    name: &str,
+) -> sqlx::Result<Option<MappingRow>> {
     sqlx::query_as(
-        "SELECT * FROM mappings WHERE layout = ?1 ORDER BY updated_at_ms DESC, name LIMIT 1",
+        "SELECT * FROM mappings WHERE name = ?1 AND (?2 IS NULL OR owner = ?2)
+         ORDER BY owner <> ?3, owner LIMIT 1",
     )
-    .bind(layout)
+    .bind(name)
+    .bind(reach.read())
+    .bind(&reach.owner)
     .fetch_optional(pool)
     .await
 }
 
-pub(super) async fn list(pool: &SqlitePool, limit: u32) -> sqlx::Result<Vec<MappingRow>> {
-    sqlx::query_as("SELECT * FROM mappings ORDER BY name LIMIT ?1")
-        .bind(limit)
-        .fetch_all(pool)
-        .await
+/// Nobody asked for it by its name: that of another owner does not change how files are read.
+pub(super) async fn of_layout(
+    pool: &SqlitePool,
+    reach: &Reach,
+    layout: &str,
+) -> sqlx::Result<Option<MappingRow>> {
+    sqlx::query_as(
+        "SELECT * FROM mappings WHERE layout = ?1 AND owner = ?2
+         ORDER BY updated_at_ms DESC, name LIMIT 1",
+    )
+    .bind(layout)
+    .bind(&reach.owner)
+    .fetch_optional(pool)
+    .await
 }
 
-pub(super) async fn delete(connection: &mut SqliteConnection, name: &str) -> sqlx::Result<bool> {
-    let done =
-        sqlx::query("DELETE FROM mappings WHERE name = ?1").bind(name).execute(connection).await?;
+pub(super) async fn list(
+    pool: &SqlitePool,
+    reach: &Reach,
+    limit: u32,
+) -> sqlx::Result<Vec<MappingRow>> {
+    sqlx::query_as(
+        "SELECT * FROM mappings WHERE (?2 IS NULL OR owner = ?2)
+         ORDER BY name, owner <> ?3, owner LIMIT ?1",
+    )
+    .bind(limit)
+    .bind(reach.read())
+    .bind(&reach.owner)
+    .fetch_all(pool)
+    .await
+}
+
+pub(super) async fn delete(
+    connection: &mut SqliteConnection,
+    reach: &Reach,
+    name: &str,
+) -> sqlx::Result<bool> {
+    let done = sqlx::query(
+        "DELETE FROM mappings WHERE (owner, name) IN (
+             SELECT owner, name FROM mappings WHERE name = ?1 AND (?2 IS NULL OR owner = ?2)
+             ORDER BY owner <> ?3, owner LIMIT 1)",
+    )
+    .bind(name)
+    .bind(reach.changed())
+    .bind(&reach.owner)
+    .execute(connection)
+    .await?;
     Ok(done.rows_affected() == 1)
 }

@@ -2,17 +2,20 @@
 
 use sqlx::{SqliteConnection, SqlitePool};
 
-use crate::store::{FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow, Page};
+use crate::store::{
+    FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow, Page, Reach,
+};
 
 use super::idempotency;
 
 pub(super) async fn insert(
     connection: &mut SqliteConnection,
+    reach: &Reach,
     row: &MeasurementRow,
     files: &[FileRow],
     key: Option<&IdempotencyKey>,
 ) -> sqlx::Result<Inserted> {
-    let claim = idempotency::claim(connection, "measurement", key, &row.id).await?;
+    let claim = idempotency::claim(connection, reach, "measurement", key, &row.id).await?;
     if claim != Inserted::Created {
         return Ok(claim);
     }
@@ -20,9 +23,9 @@ pub(super) async fn insert(
         "INSERT INTO measurements
              (id, created_at_ms, name, machine, axis, operator, measured_at, labels, sha256,
               experiments, highest_harmonic, magnitude_min, magnitude_max, omega_min_rad_s,
-              omega_max_rad_s, notes, quantities)
+              omega_max_rad_s, notes, quantities, owner)
          VALUES (?1, (SELECT now_ms FROM clock), ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12,
-                 ?13, ?14, ?15, ?16)",
+                 ?13, ?14, ?15, ?16, ?17)",
     )
     .bind(&row.id)
     .bind(&row.name)
@@ -40,6 +43,7 @@ pub(super) async fn insert(
     .bind(row.omega_max_rad_s)
     .bind(&row.notes)
     .bind(&row.quantities)
+    .bind(&reach.owner)
     .execute(&mut *connection)
     .await?;
     for (position, file) in (0_i64..).zip(files) {
@@ -58,22 +62,34 @@ pub(super) async fn insert(
     Ok(claim)
 }
 
-pub(super) async fn get(pool: &SqlitePool, id: &str) -> sqlx::Result<Option<MeasurementRow>> {
-    sqlx::query_as("SELECT * FROM measurements WHERE id = ?1").bind(id).fetch_optional(pool).await
+pub(super) async fn get(
+    pool: &SqlitePool,
+    reach: &Reach,
+    id: &str,
+) -> sqlx::Result<Option<MeasurementRow>> {
+    sqlx::query_as("SELECT * FROM measurements WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)")
+        .bind(id)
+        .bind(reach.read())
+        .fetch_optional(pool)
+        .await
 }
 
-pub(super) async fn files(pool: &SqlitePool, id: &str) -> sqlx::Result<Vec<FileRow>> {
+pub(super) async fn files(pool: &SqlitePool, reach: &Reach, id: &str) -> sqlx::Result<Vec<FileRow>> {
     sqlx::query_as(
         "SELECT name, content_type, bytes FROM measurement_files
-         WHERE measurement_id = ?1 ORDER BY position",
+         WHERE measurement_id = ?1
+           AND (?2 IS NULL OR EXISTS (SELECT 1 FROM measurements WHERE id = ?1 AND owner = ?2))
+         ORDER BY position",
     )
     .bind(id)
+    .bind(reach.read())
     .fetch_all(pool)
     .await
 }
 
 pub(super) async fn list(
     pool: &SqlitePool,
+    reach: &Reach,
     filter: &MeasurementFilter,
     page: &Page,
 ) -> sqlx::Result<Vec<MeasurementRow>> {
@@ -91,6 +107,7 @@ pub(super) async fn list(
                                SELECT 1 FROM json_each(measurements.labels) AS label
                                WHERE label.key = json_extract(wanted.value, '$[0]')
                                  AND label.value = json_extract(wanted.value, '$[1]')))
+           AND (?10 IS NULL OR owner = ?10)
          ORDER BY id DESC LIMIT ?9",
     )
     .bind(&page.before)
@@ -102,6 +119,7 @@ pub(super) async fn list(
     .bind(filter.measured_until_ms)
     .bind(label_pairs(&filter.labels))
     .bind(page.limit)
+    .bind(reach.read())
     .fetch_all(pool)
     .await
 }
@@ -111,7 +129,21 @@ pub(super) fn label_pairs(labels: &[(String, String)]) -> String {
     serde_json::json!(labels).to_string()
 }
 
-pub(super) async fn delete(connection: &mut SqliteConnection, id: &str) -> sqlx::Result<bool> {
+pub(super) async fn delete(
+    connection: &mut SqliteConnection,
+    reach: &Reach,
+    id: &str,
+) -> sqlx::Result<bool> {
+    let within: bool = sqlx::query_scalar(
+        "SELECT EXISTS (SELECT 1 FROM measurements WHERE id = ?1 AND (?2 IS NULL OR owner = ?2))",
+    )
+    .bind(id)
+    .bind(reach.changed())
+    .fetch_one(&mut *connection)
+    .await?;
+    if !within {
+        return Ok(false);
+    }
     sqlx::query(
         "DELETE FROM idempotency_keys
          WHERE resource_id = ?1
@@ -124,7 +156,6 @@ pub(super) async fn delete(connection: &mut SqliteConnection, id: &str) -> sqlx:
         .bind(id)
         .execute(&mut *connection)
         .await?;
-    let done =
-        sqlx::query("DELETE FROM measurements WHERE id = ?1").bind(id).execute(connection).await?;
-    Ok(done.rows_affected() == 1)
+    sqlx::query("DELETE FROM measurements WHERE id = ?1").bind(id).execute(connection).await?;
+    Ok(true)
 }

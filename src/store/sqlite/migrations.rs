@@ -25,6 +25,7 @@ const STEPS: &[Step] = &[
         include_str!("../../../migrations/0003_webhooks_and_deliveries.sql"),
     ),
     (4, "mappings", include_str!("../../../migrations/0004_mappings.sql")),
+    (5, "keys", include_str!("../../../migrations/0005_keys.sql")),
 ];
 
 /// Every step, to be run on a database of any earlier version.

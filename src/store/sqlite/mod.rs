@@ -4,6 +4,7 @@ mod decode;
 mod history;
 mod idempotency;
 mod jobs;
+mod keys;
 mod mappings;
 mod measurements;
 mod migrations;
@@ -24,7 +25,7 @@ use sqlx::{SqlitePool, Transaction};
 use super::{
     AxisRow, Beat, Cancelling, ConvergencePoint, Expired, FileRow, IdempotencyKey, Inserted,
     JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow, Outcome,
-    Page, QueueState, Recovered, ResultFilter, Store, StoreError, StoredResult,
+    Page, QueueState, Reach, Recovered, ResultFilter, Store, StoreError, StoredResult,
 };
 
 /// How long a writer waits for another one before it gives up.
@@ -55,6 +56,11 @@ pub struct Sqlite {
 }
 
 impl Sqlite {
+    /// Whether a data directory has a database.
+    pub fn is_in(data_dir: &Path) -> bool {
+        data_dir.join(FILE_NAME).is_file()
+    }
+
     /// Opens the database in a data directory, creates what is missing and
     /// brings its tables to the form this version needs.
     ///
@@ -142,84 +148,78 @@ impl Store for Sqlite {
         Ok(())
     }
 
-    async fn insert_measurement(
-        &self,
-        row: &MeasurementRow,
+    async fn insert_measurement(&self, reach: &Reach, row: &MeasurementRow,
         files: &[FileRow],
         key: Option<&IdempotencyKey>,
     ) -> Result<Inserted, StoreError> {
         let mut transaction = self.begin().await?;
-        let written = measurements::insert(&mut transaction, row, files, key).await;
+        let written = measurements::insert(&mut transaction, reach, row, files, key).await;
         self.end(transaction, written).await
     }
 
-    async fn measurement(&self, id: &str) -> Result<Option<MeasurementRow>, StoreError> {
-        Ok(measurements::get(&self.readers, id).await?)
+    async fn measurement(&self, reach: &Reach, id: &str) -> Result<Option<MeasurementRow>, StoreError> {
+        Ok(measurements::get(&self.readers, reach, id).await?)
     }
 
-    async fn measurement_files(&self, id: &str) -> Result<Vec<FileRow>, StoreError> {
-        Ok(measurements::files(&self.readers, id).await?)
+    async fn measurement_files(&self, reach: &Reach, id: &str) -> Result<Vec<FileRow>, StoreError> {
+        Ok(measurements::files(&self.readers, reach, id).await?)
     }
 
-    async fn measurements(
-        &self,
-        filter: &MeasurementFilter,
+    async fn measurements(&self, reach: &Reach, filter: &MeasurementFilter,
         page: &Page,
     ) -> Result<Vec<MeasurementRow>, StoreError> {
-        Ok(measurements::list(&self.readers, filter, page).await?)
+        Ok(measurements::list(&self.readers, reach, filter, page).await?)
     }
 
-    async fn delete_measurement(&self, id: &str) -> Result<bool, StoreError> {
+    async fn delete_measurement(&self, reach: &Reach, id: &str) -> Result<bool, StoreError> {
         let mut transaction = self.begin().await?;
-        let deleted = measurements::delete(&mut transaction, id).await;
+        let deleted = measurements::delete(&mut transaction, reach, id).await;
         self.end(transaction, deleted).await
     }
 
-    async fn put_mapping(&self, row: &MappingRow) -> Result<bool, StoreError> {
+    async fn put_mapping(&self, reach: &Reach, row: &MappingRow) -> Result<bool, StoreError> {
         let mut transaction = self.begin().await?;
-        let created = mappings::put(&mut transaction, row).await;
+        let created = mappings::put(&mut transaction, reach, row).await;
         self.end(transaction, created).await
     }
 
-    async fn mapping(&self, name: &str) -> Result<Option<MappingRow>, StoreError> {
-        Ok(mappings::get(&self.readers, name).await?)
+    async fn mapping(&self, reach: &Reach, name: &str) -> Result<Option<MappingRow>, StoreError> {
+        Ok(mappings::get(&self.readers, reach, name).await?)
     }
 
-    async fn mapping_of_layout(&self, layout: &str) -> Result<Option<MappingRow>, StoreError> {
-        Ok(mappings::of_layout(&self.readers, layout).await?)
+    async fn mapping_of_layout(&self, reach: &Reach, layout: &str) -> Result<Option<MappingRow>, StoreError> {
+        Ok(mappings::of_layout(&self.readers, reach, layout).await?)
     }
 
-    async fn mappings(&self, limit: u32) -> Result<Vec<MappingRow>, StoreError> {
-        Ok(mappings::list(&self.readers, limit).await?)
+    async fn mappings(&self, reach: &Reach, limit: u32) -> Result<Vec<MappingRow>, StoreError> {
+        Ok(mappings::list(&self.readers, reach, limit).await?)
     }
 
-    async fn delete_mapping(&self, name: &str) -> Result<bool, StoreError> {
+    async fn delete_mapping(&self, reach: &Reach, name: &str) -> Result<bool, StoreError> {
         let mut transaction = self.begin().await?;
-        let deleted = mappings::delete(&mut transaction, name).await;
+        let deleted = mappings::delete(&mut transaction, reach, name).await;
         self.end(transaction, deleted).await
     }
 
-    async fn insert_job(
-        &self,
-        row: &NewJobRow,
+    async fn insert_job(&self, reach: &Reach, row: &NewJobRow,
         key: Option<&IdempotencyKey>,
     ) -> Result<Inserted, StoreError> {
         let mut transaction = self.begin().await?;
-        let written = jobs::insert(&mut transaction, row, key).await;
+        let written = jobs::insert(&mut transaction, reach, row, key).await;
         self.end(transaction, written).await
     }
 
-    async fn job(&self, id: &str) -> Result<Option<JobRow>, StoreError> {
-        Ok(jobs::get(&self.readers, id).await?)
+    async fn job(&self, reach: &Reach, id: &str) -> Result<Option<JobRow>, StoreError> {
+        Ok(jobs::get(&self.readers, reach, id).await?)
     }
 
-    async fn jobs(&self, filter: &JobFilter, page: &Page) -> Result<Vec<JobRow>, StoreError> {
-        Ok(jobs::list(&self.readers, filter, page).await?)
+    async fn jobs(&self, reach: &Reach, filter: &JobFilter, page: &Page) -> Result<Vec<JobRow>, StoreError> {
+        Ok(jobs::list(&self.readers, reach, filter, page).await?)
     }
 
-    async fn delete_job(&self, id: &str) -> Result<bool, StoreError> {
+    async fn delete_job(&self, reach: &Reach, id: &str) -> Result<bool, StoreError> {
         let mut transaction = self.begin().await?;
-        let deleted = jobs::delete(&mut transaction, id).await;
+        let deleted = jobs::delete(&mut transaction, reach, id).await;
         self.end(transaction, deleted).await
     }
 
@@ -229,42 +229,38 @@ impl Store for Sqlite {
         self.end(transaction, deleted).await
     }
 
-    async fn result(&self, id: &str) -> Result<Option<String>, StoreError> {
-        Ok(jobs::result(&self.readers, id).await?)
+    async fn result(&self, reach: &Reach, id: &str) -> Result<Option<String>, StoreError> {
+        Ok(jobs::result(&self.readers, reach, id).await?)
     }
 
-    async fn results(
-        &self,
-        filter: &ResultFilter,
+    async fn results(&self, reach: &Reach, filter: &ResultFilter,
         limit: u32,
     ) -> Result<Vec<StoredResult>, StoreError> {
-        Ok(results::list(&self.readers, filter, limit).await?)
+        Ok(results::list(&self.readers, reach, filter, limit).await?)
     }
 
-    async fn axes(&self, machine: Option<&str>, limit: u32) -> Result<Vec<AxisRow>, StoreError> {
-        Ok(results::axes(&self.readers, machine, limit).await?)
+    async fn axes(&self, reach: &Reach, machine: Option<&str>, limit: u32) -> Result<Vec<AxisRow>, StoreError> {
+        Ok(results::axes(&self.readers, reach, machine, limit).await?)
     }
 
-    async fn convergence(&self, id: &str) -> Result<Vec<ConvergencePoint>, StoreError> {
-        Ok(history::of_latest_attempt(&self.readers, id).await?)
+    async fn convergence(&self, reach: &Reach, id: &str) -> Result<Vec<ConvergencePoint>, StoreError> {
+        Ok(history::of_latest_attempt(&self.readers, reach, id).await?)
     }
 
-    async fn history(
-        &self,
-        id: &str,
+    async fn history(&self, reach: &Reach, id: &str,
         from: i64,
         limit: u32,
     ) -> Result<Vec<ConvergencePoint>, StoreError> {
-        Ok(history::from(&self.readers, id, from, limit).await?)
+        Ok(history::from(&self.readers, reach, id, from, limit).await?)
     }
 
     async fn queue(&self) -> Result<QueueState, StoreError> {
         Ok(queue::state(&self.readers).await?)
     }
 
-    async fn cancel(&self, id: &str) -> Result<Cancelling, StoreError> {
+    async fn cancel(&self, reach: &Reach, id: &str) -> Result<Cancelling, StoreError> {
         let mut transaction = self.begin().await?;
-        let cancelling = queue::cancel(&mut transaction, id).await;
+        let cancelling = queue::cancel(&mut transaction, reach, id).await;
         self.end(transaction, cancelling).await
     }
 

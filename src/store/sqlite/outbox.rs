@@ -5,7 +5,7 @@ use std::time::Duration;
 use async_trait::async_trait;
 use sqlx::SqliteConnection;
 
-use crate::store::StoreError;
+use crate::store::{Reach, StoreError};
 use crate::store::outbox::{
     DeliveryRow, DueRow, EventRow, NewDeliveryRow, Outbox, Settled, WebhookRow,
 };
@@ -26,36 +26,43 @@ const DUE: &str = "SELECT id FROM deliveries AS due
 
 #[async_trait]
 impl Outbox for Sqlite {
-    async fn insert_webhook(&self, row: &WebhookRow, most: u32) -> Result<bool, StoreError> {
+    async fn insert_webhook(&self, reach: &Reach, row: &WebhookRow, most: u32) -> Result<bool, StoreError> {
         let mut transaction = self.begin().await?;
         let written = sqlx::query(
-            "INSERT INTO webhooks (id, created_at_ms, url, secret, events)
-             SELECT ?1, (SELECT now_ms FROM clock), ?2, ?3, ?4
-             WHERE (SELECT count(*) FROM webhooks) < ?5",
+            "INSERT INTO webhooks (id, created_at_ms, url, secret, events, owner)
+             SELECT ?1, (SELECT now_ms FROM clock), ?2, ?3, ?4, ?6
+             WHERE (SELECT count(*) FROM webhooks WHERE owner = ?6) < ?5",
         )
         .bind(&row.id)
         .bind(&row.url)
         .bind(&row.secret)
         .bind(&row.events)
         .bind(most)
+        .bind(&reach.owner)
         .execute(&mut *transaction)
         .await;
         Ok(self.end(transaction, written).await?.rows_affected() == 1)
     }
 
-    async fn webhooks(&self) -> Result<Vec<WebhookRow>, StoreError> {
-        let all = sqlx::query_as("SELECT * FROM webhooks ORDER BY id DESC");
-        Ok(all.fetch_all(&self.readers).await?)
+    async fn webhooks(&self, reach: &Reach) -> Result<Vec<WebhookRow>, StoreError> {
+        let all = sqlx::query_as(
+            "SELECT * FROM webhooks WHERE (?1 IS NULL OR owner = ?1) ORDER BY id DESC",
+        );
+        Ok(all.bind(reach.read()).fetch_all(&self.readers).await?)
     }
 
-    async fn webhook(&self, id: &str) -> Result<Option<WebhookRow>, StoreError> {
-        let one = sqlx::query_as("SELECT * FROM webhooks WHERE id = ?1").bind(id);
-        Ok(one.fetch_optional(&self.readers).await?)
+    async fn webhook(&self, reach: &Reach, id: &str) -> Result<Option<WebhookRow>, StoreError> {
+        let one = sqlx::query_as(
+            "SELECT * FROM webhooks WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)",
+        );
+        Ok(one.bind(id).bind(reach.read()).fetch_optional(&self.readers).await?)
     }
 
-    async fn delete_webhook(&self, id: &str) -> Result<bool, StoreError> {
+    async fn delete_webhook(&self, reach: &Reach, id: &str) -> Result<bool, StoreError> {
         let mut transaction = self.begin().await?;
-        let delete = sqlx::query("DELETE FROM webhooks WHERE id = ?1").bind(id);
+        let delete =
+            sqlx::query("DELETE FROM webhooks WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)");
+        let delete = delete.bind(id).bind(reach.changed());
         let written = delete.execute(&mut *transaction).await;
         Ok(self.end(transaction, written).await?.rows_affected() == 1)
     }
@@ -94,12 +101,15 @@ impl Outbox for Sqlite {
         self.end(transaction, written).await
     }
 
-    async fn deliveries(&self, webhook: &str, limit: u32) -> Result<Vec<DeliveryRow>, StoreError> {
+    async fn deliveries(&self, reach: &Reach, webhook: &str, limit: u32) -> Result<Vec<DeliveryRow>, StoreError> {
         let newest = sqlx::query_as(
             "SELECT id, event, status, attempts, created_at_ms, due_ms, ended_at_ms, answered, error
-             FROM deliveries WHERE webhook_id = ?1 ORDER BY id DESC LIMIT ?2",
+             FROM deliveries
+             WHERE webhook_id = ?1
+               AND (?3 IS NULL OR EXISTS (SELECT 1 FROM webhooks WHERE id = ?1 AND owner = ?3))
+             ORDER BY id DESC LIMIT ?2",
         );
-        Ok(newest.bind(webhook).bind(limit).fetch_all(&self.readers).await?)
+        Ok(newest.bind(webhook).bind(limit).bind(reach.read()).fetch_all(&self.readers).await?)
     }
 
     async fn waiting(&self) -> Result<i64, StoreError> {

@@ -6,7 +6,7 @@ use sqlx::{SqliteConnection, SqlitePool};
 
 use crate::store::{
     Beat, Cancelling, ConvergencePoint, EndedRow, Lease, MAX_ATTEMPTS, Outcome, QueueState,
-    Recovered, Status,
+    Reach, Recovered, Status,
 };
 
 use super::history;
@@ -104,12 +104,16 @@ pub(super) async fn hand_back(
 
 pub(super) async fn cancel(
     connection: &mut SqliteConnection,
+    reach: &Reach,
     id: &str,
 ) -> sqlx::Result<Cancelling> {
-    let status: Option<Status> = sqlx::query_scalar("SELECT status FROM jobs WHERE id = ?1")
-        .bind(id)
-        .fetch_optional(&mut *connection)
-        .await?;
+    let status: Option<Status> = sqlx::query_scalar(
+        "SELECT status FROM jobs WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)",
+    )
+    .bind(id)
+    .bind(reach.changed())
+    .fetch_optional(&mut *connection)
+    .await?;
     match status {
         None => Ok(Cancelling::Unknown),
         Some(Status::Queued) => {

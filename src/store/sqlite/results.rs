@@ -2,10 +2,11 @@
 
 use sqlx::SqlitePool;
 
-use crate::store::{AxisRow, ResultFilter, StoredResult};
+use crate::store::{AxisRow, Reach, ResultFilter, StoredResult};
 
 pub(super) async fn list(
     pool: &SqlitePool,
+    reach: &Reach,
     filter: &ResultFilter,
     limit: u32,
 ) -> sqlx::Result<Vec<StoredResult>> {
@@ -18,6 +19,7 @@ pub(super) async fn list(
                                created_at_ms) AS at_ms
                FROM measurements) AS measured ON measured.id = jobs.measurement_id
          WHERE jobs.result IS NOT NULL
+           AND (?8 IS NULL OR jobs.owner = ?8)
            AND (?1 IS NULL OR machine = ?1)
            AND (?2 IS NULL OR axis = ?2)
            AND (?3 IS NULL OR measured.id = ?3)
@@ -26,7 +28,7 @@ pub(super) async fn list(
            AND (NOT ?6 OR NOT EXISTS (
                SELECT 1 FROM jobs AS later
                WHERE later.measurement_id = measured.id AND later.result IS NOT NULL
-                 AND later.id > jobs.id))
+                 AND later.id > jobs.id AND (?8 IS NULL OR later.owner = ?8)))
          ORDER BY at_ms DESC, jobs.id DESC LIMIT ?7",
     )
     .bind(&filter.machine)
@@ -36,30 +38,35 @@ pub(super) async fn list(
     .bind(filter.to_ms)
     .bind(filter.latest_only)
     .bind(limit)
+    .bind(reach.read())
     .fetch_all(pool)
     .await
 }
 
 pub(super) async fn axes(
     pool: &SqlitePool,
+    reach: &Reach,
     machine: Option<&str>,
     limit: u32,
 ) -> sqlx::Result<Vec<AxisRow>> {
     sqlx::query_as(
         "SELECT machine, axis, count(*) AS measurements,
                 sum(EXISTS (SELECT 1 FROM jobs
-                            WHERE measurement_id = measured.id AND result IS NOT NULL)) AS results,
+                            WHERE measurement_id = measured.id AND result IS NOT NULL
+                              AND (?3 IS NULL OR owner = ?3))) AS results,
                 min(at_ms) AS first_ms, max(at_ms) AS last_ms
          FROM (SELECT id, machine, axis,
                       coalesce(CAST(round(unixepoch(measured_at, 'subsec') * 1000) AS INTEGER),
                                created_at_ms) AS at_ms
                FROM measurements
                WHERE axis IS NOT NULL AND machine IS NOT NULL
-                 AND (?1 IS NULL OR machine = ?1)) AS measured
+                 AND (?1 IS NULL OR machine = ?1)
+                 AND (?3 IS NULL OR owner = ?3)) AS measured
          GROUP BY machine, axis ORDER BY machine, axis LIMIT ?2",
     )
     .bind(machine)
     .bind(limit)
+    .bind(reach.read())
     .fetch_all(pool)
     .await
 }

@@ -27,8 +27,8 @@ const MEASUREMENTS: &str = "DELETE FROM measurements WHERE id IN (
      LIMIT ?2)";
 
 /// Keys that nobody repeats any more.
-const KEYS: &str = "DELETE FROM idempotency_keys WHERE (scope, key) IN (
-     SELECT scope, key FROM idempotency_keys
+const KEYS: &str = "DELETE FROM idempotency_keys WHERE (owner, scope, key) IN (
+     SELECT owner, scope, key FROM idempotency_keys
      WHERE created_at_ms < (SELECT now_ms FROM clock) - ?1
         OR (resource_id NOT IN (SELECT id FROM jobs)
             AND resource_id NOT IN (SELECT id FROM measurements))

@@ -1,0 +1,166 @@
+//! `servoscope keys`: who may do what, on the folder of a server, also while it runs.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use jiff::{Timestamp, ToSpan as _};
+
+use crate::config::Settings;
+use crate::service::{BuiltIn, Key, NewKey, Scope, Service, Signals, Token};
+use crate::store::Sqlite;
+
+use super::{Failure, terminal};
+
+/// Subcommands of `keys`.
+#[derive(Debug, clap::Subcommand)]
+pub(super) enum Command {
+    /// Makes a key and prints it, this once.
+    Add(Add),
+    /// Lists every key: what it may do, and when it was made, used and ended.
+    List(Folder),
+    /// Revokes a key for good; what it made stays.
+    Revoke(One),
+    /// Gives a key another secret and prints the new key, this once; its data and scopes stay.
+    Rotate(One),
+    /// Prints a new key that is stored nowhere, as for the environment of a container.
+    Generate,
+}
+
+/// Where the server keeps its data.
+#[derive(Debug, clap::Args)]
+#[group(skip)]
+pub(super) struct Folder {
+    /// File of settings of the server, TOML.
+    #[arg(long = "config", value_name = "FILE", env = "SERVOSCOPE_CONFIG")]
+    file: Option<PathBuf>,
+    /// Directory of the server's database [default: servoscope-data].
+    #[arg(long, value_name = "DIR", env = "SERVOSCOPE_DATA_DIR")]
+    data_dir: Option<PathBuf>,
+}
+
+/// Arguments of `keys add`.
+#[derive(Debug, clap::Args)]
+#[group(skip)]
+pub(super) struct Add {
+    /// Its name, for people: who or what will hold it.
+    #[arg(long, value_name = "NAME")]
+    name: String,
+    /// What it may do: `upload`, `run`, `read`, `read:all`, `metrics` or `admin`; repeated, or
+    /// separated by commas.
+    #[arg(long = "scope", value_name = "SCOPE", value_delimiter = ',', required = true)]
+    scopes: Vec<Scope>,
+    /// Days after which it expires [default: never].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    days: Option<u16>,
+    #[command(flatten)]
+    folder: Folder,
+}
+
+/// Arguments of commands for one key.
+#[derive(Debug, clap::Args)]
+#[group(skip)]
+pub(super) struct One {
+    /// Id of the key, as `keys list` shows it.
+    id: String,
+    #[command(flatten)]
+    folder: Folder,
+}
+
+impl Folder {
+    /// The service on what is stored there.
+    async fn service(&self, create: bool) -> Result<Service, Failure> {
+        let file = self.file.as_deref().map(Settings::read).transpose().map_err(Failure::input)?;
+        let told = Settings { data_dir: self.data_dir.clone(), ..Settings::default() };
+        let settings = told.over(file.unwrap_or_default()).completed();
+        let folder = settings.data_dir.unwrap_or_default();
+        if !create && !Sqlite::is_in(&folder) {
+            let reason = format!("there is no database in {}; name it with --data-dir", folder.display());
+            return Err(Failure::Input(reason));
+        }
+        let store = Sqlite::open(&folder).await.map_err(|error| {
+            Failure::Other(format!("cannot use the data in {}: {error}", folder.display()))
+        })?;
+        Ok(Service::new(Arc::new(store), Arc::new(BuiltIn), Arc::new(Signals::default())))
+    }
+}
+
+/// Does what was asked of the keys.
+pub(super) fn run(command: Command) -> Result<(), Failure> {
+    let runtime = tokio::runtime::Runtime::new().map_err(Failure::other)?;
+    runtime.block_on(done(command))
+}
+
+async fn done(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Add(Add { name, scopes, days, folder }) => {
+            let now = Timestamp::now();
+            let end = days.map(|days| now.checked_add((24 * i64::from(days)).hours()));
+            let end = end.transpose().map_err(Failure::input)?;
+            let expires_at_ms = end.map(Timestamp::as_millisecond);
+            let service = folder.service(true).await?;
+            made(&service.add_key(NewKey { name, scopes, expires_at_ms }).await?)
+        }
+        Command::List(folder) => listed(&folder.service(false).await?.keys().await?),
+        Command::Revoke(One { id, folder }) => {
+            Ok(folder.service(false).await?.revoke_key(&id).await?)
+        }
+        Command::Rotate(One { id, folder }) => {
+            made(&folder.service(false).await?.rotate_key(&id).await?)
+        }
+        Command::Generate => {
+            let token = Token::generate();
+            let token = token.ok_or_else(|| Failure::other("the system has no random numbers"))?;
+            terminal::print(&format!("{}\n", token.text()))
+        }
+    }
+}
+
+/// The key alone on standard output, for a program; what it is beside it, for a person.
+fn made((key, token): &(Key, Token)) -> Result<(), Failure> {
+    let Key { id, name, .. } = key;
+    let end = key.expires_at_ms.map_or("never".to_owned(), time);
+    eprintln!("key {id} ({name}): {}; expires: {end}", scopes(key));
+    eprintln!("It is shown this once:");
+    terminal::print(&format!("{}\n", token.text()))
+}
+
+fn listed(keys: &[Key]) -> Result<(), Failure> {
+    let titles = ["id", "state", "made", "expires", "last used", "scopes", "name"];
+    let mut rows = vec![titles.map(str::to_owned)];
+    rows.extend(keys.iter().map(|key| {
+        let state = match (key.valid, key.revoked_at_ms) {
+            (true, _) => "valid",
+            (false, Some(_)) => "revoked",
+            (false, None) => "expired",
+        };
+        let or = |at: Option<i64>, none: &str| at.map_or(none.to_owned(), time);
+        [
+            key.id.clone(),
+            state.to_owned(),
+            time(key.created_at_ms),
+            or(key.expires_at_ms, "never"),
+            or(key.used_at_ms, "never"),
+            scopes(key),
+            key.name.clone(),
+        ]
+    }));
+    let widths: Vec<usize> = (0..titles.len())
+        .map(|i| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or_default())
+        .collect();
+    let line = |row: &[String; 7]| {
+        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}"));
+        format!("{}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
+    };
+    terminal::print(&rows.iter().map(line).collect::<String>())
+}
+
+fn scopes(key: &Key) -> String {
+    key.scopes.iter().map(|scope| scope.name()).collect::<Vec<_>>().join(",")
+}
+
+/// To the minute, UTC.
+fn time(millis: i64) -> String {
+    let time = Timestamp::from_millisecond(millis).map(|time| time.to_string());
+    let time = time.unwrap_or_default();
+    format!("{}Z", time.get(..16).unwrap_or_default())
+}

@@ -1,0 +1,217 @@
+//! `/v1/keys`: who may do what.
+
+use axum::body::Bytes;
+use axum::extract::Path;
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::service::{Key, Listed, NewKey, Scope, Service, Token};
+
+use super::problem::Problem;
+use super::views::{List, rfc3339};
+use super::{body, lists};
+
+/// Something that a key may do.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize, ToSchema)]
+#[schema(as = Scope)]
+pub(super) enum ScopeName {
+    /// Stores and deletes measurements and mappings of its own.
+    #[serde(rename = "upload")]
+    Upload,
+    /// Runs and deletes jobs, plans and validations, and registers webhooks.
+    #[serde(rename = "run")]
+    Run,
+    /// Reads what it has made itself.
+    #[serde(rename = "read")]
+    Read,
+    /// Reads what anybody has made.
+    #[serde(rename = "read:all")]
+    ReadAll,
+    /// Reads the metrics.
+    #[serde(rename = "metrics")]
+    Metrics,
+    /// Everything, with the data of every key.
+    #[serde(rename = "admin")]
+    Admin,
+}
+
+impl From<Scope> for ScopeName {
+    fn from(scope: Scope) -> Self {
+        match scope {
+            Scope::Upload => Self::Upload,
+            Scope::Run => Self::Run,
+            Scope::Read => Self::Read,
+            Scope::ReadAll => Self::ReadAll,
+            Scope::Metrics => Self::Metrics,
+            Scope::Admin => Self::Admin,
+        }
+    }
+}
+
+impl From<ScopeName> for Scope {
+    fn from(name: ScopeName) -> Self {
+        match name {
+            ScopeName::Upload => Self::Upload,
+            ScopeName::Run => Self::Run,
+            ScopeName::Read => Self::Read,
+            ScopeName::ReadAll => Self::ReadAll,
+            ScopeName::Metrics => Self::Metrics,
+            ScopeName::Admin => Self::Admin,
+        }
+    }
+}
+
+/// A key to be made.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AddKey {
+    /// Its name, for people.
+    name: String,
+    /// What it may do.
+    scopes: Vec<ScopeName>,
+    /// When it expires, RFC 3339; left out: never.
+    expires_at: Option<String>,
+}
+
+/// A key, without what only its holder has.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Key)]
+pub(super) struct KeyView {
+    /// The part of the key by which it is found.
+    id: String,
+    /// Its name.
+    name: String,
+    /// What it may do.
+    scopes: Vec<ScopeName>,
+    /// When it was made, RFC 3339.
+    created_at: Option<String>,
+    /// When it expires; null: never.
+    expires_at: Option<String>,
+    /// When it was revoked; null: it was not.
+    revoked_at: Option<String>,
+    /// When it was last used, to the minute; null: never.
+    last_used_at: Option<String>,
+    /// Whether it opens anything: it is neither revoked nor expired.
+    valid: bool,
+}
+
+impl From<Key> for KeyView {
+    fn from(key: Key) -> Self {
+        Self {
+            id: key.id,
+            name: key.name,
+            scopes: key.scopes.into_iter().map(Into::into).collect(),
+            created_at: rfc3339(key.created_at_ms),
+            expires_at: key.expires_at_ms.and_then(rfc3339),
+            revoked_at: key.revoked_at_ms.and_then(rfc3339),
+            last_used_at: key.used_at_ms.and_then(rfc3339),
+            valid: key.valid,
+        }
+    }
+}
+
+/// A key with what only its holder has.
+#[derive(Debug, Serialize, ToSchema)]
+pub(super) struct AddedKey {
+    #[serde(flatten)]
+    stored: KeyView,
+    /// The whole key. It is not shown again.
+    key: String,
+}
+
+impl AddedKey {
+    pub(super) fn new(key: Key, token: &Token) -> Self {
+        Self { stored: key.into(), key: token.text() }
+    }
+}
+
+/// Makes a key. From the first one on, every request needs one.
+#[utoipa::path(
+    post, path = "/v1/keys", tag = "keys", operation_id = "add_key",
+    request_body = AddKey,
+    responses(
+        (status = 201, body = AddedKey,
+         headers(("Location" = String, description = "Where the key is"))),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn add(
+    Extension(service): Extension<Service>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Response, Box<Problem>> {
+    let AddKey { name, scopes, expires_at } = body::json(&headers, &body)?;
+    let scopes = scopes.into_iter().map(Into::into).collect();
+    let expires_at_ms = lists::time("expires_at", expires_at.as_deref())?;
+    let (key, token) = service.add_key(NewKey { name, scopes, expires_at_ms }).await?;
+    let location = [(header::LOCATION, format!("/v1/keys/{}", key.id))];
+    Ok((StatusCode::CREATED, location, Json(AddedKey::new(key, &token))).into_response())
+}
+
+/// Keys, those that were made last first, also those that open nothing any more; at most 1000.
+#[utoipa::path(
+    get, path = "/v1/keys", tag = "keys", operation_id = "list_keys",
+    responses((status = 200, body = List<KeyView>))
+)]
+pub(super) async fn list(
+    Extension(service): Extension<Service>,
+) -> Result<Json<List<KeyView>>, Box<Problem>> {
+    Ok(Json(List::new(Listed { items: service.keys().await?, next: None })))
+}
+
+/// One key.
+#[utoipa::path(
+    get, path = "/v1/keys/{id}", tag = "keys", operation_id = "get_key",
+    params(("id" = String, Path, description = "Id of the key")),
+    responses(
+        (status = 200, body = KeyView),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn get(
+    Extension(service): Extension<Service>,
+    Path(id): Path<String>,
+) -> Result<Json<KeyView>, Box<Problem>> {
+    Ok(Json(service.key(&id).await?.into()))
+}
+
+/// Gives a key another secret.
+///
+/// Its id, name, scopes and data stay, and it lives as long again as it was to live at first. The
+/// old secret, and sessions that were begun with it, end at once.
+#[utoipa::path(
+    post, path = "/v1/keys/{id}/rotate", tag = "keys", operation_id = "rotate_key",
+    params(("id" = String, Path, description = "Id of the key")),
+    responses(
+        (status = 200, body = AddedKey),
+        (status = "4XX", body = Problem, content_type = "application/problem+json",
+         description = "422 where it was revoked"),
+    )
+)]
+pub(super) async fn rotate(
+    Extension(service): Extension<Service>,
+    Path(id): Path<String>,
+) -> Result<Json<AddedKey>, Box<Problem>> {
+    let (key, token) = service.rotate_key(&id).await?;
+    Ok(Json(AddedKey::new(key, &token)))
+}
+
+/// Revokes a key for good. It stays in the list, and what it made stays stored.
+#[utoipa::path(
+    delete, path = "/v1/keys/{id}", tag = "keys", operation_id = "revoke_key",
+    params(("id" = String, Path, description = "Id of the key")),
+    responses(
+        (status = 204, description = "It opens nothing any more"),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn revoke(
+    Extension(service): Extension<Service>,
+    Path(id): Path<String>,
+) -> Result<StatusCode, Box<Problem>> {
+    service.revoke_key(&id).await?;
+    Ok(StatusCode::NO_CONTENT)
+}

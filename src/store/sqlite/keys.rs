@@ -1,0 +1,134 @@
+//! Keys and sessions.
+
+use async_trait::async_trait;
+
+use crate::store::{KeyRow, Keyring, Millis, StoreError};
+
+use super::Sqlite;
+
+#[async_trait]
+impl Keyring for Sqlite {
+    async fn insert_key(&self, row: &KeyRow) -> Result<bool, StoreError> {
+        let mut transaction = self.begin().await?;
+        let written = sqlx::query(
+            "INSERT INTO keys (id, name, scopes, sha256, created_at_ms, expires_at_ms)
+             VALUES (?1, ?2, ?3, ?4, (SELECT now_ms FROM clock), ?5)
+             ON CONFLICT (id) DO NOTHING",
+        )
+        .bind(&row.id)
+        .bind(&row.name)
+        .bind(&row.scopes)
+        .bind(&row.sha256)
+        .bind(row.expires_at_ms)
+        .execute(&mut *transaction)
+        .await;
+        Ok(self.end(transaction, written).await?.rows_affected() == 1)
+    }
+
+    async fn replace_key(
+        &self,
+        id: &str,
+        sha256: &str,
+        expires_at_ms: Option<Millis>,
+    ) -> Result<bool, StoreError> {
+        let mut transaction = self.begin().await?;
+        let written = async {
+            let sign_out = sqlx::query("DELETE FROM sessions WHERE key_id = ?1").bind(id);
+            sign_out.execute(&mut *transaction).await?;
+            let update = sqlx::query(
+                "UPDATE keys SET sha256 = ?2, expires_at_ms = ?3,
+                     created_at_ms = (SELECT now_ms FROM clock)
+                 WHERE id = ?1 AND revoked_at_ms IS NULL",
+            );
+            let update = update.bind(id).bind(sha256).bind(expires_at_ms);
+            update.execute(&mut *transaction).await
+        }
+        .await;
+        Ok(self.end(transaction, written).await?.rows_affected() == 1)
+    }
+
+    async fn key(&self, id: &str) -> Result<Option<KeyRow>, StoreError> {
+        let one = sqlx::query_as("SELECT keys.*, now_ms FROM keys, clock WHERE id = ?1").bind(id);
+        Ok(one.fetch_optional(&self.readers).await?)
+    }
+
+    async fn keys(&self, limit: u32) -> Result<Vec<KeyRow>, StoreError> {
+        let newest = sqlx::query_as(
+            "SELECT keys.*, now_ms FROM keys, clock ORDER BY created_at_ms DESC, id LIMIT ?1",
+        );
+        Ok(newest.bind(limit).fetch_all(&self.readers).await?)
+    }
+
+    async fn has_keys(&self) -> Result<bool, StoreError> {
+        let any = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM keys)");
+        Ok(any.fetch_one(&self.readers).await?)
+    }
+
+    async fn has_valid_key(&self) -> Result<bool, StoreError> {
+        let any = sqlx::query_scalar(
+            "SELECT EXISTS (SELECT 1 FROM keys, clock
+                            WHERE revoked_at_ms IS NULL
+                              AND (expires_at_ms IS NULL OR expires_at_ms > now_ms))",
+        );
+        Ok(any.fetch_one(&self.readers).await?)
+    }
+
+    async fn revoke_key(&self, id: &str) -> Result<bool, StoreError> {
+        let mut transaction = self.begin().await?;
+        let written = async {
+            let sign_out = sqlx::query("DELETE FROM sessions WHERE key_id = ?1").bind(id);
+            sign_out.execute(&mut *transaction).await?;
+            let revoke = sqlx::query(
+                "UPDATE keys SET revoked_at_ms = coalesce(revoked_at_ms, (SELECT now_ms FROM clock))
+                 WHERE id = ?1",
+            );
+            revoke.bind(id).execute(&mut *transaction).await
+        }
+        .await;
+        Ok(self.end(transaction, written).await?.rows_affected() == 1)
+    }
+
+    async fn key_used(&self, id: &str) -> Result<(), StoreError> {
+        let mut transaction = self.begin().await?;
+        let update =
+            sqlx::query("UPDATE keys SET used_at_ms = (SELECT now_ms FROM clock) WHERE id = ?1");
+        let written = update.bind(id).execute(&mut *transaction).await;
+        self.end(transaction, written).await?;
+        Ok(())
+    }
+
+    async fn insert_session(
+        &self,
+        sha256: &str,
+        key_id: &str,
+        expires_at_ms: Millis,
+    ) -> Result<(), StoreError> {
+        let mut transaction = self.begin().await?;
+        let written = async {
+            let ended = "DELETE FROM sessions WHERE expires_at_ms <= (SELECT now_ms FROM clock)";
+            sqlx::query(ended).execute(&mut *transaction).await?;
+            let insert = "INSERT INTO sessions (sha256, key_id, expires_at_ms) VALUES (?1, ?2, ?3)";
+            let insert = sqlx::query(insert).bind(sha256).bind(key_id).bind(expires_at_ms);
+            insert.execute(&mut *transaction).await
+        }
+        .await;
+        self.end(transaction, written).await?;
+        Ok(())
+    }
+
+    async fn session(&self, sha256: &str) -> Result<Option<KeyRow>, StoreError> {
+        let one = sqlx::query_as(
+            "SELECT keys.*, now_ms FROM sessions JOIN keys ON keys.id = key_id, clock
+             WHERE sessions.sha256 = ?1 AND sessions.expires_at_ms > now_ms",
+        );
+        Ok(one.bind(sha256).fetch_optional(&self.readers).await?)
+    }
+
+    async fn delete_session(&self, sha256: &str) -> Result<(), StoreError> {
+        let mut transaction = self.begin().await?;
+        let delete = sqlx::query("DELETE FROM sessions WHERE sha256 = ?1").bind(sha256);
+        let written = delete.execute(&mut *transaction).await;
+        self.end(transaction, written).await?;
+        Ok(())
+    }
+}

@@ -26,7 +26,7 @@ EXPOSE 8080
 # The image has no HTTP client; bash opens the connection itself.
 HEALTHCHECK --interval=10s --timeout=3s --start-period=5s CMD ["bash", "-c", \
     "exec 3<>/dev/tcp/127.0.0.1/8080 && printf 'GET /readyz HTTP/1.0\\r\\n\\r\\n' >&3 && grep -q ' 200 ' <&3"]
-# Inside a container every address is its own; what is published is for whoever
-# runs it to decide, and so is what stands in front of it.
+# Inside a container every address is its own: it does not start without a key. The first one
+# comes with SERVOSCOPE_ADMIN_KEY or SERVOSCOPE_ADMIN_KEY_FILE.
 ENTRYPOINT ["servoscope"]
-CMD ["serve", "--listen", "0.0.0.0:8080", "--insecure-listen", "--data-dir", "/data"]
+CMD ["serve", "--listen", "0.0.0.0:8080", "--data-dir", "/data"]

@@ -4,7 +4,8 @@ function server = servoscope_server(url, api_key)
 %   http://127.0.0.1:8080.
 %
 %   servoscope_server(URL, KEY) also sends KEY as "Authorization: Bearer", for
-%   a server that asks for one or stands behind something that does.
+%   a server that asks for one. Without KEY it is that of the environment
+%   variable SERVOSCOPE_KEY, if there is one.
 %
 %   S = servoscope_server() gives the present URL in S.url.
 %
@@ -12,11 +13,11 @@ function server = servoscope_server(url, api_key)
 %   and of macOS.
     persistent known
     if isempty(known)
-        known = struct('url', 'http://127.0.0.1:8080', 'api_key', '');
+        known = struct('url', 'http://127.0.0.1:8080', 'api_key', getenv('SERVOSCOPE_KEY'));
     end
     if nargin >= 1
         known.url = regexprep(char(url), '/+$', '');
-        known.api_key = '';
+        known.api_key = getenv('SERVOSCOPE_KEY');
     end
     if nargin >= 2
         known.api_key = char(api_key);

@@ -17,7 +17,7 @@ one measurement.
   --json                prints the whole result as JSON
   --help                prints this
 
-A key in $SERVOSCOPE_API_KEY is sent as "Authorization: Bearer". The exit code is 0 when done, 2
+A key in $SERVOSCOPE_KEY is sent as "Authorization: Bearer". The exit code is 0 when done, 2
 when the arguments or the file cannot be used, and 1 otherwise. Interrupted, the script leaves the
 job to the server.
 END
@@ -30,8 +30,8 @@ fail() {
 
 # What curl is told on its standard input shows in no list of processes.
 key() {
-    [ -n "${SERVOSCOPE_API_KEY:-}" ] || return 0
-    local escaped=${SERVOSCOPE_API_KEY//\\/\\\\}
+    [ -n "${SERVOSCOPE_KEY:-}" ] || return 0
+    local escaped=${SERVOSCOPE_KEY//\\/\\\\}
     printf 'header = "Authorization: Bearer %s"\n' "${escaped//\"/\\\"}"
 }
 

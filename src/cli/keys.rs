@@ -74,7 +74,8 @@ impl Folder {
         let settings = told.over(file.unwrap_or_default()).completed();
         let folder = settings.data_dir.unwrap_or_default();
         if !create && !Sqlite::is_in(&folder) {
-            let reason = format!("there is no database in {}; name it with --data-dir", folder.display());
+            let reason =
+                format!("there is no database in {}; name it with --data-dir", folder.display());
             return Err(Failure::Input(reason));
         }
         let store = Sqlite::open(&folder).await.map_err(|error| {

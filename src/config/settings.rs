@@ -148,7 +148,9 @@ mod tests {
                 "workers" => "one a core",
                 "keep_days" => "never",
                 "hosts" => "none; any where other machines can reach it",
-                "cors_origins" | "webhook_allow" | "mqtt" | "admin_key" | "admin_key_file" => "none",
+                "cors_origins" | "webhook_allow" | "mqtt" | "admin_key" | "admin_key_file" => {
+                    "none"
+                }
                 _ => default.trim_matches('"'),
             };
             assert!(help.contains(&format!("[default: {words}")), "{name}: {words}: {help}");

@@ -129,7 +129,8 @@ impl Needs {
         // A request for the headers alone is routed to the same handler.
         let method = if *method == Method::HEAD { Method::GET } else { method.clone() };
         let inside = route.strip_prefix(DOCUMENTS);
-        if method == Method::GET && inside.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        if method == Method::GET
+            && inside.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
         {
             return Need::Nothing;
         }

@@ -1,8 +1,8 @@
 //! `/v1/results`, `/v1/axes` and `/v1/history`: flat, over the time of measuring.
 
-use axum::{Extension, Json};
 use axum::http::HeaderMap;
 use axum::response::Response;
+use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
 use servoscope_core::answers::{HistoryRow, ResultRow};
 use utoipa::{IntoParams, ToSchema};

@@ -14,7 +14,7 @@ use super::callers::SEC_FETCH_SITE;
 use super::problem::Problem;
 
 /// Name of the cookie that holds a session.
-const COOKIE: &str = "servoscope_session";
+pub(super) const COOKIE: &str = "servoscope_session";
 
 /// What lets requests pass.
 #[derive(Clone)]

@@ -1,8 +1,8 @@
 //! The service itself: whether it lives, whether it is ready, what it offers.
 
-use axum::{Extension, Json};
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
 
 use crate::service::Service;
 
@@ -26,7 +26,9 @@ pub(super) async fn live() -> &'static str {
         (status = 503, body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub(super) async fn ready(Extension(service): Extension<Service>) -> Result<&'static str, Box<Problem>> {
+pub(super) async fn ready(
+    Extension(service): Extension<Service>,
+) -> Result<&'static str, Box<Problem>> {
     service.ready().await?;
     Ok("ok\n")
 }
@@ -39,7 +41,9 @@ pub(super) async fn ready(Extension(service): Extension<Service>) -> Result<&'st
         (status = 503, body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub(super) async fn metrics(Extension(service): Extension<Service>) -> Result<Response, Box<Problem>> {
+pub(super) async fn metrics(
+    Extension(service): Extension<Service>,
+) -> Result<Response, Box<Problem>> {
     let media_type = "application/openmetrics-text; version=1.0.0; charset=utf-8";
     let text = service.metrics_text().await?;
     Ok(([(header::CONTENT_TYPE, media_type)], text).into_response())

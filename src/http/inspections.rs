@@ -1,7 +1,7 @@
 //! `/v1/measurements/{id}/inspection`: a measurement looked at before anything is computed of it.
 
-use axum::{Extension, Json};
 use axum::extract::Path;
+use axum::{Extension, Json};
 use servoscope_core::answers::Inspection;
 
 use crate::service::Service;

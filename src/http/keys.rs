@@ -5,14 +5,15 @@ use axum::extract::Path;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::{Extension, Json};
+use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::service::{Key, Listed, NewKey, Scope, Service, Token};
 
+use super::body;
 use super::problem::Problem;
 use super::views::{List, rfc3339};
-use super::{body, lists};
 
 /// Something that a key may do.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize, ToSchema)]
@@ -69,10 +70,13 @@ impl From<ScopeName> for Scope {
 #[serde(deny_unknown_fields)]
 pub(super) struct AddKey {
     /// Its name, for people.
+    #[schema(min_length = 1, max_length = 64)]
     name: String,
     /// What it may do.
+    #[schema(min_items = 1)]
     scopes: Vec<ScopeName>,
     /// When it expires, RFC 3339; left out: never.
+    #[schema(format = DateTime)]
     expires_at: Option<String>,
 }
 
@@ -117,13 +121,13 @@ impl From<Key> for KeyView {
 #[derive(Debug, Serialize, ToSchema)]
 pub(super) struct AddedKey {
     #[serde(flatten)]
-    stored: KeyView,
+    pub(super) stored: KeyView,
     /// The whole key. It is not shown again.
-    key: String,
+    pub(super) key: String,
 }
 
 impl AddedKey {
-    pub(super) fn new(key: Key, token: &Token) -> Self {
+    fn new(key: Key, token: &Token) -> Self {
         Self { stored: key.into(), key: token.text() }
     }
 }
@@ -145,7 +149,9 @@ pub(super) async fn add(
 ) -> Result<Response, Box<Problem>> {
     let AddKey { name, scopes, expires_at } = body::json(&headers, &body)?;
     let scopes = scopes.into_iter().map(Into::into).collect();
-    let expires_at_ms = lists::time("expires_at", expires_at.as_deref())?;
+    let expires_at = expires_at.map(|text| text.parse::<Timestamp>()).transpose();
+    let expires_at = expires_at.map_err(|error| Problem::wrong_member("expires_at", &error))?;
+    let expires_at_ms = expires_at.map(Timestamp::as_millisecond);
     let (key, token) = service.add_key(NewKey { name, scopes, expires_at_ms }).await?;
     let location = [(header::LOCATION, format!("/v1/keys/{}", key.id))];
     Ok((StatusCode::CREATED, location, Json(AddedKey::new(key, &token))).into_response())

@@ -1,9 +1,9 @@
 //! `/v1/measurements`.
 
-use axum::{Extension, Json};
 use axum::extract::{Path, Request};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
 use serde::Deserialize;
 use utoipa::IntoParams;
 

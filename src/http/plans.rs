@@ -1,9 +1,9 @@
 //! `/v1/plans`: experiments planned before anything is measured.
 
-use axum::{Extension, Json};
 use axum::body::Bytes;
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
 use serde::Deserialize;
 use servoscope_core::answers::{Plan, PlanOptions, RoughAxis};
 use utoipa::{IntoParams, ToSchema};

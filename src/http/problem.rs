@@ -91,6 +91,11 @@ impl Problem {
         })
     }
 
+    /// A member of the request has an unusable value.
+    pub(super) fn wrong_member(member: &str, error: &dyn std::fmt::Display) -> Box<Self> {
+        Box::new(Self::invalid_request(member.to_owned(), format!("{member}: {error}")))
+    }
+
     /// Something only the operator can look into. `log` is for the log alone.
     pub(super) fn internal(
         status: StatusCode,

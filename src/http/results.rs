@@ -1,9 +1,9 @@
 //! What a job gives: its result, and how it converged.
 
-use axum::{Extension, Json};
 use axum::extract::Path;
 use axum::http::HeaderMap;
 use axum::response::Response;
+use axum::{Extension, Json};
 use servoscope_core::answers::{Diagnosis, Identification};
 use utoipa::ToSchema;
 

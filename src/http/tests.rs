@@ -10,8 +10,9 @@ use tokio::runtime::Runtime;
 use ureq::http::Response;
 use ureq::{Agent, Body};
 
+use crate::notify::{Allowed, Webhooks};
 use crate::service::testing::{INCOMPARABLE, RUN_UNTIL_CANCELLED, SUCCEED, Scripted, UNUSABLE};
-use crate::service::{Service, Signals};
+use crate::service::{NewKey, Outlets, Scope, Service, Signals};
 use crate::store::{Sqlite, Store};
 use crate::worker;
 
@@ -24,8 +25,11 @@ mod documents;
 mod events;
 mod failures;
 mod inspections;
+mod keys;
 mod operations;
 mod plans;
+mod scopes;
+mod sessions;
 
 /// Bytes that an upload may have here.
 const LIMIT: usize = 10_000;
@@ -34,7 +38,9 @@ struct Server {
     address: String,
     agent: Agent,
     signals: Arc<Signals>,
-    _runtime: Runtime,
+    service: Service,
+    store: Arc<dyn Store>,
+    runtime: Runtime,
     _directory: tempfile::TempDir,
 }
 
@@ -47,21 +53,22 @@ impl Server {
         let directory = tempfile::tempdir().unwrap();
         let runtime = Runtime::new().unwrap();
         let signals = Arc::new(Signals::default());
+        let store: Arc<dyn Store> =
+            Arc::new(runtime.block_on(Sqlite::open(directory.path())).unwrap());
+        let service = Service::new(Arc::clone(&store), Arc::new(Scripted), Arc::clone(&signals));
+        // Nobody listens there.
+        let here = Allowed::new(vec!["127.0.0.0/8".parse().unwrap()]);
+        let outlets = Outlets { webhooks: Webhooks::new(here), broker: None };
+        let service = service.telling(outlets);
         let address = runtime.block_on(async {
-            let store: Arc<dyn Store> = Arc::new(Sqlite::open(directory.path()).await.unwrap());
-            let service =
-                Service::new(Arc::clone(&store), Arc::new(Scripted), Arc::clone(&signals));
-            worker::start(store, service.clone(), Arc::clone(&signals), worker::Settings::new(2));
+            let settings = worker::Settings::new(2);
+            worker::start(Arc::clone(&store), service.clone(), Arc::clone(&signals), settings);
             let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
             let address = listener.local_addr().unwrap();
             let callers = Callers { origins, ..Callers::default() };
-            let limits = Limits {
-                sent_bytes: LIMIT,
-                unpacked_bytes: LIMIT,
-                callers,
-                keys_always: false,
-            };
-            let app = super::app(service, limits);
+            let limits =
+                Limits { sent_bytes: LIMIT, unpacked_bytes: LIMIT, callers, keys_always: false };
+            let app = super::app(service.clone(), limits);
             let stopping = Arc::clone(&signals);
             tokio::spawn(super::serve(listener, app, stopping, Duration::from_secs(5)));
             format!("http://{address}")
@@ -71,7 +78,29 @@ impl Server {
             .timeout_global(Some(Duration::from_secs(60)))
             .build()
             .into();
-        Self { address, agent, signals, _runtime: runtime, _directory: directory }
+        Self { address, agent, signals, service, store, runtime, _directory: directory }
+    }
+
+    /// A new key with these scopes: its id, and the whole of it.
+    fn key(&self, scopes: &[Scope]) -> (String, String) {
+        let new = NewKey { name: "rig".into(), scopes: scopes.to_vec(), expires_at_ms: None };
+        let (key, token) = self.runtime.block_on(self.service.add_key(new)).unwrap();
+        (key.id, token.text())
+    }
+
+    /// Sends a request as it stands.
+    fn send(
+        &self,
+        method: &str,
+        path: &str,
+        headers: &[(&str, &str)],
+        body: &[u8],
+    ) -> Response<Body> {
+        let request = ureq::http::Request::builder().method(method);
+        let request = request.uri(format!("{}{path}", self.address));
+        let request =
+            headers.iter().fold(request, |request, (name, value)| request.header(*name, *value));
+        self.agent.run(request.body(body.to_vec()).unwrap()).unwrap()
     }
 
     fn get(&self, path: &str) -> Response<Body> {

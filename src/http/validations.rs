@@ -1,8 +1,8 @@
 //! `/v1/validations`.
 
-use axum::{Extension, Json};
 use axum::body::Bytes;
 use axum::http::HeaderMap;
+use axum::{Extension, Json};
 use serde::Deserialize;
 use servoscope_core::answers::Validation;
 use utoipa::ToSchema;

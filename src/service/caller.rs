@@ -112,7 +112,16 @@ impl TryFrom<KeyRow> for Key {
             .map_err(|source| ServiceError::Corrupt { what: "key", source })?;
         let valid = row.is_valid();
         let KeyRow { id, name, created_at_ms, expires_at_ms, revoked_at_ms, used_at_ms, .. } = row;
-        Ok(Self { id, name, scopes, created_at_ms, expires_at_ms, revoked_at_ms, used_at_ms, valid })
+        Ok(Self {
+            id,
+            name,
+            scopes,
+            created_at_ms,
+            expires_at_ms,
+            revoked_at_ms,
+            used_at_ms,
+            valid,
+        })
     }
 }
 

@@ -124,7 +124,8 @@ impl Follower {
     async fn read(&mut self) -> Result<(), ServiceError> {
         // The job first: once it has ended its history is complete.
         let job = self.service.job(&self.id).await?;
-        let rows = self.service.store.history(&self.service.reach, &self.id, self.read, BATCH).await?;
+        let rows =
+            self.service.store.history(&self.service.reach, &self.id, self.read, BATCH).await?;
         let complete = rows.len() < BATCH as usize;
         for point in rows {
             self.read = point.seq + 1;

@@ -165,7 +165,13 @@ impl Service {
     /// [`ServiceError::Unknown`] when there is no such job.
     pub async fn convergence(&self, id: &str) -> Result<Vec<ConvergenceRow>, ServiceError> {
         self.job(id).await?;
-        Ok(self.store.convergence(&self.reach, id).await?.into_iter().map(convergence_row).collect())
+        Ok(self
+            .store
+            .convergence(&self.reach, id)
+            .await?
+            .into_iter()
+            .map(convergence_row)
+            .collect())
     }
 
     /// Cancels a queued job at once; asks a running one to stop, which it does at

@@ -89,7 +89,8 @@ impl Service {
         let measurement = reading.measurement?;
         check_points(&measurement)?;
         let row = row(name, reading.note, &measurement);
-        match self.store.insert_measurement(&self.reach, &row, &reading.files, key.as_ref()).await? {
+        match self.store.insert_measurement(&self.reach, &row, &reading.files, key.as_ref()).await?
+        {
             Inserted::Created => {
                 Ok(Added { resource: self.measurement(&row.id).await?, replayed: false })
             }

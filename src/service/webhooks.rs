@@ -180,7 +180,8 @@ impl Service {
     /// # Errors
     /// As [`Service::webhook`].
     pub async fn test_webhook(&self, id: &str) -> Result<Tested, ServiceError> {
-        let row = self.webhook_row(id).await?;
+        let row = self.store.webhook(&self.reach.for_changes(), id).await?;
+        let row = row.ok_or_else(|| unknown(id))?;
         let began = Instant::now();
         let message = notices::new_id();
         let body = notices::test_body(&row.id);

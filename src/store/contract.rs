@@ -1,5 +1,6 @@
 //! What every engine of [`Store`] must do. Each engine runs the whole list.
 
+mod keys;
 mod lists;
 mod mappings;
 mod outbox;
@@ -9,9 +10,11 @@ use std::time::Duration;
 
 use super::{
     Beat, Cancelling, ConvergencePoint, EndedRow, FileRow, IdempotencyKey, Inserted, JobFilter,
-    Lease, MAX_ATTEMPTS, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page,
-    QueueState, Reach, Recovered, ResultFilter, Sqlite, Status, Store, StoreError,
+    KeyRow, Lease, MAX_ATTEMPTS, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow, Outcome,
+    Page, QueueState, Reach, Recovered, ResultFilter, Sqlite, Status, Store, StoreError,
+    WebhookRow,
 };
+use keys::*;
 use lists::*;
 use mappings::*;
 use outbox::*;
@@ -116,7 +119,11 @@ async fn an_idempotency_key_answers_the_same_request_only(store: &dyn Store) {
     assert_eq!(insert(&first, &key("k", "body")).await, Inserted::Created);
     assert_eq!(insert(&second, &key("k", "body")).await, Inserted::Replayed(first));
     assert_eq!(insert(&second, &key("k", "other body")).await, Inserted::KeyReused);
-    assert_eq!(store.measurement(&all(), &second).await.unwrap(), None, "neither may store anything");
+    assert_eq!(
+        store.measurement(&all(), &second).await.unwrap(),
+        None,
+        "neither may store anything"
+    );
     assert_eq!(insert(&second, &key("another k", "body")).await, Inserted::Created);
 }
 
@@ -134,7 +141,10 @@ async fn a_job_of_an_unknown_measurement_is_refused(store: &dyn Store) {
 async fn a_deleted_measurement_takes_its_jobs_and_keys_with_it(store: &dyn Store) {
     let measured = id();
     let promise = key("k", "body");
-    store.insert_measurement(&all(), &measurement(&measured), &[file(b"x")], Some(&promise)).await.unwrap();
+    store
+        .insert_measurement(&all(), &measurement(&measured), &[file(b"x")], Some(&promise))
+        .await
+        .unwrap();
     let row = NewJobRow {
         id: id(),
         measurement_id: measured.clone(),
@@ -150,7 +160,8 @@ async fn a_deleted_measurement_takes_its_jobs_and_keys_with_it(store: &dyn Store
     assert_eq!(store.heartbeat(&lease, LONG, None, &[point(0)]).await.unwrap(), Beat::Lost);
     assert!(!store.finish(&lease, &Outcome::Cancelled).await.unwrap());
     assert!(store.history(&all(), &row.id, 0, 10).await.unwrap().is_empty());
-    let again = store.insert_measurement(&all(), &measurement(&id()), &[], Some(&promise)).await.unwrap();
+    let again =
+        store.insert_measurement(&all(), &measurement(&id()), &[], Some(&promise)).await.unwrap();
     assert_eq!(again, Inserted::Created);
 }
 
@@ -233,6 +244,11 @@ engine!(
         a_receiver_that_wants_no_more_is_told_no_more,
         webhooks_are_listed_counted_and_deleted_with_their_messages,
         old_messages_are_deleted,
+        a_key_is_valid_until_it_expires_or_is_revoked,
+        a_session_is_of_its_key_until_either_ends,
+        rows_of_another_owner_are_not_there,
+        a_later_job_of_another_owner_does_not_hide_a_result,
+        each_owner_has_mappings_of_its_own,
     ]
 );
 
@@ -265,14 +281,20 @@ async fn what_has_no_room_is_refused_whole_and_accepted_once_there_is() {
     let small = stored_measurement(&store).await;
     let large = file(&vec![b'x'; 700 << 10]);
     let first = id();
-    store.insert_measurement(&all(), &measurement(&first), std::slice::from_ref(&large), None)
+    store
+        .insert_measurement(&all(), &measurement(&first), std::slice::from_ref(&large), None)
         .await
         .unwrap();
     let second = id();
-    let refused =
-        store.insert_measurement(&all(), &measurement(&second), std::slice::from_ref(&large), None).await;
+    let refused = store
+        .insert_measurement(&all(), &measurement(&second), std::slice::from_ref(&large), None)
+        .await;
     assert!(matches!(refused, Err(StoreError::Full(_))), "{refused:?}");
-    assert_eq!(store.measurement(&all(), &second).await.unwrap(), None, "nothing is stored by half");
+    assert_eq!(
+        store.measurement(&all(), &second).await.unwrap(),
+        None,
+        "nothing is stored by half"
+    );
     assert!(store.measurement(&all(), &small).await.unwrap().is_some());
     assert!(store.delete_measurement(&all(), &first).await.unwrap());
     let accepted = store.insert_measurement(&all(), &measurement(&second), &[large], None).await;

@@ -81,19 +81,29 @@ pub trait Store: Outbox + Keyring + Send + Sync + 'static {
     async fn ping(&self) -> Result<(), StoreError>;
 
     /// Stores a measurement with its files, unless `key` answers the request.
-    async fn insert_measurement(&self, reach: &Reach, row: &MeasurementRow,
+    async fn insert_measurement(
+        &self,
+        reach: &Reach,
+        row: &MeasurementRow,
         files: &[FileRow],
         key: Option<&IdempotencyKey>,
     ) -> Result<Inserted, StoreError>;
 
     /// The measurement, if there is one with this id.
-    async fn measurement(&self, reach: &Reach, id: &str) -> Result<Option<MeasurementRow>, StoreError>;
+    async fn measurement(
+        &self,
+        reach: &Reach,
+        id: &str,
+    ) -> Result<Option<MeasurementRow>, StoreError>;
 
     /// The files of a measurement in the order of the upload.
     async fn measurement_files(&self, reach: &Reach, id: &str) -> Result<Vec<FileRow>, StoreError>;
 
     /// Measurements, newest first.
-    async fn measurements(&self, reach: &Reach, filter: &MeasurementFilter,
+    async fn measurements(
+        &self,
+        reach: &Reach,
+        filter: &MeasurementFilter,
         page: &Page,
     ) -> Result<Vec<MeasurementRow>, StoreError>;
 
@@ -108,7 +118,11 @@ pub trait Store: Outbox + Keyring + Send + Sync + 'static {
     async fn mapping(&self, reach: &Reach, name: &str) -> Result<Option<MappingRow>, StoreError>;
 
     /// The mapping for files of this layout that was stored last, if there is one.
-    async fn mapping_of_layout(&self, reach: &Reach, layout: &str) -> Result<Option<MappingRow>, StoreError>;
+    async fn mapping_of_layout(
+        &self,
+        reach: &Reach,
+        layout: &str,
+    ) -> Result<Option<MappingRow>, StoreError>;
 
     /// At most `limit` mappings, by name.
     async fn mappings(&self, reach: &Reach, limit: u32) -> Result<Vec<MappingRow>, StoreError>;
@@ -117,7 +131,10 @@ pub trait Store: Outbox + Keyring + Send + Sync + 'static {
     async fn delete_mapping(&self, reach: &Reach, name: &str) -> Result<bool, StoreError>;
 
     /// Queues a job, unless `key` answers the request.
-    async fn insert_job(&self, reach: &Reach, row: &NewJobRow,
+    async fn insert_job(
+        &self,
+        reach: &Reach,
+        row: &NewJobRow,
         key: Option<&IdempotencyKey>,
     ) -> Result<Inserted, StoreError>;
 
@@ -125,7 +142,12 @@ pub trait Store: Outbox + Keyring + Send + Sync + 'static {
     async fn job(&self, reach: &Reach, id: &str) -> Result<Option<JobRow>, StoreError>;
 
     /// Jobs, newest first.
-    async fn jobs(&self, reach: &Reach, filter: &JobFilter, page: &Page) -> Result<Vec<JobRow>, StoreError>;
+    async fn jobs(
+        &self,
+        reach: &Reach,
+        filter: &JobFilter,
+        page: &Page,
+    ) -> Result<Vec<JobRow>, StoreError>;
 
     /// Removes a job, its result and its history, whatever its status: the worker
     /// of a running one loses its lease. `false`: there is none.
@@ -141,20 +163,35 @@ pub trait Store: Outbox + Keyring + Send + Sync + 'static {
 
     /// At most `limit` results with what they are of, latest measured first; of those
     /// measured at one time, latest submitted first.
-    async fn results(&self, reach: &Reach, filter: &ResultFilter,
+    async fn results(
+        &self,
+        reach: &Reach,
+        filter: &ResultFilter,
         limit: u32,
     ) -> Result<Vec<StoredResult>, StoreError>;
 
     /// At most `limit` axes that measurements name, by machine and axis; of one
     /// machine, or of every one.
-    async fn axes(&self, reach: &Reach, machine: Option<&str>, limit: u32) -> Result<Vec<AxisRow>, StoreError>;
+    async fn axes(
+        &self,
+        reach: &Reach,
+        machine: Option<&str>,
+        limit: u32,
+    ) -> Result<Vec<AxisRow>, StoreError>;
 
     /// Convergence history of a job's latest attempt, in order.
-    async fn convergence(&self, reach: &Reach, id: &str) -> Result<Vec<ConvergencePoint>, StoreError>;
+    async fn convergence(
+        &self,
+        reach: &Reach,
+        id: &str,
+    ) -> Result<Vec<ConvergencePoint>, StoreError>;
 
     /// At most `limit` rows of convergence history of all attempts from position
     /// `from` on, in order.
-    async fn history(&self, reach: &Reach, id: &str,
+    async fn history(
+        &self,
+        reach: &Reach,
+        id: &str,
         from: i64,
         limit: u32,
     ) -> Result<Vec<ConvergencePoint>, StoreError>;

@@ -118,7 +118,12 @@ pub struct DeliveryRow {
 #[async_trait]
 pub trait Outbox {
     /// Stores a webhook, unless its owner has `most` of them already; `false`: there are.
-    async fn insert_webhook(&self, reach: &Reach, row: &WebhookRow, most: u32) -> Result<bool, StoreError>;
+    async fn insert_webhook(
+        &self,
+        reach: &Reach,
+        row: &WebhookRow,
+        most: u32,
+    ) -> Result<bool, StoreError>;
 
     /// Every webhook, newest first.
     async fn webhooks(&self, reach: &Reach) -> Result<Vec<WebhookRow>, StoreError>;
@@ -152,7 +157,12 @@ pub trait Outbox {
     ) -> Result<bool, StoreError>;
 
     /// At most so many deliveries of a webhook, newest first.
-    async fn deliveries(&self, reach: &Reach, webhook: &str, limit: u32) -> Result<Vec<DeliveryRow>, StoreError>;
+    async fn deliveries(
+        &self,
+        reach: &Reach,
+        webhook: &str,
+        limit: u32,
+    ) -> Result<Vec<DeliveryRow>, StoreError>;
 
     /// How many deliveries wait.
     async fn waiting(&self) -> Result<i64, StoreError>;

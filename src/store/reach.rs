@@ -25,6 +25,12 @@ impl Reach {
         Self { owner: "nobody".into(), reads_all: false, changes_all: false }
     }
 
+    /// The same, reading no more than is changed.
+    #[must_use]
+    pub fn for_changes(&self) -> Self {
+        Self { reads_all: self.changes_all, ..self.clone() }
+    }
+
     /// The only owner whose rows are read; `None`: every one.
     pub(super) fn read(&self) -> Option<&str> {
         (!self.reads_all).then_some(&self.owner)

@@ -56,6 +56,7 @@ const FILES: &[(&str, &str, &str)] = &[
     file!("tried.js", SCRIPT),
     file!("compare.js", SCRIPT),
     file!("axes.js", SCRIPT),
+    file!("session.js", SCRIPT),
 ];
 
 /// The page, the same at each of its addresses: its script shows what the address

@@ -54,15 +54,6 @@ fn what_is_unknown_is_refused_with_what_is_known() {
     }
 }
 
-#[test]
-fn an_address_others_can_reach_is_refused_without_consent() {
-    let directory = tempfile::tempdir().unwrap();
-    let data_dir = directory.path().to_str().unwrap();
-    let output = servoscope(&["serve", "--listen", "0.0.0.0:0", "--data-dir", data_dir]);
-    assert_eq!(code(&output), Some(2));
-    assert!(error(&output).contains("--insecure-listen"), "{}", error(&output));
-}
-
 /// A folder with a noisy measurement of the first system of the paper, and its path.
 fn noisy() -> (tempfile::TempDir, String) {
     let directory = tempfile::tempdir().unwrap();

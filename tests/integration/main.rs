@@ -13,6 +13,7 @@ mod eighteenth_effect;
 mod grafana;
 mod identification;
 mod inspection;
+mod keys;
 mod layers;
 mod limits;
 mod machines;

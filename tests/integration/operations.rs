@@ -44,11 +44,13 @@ fn settings_come_from_defaults_file_environment_and_flags_in_that_order() {
     let again = command().args(["config", "show", "--config"]).arg(&file).output().unwrap();
     assert_eq!(shown(&again, "workers"), pair("workers = 3", "file"));
 
-    let open = show().args(["--listen", "0.0.0.0:80"]).output().unwrap();
-    assert_eq!(open.status.code(), Some(2));
-    assert!(text(&open.stderr).contains("--insecure-listen"), "{}", text(&open.stderr));
-    let consent = show().args(["--listen", "0.0.0.0:80", "--insecure-listen"]).output().unwrap();
-    assert!(consent.status.success());
+    let secret = "sk_servoscope_of_nobody";
+    let with_key = show().env("SERVOSCOPE_ADMIN_KEY", secret).output().unwrap();
+    assert_eq!(shown(&with_key, "admin_key"), pair("admin_key = \"***\"", "environment"));
+    assert!(!text(&with_key.stdout).contains(secret));
+    let two = show().args(["--admin-key", secret, "--admin-key-file", "key"]).output().unwrap();
+    assert_eq!(two.status.code(), Some(2));
+    assert!(text(&two.stderr).contains("not both"), "{}", text(&two.stderr));
 }
 
 #[test]

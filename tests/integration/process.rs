@@ -69,15 +69,25 @@ impl Server {
         (server, printed)
     }
 
+    /// One that other machines could reach, with these variables of the environment.
+    pub fn reachable(data_dir: &Path, variables: &[(&str, &str)]) -> Self {
+        let mut command = command();
+        command.args(["serve", "--listen", "0.0.0.0:0", "--data-dir"]).arg(data_dir);
+        command.envs(variables.iter().copied());
+        let (mut server, _) = Self::started(command, Stdio::null());
+        server.address = server.address.replace("0.0.0.0", "127.0.0.1");
+        server
+    }
+
     fn spawn(data_dir: &Path, arguments: &[&str], log: Stdio) -> (Self, BufReader<ChildStdout>) {
-        let mut child = command()
-            .args(["serve", "--listen", "127.0.0.1:0", "--data-dir"])
-            .arg(data_dir)
-            .args(arguments)
-            .stdout(Stdio::piped())
-            .stderr(log)
-            .spawn()
-            .unwrap();
+        let mut command = command();
+        command.args(["serve", "--listen", "127.0.0.1:0", "--data-dir"]);
+        command.arg(data_dir).args(arguments);
+        Self::started(command, log)
+    }
+
+    fn started(mut command: Command, log: Stdio) -> (Self, BufReader<ChildStdout>) {
+        let mut child = command.stdout(Stdio::piped()).stderr(log).spawn().unwrap();
         let mut line = String::new();
         let mut output = BufReader::new(child.stdout.take().unwrap());
         output.read_line(&mut line).unwrap();
@@ -96,6 +106,12 @@ impl Server {
 
     pub fn get(&self, path: &str) -> Answer {
         self.agent.get(format!("{}{path}", self.address)).call().unwrap().into()
+    }
+
+    /// The same with a key.
+    pub fn get_with(&self, path: &str, key: &str) -> Answer {
+        let request = self.agent.get(format!("{}{path}", self.address));
+        request.header("authorization", format!("Bearer {key}")).call().unwrap().into()
     }
 
     pub fn post(&self, path: &str, content_type: &str, body: &[u8]) -> Answer {

@@ -176,6 +176,16 @@ def test_a_key_is_sent_and_not_shown() -> None:
     assert "secret" not in str(refusal.value)
 
 
+def test_a_key_of_the_environment_is_sent_where_none_is_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("SERVOSCOPE_KEY", "secret")
+    assert Client()._http.headers["Authorization"] == "Bearer secret"
+    assert Client(api_key="other")._http.headers["Authorization"] == "Bearer other"
+    monkeypatch.delenv("SERVOSCOPE_KEY")
+    assert "Authorization" not in Client()._http.headers
+
+
 def test_an_address_that_is_none_is_an_error_at_once() -> None:
     with Client("ftp://127.0.0.1") as client, pytest.raises(ServerUnreachable, match="protocol"):
         client.measurement("1")

@@ -19,7 +19,7 @@ use crate::service::{
 };
 use crate::store::{AxisRow, JobRow, MeasurementRow, Status};
 
-use super::webhooks;
+use super::{keys, webhooks};
 
 const MEASUREMENT: &str = "019a9c1e-7d20-7c55-9f3a-5e0d3b1c2a44";
 const JOB: &str = "019a9c1e-8b31-7d06-8a4e-2f9c6d7e1b55";
@@ -71,7 +71,7 @@ pub(super) fn request(operation: &str, media_type: &str) -> Option<Value> {
         ("put_mapping", _) => json!({
             "settings": {"column_names": COLUMN_NAMES}, "layout": LAYOUT,
         }),
-        _ => return webhooks::request(operation),
+        _ => return webhooks::request(operation).or_else(|| keys::request(operation)),
     })
 }
 
@@ -131,7 +131,7 @@ pub(super) fn answer(operation: &str, media_type: &str) -> Option<Value> {
             "{HISTORY}{AT},pole,Pole,-10.02,0.031,-10.08,-9.96,rad/s,,false,,press 4,Y,\
              {MEASUREMENT},{JOB}\n"
         )),
-        _ => return webhooks::answer(operation),
+        _ => return webhooks::answer(operation).or_else(|| keys::answer(operation)),
     })
 }
 

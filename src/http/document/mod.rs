@@ -1,8 +1,10 @@
 //! What the document of the interface teaches beside its types: an example of every request and
-//! answer, and every status with its types of problem.
+//! answer, every status with its types of problem, and what a request needs.
 
 mod examples;
+mod keys;
 mod problems;
+mod security;
 mod webhooks;
 
 use serde_json::Value;
@@ -19,9 +21,11 @@ pub(super) enum Effect {
 
 /// Adds it to the document that is made of the handlers.
 pub(super) fn teach(document: &mut OpenApi) {
+    security::schemes(document);
     for (path, item) in &mut document.paths.paths {
         for (effect, operation) in operations(item) {
             problems::declare(path, &effect, operation);
+            security::declare(operation);
             show(operation);
         }
     }

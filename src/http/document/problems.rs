@@ -8,6 +8,7 @@ use utoipa::openapi::path::{Operation, Parameter, ParameterIn};
 use utoipa::openapi::{ContentBuilder, Ref, RefOr, ResponseBuilder};
 
 use super::Effect;
+use crate::http::access::{Need, need};
 use crate::http::problem::MEDIA_TYPE;
 
 /// A problem: its status, its type, its title and what it may say. A type that is empty is
@@ -29,6 +30,26 @@ const BAD_QUERY: Kind =
     kind(400, "invalid-request", "Invalid request", "limit: it is not a whole number from 0 on");
 const MALFORMED: Kind =
     kind(400, "malformed-json", "Malformed JSON", "the body is not JSON: expected value");
+const NO_KEY: Kind = kind(
+    401,
+    "no-key",
+    "A key is needed",
+    "this server asks for a key; send a key as `Authorization: Bearer sk_servoscope_…`, or sign in; \
+     whoever operates the server makes one with `servoscope keys add`",
+);
+const MISSING_SCOPE: Kind = kind(
+    403,
+    "missing-scope",
+    "The key lacks a scope",
+    "the key `rig 7` lacks the scope `admin`; it has `upload`, `run`, `read`",
+);
+const FOREIGN: Kind = kind(
+    403,
+    "",
+    "Forbidden",
+    "a page of another origin may not change anything here; start the server with `--cors-origin \
+     https://bench.example` if that page is to use it",
+);
 const UNKNOWN: Kind = kind(404, "unknown", "No such resource", "there is no measurement `nobody`");
 const NO_RESULT: Kind = kind(
     404,
@@ -122,6 +143,8 @@ const OWN: &[(&str, &[&Kind])] = &[
     ("follow_job", &[&BAD_REQUEST]),
     ("validate", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT, &UNREADABLE]),
     ("get_history_figure", &[&UNKNOWN]),
+    ("rotate_key", &[&INVALID]),
+    ("sign_in", &[&NO_KEY]),
 ];
 
 /// Puts every status of an error, with its types of problem, in place of what the handlers say.
@@ -154,11 +177,16 @@ pub(super) fn declare(path: &str, effect: &Effect, operation: &mut Operation) {
 
 fn kinds(path: &str, effect: &Effect, operation: &Operation) -> Vec<&'static Kind> {
     let id = operation.operation_id.as_deref().unwrap_or_default();
+    let mut kinds: Vec<&Kind> = match need(id) {
+        Some(Need::Scope(_)) => vec![&NO_KEY, &MISSING_SCOPE],
+        Some(Need::Key) => vec![&NO_KEY],
+        Some(Need::Nothing) | None => Vec::new(),
+    };
     if matches!(id, "ready" | "metrics") {
-        return vec![&NO_DATABASE];
+        kinds.push(&NO_DATABASE);
     }
     if !path.starts_with("/v1/") {
-        return Vec::new();
+        return kinds;
     }
     let parameters = operation.parameters.iter().flatten();
     let has = |place: ParameterIn| {
@@ -168,7 +196,7 @@ fn kinds(path: &str, effect: &Effect, operation: &Operation) -> Vec<&'static Kin
         });
         places.any(|of| *of == place)
     };
-    let mut kinds: Vec<&Kind> = vec![&INTERNAL, &NO_DATABASE];
+    kinds.extend([&INTERNAL, &NO_DATABASE]);
     if has(ParameterIn::Path) && id != "put_mapping" {
         kinds.push(&UNKNOWN);
     }
@@ -182,7 +210,7 @@ fn kinds(path: &str, effect: &Effect, operation: &Operation) -> Vec<&'static Kin
         }
     }
     if matches!(effect, Effect::Writes) {
-        kinds.push(&NO_ROOM);
+        kinds.extend([&NO_ROOM, &FOREIGN]);
     }
     let own = OWN.iter().find(|(of, _)| *of == id);
     kinds.extend(own.into_iter().flat_map(|(_, own)| own.iter().copied()));

@@ -14,7 +14,10 @@ pub(super) async fn a_mapping_is_found_by_its_name_and_by_the_latest_of_its_layo
     assert!(store.put_mapping(&all(), &row("b", Some("one"))).await.unwrap());
     assert!(store.put_mapping(&all(), &row("a", Some("two"))).await.unwrap());
     assert!(store.put_mapping(&all(), &row("c", None)).await.unwrap());
-    assert!(!store.put_mapping(&all(), &row("b", Some("two"))).await.unwrap(), "it is there already");
+    assert!(
+        !store.put_mapping(&all(), &row("b", Some("two"))).await.unwrap(),
+        "it is there already"
+    );
     let names = async || {
         let rows = store.mappings(&all(), 10).await.unwrap();
         rows.into_iter().map(|row| row.name).collect::<Vec<_>>()

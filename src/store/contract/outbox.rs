@@ -170,7 +170,10 @@ pub(super) async fn webhooks_are_listed_counted_and_deleted_with_their_messages(
     assert!(store.delete_webhook(&all(), &first).await.unwrap());
     assert!(!store.delete_webhook(&all(), &first).await.unwrap());
     assert!(!store.settle(&due, &Settled::Delivered, Some(200), None).await.unwrap());
-    assert_eq!((store.webhook(&all(), &first).await.unwrap(), store.waiting().await.unwrap()), (None, 1));
+    assert_eq!(
+        (store.webhook(&all(), &first).await.unwrap(), store.waiting().await.unwrap()),
+        (None, 1)
+    );
 }
 
 pub(super) async fn old_messages_are_deleted(store: &dyn Store) {

@@ -139,8 +139,9 @@ pub(super) async fn history_goes_on_where_the_attempt_before_left_it(store: &dyn
     assert_eq!(second.next_seq, 2);
     store.heartbeat(&second, LONG, None, &[point(2)]).await.unwrap();
     assert_eq!(store.convergence(&all(), &second.job_id).await.unwrap(), [point(2)]);
-    let from =
-        async |position, limit| store.history(&all(), &second.job_id, position, limit).await.unwrap();
+    let from = async |position, limit| {
+        store.history(&all(), &second.job_id, position, limit).await.unwrap()
+    };
     assert_eq!(from(0, 10).await, [point(0), point(1), point(2)]);
     assert_eq!(from(1, 1).await, [point(1)]);
     assert!(from(3, 10).await.is_empty());

@@ -11,13 +11,12 @@ pub(super) async fn put(
     reach: &Reach,
     row: &MappingRow,
 ) -> sqlx::Result<bool> {
-    let known: bool = sqlx::query_scalar(
-        "SELECT EXISTS (SELECT 1 FROM mappings WHERE name = ?1 AND owner = ?2)",
-    )
-    .bind(&row.name)
-    .bind(&reach.owner)
-    .fetch_one(&mut *connection)
-    .await?;
+    let known: bool =
+        sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM mappings WHERE name = ?1 AND owner = ?2)")
+            .bind(&row.name)
+            .bind(&reach.owner)
+            .fetch_one(&mut *connection)
+            .await?;
     sqlx::query(
         "INSERT INTO mappings (name, settings, layout, updated_at_ms, owner)
          VALUES (?1, ?2, ?3, (SELECT now_ms FROM clock), ?4)

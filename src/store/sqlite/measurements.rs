@@ -74,7 +74,11 @@ pub(super) async fn get(
         .await
 }
 
-pub(super) async fn files(pool: &SqlitePool, reach: &Reach, id: &str) -> sqlx::Result<Vec<FileRow>> {
+pub(super) async fn files(
+    pool: &SqlitePool,
+    reach: &Reach,
+    id: &str,
+) -> sqlx::Result<Vec<FileRow>> {
     sqlx::query_as(
         "SELECT name, content_type, bytes FROM measurement_files
          WHERE measurement_id = ?1

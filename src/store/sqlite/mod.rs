@@ -148,7 +148,10 @@ impl Store for Sqlite {
         Ok(())
     }
 
-    async fn insert_measurement(&self, reach: &Reach, row: &MeasurementRow,
+    async fn insert_measurement(
+        &self,
+        reach: &Reach,
+        row: &MeasurementRow,
         files: &[FileRow],
         key: Option<&IdempotencyKey>,
     ) -> Result<Inserted, StoreError> {
@@ -157,7 +160,11 @@ impl Store for Sqlite {
         self.end(transaction, written).await
     }
 
-    async fn measurement(&self, reach: &Reach, id: &str) -> Result<Option<MeasurementRow>, StoreError> {
+    async fn measurement(
+        &self,
+        reach: &Reach,
+        id: &str,
+    ) -> Result<Option<MeasurementRow>, StoreError> {
         Ok(measurements::get(&self.readers, reach, id).await?)
     }
 
@@ -165,7 +172,10 @@ impl Store for Sqlite {
         Ok(measurements::files(&self.readers, reach, id).await?)
     }
 
-    async fn measurements(&self, reach: &Reach, filter: &MeasurementFilter,
+    async fn measurements(
+        &self,
+        reach: &Reach,
+        filter: &MeasurementFilter,
         page: &Page,
     ) -> Result<Vec<MeasurementRow>, StoreError> {
         Ok(measurements::list(&self.readers, reach, filter, page).await?)
@@ -187,7 +197,11 @@ impl Store for Sqlite {
         Ok(mappings::get(&self.readers, reach, name).await?)
     }
 
-    async fn mapping_of_layout(&self, reach: &Reach, layout: &str) -> Result<Option<MappingRow>, StoreError> {
+    async fn mapping_of_layout(
+        &self,
+        reach: &Reach,
+        layout: &str,
+    ) -> Result<Option<MappingRow>, StoreError> {
         Ok(mappings::of_layout(&self.readers, reach, layout).await?)
     }
 
@@ -201,7 +215,10 @@ impl Store for Sqlite {
         self.end(transaction, deleted).await
     }
 
-    async fn insert_job(&self, reach: &Reach, row: &NewJobRow,
+    async fn insert_job(
+        &self,
+        reach: &Reach,
+        row: &NewJobRow,
         key: Option<&IdempotencyKey>,
     ) -> Result<Inserted, StoreError> {
         let mut transaction = self.begin().await?;
@@ -213,7 +230,12 @@ impl Store for Sqlite {
         Ok(jobs::get(&self.readers, reach, id).await?)
     }
 
-    async fn jobs(&self, reach: &Reach, filter: &JobFilter, page: &Page) -> Result<Vec<JobRow>, StoreError> {
+    async fn jobs(
+        &self,
+        reach: &Reach,
+        filter: &JobFilter,
+        page: &Page,
+    ) -> Result<Vec<JobRow>, StoreError> {
         Ok(jobs::list(&self.readers, reach, filter, page).await?)
     }
 
@@ -233,21 +255,36 @@ impl Store for Sqlite {
         Ok(jobs::result(&self.readers, reach, id).await?)
     }
 
-    async fn results(&self, reach: &Reach, filter: &ResultFilter,
+    async fn results(
+        &self,
+        reach: &Reach,
+        filter: &ResultFilter,
         limit: u32,
     ) -> Result<Vec<StoredResult>, StoreError> {
         Ok(results::list(&self.readers, reach, filter, limit).await?)
     }
 
-    async fn axes(&self, reach: &Reach, machine: Option<&str>, limit: u32) -> Result<Vec<AxisRow>, StoreError> {
+    async fn axes(
+        &self,
+        reach: &Reach,
+        machine: Option<&str>,
+        limit: u32,
+    ) -> Result<Vec<AxisRow>, StoreError> {
         Ok(results::axes(&self.readers, reach, machine, limit).await?)
     }
 
-    async fn convergence(&self, reach: &Reach, id: &str) -> Result<Vec<ConvergencePoint>, StoreError> {
+    async fn convergence(
+        &self,
+        reach: &Reach,
+        id: &str,
+    ) -> Result<Vec<ConvergencePoint>, StoreError> {
         Ok(history::of_latest_attempt(&self.readers, reach, id).await?)
     }
 
-    async fn history(&self, reach: &Reach, id: &str,
+    async fn history(
+        &self,
+        reach: &Reach,
+        id: &str,
         from: i64,
         limit: u32,
     ) -> Result<Vec<ConvergencePoint>, StoreError> {

@@ -5,10 +5,10 @@ use std::time::Duration;
 use async_trait::async_trait;
 use sqlx::SqliteConnection;
 
-use crate::store::{Reach, StoreError};
 use crate::store::outbox::{
     DeliveryRow, DueRow, EventRow, NewDeliveryRow, Outbox, Settled, WebhookRow,
 };
+use crate::store::{Reach, StoreError};
 
 use super::Sqlite;
 use super::queue::millis;
@@ -26,7 +26,12 @@ const DUE: &str = "SELECT id FROM deliveries AS due
 
 #[async_trait]
 impl Outbox for Sqlite {
-    async fn insert_webhook(&self, reach: &Reach, row: &WebhookRow, most: u32) -> Result<bool, StoreError> {
+    async fn insert_webhook(
+        &self,
+        reach: &Reach,
+        row: &WebhookRow,
+        most: u32,
+    ) -> Result<bool, StoreError> {
         let mut transaction = self.begin().await?;
         let written = sqlx::query(
             "INSERT INTO webhooks (id, created_at_ms, url, secret, events, owner)
@@ -52,9 +57,8 @@ impl Outbox for Sqlite {
     }
 
     async fn webhook(&self, reach: &Reach, id: &str) -> Result<Option<WebhookRow>, StoreError> {
-        let one = sqlx::query_as(
-            "SELECT * FROM webhooks WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)",
-        );
+        let one =
+            sqlx::query_as("SELECT * FROM webhooks WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)");
         Ok(one.bind(id).bind(reach.read()).fetch_optional(&self.readers).await?)
     }
 
@@ -101,7 +105,12 @@ impl Outbox for Sqlite {
         self.end(transaction, written).await
     }
 
-    async fn deliveries(&self, reach: &Reach, webhook: &str, limit: u32) -> Result<Vec<DeliveryRow>, StoreError> {
+    async fn deliveries(
+        &self,
+        reach: &Reach,
+        webhook: &str,
+        limit: u32,
+    ) -> Result<Vec<DeliveryRow>, StoreError> {
         let newest = sqlx::query_as(
             "SELECT id, event, status, attempts, created_at_ms, due_ms, ended_at_ms, answered, error
              FROM deliveries

@@ -5,8 +5,8 @@ use std::time::Duration;
 use sqlx::{SqliteConnection, SqlitePool};
 
 use crate::store::{
-    Beat, Cancelling, ConvergencePoint, EndedRow, Lease, MAX_ATTEMPTS, Outcome, QueueState,
-    Reach, Recovered, Status,
+    Beat, Cancelling, ConvergencePoint, EndedRow, Lease, MAX_ATTEMPTS, Outcome, QueueState, Reach,
+    Recovered, Status,
 };
 
 use super::history;
@@ -107,13 +107,12 @@ pub(super) async fn cancel(
     reach: &Reach,
     id: &str,
 ) -> sqlx::Result<Cancelling> {
-    let status: Option<Status> = sqlx::query_scalar(
-        "SELECT status FROM jobs WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)",
-    )
-    .bind(id)
-    .bind(reach.changed())
-    .fetch_optional(&mut *connection)
-    .await?;
+    let status: Option<Status> =
+        sqlx::query_scalar("SELECT status FROM jobs WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)")
+            .bind(id)
+            .bind(reach.changed())
+            .fetch_optional(&mut *connection)
+            .await?;
     match status {
         None => Ok(Cancelling::Unknown),
         Some(Status::Queued) => {

@@ -22,6 +22,9 @@ export class Away extends Error {
 /// Whether the server answers: `away` and `back` are told once each.
 export const connection = Object.assign(new EventTarget(), { away: false });
 
+/// Whether the server knows who asks: `unknown` is told whenever it does not.
+export const identity = new EventTarget();
+
 /// The server was found not to answer: asks until it does.
 export function lost() {
   if (connection.away) return;
@@ -49,6 +52,8 @@ export async function ask(path, options = {}) {
   }
   if (answer.ok) return answer;
   const document = await answer.json().catch(() => ({}));
+  // Whoever signs in sees the answer beside the form.
+  if (answer.status === 401 && path !== "/v1/session") identity.dispatchEvent(new Event("unknown"));
   throw new Problem(answer.status, document);
 }
 

@@ -1,7 +1,8 @@
 // Which view an address names, and what surrounds every view.
 
 import { announce, h } from "./dom.js";
-import { Away, Problem, connection } from "./api.js";
+import { Away, Problem, connection, identity } from "./api.js";
+import * as session from "./session.js";
 import * as overview from "./overview.js";
 import * as measurement from "./measurement.js";
 import * as job from "./job.js";
@@ -76,6 +77,19 @@ function fail(signal, error) {
       !gone && h("button", { onclick: again }, "Try again"))));
 }
 
+/// Asks for a key, and then shows what was asked for.
+function locked() {
+  leaving.abort();
+  leaving = new AbortController();
+  document.title = "Sign in · servoscope";
+  const form = session.form(() => {
+    shown = undefined;
+    show();
+  });
+  main.replaceChildren(form);
+  form.elements.key.focus();
+}
+
 const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1).replace(/\.$/, "");
 
 function scrollToFragment() {
@@ -96,6 +110,10 @@ document.addEventListener("click", (event) => {
 });
 addEventListener("popstate", show);
 
+identity.addEventListener("unknown", () => {
+  // Several requests may fail at once.
+  if (!main.querySelector(".sign-in")) locked();
+});
 connection.addEventListener("away", () => {
   banner.hidden = false;
   banner.className = "connection away";
@@ -107,4 +125,5 @@ connection.addEventListener("back", () => {
   setTimeout(() => (banner.hidden = !connection.away), 4000);
 });
 
+session.show(locked);
 show();

@@ -6,6 +6,7 @@ outcome of each, and returns its value. A client only carries the steps out.
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Generator, Mapping
 from dataclasses import dataclass, field
@@ -103,12 +104,13 @@ def send_if_there(request: Request, give_up_after_s: float) -> Steps[httpx.Respo
 
 
 def http_settings(base_url: str, api_key: str | None, timeout_s: float) -> dict[str, Any]:
-    """Give the settings of an httpx client.
+    """Give the settings of an httpx client; without a key, with that of ``SERVOSCOPE_KEY``.
 
     Raises:
         ValueError: The key cannot be sent. The message does not show it.
     """
-    if api_key is not None and not (api_key.isascii() and api_key.isprintable()):
+    key = os.environ.get("SERVOSCOPE_KEY") if api_key is None else api_key
+    if key and not (key.isascii() and key.isprintable()):
         raise ValueError("api_key is not visible ASCII text on one line")
-    headers = {} if api_key is None else {"Authorization": f"Bearer {api_key}"}
+    headers = {"Authorization": f"Bearer {key}"} if key else {}
     return {"base_url": base_url, "headers": headers, "timeout": httpx.Timeout(timeout_s)}

@@ -7,7 +7,7 @@ use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-use crate::service::{Caller, Service, ServiceError};
+use crate::service::{Caller, Key, Service, ServiceError};
 
 use super::access::{Need, Needs};
 use super::callers::SEC_FETCH_SITE;
@@ -60,7 +60,7 @@ impl Gate {
         if !self.always && !self.service.has_keys().await? {
             return Ok(Caller::Everybody);
         }
-        let caller = match credential(headers) {
+        let key = match credential(headers) {
             Some(Credential::Key(key)) => self.service.holder_of(key).await?,
             Some(Credential::Session(secret)) => {
                 if !method.is_safe() && !names_its_page(headers) {
@@ -76,12 +76,12 @@ impl Gate {
                 return Err(ServiceError::Unrecognised { reason }.into());
             }
         };
-        match (need, caller.key()) {
-            (Need::Scope(scope), Some(key)) if !key.may(scope) => {
-                let (name, scopes) = (key.name.clone(), key.scopes.clone());
+        match need {
+            Need::Scope(scope) if !key.may(scope) => {
+                let Key { name, scopes, .. } = key;
                 Err(ServiceError::Lacking { name, scope, scopes }.into())
             }
-            _ => Ok(caller),
+            _ => Ok(Caller::Holder(key)),
         }
     }
 }

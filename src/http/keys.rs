@@ -118,7 +118,7 @@ impl From<Key> for KeyView {
 }
 
 /// A key with what only its holder has.
-#[derive(Debug, Serialize, ToSchema)]
+#[derive(Serialize, ToSchema)]
 pub(super) struct AddedKey {
     #[serde(flatten)]
     pub(super) stored: KeyView,

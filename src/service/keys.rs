@@ -1,15 +1,12 @@
-//! Making, listing and revoking keys, and recognising who holds one.
-
-use std::time::Duration;
+//! Making, listing and revoking keys.
 
 use jiff::Timestamp;
-use subtle::ConstantTimeEq as _;
-use tracing::warn;
 
 use crate::store::{KeyRow, Millis};
 
-use super::caller::{Caller, Key, Scope};
-use super::token::{Token, digest, random};
+use super::caller::{Key, Scope};
+use super::holders::is_of;
+use super::token::Token;
 use super::{Service, ServiceError};
 
 /// Most keys that are listed.
@@ -17,12 +14,6 @@ const MOST_LISTED: u32 = 1000;
 
 /// Most characters of a name.
 const MOST_CHARACTERS: usize = 64;
-
-/// How exactly it is known when a key was last used: a write for each request would be too much.
-const USED_WITHIN_MS: Millis = 60_000;
-
-/// How long a browser stays signed in.
-const SESSION: Duration = Duration::from_secs(12 * 3600);
 
 /// A key to be made.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,17 +24,6 @@ pub struct NewKey {
     pub scopes: Vec<Scope>,
     /// When it expires; `None`: never.
     pub expires_at_ms: Option<Millis>,
-}
-
-/// A browser that has just been signed in.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Session {
-    /// What its cookie holds; only a digest of it is stored.
-    pub secret: String,
-    /// For how long.
-    pub lifetime: Duration,
-    /// Who is signed in.
-    pub key: Key,
 }
 
 impl Service {
@@ -164,70 +144,6 @@ impl Service {
     pub async fn has_valid_key(&self) -> Result<bool, ServiceError> {
         Ok(self.store.has_valid_key().await?)
     }
-
-    /// Who sends a key.
-    ///
-    /// # Errors
-    /// [`ServiceError::Unrecognised`] where it opens nothing.
-    pub async fn holder_of(&self, text: &str) -> Result<Caller, ServiceError> {
-        let wrong = ServiceError::Unrecognised { reason: "this key is not known here" };
-        let Some(token) = Token::parse(text) else { return Err(wrong) };
-        match self.store.key(token.id()).await? {
-            Some(row) if is_of(&token.sha256(), &row.sha256) => self.used(row).await,
-            _ => Err(wrong),
-        }
-    }
-
-    /// Who is signed in with a session.
-    ///
-    /// # Errors
-    /// [`ServiceError::Unrecognised`] where it has ended, or its key opens nothing any more.
-    pub async fn signed_in(&self, secret: &str) -> Result<Caller, ServiceError> {
-        let row = self.store.session(&digest(secret)).await?;
-        let ended = ServiceError::Unrecognised { reason: "the session has ended; sign in again" };
-        self.used(row.ok_or(ended)?).await
-    }
-
-    /// Signs a browser in with a key.
-    ///
-    /// # Errors
-    /// As [`Service::holder_of`].
-    pub async fn sign_in(&self, text: &str) -> Result<Session, ServiceError> {
-        let Caller::Holder(key) = self.holder_of(text).await? else {
-            return Err(ServiceError::Unrecognised { reason: "this key is not known here" });
-        };
-        let secret = random::<32>().ok_or_else(no_random_numbers)?;
-        let lifetime_ms = i64::try_from(SESSION.as_millis()).unwrap_or(i64::MAX);
-        self.store.insert_session(&digest(&secret), &key.id, now_ms() + lifetime_ms).await?;
-        Ok(Session { secret, lifetime: SESSION, key })
-    }
-
-    /// Signs a browser out.
-    ///
-    /// # Errors
-    /// When the database does not answer.
-    pub async fn sign_out(&self, secret: &str) -> Result<(), ServiceError> {
-        Ok(self.store.delete_session(&digest(secret)).await?)
-    }
-
-    /// The holder of a key that was proved, if it opens anything.
-    async fn used(&self, row: KeyRow) -> Result<Caller, ServiceError> {
-        let (now_ms, id) = (row.now_ms, row.id.clone());
-        let key = Key::try_from(row)?;
-        if key.revoked_at_ms.is_some() {
-            return Err(ServiceError::Unrecognised { reason: "this key was revoked" });
-        }
-        if !key.valid {
-            return Err(ServiceError::Unrecognised { reason: "this key has expired" });
-        }
-        if key.used_at_ms.is_none_or(|at| now_ms - at >= USED_WITHIN_MS)
-            && let Err(error) = self.store.key_used(&id).await
-        {
-            // A full disk must not lock everybody out.
-            warn!(key = id, %error, "it is not remembered that a key was used");
-        }
-        Ok(Caller::Holder(key))
-    }
 }
 
 fn row(token: &Token, name: String, scopes: &[Scope], expires_at_ms: Option<Millis>) -> KeyRow {
@@ -244,12 +160,7 @@ fn row(token: &Token, name: String, scopes: &[Scope], expires_at_ms: Option<Mill
     }
 }
 
-/// Whether two digests are equal, in a time that does not tell how much of them is.
-fn is_of(sha256: &str, stored: &str) -> bool {
-    sha256.as_bytes().ct_eq(stored.as_bytes()).into()
-}
-
-fn now_ms() -> Millis {
+pub(super) fn now_ms() -> Millis {
     Timestamp::now().as_millisecond()
 }
 
@@ -257,7 +168,7 @@ fn unknown(id: &str) -> ServiceError {
     ServiceError::Unknown { what: "key", id: id.into() }
 }
 
-fn no_random_numbers() -> ServiceError {
+pub(super) fn no_random_numbers() -> ServiceError {
     let reason = "the system has no random numbers; try again".to_owned();
     ServiceError::Request { member: "key".into(), reason }
 }

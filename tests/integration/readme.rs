@@ -92,6 +92,11 @@ fn every_shell_block_works_as_pasted() {
     let validation = blocks.iter().find(|block| block.contains("validate")).unwrap();
     let report = paste(validation, directory.path(), None);
     assert!(report.starts_with("CONFIRMED: the causes help on another"), "{report}");
+    let keys = blocks.iter().find(|block| block.contains("keys add")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let printed = paste(keys, folder.path(), None);
+    assert_eq!(printed.matches("sk_servoscope_").count(), 2, "{printed}");
+    assert!(printed.contains("upload,run,read  rig 7"), "{printed}");
     if Command::new("curl").arg("--version").output().is_err() {
         skipped("curl is absent");
         return;
@@ -114,8 +119,10 @@ fn every_flag_and_subcommand_is_one_of_the_program() {
     let commands = typed.chain(listed).map(|line| line.split_whitespace().collect::<Vec<_>>());
     let mut count = 0;
     for words in commands {
-        let output = servoscope(&[words[0], "--help"]);
-        assert!(output.status.success(), "`servoscope {}` is not a command", words[0]);
+        // A command of commands has its flags one word later.
+        let name = &words[..if words[0] == "keys" { 2 } else { 1 }];
+        let output = servoscope(&[name, &["--help"]].concat());
+        assert!(output.status.success(), "`servoscope {}` is not a command", name.join(" "));
         let help = String::from_utf8(output.stdout).unwrap();
         let known: Vec<&str> = help.split_whitespace().collect();
         let flags = words.iter().map(|word| word.trim_matches(['[', ']', '…']));

@@ -177,7 +177,7 @@ pub(super) async fn add(
     Ok((StatusCode::CREATED, location, Json(view)).into_response())
 }
 
-/// Webhooks, newest first. There are at most 100, all on one page.
+/// Webhooks, newest first. A key has at most 100; all are on one page.
 #[utoipa::path(
     get, path = "/v1/webhooks", tag = "webhooks", operation_id = "list_webhooks",
     responses(

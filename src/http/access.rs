@@ -157,6 +157,26 @@ mod tests {
     }
 
     #[test]
+    fn what_changes_something_needs_more_than_reading_and_keys_are_for_admins() {
+        let document = serde_json::to_value(openapi()).unwrap();
+        for (path, item) in document["paths"].as_object().unwrap() {
+            for (method, operation) in item.as_object().unwrap() {
+                let id = operation["operationId"].as_str().unwrap();
+                let given = need(id).unwrap();
+                let fits = match (path.as_str(), method.as_str()) {
+                    _ if path.starts_with("/v1/keys") => given == ADMIN,
+                    _ if path.starts_with("/v1/session") => given == Need::Key || id == "sign_in",
+                    _ if !path.starts_with("/v1/") => [Need::Nothing, METRICS].contains(&given),
+                    (_, "get") => given == READ,
+                    _ => [UPLOAD, RUN].contains(&given),
+                };
+                assert!(fits, "{method} {path}: {given:?}");
+            }
+        }
+        assert_eq!(need("metrics"), Some(METRICS));
+    }
+
+    #[test]
     fn what_nobody_thought_of_is_for_admins() {
         let needs = Needs::of(&openapi());
         let of = |method, route| needs.of_request(&method, Some(route));

@@ -1,7 +1,7 @@
 //! Keys: what opens a server, until when, and who sees that.
 
 use super::*;
-use crate::store::KeyRow;
+use crate::store::{KeyRow, Reach};
 
 fn as_holder(server: &Server, method: &str, path: &str, key: &str, body: &Value) -> Response<Body> {
     let authorization = format!("Bearer {key}");
@@ -174,4 +174,31 @@ fn idempotency_keys_names_and_layouts_of_one_key_mean_nothing_to_another() {
         json_of(get(&server, "/v1/mappings/rig", key), 200)["settings"]["machine"].clone()
     };
     assert_eq!((machine(&first), machine(&second)), (json!("three"), json!("two")));
+}
+
+#[test]
+fn a_webhook_is_told_what_its_key_may_see_and_nothing_once_that_has_ended() {
+    let server = Server::start();
+    let (_, rig) = server.key(&[Scope::Upload, Scope::Run, Scope::Read]);
+    let (_, stranger) = server.key(&[Scope::Upload, Scope::Run, Scope::Read]);
+    let (_, wall) = server.key(&[Scope::Run, Scope::ReadAll]);
+    let (ended_id, ended) = server.key(&[Scope::Run, Scope::Admin]);
+    let hooks = [&rig, &stranger, &wall, &ended].map(|key| {
+        let body = json!({"url": "http://127.0.0.1:9/"});
+        string(&json_of(as_holder(&server, "POST", "/v1/webhooks", key, &body), 201), "id")
+    });
+    server.runtime.block_on(server.service.revoke_key(&ended_id)).unwrap();
+    let authorization = format!("Bearer {rig}");
+    let headers = [("authorization", authorization.as_str()), ("content-type", "text/csv")];
+    let measurement = json_of(server.post("/v1/measurements", &headers, b"any"), 201);
+    let body = json!({"measurement_id": measurement["id"], "kind": "identify"});
+    let job = string(&json_of(as_holder(&server, "POST", "/v1/jobs", &rig, &body), 202), "id");
+    let ended = json_of(get(&server, &format!("/v1/jobs/{job}?wait=60"), &rig), 200);
+    assert_eq!(ended["status"], "succeeded");
+    server.runtime.block_on(server.service.announce()).unwrap();
+    let told = hooks.map(|hook| {
+        let all = Reach::everything();
+        server.runtime.block_on(server.store.deliveries(&all, &hook, 10)).unwrap().len()
+    });
+    assert_eq!(told, [1, 0, 1, 0]);
 }

@@ -1,6 +1,6 @@
 //! `servoscope keys`: who may do what, on the folder of a server, also while it runs.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use jiff::{Timestamp, ToSpan as _};
@@ -67,19 +67,30 @@ pub(super) struct One {
 }
 
 impl Folder {
-    /// The service on what is stored there.
-    async fn service(&self, create: bool) -> Result<Service, Failure> {
+    /// Where it is.
+    fn path(&self) -> Result<PathBuf, Failure> {
         let file = self.file.as_deref().map(Settings::read).transpose().map_err(Failure::input)?;
         let told = Settings { data_dir: self.data_dir.clone(), ..Settings::default() };
         let settings = told.over(file.unwrap_or_default()).completed();
-        let folder = settings.data_dir.unwrap_or_default();
-        if !create && !Sqlite::is_in(&folder) {
+        Ok(settings.data_dir.unwrap_or_default())
+    }
+
+    /// The service on what is stored there.
+    async fn service(&self) -> Result<Service, Failure> {
+        let path = self.path()?;
+        if !Sqlite::is_in(&path) {
             let reason =
-                format!("there is no database in {}; name it with --data-dir", folder.display());
+                format!("there is no database in {}; name it with --data-dir", path.display());
             return Err(Failure::Input(reason));
         }
-        let store = Sqlite::open(&folder).await.map_err(|error| {
-            Failure::Other(format!("cannot use the data in {}: {error}", folder.display()))
+        self.service_or_new().await
+    }
+
+    /// The same, made where it is not there yet.
+    async fn service_or_new(&self) -> Result<Service, Failure> {
+        let path = self.path()?;
+        let store = Sqlite::open(&path).await.map_err(|error| {
+            Failure::Other(format!("cannot use the data in {}: {error}", path.display()))
         })?;
         Ok(Service::new(Arc::new(store), Arc::new(BuiltIn), Arc::new(Signals::default())))
     }
@@ -98,15 +109,15 @@ async fn done(command: Command) -> Result<(), Failure> {
             let end = days.map(|days| now.checked_add((24 * i64::from(days)).hours()));
             let end = end.transpose().map_err(Failure::input)?;
             let expires_at_ms = end.map(Timestamp::as_millisecond);
-            let service = folder.service(true).await?;
-            made(&service.add_key(NewKey { name, scopes, expires_at_ms }).await?)
+            let service = folder.service_or_new().await?;
+            let added = service.add_key(NewKey { name, scopes, expires_at_ms }).await?;
+            made(&added, &folder.path()?)
         }
-        Command::List(folder) => listed(&folder.service(false).await?.keys().await?),
-        Command::Revoke(One { id, folder }) => {
-            Ok(folder.service(false).await?.revoke_key(&id).await?)
-        }
+        Command::List(folder) => listed(&folder.service().await?.keys().await?),
+        Command::Revoke(One { id, folder }) => Ok(folder.service().await?.revoke_key(&id).await?),
         Command::Rotate(One { id, folder }) => {
-            made(&folder.service(false).await?.rotate_key(&id).await?)
+            let rotated = folder.service().await?.rotate_key(&id).await?;
+            made(&rotated, &folder.path()?)
         }
         Command::Generate => {
             let token = Token::generate();
@@ -117,10 +128,11 @@ async fn done(command: Command) -> Result<(), Failure> {
 }
 
 /// The key alone on standard output, for a program; what it is beside it, for a person.
-fn made((key, token): &(Key, Token)) -> Result<(), Failure> {
+fn made((key, token): &(Key, Token), folder: &Path) -> Result<(), Failure> {
     let Key { id, name, .. } = key;
     let end = key.expires_at_ms.map_or("never".to_owned(), time);
-    eprintln!("key {id} ({name}): {}; expires: {end}", scopes(key));
+    let folder = folder.display();
+    eprintln!("key {id} ({name}) in {folder}: {}; expires: {end}", scopes(key));
     eprintln!("It is shown this once:");
     terminal::print(&format!("{}\n", token.text()))
 }

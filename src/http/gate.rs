@@ -6,6 +6,7 @@ use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use tracing::Span;
 
 use crate::service::{Caller, Key, Service, ServiceError};
 
@@ -40,6 +41,9 @@ pub(super) async fn admit(State(gate): State<Gate>, mut request: Request, next: 
     let need = gate.needs.of_request(request.method(), route.map(MatchedPath::as_str));
     match gate.caller(need, request.method(), request.headers()).await {
         Ok(caller) => {
+            if let Some(key) = caller.key() {
+                Span::current().record("key", &key.id);
+            }
             request.extensions_mut().insert(gate.service.on_behalf_of(caller));
             next.run(request).await
         }

@@ -16,6 +16,7 @@ use tower_http::cors::CorsLayer;
 use tower_http::request_id::{MakeRequestUuid, PropagateRequestIdLayer, SetRequestIdLayer};
 use tower_http::timeout::RequestBodyTimeoutLayer;
 use tower_http::trace::{DefaultOnResponse, TraceLayer};
+use tracing::field::Empty;
 use tracing::{Level, Span, info_span};
 
 use crate::service::Service;
@@ -107,7 +108,9 @@ async fn counted(State(service): State<Service>, request: Request, next: Next) -
 
 fn span<B>(request: &axum::http::Request<B>) -> Span {
     let id = request.headers().get("x-request-id").and_then(|id| id.to_str().ok());
-    info_span!("request", method = %request.method(), path = request.uri().path(), id)
+    let (method, path) = (request.method(), request.uri().path());
+    // The gate says whose key it is.
+    info_span!("request", %method, path, id, key = Empty)
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "the signature is that of a panic handler")]

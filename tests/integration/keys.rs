@@ -100,6 +100,21 @@ fn a_container_takes_its_first_key_from_the_environment_or_a_file() {
 }
 
 #[test]
+fn the_log_names_the_key_of_a_request_and_never_shows_it() {
+    let directory = tempfile::tempdir().unwrap();
+    let [data, log] = ["data", "log"].map(|name| directory.path().join(name));
+    let key = made(&keys(&data, &["add", "--name", "first", "--scope", "admin"]));
+    let server = Server::start_logging(&data, &["--log-format", "json"], &log);
+    assert_eq!(server.get_with("/v1/jobs", &key).status, 200);
+    assert_eq!(server.get_with("/v1/jobs", &key.replace("sk_", "sk-")).status, 401);
+    assert_eq!(server.terminate(), Some(0));
+    let text = std::fs::read_to_string(log).unwrap();
+    let named = format!("\"key\":\"{}\"", id(&key));
+    assert!(text.lines().any(|line| line.contains(&named) && line.contains("/v1/jobs")), "{text}");
+    assert!(!text.contains(key.rsplit('_').next().unwrap()), "{text}");
+}
+
+#[test]
 fn keys_are_made_listed_rotated_and_revoked_while_a_server_runs() {
     let directory = tempfile::tempdir().unwrap();
     let folder = directory.path();

@@ -32,8 +32,9 @@ pub(super) struct PreviewView {
     given: BTreeMap<String, String>,
     /// The stored mapping that would be used; null: none.
     mapping: Option<String>,
-    /// The same for uploads of the same formats, column names and units; null where a file has no
-    /// column names. A mapping stored with it is used for such files by itself.
+    /// The same for uploads of the same formats, column names and units; of a text without column
+    /// names, of the same delimiter, number of columns and decimal mark. Null where neither is known.
+    /// A mapping stored with it is used for such files by itself, and a note says so.
     layout: Option<String>,
     /// What a column may be: the choice for `column_names`.
     quantities: Vec<QuantityView>,

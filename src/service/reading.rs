@@ -46,16 +46,24 @@ impl Service {
         if reading.measurement.is_ok() {
             return Ok(reading);
         }
-        let (reading, layout) = aside(move || {
-            let layout = look(&sources(&reading.files)).layout;
-            (reading, layout)
+        let (reading, look) = aside(move || {
+            let look = look(&sources(&reading.files));
+            (reading, look)
         })
         .await;
-        let Some(layout) = layout else { return Ok(reading) };
-        let Some(mapping) = self.mapping_of_layout(&layout).await? else { return Ok(reading) };
+        let Some(layout) = &look.layout else { return Ok(reading) };
+        let Some(mapping) = self.mapping_of_layout(layout).await? else { return Ok(reading) };
         let files = reading.files.into_iter().filter(|file| file.name != Given::NAME).collect();
-        let why = "since it is for files of this layout, which is not understood without it";
-        Ok(self.read_with(files, given, &mapping, why).await)
+        let why = match look.without_names() {
+            Some(seen) => format!(
+                "since it is for files of {seen} and no column names; other files look like that, too, so \
+                 check that this one has the same columns"
+            ),
+            None => {
+                "since it is for files of this layout, which is not understood without it".into()
+            }
+        };
+        Ok(self.read_with(files, given, &mapping, &why).await)
     }
 
     /// Looks at files that were read.

@@ -170,3 +170,34 @@ fn mappings_are_listed_replaced_and_refused_with_what_is_wrong() {
     problem(&server.get("/v1/mappings/nobody"), 404);
     assert_eq!(server.delete("/v1/mappings/nobody"), 404);
 }
+
+#[test]
+fn a_table_without_column_names_is_named_once_and_its_mapping_says_what_it_goes_by() {
+    let (server, _directory) = server();
+    let nameless = |rows: &[u8]| {
+        let text = String::from_utf8(rows.to_vec()).unwrap();
+        text.split_once("chan b\n").unwrap().1.replace("on;", "").into_bytes()
+    };
+    let refused =
+        problem(&server.post("/v1/measurements", "text/plain", &nameless(&foreign(1.0))), 422);
+    let detail = refused["detail"].as_str().unwrap();
+    assert!(detail.contains("columns 1 to 3 of numbers and no column names"), "{detail}");
+    let seen = previewed(&server, "", &nameless(&foreign(1.0)));
+    let columns = seen["files"][0]["table"]["columns"].as_array().unwrap();
+    assert!(columns.len() == 3 && columns.iter().all(|column| column["name"] == ""), "{columns:?}");
+    let body = json!({
+        "settings": {"column_names": "Time (ms); Current (A); Position (mm)"},
+        "layout": seen["layout"],
+    });
+    assert_eq!(server.put("/v1/mappings/bare", &body).status, 201);
+
+    let added = server.post("/v1/measurements", "text/plain", &nameless(&foreign(2.0)));
+    assert_eq!(added.status, 201, "{}", added.text);
+    let note = added.json()["notes"][0].as_str().unwrap().to_owned();
+    for part in ["`bare` is used", "3 columns between semicolons with a decimal comma", "check"] {
+        assert!(note.contains(part), "{note}");
+    }
+    // Another number of columns is another layout.
+    let four = String::from_utf8(nameless(&foreign(1.0))).unwrap().replace('\n', ";1\n");
+    problem(&server.post("/v1/measurements", "text/plain", four.as_bytes()), 422);
+}

@@ -23,6 +23,18 @@ pub enum Verdict {
     Unexplained,
 }
 
+impl Verdict {
+    /// Its name, as results have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Adequate => "adequate",
+            Self::Explained => "explained",
+            Self::Improved => "improved",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}
+
 /// Reduction of the prediction error on held-out data, which neither a fit nor the choice of the
 /// causes has used.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

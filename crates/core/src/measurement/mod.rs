@@ -157,6 +157,12 @@ impl Measurement {
         Self::new(metadata, experiments, notes, sha256)
     }
 
+    /// The same measurement with other metadata.
+    #[must_use]
+    pub fn with_metadata(self, metadata: Metadata) -> Self {
+        Self { metadata, ..self }
+    }
+
     /// The metadata.
     pub fn metadata(&self) -> &Metadata {
         &self.metadata

@@ -19,6 +19,9 @@ use super::table::{Place, Table};
 const NO_KNOWN_COLUMN: &str = "the header has no known column: a time record needs \
     time_s,input,output, a harmonic table magnitude,omega_rad_s,harmonic,re,im";
 
+/// Most columns without a name in an example of names.
+const MAX_EXAMPLE: usize = 20;
+
 /// A table, and what is known of its columns.
 pub(super) struct NamedTable {
     pub(super) table: Table,
@@ -115,8 +118,12 @@ impl<'a> CsvText<'a> {
         let names = self.names.iter().enumerate();
         let names: Vec<Name> = names.map(|(field, name)| Name::of(name, unit(field))).collect();
         if !names.iter().any(Name::is_known) {
-            let lack = lack::ask("column_names", "Time (s); Current (A); Position (mm)");
-            return Err(self.fault_of_header(format!("{NO_KNOWN_COLUMN}; {lack}")).lacking(lack));
+            let lack = lack::ask("column_names", example(names.len()));
+            let reason = match self.names.iter().all(|name| is_number(name)) {
+                true => format!("{} of numbers and no column names", columns(names.len())),
+                false => NO_KNOWN_COLUMN.to_owned(),
+            };
+            return Err(self.fault_of_header(format!("{reason}; {lack}")).lacking(lack));
         }
         let line = self.names_line;
         let naming =
@@ -216,6 +223,20 @@ fn refuse_bare_returns(text: &str) -> Result<(), Fault> {
     let line = 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count() as u64;
     Err(Fault::new("a carriage return without a line feed: lines end with LF or CRLF")
         .at_line(Some(line)))
+}
+
+/// Names of so many columns, as an example: a column that is not used has none.
+fn example(count: usize) -> String {
+    let known = ["Time (s)", "Current (A)", "Position (mm)"];
+    let unused = std::iter::repeat_n("", count.saturating_sub(known.len()).min(MAX_EXAMPLE));
+    known.into_iter().chain(unused).collect::<Vec<_>>().join("; ").trim_end().to_owned()
+}
+
+fn columns(count: usize) -> String {
+    match count {
+        1 => "the file has one column".to_owned(),
+        count => format!("the file has columns 1 to {count}"),
+    }
 }
 
 /// Whether a row below the names has their units: some cell is a unit, and none is a number.

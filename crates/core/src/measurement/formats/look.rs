@@ -3,21 +3,34 @@
 use sha2::{Digest, Sha256};
 
 use super::columns::Column;
-use super::decimal::{Decimals, Mark, is_number};
 use super::delimiter::Delimiter;
 use super::given::Given;
 use super::sight::Sight;
 use super::source::Source;
-use super::{known_formats, naming, quantities};
+use super::{known_formats, naming, quantities, sight};
 
 /// What is seen of an upload.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Look {
     /// One for each file.
     pub files: Vec<FileLook>,
-    /// The same for uploads of the same layout: the same formats, column names and units.
-    /// `None` where a file has no column names.
+    /// The same for uploads of the same layout: the same formats, column names and units; of a text
+    /// without column names, the same delimiter, number of columns and decimal mark.
+    /// `None` where neither is known.
     pub layout: Option<String>,
+}
+
+impl Look {
+    /// How the first table without column names looks, in words: all that its layout is known by.
+    pub fn without_names(&self) -> Option<String> {
+        let tables = self.files.iter().filter_map(|file| file.table.as_ref());
+        let mut nameless =
+            tables.filter(|table| table.columns.iter().all(|column| column.name.is_empty()));
+        let TableLook { delimiter, decimal, columns, .. } = nameless.next()?;
+        let delimiter = delimiter.map(|mark| format!(" between {mark}")).unwrap_or_default();
+        let decimal = decimal.map(|mark| format!(" with a decimal {mark}")).unwrap_or_default();
+        Some(format!("{} columns{delimiter}{decimal}", columns.len()))
+    }
 }
 
 /// What is seen of one file.
@@ -113,23 +126,11 @@ fn table(mut sight: Sight) -> TableLook {
     });
     TableLook {
         delimiter: sight.delimiter.map(Delimiter::name),
-        decimal: decimal(&sight),
+        decimal: sight::decimal(&sight.rows, sight.header.decimal),
         preamble: sight.above,
         line: sight.line,
         columns: columns.collect(),
         rows: sight.rows,
         sheets: sight.sheets,
     }
-}
-
-/// The decimal mark of the rows that are shown.
-fn decimal(sight: &Sight) -> Option<&'static str> {
-    let mut decimals = Decimals::new(sight.header.decimal);
-    for cell in sight.rows.iter().flatten().filter(|cell| is_number(cell)) {
-        decimals.number(0, cell).ok()?;
-    }
-    decimals.mark().ok()?.map(|mark| match mark {
-        Mark::Comma => "comma",
-        Mark::Point => "point",
-    })
 }

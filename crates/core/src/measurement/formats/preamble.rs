@@ -194,8 +194,16 @@ fn row_delimiter(line: &str, stated: Option<Delimiter>, names: &[String]) -> Opt
     })
 }
 
-/// The delimiter of a line that has no known name.
+/// The delimiter of a line that has no known name: where it is a row of numbers, the one that
+/// separates them.
 fn guess(line: &str) -> Delimiter {
+    let is_row = |mark: &Delimiter| {
+        let cells = mark.cells(line);
+        cells.len() > 1 && cells.iter().all(|cell| is_number(cell))
+    };
+    if let Some(mark) = Delimiter::ALL.into_iter().find(is_row) {
+        return mark;
+    }
     let mut marks = [Delimiter::Comma, Delimiter::Semicolon, Delimiter::Tab].into_iter();
     marks.find(|mark| line.as_bytes().contains(&mark.byte())).unwrap_or(Delimiter::Comma)
 }

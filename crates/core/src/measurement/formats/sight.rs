@@ -1,6 +1,6 @@
 //! What is seen of a table before anything is read from it: its names, units and first rows.
 
-use super::decimal::is_number;
+use super::decimal::{Decimals, Mark, is_number};
 use super::delimiter::Delimiter;
 use super::given::Given;
 use super::header::Header;
@@ -42,7 +42,7 @@ pub(super) struct Sight {
     pub(super) timed: bool,
     /// The sheets of a workbook.
     pub(super) sheets: Vec<String>,
-    /// What makes another file one of the same layout, if the file has names at all.
+    /// What makes another file one of the same layout, if that can be told.
     pub(super) layout: Option<String>,
 }
 
@@ -78,7 +78,8 @@ impl Sight {
         let meant = instruments::find(&names)
             .and_then(|instrument| (instrument.names)(&names, &comments, &mut header).ok());
         let above = lines[..at.unwrap_or(first)].iter().filter(|line| !line.trim().is_empty());
-        let layout = layout(mark.name(), &names, &units);
+        let layout = layout(mark.name(), &names, &units)
+            .or_else(|| layout_without_names(mark.name(), &rows));
         Some(Self {
             delimiter: Some(mark),
             line: Some(1 + at.unwrap_or(first) as u64),
@@ -117,6 +118,26 @@ impl Sight {
 pub(super) fn layout(kind: &str, names: &[String], units: &[String]) -> Option<String> {
     let named = names.iter().any(|name| !name.is_empty());
     named.then(|| [kind, &names.join("\u{1f}"), &units.join("\u{1f}")].join("\u{1e}"))
+}
+
+/// What makes another table without column names one of the same layout: its delimiter, its number of
+/// columns, and its decimal mark.
+fn layout_without_names(kind: &str, rows: &[Vec<String>]) -> Option<String> {
+    let columns = rows.first()?.len().to_string();
+    let mark = decimal(rows, None).unwrap_or("none");
+    Some(["without names", kind, &columns, mark].join("\u{1e}"))
+}
+
+/// The decimal mark of rows, if they have one and only one.
+pub(super) fn decimal(rows: &[Vec<String>], stated: Option<Mark>) -> Option<&'static str> {
+    let mut decimals = Decimals::new(stated);
+    for cell in rows.iter().flatten().filter(|cell| is_number(cell)) {
+        decimals.number(0, cell).ok()?;
+    }
+    decimals.mark().ok()?.map(|mark| match mark {
+        Mark::Comma => "comma",
+        Mark::Point => "point",
+    })
 }
 
 /// A text in one line, and not too long.
@@ -198,10 +219,15 @@ mod tests {
     }
 
     #[test]
-    fn numbers_alone_have_no_names_and_no_layout() {
+    fn numbers_alone_have_no_names_and_the_layout_of_their_columns() {
         let seen = of("1 2 3\n4 5 6\n");
         assert_eq!(seen.names, ["", "", ""]);
-        assert_eq!((seen.rows.len(), seen.layout), (2, None));
+        assert_eq!(seen.rows.len(), 2);
+        let layout = |text| of(text).layout.unwrap();
+        assert_eq!(layout("1;2,5;3\n"), layout("rig 3\n\n7;8,5;9\n1;2;3\n"));
+        for other in ["1;2,5\n", "1;2.5;3\n", "1\t2,5\t3\n", "a;b;c\n1;2,5;3\n"] {
+            assert_ne!(layout("1;2,5;3\n"), layout(other), "{other}");
+        }
         assert!(Sight::of_text("no table\nhere\n", None, &Given::default()).is_none());
     }
 

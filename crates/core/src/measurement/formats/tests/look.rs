@@ -87,7 +87,8 @@ fn one_layout_is_known_again_whatever_is_given_and_measured() {
     assert!(layout(&one, "").is_some());
     assert_eq!(layout(&one, ""), layout(&other, &names));
     assert_ne!(layout(&one, ""), layout(&one.replace("chan b", "chan c"), ""));
-    assert_eq!(layout("1 2 3\n4 5 6\n", ""), None);
+    assert_eq!(layout("1 2 3\n4 5 6\n", ""), layout("7 8 9\n", ""));
+    assert_ne!(layout("1 2 3\n4 5 6\n", ""), layout("1 2\n4 5\n", ""));
     assert_eq!(layout("{\"rows\": []}", ""), None);
 }
 

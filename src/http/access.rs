@@ -20,8 +20,16 @@ pub(super) enum Need {
 }
 
 /// Addresses of the dashboard's page and of its files, which are the same on every server.
-pub(super) const PAGES: [&str; 6] =
-    ["/", "/measurements/{id}", "/jobs/{id}", "/compare", "/axes", "/assets/{file}"];
+pub(super) const PAGES: [&str; 8] = [
+    "/",
+    "/measurements/{id}",
+    "/jobs/{id}",
+    "/compare",
+    "/axes",
+    "/plans",
+    "/together",
+    "/assets/{file}",
+];
 
 /// Where the document is shown, which is the same on every server.
 const DOCUMENTS: &str = "/docs";
@@ -36,6 +44,7 @@ const ADMIN: Need = Need::Scope(Scope::Admin);
 const NEEDS: &[(&str, Need)] = &[
     ("add_measurement", UPLOAD),
     ("preview_measurement", UPLOAD),
+    ("describe_measurement", UPLOAD),
     ("delete_measurement", UPLOAD),
     ("put_mapping", UPLOAD),
     ("delete_mapping", UPLOAD),
@@ -109,6 +118,7 @@ impl Needs {
                 (Method::GET, &item.get),
                 (Method::PUT, &item.put),
                 (Method::POST, &item.post),
+                (Method::PATCH, &item.patch),
                 (Method::DELETE, &item.delete),
             ];
             for (method, operation) in operations {

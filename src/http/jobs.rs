@@ -8,7 +8,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::{Extension, Json};
 use serde::Deserialize;
-use servoscope_core::answers::JobKind;
+use servoscope_core::answers::{JobKind, Verdict};
 use utoipa::IntoParams;
 
 use crate::service::{Service, Submission};
@@ -124,6 +124,12 @@ pub(super) struct ListQuery {
     since: Option<String>,
     /// Only those queued before this time.
     until: Option<String>,
+    /// Only diagnoses with this verdict.
+    #[param(inline)]
+    verdict: Option<Verdict>,
+    /// Only jobs on measurements with this text in the name, machine, axis, operator, a label or the
+    /// name of a file; upper and lower case do not matter.
+    text: Option<String>,
 }
 
 /// Jobs, newest first.
@@ -148,6 +154,8 @@ pub(super) async fn list(
         kind: query.kind.map(|kind| kind.name().to_owned()),
         machine: query.machine,
         axis: query.axis,
+        verdict: query.verdict.map(|verdict| verdict.name().to_owned()),
+        text: query.text,
     };
     let limit = query.limit.unwrap_or(DEFAULT_PAGE);
     Ok(Json(List::new(service.jobs(&filter, limit, query.cursor).await?)))

@@ -24,7 +24,7 @@ use crate::service::Service;
 use super::access::Needs;
 use super::gate::{self, Gate};
 use super::problem::{MEDIA_TYPE, Problem};
-use super::{Limits, body, routes, unpacking};
+use super::{Limits, body, dashboard, routes, unpacking};
 
 /// How long a client may pause while it sends a body.
 const BODY_PAUSE: Duration = Duration::from_secs(30);
@@ -80,7 +80,7 @@ fn cross_origin(origins: Vec<HeaderValue>) -> CorsLayer {
     let name = HeaderName::from_static;
     CorsLayer::new()
         .allow_origin(origins)
-        .allow_methods([Method::GET, Method::POST, Method::PUT, Method::DELETE])
+        .allow_methods([Method::GET, Method::POST, Method::PUT, Method::PATCH, Method::DELETE])
         .allow_headers([
             header::AUTHORIZATION,
             header::CONTENT_TYPE,
@@ -129,12 +129,16 @@ fn panicked(payload: Box<dyn Any + Send + 'static>) -> axum::http::Response<Body
 async fn problems_only(request: Request, next: Next, max_bytes: [usize; 2]) -> Response {
     let method = request.method().clone();
     let path = request.uri().path().to_owned();
+    let of_browser = dashboard::is_page(&request);
     let response = next.run(request).await;
     let status = response.status();
     let media_type = response.headers().get(header::CONTENT_TYPE);
     let is_error = status.is_client_error() || status.is_server_error();
     if !is_error || media_type.is_some_and(|value| value == MEDIA_TYPE) {
         return response;
+    }
+    if status == StatusCode::NOT_FOUND && of_browser {
+        return dashboard::unknown_page().into_response();
     }
     let (parts, body) = response.into_parts();
     let text = to_bytes(body, DETAIL_BYTES).await.unwrap_or_default();

@@ -104,6 +104,11 @@ pub(super) struct ListQuery {
     measured_since: Option<String>,
     /// Only those measured before this time, as far as they say when.
     measured_until: Option<String>,
+    /// Only those with this text in the name, machine, axis, operator, a label or the name of a
+    /// file; upper and lower case do not matter.
+    text: Option<String>,
+    /// Only those of this data: what has the digest of another was uploaded before.
+    sha256: Option<String>,
 }
 
 /// Measurements, newest first.
@@ -127,6 +132,8 @@ pub(super) async fn list(
         measured_until_ms: lists::time("measured_until", query.measured_until.as_deref())?,
         machine: query.machine,
         axis: query.axis,
+        text: query.text,
+        sha256: query.sha256,
     };
     let limit = query.limit.unwrap_or(DEFAULT_PAGE);
     Ok(Json(List::new(service.measurements(&filter, limit, query.cursor).await?)))

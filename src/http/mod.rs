@@ -9,6 +9,7 @@ mod body;
 mod cached;
 mod callers;
 mod dashboard;
+mod descriptions;
 mod document;
 mod events;
 mod exports;

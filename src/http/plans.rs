@@ -64,7 +64,7 @@ pub(super) async fn create(
     body: Bytes,
 ) -> Result<Json<Plan>, Box<Problem>> {
     let asked: AskForPlan = body::json(&headers, &body)?;
-    Ok(Json(service.plan(asked.into()).await?))
+    Ok(Json(Plan::clone(&*service.plan(asked.into()).await?)))
 }
 
 /// The input of a plan as samples, which a generator or a drive can play.

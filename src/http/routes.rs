@@ -7,8 +7,9 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::{
-    access, axes, dashboard, document, events, exports, health, inspections, jobs, keys, mappings,
-    measurements, plans, plots, previews, report, results, sessions, validations, webhooks,
+    access, axes, dashboard, descriptions, document, events, exports, health, inspections, jobs,
+    keys, mappings, measurements, plans, plots, previews, report, results, sessions, validations,
+    webhooks,
 };
 
 #[derive(OpenApi)]
@@ -39,7 +40,7 @@ pub(super) fn list() -> OpenApiRouter {
         .routes(routes!(mappings::list))
         .routes(routes!(mappings::get, mappings::put, mappings::delete))
         .routes(routes!(mappings::toml))
-        .routes(routes!(measurements::get, measurements::delete))
+        .routes(routes!(measurements::get, descriptions::describe, measurements::delete))
         .routes(routes!(exports::measurement_csv))
         .routes(routes!(exports::measurement_json))
         .routes(routes!(inspections::get))

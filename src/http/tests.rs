@@ -117,6 +117,11 @@ impl Server {
         request.send(body).unwrap()
     }
 
+    fn patch(&self, path: &str, body: &Value) -> Response<Body> {
+        let request = self.agent.patch(format!("{}{path}", self.address));
+        request.header("content-type", "application/json").send(body.to_string()).unwrap()
+    }
+
     fn delete(&self, path: &str) -> u16 {
         self.agent.delete(format!("{}{path}", self.address)).call().unwrap().status().as_u16()
     }

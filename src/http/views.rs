@@ -67,6 +67,8 @@ pub(super) struct MeasurementView {
     r#loop: Option<String>,
     /// Remarks of the reader: unknown columns, dropped periods, …
     notes: Vec<String>,
+    /// Names of its files.
+    files: Vec<String>,
 }
 
 /// Name and unit of an input or a response.
@@ -98,7 +100,7 @@ impl From<Quantity> for SignalView {
 }
 
 impl From<Measured> for MeasurementView {
-    fn from(Measured { row, labels, quantities, notes }: Measured) -> Self {
+    fn from(Measured { row, labels, quantities, notes, files }: Measured) -> Self {
         let (input, response, response_kind, r#loop) = SignalView::both(quantities);
         Self {
             id: row.id,
@@ -119,6 +121,7 @@ impl From<Measured> for MeasurementView {
             response_kind,
             r#loop,
             notes,
+            files,
         }
     }
 }

@@ -8,6 +8,7 @@ use servoscope_core::answers::{Answer, ComparedHarmonic, Comparison, Identificat
 use servoscope_core::measurement::Measurement;
 use servoscope_core::measurement::formats::write_harmonic_csv;
 
+use super::descriptions::described;
 use super::measurements::sources;
 use super::{Compared, Service, ServiceError, aside, harmless};
 
@@ -68,10 +69,10 @@ impl Service {
         id: &str,
         make: impl FnOnce(Measurement) -> T + Send + 'static,
     ) -> Result<T, ServiceError> {
-        self.measurement(id).await?;
+        let stored = self.measurement(id).await?;
         let files = self.store.measurement_files(&self.reach, id).await?;
         let numerics = Arc::clone(&self.numerics);
-        aside(move || Ok(make(numerics.read(&sources(&files))?))).await
+        aside(move || Ok(make(described(numerics.read(&sources(&files))?, &stored)))).await
     }
 }
 

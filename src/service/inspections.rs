@@ -1,50 +1,42 @@
 //! Measurements looked at before anything is computed of them.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 
-use servoscope_core::answers::Inspection;
+use servoscope_core::answers::{Inspection, Plan};
 use servoscope_core::identify::IdentifyRequest;
 use servoscope_core::observer::Observer;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
+use super::kept::Kept;
 use super::measurements::sources;
 use super::{Service, ServiceError, aside, curves};
 
 /// Inspections that are kept: a page that is opened again answers at once.
-const KEPT: usize = 64;
+const INSPECTIONS: usize = 64;
+/// Plans that are kept: a page asks for a plan, its figure and its excitation one after the other.
+const PLANS: usize = 16;
 
-/// Inspections of this process: at most one is computed at a time, so that jobs keep their
+/// What this process computes while a request waits: one thing at a time, so that jobs keep their
 /// processors.
-pub(super) struct Inspections {
+pub(super) struct Asked {
     turn: Arc<Semaphore>,
-    known: Mutex<Vec<(String, Inspection)>>,
+    inspections: Kept<Inspection>,
+    pub(super) plans: Kept<Arc<Plan>>,
 }
 
-impl Default for Inspections {
+impl Default for Asked {
     fn default() -> Self {
-        Self { turn: Arc::new(Semaphore::new(1)), known: Mutex::default() }
+        let turn = Arc::new(Semaphore::new(1));
+        Self { turn, inspections: Kept::new(INSPECTIONS), plans: Kept::new(PLANS) }
     }
 }
 
-impl Inspections {
+impl Asked {
     /// Waits until nothing else is looked at or planned.
     pub(super) async fn turn(&self) -> Option<OwnedSemaphorePermit> {
         // It is never closed.
         Arc::clone(&self.turn).acquire_owned().await.ok()
-    }
-
-    fn known(&self, id: &str) -> Option<Inspection> {
-        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        known.iter().find(|(of, _)| of == id).map(|(_, inspection)| inspection.clone())
-    }
-
-    fn keep(&self, id: &str, inspection: &Inspection) {
-        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        known.retain(|(of, _)| of != id);
-        known.push((id.to_owned(), inspection.clone()));
-        let surplus = known.len().saturating_sub(KEPT);
-        known.drain(..surplus);
     }
 }
 
@@ -78,8 +70,8 @@ impl Service {
         let files = self.store.measurement_files(&self.reach, id).await?;
         let flag = Arc::new(AtomicBool::new(false));
         let _gone = Gone(Arc::clone(&flag));
-        let turn = self.inspections.turn().await;
-        if let Some(known) = self.inspections.known(id) {
+        let turn = self.asked.turn().await;
+        if let Some(known) = self.asked.inspections.get(id) {
             return Ok(known);
         }
         let numerics = Arc::clone(&self.numerics);
@@ -91,7 +83,7 @@ impl Service {
             found.map_err(|error| ServiceError::Uninspected { reason: error.to_string() })
         });
         let inspection = looking.await?;
-        self.inspections.keep(id, &inspection);
+        self.asked.inspections.keep(id, inspection.clone());
         Ok(inspection)
     }
 
@@ -107,23 +99,6 @@ impl Service {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn inspection(obstacle: &str) -> Inspection {
-        let obstacle = Some(obstacle.to_owned());
-        Inspection { doubts: Vec::new(), detectability: None, obstacle }
-    }
-
-    #[test]
-    fn the_oldest_inspection_makes_room() {
-        let inspections = Inspections::default();
-        for i in 0..=KEPT {
-            inspections.keep(&i.to_string(), &inspection("it stands still"));
-        }
-        assert_eq!(inspections.known("0"), None);
-        assert_eq!(inspections.known("1"), Some(inspection("it stands still")));
-        inspections.keep("1", &inspection("it is gone"));
-        assert_eq!(inspections.known("1"), Some(inspection("it is gone")));
-    }
 
     #[test]
     fn a_request_that_is_gone_stops_its_computation() {

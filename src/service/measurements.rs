@@ -69,6 +69,8 @@ pub struct Measured {
     pub quantities: Option<Quantities>,
     /// Remarks of the reader.
     pub notes: Vec<String>,
+    /// Names of its files.
+    pub files: Vec<String>,
 }
 
 impl Service {
@@ -172,7 +174,9 @@ pub(super) fn measured(row: MeasurementRow) -> Result<Measured, ServiceError> {
     let notes = serde_json::from_str(&row.notes).map_err(corrupt("notes"))?;
     let quantities = row.quantities.as_deref().map(serde_json::from_str).transpose();
     let quantities = quantities.map_err(corrupt("quantities"))?;
-    Ok(Measured { row, labels, quantities, notes })
+    let mut files: Vec<String> = serde_json::from_str(&row.files).map_err(corrupt("files"))?;
+    files.retain(|name| name != Given::NAME);
+    Ok(Measured { row, labels, quantities, notes, files })
 }
 
 /// What is kept of a measurement; `note` comes before the remarks of its reader.
@@ -215,5 +219,6 @@ pub(super) fn row(
         omega_max_rad_s,
         notes: serde_json::json!(notes).to_string(),
         quantities: Some(serde_json::json!(Quantities::of(metadata)).to_string()),
+        files: "[]".to_owned(),
     }
 }

@@ -8,12 +8,14 @@ mod caller;
 mod compared;
 mod curves;
 mod deliveries;
+mod descriptions;
 mod error;
 mod events;
 mod exports;
 mod holders;
 mod inspections;
 mod jobs;
+mod kept;
 mod keys;
 mod mappings;
 mod measurements;
@@ -41,10 +43,11 @@ use std::sync::Arc;
 pub use axes::HistoryQuery;
 pub use caller::{Caller, Key, Scope};
 pub use compared::Compared;
+pub use descriptions::Redescribed;
 pub use error::ServiceError;
 pub use events::JobEvent;
 pub use holders::Session;
-use inspections::Inspections;
+use inspections::Asked;
 pub use jobs::{Failure, Job};
 pub use keys::NewKey;
 pub use mappings::Mapping;
@@ -101,7 +104,7 @@ pub struct Service {
     numerics: Arc<dyn Numerics>,
     signals: Arc<Signals>,
     metrics: Arc<Metrics>,
-    inspections: Arc<Inspections>,
+    asked: Arc<Asked>,
     outlets: Arc<Outlets>,
     caller: Arc<Caller>,
     reach: Reach,
@@ -111,9 +114,9 @@ impl Service {
     /// Joins them, for the server itself: see [`Service::on_behalf_of`]. `signals` are shared with the worker of this process. Webhooks go to
     /// public addresses, and there is no broker: see [`Service::telling`].
     pub fn new(store: Arc<dyn Store>, numerics: Arc<dyn Numerics>, signals: Arc<Signals>) -> Self {
-        let (metrics, inspections, outlets) = Default::default();
+        let (metrics, asked, outlets) = Default::default();
         let (caller, reach) = (Arc::new(Caller::Everybody), Reach::everything());
-        Self { store, numerics, signals, metrics, inspections, outlets, caller, reach }
+        Self { store, numerics, signals, metrics, asked, outlets, caller, reach }
     }
 
     /// The same for a caller: it finds what it may see, and owns what it makes.

@@ -25,23 +25,29 @@ pub struct PlanFor {
 
 impl Service {
     /// Plans experiments. It takes seconds, one plan at a time, and ends when the caller no longer waits. The
-    /// same question has the same answer; nothing is stored.
+    /// same question has the same answer, which is kept for a while in memory; nothing is stored.
     ///
     /// # Errors
     /// [`ServiceError::Request`] for what cannot be planned; of the job as [`Service::result`].
-    pub async fn plan(&self, question: PlanFor) -> Result<Plan, ServiceError> {
+    pub async fn plan(&self, question: PlanFor) -> Result<Arc<Plan>, ServiceError> {
         let axis = self.axis_of(&question).await?;
         let PlanFor { budget_s, options, .. } = question;
         let request = PlanRequest { axis, budget_s, options };
         let flag = Arc::new(AtomicBool::new(false));
         let _gone = Gone(Arc::clone(&flag));
-        let turn = self.inspections.turn().await;
+        let key = format!("{request:?}");
+        let turn = self.asked.turn().await;
+        if let Some(known) = self.asked.plans.get(&key) {
+            return Ok(known);
+        }
         let numerics = Arc::clone(&self.numerics);
         let planning = aside(move || {
             let _turn = turn;
             numerics.plan(&request, &WhileWaiting(flag)).map_err(refused)
         });
-        planning.await
+        let plan = Arc::new(planning.await?);
+        self.asked.plans.keep(&key, Arc::clone(&plan));
+        Ok(plan)
     }
 
     /// The input of a plan as CSV.
@@ -69,7 +75,8 @@ impl Service {
         question: PlanFor,
         format: Format,
     ) -> Result<String, ServiceError> {
-        Ok(draw_plan(&self.plan(question).await?, format))
+        let plan = self.plan(question).await?;
+        Ok(draw_plan(&plan, format))
     }
 
     async fn axis_of(&self, question: &PlanFor) -> Result<RoughAxis, ServiceError> {

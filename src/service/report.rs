@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 
 use crate::report::page::{Content, DataFile, Measured, page};
 
+use super::descriptions::described;
 use super::measurements::{hexadecimal, sources};
 use super::{Compared, Service, ServiceError, aside};
 
@@ -26,13 +27,13 @@ impl Service {
         let row = self.job(id).await?.row;
         let convergence = self.convergence(id).await?;
         let files = self.store.measurement_files(&self.reach, &row.measurement_id).await?;
-        let name = self.measurement(&row.measurement_id).await?.row.name;
+        let stored = self.measurement(&row.measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);
         let writing = aside(move || {
             let sources = sources(&files);
-            let measurement = numerics.read(&sources);
-            let mut measured = measured(measurement.as_ref().ok(), &sources);
-            measured.name = measured.name.take().or(name);
+            let measurement =
+                numerics.read(&sources).map(|measurement| described(measurement, &stored));
+            let measured = measured(measurement.as_ref().ok(), &sources);
             let measurement = measurement.as_ref().map_err(ToString::to_string);
             let compared = Compared::of(numerics.as_ref(), measurement, &answer);
             page(&Content {

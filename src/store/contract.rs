@@ -9,10 +9,10 @@ mod queue;
 use std::time::Duration;
 
 use super::{
-    Beat, Cancelling, ConvergencePoint, EndedRow, FileRow, IdempotencyKey, Inserted, JobFilter,
-    KeyRow, Lease, MAX_ATTEMPTS, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow, Outcome,
-    Page, QueueState, Reach, Recovered, ResultFilter, Sqlite, Status, Store, StoreError,
-    WebhookRow,
+    Beat, Cancelling, ConvergencePoint, Description, EndedRow, FileRow, IdempotencyKey, Inserted,
+    JobFilter, KeyRow, Lease, MAX_ATTEMPTS, MappingRow, MeasurementFilter, MeasurementRow,
+    NewJobRow, Outcome, Page, QueueState, Reach, Recovered, ResultFilter, Sqlite, Status, Store,
+    StoreError, WebhookRow,
 };
 use keys::*;
 use lists::*;
@@ -51,6 +51,7 @@ fn measurement(id: &str) -> MeasurementRow {
         omega_max_rad_s: 200.0,
         notes: "[]".into(),
         quantities: Some("{}".into()),
+        files: r#"["a.csv"]"#.into(),
     }
 }
 
@@ -106,7 +107,9 @@ async fn a_measurement_comes_back_as_it_was_stored(store: &dyn Store) {
     let row = store.measurement(&all(), &id).await.unwrap().expect("it was stored");
     let created_at_ms = row.created_at_ms;
     assert!(created_at_ms > 1_700_000_000_000, "{created_at_ms} is not a time of today in ms");
-    assert_eq!(row, MeasurementRow { created_at_ms, ..measurement(&id) });
+    let files_of_two = r#"["a.csv","a.csv"]"#.to_owned();
+    let stored = MeasurementRow { created_at_ms, files: files_of_two, ..measurement(&id) };
+    assert_eq!(row, stored);
     assert_eq!(store.measurement_files(&all(), &id).await.unwrap(), files);
     assert_eq!(store.measurement(&all(), "nobody").await.unwrap(), None);
 }
@@ -234,6 +237,7 @@ engine!(
         history_goes_on_where_the_attempt_before_left_it,
         a_deleted_measurement_takes_its_jobs_and_keys_with_it,
         what_is_old_is_deleted_and_what_is_wanted_is_not,
+        a_measurement_says_something_else_of_itself,
         results_are_listed_by_when_they_were_measured,
         the_queue_says_what_waits_and_how_long,
         every_way_to_end_a_job_leaves_one_event,

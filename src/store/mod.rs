@@ -27,9 +27,9 @@ pub use keys::{KeyRow, Keyring};
 pub use outbox::{DeliveryRow, DueRow, EventRow, NewDeliveryRow, Outbox, Settled, WebhookRow};
 pub use reach::Reach;
 pub use rows::{
-    AxisRow, ConvergencePoint, EndedRow, Expired, FileRow, IdempotencyKey, Inserted, JobFilter,
-    JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, Millis, NewJobRow, Outcome, Page,
-    QueueState, ResultFilter, Status, StoredResult,
+    AxisRow, ConvergencePoint, Description, EndedRow, Expired, FileRow, IdempotencyKey, Inserted,
+    JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, Millis, NewJobRow,
+    Outcome, Page, QueueState, ResultFilter, Status, StoredResult,
 };
 pub use sqlite::Sqlite;
 
@@ -106,6 +106,14 @@ pub trait Store: Outbox + Keyring + Send + Sync + 'static {
         filter: &MeasurementFilter,
         page: &Page,
     ) -> Result<Vec<MeasurementRow>, StoreError>;
+
+    /// Changes what a measurement says of itself. `false`: there is none with this id.
+    async fn describe_measurement(
+        &self,
+        reach: &Reach,
+        id: &str,
+        description: &Description,
+    ) -> Result<bool, StoreError>;
 
     /// Removes a measurement, its files and every job on it, whatever their
     /// status: the worker of a running one loses its lease. `false`: there is none.

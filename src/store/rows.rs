@@ -51,6 +51,8 @@ pub struct MeasurementRow {
     pub notes: String,
     /// JSON of what input and response are; `None` for a row of an earlier version.
     pub quantities: Option<String>,
+    /// JSON array: names of its files in the order of the upload; ignored on insertion.
+    pub files: String,
 }
 
 /// Where a job stands.
@@ -249,6 +251,27 @@ pub struct MeasurementFilter {
     pub measured_since_ms: Option<Millis>,
     /// Measured before this time, where the upload says when.
     pub measured_until_ms: Option<Millis>,
+    /// With this text in the name, machine, axis, operator, a label or the name of a file.
+    pub text: Option<String>,
+    /// Digest of the data.
+    pub sha256: Option<String>,
+}
+
+/// What a measurement says of itself, beside its data.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Description {
+    /// Its name.
+    pub name: Option<String>,
+    /// The machine.
+    pub machine: Option<String>,
+    /// The axis of the machine.
+    pub axis: Option<String>,
+    /// Who measured.
+    pub operator: Option<String>,
+    /// When it was measured, RFC 3339.
+    pub measured_at: Option<String>,
+    /// JSON object of labels.
+    pub labels: String,
 }
 
 /// Which jobs to list; `None` accepts every value.
@@ -270,6 +293,10 @@ pub struct JobFilter {
     pub since_ms: Option<Millis>,
     /// Queued before this time.
     pub until_ms: Option<Millis>,
+    /// Verdict of a diagnosis.
+    pub verdict: Option<String>,
+    /// As [`MeasurementFilter::text`], of the measurement.
+    pub text: Option<String>,
 }
 
 /// Which results to list; `None` accepts every value.

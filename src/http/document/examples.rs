@@ -68,6 +68,7 @@ pub(super) fn request(operation: &str, media_type: &str) -> Option<Value> {
             "axis": {"pole": -10.0, "constant": 10.0, "fc_plus": 0.5, "fc_minus": 0.4},
             "budget_s": 80.0,
         }),
+        ("describe_measurement", _) => json!({"name": "before the repair", "machine": "press 4"}),
         ("put_mapping", _) => json!({
             "settings": {"column_names": COLUMN_NAMES}, "layout": LAYOUT,
         }),
@@ -83,7 +84,9 @@ pub(super) fn answer(operation: &str, media_type: &str) -> Option<Value> {
         ("live" | "ready", _) => json!("ok\n"),
         ("metrics", _) => json!("# TYPE servoscope_jobs_queued gauge\nservoscope_jobs_queued 0\n"),
         ("openapi_document", _) => json!({"openapi": "3.1.0"}),
-        ("add_measurement" | "get_measurement", _) => shown(MeasurementView::from(measured())),
+        ("add_measurement" | "get_measurement" | "describe_measurement", _) => {
+            shown(MeasurementView::from(measured()))
+        }
         ("list_measurements", _) => list(shown(MeasurementView::from(measured()))),
         ("preview_measurement", _) => preview(),
         ("get_mapping" | "put_mapping", "application/json") => shown(MappingView::from(mapping())),
@@ -159,6 +162,7 @@ fn measured() -> Measured {
         omega_max_rad_s: 100.0,
         notes: String::new(),
         quantities: None,
+        files: String::new(),
     };
     let quantity = |name: &str, unit: &str| Quantity { name: name.into(), unit: unit.into() };
     let quantities = Quantities {
@@ -169,7 +173,8 @@ fn measured() -> Measured {
     };
     let labels = BTreeMap::from([("site".to_owned(), "north".to_owned())]);
     let notes = vec!["column temperature is unknown and not used".to_owned()];
-    Measured { row, labels, quantities: Some(quantities), notes }
+    let files = vec!["press-4-y.csv".to_owned()];
+    Measured { row, labels, quantities: Some(quantities), notes, files }
 }
 
 fn mapping() -> Mapping {

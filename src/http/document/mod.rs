@@ -32,9 +32,9 @@ pub(super) fn teach(document: &mut OpenApi) {
 }
 
 fn operations(item: &mut PathItem) -> impl Iterator<Item = (Effect, &mut Operation)> {
-    let PathItem { get, put, post, delete, .. } = item;
+    let PathItem { get, put, post, patch, delete, .. } = item;
     let reads = get.iter_mut().map(|operation| (Effect::Reads, operation));
-    let writes = [put, post, delete].into_iter().flatten();
+    let writes = [put, post, patch, delete].into_iter().flatten();
     reads.chain(writes.map(|operation| (Effect::Writes, operation)))
 }
 

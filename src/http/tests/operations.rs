@@ -160,3 +160,82 @@ fn options_that_make_a_job_endless_are_refused() {
     let refused = problem(server.submit(&body), 422);
     assert!(string(&refused, "detail").contains("food_sources × colony.cycles"), "{refused}");
 }
+
+#[test]
+fn a_measurement_is_renamed_and_its_data_stays() {
+    let server = Server::start();
+    let csv = [("content-type", "text/csv")];
+    let added = json_of(server.post("/v1/measurements", &csv, b"any"), 201);
+    let path = format!("/v1/measurements/{}", string(&added, "id"));
+    let change = json!({
+        "name": "before the repair", "axis": "", "measured_at": "2026-03-04T10:20:00Z",
+        "labels": {"shift": "night"},
+    });
+    let changed = json_of(server.patch(&path, &change), 200);
+    assert_eq!(changed["name"], "before the repair");
+    assert_eq!(changed["machine"], "press 4", "what is left out stays");
+    assert_eq!(changed["axis"], Value::Null);
+    assert_eq!(changed["labels"], json!({"shift": "night"}));
+    for same in ["id", "sha256", "response", "magnitude_range"] {
+        assert_eq!(changed[same], added[same], "{same}");
+    }
+    let mut export = server.get(&format!("{path}/data.csv"));
+    let text = export.body_mut().read_to_string().unwrap();
+    assert!(text.contains("# name: before the repair\n") && !text.contains("# axis:"), "{text}");
+    let found = |query: &str| {
+        let list = json_of(server.get(&format!("/v1/measurements?{query}")), 200);
+        list["items"].as_array().unwrap().len()
+    };
+    assert_eq!(found("text=REPAIR"), 1);
+    assert_eq!(found("text=axis%20x"), 0);
+    assert_eq!(found(&format!("sha256={}", string(&added, "sha256"))), 1);
+
+    let refused = problem(server.patch(&path, &json!({"measured_at": "yesterday"})), 422);
+    assert_eq!(refused["member"], "measured_at");
+    let refused = problem(server.patch(&path, &json!({"response": "position mm"})), 422);
+    assert!(string(&refused, "detail").contains("response"), "{refused}");
+    problem(server.patch("/v1/measurements/nobody", &json!({"name": "x"})), 404);
+}
+
+#[test]
+fn jobs_are_found_by_verdict_and_by_text() {
+    let server = Server::start();
+    let id = server.job(SUCCEED);
+    server.ended(&id);
+    let found = |query: &str| {
+        json_of(server.get(&format!("/v1/jobs?{query}")), 200)["items"].as_array().unwrap().len()
+    };
+    assert_eq!(found("text=press"), 1);
+    assert_eq!(found("text=lathe"), 0);
+    assert_eq!(found("verdict=explained"), 0, "an identification has no verdict");
+    let body = json!({"measurement_id": json_of(server.get(&format!("/v1/jobs/{id}")), 200)["measurement_id"],
+        "kind": "diagnose", "options": {"seed": SUCCEED}});
+    let diagnosis = string(&json_of(server.submit(&body), 202), "id");
+    server.ended(&diagnosis);
+    let result = json_of(server.get(&format!("/v1/jobs/{diagnosis}/result")), 200);
+    assert_eq!(found(&format!("verdict={}", string(&result, "verdict"))), 1);
+    problem(server.get("/v1/jobs?verdict=bad"), 400);
+}
+
+#[test]
+fn a_browser_that_asks_for_an_unknown_page_gets_a_page_and_a_program_a_problem() {
+    let server = Server::start();
+    let accepting = |path: &str, accept: &str| {
+        let request = server.agent.get(format!("{}{path}", server.address));
+        request.header("accept", accept).call().unwrap()
+    };
+    let browser = "text/html,application/xhtml+xml,application/xml;q=0.9,*/*;q=0.8";
+    let mut page = accepting("/no/such/page", browser);
+    assert_eq!(page.status(), 404);
+    assert_eq!(header(&page, "content-type"), "text/html; charset=utf-8");
+    assert!(header(&page, "content-security-policy").contains("default-src 'none'"));
+    assert!(page.body_mut().read_to_string().unwrap().contains("<main"));
+    for (path, accept) in [
+        ("/no/such/page", "application/json"),
+        ("/no/such/page", "*/*"),
+        ("/v1/jobs/nobody", browser),
+        ("/assets/none.js", browser),
+    ] {
+        problem(accepting(path, accept), 404);
+    }
+}

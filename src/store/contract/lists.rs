@@ -29,7 +29,13 @@ pub(super) async fn lists_are_paged_newest_first_and_filtered(store: &dyn Store)
         ..everything.clone()
     };
     assert_eq!(store.measurements(&all(), &here, &first).await.unwrap().len(), 2);
+    for text in ["press", "PRESS 4", "north", "A.csv"] {
+        let found = MeasurementFilter { text: Some(text.into()), ..here.clone() };
+        assert_eq!(store.measurements(&all(), &found, &first).await.unwrap().len(), 2, "{text}");
+    }
     for wrong in [
+        MeasurementFilter { text: Some("press_4".into()), ..here.clone() },
+        MeasurementFilter { sha256: Some("00".into()), ..here.clone() },
         MeasurementFilter { labels: vec![("site".into(), "south".into())], ..here.clone() },
         MeasurementFilter { until_ms: Some(1_700_000_000_000), ..here.clone() },
         MeasurementFilter { measured_since_ms: Some(1_714_979_289_001), ..here.clone() },
@@ -46,6 +52,7 @@ pub(super) async fn lists_are_paged_newest_first_and_filtered(store: &dyn Store)
         axis: Some("x".into()),
         labels: vec![("site".into(), "north".into())],
         since_ms: Some(1_700_000_000_000),
+        text: Some("press 4".into()),
         ..JobFilter::default()
     };
     let running = JobFilter { status: Some(Status::Running), ..JobFilter::default() };
@@ -54,11 +61,33 @@ pub(super) async fn lists_are_paged_newest_first_and_filtered(store: &dyn Store)
     for wrong in [
         JobFilter { kind: Some("diagnose".into()), ..queued.clone() },
         JobFilter { machine: Some("press 5".into()), ..queued.clone() },
+        JobFilter { text: Some("press 5".into()), ..queued.clone() },
+        JobFilter { verdict: Some("explained".into()), ..queued.clone() },
         JobFilter { labels: vec![("shift".into(), "night".into())], ..queued.clone() },
         JobFilter { until_ms: Some(1_700_000_000_000), ..queued.clone() },
     ] {
         assert!(store.jobs(&all(), &wrong, &first).await.unwrap().is_empty(), "{wrong:?}");
     }
+}
+
+pub(super) async fn a_measurement_says_something_else_of_itself(store: &dyn Store) {
+    let (one, other) = (stored_measurement(store).await, stored_measurement(store).await);
+    let description = Description {
+        name: Some("before the repair".into()),
+        machine: None,
+        axis: Some("z".into()),
+        operator: None,
+        measured_at: None,
+        labels: "{}".into(),
+    };
+    assert!(store.describe_measurement(&all(), &one, &description).await.unwrap());
+    let row = store.measurement(&one).await.unwrap().unwrap();
+    let said = (row.name.as_deref(), row.machine.as_deref(), row.axis.as_deref());
+    assert_eq!(said, (Some("before the repair"), None, Some("z")));
+    assert_eq!((row.measured_at, row.labels.as_str()), (None, "{}"));
+    let row = store.measurement(&other).await.unwrap().unwrap();
+    assert_eq!(row.machine.as_deref(), Some("press 4"));
+    assert!(!store.describe_measurement(&all(), "nobody", &description).await.unwrap());
 }
 
 pub(super) async fn results_are_listed_by_when_they_were_measured(store: &dyn Store) {

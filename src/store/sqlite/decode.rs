@@ -41,7 +41,8 @@ from_columns!(MeasurementRow {
     omega_min_rad_s,
     omega_max_rad_s,
     notes,
-    quantities
+    quantities,
+    files
 });
 from_columns!(MappingRow { name, settings, layout, updated_at_ms });
 from_columns!(JobRow {

@@ -63,7 +63,8 @@ pub(super) async fn list(
            AND (?4 IS NULL OR kind = ?4)
            AND (?5 IS NULL OR created_at_ms >= ?5)
            AND (?6 IS NULL OR created_at_ms < ?6)
-           AND (?7 IS NULL AND ?8 IS NULL AND ?9 = '[]' OR EXISTS (
+           AND (?10 IS NULL OR json_extract(result, '$.verdict') = ?10)
+           AND (?7 IS NULL AND ?8 IS NULL AND ?9 = '[]' AND ?11 IS NULL OR EXISTS (
                SELECT 1 FROM measurements
                WHERE measurements.id = jobs.measurement_id
                  AND (?7 IS NULL OR machine = ?7)
@@ -72,9 +73,15 @@ pub(super) async fn list(
                                  WHERE NOT EXISTS (
                                      SELECT 1 FROM json_each(measurements.labels) AS label
                                      WHERE label.key = json_extract(wanted.value, '$[0]')
-                                       AND label.value = json_extract(wanted.value, '$[1]')))))
-           AND (?11 IS NULL OR owner = ?11)
-         ORDER BY id DESC LIMIT ?10",
+                                       AND label.value = json_extract(wanted.value, '$[1]')))
+                 AND (?11 IS NULL
+                      OR instr(lower(concat_ws(char(10), name, machine, axis, operator, labels)),
+                               lower(?11))
+                      OR EXISTS (SELECT 1 FROM measurement_files
+                                 WHERE measurement_files.measurement_id = measurements.id
+                                   AND instr(lower(measurement_files.name), lower(?11))))))
+           AND (?13 IS NULL OR owner = ?13)
+         ORDER BY id DESC LIMIT ?12",
     )
     .bind(&page.before)
     .bind(filter.status)
@@ -85,6 +92,8 @@ pub(super) async fn list(
     .bind(&filter.machine)
     .bind(&filter.axis)
     .bind(label_pairs(&filter.labels))
+    .bind(&filter.verdict)
+    .bind(&filter.text)
     .bind(page.limit)
     .bind(reach.read())
     .fetch_all(pool)

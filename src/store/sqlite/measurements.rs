@@ -3,7 +3,7 @@
 use sqlx::{SqliteConnection, SqlitePool};
 
 use crate::store::{
-    FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow, Page, Reach,
+    Description, FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow, Page, Reach,
 };
 
 use super::idempotency;
@@ -67,11 +67,16 @@ pub(super) async fn get(
     reach: &Reach,
     id: &str,
 ) -> sqlx::Result<Option<MeasurementRow>> {
-    sqlx::query_as("SELECT * FROM measurements WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)")
-        .bind(id)
-        .bind(reach.read())
-        .fetch_optional(pool)
-        .await
+    sqlx::query_as(
+        "SELECT *,
+                (SELECT json_group_array(name ORDER BY position) FROM measurement_files
+                 WHERE measurement_id = measurements.id) AS files
+         FROM measurements WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)",
+    )
+    .bind(id)
+    .bind(reach.read())
+    .fetch_optional(pool)
+    .await
 }
 
 pub(super) async fn files(
@@ -98,7 +103,10 @@ pub(super) async fn list(
     page: &Page,
 ) -> sqlx::Result<Vec<MeasurementRow>> {
     sqlx::query_as(
-        "SELECT * FROM measurements
+        "SELECT *,
+                (SELECT json_group_array(name ORDER BY position) FROM measurement_files
+                 WHERE measurement_id = measurements.id) AS files
+         FROM measurements
          WHERE (?1 IS NULL OR id < ?1)
            AND (?2 IS NULL OR machine = ?2)
            AND (?3 IS NULL OR axis = ?3)
@@ -111,8 +119,14 @@ pub(super) async fn list(
                                SELECT 1 FROM json_each(measurements.labels) AS label
                                WHERE label.key = json_extract(wanted.value, '$[0]')
                                  AND label.value = json_extract(wanted.value, '$[1]')))
-           AND (?10 IS NULL OR owner = ?10)
-         ORDER BY id DESC LIMIT ?9",
+           AND (?9 IS NULL OR sha256 = ?9)
+           AND (?10 IS NULL
+                OR instr(lower(concat_ws(char(10), name, machine, axis, operator, labels)), lower(?10))
+                OR EXISTS (SELECT 1 FROM measurement_files
+                           WHERE measurement_id = measurements.id
+                             AND instr(lower(measurement_files.name), lower(?10))))
+           AND (?12 IS NULL OR owner = ?12)
+         ORDER BY id DESC LIMIT ?11",
     )
     .bind(&page.before)
     .bind(&filter.machine)
@@ -122,6 +136,8 @@ pub(super) async fn list(
     .bind(filter.measured_since_ms)
     .bind(filter.measured_until_ms)
     .bind(label_pairs(&filter.labels))
+    .bind(&filter.sha256)
+    .bind(&filter.text)
     .bind(page.limit)
     .bind(reach.read())
     .fetch_all(pool)
@@ -131,6 +147,30 @@ pub(super) async fn list(
 /// Labels as the JSON array of pairs that the filters read.
 pub(super) fn label_pairs(labels: &[(String, String)]) -> String {
     serde_json::json!(labels).to_string()
+}
+
+pub(super) async fn describe(
+    connection: &mut SqliteConnection,
+    reach: &Reach,
+    id: &str,
+    description: &Description,
+) -> sqlx::Result<bool> {
+    let done = sqlx::query(
+        "UPDATE measurements
+         SET name = ?2, machine = ?3, axis = ?4, operator = ?5, measured_at = ?6, labels = ?7
+         WHERE id = ?1 AND (?8 IS NULL OR owner = ?8)",
+    )
+    .bind(id)
+    .bind(&description.name)
+    .bind(&description.machine)
+    .bind(&description.axis)
+    .bind(&description.operator)
+    .bind(&description.measured_at)
+    .bind(&description.labels)
+    .bind(reach.changed())
+    .execute(connection)
+    .await?;
+    Ok(done.rows_affected() == 1)
 }
 
 pub(super) async fn delete(

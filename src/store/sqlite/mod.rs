@@ -23,9 +23,9 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, S
 use sqlx::{SqlitePool, Transaction};
 
 use super::{
-    AxisRow, Beat, Cancelling, ConvergencePoint, Expired, FileRow, IdempotencyKey, Inserted,
-    JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow, Outcome,
-    Page, QueueState, Reach, Recovered, ResultFilter, Store, StoreError, StoredResult,
+    AxisRow, Beat, Cancelling, ConvergencePoint, Description, Expired, FileRow, IdempotencyKey,
+    Inserted, JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow,
+    Outcome, Page, QueueState, Reach, Recovered, ResultFilter, Store, StoreError, StoredResult,
 };
 
 /// How long a writer waits for another one before it gives up.
@@ -179,6 +179,17 @@ impl Store for Sqlite {
         page: &Page,
     ) -> Result<Vec<MeasurementRow>, StoreError> {
         Ok(measurements::list(&self.readers, reach, filter, page).await?)
+    }
+
+    async fn describe_measurement(
+        &self,
+        reach: &Reach,
+        id: &str,
+        description: &Description,
+    ) -> Result<bool, StoreError> {
+        let mut transaction = self.begin().await?;
+        let described = measurements::describe(&mut transaction, reach, id, description).await;
+        self.end(transaction, described).await
     }
 
     async fn delete_measurement(&self, reach: &Reach, id: &str) -> Result<bool, StoreError> {

@@ -1,0 +1,61 @@
+//! `PATCH /v1/measurements/{id}`: what a measurement says of itself.
+
+use std::collections::BTreeMap;
+
+use axum::Extension;
+use axum::Json;
+use axum::body::Bytes;
+use axum::extract::Path;
+use axum::http::HeaderMap;
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use crate::service::{Redescribed, Service};
+
+use super::body;
+use super::problem::Problem;
+use super::views::MeasurementView;
+
+/// What is changed; what is left out stays. An empty text takes away what was said.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DescribeMeasurement {
+    /// Its name.
+    name: Option<String>,
+    /// The machine.
+    machine: Option<String>,
+    /// The axis of the machine.
+    axis: Option<String>,
+    /// Who measured.
+    operator: Option<String>,
+    /// When it was measured, RFC 3339.
+    measured_at: Option<String>,
+    /// All labels: those that are not among them go.
+    labels: Option<BTreeMap<String, String>>,
+}
+
+/// Changes what a measurement says of itself.
+///
+/// Units, response and loop stay as they were read, since results stand on them: upload the file
+/// again, with what it lacks in the query, for another reading of it.
+#[utoipa::path(
+    patch, path = "/v1/measurements/{id}", tag = "measurements",
+    operation_id = "describe_measurement",
+    params(("id" = String, Path, description = "Id of the measurement")),
+    request_body = DescribeMeasurement,
+    responses(
+        (status = 200, body = MeasurementView),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn describe(
+    Extension(service): Extension<Service>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Json<MeasurementView>, Box<Problem>> {
+    let change: DescribeMeasurement = body::json(&headers, &body)?;
+    let DescribeMeasurement { name, machine, axis, operator, measured_at, labels } = change;
+    let change = Redescribed { name, machine, axis, operator, measured_at, labels };
+    Ok(Json(service.describe_measurement(&id, change).await?.into()))
+}

@@ -57,6 +57,12 @@ const FILES: &[(&str, &str, &str)] = &[
     file!("compare.js", SCRIPT),
     file!("axes.js", SCRIPT),
     file!("session.js", SCRIPT),
+    file!("form.js", SCRIPT),
+    file!("plans.js", SCRIPT),
+    file!("plan.js", SCRIPT),
+    file!("together.js", SCRIPT),
+    file!("find.js", SCRIPT),
+    file!("describe.js", SCRIPT),
 ];
 
 /// The page, the same at each of its addresses: its script shows what the address

@@ -2,15 +2,14 @@
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
-import { createRequire } from "node:module";
 import { test } from "node:test";
 
+import { faults } from "./axe.mjs";
 import { drop, overflows, picture } from "./page.mjs";
 import { STICKY, simulated } from "./server.mjs";
 import { stage } from "./stage.mjs";
 
 const PATIENCE = 600_000;
-const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 const { server, visit } = stage();
 /// The address of a diagnosis that has ended, and that of its report.
@@ -23,14 +22,6 @@ async function seen(page, locator, name) {
   const { height } = page.viewportSize();
   assert.ok(box && box.y >= 0 && box.y + box.height <= height, `${name} is not on the first screen: ${JSON.stringify(box)}`);
   assert.equal(await page.evaluate(() => scrollY), 0);
-}
-
-/// What axe-core finds that keeps somebody from using a page.
-async function faults(page) {
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => globalThis.axe.run());
-  return violations.filter(({ impact }) => ["serious", "critical"].includes(impact))
-    .map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join(" | ")}`);
 }
 
 test("a measurement says what it can show before anything is computed", async () => {

@@ -42,12 +42,17 @@ export async function picture(page, name, options = {}) {
 }
 
 /// Drops a file where files are dropped.
-export async function drop(page, name, text) {
-  const transfer = await page.evaluateHandle(([name, text]) => {
+export function drop(page, name, text) {
+  return dropAll(page, [[name, text]]);
+}
+
+/// Drops several files at once: each a name and a text.
+export async function dropAll(page, files) {
+  const transfer = await page.evaluateHandle((files) => {
     const transfer = new DataTransfer();
-    transfer.items.add(new File([text], name, { type: "text/csv" }));
+    for (const [name, text] of files) transfer.items.add(new File([text], name, { type: "text/csv" }));
     return transfer;
-  }, [name, text]);
+  }, files);
   await page.dispatchEvent(".drop", "dragenter", { dataTransfer: transfer });
   await page.dispatchEvent(".drop", "drop", { dataTransfer: transfer });
 }

@@ -2,14 +2,13 @@
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
-import { createRequire } from "node:module";
 import { test } from "node:test";
 
+import { faults } from "./axe.mjs";
 import { drop, overflows, picture } from "./page.mjs";
 import { STICKY, simulated } from "./server.mjs";
 import { stage } from "./stage.mjs";
 
-const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const { server, visit } = stage();
 
 /// A record under names that nobody knows, with a column of words.
@@ -27,13 +26,6 @@ const BODE = ["Frequency (Hz),Magnitude (dB),Phase (deg)", ...Array.from({ lengt
 /// The browser itself notes that the server refused.
 const forgive = (page) => (page.wrong = page.wrong.filter((text) => !text.includes("422")));
 const measured = async () => (await (await fetch(`${server.address}/v1/measurements`)).json()).items;
-
-async function faults(page) {
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => globalThis.axe.run());
-  return violations.filter(({ impact }) => ["serious", "critical"].includes(impact))
-    .map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join(" | ")}`);
-}
 
 /// Says what the columns of the foreign record are, and waits for the answer to the last of it: with
 /// a position in no unit the record is understood, too.

@@ -48,7 +48,8 @@ async function pixels(svg, text) {
   return new Promise((done) => canvas.toBlob(done, "image/png"));
 }
 
-function keep(blob, name) {
+/// Gives a file to whoever looks, under a name.
+export function keep(blob, name) {
   const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);

@@ -66,12 +66,12 @@ export async function text(path, options) {
 }
 
 export function send(path, body, options = {}) {
-  return json(path, {
-    method: "POST",
-    headers: { "content-type": "application/json" },
-    body: JSON.stringify(body),
-    ...options,
-  });
+  return json(path, { ...posted(body), ...options });
+}
+
+/// A request that brings JSON.
+export function posted(body) {
+  return { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) };
 }
 
 export function remove(path) {

@@ -64,8 +64,8 @@ export function unstyled(markup) {
 }
 
 /// Fetches a figure; what is there already stays until then.
-export async function load(figure, path, signal) {
-  const { markup, styles } = unstyled(await text(path, { signal }));
+export async function load(figure, path, signal, options = {}) {
+  const { markup, styles } = unstyled(await text(path, { signal, ...options }));
   const document = new DOMParser().parseFromString(markup, "image/svg+xml");
   figure.show(document.documentElement, styles[0]);
 }

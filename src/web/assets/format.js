@@ -50,14 +50,23 @@ export function about(value) {
   return value < 90 ? `about ${10 * Math.round(value / 10)} s` : `about ${Math.round(value / 60)} min`;
 }
 
-/// A time on the reader's clock.
+/// A time on the reader's clock, with its zone.
 export function time(rfc3339) {
   if (!rfc3339) return "";
   const date = new Date(rfc3339);
   if (Number.isNaN(date.getTime())) return rfc3339;
   const two = (part) => String(part).padStart(2, "0");
   const day = `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())}`;
-  return `${day} ${two(date.getHours())}:${two(date.getMinutes())}`;
+  return `${day} ${two(date.getHours())}:${two(date.getMinutes())} ${zone(date)}`;
+}
+
+/// The zone of the reader's clock at a time: `UTC`, `UTC+1`, `UTC+5:30`.
+function zone(date) {
+  const minutes = -date.getTimezoneOffset();
+  if (minutes === 0) return "UTC";
+  const rest = Math.abs(minutes) % 60;
+  const hours = Math.floor(Math.abs(minutes) / 60);
+  return `UTC${minutes < 0 ? "−" : "+"}${hours}${rest ? `:${String(rest).padStart(2, "0")}` : ""}`;
 }
 
 /// An id as words.
@@ -93,6 +102,11 @@ export function capital(text) {
 export function subject({ machine, axis, name }) {
   const parts = [machine, axis && `axis ${axis}`].filter(Boolean);
   return parts.join(", ") || name || "unnamed measurement";
+}
+
+/// The names of its files, the first of several.
+export function filesOf({ files: [first, ...more] = [] }) {
+  return more.length > 0 ? `${first} and ${more.length} more` : first ?? "";
 }
 
 /// A measurement where one is chosen among others.

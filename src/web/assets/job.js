@@ -2,7 +2,7 @@
 
 import { announce, confirmed, h } from "./dom.js";
 import { json, remove, send, text } from "./api.js";
-import { kind, subject, time } from "./format.js";
+import { kind, percent, subject, time } from "./format.js";
 import { answer } from "./answer.js";
 import { follow } from "./live.js";
 import { tried } from "./tried.js";
@@ -28,8 +28,10 @@ export async function show({ argument: id, signal, go }) {
     const again = `/measurements/${measurement.id}?again=${job.id}#start`;
     const shown = job.status === "succeeded"
       && answer(...await Promise.all([text(`${path}/report.html`, { signal }), tried(job, signal)]));
+    const left = shown && job.kind === "identify" && await leaves(job, signal);
     if (signal.aborted) return;
     actions.replaceChildren(...[
+      ...(left ? [h("button", { class: "primary", title: left, onclick: () => diagnose(job) }, "Diagnose this")] : []),
       ...(shown ? downloads(path, job, shown.figures) : []),
       h("a", { class: "button", href: again }, "Start again …"),
       h("button", { class: "danger", onclick: async () => {
@@ -46,6 +48,12 @@ export async function show({ argument: id, signal, go }) {
     }
   }
 
+  /// Starts a diagnosis with what was asked for here.
+  async function diagnose({ measurement_id, plant, method, options }) {
+    const { id } = await send("/v1/jobs", { measurement_id, kind: "diagnose", plant: plant ?? undefined, method, options });
+    go(`/jobs/${id}`);
+  }
+
   if (ENDED.includes(job.status)) {
     await ended(job);
   } else {
@@ -57,6 +65,13 @@ export async function show({ argument: id, signal, go }) {
     body.replaceChildren(follow(job, signal, ended));
   }
   return { title, node };
+}
+
+/// What an identification leaves unexplained, if it is too much.
+async function leaves({ id, measurement_id }, signal) {
+  const { rows } = await json(`/v1/results.json?measurement_id=${measurement_id}`, { signal });
+  const result = rows.find((row) => row.job_id === id);
+  return result?.adequate === false && `The model leaves ${percent(result.nrmse)} of the response, more than its noise.`;
 }
 
 function origin(job, measurement) {

@@ -8,6 +8,8 @@ import * as measurement from "./measurement.js";
 import * as job from "./job.js";
 import * as compare from "./compare.js";
 import * as axes from "./axes.js";
+import * as plans from "./plans.js";
+import * as together from "./together.js";
 
 const VIEWS = [
   [/^\/$/, overview],
@@ -15,6 +17,8 @@ const VIEWS = [
   [/^\/jobs\/([^/]+)$/, job],
   [/^\/compare$/, compare],
   [/^\/axes$/, axes],
+  [/^\/plans$/, plans],
+  [/^\/together$/, together],
 ];
 
 const main = document.getElementById("main");
@@ -23,9 +27,10 @@ let leaving = new AbortController();
 /// Path and query of what is shown: a change of the fragment alone shows nothing new.
 let shown;
 
-/// Goes to an address of this page.
+/// Goes to an address of this page; to the one that is shown, to show it anew.
 export function go(path) {
-  history.pushState(null, "", path);
+  if (path === location.pathname + location.search) shown = undefined;
+  else history.pushState(null, "", path);
   show();
 }
 
@@ -41,7 +46,7 @@ async function show() {
     const here = link.pathname === location.pathname;
     here ? link.setAttribute("aria-current", "page") : link.removeAttribute("aria-current");
   }
-  if (!view) return fail(signal, new Error("there is no such page"));
+  if (!view) return fail(signal, Object.assign(new Error(`${location.pathname} is no page of this server`), { unknown: true }));
   const waiting = setTimeout(() => main.replaceChildren(h("p", { class: "state" }, "Loading …")), 300);
   try {
     const argument = decodeURIComponent(location.pathname.match(pattern)[1] ?? "");
@@ -68,7 +73,7 @@ function fail(signal, error) {
     show();
   };
   if (away) connection.addEventListener("back", again, { once: true, signal });
-  const gone = error instanceof Problem && error.status === 404;
+  const gone = error.unknown || (error instanceof Problem && error.status === 404);
   main.replaceChildren(h("section", { class: "state" },
     h("h1", {}, away ? "Waiting for the server" : gone ? "Not found" : "That did not work"),
     h("p", {}, away ? "It does not answer. This page goes on by itself as soon as it does." : `${capital(error.message)}.`),

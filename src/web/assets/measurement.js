@@ -6,6 +6,7 @@ import { kind, range, subject, time } from "./format.js";
 import { bar, chip, outcome } from "./status.js";
 import { curves, inspection } from "./inspection.js";
 import { startForm } from "./start.js";
+import { editor } from "./describe.js";
 
 const ACTIVE_MS = 700;
 const QUIET_MS = 5000;
@@ -30,7 +31,8 @@ export async function show({ argument: id, query, signal, go }) {
       h("a", { class: "button", href: `${path}/data.csv`, download: `${measurement.name ?? "measurement"}.csv` }, "Harmonics, CSV"),
       h("a", { class: "button", href: `${path}/data.json`, download: `${measurement.name ?? "measurement"}.json` }, "JSON"),
       machine && axis && h("a", { class: "button", href: `/axes?${new URLSearchParams({ machine, axis })}` }, "History of the axis"),
-      erase),
+      h("button", { onclick: () => editor(measurement, () => go(location.pathname)) }, "Edit …"), erase),
+    duplicates(measurement, signal),
     inspection(path, signal),
     h("div", { class: "halves" },
       h("section", { "aria-labelledby": "what" }, h("h2", { id: "what" }, "What was measured"), facts(measurement), curves(path, signal)),
@@ -41,6 +43,19 @@ export async function show({ argument: id, query, signal, go }) {
   return { title, node };
 }
 
+/// Other uploads of the same data, with a link to each.
+function duplicates({ id, sha256 }, signal) {
+  const node = h("p", { hidden: true, role: "status" });
+  json(`/v1/measurements?sha256=${sha256}&limit=5`, { signal }).then(({ items }) => {
+    const others = items.filter((item) => item.id !== id);
+    if (others.length === 0) return;
+    const links = others.map((other) => h("a", { href: `/measurements/${other.id}` }, `on ${time(other.created_at)}`));
+    node.append(h("strong", {}, "The same data was uploaded "), ...links.flatMap((link, i) => (i > 0 ? [", ", link] : [link])), ".");
+    node.hidden = false;
+  }).catch(() => {});
+  return node;
+}
+
 function facts(item) {
   const said = [
     ["Name", item.name],
@@ -48,6 +63,7 @@ function facts(item) {
     ["Axis", item.axis],
     ["Measured", time(item.measured_at)],
     ["By", item.operator],
+    ["Files", item.files.join(", ")],
     ["Uploaded", time(item.created_at)],
     ["Experiments", item.experiments],
     ["Magnitudes", range(item.magnitude_range, "")],

@@ -2,18 +2,20 @@
 
 import { h, keyed, row, table } from "./dom.js";
 import { json, repeatedly, send } from "./api.js";
-import { kind, number, range, subject, time } from "./format.js";
+import { filesOf, kind, number, range, subject, time } from "./format.js";
 import { bar, chip, outcome } from "./status.js";
 import { upload } from "./files.js";
 import { dropZone } from "./upload.js";
 import { mappings } from "./mappings.js";
+import { finder } from "./find.js";
 
 const ACTIVE_MS = 700;
 const QUIET_MS = 4000;
 const PAGE = 20;
 const HERTZ = 1 / (2 * Math.PI);
 
-export async function show({ signal, go }) {
+export async function show({ query, signal, go }) {
+  const find = finder(query, () => refresh().catch(() => {}));
   const compare = comparison(go);
   const jobs = list("jobs", "Jobs", ["Job", "Measurement", "Status", "Outcome", "Started", { text: "", class: "end" }], compare.node);
   const measurements = list("measurements", "Measurements",
@@ -25,8 +27,8 @@ export async function show({ signal, go }) {
 
   async function refresh() {
     const [ofJobs, ofMeasurements] = await Promise.all([
-      json(`/v1/jobs?limit=${jobs.limit}`, { signal }),
-      json(`/v1/measurements?limit=${measurements.limit}`, { signal }),
+      json(`/v1/jobs?${find.jobs(jobs.limit)}`, { signal }),
+      json(`/v1/measurements?${find.measurements(measurements.limit)}`, { signal }),
     ]);
     ofMeasurements.items.forEach((item) => known.set(item.id, item));
     const unknown = ofJobs.items.map((job) => job.measurement_id).filter((id) => !known.has(id));
@@ -41,9 +43,12 @@ export async function show({ signal, go }) {
     settled = ended;
     jobs.fill(ofJobs, (job) => job, (job) => jobRow(job, compare));
     measurements.fill(ofMeasurements, (item) => item, measurementRow);
-    empty.hidden = ofMeasurements.items.length > 0;
+    const any = ofMeasurements.items.length + ofJobs.items.length > 0;
+    empty.hidden = any || find.active();
+    find.say(any);
     jobs.node.hidden = ofJobs.items.length === 0;
-    measurements.node.hidden = ofMeasurements.items.length === 0;
+    measurements.node.hidden = ofMeasurements.items.length === 0 || find.ofJobsAlone();
+    find.node.hidden = !any && !find.active();
     return ofJobs.items.some((job) => ["queued", "running"].includes(job.status)) ? ACTIVE_MS : QUIET_MS;
   }
 
@@ -72,8 +77,8 @@ export async function show({ signal, go }) {
   const kept = mappings(signal);
   const node = h("div", { class: "wide" },
     h("h1", {}, "Overview"),
-    dropZone((measurement) => go(`/measurements/${measurement.id}`)),
-    empty, jobs.node, measurements.node, kept.node);
+    dropZone((measurement) => go(`/measurements/${measurement.id}`), go),
+    empty, find.node, jobs.node, measurements.node, kept.node);
   const [pause] = await Promise.all([refresh(), kept.refresh()]);
   let first = true;
   repeatedly(signal, async () => {
@@ -127,7 +132,8 @@ function jobRow(job, compare) {
   const tick = job.status === "succeeded" && compare.tick(job.id, `${kind(job)} of ${name}, ${time(job.created_at)}`);
   return row([
     h("a", { href: `/jobs/${job.id}` }, kind(job)),
-    h("a", { href: `/measurements/${job.measurement_id}` }, name),
+    [h("a", { href: `/measurements/${job.measurement_id}` }, name),
+      h("span", { class: "small" }, ` ${filesOf(measurement)}`)],
     active ? bar(job) : chip(job.status),
     active ? "" : outcome(job),
     { content: time(job.started_at ?? job.created_at), class: "time" },
@@ -137,7 +143,7 @@ function jobRow(job, compare) {
 
 function measurementRow(item) {
   return row([
-    h("a", { href: `/measurements/${item.id}` }, item.name || "unnamed"),
+    [h("a", { href: `/measurements/${item.id}` }, item.name || "unnamed"), h("span", { class: "small" }, ` ${filesOf(item)}`)],
     [item.machine, item.axis].filter(Boolean).join(", "),
     { content: time(item.measured_at ?? item.created_at), class: "time" },
     { content: number(item.experiments, 6), class: "n" },

@@ -1,7 +1,8 @@
 // The form that starts an identification or a diagnosis.
 
 import { h } from "./dom.js";
-import { Problem, json, send } from "./api.js";
+import { json, send } from "./api.js";
+import { clear, input, refuse, select, typed } from "./form.js";
 import { inList } from "./format.js";
 
 /// A form for jobs on a measurement; `earlier` is a job that is to be started again,
@@ -63,11 +64,9 @@ export async function startForm(measurement, started, { earlier, signal } = {}) 
   return form;
 }
 
-/// What the form asks for. What is not a number is sent as it was typed: the server
-/// says what it should be.
+/// What the form asks for.
 function request(form, measurement_id, options) {
   const value = (name) => form.elements[name].value.trim();
-  const typed = (text) => (text === "" ? undefined : Number.isNaN(Number(text)) ? text : Number(text));
   const diagnose = value("kind") === "diagnose";
   const order = value("plant.actuator_order");
   return {
@@ -78,31 +77,4 @@ function request(form, measurement_id, options) {
     validation_measurement_id: (diagnose && value("validation_measurement_id")) || undefined,
     options: { ...options, seed: typed(value("seed")), noise_std: typed(value("noise_std")), weights: value("weights") },
   };
-}
-
-function clear(form) {
-  form.querySelector(".wrong").textContent = "";
-  for (const field of form.querySelectorAll("[aria-invalid]")) field.removeAttribute("aria-invalid");
-}
-
-/// Says what is wrong where it is wrong.
-function refuse(form, error) {
-  form.querySelector(".wrong").textContent = error.message;
-  const member = error instanceof Problem ? error.document.member ?? "" : "";
-  const field = [...form.elements].find((field) => field.name && (field.name === member || member.endsWith(`.${field.name}`)));
-  field?.setAttribute("aria-invalid", "true");
-  field?.focus();
-}
-
-function label(title, field, hint) {
-  return h("label", {}, h("span", {}, title), field, hint && h("span", { class: "small" }, hint));
-}
-
-function select(name, title, values, chosen, hint) {
-  return label(title, h("select", { name }, values.map(([value, text]) =>
-    h("option", { value, selected: String(value) === String(chosen) }, text))), hint);
-}
-
-function input(name, title, attributes, hint) {
-  return label(title, h("input", { name, autocomplete: "off", ...attributes }), hint);
 }

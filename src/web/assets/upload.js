@@ -4,12 +4,13 @@ import { announce, h } from "./dom.js";
 import { Problem } from "./api.js";
 import { upload } from "./files.js";
 import { preview, previewForm } from "./preview.js";
+import { diagnoseEach } from "./together.js";
 
 /// Lines shown before and after one that is wrong.
 const AROUND = 2;
 
-/// A place to drop files on. `done` gets the measurement.
-export function dropZone(done) {
+/// A place to drop files on. `done` gets the measurement; `go` shows what became of several.
+export function dropZone(done, go) {
   const input = h("input", { type: "file", multiple: true, accept: ".csv,.json,.txt,.tsv,.dat,.xlsx,.uff,.unv,.58,.mat,.tdms", id: "files", class: "unseen" });
   const outcome = h("div", { role: "alert" });
   const look = h("input", { type: "checkbox", id: "look-first" });
@@ -18,10 +19,34 @@ export function dropZone(done) {
     h("p", {},
       h("strong", {}, "Drop a measurement here"), " or ",
       h("label", { class: "button", for: "files" }, "choose files")),
-    h("p", { class: "small" }, "Harmonic table or time record, as instruments and spreadsheets write them: text, JSON, xlsx, universal, MATLAB and TDMS files. Files chosen together are one measurement. ",
+    h("p", { class: "small" }, "Harmonic table or time record, as instruments and spreadsheets write them: text, JSON, xlsx, universal, MATLAB and TDMS files. Several files are one measurement, or one each. ",
       h("a", { href: "/assets/example.csv", download: "sticky_axis.csv" }, "An example to look at"), "."),
     h("p", { class: "small" }, h("label", {}, look, " Show how it is read before it is stored")),
     input, outcome, shown);
+
+  /// Asks what several files are.
+  async function choose(files) {
+    if (files.length < 2) return take(files);
+    const each = h("button", { class: "primary", onclick: () => apart(files) }, "Diagnose each by itself");
+    outcome.replaceChildren(h("div", { class: "actions middle" },
+      h("span", {}, `${files.length} files:`), each,
+      h("button", { onclick: () => take(files) }, "They are one measurement"),
+      h("button", { onclick: () => outcome.replaceChildren() }, "Leave them")));
+    each.focus();
+  }
+
+  async function apart(files) {
+    zone.classList.add("busy");
+    try {
+      const path = await diagnoseEach(files, (name) => outcome.replaceChildren(h("p", {}, `Reading ${name} …`)));
+      outcome.replaceChildren();
+      go(path);
+    } catch (error) {
+      outcome.replaceChildren(h("p", { class: "wrong" }, error.message));
+    } finally {
+      zone.classList.remove("busy");
+    }
+  }
 
   async function take(files) {
     if (files.length === 0) return;
@@ -58,7 +83,7 @@ export function dropZone(done) {
     shown.querySelector(".understood").scrollIntoView({ block: "nearest" });
   }
 
-  input.addEventListener("change", () => take([...input.files]));
+  input.addEventListener("change", () => choose([...input.files]));
   const over = (event) => {
     event.preventDefault();
     zone.classList.add("over");
@@ -69,7 +94,7 @@ export function dropZone(done) {
   zone.addEventListener("drop", (event) => {
     event.preventDefault();
     zone.classList.remove("over");
-    take([...event.dataTransfer.files]);
+    choose([...event.dataTransfer.files]);
   });
   return zone;
 }

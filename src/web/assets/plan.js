@@ -1,0 +1,136 @@
+// A plan: the experiments, what they can name, and how that compares with sweeps.
+
+import { announce, h, row, table } from "./dom.js";
+import { ask, posted } from "./api.js";
+import { capital, effect, number, seconds } from "./format.js";
+import { frame, load } from "./figure.js";
+import { keep } from "./plot-tools.js";
+
+const HERTZ = 1 / (2 * Math.PI);
+const n = (text) => ({ text, class: "n" });
+const cell = (content) => ({ content, class: "n" });
+
+/// What is shown of a plan that answers a question.
+export function planned(plan, asked, unit, signal) {
+  return [
+    h("section", { "aria-labelledby": "plan" },
+      h("h2", { id: "plan" }, "The plan"),
+      h("p", { class: "lead" }, sentence(plan)),
+      downloads(plan, asked, signal)),
+    h("section", { "aria-labelledby": "experiments" },
+      h("h2", { id: "experiments" }, "Experiments in their order"),
+      experiments(plan, unit)),
+    h("section", { "aria-labelledby": "names" },
+      h("h2", { id: "names" }, "What it could name, and how surely"),
+      h("p", {}, "The percentages are those of a linearisation: they rank experiments, and are higher than the share that a diagnosis names."),
+      effects(plan),
+      figure(asked, signal)),
+    h("section", { "aria-labelledby": "sweeps" },
+      h("h2", { id: "sweeps" }, "Beside sweeps that take no longer"),
+      sweeps(plan)),
+    h("section", { "aria-labelledby": "assumed" },
+      h("h2", { id: "assumed" }, "What was assumed"),
+      h("ul", {}, plan.notes.map((note) => h("li", {}, `${capital(note)}.`)))),
+  ];
+}
+
+function sentence({ experiments, duration_s, request, nameable, effects, sweeps }) {
+  const best = Math.max(0, ...sweeps.map((sweep) => sweep.nameable));
+  const swept = sweeps.length > 0 ? `${sweeps.length > 1 ? "the better" : "a"} logarithmic sweep names ${best}` : "no logarithmic sweep fits into that time";
+  return `${experiments.length} experiments in ${seconds(duration_s)} of ${seconds(request.budget_s)}: of ${effects.length} effects, `
+    + `${nameable} of a typical size would be named with 90 % or more; ${swept}.`;
+}
+
+function experiments({ experiments }, unit) {
+  const rows = experiments.map((one) => row([
+    cell(one.run),
+    cell(number(one.magnitude, 3)),
+    cell(number(one.omega_rad_s * HERTZ, 4)),
+    cell(one.settle_periods),
+    cell(one.measured_periods),
+    cell(one.repeats),
+    cell(number(one.duration_s, 3)),
+    one.serves ? effect(one.serves) : "",
+  ]));
+  const part = scrolled("Experiments", "The order is drawn, so that warming does not look like an effect of magnitude or frequency.",
+    [n("Run"), n(unit ? `Magnitude (${unit})` : "Magnitude"), n("Frequency (Hz)"), n("Periods to settle"), n("Periods measured"), n("Repeats"), n("Duration (s)"), "Serves most"],
+    rows);
+  part.classList.add("long");
+  return part;
+}
+
+/// A table that the keyboard can scroll where it is larger than its place.
+function scrolled(label, ...parts) {
+  const part = table(...parts);
+  for (const [key, value] of Object.entries({ tabindex: 0, role: "group", "aria-label": label })) part.setAttribute(key, value);
+  return part;
+}
+
+function effects({ effects, sweeps }) {
+  const sweep = sweeps.at(-1);
+  const share = (value) => (value == null ? "" : value > 0.99 ? "> 99 %" : `${Math.floor(100 * value)} %`);
+  const rows = [...effects].sort((a, b) => b.probability - a.probability).map((one) => row([
+    one.title,
+    cell(h("strong", {}, share(one.probability))),
+    cell(share(sweep?.probabilities[one.effect])),
+    one.noticed_from ? size(one.noticed_from) : "at no size",
+    one.named_from ? size(one.named_from) : "at no size",
+    one.closest_imitator ? effect(one.closest_imitator) : "",
+  ]));
+  return scrolled("Effects", "Probability that an effect of typical size is noticed and told from every other one.",
+    ["Effect", n("as planned"), n(sweep ? "by a sweep" : ""), "noticed from", "told from its imitators from", "closest imitator"], rows);
+}
+
+/// The parameter that sets the size of an effect.
+function size({ parameters, set_by: [first] }) {
+  const key = first ?? Object.keys(parameters)[0];
+  const { value, unit } = parameters[key];
+  return `${key.replaceAll("_", " ")} ${number(value, 3)} ${unit}`.trim();
+}
+
+function sweeps({ experiments, duration_s, nameable, score, sweeps }) {
+  const line = (title, points, duration, named, mean) => row([title, cell(points), cell(seconds(duration)), cell(named), cell(number(100 * mean, 3) + " %")]);
+  if (sweeps.length === 0) return h("p", {}, "No logarithmic sweep fits into that time.");
+  return scrolled("Sweeps", "The mean is over all effects, at sizes up to the typical one.",
+    ["", n("Points"), n("Duration"), n("Named with 90 % or more"), n("Mean probability")],
+    [
+      line(h("strong", {}, "This plan"), experiments.length, duration_s, nameable, score),
+      ...sweeps.map((sweep) => line(
+        sweep.magnitudes.length === 1 ? "Logarithmic sweep at one magnitude" : `Logarithmic sweep at ${sweep.magnitudes.length} magnitudes`,
+        sweep.experiments.length, sweep.duration_s, sweep.nameable, sweep.score)),
+    ]);
+}
+
+function figure(asked, signal) {
+  const { node, figure } = frame("", "The planned experiments, and what they name beside a sweep");
+  load(figure, "/v1/plans/plan.svg", signal, posted(asked))
+    .catch((error) => signal.aborted || node.replaceChildren(h("p", { class: "small" }, error.message)));
+  return node;
+}
+
+/// What can be taken away. The server is asked when it is wanted.
+function downloads(plan, asked, signal) {
+  const said = h("span", { class: "small", role: "status" });
+  const download = (title, name, path) => {
+    const button = h("button", { onclick: async () => {
+      button.disabled = true;
+      said.textContent = "";
+      try {
+        keep(await (await ask(path, { ...posted(asked), signal })).blob(), name);
+        announce(`${name} is downloaded.`);
+      } catch (error) {
+        if (!signal.aborted) said.textContent = error.message;
+      } finally {
+        button.disabled = false;
+      }
+    } }, title);
+    return button;
+  };
+  const object = new Blob([JSON.stringify(plan, null, 1)], { type: "application/json" });
+  return h("p", { class: "actions" },
+    download("Stepped sine, CSV", "stepped-sine.csv", "/v1/plans/excitation.csv"),
+    download("Multisine, CSV", "multisine.csv", "/v1/plans/excitation.csv?kind=multisine"),
+    h("button", { onclick: () => keep(object, "plan.json") }, "Plan, JSON"),
+    h("span", { class: "small" }, "The input as samples, for a generator or a drive. With the velocity added as a column ", h("code", {}, "output"), " it is a file to upload."),
+    said);
+}

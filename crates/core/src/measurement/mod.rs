@@ -8,6 +8,7 @@ mod doubts;
 mod experiment;
 pub mod formats;
 mod metadata;
+mod notes;
 mod period;
 mod period_drift;
 mod record;
@@ -106,7 +107,7 @@ impl Measurement {
             metadata,
             experiments,
             transients: Vec::new(),
-            notes,
+            notes: notes::cut(notes),
             sha256,
             acquisition,
             lines: Arc::default(),
@@ -140,7 +141,7 @@ impl Measurement {
             metadata,
             experiments: Vec::new(),
             transients,
-            notes,
+            notes: notes::cut(notes),
             sha256,
             acquisition,
             lines: Arc::default(),
@@ -184,7 +185,8 @@ impl Measurement {
         self.acquisition
     }
 
-    /// Remarks of the file reader for the user.
+    /// Remarks of the file reader for the user; where there are very many, the last one says how many
+    /// more.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }

@@ -6,6 +6,7 @@ use super::convention::{AmplitudeUnit, Convention, Reference};
 use super::decimal::Mark;
 use super::fault::Fault;
 use super::given::Given;
+use super::limits::{MAX_LABELS, MAX_METADATA};
 use super::values::{averages, magnitude, names, number, period, sample, settle_periods};
 use crate::measurement::units;
 use crate::measurement::{Beginning, Intersample, Loop, Metadata, Quantity, ResponseKind};
@@ -54,6 +55,7 @@ impl Header {
         if !self.apply(key, &value).map_err(fault)? {
             return Ok(false);
         }
+        self.check_size(key, &value).map_err(fault)?;
         if let Some((_, earlier)) = self.seen.get(key)
             && *earlier != value
         {
@@ -61,6 +63,18 @@ impl Header {
         }
         self.seen.insert(key.to_owned(), (line, value));
         Ok(true)
+    }
+
+    /// Refuses what no list of measurements has room for.
+    fn check_size(&self, key: &str, value: &str) -> Result<(), String> {
+        let longest = key.len().max(if key == "column_names" { 0 } else { value.len() });
+        if longest > MAX_METADATA {
+            return Err(format!("it has {longest} bytes; at most {MAX_METADATA} are taken"));
+        }
+        if self.metadata.labels.len() > MAX_LABELS {
+            return Err(format!("there are more than {MAX_LABELS} labels"));
+        }
+        Ok(())
     }
 
     /// Takes over what is given beside the file. Where the file says something else, a note says
@@ -385,6 +399,21 @@ mod tests {
         assert_eq!(header.metadata.axis.as_deref(), Some("Y"));
         assert_eq!(header.metadata.feedback, Some(Loop::Open));
         assert!(notes.len() == 1 && notes[0].contains("not `X`"), "{notes:?}");
+    }
+
+    #[test]
+    fn metadata_has_a_size_and_what_is_unknown_is_only_passed_over() {
+        let mut header = Header::default();
+        let long = "x".repeat(MAX_METADATA + 1);
+        assert!(header.set(Some(3), "machine", &long).is_err());
+        assert!(header.set(None, "machine", &long[1..]).unwrap());
+        assert!(header.set(None, &format!("label.{long}"), "north").is_err());
+        assert!(!header.set(None, "remark", &long).unwrap());
+        let mut header = Header::default();
+        for label in 0..MAX_LABELS {
+            header.set(None, &format!("label.{label}"), "a").unwrap();
+        }
+        assert!(header.set(None, "label.more", "a").is_err());
     }
 
     #[test]

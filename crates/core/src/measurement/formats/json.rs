@@ -1,5 +1,6 @@
 //! Reads JSON uploads. They can hold the same data as CSV, and mix records and harmonic tables.
 
+use indexmap::IndexSet;
 use serde_json::{Map, Value};
 
 use super::columns::{self, Column};
@@ -38,11 +39,11 @@ fn read(text: &str, given: &Given) -> Result<Part, Fault> {
     let value: Value = serde_json::from_str(text).map_err(|error| {
         Fault::new(format!("the text is not JSON: {error}")).at_line(Some(error.line() as u64))
     })?;
-    let mut notes = Vec::new();
+    let mut notes = IndexSet::new();
     let upload = match &value {
         Value::Array(rows) => {
             let mut header = Header::default();
-            header.take(given, &mut notes)?;
+            take(&mut header, given, &mut notes)?;
             return read_table(
                 |format, notes| of_rows(rows, "", format, &[], notes),
                 rows.iter().any(|row| row.get(Column::TimeS.name()).is_some()),
@@ -53,7 +54,7 @@ fn read(text: &str, given: &Given) -> Result<Part, Fault> {
         other => object(other, "")?,
     };
     let mut header = header(upload, &mut notes)?;
-    header.take(given, &mut notes)?;
+    take(&mut header, given, &mut notes)?;
     let mut given = DATA_KEYS.iter().filter_map(|key| upload.get(*key).map(|value| (*key, value)));
     let Some((key, data)) = given.next() else {
         return Err(Fault::new("one of rows, columns and experiments is needed"));
@@ -93,7 +94,15 @@ fn read(text: &str, given: &Given) -> Result<Part, Fault> {
     if experiments.is_empty() && transients.is_empty() {
         return Err(Fault::new("the array is empty").in_column(key));
     }
-    Ok(Part { header, experiments, transients, notes, lines: Lines::new(), runs_from_clock: false })
+    let (notes, lines) = (notes.into_iter().collect(), Lines::new());
+    Ok(Part { header, experiments, transients, notes, lines, runs_from_clock: false })
+}
+
+fn take(header: &mut Header, given: &Given, notes: &mut IndexSet<String>) -> Result<(), Fault> {
+    let mut said = Vec::new();
+    header.take(given, &mut said)?;
+    notes.extend(said);
+    Ok(())
 }
 
 /// Type of a value, for messages.
@@ -109,16 +118,17 @@ pub(super) fn kind(value: &Value) -> &'static str {
 }
 
 fn read_table(
-    table: impl Fn(&[Column], &mut Vec<String>) -> Result<Table, Fault>,
+    table: impl Fn(&[Column], &mut IndexSet<String>) -> Result<Table, Fault>,
     timed: bool,
     header: Header,
-    mut notes: Vec<String>,
+    mut notes: IndexSet<String>,
 ) -> Result<Part, Fault> {
     let format = if timed { columns::TIME_RECORD } else { columns::HARMONIC_TABLE };
     let table = table(format, &mut notes)?;
     if table.len() == 0 {
         return Err(table.fault(None, "there is no row"));
     }
+    let notes = notes.into_iter().collect();
     if timed {
         time_record::read(&table, header, notes)
     } else {
@@ -130,7 +140,7 @@ fn experiment(
     value: &Map<String, Value>,
     path: &str,
     header: &Header,
-    notes: &mut Vec<String>,
+    notes: &mut IndexSet<String>,
 ) -> Result<Read, Fault> {
     if value.contains_key(Column::TimeS.name()) {
         return record(value, path, header, notes);
@@ -152,11 +162,7 @@ fn experiment(
     shared.push((Column::Experiment, Some(0.0)));
     let table = of_rows(rows, &rows_path, columns::HARMONIC_TABLE, &shared, notes)?;
     let mut part = harmonic_table::read(&table, header.clone(), Vec::new())?;
-    for note in part.notes {
-        if !notes.contains(&note) {
-            notes.push(note);
-        }
-    }
+    notes.extend(part.notes);
     part.experiments
         .pop()
         .map(Read::Periods)
@@ -167,7 +173,7 @@ fn record(
     value: &Map<String, Value>,
     path: &str,
     header: &Header,
-    notes: &mut Vec<String>,
+    notes: &mut IndexSet<String>,
 ) -> Result<Read, Fault> {
     const SAMPLES: [Column; 3] = [Column::TimeS, Column::Input, Column::Output];
     let mut own = header.clone();
@@ -198,7 +204,7 @@ fn record(
 }
 
 /// The metadata at the top level and in `metadata`.
-fn header(upload: &Map<String, Value>, notes: &mut Vec<String>) -> Result<Header, Fault> {
+fn header(upload: &Map<String, Value>, notes: &mut IndexSet<String>) -> Result<Header, Fault> {
     let mut header = Header::default();
     for (key, value) in upload {
         if key == "metadata" {
@@ -217,7 +223,7 @@ fn set(
     key: &str,
     value: &Value,
     path: &str,
-    notes: &mut Vec<String>,
+    notes: &mut IndexSet<String>,
 ) -> Result<(), Fault> {
     if key == "labels" {
         for (label, value) in object(value, path)? {

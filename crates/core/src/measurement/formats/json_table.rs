@@ -1,5 +1,6 @@
 //! Converts JSON rows (an array of objects) and columns (an object of arrays) into a [`Table`].
 
+use indexmap::IndexSet;
 use serde_json::{Map, Value};
 
 use super::columns::Column;
@@ -15,7 +16,7 @@ pub(super) fn of_rows(
     path: &str,
     format: &[Column],
     shared: &[(Column, Option<f64>)],
-    notes: &mut Vec<String>,
+    notes: &mut IndexSet<String>,
 ) -> Result<Table, Fault> {
     check_count(rows.len(), path)?;
     let mut columns: Vec<Column> = shared.iter().map(|(column, _)| *column).collect();
@@ -95,11 +96,8 @@ pub(super) fn object<'a>(value: &'a Value, path: &str) -> Result<&'a Map<String,
 }
 
 /// Adds a note that a key is unknown, unless there is one already.
-pub(super) fn note_unknown(path: &str, notes: &mut Vec<String>) {
-    let note = format!("{path} is unknown and not used");
-    if !notes.contains(&note) {
-        notes.push(note);
-    }
+pub(super) fn note_unknown(path: &str, notes: &mut IndexSet<String>) {
+    notes.insert(format!("{path} is unknown and not used"));
 }
 
 /// A number, or `None` if the value is null.

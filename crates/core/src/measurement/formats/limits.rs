@@ -38,3 +38,9 @@ pub const MAX_NAMES_LINE: usize = 100_000;
 
 /// Most bytes of a column name that is looked up.
 pub const MAX_NAME: usize = 200;
+
+/// Most bytes of the key or the value of a metadata line; only `column_names` may be longer.
+pub const MAX_METADATA: usize = 1000;
+
+/// Most labels of a measurement.
+pub const MAX_LABELS: usize = 100;

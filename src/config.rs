@@ -3,6 +3,7 @@
 
 mod broker;
 mod declaration;
+mod files;
 mod secret;
 mod settings;
 

@@ -16,8 +16,6 @@ use crate::{http, worker};
 use super::interrupt::Terminations;
 use super::{Failure, config, demo, logging};
 
-/// Time that requests under way have to end once the process is asked to.
-const DRAIN: Duration = Duration::from_secs(3);
 /// Time that the worker has to hand its jobs back.
 const HAND_BACK: Duration = Duration::from_secs(1);
 /// Bytes of a mebibyte.
@@ -66,10 +64,11 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
         webhooks: Webhooks::new(Allowed::new(config.webhook_allow.clone())),
         broker: config.broker().map_err(Failure::input)?,
     };
-    let service = service.telling(outlets);
+    let service = service.telling(outlets).accepting(seconds(config.job_cost_minutes * 60));
     let settings = worker::Settings {
         lease: seconds(config.lease_seconds),
         limit: seconds(config.job_minutes * 60),
+        wait: seconds(config.retry_seconds),
         ..worker::Settings::new(config.workers)
     };
     let worker = worker::start(Arc::clone(&store), service.clone(), Arc::clone(&signals), settings);
@@ -99,6 +98,7 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     let limits = http::Limits {
         sent_bytes: config.max_upload_mib * MIB,
         unpacked_bytes: config.max_unpacked_mib * MIB,
+        pace: http::Pace::default(),
         callers: http::Callers {
             any_host: !config.listen.ip().is_loopback() && config.hosts.is_empty(),
             hosts: config.hosts.clone(),
@@ -107,12 +107,13 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
         keys_always: !config.listen.ip().is_loopback(),
     };
     let app = http::app(service, limits);
-    let served = http::serve(listener, app, Arc::clone(&signals), DRAIN).await;
+    let keeping = http::Keeping::new(config.max_connections);
+    http::serve(listener, app, keeping, Arc::clone(&signals)).await;
     signals.stop();
     if tokio::time::timeout(HAND_BACK, worker).await.is_err() {
         info!("a job was not handed back; it is queued again when its lease expires");
     }
-    served.map_err(Failure::other)
+    Ok(())
 }
 
 /// Stores the first admin key, where one is given, and sees to it that other machines meet a lock.

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::ConfigError;
 use super::broker::BrokerAddress;
 use super::declaration::settings;
+use super::files;
 use super::secret::SecretText;
 
 /// Where it listens.
@@ -66,6 +67,11 @@ settings! {
     #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_STORE_MIB")]
     max_store_mib: usize, in 1..=1 << 30;
 
+    /// Connections at once [default: as many as the limit of open files leaves room for, 4096 at
+    /// most].
+    #[arg(long, value_name = "N", env = "SERVOSCOPE_MAX_CONNECTIONS")]
+    max_connections: usize = |_| files::connections().min(4096), in 1..=files::connections();
+
     /// Jobs that run at once [default: one a core].
     #[arg(long, value_name = "N", env = "SERVOSCOPE_WORKERS")]
     workers: usize = |_| std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
@@ -75,11 +81,21 @@ settings! {
     #[arg(long, value_name = "MINUTES", env = "SERVOSCOPE_JOB_MINUTES")]
     job_minutes: usize = |_| 360, in 1..=60 * 24 * 366;
 
+    /// Longest that a job may be estimated to take on one processor, minutes; one that would take
+    /// longer is refused [default: 60].
+    #[arg(long, value_name = "MINUTES", env = "SERVOSCOPE_JOB_COST_MINUTES")]
+    job_cost_minutes: usize = |_| 60, in 1..=60 * 24 * 366;
+
     // A beat of an overloaded machine may come late by a second.
     /// How long after its worker was last heard of a job runs again, seconds
     /// [default: 10].
     #[arg(long, value_name = "SECONDS", env = "SERVOSCOPE_LEASE_SECONDS")]
     lease_seconds: usize = |_| 10, in 2..=3600;
+
+    /// How long a job waits whose worker died a second time, seconds; with each further death it
+    /// waits longer [default: 120].
+    #[arg(long, value_name = "SECONDS", env = "SERVOSCOPE_RETRY_SECONDS")]
+    retry_seconds: usize = |_| 120, in 0..=3600;
 
     /// Days after which ended jobs, and measurements without jobs, are deleted
     /// [default: never].
@@ -145,6 +161,7 @@ mod tests {
             let default = default.unwrap_or_default();
             let words = match name {
                 "max_store_mib" => "as the disk has room",
+                "max_connections" => "as many as the limit of open files leaves room for",
                 "workers" => "one a core",
                 "keep_days" => "never",
                 "hosts" => "none; any where other machines can reach it",

@@ -1,5 +1,7 @@
 //! Reading a request's body: to its end, whatever becomes of the request, and as JSON.
 
+use std::time::Duration;
+
 use axum::body::{Body, Bytes};
 use axum::extract::Request;
 use axum::http::{HeaderMap, StatusCode, header};
@@ -7,6 +9,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use http_body_util::BodyExt;
 use serde::de::{DeserializeOwned, IgnoredAny};
+use tokio::time::{Instant, timeout_at};
 
 use super::measurements::media_type;
 use super::problem::Problem;
@@ -14,12 +17,37 @@ use super::problem::Problem;
 /// How many times the largest body is read before the connection is given up.
 const PATIENCE: usize = 8;
 
+/// How fast a body must come: whoever sends one holds a connection and memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pace {
+    /// How long a client may pause while it sends.
+    pub pause: Duration,
+    /// Bytes a second that must have come on average once the first pause is over.
+    pub bytes_per_s: u32,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        // Half of a telephone modem of 1990: no link of today is slower.
+        Self { pause: Duration::from_secs(30), bytes_per_s: 500 }
+    }
+}
+
+/// Why a body was not read to its end.
+#[derive(Debug)]
+enum Unread {
+    /// It ends early.
+    Cut(axum::Error),
+    /// It comes too slowly.
+    Slow,
+}
+
 /// Reads the body before anything is decided.
 ///
 /// A server that answers and closes while the client still sends makes the client
 /// see a broken connection in place of the answer. So a body that is too large is
 /// read on and thrown away, within reason, and one that nobody wants is read too.
-pub(super) async fn whole(request: Request, next: Next, max_bytes: usize) -> Response {
+pub(super) async fn whole(request: Request, next: Next, max_bytes: usize, pace: Pace) -> Response {
     let (parts, body) = request.into_parts();
     let header_number = |name| parts.headers.get(name)?.to_str().ok()?.parse::<usize>().ok();
     let declared: Option<usize> = header_number(header::CONTENT_LENGTH);
@@ -28,12 +56,22 @@ pub(super) async fn whole(request: Request, next: Next, max_bytes: usize) -> Res
     if asks && declared.is_some_and(|bytes| bytes > max_bytes) {
         return refusal(max_bytes);
     }
-    match read(body, max_bytes).await {
+    match read(body, max_bytes, pace).await {
         Ok(Some(bytes)) => next.run(Request::from_parts(parts, Body::from(bytes))).await,
         Ok(None) => refusal(max_bytes),
-        Err(error) => {
+        Err(Unread::Cut(error)) => {
             let detail = format!("the body ends early: {error}");
             Problem::of_status(StatusCode::BAD_REQUEST, detail).into_response()
+        }
+        Err(Unread::Slow) => {
+            let detail = format!(
+                "the body came too slowly: a client that sends may pause for {} seconds at most, \
+                 and must send {} bytes a second on average",
+                pace.pause.as_secs_f64(),
+                pace.bytes_per_s
+            );
+            let problem = Problem::of_status(StatusCode::REQUEST_TIMEOUT, detail);
+            ([(header::CONNECTION, "close")], problem).into_response()
         }
     }
 }
@@ -78,11 +116,16 @@ fn refusal(max_bytes: usize) -> Response {
 }
 
 /// The whole body, or `None` where it is larger than `max_bytes`.
-async fn read(mut body: Body, max_bytes: usize) -> Result<Option<Bytes>, axum::Error> {
+async fn read(mut body: Body, max_bytes: usize, pace: Pace) -> Result<Option<Bytes>, Unread> {
     let mut kept = Vec::new();
     let mut seen = 0_usize;
-    while let Some(frame) = body.frame().await {
-        let Ok(data) = frame?.into_data() else { continue };
+    let began = Instant::now();
+    loop {
+        let owed = Duration::from_secs_f64(seen as f64 / f64::from(pace.bytes_per_s));
+        let deadline = (began + pace.pause + owed).min(Instant::now() + pace.pause);
+        let frame = timeout_at(deadline, body.frame()).await.map_err(|_| Unread::Slow)?;
+        let Some(frame) = frame else { break };
+        let Ok(data) = frame.map_err(Unread::Cut)?.into_data() else { continue };
         seen = seen.saturating_add(data.len());
         if seen > max_bytes.saturating_mul(PATIENCE) {
             break;
@@ -102,9 +145,35 @@ mod tests {
 
     #[tokio::test]
     async fn a_body_is_kept_up_to_the_limit_and_not_beyond() {
-        let read = async |length: usize| read(Body::from(vec![7; length]), 10).await.unwrap();
+        let read = async |length: usize| {
+            read(Body::from(vec![7; length]), 10, Pace::default()).await.unwrap()
+        };
         assert_eq!(read(10).await.as_deref(), Some(&[7; 10][..]));
         assert_eq!(read(11).await, None);
         assert_eq!(read(1000).await, None);
+    }
+
+    /// A body of `frames` frames of `bytes` bytes, one every `every`.
+    fn paced(frames: usize, bytes: usize, every: Duration) -> Body {
+        Body::from_stream(futures_util::stream::unfold(0, move |sent| async move {
+            tokio::time::sleep(every).await;
+            let frame = Ok::<_, std::io::Error>(vec![7_u8; bytes]);
+            (sent < frames).then_some((frame, sent + 1))
+        }))
+    }
+
+    #[tokio::test]
+    async fn a_body_that_trickles_or_stops_is_given_up_and_one_on_a_slow_line_is_not() {
+        let read = async |frames, bytes, every, pause| {
+            let body = paced(frames, bytes, Duration::from_millis(every));
+            let pace = Pace { pause: Duration::from_millis(pause), bytes_per_s: 500 };
+            read(body, 1 << 20, pace).await.map(|read| read.map(|bytes| bytes.len()))
+        };
+        // Longer than one pause may be, but fast enough.
+        assert_eq!(read(30, 1000, 50, 1000).await.unwrap(), Some(30_000));
+        // Never a long pause, but a byte each time: for an hour, if it were let.
+        assert!(matches!(read(180_000, 1, 20, 300).await, Err(Unread::Slow)));
+        // Fast enough, but then it pauses.
+        assert!(matches!(read(9, 100_000, 400_000, 300).await, Err(Unread::Slow)));
     }
 }

@@ -7,7 +7,8 @@ use axum::response::{IntoResponse, Response};
 use sha2::{Digest, Sha256};
 
 /// A document may style itself and nothing more: no script, no other file.
-const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; sandbox";
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'; \
+                      sandbox";
 
 /// What is made of a job that has ended stays the same but for new versions of
 /// the service.
@@ -46,11 +47,8 @@ pub(super) fn keep(request: &HeaderMap, kept: Kept, document: Cow<'static, str>)
     if is_named(request, &tag) {
         return (StatusCode::NOT_MODIFIED, caching).into_response();
     }
-    let content = [
-        (header::CONTENT_TYPE, kept.media_type),
-        (header::CONTENT_SECURITY_POLICY, kept.policy),
-        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-    ];
+    let content =
+        [(header::CONTENT_TYPE, kept.media_type), (header::CONTENT_SECURITY_POLICY, kept.policy)];
     (caching, content, document).into_response()
 }
 

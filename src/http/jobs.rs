@@ -19,6 +19,7 @@ use super::lists::{self, DEFAULT_PAGE};
 use super::measurements::idempotency_key;
 use super::problem::Problem;
 use super::query::Query;
+use super::server::Peer;
 use super::views::{JobStatus, JobView, List, SubmitJob};
 
 /// The longest that a request for a job waits: longer ones meet the limits of
@@ -46,11 +47,12 @@ const RETRY_AFTER_S: &str = "1";
 )]
 pub(super) async fn submit(
     Extension(service): Extension<Service>,
+    Extension(Peer(address)): Extension<Peer>,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Response, Box<Problem>> {
     let key = idempotency_key(&headers)?;
-    let submission = submission(&headers, &body)?;
+    let submission = submission(address.to_string(), &headers, &body)?;
     let view = JobView::from(service.submit(&submission, key).await?.resource);
     let headers = [
         (header::LOCATION, format!("/v1/jobs/{}", view.id)),
@@ -199,9 +201,14 @@ pub(super) async fn cancel(
     Ok((StatusCode::ACCEPTED, Json(JobView::from(job))).into_response())
 }
 
-fn submission(headers: &HeaderMap, body: &[u8]) -> Result<Submission, Box<Problem>> {
+fn submission(
+    submitter: String,
+    headers: &HeaderMap,
+    body: &[u8],
+) -> Result<Submission, Box<Problem>> {
     let job: SubmitJob = body::json(headers, body)?;
     Ok(Submission {
+        submitter,
         measurement_id: job.measurement_id,
         kind: job.kind,
         actuator_order: job.plant.map(|plant| plant.actuator_order),

@@ -2,7 +2,7 @@
 
 use std::any::Any;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use axum::Router;
 use axum::body::{Body, to_bytes};
@@ -14,7 +14,6 @@ use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::cors::CorsLayer;
 use tower_http::request_id::{MakeRequestUuid, PropagateRequestIdLayer, SetRequestIdLayer};
-use tower_http::timeout::RequestBodyTimeoutLayer;
 use tower_http::trace::{DefaultOnResponse, TraceLayer};
 use tracing::field::Empty;
 use tracing::{Level, Span, info_span};
@@ -24,13 +23,22 @@ use crate::service::Service;
 use super::access::Needs;
 use super::gate::{self, Gate};
 use super::problem::{MEDIA_TYPE, Problem};
+use super::server::Reserved;
 use super::{Limits, body, dashboard, routes, unpacking};
-
-/// How long a client may pause while it sends a body.
-const BODY_PAUSE: Duration = Duration::from_secs(30);
 
 /// The longest text of a foreign error that is taken into a problem document.
 const DETAIL_BYTES: usize = 4096;
+
+/// What data may do in a browser: nothing.
+const DATA_POLICY: &str = "default-src 'none'; frame-ancestors 'none'";
+
+/// What the page of the interface needs: its own files, and styles that its script writes.
+const DOCS_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
+                           img-src 'self' data:; connect-src 'self'; base-uri 'none'; \
+                           form-action 'none'; frame-ancestors 'none'";
+
+/// Routes that answer however full the server is.
+const WATCHED: [&str; 3] = ["/livez", "/readyz", "/metrics"];
 
 /// The methods that are counted by their names.
 const METHODS: [Method; 7] = [
@@ -45,7 +53,7 @@ const METHODS: [Method; 7] = [
 
 /// Surrounds the routes; the last layer sees a request first.
 pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router {
-    let Limits { sent_bytes, unpacked_bytes, callers, keys_always: always } = limits;
+    let Limits { sent_bytes, unpacked_bytes, pace, callers, keys_always: always } = limits;
     let needs = Arc::new(Needs::of(&routes::openapi()));
     let gate = Gate { service: service.clone(), needs, always };
     let origins = callers.origins.clone();
@@ -55,14 +63,17 @@ pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router
             unpacking::unpacked(request, next, unpacked_bytes)
         }))
         .layer(CatchPanicLayer::custom(panicked))
-        .layer(from_fn(move |request: Request, next: Next| body::whole(request, next, sent_bytes)))
+        .layer(from_fn(move |request: Request, next: Next| {
+            body::whole(request, next, sent_bytes, pace)
+        }))
         .layer(from_fn(move |request: Request, next: Next| {
             problems_only(request, next, [sent_bytes, unpacked_bytes])
         }))
-        .layer(RequestBodyTimeoutLayer::new(BODY_PAUSE))
         // Before a body is read: a stranger's is not.
         .layer(from_fn_with_state(gate, gate::admit))
+        .layer(from_fn(room))
         .layer(from_fn(move |request: Request, next: Next| callers.clone().admit(request, next)))
+        .layer(from_fn(guarded))
         .layer(CompressionLayer::new())
         .layer(PropagateRequestIdLayer::x_request_id())
         .layer(from_fn_with_state(service, counted))
@@ -74,6 +85,42 @@ pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router
         .layer(SetRequestIdLayer::x_request_id(MakeRequestUuid));
     // Without it no page from elsewhere can read an answer.
     if origins.is_empty() { router } else { router.layer(cross_origin(origins)) }
+}
+
+/// What a browser may make of an answer, unless its route says it.
+///
+/// Answers are data: no page may be made of them, nor around them, and nobody learns from a link in
+/// one where it was. The page at `/docs` is another program's and styles itself.
+async fn guarded(request: Request, next: Next) -> Response {
+    let policy = if request.uri().path().starts_with("/docs") { DOCS_POLICY } else { DATA_POLICY };
+    let mut response = next.run(request).await;
+    let headers = response.headers_mut();
+    for (name, value) in [
+        (header::CONTENT_SECURITY_POLICY, policy),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::X_FRAME_OPTIONS, "DENY"),
+        (header::REFERRER_POLICY, "no-referrer"),
+    ] {
+        headers.entry(name).or_insert(HeaderValue::from_static(value));
+    }
+    response
+}
+
+/// Refuses what comes on a connection beyond the limit, but for what an operator watches.
+async fn room(request: Request, next: Next) -> Response {
+    let watched = WATCHED.contains(&request.uri().path());
+    if request.extensions().get::<Reserved>().is_none() {
+        return next.run(request).await;
+    }
+    let mut response = if watched {
+        next.run(request).await
+    } else {
+        let detail = "as many connections are busy as the server may keep; send it again later";
+        Problem::of_status(StatusCode::SERVICE_UNAVAILABLE, detail).into_response()
+    };
+    let close = HeaderValue::from_static("close");
+    response.headers_mut().insert(header::CONNECTION, close);
+    response
 }
 
 fn cross_origin(origins: Vec<HeaderValue>) -> CorsLayer {

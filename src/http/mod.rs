@@ -8,6 +8,7 @@ mod axes;
 mod body;
 mod cached;
 mod callers;
+mod connections;
 mod dashboard;
 mod descriptions;
 mod document;
@@ -46,9 +47,10 @@ use utoipa_swagger_ui::{Config, SwaggerUi};
 
 use crate::service::Service;
 
+pub use body::Pace;
 pub use callers::Callers;
 pub use routes::openapi;
-pub use server::serve;
+pub use server::{Keeping, serve};
 
 /// What the service lets in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,6 +60,8 @@ pub struct Limits {
     /// Largest body once unpacked, bytes: a few kilobytes of gzip can stand for
     /// megabytes.
     pub unpacked_bytes: usize,
+    /// How fast a body must come.
+    pub pace: Pace,
     /// Who may send requests.
     pub callers: Callers,
     /// Whether requests need a key also while none is stored.

@@ -187,6 +187,9 @@ impl Problem {
             ServiceError::Ended { .. } => {
                 Self::new(StatusCode::CONFLICT, "already-ended", "Already ended", text)
             }
+            ServiceError::TooCostly { .. } => {
+                Self::new(StatusCode::UNPROCESSABLE_ENTITY, "too-costly", "Too costly", text)
+            }
             ServiceError::KeyReused { .. } => Self::new(
                 StatusCode::UNPROCESSABLE_ENTITY,
                 "idempotency-key-reused",

@@ -22,7 +22,8 @@ static POLICY: LazyLock<String> = LazyLock::new(|| {
     let digest = BASE64_STANDARD.encode(Sha256::digest(page_script()));
     format!(
         "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'; img-src data:; \
-         base-uri 'none'; form-action 'none'; sandbox allow-scripts allow-downloads"
+         base-uri 'none'; form-action 'none'; frame-ancestors 'none'; \
+         sandbox allow-scripts allow-downloads"
     )
 });
 

@@ -1,32 +1,180 @@
 //! Serving until the process is asked to stop.
 
+use std::convert::Infallible;
+use std::io::ErrorKind;
+use std::net::IpAddr;
+use std::pin::{Pin, pin};
 use std::sync::Arc;
+use std::task::{Context, Poll};
 use std::time::Duration;
 
 use axum::Router;
-use tokio::net::TcpListener;
+use axum::body::{Body, Bytes, HttpBody};
+use axum::extract::Request;
+use axum::http::Response;
+use hyper::body::{Frame, Incoming, SizeHint};
+use hyper::server::conn::http1;
+use hyper::service::service_fn;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::task::JoinSet;
+use tokio_io_timeout::TimeoutStream;
+use tower_service::Service as _;
+use tracing::{debug, warn};
 
 use crate::service::Signals;
 
-/// Answers requests until `signals` say that the process stops; requests under
-/// way then have `drain` to end.
-///
-/// # Errors
-/// When the listener fails.
-pub async fn serve(
-    listener: TcpListener,
+use super::connections::{Busy, Connections, Place};
+
+/// The largest head of a request, bytes.
+const HEAD_BYTES: usize = 64 << 10;
+
+/// How long nothing is accepted after the process had no file left for a connection.
+const NO_FILE_LEFT: Duration = Duration::from_millis(100);
+
+/// How connections are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Keeping {
+    /// So many at once.
+    pub connections: usize,
+    /// How long one may be open without a whole head of a request.
+    pub idle: Duration,
+    /// How long a client may take nothing of an answer.
+    pub unread: Duration,
+    /// How long requests under way have to end once the process stops.
+    pub drain: Duration,
+}
+
+impl Keeping {
+    /// The usual times.
+    pub fn new(connections: usize) -> Self {
+        Self {
+            connections,
+            // Longer than browsers and clients pause between two requests.
+            idle: Duration::from_secs(75),
+            unread: Duration::from_secs(30),
+            drain: Duration::from_secs(3),
+        }
+    }
+}
+
+/// Marks a request of a connection that is beyond the limit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reserved;
+
+/// The address at the other end of a request's connection.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Peer(pub(super) IpAddr);
+
+/// Answers requests until `signals` say that the process stops.
+pub async fn serve(listener: TcpListener, app: Router, keeping: Keeping, signals: Arc<Signals>) {
+    let connections = Connections::new(keeping.connections);
+    let mut open = JoinSet::new();
+    let mut stopped = pin!(signals.stopped());
+    loop {
+        // Ended ones are forgotten, so that the set does not grow.
+        while open.try_join_next().is_some() {}
+        let accepted = tokio::select! {
+            () = &mut stopped => break,
+            accepted = listener.accept() => accepted,
+        };
+        let (stream, peer) = match accepted {
+            Ok((stream, peer)) => (stream, Peer(peer.ip().to_canonical())),
+            // The client has gone again.
+            Err(error) if error.kind() == ErrorKind::ConnectionAborted => continue,
+            Err(error) => {
+                warn!(%error, "no connection can be accepted");
+                tokio::time::sleep(NO_FILE_LEFT).await;
+                continue;
+            }
+        };
+        let place = tokio::select! {
+            () = &mut stopped => break,
+            place = connections.admit() => place,
+        };
+        open.spawn(answer((stream, peer), app.clone(), keeping, place, Arc::clone(&signals)));
+    }
+    drop(listener);
+    let all = async { while open.join_next().await.is_some() {} };
+    let _ = tokio::time::timeout(keeping.drain, all).await;
+}
+
+/// Answers the requests of one connection until it ends or has to make room.
+async fn answer(
+    (stream, peer): (TcpStream, Peer),
     app: Router,
+    keeping: Keeping,
+    place: Place,
     signals: Arc<Signals>,
-    drain: Duration,
-) -> std::io::Result<()> {
-    let stopping = Arc::clone(&signals);
-    let server =
-        axum::serve(listener, app).with_graceful_shutdown(async move { stopping.stopped().await });
-    tokio::select! {
-        served = server => served,
-        () = async {
-            signals.stopped().await;
-            tokio::time::sleep(drain).await;
-        } => Ok(()),
+) {
+    // Short answers must not wait for more to be sent with them; an error costs no more than that.
+    let _ = stream.set_nodelay(true);
+    let mut stream = TimeoutStream::new(stream);
+    stream.set_write_timeout(Some(keeping.unread));
+    let place = Arc::new(place);
+    let requests_of = Arc::clone(&place);
+    let service = service_fn(move |request: hyper::Request<Incoming>| {
+        let busy = requests_of.busy();
+        let mut request: Request = request.map(Body::new);
+        request.extensions_mut().insert(peer);
+        if requests_of.reserved {
+            request.extensions_mut().insert(Reserved);
+        }
+        // A router is always ready.
+        let answer = app.clone().call(request);
+        async move {
+            let answer: Result<Response<Body>, Infallible> = answer.await;
+            answer.map(|answer| answer.map(|body| Answer { body, _busy: busy }))
+        }
+    });
+    let connection = http1::Builder::new()
+        .timer(TokioTimer::new())
+        // Runs from the end of one answer to the whole head of the next request.
+        .header_read_timeout(keeping.idle)
+        .max_buf_size(HEAD_BYTES)
+        .serve_connection(TokioIo::new(Box::pin(stream)), service);
+    let mut connection = pin!(connection);
+    let mut stopped = pin!(signals.stopped());
+    let mut stopping = false;
+    loop {
+        tokio::select! {
+            ended = &mut connection => {
+                if let Err(error) = ended {
+                    debug!(%error, "a connection ended badly");
+                }
+                return;
+            }
+            () = place.needed() => return,
+            () = &mut stopped, if !stopping => {
+                stopping = true;
+                connection.as_mut().graceful_shutdown();
+            }
+        }
+    }
+}
+
+/// The body of an answer; its connection is busy until all of it is sent.
+struct Answer {
+    body: Body,
+    _busy: Busy,
+}
+
+impl HttpBody for Answer {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        Pin::new(&mut self.body).poll_frame(context)
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
     }
 }

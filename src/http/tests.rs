@@ -16,10 +16,11 @@ use crate::service::{NewKey, Outlets, Scope, Service, Signals};
 use crate::store::{Sqlite, Store};
 use crate::worker;
 
-use super::{Callers, Limits};
+use super::{Callers, Keeping, Limits, Pace};
 
 mod axes;
 mod bodies;
+mod connections;
 mod dashboard;
 mod documents;
 mod events;
@@ -50,6 +51,10 @@ impl Server {
     }
 
     fn start_for(origins: Vec<HeaderValue>) -> Self {
+        Self::start_keeping(origins, Keeping::new(100))
+    }
+
+    fn start_keeping(origins: Vec<HeaderValue>, keeping: Keeping) -> Self {
         let directory = tempfile::tempdir().unwrap();
         let runtime = Runtime::new().unwrap();
         let signals = Arc::new(Signals::default());
@@ -66,11 +71,12 @@ impl Server {
             let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
             let address = listener.local_addr().unwrap();
             let callers = Callers { origins, ..Callers::default() };
-            let limits =
-                Limits { sent_bytes: LIMIT, unpacked_bytes: LIMIT, callers, keys_always: false };
-            let app = super::app(service.clone(), limits);
-            let stopping = Arc::clone(&signals);
-            tokio::spawn(super::serve(listener, app, stopping, Duration::from_secs(5)));
+            let (sent_bytes, unpacked_bytes, pace) = (LIMIT, LIMIT, Pace::default());
+            let app = super::app(
+                service.clone(),
+                Limits { sent_bytes, unpacked_bytes, pace, callers, keys_always: false },
+            );
+            tokio::spawn(super::serve(listener, app, keeping, Arc::clone(&signals)));
             format!("http://{address}")
         });
         let agent = Agent::config_builder()

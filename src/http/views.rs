@@ -202,6 +202,9 @@ pub(super) struct JobView {
     validation_measurement_id: Option<String>,
     /// Every option in effect.
     options: IdentifyOptions,
+    /// What it was estimated to take, seconds of one processor, to within a factor of ten; null for a
+    /// job that an earlier version stored.
+    estimated_s: Option<f64>,
     /// How often it was begun.
     attempt: i64,
     /// When it was queued, RFC 3339.
@@ -229,6 +232,7 @@ impl From<Job> for JobView {
             method: request.method,
             validation_measurement_id: request.validation_measurement_id,
             options: request.options,
+            estimated_s: request.estimated_s,
             attempt: row.attempt,
             created_at: rfc3339(row.created_at_ms),
             started_at: row.started_at_ms.and_then(rfc3339),

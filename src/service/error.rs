@@ -93,6 +93,25 @@ pub enum ServiceError {
         /// How it ended.
         status: Status,
     },
+    /// A job, or an inspection, that would take too long.
+    #[error(
+        "it would compute about {} on one processor, more than the {} that a job may; the \
+         measurement has {experiments} experiments and harmonics up to {highest_harmonic}: upload \
+         it without harmonics of high order or with fewer experiments, ask for a smaller search \
+         (`options.evaluation_budget`), or have the server started with a larger \
+         `--job-cost-minutes`",
+        in_words(*minutes), in_words(*most_minutes)
+    )]
+    TooCostly {
+        /// Estimate, minutes of one processor.
+        minutes: f64,
+        /// What a job may take.
+        most_minutes: f64,
+        /// Experiments of the measurement.
+        experiments: i64,
+        /// Its highest harmonic.
+        highest_harmonic: i64,
+    },
     /// The idempotency key came with another request before.
     #[error("the idempotency key `{key}` was used before for another request; use a new key")]
     KeyReused {
@@ -110,6 +129,14 @@ pub enum ServiceError {
         /// Why it is not.
         source: serde_json::Error,
     },
+}
+
+fn in_words(minutes: f64) -> String {
+    if minutes < 120.0 {
+        format!("{minutes:.0} minutes")
+    } else {
+        format!("{:.0} hours", minutes / 60.0)
+    }
 }
 
 fn listed(names: &[&str]) -> String {

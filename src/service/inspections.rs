@@ -66,7 +66,7 @@ impl Service {
     /// [`ServiceError::Unknown`] when there is none with this id; [`ServiceError::Uninspected`]
     /// where it cannot be inspected.
     pub async fn inspection(&self, id: &str) -> Result<Inspection, ServiceError> {
-        self.measurement(id).await?;
+        self.check_inspection(&self.measurement(id).await?.row)?;
         let files = self.store.measurement_files(&self.reach, id).await?;
         let flag = Arc::new(AtomicBool::new(false));
         let _gone = Gone(Arc::clone(&flag));

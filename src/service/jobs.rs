@@ -53,9 +53,12 @@ impl Service {
     ) -> Result<Added<Job>, ServiceError> {
         let request = JobRequest::check(submission)?;
         let measurement = self.measurement(&submission.measurement_id).await?.row;
-        if let Some(second) = &request.validation_measurement_id {
-            self.measurement(second).await?;
-        }
+        let second = match &request.validation_measurement_id {
+            Some(second) => Some(self.measurement(second).await?.row),
+            None => None,
+        };
+        let estimated_s = Some(self.cost(&measurement, second.as_ref(), &request)?);
+        let request = JobRequest { estimated_s, ..request };
         let request =
             serde_json::to_string(&request).map_err(|source| corrupt("request", source))?;
         let key = key.map(|key| {
@@ -66,6 +69,11 @@ impl Service {
         let row = NewJobRow {
             id: uuid::Uuid::now_v7().to_string(),
             measurement_id: measurement.id,
+            // Keys take turns; who has none is told apart by what the submission says.
+            submitter: match self.reach.owner.as_str() {
+                "" => submission.submitter.clone(),
+                key => key.to_owned(),
+            },
             kind: submission.kind.clone(),
             request,
         };
@@ -125,7 +133,8 @@ impl Service {
         cursor: Option<String>,
     ) -> Result<Listed<Job>, ServiceError> {
         let rows = self.store.jobs(&self.reach, filter, &page(limit, cursor)?).await?;
-        paged(rows, limit, |row| &row.id, job)
+        let bytes = |row: &JobRow| row.request.len() + row.failure.as_ref().map_or(0, String::len);
+        paged(rows, limit, |row| &row.id, bytes, job)
     }
 
     /// The result of a job, the JSON that was stored.

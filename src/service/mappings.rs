@@ -6,10 +6,13 @@ use servoscope_core::measurement::formats::Given;
 
 use crate::store::{MappingRow, Millis};
 
-use super::{Added, Service, ServiceError};
+use super::{Added, PAGE_BYTES, Service, ServiceError};
 
 /// Most mappings that are listed.
 const MOST_LISTED: u32 = 1000;
+
+/// Most bytes of the settings and the layout of a mapping.
+const MOST_BYTES: usize = 16 << 10;
 
 /// Most characters of a name.
 const MOST_CHARACTERS: usize = 64;
@@ -67,6 +70,11 @@ impl Service {
             return Err(refused("settings".into(), reason));
         }
         let settings = serde_json::json!(settings).to_string();
+        let bytes = settings.len() + layout.as_ref().map_or(0, String::len);
+        if bytes > MOST_BYTES {
+            let reason = format!("with the layout they have {bytes} bytes, more than {MOST_BYTES}");
+            return Err(refused("settings".into(), reason));
+        }
         let row = MappingRow { name: name.to_owned(), settings, layout, updated_at_ms: 0 };
         let created = self.store.put_mapping(&self.reach, &row).await?;
         Ok(Added { resource: self.mapping(name).await?, replayed: !created })
@@ -81,12 +89,19 @@ impl Service {
         mapping(row.ok_or_else(|| ServiceError::Unknown { what: "mapping", id: name.into() })?)
     }
 
-    /// Mappings by name, at most 1000.
+    /// Mappings by name, at most 1000, and no more than there is room for on a page.
     ///
     /// # Errors
     /// When the database does not answer.
     pub async fn mappings(&self) -> Result<Vec<Mapping>, ServiceError> {
-        self.store.mappings(&self.reach, MOST_LISTED).await?.into_iter().map(mapping).collect()
+        let mut left = PAGE_BYTES;
+        let listed =
+            self.store.mappings(&self.reach, MOST_LISTED).await?.into_iter().take_while(|row| {
+                let fits = left > 0;
+                left = left.saturating_sub(row.settings.len());
+                fits
+            });
+        listed.map(mapping).collect()
     }
 
     /// Removes a mapping. Measurements that were read with it stay as they are.

@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 
 use crate::store::{FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow};
 
+use super::cost::Cost;
 use super::quantities::Quantities;
 use super::{Added, Listed, Service, ServiceError, page, paged, reading};
 
@@ -139,7 +140,8 @@ impl Service {
         cursor: Option<String>,
     ) -> Result<Listed<Measured>, ServiceError> {
         let rows = self.store.measurements(&self.reach, filter, &page(limit, cursor)?).await?;
-        paged(rows, limit, |row| &row.id, measured)
+        let bytes = |row: &MeasurementRow| row.notes.len() + row.labels.len();
+        paged(rows, limit, |row| &row.id, bytes, measured)
     }
 }
 
@@ -201,6 +203,7 @@ pub(super) fn row(
     let (omega_min_rad_s, omega_max_rad_s) = range(|experiment| experiment.omega_rad_s, once);
     let notes: Vec<&String> = note.iter().chain(measurement.notes()).collect();
     let highest_harmonic = experiments.iter().map(Experiment::highest_harmonic).max();
+    let cost = Cost::of(measurement);
     MeasurementRow {
         id: uuid::Uuid::now_v7().to_string(),
         created_at_ms: 0,
@@ -220,5 +223,7 @@ pub(super) fn row(
         notes: serde_json::json!(notes).to_string(),
         quantities: Some(serde_json::json!(Quantities::of(metadata)).to_string()),
         files: "[]".to_owned(),
+        simulation_s: Some(cost.simulation_s),
+        diagnosis_s: Some(cost.diagnosis_s),
     }
 }

@@ -6,6 +6,7 @@
 mod axes;
 mod caller;
 mod compared;
+mod cost;
 mod curves;
 mod deliveries;
 mod descriptions;
@@ -39,6 +40,7 @@ mod validations;
 mod webhooks;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 pub use axes::HistoryQuery;
 pub use caller::{Caller, Key, Scope};
@@ -78,6 +80,10 @@ pub use crate::report::script::inline as page_script;
 /// The most items a list returns at once.
 pub const MAX_PAGE: u32 = 200;
 
+/// A page ends with the item whose texts bring it to so many bytes: whatever was stored, a page stays
+/// within some mebibytes.
+const PAGE_BYTES: usize = 2 << 20;
+
 /// One page of a list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Listed<T> {
@@ -108,15 +114,18 @@ pub struct Service {
     outlets: Arc<Outlets>,
     caller: Arc<Caller>,
     reach: Reach,
+    most_cost: Duration,
 }
 
 impl Service {
-    /// Joins them, for the server itself: see [`Service::on_behalf_of`]. `signals` are shared with the worker of this process. Webhooks go to
-    /// public addresses, and there is no broker: see [`Service::telling`].
+    /// Joins them, for the server itself: see [`Service::on_behalf_of`]. `signals` are shared with
+    /// the worker of this process. Webhooks go to public addresses, there is no broker, and a job
+    /// may cost what it will: see [`Service::telling`] and [`Service::accepting`].
     pub fn new(store: Arc<dyn Store>, numerics: Arc<dyn Numerics>, signals: Arc<Signals>) -> Self {
         let (metrics, asked, outlets) = Default::default();
         let (caller, reach) = (Arc::new(Caller::Everybody), Reach::everything());
-        Self { store, numerics, signals, metrics, asked, outlets, caller, reach }
+        let most_cost = Duration::MAX;
+        Self { store, numerics, signals, metrics, asked, outlets, caller, reach, most_cost }
     }
 
     /// The same for a caller: it finds what it may see, and owns what it makes.
@@ -133,6 +142,11 @@ impl Service {
     /// The same, telling others in this way.
     pub fn telling(self, outlets: Outlets) -> Self {
         Self { outlets: Arc::new(outlets), ..self }
+    }
+
+    /// The same, refusing jobs that are estimated to take longer on one processor.
+    pub fn accepting(self, most_cost: Duration) -> Self {
+        Self { most_cost, ..self }
     }
 
     /// What is counted of this service.
@@ -166,15 +180,24 @@ async fn aside<T: Send + 'static>(compute: impl FnOnce() -> T + Send + 'static) 
     }
 }
 
-/// Cuts a list read with one row more than `limit` to a page.
+/// Cuts a list read with one row more than `limit` to a page. `bytes` is the size of what is shown of
+/// a row.
 fn paged<R, T>(
     mut rows: Vec<R>,
     limit: u32,
     id: impl Fn(&R) -> &str,
+    bytes: impl Fn(&R) -> usize,
     view: impl Fn(R) -> Result<T, ServiceError>,
 ) -> Result<Listed<T>, ServiceError> {
-    let more = rows.len() > limit as usize;
-    rows.truncate(limit as usize);
+    let mut left = PAGE_BYTES;
+    let fit = rows.iter().take(limit as usize).take_while(|row| {
+        let fits = left > 0;
+        left = left.saturating_sub(bytes(row));
+        fits
+    });
+    let fit = fit.count();
+    let more = rows.len() > fit;
+    rows.truncate(fit);
     let next = rows.last().filter(|_| more).map(|row| id(row).to_owned());
     Ok(Listed { items: rows.into_iter().map(view).collect::<Result<_, _>>()?, next })
 }
@@ -196,4 +219,25 @@ fn page(limit: u32, cursor: Option<String>) -> Result<crate::store::Page, Servic
         });
     }
     Ok(crate::store::Page { limit: limit + 1, before: cursor })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_ends_where_its_items_become_too_large_and_goes_on_behind_them() {
+        let page = |rows: &[(&'static str, usize)], limit| {
+            let listed = paged(rows.to_vec(), limit, |row| row.0, |row| row.1, Ok).unwrap();
+            (listed.items.len(), listed.next)
+        };
+        let small = [("a", 10), ("b", 10), ("c", 10)];
+        assert_eq!(page(&small, 3), (3, None));
+        assert_eq!(page(&small, 2), (2, Some("b".into())));
+        let half = PAGE_BYTES / 2;
+        let large = [("a", half), ("b", half), ("c", half)];
+        assert_eq!(page(&large, 3), (2, Some("b".into())));
+        let huge = [("a", 10 * PAGE_BYTES), ("b", 1)];
+        assert_eq!(page(&huge, 2), (1, Some("a".into())), "each page has one at least");
+    }
 }

@@ -11,6 +11,8 @@ use super::ServiceError;
 /// What a caller asks for, unchecked.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Submission {
+    /// Whoever asks: jobs of different submitters take turns.
+    pub submitter: String,
     /// The measurement to work on.
     pub measurement_id: String,
     /// Kind of job.
@@ -39,6 +41,10 @@ pub struct JobRequest {
     pub validation_measurement_id: Option<String>,
     /// Its options.
     pub options: IdentifyOptions,
+    /// What it is estimated to take, seconds of one processor; `None` for a job that an earlier
+    /// version stored.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimated_s: Option<f64>,
 }
 
 impl JobRequest {
@@ -64,7 +70,8 @@ impl JobRequest {
         }
         let validation_measurement_id = second(submission, kind)?;
         submission.options.validate()?;
-        Ok(Self { kind, plant, method, validation_measurement_id, options: submission.options })
+        let options = submission.options;
+        Ok(Self { kind, plant, method, validation_measurement_id, options, estimated_s: None })
     }
 
     /// The same for the numeric core.

@@ -13,6 +13,9 @@ use super::{Service, ServiceError, notices};
 /// Most webhooks of a key.
 const MOST_WEBHOOKS: u32 = 100;
 
+/// Most bytes of an address: what servers take at least (RFC 9110, section 4.1).
+const MOST_URL_BYTES: usize = 8000;
+
 /// Most deliveries of a webhook that are listed.
 const MOST_DELIVERIES: u32 = 200;
 
@@ -117,6 +120,10 @@ impl Service {
         let events = new.events.unwrap_or(EventType::ALL.to_vec());
         if events.is_empty() {
             return wrong("events", "name at least one, or leave it out for all".into());
+        }
+        if new.url.len() > MOST_URL_BYTES {
+            let reason = format!("it has {} bytes, more than {MOST_URL_BYTES}", new.url.len());
+            return wrong("url", reason);
         }
         match self.outlets.webhooks.check(&new.url).await {
             // A name that cannot be resolved now may be later.

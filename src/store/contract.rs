@@ -5,24 +5,28 @@ mod lists;
 mod mappings;
 mod outbox;
 mod queue;
+mod recovery;
 
 use std::time::Duration;
 
 use super::{
-    Beat, Cancelling, ConvergencePoint, Description, EndedRow, FileRow, IdempotencyKey, Inserted,
-    JobFilter, KeyRow, Lease, MAX_ATTEMPTS, MappingRow, MeasurementFilter, MeasurementRow,
-    NewJobRow, Outcome, Page, QueueState, Reach, Recovered, ResultFilter, Sqlite, Status, Store,
-    StoreError, WebhookRow,
+    ALONE_AFTER, Beat, Cancelling, ConvergencePoint, Description, EndedRow, FileRow,
+    IdempotencyKey, Inserted, JobFilter, KeyRow, Lease, MAX_ATTEMPTS, MappingRow,
+    MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, QueueState, Reach, Recovered,
+    ResultFilter, Sqlite, Status, Store, StoreError, WebhookRow,
 };
 use keys::*;
 use lists::*;
 use mappings::*;
 use outbox::*;
 use queue::*;
+use recovery::*;
 
 const LONG: Duration = Duration::from_secs(600);
 /// A lease that has expired as soon as it is given.
 const EXPIRED: Duration = Duration::ZERO;
+/// Jobs run again at once.
+const NO_WAIT: Duration = Duration::ZERO;
 
 fn all() -> Reach {
     Reach::everything()
@@ -52,6 +56,8 @@ fn measurement(id: &str) -> MeasurementRow {
         notes: "[]".into(),
         quantities: Some("{}".into()),
         files: r#"["a.csv"]"#.into(),
+        simulation_s: Some(1e-6),
+        diagnosis_s: Some(2.5),
     }
 }
 
@@ -83,14 +89,33 @@ async fn stored_measurement(store: &dyn Store) -> String {
 
 async fn queued_job(store: &dyn Store) -> String {
     let measurement_id = stored_measurement(store).await;
-    let row = NewJobRow { id: id(), measurement_id, kind: "identify".into(), request: "{}".into() };
+    queued_job_of(store, &measurement_id, "").await
+}
+
+async fn queued_job_of(store: &dyn Store, measurement_id: &str, submitter: &str) -> String {
+    let row = NewJobRow { submitter: submitter.into(), ..new_job(measurement_id) };
     assert_eq!(store.insert_job(&all(), &row, None).await.unwrap(), Inserted::Created);
     row.id
 }
 
+fn new_job(measurement_id: &str) -> NewJobRow {
+    NewJobRow {
+        id: id(),
+        measurement_id: measurement_id.to_owned(),
+        submitter: String::new(),
+        kind: "identify".into(),
+        request: "{}".into(),
+    }
+}
+
+/// A lease for a worker of its own, as far as there is a job.
+async fn lease(store: &dyn Store, duration: Duration) -> Option<Lease> {
+    store.lease(&id(), duration).await.unwrap()
+}
+
 async fn leased_job(store: &dyn Store, duration: Duration) -> Lease {
     let job = queued_job(store).await;
-    let lease = store.lease(duration).await.unwrap().expect("a job is queued");
+    let lease = lease(store, duration).await.expect("a job is queued");
     assert_eq!(lease.job_id, job);
     lease
 }
@@ -131,12 +156,7 @@ async fn an_idempotency_key_answers_the_same_request_only(store: &dyn Store) {
 }
 
 async fn a_job_of_an_unknown_measurement_is_refused(store: &dyn Store) {
-    let row = NewJobRow {
-        id: id(),
-        measurement_id: "nobody".into(),
-        kind: "identify".into(),
-        request: "{}".into(),
-    };
+    let row = new_job("nobody");
     store.insert_job(&all(), &row, Some(&key("k", "body"))).await.unwrap_err();
     assert_eq!(store.job(&all(), &row.id).await.unwrap(), None);
 }
@@ -148,14 +168,9 @@ async fn a_deleted_measurement_takes_its_jobs_and_keys_with_it(store: &dyn Store
         .insert_measurement(&all(), &measurement(&measured), &[file(b"x")], Some(&promise))
         .await
         .unwrap();
-    let row = NewJobRow {
-        id: id(),
-        measurement_id: measured.clone(),
-        kind: "identify".into(),
-        request: "{}".into(),
-    };
+    let row = new_job(&measured);
     store.insert_job(&all(), &row, None).await.unwrap();
-    let lease = store.lease(LONG).await.unwrap().expect("it is queued");
+    let lease = lease(store, LONG).await.expect("it is queued");
     assert!(store.delete_measurement(&all(), &measured).await.unwrap());
     assert!(!store.delete_measurement(&all(), &measured).await.unwrap());
     assert_eq!(store.job(&all(), &row.id).await.unwrap(), None);
@@ -172,12 +187,7 @@ async fn a_deleted_job_takes_its_key_with_it(store: &dyn Store) {
     let ended = leased_job(store, LONG).await;
     store.finish(&ended, &Outcome::Cancelled).await.unwrap();
     let promise = key("k", "body");
-    let job = || NewJobRow {
-        id: id(),
-        measurement_id: ended.measurement_id.clone(),
-        kind: "identify".into(),
-        request: "{}".into(),
-    };
+    let job = || new_job(&ended.measurement_id);
     let first = job();
     assert_eq!(store.insert_job(&all(), &first, Some(&promise)).await.unwrap(), Inserted::Created);
     store.cancel(&all(), &first.id).await.unwrap();
@@ -224,12 +234,17 @@ engine!(
         a_deleted_job_takes_its_key_with_it,
         a_job_of_an_unknown_measurement_is_refused,
         the_oldest_queued_job_is_leased_once,
+        submitters_take_turns_however_much_each_queues,
         a_job_runs_and_succeeds_with_its_history,
         a_failed_job_says_why_and_has_no_result,
         nothing_is_written_after_the_end,
         an_expired_lease_writes_nothing_even_before_it_is_recovered,
         a_stale_worker_cannot_spoil_its_successor,
         a_job_that_kills_its_workers_fails_after_the_last_attempt,
+        ten_kills_in_company_end_no_job,
+        a_poisonous_job_ends_and_none_of_its_siblings,
+        a_job_that_is_lost_by_a_living_worker_is_charged,
+        a_job_waits_longer_with_each_death_but_the_first,
         a_job_handed_back_is_queued_and_not_charged,
         a_queued_job_is_cancelled_at_once,
         the_worker_of_a_running_job_learns_that_it_is_cancelled,
@@ -267,7 +282,7 @@ async fn leases_taken_at_once_from_two_connections_are_of_different_jobs() {
     }
     let take = async |store: &Sqlite| {
         let mut taken = Vec::new();
-        while let Some(lease) = store.lease(LONG).await.unwrap() {
+        while let Some(lease) = store.lease("one", LONG).await.unwrap() {
             taken.push(lease.job_id);
         }
         taken

@@ -8,6 +8,25 @@
 //! the lease has expired or the job was leased again. So a worker that was
 //! stopped, killed or cut off can never spoil what its successor writes. Leases
 //! are timed by the database's clock.
+//!
+//! A worker that stops without a word takes all its jobs with it, and mostly none of them is the
+//! reason. So a job whose lease expires is charged only by evidence:
+//!
+//! * It is *charged* where it was the only job in hand of its worker, or where the worker goes on
+//!   with the others.
+//! * It *shares* a death where all jobs in hand of its worker expire together. That costs nothing;
+//!   but after [`ALONE_AFTER`] such deaths it runs alone, so that the next one would be its own.
+//! * After its first charged or shared death it runs again at once; after the second it waits, and
+//!   four times as long after each further one, so that a machine that fails for some minutes ends no
+//!   job.
+//! * It ends as failed after [`MAX_ATTEMPTS`] charges.
+//!
+//! So a job that kills its workers ends after at most [`ALONE_AFTER`] deaths in company and
+//! [`MAX_ATTEMPTS`] alone, and none of its siblings ends with it.
+//!
+//! Jobs are leased by turns. A job's turn is the smallest of all that wait, or one more than the
+//! largest of those that the same submitter has waiting, whichever is larger. So submitters alternate
+//! however many jobs each of them queues, and those of one are leased in the order in which they came.
 
 #[cfg(test)]
 mod contract;
@@ -33,9 +52,14 @@ pub use rows::{
 };
 pub use sqlite::Sqlite;
 
-/// How often a job is begun before it counts as one that cannot be finished.
-/// Leases handed back in good order are not counted.
+/// How often a job is charged with the death of its worker before it ends as failed.
 pub const MAX_ATTEMPTS: u32 = 3;
+
+/// Deaths of workers that a job shares with others before it runs alone.
+pub const ALONE_AFTER: u32 = 2;
+
+/// The longest that a job waits after a death of its worker, unless the first wait is longer.
+pub const LONGEST_WAIT: Duration = Duration::from_secs(600);
 
 /// What a heartbeat found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -210,8 +234,9 @@ pub trait Store: Outbox + Keyring + Send + Sync + 'static {
     /// Cancels a queued job, or asks the worker of a running one to stop.
     async fn cancel(&self, reach: &Reach, id: &str) -> Result<Cancelling, StoreError>;
 
-    /// Leases the oldest queued job for `duration`, if there is one.
-    async fn lease(&self, duration: Duration) -> Result<Option<Lease>, StoreError>;
+    /// Leases the queued job whose turn it is for `duration` to a worker, if there is one and the
+    /// worker may have it beside what it has in hand. `worker` tells processes apart.
+    async fn lease(&self, worker: &str, duration: Duration) -> Result<Option<Lease>, StoreError>;
 
     /// Renews a lease and stores what has happened since the last time.
     /// `progress` is JSON; `None` leaves it as it is.
@@ -231,6 +256,8 @@ pub trait Store: Outbox + Keyring + Send + Sync + 'static {
     async fn hand_back(&self, lease: &Lease) -> Result<bool, StoreError>;
 
     /// Requeues jobs whose lease has expired, or ends them: as cancelled where
-    /// that was asked for, as failed after [`MAX_ATTEMPTS`].
-    async fn recover_expired(&self) -> Result<Recovered, StoreError>;
+    /// that was asked for, as failed after [`MAX_ATTEMPTS`] charges. `wait` is how long a job is
+    /// kept from the queue after the second death of its worker; each further wait is four times
+    /// as long.
+    async fn recover_expired(&self, wait: Duration) -> Result<Recovered, StoreError>;
 }

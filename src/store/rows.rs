@@ -53,6 +53,11 @@ pub struct MeasurementRow {
     pub quantities: Option<String>,
     /// JSON array: names of its files in the order of the upload; ignored on insertion.
     pub files: String,
+    /// What one simulation with the base model is estimated to take, s; `None` for a row of an
+    /// earlier version.
+    pub simulation_s: Option<f64>,
+    /// What a diagnosis is estimated to take beside the search of the base model, s; likewise.
+    pub diagnosis_s: Option<f64>,
 }
 
 /// Where a job stands.
@@ -112,6 +117,8 @@ pub struct NewJobRow {
     pub id: String,
     /// The measurement it works on.
     pub measurement_id: String,
+    /// Whoever queues it: submitters take turns.
+    pub submitter: String,
     /// Kind of job.
     pub kind: String,
     /// JSON of the request, every option in effect.

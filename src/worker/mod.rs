@@ -44,6 +44,9 @@ pub struct Settings {
     pub lease: Duration,
     /// How often a job's task reports, renews and asks.
     pub beat: Duration,
+    /// How long a job is kept from the queue after the second death of its worker; the wait grows
+    /// with each further one.
+    pub wait: Duration,
     /// How long one attempt may compute; after that the job fails.
     pub limit: Duration,
 }
@@ -57,6 +60,8 @@ impl Settings {
             slots,
             lease: Duration::from_secs(10),
             beat: Duration::from_millis(200),
+            // Two such waits, the second four times as long, outlast a machine that restarts.
+            wait: Duration::from_secs(120),
             limit: Duration::from_secs(6 * 3600),
         }
     }
@@ -64,6 +69,8 @@ impl Settings {
 
 /// What every part of the worker needs.
 struct Shared {
+    /// Tells this process from others that share the store.
+    id: String,
     store: Arc<dyn Store>,
     service: Service,
     signals: Arc<Signals>,
@@ -79,7 +86,8 @@ pub fn start(
     settings: Settings,
 ) -> JoinHandle<()> {
     threads::prepare();
-    tokio::spawn(run(Arc::new(Shared { store, service, signals, settings })))
+    let id = uuid::Uuid::now_v7().to_string();
+    tokio::spawn(run(Arc::new(Shared { id, store, service, signals, settings })))
 }
 
 async fn run(shared: Arc<Shared>) {
@@ -89,7 +97,7 @@ async fn run(shared: Arc<Shared>) {
     while !shared.signals.is_stopping() {
         recover(&shared).await;
         while running.len() < shared.settings.slots && !shared.signals.is_stopping() {
-            match shared.store.lease(shared.settings.lease).await {
+            match shared.store.lease(&shared.id, shared.settings.lease).await {
                 Ok(Some(lease)) => {
                     let span = info_span!("job", job = lease.job_id, attempt = lease.attempt);
                     running.spawn(attempt::run(Arc::clone(&shared), lease).instrument(span));
@@ -114,7 +122,7 @@ async fn run(shared: Arc<Shared>) {
 }
 
 async fn recover(shared: &Shared) {
-    match shared.store.recover_expired().await {
+    match shared.store.recover_expired(shared.settings.wait).await {
         Ok(Recovered { requeued: 0, ended }) if ended.is_empty() => {}
         Ok(Recovered { requeued, ended }) => {
             let metrics = shared.service.metrics();

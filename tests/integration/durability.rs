@@ -19,7 +19,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 const STOPPING: Duration = Duration::from_secs(5);
 
 /// One place, and a short wait for what a killed server held.
-const ONE_PLACE: [&str; 4] = ["--workers", "1", "--lease-seconds", "2"];
+const ONE_PLACE: [&str; 6] = ["--workers", "1", "--lease-seconds", "2", "--retry-seconds", "0"];
 
 /// Waits until a job says what is wanted of it.
 fn until(server: &Server, job: &str, wanted: impl Fn(&Value) -> bool) -> Value {
@@ -58,6 +58,27 @@ fn a_job_that_kills_its_server_three_times_fails_with_the_reason_and_frees_its_p
     assert!(metrics.contains(counted), "{metrics}");
     let ended = server.ended(&behind);
     assert_eq!(ended["status"], "succeeded", "{ended}");
+}
+
+#[test]
+fn kills_of_a_server_with_several_jobs_in_hand_end_none_of_them() {
+    let directory = tempfile::tempdir().unwrap();
+    let two_places = ["--workers", "2", "--lease-seconds", "2"];
+    let mut server = Server::start(directory.path(), &two_places);
+    let jobs: Vec<String> = (0..6).map(|_| submit(&server, &endless())).collect();
+    for kill in 1..=5 {
+        let begun = || {
+            let of = |job: &String| server.get(job).json()["attempt"].as_u64().unwrap();
+            jobs.iter().map(of).sum::<u64>()
+        };
+        until(&server, &jobs[0], |_| begun() == 2 * kill);
+        server.kill();
+        server = Server::start(directory.path(), &two_places);
+    }
+    for job in &jobs {
+        let status = server.get(job).json()["status"].clone();
+        assert!(status == "queued" || status == "running", "{status}");
+    }
 }
 
 #[test]

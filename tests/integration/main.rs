@@ -29,6 +29,7 @@ mod operations;
 mod process;
 mod progress;
 mod properties;
+mod proxy;
 mod readme;
 mod real_data;
 mod receiver;

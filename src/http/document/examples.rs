@@ -163,6 +163,8 @@ fn measured() -> Measured {
         notes: String::new(),
         quantities: None,
         files: String::new(),
+        simulation_s: None,
+        diagnosis_s: None,
     };
     let quantity = |name: &str, unit: &str| Quantity { name: name.into(), unit: unit.into() };
     let quantities = Quantities {
@@ -267,6 +269,7 @@ fn job(status: Status) -> Job {
         method: Method::AbcAnn,
         options: IdentifyOptions::default(),
         validation_measurement_id: None,
+        estimated_s: Some(4.5),
     };
     let progress = (status == Status::Running).then(|| Progress {
         stage: "searching".into(),

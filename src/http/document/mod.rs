@@ -8,7 +8,8 @@ mod security;
 mod webhooks;
 
 use serde_json::Value;
-use utoipa::openapi::path::{Operation, PathItem};
+use utoipa::openapi::path::{Operation, ParameterIn, PathItem};
+use utoipa::openapi::schema::{ArrayItems, Object, Schema, SchemaType, Type};
 use utoipa::openapi::{OpenApi, RefOr};
 
 /// What a method does to an operation of the document.
@@ -26,6 +27,7 @@ pub(super) fn teach(document: &mut OpenApi) {
         for (effect, operation) in operations(item) {
             problems::declare(path, &effect, operation);
             security::declare(operation);
+            need_values(operation);
             show(operation);
         }
     }
@@ -36,6 +38,38 @@ fn operations(item: &mut PathItem) -> impl Iterator<Item = (Effect, &mut Operati
     let reads = get.iter_mut().map(|operation| (Effect::Reads, operation));
     let writes = [put, post, patch, delete].into_iter().flatten();
     reads.chain(writes.map(|operation| (Effect::Writes, operation)))
+}
+
+/// Says of every text of a query that it is not empty: see [`Query`](super::query::Query).
+fn need_values(operation: &mut Operation) {
+    for parameter in operation.parameters.iter_mut().flatten() {
+        let RefOr::T(parameter) = parameter else { continue };
+        if parameter.parameter_in != ParameterIn::Query {
+            continue;
+        }
+        match &mut parameter.schema {
+            Some(RefOr::T(Schema::Object(text))) => need_value(text),
+            Some(RefOr::T(Schema::Array(list))) => {
+                if let ArrayItems::RefOrSchema(item) = &mut list.items
+                    && let RefOr::T(Schema::Object(text)) = &mut **item
+                {
+                    need_value(text);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+fn need_value(text: &mut Object) {
+    let is_text = match &text.schema_type {
+        SchemaType::Type(kind) => *kind == Type::String,
+        SchemaType::Array(kinds) => kinds.contains(&Type::String),
+        SchemaType::AnyValue => false,
+    };
+    if is_text {
+        text.min_length = Some(1);
+    }
 }
 
 /// Adds the examples, and the descriptions that every answer must have.
@@ -138,6 +172,25 @@ mod tests {
             let fails = operation["responses"].get("503").is_some();
             assert!(is_service || fails, "{name}: a database that does not answer");
         }
+    }
+
+    #[test]
+    fn every_text_of_a_query_has_a_character() {
+        let document = document();
+        let mut texts = 0;
+        for (name, operation) in all(&document) {
+            let parameters = operation["parameters"].as_array().into_iter().flatten();
+            for parameter in parameters.filter(|parameter| parameter["in"] == "query") {
+                let schema = &parameter["schema"];
+                let kinds = schema["type"].to_string() + &schema["items"]["type"].to_string();
+                if kinds.contains("\"string\"") {
+                    let least = [&schema["minLength"], &schema["items"]["minLength"]];
+                    assert!(least.contains(&&Value::from(1)), "{name}: {parameter}");
+                    texts += 1;
+                }
+            }
+        }
+        assert!(texts > 30, "{texts}");
     }
 
     #[test]

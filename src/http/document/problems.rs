@@ -76,6 +76,13 @@ const ENDED: Kind = kind(
     "Already ended",
     "job `01a2` has already succeeded; there is nothing to cancel",
 );
+const TOO_SLOW: Kind = kind(
+    408,
+    "",
+    "Request Timeout",
+    "the body came too slowly: a client that sends may pause for 30 seconds at most, and must send 500 \
+     bytes a second on average",
+);
 const TOO_LARGE: Kind =
     kind(413, "", "Payload Too Large", "the body is larger than 67108864 bytes as sent");
 const NOT_READ: Kind =
@@ -98,6 +105,12 @@ const KEY_REUSED: Kind = kind(
     "Idempotency key reused",
     "the idempotency key `7` was used before for another request; use a new key",
 );
+const TOO_COSTLY: Kind = kind(
+    422,
+    "too-costly",
+    "Too costly",
+    "it would compute about 9 hours on one processor, more than the 60 minutes that a job may",
+);
 const UNINSPECTED: Kind = kind(
     422,
     "uninspected",
@@ -116,6 +129,12 @@ const NO_DATABASE: Kind = kind(
     "Internal error",
     "the database does not answer as it should; the log says more under the reference",
 );
+const BUSY: Kind = kind(
+    503,
+    "",
+    "Service Unavailable",
+    "as many connections are busy as the server may keep; send it again later",
+);
 const NO_ROOM: Kind = kind(
     507,
     "internal",
@@ -130,10 +149,10 @@ const OWN: &[(&str, &[&Kind])] = &[
     ("get_measurement_csv", &[&UNREADABLE]),
     ("get_measurement_json", &[&UNREADABLE]),
     ("get_measurement_figure", &[&UNREADABLE]),
-    ("inspect_measurement", &[&UNREADABLE, &UNINSPECTED]),
+    ("inspect_measurement", &[&UNREADABLE, &UNINSPECTED, &TOO_COSTLY]),
     ("list_measurements", &[&INVALID]),
     ("list_jobs", &[&INVALID]),
-    ("submit_job", &[&UNKNOWN, &KEY_REUSED]),
+    ("submit_job", &[&UNKNOWN, &KEY_REUSED, &TOO_COSTLY]),
     ("get_result", &[&NOT_FINISHED, &NO_RESULT]),
     ("get_parameters_csv", &[&NOT_FINISHED, &NO_RESULT]),
     ("get_comparison_csv", &[&NOT_FINISHED, &NO_RESULT, &NO_PLOT, &UNREADABLE]),
@@ -196,7 +215,7 @@ fn kinds(path: &str, effect: &Effect, operation: &Operation) -> Vec<&'static Kin
         });
         places.any(|of| *of == place)
     };
-    kinds.extend([&INTERNAL, &NO_DATABASE]);
+    kinds.extend([&INTERNAL, &NO_DATABASE, &BUSY]);
     if has(ParameterIn::Path) && id != "put_mapping" {
         kinds.push(&UNKNOWN);
     }
@@ -204,7 +223,7 @@ fn kinds(path: &str, effect: &Effect, operation: &Operation) -> Vec<&'static Kin
         kinds.push(&BAD_QUERY);
     }
     if let Some(RefOr::T(body)) = &operation.request_body {
-        kinds.extend([&BAD_REQUEST, &TOO_LARGE, &NOT_READ]);
+        kinds.extend([&BAD_REQUEST, &TOO_SLOW, &TOO_LARGE, &NOT_READ]);
         if body.content.len() == 1 {
             kinds.extend([&MALFORMED, &INVALID]);
         }

@@ -32,3 +32,29 @@ fn a_file_is_asked_for_again_and_sent_once() {
     );
     problem(server.get("/assets/nothing.js"), 404);
 }
+
+#[test]
+fn every_answer_says_what_a_browser_may_make_of_it() {
+    let server = Server::start();
+    let job = server.job(SUCCEED);
+    server.ended(&job);
+    for path in [
+        "/",
+        "/assets/main.js",
+        "/docs/",
+        "/livez",
+        "/v1/jobs",
+        "/v1/nothing",
+        "/v1/jobs?limit=none",
+        &format!("/v1/jobs/{job}/result"),
+        &format!("/v1/jobs/{job}/convergence.csv"),
+    ] {
+        let answer = server.get(path);
+        assert_eq!(header(&answer, "x-content-type-options"), "nosniff", "{path}");
+        assert_eq!(header(&answer, "x-frame-options"), "DENY", "{path}");
+        assert_eq!(header(&answer, "referrer-policy"), "no-referrer", "{path}");
+        let policy = header(&answer, "content-security-policy");
+        assert!(policy.starts_with("default-src 'none'"), "{path}: {policy}");
+        assert!(policy.contains("frame-ancestors 'none'"), "{path}: {policy}");
+    }
+}

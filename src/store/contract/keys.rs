@@ -87,12 +87,13 @@ pub(super) async fn rows_of_another_owner_are_not_there(store: &dyn Store) {
     assert!(store.delete_measurement(&theirs, &others).await.unwrap());
     let job = NewJobRow {
         id: id(),
+        submitter: String::new(),
         measurement_id: measured.clone(),
         kind: "identify".into(),
         request: "{}".into(),
     };
     store.insert_job(&mine, &job, None).await.unwrap();
-    let lease = store.lease(LONG).await.unwrap().unwrap();
+    let lease = lease(store, LONG).await.unwrap();
     store.heartbeat(&lease, LONG, None, &[point(0)]).await.unwrap();
     store.finish(&lease, &Outcome::Succeeded("{}".into())).await.unwrap();
     let hook = WebhookRow {
@@ -153,12 +154,13 @@ pub(super) async fn a_later_job_of_another_owner_does_not_hide_a_result(store: &
     for owner in ["a", "b"] {
         let row = NewJobRow {
             id: id(),
+            submitter: String::new(),
             measurement_id: measured.clone(),
             kind: "identify".into(),
             request: "{}".into(),
         };
         store.insert_job(&of(owner), &row, None).await.unwrap();
-        let lease = store.lease(LONG).await.unwrap().unwrap();
+        let lease = lease(store, LONG).await.unwrap();
         store.finish(&lease, &Outcome::Succeeded(format!("\"{owner}\""))).await.unwrap();
         tokio::time::sleep(TICK).await;
     }

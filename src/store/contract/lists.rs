@@ -100,14 +100,9 @@ pub(super) async fn results_are_listed_by_when_they_were_measured(store: &dyn St
         };
         store.insert_measurement(&all(), &row, &[file(b"x")], None).await.unwrap();
         for _ in 0..2 {
-            let job = NewJobRow {
-                id: id(),
-                measurement_id: row.id.clone(),
-                kind: "identify".into(),
-                request: "{}".into(),
-            };
+            let job = new_job(&row.id);
             store.insert_job(&all(), &job, None).await.unwrap();
-            let lease = store.lease(LONG).await.unwrap().expect("it is queued");
+            let lease = lease(store, LONG).await.expect("it is queued");
             store.finish(&lease, &Outcome::Succeeded("{}".into())).await.unwrap();
             jobs.push(job.id);
         }

@@ -62,7 +62,7 @@ pub(super) async fn every_way_to_end_a_job_leaves_one_event(store: &dyn Store) {
     ended.push(unwanted.job_id);
     let killed = leased_job(store, EXPIRED).await;
     store.cancel(&all(), &killed.job_id).await.unwrap();
-    store.recover_expired().await.unwrap();
+    store.recover_expired(NO_WAIT).await.unwrap();
     ended.push(killed.job_id);
     // Back in the queue is no end.
     let handed_back = leased_job(store, LONG).await;

@@ -4,10 +4,36 @@ use super::*;
 
 pub(super) async fn the_oldest_queued_job_is_leased_once(store: &dyn Store) {
     let (first, second) = (queued_job(store).await, queued_job(store).await);
-    assert_eq!(store.lease(LONG).await.unwrap().expect("two are queued").job_id, first);
-    assert_eq!(store.lease(LONG).await.unwrap().expect("one is queued").job_id, second);
-    assert_eq!(store.lease(LONG).await.unwrap(), None);
+    assert_eq!(lease(store, LONG).await.expect("two are queued").job_id, first);
+    assert_eq!(lease(store, LONG).await.expect("one is queued").job_id, second);
+    assert_eq!(lease(store, LONG).await, None);
     assert_eq!(status(store, &first).await, Status::Running);
+}
+
+pub(super) async fn submitters_take_turns_however_much_each_queues(store: &dyn Store) {
+    let measured = stored_measurement(store).await;
+    let mut flood = Vec::new();
+    for _ in 0..20 {
+        flood.push(queued_job_of(store, &measured, "flood").await);
+    }
+    let mut leased = Vec::new();
+    for _ in 0..5 {
+        leased.push(lease(store, LONG).await.expect("20 are queued").job_id);
+    }
+    let mut few = Vec::new();
+    for _ in 0..3 {
+        few.push(queued_job_of(store, &measured, "few").await);
+    }
+    flood.push(queued_job_of(store, &measured, "flood").await);
+    while let Some(lease) = lease(store, LONG).await {
+        leased.push(lease.job_id);
+    }
+    let mut wanted = flood[..5].to_vec();
+    for (of_flood, of_few) in flood[5..].iter().zip(&few) {
+        wanted.extend([of_flood.clone(), of_few.clone()]);
+    }
+    wanted.extend_from_slice(&flood[8..]);
+    assert_eq!(leased, wanted);
 }
 
 pub(super) async fn a_job_runs_and_succeeds_with_its_history(store: &dyn Store) {
@@ -58,8 +84,8 @@ pub(super) async fn an_expired_lease_writes_nothing_even_before_it_is_recovered(
 
 pub(super) async fn a_stale_worker_cannot_spoil_its_successor(store: &dyn Store) {
     let stale = leased_job(store, EXPIRED).await;
-    assert_eq!(store.recover_expired().await.unwrap().requeued, 1);
-    let fresh = store.lease(LONG).await.unwrap().expect("it is queued again");
+    assert_eq!(store.recover_expired(NO_WAIT).await.unwrap().requeued, 1);
+    let fresh = lease(store, LONG).await.expect("it is queued again");
     assert_eq!(fresh.job_id, stale.job_id);
     assert_ne!(fresh.attempt, stale.attempt);
     store.heartbeat(&fresh, LONG, None, &[point(0)]).await.unwrap();
@@ -70,39 +96,24 @@ pub(super) async fn a_stale_worker_cannot_spoil_its_successor(store: &dyn Store)
     assert_eq!(store.convergence(&all(), &fresh.job_id).await.unwrap(), [point(0)]);
 }
 
-pub(super) async fn a_job_that_kills_its_workers_fails_after_the_last_attempt(store: &dyn Store) {
-    let job = queued_job(store).await;
-    for _ in 1..MAX_ATTEMPTS {
-        store.lease(EXPIRED).await.unwrap().expect("it is queued");
-        assert_eq!(store.recover_expired().await.unwrap().requeued, 1);
-    }
-    store.lease(EXPIRED).await.unwrap().expect("it is queued a last time");
-    let recovered = store.recover_expired().await.unwrap();
-    let ended = EndedRow { kind: "identify".into(), status: Status::Failed };
-    assert_eq!(recovered, Recovered { requeued: 0, ended: vec![ended] });
-    let job = store.job(&all(), &job).await.unwrap().expect("it exists");
-    assert_eq!(job.status, Status::Failed);
-    assert!(job.failure.expect("it says why").contains("3 attempts"));
-}
-
 pub(super) async fn a_job_handed_back_is_queued_and_not_charged(store: &dyn Store) {
     let job = queued_job(store).await;
     let mut attempts = Vec::new();
     for _ in 0..2 * MAX_ATTEMPTS {
-        let lease = store.lease(LONG).await.unwrap().expect("it is queued");
+        let lease = lease(store, LONG).await.expect("it is queued");
         attempts.push(lease.attempt);
         assert!(store.hand_back(&lease).await.unwrap());
     }
     assert!(attempts.windows(2).all(|pair| pair[0] < pair[1]), "no lease number twice");
-    let last = store.lease(EXPIRED).await.unwrap().expect("it is queued");
-    assert_eq!(store.recover_expired().await.unwrap().requeued, 1);
+    let last = lease(store, EXPIRED).await.expect("it is queued");
+    assert_eq!(store.recover_expired(NO_WAIT).await.unwrap().requeued, 1);
     assert_eq!(last.job_id, job);
 }
 
 pub(super) async fn a_queued_job_is_cancelled_at_once(store: &dyn Store) {
     let job = queued_job(store).await;
     assert_eq!(store.cancel(&all(), &job).await.unwrap(), Cancelling::Cancelled);
-    assert_eq!(store.lease(LONG).await.unwrap(), None);
+    assert_eq!(lease(store, LONG).await, None);
     assert_eq!(store.cancel(&all(), &job).await.unwrap(), Cancelling::Ended(Status::Cancelled));
     assert_eq!(store.cancel(&all(), "nobody").await.unwrap(), Cancelling::Unknown);
 }
@@ -124,7 +135,7 @@ pub(super) async fn a_cancelled_job_does_not_come_back_to_the_queue(store: &dyn 
 
     let lease = leased_job(store, EXPIRED).await;
     store.cancel(&all(), &lease.job_id).await.unwrap();
-    let recovered = store.recover_expired().await.unwrap();
+    let recovered = store.recover_expired(NO_WAIT).await.unwrap();
     let ended = EndedRow { kind: "identify".into(), status: Status::Cancelled };
     assert_eq!(recovered, Recovered { requeued: 0, ended: vec![ended] });
     assert_eq!(status(store, &lease.job_id).await, Status::Cancelled);
@@ -135,7 +146,7 @@ pub(super) async fn history_goes_on_where_the_attempt_before_left_it(store: &dyn
     assert_eq!(first.next_seq, 0);
     store.heartbeat(&first, LONG, None, &[point(0), point(1)]).await.unwrap();
     assert!(store.hand_back(&first).await.unwrap());
-    let second = store.lease(LONG).await.unwrap().expect("it is queued again");
+    let second = lease(store, LONG).await.expect("it is queued again");
     assert_eq!(second.next_seq, 2);
     store.heartbeat(&second, LONG, None, &[point(2)]).await.unwrap();
     assert_eq!(store.convergence(&all(), &second.job_id).await.unwrap(), [point(2)]);

@@ -42,7 +42,9 @@ from_columns!(MeasurementRow {
     omega_max_rad_s,
     notes,
     quantities,
-    files
+    files,
+    simulation_s,
+    diagnosis_s
 });
 from_columns!(MappingRow { name, settings, layout, updated_at_ms });
 from_columns!(JobRow {

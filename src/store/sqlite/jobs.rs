@@ -18,13 +18,18 @@ pub(super) async fn insert(
         return Ok(claim);
     }
     sqlx::query(
-        "INSERT INTO jobs (id, measurement_id, kind, request, status, created_at_ms, owner)
-         VALUES (?1, ?2, ?3, ?4, 'queued', (SELECT now_ms FROM clock), ?5)",
+        "INSERT INTO jobs
+             (id, measurement_id, kind, request, submitter, status, created_at_ms, turn, owner)
+         VALUES (?1, ?2, ?3, ?4, ?5, 'queued', (SELECT now_ms FROM clock),
+                 max(COALESCE((SELECT min(turn) FROM jobs WHERE status = 'queued'), 0),
+                     COALESCE((SELECT max(turn) + 1 FROM jobs
+                               WHERE status = 'queued' AND submitter = ?5), 0)), ?6)",
     )
     .bind(&row.id)
     .bind(&row.measurement_id)
     .bind(&row.kind)
     .bind(&row.request)
+    .bind(&row.submitter)
     .bind(&reach.owner)
     .execute(connection)
     .await?;

@@ -23,9 +23,10 @@ pub(super) async fn insert(
         "INSERT INTO measurements
              (id, created_at_ms, name, machine, axis, operator, measured_at, labels, sha256,
               experiments, highest_harmonic, magnitude_min, magnitude_max, omega_min_rad_s,
-              omega_max_rad_s, notes, quantities, owner)
+              omega_max_rad_s, notes, quantities, simulation_s, diagnosis_s,
+              owner)
          VALUES (?1, (SELECT now_ms FROM clock), ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12,
-                 ?13, ?14, ?15, ?16, ?17)",
+                 ?13, ?14, ?15, ?16, ?17, ?18, ?19)",
     )
     .bind(&row.id)
     .bind(&row.name)
@@ -43,6 +44,8 @@ pub(super) async fn insert(
     .bind(row.omega_max_rad_s)
     .bind(&row.notes)
     .bind(&row.quantities)
+    .bind(row.simulation_s)
+    .bind(row.diagnosis_s)
     .bind(&reach.owner)
     .execute(&mut *connection)
     .await?;

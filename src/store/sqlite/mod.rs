@@ -10,6 +10,7 @@ mod measurements;
 mod migrations;
 mod outbox;
 mod queue;
+mod recovery;
 mod results;
 mod retention;
 
@@ -312,9 +313,9 @@ impl Store for Sqlite {
         self.end(transaction, cancelling).await
     }
 
-    async fn lease(&self, duration: Duration) -> Result<Option<Lease>, StoreError> {
+    async fn lease(&self, worker: &str, duration: Duration) -> Result<Option<Lease>, StoreError> {
         let mut transaction = self.begin().await?;
-        let lease = queue::lease(&mut transaction, duration).await;
+        let lease = queue::lease(&mut transaction, worker, duration).await;
         self.end(transaction, lease).await
     }
 
@@ -342,9 +343,9 @@ impl Store for Sqlite {
         self.end(transaction, handed_back).await
     }
 
-    async fn recover_expired(&self) -> Result<Recovered, StoreError> {
+    async fn recover_expired(&self, wait: Duration) -> Result<Recovered, StoreError> {
         let mut transaction = self.begin().await?;
-        let recovered = queue::recover_expired(&mut transaction).await;
+        let recovered = recovery::recover_expired(&mut transaction, wait).await;
         self.end(transaction, recovered).await
     }
 }

@@ -5,27 +5,38 @@ use std::time::Duration;
 use sqlx::{SqliteConnection, SqlitePool};
 
 use crate::store::{
-    Beat, Cancelling, ConvergencePoint, EndedRow, Lease, MAX_ATTEMPTS, Outcome, QueueState, Reach,
-    Recovered, Status,
+    ALONE_AFTER, Beat, Cancelling, ConvergencePoint, Lease, Outcome, QueueState, Reach, Status,
 };
 
 use super::history;
 
 pub(super) async fn lease(
     connection: &mut SqliteConnection,
+    worker: &str,
     duration: Duration,
 ) -> sqlx::Result<Option<Lease>> {
+    // A job that was in hand at two deaths of workers runs alone: whatever is next waits for it.
     sqlx::query_as(
         "UPDATE jobs
-         SET status = 'running', attempt = attempt + 1, progress = NULL,
+         SET status = 'running', attempt = attempt + 1, progress = NULL, worker = ?1,
              started_at_ms = (SELECT now_ms FROM clock),
-             lease_until_ms = (SELECT now_ms FROM clock) + ?1
-         WHERE id = (SELECT id FROM jobs WHERE status = 'queued' ORDER BY id LIMIT 1)
+             renewed_at_ms = (SELECT now_ms FROM clock),
+             lease_until_ms = (SELECT now_ms FROM clock) + ?2
+         WHERE id = (
+             SELECT id
+             FROM (SELECT id, shared FROM jobs
+                   WHERE status = 'queued' AND due_ms <= (SELECT now_ms FROM clock)
+                   ORDER BY turn, id LIMIT 1) AS next
+             WHERE NOT EXISTS (SELECT 1 FROM jobs AS held
+                               WHERE held.status = 'running' AND held.worker = ?1
+                                 AND (next.shared >= ?3 OR held.shared >= ?3)))
          RETURNING id AS job_id, attempt, measurement_id, kind, request,
                    (SELECT COALESCE(max(seq) + 1, 0) FROM convergence
                     WHERE job_id = jobs.id) AS next_seq",
     )
+    .bind(worker)
     .bind(millis(duration))
+    .bind(ALONE_AFTER)
     .fetch_optional(connection)
     .await
 }
@@ -39,7 +50,8 @@ pub(super) async fn renew(
 ) -> sqlx::Result<Beat> {
     let cancel_requested: Option<bool> = sqlx::query_scalar(
         "UPDATE jobs
-         SET lease_until_ms = (SELECT now_ms FROM clock) + ?3, progress = COALESCE(?4, progress)
+         SET lease_until_ms = (SELECT now_ms FROM clock) + ?3,
+             renewed_at_ms = (SELECT now_ms FROM clock), progress = COALESCE(?4, progress)
          WHERE id = ?1 AND attempt = ?2 AND status = 'running'
            AND lease_until_ms > (SELECT now_ms FROM clock)
          RETURNING cancel_requested",
@@ -136,43 +148,6 @@ pub(super) async fn cancel(
         }
         Some(status) => Ok(Cancelling::Ended(status)),
     }
-}
-
-pub(super) async fn recover_expired(connection: &mut SqliteConnection) -> sqlx::Result<Recovered> {
-    let mut ended: Vec<EndedRow> = sqlx::query_as(
-        "UPDATE jobs
-         SET status = 'cancelled', lease_until_ms = NULL,
-             finished_at_ms = (SELECT now_ms FROM clock)
-         WHERE status = 'running' AND cancel_requested
-           AND lease_until_ms <= (SELECT now_ms FROM clock)
-         RETURNING kind, status",
-    )
-    .fetch_all(&mut *connection)
-    .await?;
-    let failed: Vec<EndedRow> = sqlx::query_as(
-        "UPDATE jobs
-         SET status = 'failed', lease_until_ms = NULL,
-             finished_at_ms = (SELECT now_ms FROM clock),
-             failure = json_object(
-                 'reason', 'gave up after ' || (attempt - handed_back) || ' attempts: each time '
-                     || 'the worker stopped without a word, as a process does that is killed '
-                     || 'or runs out of memory',
-                 'reference', NULL)
-         WHERE status = 'running' AND attempt - handed_back >= ?1
-           AND lease_until_ms <= (SELECT now_ms FROM clock)
-         RETURNING kind, status",
-    )
-    .bind(MAX_ATTEMPTS)
-    .fetch_all(&mut *connection)
-    .await?;
-    ended.extend(failed);
-    let requeued = sqlx::query(
-        "UPDATE jobs SET status = 'queued', lease_until_ms = NULL, progress = NULL
-         WHERE status = 'running' AND lease_until_ms <= (SELECT now_ms FROM clock)",
-    )
-    .execute(connection)
-    .await?;
-    Ok(Recovered { requeued: requeued.rows_affected(), ended })
 }
 
 pub(super) async fn state(pool: &SqlitePool) -> sqlx::Result<QueueState> {

@@ -1,0 +1,94 @@
+//! More connections than the server keeps.
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+
+use super::*;
+
+/// Connections that the server keeps here.
+const KEPT: usize = 8;
+
+fn server(idle: Duration) -> Server {
+    Server::start_keeping(Vec::new(), Keeping { idle, ..Keeping::new(KEPT) })
+}
+
+fn connect(server: &Server, sent: &str) -> TcpStream {
+    let mut stream = TcpStream::connect(server.address.trim_start_matches("http://")).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+    stream.write_all(sent.as_bytes()).unwrap();
+    stream
+}
+
+/// What is answered before the server closes the connection.
+fn answered(mut stream: TcpStream) -> String {
+    let mut text = String::new();
+    // One that is reset has said what it had to say.
+    let _ = stream.read_to_string(&mut text);
+    text
+}
+
+/// A request whose body does not come.
+const UNFINISHED: &str = "POST /v1/measurements HTTP/1.1\r\nhost: localhost\r\n\
+                          content-type: text/csv\r\ncontent-length: 100\r\n\r\nabc";
+
+#[test]
+fn idle_connections_and_half_heads_make_room_for_those_who_ask() {
+    let server = server(Duration::from_secs(75));
+    let idle: Vec<TcpStream> = (0..10 * KEPT)
+        .map(|index| connect(&server, if index % 2 == 0 { "" } else { "GET /livez HTT" }))
+        .collect();
+    for path in ["/livez", "/v1/jobs"] {
+        let request =
+            format!("GET {path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n");
+        let text = answered(connect(&server, &request));
+        assert!(text.starts_with("HTTP/1.1 200"), "{text}");
+    }
+    // The first has made room.
+    assert_eq!(answered(idle.into_iter().next().unwrap()), "");
+}
+
+#[test]
+fn where_every_connection_is_busy_an_operator_is_answered_and_others_are_told() {
+    let server = server(Duration::from_secs(75));
+    let busy: Vec<TcpStream> = (0..KEPT).map(|_| connect(&server, UNFINISHED)).collect();
+    let asked = |path: &str| {
+        let head = format!("GET {path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n");
+        answered(connect(&server, &head))
+    };
+    // A request counts once its head is read.
+    while !asked("/v1/jobs").starts_with("HTTP/1.1 503") {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let refused = asked("/v1/jobs").to_ascii_lowercase();
+    assert!(refused.contains("retry-after: ") && refused.contains("problem+json"), "{refused}");
+    for path in ["/livez", "/readyz", "/metrics"] {
+        let text = asked(path);
+        assert!(text.starts_with("HTTP/1.1 200"), "{path}: {text}");
+    }
+    drop(busy);
+    while !asked("/v1/jobs").starts_with("HTTP/1.1 200") {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn a_connection_without_a_request_is_closed_after_a_while_and_a_stream_is_not() {
+    let server = server(Duration::from_millis(300));
+    let job = server.job(RUN_UNTIL_CANCELLED);
+    let request = format!("GET /v1/jobs/{job}/events HTTP/1.1\r\nhost: localhost\r\n\r\n");
+    let mut stream = connect(&server, &request);
+    for sent in ["", "GET /livez HTT", "GET /livez HTTP/1.1\r\nhost: localhost\r\n\r\n"] {
+        let text = answered(connect(&server, sent));
+        assert_eq!(text.starts_with("HTTP/1.1 200"), sent.ends_with("\r\n\r\n"), "{text}");
+    }
+    assert_eq!(stream.read(&mut [0; 16]).unwrap(), 16);
+    let cancel = server.post(&format!("/v1/jobs/{job}/cancel"), &[], b"");
+    assert_eq!(cancel.status(), 202);
+    let mut text = String::new();
+    while !text.contains("event: end") {
+        let mut bytes = [0; 1024];
+        let read = stream.read(&mut bytes).unwrap();
+        assert_ne!(read, 0, "it was closed: {text}");
+        text.push_str(&String::from_utf8_lossy(&bytes[..read]));
+    }
+}

@@ -1,0 +1,76 @@
+//! What becomes of jobs whose worker stopped without a word.
+
+use std::time::Duration;
+
+use sqlx::SqliteConnection;
+
+use crate::store::{EndedRow, LONGEST_WAIT, MAX_ATTEMPTS, Recovered, Status};
+
+use super::queue::millis;
+
+/// Requeues jobs whose lease has expired, or ends them, by the rule of [`crate::store`].
+pub(super) async fn recover_expired(
+    connection: &mut SqliteConnection,
+    wait: Duration,
+) -> sqlx::Result<Recovered> {
+    let mut recovered = Recovered::default();
+    for (id, alone) in judged(connection).await? {
+        let left: EndedRow = sqlx::query_as(
+            "UPDATE jobs
+             SET charged = charged + ?2, shared = shared + (NOT ?2), lease_until_ms = NULL,
+                 status = CASE WHEN cancel_requested THEN 'cancelled'
+                               WHEN charged + ?2 >= ?3 THEN 'failed' ELSE 'queued' END,
+                 progress = CASE WHEN cancel_requested OR charged + ?2 >= ?3 THEN progress END,
+                 finished_at_ms = CASE WHEN cancel_requested OR charged + ?2 >= ?3
+                                       THEN (SELECT now_ms FROM clock) END,
+                 failure = CASE WHEN NOT cancel_requested AND charged + ?2 >= ?3 THEN json_object(
+                     'reason', 'gave up after ' || (charged + ?2) || ' attempts: each time the '
+                         || 'worker stopped without a word, as a process does that is killed or '
+                         || 'runs out of memory, while it had nothing else in hand, or lost this '
+                         || 'job alone',
+                     'reference', NULL) END,
+                 due_ms = (SELECT now_ms FROM clock) + CASE charged + shared WHEN 0 THEN 0
+                     ELSE min(?4 << min(2 * (charged + shared - 1), 20), max(?4, ?5)) END
+             WHERE id = ?1
+             RETURNING kind, status",
+        )
+        .bind(id)
+        .bind(alone)
+        .bind(MAX_ATTEMPTS)
+        .bind(millis(wait))
+        .bind(millis(LONGEST_WAIT))
+        .fetch_one(&mut *connection)
+        .await?;
+        match left.status {
+            Status::Queued => recovered.requeued += 1,
+            _ => recovered.ended.push(left),
+        }
+    }
+    Ok(recovered)
+}
+
+/// The jobs whose lease has expired and of which it is known what became of their siblings, the
+/// other jobs in hand of their worker; and whether each is the only one that was lost.
+async fn judged(connection: &mut SqliteConnection) -> sqlx::Result<Vec<(String, bool)>> {
+    // A sibling that was heard of after the lease had expired lives. One that was not, but whose
+    // own lease is good for a little longer, must be waited for: it may have died at the same time.
+    sqlx::query_as(
+        "SELECT id, lives OR NOT siblings
+         FROM (SELECT id,
+                      EXISTS (SELECT 1 FROM jobs AS sibling
+                              WHERE sibling.status = 'running' AND sibling.worker IS jobs.worker
+                                AND sibling.id <> jobs.id) AS siblings,
+                      EXISTS (SELECT 1 FROM jobs AS sibling
+                              WHERE sibling.status = 'running' AND sibling.worker IS jobs.worker
+                                AND sibling.renewed_at_ms > jobs.lease_until_ms) AS lives,
+                      EXISTS (SELECT 1 FROM jobs AS sibling
+                              WHERE sibling.status = 'running' AND sibling.worker IS jobs.worker
+                                AND sibling.lease_until_ms > (SELECT now_ms FROM clock)) AS open
+               FROM jobs
+               WHERE status = 'running' AND lease_until_ms <= (SELECT now_ms FROM clock))
+         WHERE lives OR NOT open
+         ORDER BY id",
+    )
+    .fetch_all(connection)
+    .await
+}

@@ -55,6 +55,15 @@ impl Server {
         Self::spawn(data_dir, arguments, File::create(log).unwrap().into()).0
     }
 
+    /// One that may have so many files open.
+    pub fn start_with_files(data_dir: &Path, files: u64) -> Self {
+        let mut shell = Command::new("sh");
+        let limited = format!("ulimit -n {files} && exec \"$0\" \"$@\"");
+        shell.args(["-c", &limited]).arg(env!("CARGO_BIN_EXE_servoscope"));
+        shell.args(["serve", "--listen", "127.0.0.1:0", "--data-dir"]).arg(data_dir);
+        Self::started(shell, Stdio::null()).0
+    }
+
     /// One that shows its demonstration, and what it prints.
     pub fn demonstrate(data_dir: &Path) -> (Self, String) {
         let (server, output) = Self::spawn(data_dir, &["--demo"], Stdio::null());

@@ -164,6 +164,9 @@ const OWN: &[(&str, &[&Kind])] = &[
     ("get_history_figure", &[&UNKNOWN]),
     ("rotate_key", &[&INVALID]),
     ("sign_in", &[&NO_KEY]),
+    ("plan", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT]),
+    ("plan_excitation", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT]),
+    ("plan_figure", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT]),
 ];
 
 /// Puts every status of an error, with its types of problem, in place of what the handlers say.

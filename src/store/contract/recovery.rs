@@ -2,6 +2,9 @@
 
 use super::*;
 
+/// A lease that is still good when the next one is taken or renewed: workers die with all of them.
+const SHORT: Duration = Duration::from_millis(500);
+
 /// Those of the jobs that ended as failed.
 async fn failed(store: &dyn Store, jobs: &[String]) -> Vec<String> {
     let mut failed = Vec::new();
@@ -26,9 +29,12 @@ async fn dies(store: &dyn Store, slots: usize) -> Vec<String> {
     let worker = id();
     let mut in_hand = Vec::new();
     while in_hand.len() < slots
-        && let Some(lease) = store.lease(&worker, EXPIRED).await.unwrap()
+        && let Some(lease) = store.lease(&worker, SHORT).await.unwrap()
     {
         in_hand.push(lease.job_id);
+    }
+    if !in_hand.is_empty() {
+        tokio::time::sleep(SHORT).await;
     }
     in_hand
 }
@@ -77,8 +83,9 @@ pub(super) async fn a_poisonous_job_ends_and_none_of_its_siblings(store: &dyn St
         }
         if in_hand.iter().any(|lease| lease.job_id == *poison) {
             for lease in &in_hand {
-                store.heartbeat(lease, EXPIRED, None, &[]).await.unwrap();
+                store.heartbeat(lease, SHORT, None, &[]).await.unwrap();
             }
+            tokio::time::sleep(SHORT).await;
             deaths += 1;
             store.recover_expired(NO_WAIT).await.unwrap();
         } else {

@@ -265,7 +265,7 @@ pub struct MeasurementFilter {
 }
 
 /// What a measurement says of itself, beside its data.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Description {
     /// Its name.
     pub name: Option<String>,

@@ -138,6 +138,8 @@ pub(super) async fn rows_of_another_owner_are_not_there(store: &dyn Store) {
     for stranger in [&theirs, &reader, &Reach::nothing()] {
         assert_eq!(store.cancel(stranger, &job.id).await.unwrap(), Cancelling::Unknown);
         assert!(!store.delete_job(stranger, &job.id).await.unwrap());
+        let none = Description::default();
+        assert!(!store.describe_measurement(stranger, &measured, &none).await.unwrap());
         assert!(!store.delete_measurement(stranger, &measured).await.unwrap());
         assert!(!store.delete_webhook(stranger, &hook.id).await.unwrap());
     }

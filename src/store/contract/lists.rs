@@ -81,11 +81,11 @@ pub(super) async fn a_measurement_says_something_else_of_itself(store: &dyn Stor
         labels: "{}".into(),
     };
     assert!(store.describe_measurement(&all(), &one, &description).await.unwrap());
-    let row = store.measurement(&one).await.unwrap().unwrap();
+    let row = store.measurement(&all(), &one).await.unwrap().unwrap();
     let said = (row.name.as_deref(), row.machine.as_deref(), row.axis.as_deref());
     assert_eq!(said, (Some("before the repair"), None, Some("z")));
     assert_eq!((row.measured_at, row.labels.as_str()), (None, "{}"));
-    let row = store.measurement(&other).await.unwrap().unwrap();
+    let row = store.measurement(&all(), &other).await.unwrap().unwrap();
     assert_eq!(row.machine.as_deref(), Some("press 4"));
     assert!(!store.describe_measurement(&all(), "nobody", &description).await.unwrap());
 }

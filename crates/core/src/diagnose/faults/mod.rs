@@ -24,7 +24,7 @@ mod scan;
 pub(super) mod suspects;
 #[cfg(test)]
 mod tests;
-mod words;
+pub(super) mod words;
 
 use std::sync::{Mutex, PoisonError};
 

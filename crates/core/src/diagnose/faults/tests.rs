@@ -3,9 +3,11 @@
 use super::*;
 use crate::answers::{FaultKind, IdentifyOptions};
 use crate::diagnose::tests::{exact, noisy, request};
-use crate::machines::draw::NoiseStatement;
+use crate::machines::draw::{Draw, NoiseStatement, measure};
+use crate::machines::simulator::Effect;
 use crate::measurement::{Complex, Experiment, Harmonic, Metadata};
 use crate::observer::Silent;
+use crate::plant::{Actuator, Friction, Plant};
 
 fn of(experiments: Vec<Experiment>) -> Measurement {
     Measurement::new(Metadata::default(), experiments, Vec::new(), String::new()).unwrap()
@@ -214,4 +216,37 @@ fn an_effect_behind_a_fault_is_still_named() {
     assert_eq!(answer.measurement[0].fault, FaultKind::BadRows);
     assert_eq!(answer.causes[0].effect, "transport_delay", "{:?}", answer.causes);
     assert_eq!(answer.verdict, Verdict::Explained);
+}
+
+/// A joint whose antiresonance lies where one experiment alone is, the fastest of 18; noise of 31 dB.
+fn joint_at_the_end_of_the_band(seed: u64) -> Measurement {
+    let plant = Plant {
+        viscous_rate_rad_s: 28.6,
+        constant: 26.9,
+        actuator: Actuator::FirstOrder { corner_rad_s: 192.0 },
+        friction: Friction::coulomb(1.45, 1.28),
+    };
+    let fast = [3.9, 5.6, 9.5, 16.0, 32.3, 54.5, 65.0, 92.0, 110.0, 131.0, 185.0, 221.0, 263.0];
+    let slow = [(10.5, 16.0), (3.7, 16.0), (2.6, 16.0), (2.6, 8.0), (2.6, 9.5)];
+    let design = fast.iter().map(|omega| (14.9, *omega)).chain(slow).collect();
+    let effects = vec![Effect::of("flexible_mode", &[0.094, 229.0, 0.0388])];
+    let (noise_db, noise_statement) = (Some(31.0), NoiseStatement::Std);
+    measure(&Draw { plant, effects, design, harmonics: 7, noise_db, noise_statement }, seed)
+        .unwrap()
+}
+
+// With this noise a wrong row alone has a little more evidence than the joint.
+#[test]
+fn a_row_is_not_left_out_where_an_effect_explains_it_about_as_well() {
+    let request = IdentifyRequest { plant: None, ..request() };
+    let measurement = joint_at_the_end_of_the_band(4);
+    let answer = crate::diagnose::diagnose(&measurement, &request, &Silent).unwrap();
+    assert_eq!(answer.measurement, []);
+    let [cause] = answer.causes.as_slice() else { panic!("{:?}", answer.causes) };
+    assert!(cause.effect == "flexible_mode" && cause.confidence < 0.5, "{cause:?}");
+    let said = answer.limitations.last().unwrap();
+    assert!(
+        said.starts_with("faults of the measurement would explain it about as well: "),
+        "{said}"
+    );
 }

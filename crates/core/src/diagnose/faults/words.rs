@@ -11,7 +11,7 @@ use crate::diagnose::residuals::sentence::short;
 const MOST_NAMED: usize = 5;
 
 /// Writes the sentences of all faults.
-pub(super) fn describe(faults: &mut [MeasurementFault], measurement: &Measurement) {
+pub(crate) fn describe(faults: &mut [MeasurementFault], measurement: &Measurement) {
     for fault in faults {
         for row in &mut fault.left_out {
             row.line = measurement.line(row.experiment, row.harmonic, row.repeat);

@@ -1,10 +1,10 @@
 //! Chooses the experiments.
 //!
 //! Points are added one at a time, each time what gains most of the criterion per second, until the budget
-//! is spent; repeats only where no other point fits. Then a point is taken out, the time it frees is filled again in the same
-//! way, and what comes out is kept if it is better: an exchange (V. V. Fedorov 1972, Theory of Optimal
-//! Experiments) with excursions of more than one point (T. J. Mitchell 1974,
-//! doi:10.1080/00401706.1974.10489175).
+//! is spent. Repeats of points that are there already count from the dozenth point on: they need no
+//! settling. Then a point is taken out, the time it frees is filled again in the same way, and what comes
+//! out is kept if it is better: an exchange (V. V. Fedorov 1972, Theory of Optimal Experiments) with
+//! excursions of more than one point (T. J. Mitchell 1974, doi:10.1080/00401706.1974.10489175).
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -19,6 +19,10 @@ use super::information::{Scenario, Share};
 const MOST_EXCHANGES: usize = 8;
 /// How many of the least useful points are tried to be exchanged before it ends.
 const TRIED: usize = 2;
+
+/// Fewest points before any is repeated more often than it must: what a diagnosis names must show in points
+/// that no fit has seen, too.
+const FEWEST_POINTS: usize = 12;
 
 /// Every how many-th step all points are tried; in between, so many of those that gained most then.
 const ALL_TRIED_EVERY: usize = 6;
@@ -99,10 +103,10 @@ impl Choice<'_> {
                 })
                 .filter(|(_, _, cost_s)| *cost_s <= left_s)
                 .collect();
-            // New points first: what a diagnosis names must show in points that no fit has seen, too.
+            let few = state.design.measured().count() < FEWEST_POINTS;
             let is_new = |(point, _, _): &&(usize, usize, f64)| state.design.0[*point] == 0;
             let new: Vec<(usize, usize, f64)> = fitting.iter().filter(is_new).copied().collect();
-            let mut candidates = if new.is_empty() { fitting } else { new };
+            let mut candidates = if few && !new.is_empty() { new } else { fitting };
             if step % ALL_TRIED_EVERY != 0 {
                 candidates.sort_by(|a, b| last[b.0].total_cmp(&last[a.0]));
                 candidates.truncate(PROMISING);

@@ -6,14 +6,16 @@
 
 use std::iter;
 
-use crate::answers::{Diagnosis, PlantRequest};
+use crate::answers::{Diagnosis, MeasurementFault, PlantRequest};
 use crate::identify::{FitSession, IdentifyRequest};
+use crate::measurement::Measurement;
 
 use super::causes::EQUIVALENCE_MARGIN;
 use super::evidence::ACTUATOR_ORDER_COST;
 use super::order_study::OrderStudy;
 use crate::diagnose::doubt::{Data, Halt, Suspicion};
 use crate::diagnose::faults::suspects::Suspected;
+use crate::diagnose::faults::words;
 use crate::diagnose::progress::{Part, Quiet};
 
 /// Where faults of the measurement beside one effect at most are better by this, −2 ln evidence, no
@@ -99,10 +101,17 @@ pub(crate) fn diagnose(
         studies[1].combine(part.part(spans.combining[1]), most, measurement)?;
         studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
     }
-    if data.doubted {
-        doubt(&studies, 0.0, &|_| true)?;
-    }
     let mut said = Vec::new();
+    let mut share = 1.0;
+    if data.doubted {
+        // Data are not left out for what effects explain about as well.
+        let explained = studies[0].explained() && !studies[0].chosen.is_empty();
+        let margin = if explained { EQUIVALENCE_MARGIN } else { 0.0 };
+        if let Some(alternative) = doubt(&studies, margin, &|_| true)? {
+            share = alternative.share_of_effects();
+            said.push(alternative.sentence(measurement));
+        }
+    }
     let best = studies.remove(0);
     if best.order() < suited {
         said.push(format!(
@@ -120,31 +129,59 @@ pub(crate) fn diagnose(
     }
     let part = part.part(spans.concluding);
     let mut answer = best.conclusion().diagnosis(measurement, part)?;
+    answer.causes.iter_mut().for_each(|cause| cause.confidence *= share);
     answer.limitations.extend(said);
     Ok(answer)
 }
 
-/// Halts where a model of any order with faults of the measurement is better than every model
-/// without any, by this margin of −2 ln evidence, and `is_clear`.
+/// Faults of the measurement that explain it about as well as effects of the machine do.
+struct Alternative {
+    faults: Vec<MeasurementFault>,
+    /// By how much their −2 ln evidence is lower.
+    lead: f64,
+}
+
+impl Alternative {
+    /// Posterior probability of the effects beside the faults.
+    fn share_of_effects(&self) -> f64 {
+        1.0 / (1.0 + (0.5 * self.lead).exp())
+    }
+
+    fn sentence(mut self, measurement: &Measurement) -> String {
+        words::describe(&mut self.faults, measurement);
+        let faults: Vec<&str> = self.faults.iter().map(|fault| fault.sentence.as_str()).collect();
+        format!(
+            "faults of the measurement would explain it about as well: {}. Measure these again to know",
+            faults.join("; ")
+        )
+    }
+}
+
+/// What the best model of any order with faults of the measurement is to the best without any, if it is
+/// better and `is_clear`.
+///
+/// # Errors
+/// Halts where it is better by more than a margin of −2 ln evidence.
 fn doubt(
     studies: &[OrderStudy<'_>],
     margin: f64,
     is_clear: &dyn Fn(&Suspected) -> bool,
-) -> Result<(), Halt> {
+) -> Result<Option<Alternative>, Halt> {
     let order_cost = |study: &OrderStudy<'_>| ACTUATOR_ORDER_COST * f64::from(study.order());
     let without = studies.iter().map(|study| study.best_criterion() + order_cost(study));
     let without = without.fold(f64::INFINITY, f64::min);
     let suspected = studies.iter().filter_map(|study| {
         let suspected = study.suspected().filter(is_clear)?;
-        Some((suspected.criterion + order_cost(study), suspected.faults))
+        let lead = without - suspected.criterion - order_cost(study);
+        Some(Alternative { faults: suspected.faults, lead })
     });
-    let best = suspected.min_by(|a, b| a.0.total_cmp(&b.0));
+    let best = suspected.max_by(|a, b| a.lead.total_cmp(&b.lead));
     match (best, studies.first()) {
-        (Some((criterion, faults)), Some(study)) if criterion + margin < without => {
+        (Some(best), Some(study)) if best.lead > margin => {
             let as_measured = study.as_measured()?;
-            Err(Halt::Faults(Box::new(Suspicion { faults, as_measured })))
+            Err(Halt::Faults(Box::new(Suspicion { faults: best.faults, as_measured })))
         }
-        _ => Ok(()),
+        (best, _) => Ok(best.filter(|best| best.lead > 0.0)),
     }
 }
 

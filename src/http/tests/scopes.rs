@@ -96,6 +96,7 @@ impl Things {
             "plan" | "plan_excitation" | "plan_figure" => {
                 json!({"job_id": self.job, "budget_s": 80.0})
             }
+            "describe_measurement" => json!({"name": "another"}),
             "put_mapping" => json!({"settings": {"machine": "mine"}}),
             "add_webhook" => json!({"url": "http://127.0.0.1:9/"}),
             "add_key" => json!({"name": "another", "scopes": ["read"]}),

@@ -44,12 +44,12 @@ pub(super) fn keep(request: &HeaderMap, kept: Kept, document: Cow<'static, str>)
     let tag: String = digest[..12].iter().map(|byte| format!("{byte:02x}")).collect();
     let tag = format!("W/\"{tag}\"");
     let caching = [(header::CACHE_CONTROL, kept.caching.to_owned()), (header::ETAG, tag.clone())];
+    // What comes with a 304 takes the place of what came with the document (RFC 9111, 4.3.4).
+    let policy = [(header::CONTENT_SECURITY_POLICY, kept.policy)];
     if is_named(request, &tag) {
-        return (StatusCode::NOT_MODIFIED, caching).into_response();
+        return (StatusCode::NOT_MODIFIED, caching, policy).into_response();
     }
-    let content =
-        [(header::CONTENT_TYPE, kept.media_type), (header::CONTENT_SECURITY_POLICY, kept.policy)];
-    (caching, content, document).into_response()
+    (caching, policy, [(header::CONTENT_TYPE, kept.media_type)], document).into_response()
 }
 
 /// Whether a request says that its sender has the document with this tag. The

@@ -34,6 +34,16 @@ fn a_file_is_asked_for_again_and_sent_once() {
 }
 
 #[test]
+fn a_page_that_is_kept_may_use_what_it_could_at_first() {
+    let server = Server::start();
+    let page = server.get("/axes");
+    let policy = header(&page, "content-security-policy").to_owned();
+    let again = server.agent.get(format!("{}/axes", server.address));
+    let kept = again.header("if-none-match", header(&page, "etag")).call().unwrap();
+    assert_eq!((kept.status().as_u16(), header(&kept, "content-security-policy")), (304, &*policy));
+}
+
+#[test]
 fn every_answer_says_what_a_browser_may_make_of_it() {
     let server = Server::start();
     let job = server.job(SUCCEED);

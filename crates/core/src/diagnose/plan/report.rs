@@ -197,8 +197,8 @@ impl Report<'_> {
             per_cent(request.options.noise_share)
         ));
         notes.push(
-            "the percentages are those of a linearisation: they rank experiments, and are higher than the \
-             share of machines of which a diagnosis names the effect"
+            "the percentages are those of a linearisation around typical sizes: they rank experiments; of an \
+             effect that starts at a limit, as a slew rate, they promise too much"
                 .to_owned(),
         );
         let out = self.allowed.iter().filter(|allowed| !**allowed).count();

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use servoscope_core::measurement::Measurement;
-use servoscope_core::measurement::formats::Given;
+use servoscope_core::measurement::formats::{Given, ParseError};
 
 use crate::store::Description;
 
@@ -44,9 +44,15 @@ impl Service {
         let Measured { row, labels, .. } = self.measurement(id).await?;
         let Redescribed { name, machine, axis, operator, measured_at, labels: changed } = change;
         let labels = changed.unwrap_or(labels);
+        let mut given = Given::default();
+        let refused = |error: ParseError| ServiceError::Request {
+            member: "labels".into(),
+            reason: error.reason,
+        };
         for (label, value) in &labels {
-            check("labels", &format!("label.{label}"), value)?;
+            given.set(&format!("label.{label}"), value).map_err(refused)?;
         }
+        given.check().map_err(refused)?;
         let description = Description {
             name: changed_to("name", name, row.name)?,
             machine: changed_to("machine", machine, row.machine)?,
@@ -73,15 +79,10 @@ fn changed_to(
     if text.is_empty() {
         return Ok(None);
     }
-    check(key, key, text)?;
+    // By the rules for what is given beside a file.
+    let checked = Given::default().set(key, text);
+    checked.map_err(|error| ServiceError::Request { member: key.into(), reason: error.reason })?;
     Ok(Some(text.to_owned()))
-}
-
-/// Checks a value by the rules for what is given beside a file.
-fn check(member: &str, key: &str, value: &str) -> Result<(), ServiceError> {
-    Given::default()
-        .set(key, value)
-        .map_err(|error| ServiceError::Request { member: member.into(), reason: error.reason })
 }
 
 /// A measurement as it was read, which says of itself what is stored.

@@ -192,6 +192,10 @@ fn a_measurement_is_renamed_and_its_data_stays() {
 
     let refused = problem(server.patch(&path, &json!({"measured_at": "yesterday"})), 422);
     assert_eq!(refused["member"], "measured_at");
+    let many: std::collections::BTreeMap<String, &str> =
+        (0..101).map(|label| (label.to_string(), "x")).collect();
+    let refused = problem(server.patch(&path, &json!({"labels": many})), 422);
+    assert!(string(&refused, "detail").contains("more than 100 labels"), "{refused}");
     let refused = problem(server.patch(&path, &json!({"response": "position mm"})), 422);
     assert!(string(&refused, "detail").contains("response"), "{refused}");
     problem(server.patch("/v1/measurements/nobody", &json!({"name": "x"})), 404);

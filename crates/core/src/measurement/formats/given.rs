@@ -48,6 +48,15 @@ impl Given {
         }
     }
 
+    /// Checks what is given together.
+    ///
+    /// # Errors
+    /// If there are more labels than a measurement may have.
+    pub fn check(&self) -> Result<(), ParseError> {
+        let taken = Header::default().take(self, &mut Vec::new());
+        taken.map_err(|fault| fault.in_file(Self::NAME))
+    }
+
     /// The text to pass along with the files; `None` if nothing is given.
     pub fn text(&self) -> Option<String> {
         let lines = self.entries.iter().map(|(key, value)| format!("# {key}: {value}\n"));

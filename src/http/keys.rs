@@ -7,7 +7,9 @@ use axum::response::{IntoResponse, Response};
 use axum::{Extension, Json};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use utoipa::openapi::RefOr;
+use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
+use utoipa::{PartialSchema, ToSchema};
 
 use crate::service::{Key, Listed, NewKey, Scope, Service, Token};
 
@@ -15,55 +17,17 @@ use super::body;
 use super::problem::Problem;
 use super::views::{List, rfc3339};
 
-/// Something that a key may do.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize, ToSchema)]
-#[schema(as = Scope)]
-pub(super) enum ScopeName {
-    /// Stores and deletes measurements and mappings of its own.
-    #[serde(rename = "upload")]
-    Upload,
-    /// Runs and deletes jobs, plans and validations, and registers webhooks.
-    #[serde(rename = "run")]
-    Run,
-    /// Reads what it has made itself.
-    #[serde(rename = "read")]
-    Read,
-    /// Reads what anybody has made.
-    #[serde(rename = "read:all")]
-    ReadAll,
-    /// Reads the metrics.
-    #[serde(rename = "metrics")]
-    Metrics,
-    /// Everything, with the data of every key.
-    #[serde(rename = "admin")]
-    Admin,
-}
-
-impl From<Scope> for ScopeName {
-    fn from(scope: Scope) -> Self {
-        match scope {
-            Scope::Upload => Self::Upload,
-            Scope::Run => Self::Run,
-            Scope::Read => Self::Read,
-            Scope::ReadAll => Self::ReadAll,
-            Scope::Metrics => Self::Metrics,
-            Scope::Admin => Self::Admin,
-        }
+impl PartialSchema for Scope {
+    fn schema() -> RefOr<Schema> {
+        ObjectBuilder::new()
+            .schema_type(Type::String)
+            .description(Some("Something that a key may do."))
+            .enum_values(Some(Self::ALL.map(Self::name)))
+            .into()
     }
 }
 
-impl From<ScopeName> for Scope {
-    fn from(name: ScopeName) -> Self {
-        match name {
-            ScopeName::Upload => Self::Upload,
-            ScopeName::Run => Self::Run,
-            ScopeName::Read => Self::Read,
-            ScopeName::ReadAll => Self::ReadAll,
-            ScopeName::Metrics => Self::Metrics,
-            ScopeName::Admin => Self::Admin,
-        }
-    }
-}
+impl ToSchema for Scope {}
 
 /// A key to be made.
 #[derive(Debug, Deserialize, ToSchema)]
@@ -74,7 +38,7 @@ pub(super) struct AddKey {
     name: String,
     /// What it may do.
     #[schema(min_items = 1)]
-    scopes: Vec<ScopeName>,
+    scopes: Vec<Scope>,
     /// When it expires, RFC 3339; left out: never.
     #[schema(format = DateTime)]
     expires_at: Option<String>,
@@ -89,7 +53,7 @@ pub(super) struct KeyView {
     /// Its name.
     name: String,
     /// What it may do.
-    scopes: Vec<ScopeName>,
+    scopes: Vec<Scope>,
     /// When it was made, RFC 3339.
     created_at: Option<String>,
     /// When it expires; null: never.
@@ -107,7 +71,7 @@ impl From<Key> for KeyView {
         Self {
             id: key.id,
             name: key.name,
-            scopes: key.scopes.into_iter().map(Into::into).collect(),
+            scopes: key.scopes,
             created_at: rfc3339(key.created_at_ms),
             expires_at: key.expires_at_ms.and_then(rfc3339),
             revoked_at: key.revoked_at_ms.and_then(rfc3339),
@@ -148,7 +112,6 @@ pub(super) async fn add(
     body: Bytes,
 ) -> Result<Response, Box<Problem>> {
     let AddKey { name, scopes, expires_at } = body::json(&headers, &body)?;
-    let scopes = scopes.into_iter().map(Into::into).collect();
     let expires_at = expires_at.map(|text| text.parse::<Timestamp>()).transpose();
     let expires_at = expires_at.map_err(|error| Problem::wrong_member("expires_at", &error))?;
     let expires_at_ms = expires_at.map(Timestamp::as_millisecond);

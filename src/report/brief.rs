@@ -88,6 +88,16 @@ fn of_diagnosis(answer: &Diagnosis) -> Judgement {
             "The simulation is wrong, and no known effect is the cause.".into(),
         ),
     };
+    let (mark, text) = match answer.rival_faults.is_empty() {
+        true => (mark, text),
+        false => (
+            Mark::Open,
+            format!(
+                "The simulation misses {causes}, or the measurement is wrong: this data does not tell \
+                 which."
+            ),
+        ),
+    };
     let text = match (answer.measurement.len(), answer.verdict) {
         (0, _) => text,
         (1, Verdict::Adequate) => {
@@ -106,7 +116,16 @@ pub(super) fn suspicions(answer: &Answer) -> Vec<String> {
     let faults = faults
         .iter()
         .map(|fault| format!("{} To mend it: {}.", sentence(&fault.sentence), fault.remedy));
-    faults.chain(answer.base().doubts.iter().map(doubt)).collect()
+    let rivals = answer.diagnosis().and_then(rival_faults);
+    faults.chain(rivals).chain(answer.base().doubts.iter().map(doubt)).collect()
+}
+
+/// What may be wrong with the measurement in the place of a cause.
+pub(super) fn rival_faults(answer: &Diagnosis) -> Option<String> {
+    let found: Vec<&str> =
+        answer.rival_faults.iter().map(|fault| fault.sentence.as_str()).collect();
+    let found = found.join("; ");
+    (!found.is_empty()).then(|| format!("The measurement may be wrong instead: {found}."))
 }
 
 /// What looks wrong with the measurement, and what to do.
@@ -176,6 +195,9 @@ pub(super) fn next(answer: &Answer, units: Units<'_>) -> Vec<String> {
     let band = answer.valid_band.as_ref().map(|band| sentence(&band.sentence));
     let ids = answer.candidates.iter().map(|candidate| candidate.effect.as_str());
     let experiment = match (&answer.next_experiment, answer.verdict) {
+        _ if !answer.rival_faults.is_empty() => {
+            "Measure that again: if it repeats, it is the machine's.".into()
+        }
         (Some(next), _) => {
             let magnitude = quantity(next.magnitude, 4, units.input);
             let hertz = quantity(next.omega_rad_s / std::f64::consts::TAU, 4, "Hz");
@@ -214,7 +236,7 @@ pub(super) fn equivalents(cause: &Cause) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use servoscope_core::answers::sample;
+    use servoscope_core::answers::{FaultKind, MeasurementFault, sample};
 
     use super::*;
 
@@ -239,6 +261,23 @@ mod tests {
             (meaning(&cause, units).as_str(), signature(&cause, units)),
             ("It sticks.", None)
         );
+    }
+
+    #[test]
+    fn a_cause_beside_which_the_measurement_may_be_wrong_is_no_certainty() {
+        let mut answer = sample::explained();
+        let row = "line 9 does not belong to the rest".to_owned();
+        answer.rival_faults =
+            vec![MeasurementFault { sentence: row, ..MeasurementFault::of(FaultKind::BadRows) }];
+        let answer: Answer = answer.into();
+        let Judgement { mark, text, .. } = judgement(&answer);
+        assert!(mark == Mark::Open && text.contains("or the measurement is wrong"), "{text}");
+        let said = suspicions(&answer);
+        assert_eq!(
+            said,
+            ["The measurement may be wrong instead: line 9 does not belong to the rest."]
+        );
+        assert!(next(&answer, Units::default())[0].starts_with("Measure that again"));
     }
 
     #[test]

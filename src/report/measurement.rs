@@ -2,6 +2,7 @@
 
 use servoscope_core::answers::{AsMeasured, Diagnosis};
 
+use super::brief;
 use super::number::significant;
 use super::text::section;
 
@@ -13,7 +14,8 @@ pub(super) fn section_of(answer: &Diagnosis) -> Option<String> {
         lines.push(format!("  to mend it: {}", fault.remedy));
     }
     lines.extend(without(answer));
-    (!answer.measurement.is_empty()).then(|| section("Faults of the measurement", lines))
+    lines.extend(brief::rival_faults(answer).map(|text| format!("- {text}")));
+    (!lines.is_empty()).then(|| section("Faults of the measurement", lines))
 }
 
 /// What the answer is without the faults and what it would be with them, in one sentence each.

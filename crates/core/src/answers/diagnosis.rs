@@ -127,6 +127,10 @@ pub struct Diagnosis {
     /// The answer to the measurement with its faults; null if it has none.
     #[serde(default)]
     pub as_measured: Option<AsMeasured>,
+    /// Faults of the measurement that would explain it about as well in the place of the causes.
+    /// They are not mended.
+    #[serde(default)]
+    pub rival_faults: Vec<MeasurementFault>,
     /// Where the base model is wrong.
     pub discrepancy: Discrepancy,
     /// Effects that the base model lacks, strongest first.

@@ -246,6 +246,7 @@ pub fn diagnosis() -> Diagnosis {
         linearity: Some(linearity()),
         measurement: Vec::new(),
         as_measured: None,
+        rival_faults: Vec::new(),
         valid_band: Some(ValidBand {
             usable_hz: Some([0.1, 8.0]),
             departures: vec![BandDeparture {

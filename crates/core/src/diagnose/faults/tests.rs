@@ -244,9 +244,8 @@ fn a_row_is_not_left_out_where_an_effect_explains_it_about_as_well() {
     assert_eq!(answer.measurement, []);
     let [cause] = answer.causes.as_slice() else { panic!("{:?}", answer.causes) };
     assert!(cause.effect == "flexible_mode" && cause.confidence < 0.5, "{cause:?}");
-    let said = answer.limitations.last().unwrap();
-    assert!(
-        said.starts_with("faults of the measurement would explain it about as well: "),
-        "{said}"
-    );
+    let [rival] = answer.rival_faults.as_slice() else { panic!("{:?}", answer.rival_faults) };
+    let row = &rival.left_out[0];
+    assert_eq!((rival.fault, row.experiment, row.harmonic), (FaultKind::BadRows, 12, 1));
+    assert!(!rival.sentence.contains("left out"), "{}", rival.sentence);
 }

@@ -10,19 +10,34 @@ use crate::diagnose::residuals::sentence::short;
 /// Most rows that are named in a sentence.
 const MOST_NAMED: usize = 5;
 
-/// Writes the sentences of all faults.
-pub(crate) fn describe(faults: &mut [MeasurementFault], measurement: &Measurement) {
+/// Writes the sentences of faults that are mended.
+pub(super) fn describe(faults: &mut [MeasurementFault], measurement: &Measurement) {
+    write(faults, measurement, |found, mended| format!("{found}{mended}"));
+}
+
+/// Writes the sentences of faults that are not mended.
+pub(crate) fn describe_suspects(faults: &mut [MeasurementFault], measurement: &Measurement) {
+    write(faults, measurement, |found, _| found);
+}
+
+fn write(
+    faults: &mut [MeasurementFault],
+    measurement: &Measurement,
+    sentence: impl Fn(String, &str) -> String,
+) {
     for fault in faults {
         for row in &mut fault.left_out {
             row.line = measurement.line(row.experiment, row.harmonic, row.repeat);
         }
         fault.left_out.sort_by_key(|row| (row.line, row.experiment, row.harmonic, row.repeat));
-        fault.sentence = sentence(fault, measurement);
+        let (found, mended) = words(fault, measurement);
+        fault.sentence = sentence(found, mended);
         fault.remedy = remedy(fault).into();
     }
 }
 
-fn sentence(fault: &MeasurementFault, measurement: &Measurement) -> String {
+/// What is wrong, and what is done about it.
+fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'static str) {
     let unit = |unit: &str| if unit.is_empty() { String::new() } else { format!(" {unit}") };
     let input = unit(&measurement.metadata().input.unit);
     let value = fault.value.unwrap_or(f64::NAN);
@@ -37,52 +52,66 @@ fn sentence(fault: &MeasurementFault, measurement: &Measurement) -> String {
         _ => String::new(),
     };
     match fault.fault {
-        FaultKind::BadRows => rows(&fault.left_out, measurement),
-        FaultKind::StdFactor => format!(
-            "what is left looks like noise of {} times the stated standard deviation{interval}: the \
-             noise is taken to be that large",
-            digits(value)
+        FaultKind::BadRows => (rows(&fault.left_out, measurement), "; left out"),
+        FaultKind::StdFactor => (
+            format!(
+                "what is left looks like noise of {} times the stated standard deviation{interval}",
+                digits(value)
+            ),
+            ": the noise is taken to be that large",
         ),
-        FaultKind::LevelGain | FaultKind::RunGain => format!(
-            "{place} the response is {} times as large as all else says{interval}: it is divided by \
-             that",
-            digits(value)
+        FaultKind::LevelGain | FaultKind::RunGain => (
+            format!(
+                "{place} the response is {} times as large as all else says{interval}",
+                digits(value)
+            ),
+            ": it is divided by that",
         ),
-        FaultKind::LevelPhase | FaultKind::RunPhase => format!(
-            "{place} the phase of the fundamental differs by {}°{interval} from what all else says: \
-             it is turned back, harmonic k by k times as much",
-            digits(value)
+        FaultKind::LevelPhase | FaultKind::RunPhase => (
+            format!(
+                "{place} the phase of the fundamental differs by {}°{interval} from what all else says",
+                digits(value)
+            ),
+            ": it is turned back, harmonic k by k times as much",
         ),
         FaultKind::Conjugated => {
-            "the phase has the wrong sign: conjugated, the response is that of \
-             an axis"
-                .into()
+            ("the phase has the wrong sign".into(), ": conjugated, the response is that of an axis")
         }
         FaultKind::ReversedSign => {
-            "the response has the wrong sign: reversed, it is that of an axis".into()
+            ("the response has the wrong sign".into(), ": reversed, it is that of an axis")
         }
-        FaultKind::SineReference => "the harmonics refer to a sine, not to a cosine: turned by \
-             (k − 1)·90°, they are those of an axis"
-            .into(),
-        FaultKind::ResponseKind => format!(
-            "the response is read as a {}, but behaves as a {}: taken as that",
-            kind_name(measurement),
-            fault.response.as_deref().unwrap_or_default()
+        FaultKind::SineReference => (
+            "the harmonics refer to a sine, not to a cosine".into(),
+            ": turned by (k − 1)·90°, they are those of an axis",
         ),
-        FaultKind::AmplitudeConvention => format!(
-            "the means do not fit the harmonics unless these are {} values: they are \
-             multiplied by {value:.4}",
-            if value > 1.0 { "rms" } else { "peak-to-peak" }
+        FaultKind::ResponseKind => (
+            format!(
+                "the response is read as a {}, but behaves as a {}",
+                kind_name(measurement),
+                fault.response.as_deref().unwrap_or_default()
+            ),
+            ": taken as that",
         ),
+        FaultKind::AmplitudeConvention => {
+            let is_rms = value > 1.0;
+            let convention = if is_rms { "rms" } else { "peak-to-peak" };
+            let mended = if is_rms { ": multiplied by √2" } else { ": halved" };
+            (
+                format!("the means do not fit the harmonics unless these are {convention} values"),
+                mended,
+            )
+        }
         FaultKind::ChannelSkew => {
             let ends = fault.interval95.map(|ends| ends.map(|end| 1e3 * end));
             let interval = ends.map(|both| both.map(|end| rounded(end, ends)));
-            format!(
-                "the response is ahead of the input by {} ms{}, which no machine can be: it is \
-                 delayed by that",
-                rounded(1e3 * value, ends),
-                interval
-                    .map_or(String::new(), |[low, high]| format!(" (95 % from {low} to {high})"))
+            let interval = interval
+                .map_or(String::new(), |[low, high]| format!(" (95 % from {low} to {high})"));
+            let ahead = rounded(1e3 * value, ends);
+            (
+                format!(
+                    "the response is ahead of the input by {ahead} ms{interval}, which no machine can be"
+                ),
+                ": it is delayed by that",
             )
         }
     }
@@ -131,7 +160,7 @@ fn rows(left_out: &[LeftOutRow], measurement: &Measurement) -> String {
     };
     match left_out {
         [row] => {
-            format!("{} does not belong to the rest: {}; left out", name(row), size(row))
+            format!("{} does not belong to the rest: {}", name(row), size(row))
         }
         rows => {
             let named: Vec<String> = rows
@@ -141,11 +170,7 @@ fn rows(left_out: &[LeftOutRow], measurement: &Measurement) -> String {
                 .collect();
             let more = rows.len().saturating_sub(MOST_NAMED);
             let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
-            format!(
-                "{} rows do not belong to the rest and are left out: {}{rest}",
-                rows.len(),
-                named.join("; ")
-            )
+            format!("{} rows do not belong to the rest: {}{rest}", rows.len(), named.join("; "))
         }
     }
 }

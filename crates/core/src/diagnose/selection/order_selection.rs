@@ -8,7 +8,6 @@ use std::iter;
 
 use crate::answers::{Diagnosis, MeasurementFault, PlantRequest};
 use crate::identify::{FitSession, IdentifyRequest};
-use crate::measurement::Measurement;
 
 use super::causes::EQUIVALENCE_MARGIN;
 use super::evidence::ACTUATOR_ORDER_COST;
@@ -102,15 +101,12 @@ pub(crate) fn diagnose(
         studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
     }
     let mut said = Vec::new();
-    let mut share = 1.0;
+    let mut alternative = None;
     if data.doubted {
         // Data are not left out for what effects explain about as well.
         let explained = studies[0].explained() && !studies[0].chosen.is_empty();
         let margin = if explained { EQUIVALENCE_MARGIN } else { 0.0 };
-        if let Some(alternative) = doubt(&studies, margin, &|_| true)? {
-            share = alternative.share_of_effects();
-            said.push(alternative.sentence(measurement));
-        }
+        alternative = doubt(&studies, margin, &|_| true)?;
     }
     let best = studies.remove(0);
     if best.order() < suited {
@@ -129,7 +125,12 @@ pub(crate) fn diagnose(
     }
     let part = part.part(spans.concluding);
     let mut answer = best.conclusion().diagnosis(measurement, part)?;
-    answer.causes.iter_mut().for_each(|cause| cause.confidence *= share);
+    if let Some(alternative) = alternative {
+        let share = alternative.share_of_effects();
+        answer.causes.iter_mut().for_each(|cause| cause.confidence *= share);
+        answer.rival_faults = alternative.faults;
+        words::describe_suspects(&mut answer.rival_faults, measurement);
+    }
     answer.limitations.extend(said);
     Ok(answer)
 }
@@ -145,15 +146,6 @@ impl Alternative {
     /// Posterior probability of the effects beside the faults.
     fn share_of_effects(&self) -> f64 {
         1.0 / (1.0 + (0.5 * self.lead).exp())
-    }
-
-    fn sentence(mut self, measurement: &Measurement) -> String {
-        words::describe(&mut self.faults, measurement);
-        let faults: Vec<&str> = self.faults.iter().map(|fault| fault.sentence.as_str()).collect();
-        format!(
-            "faults of the measurement would explain it about as well: {}. Measure these again to know",
-            faults.join("; ")
-        )
     }
 }
 

@@ -129,6 +129,7 @@ impl ReportAssembly<'_> {
             linearity: linearity(measurement),
             measurement: Vec::new(),
             as_measured: None,
+            rival_faults: Vec::new(),
             valid_band,
             next_experiment,
             causes,

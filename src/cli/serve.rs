@@ -9,7 +9,7 @@ use tracing::info;
 
 use crate::config::ServeConfig;
 use crate::notify::{Allowed, Webhooks};
-use crate::service::{BuiltIn, Outlets, Service, Signals};
+use crate::service::{BuiltIn, Outlets, Quotas, Service, Signals};
 use crate::store::{Sqlite, Store};
 use crate::{http, worker};
 
@@ -64,7 +64,14 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
         webhooks: Webhooks::new(Allowed::new(config.webhook_allow.clone())),
         broker: config.broker().map_err(Failure::input)?,
     };
-    let service = service.telling(outlets).accepting(seconds(config.job_cost_minutes * 60));
+    let quotas = Quotas {
+        measurements: config.key_measurements,
+        mebibytes: config.key_mib,
+        jobs: config.key_jobs,
+        compute_minutes: config.key_compute_minutes,
+    };
+    let most_cost = seconds(config.job_cost_minutes * 60);
+    let service = service.telling(outlets).accepting(most_cost).within(quotas);
     let settings = worker::Settings {
         lease: seconds(config.lease_seconds),
         limit: seconds(config.job_minutes * 60),
@@ -104,6 +111,7 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
             hosts: config.hosts.clone(),
             origins: origins.collect::<Result<_, _>>().map_err(Failure::input)?,
         },
+        key_requests_per_minute: Some(config.key_requests_per_minute),
         keys_always: !config.listen.ip().is_loopback(),
     };
     let app = http::app(service, limits);

@@ -86,6 +86,26 @@ settings! {
     #[arg(long, value_name = "MINUTES", env = "SERVOSCOPE_JOB_COST_MINUTES")]
     job_cost_minutes: usize = |_| 60, in 1..=60 * 24 * 366;
 
+    /// Requests that a key may send a minute, for a while also in a burst [default: 6000].
+    #[arg(long, value_name = "N", env = "SERVOSCOPE_KEY_REQUESTS_PER_MINUTE")]
+    key_requests_per_minute: usize = |_| 6000, in 1..=1_000_000_000;
+
+    /// Measurements that a key may keep [default: no limit].
+    #[arg(long, value_name = "N", env = "SERVOSCOPE_KEY_MEASUREMENTS")]
+    key_measurements: usize, in 1..=1_000_000_000;
+
+    /// Mebibytes of measurements that a key may keep [default: no limit].
+    #[arg(long, value_name = "MIB", env = "SERVOSCOPE_KEY_MIB")]
+    key_mib: usize, in 1..=1 << 30;
+
+    /// Jobs of a key that may wait or run [default: no limit].
+    #[arg(long, value_name = "N", env = "SERVOSCOPE_KEY_JOBS")]
+    key_jobs: usize, in 1..=1_000_000_000;
+
+    /// Minutes that the jobs of a key may run within 24 hours [default: no limit].
+    #[arg(long, value_name = "MINUTES", env = "SERVOSCOPE_KEY_COMPUTE_MINUTES")]
+    key_compute_minutes: usize, in 1..=1_000_000_000;
+
     // A beat of an overloaded machine may come late by a second.
     /// How long after its worker was last heard of a job runs again, seconds
     /// [default: 10].
@@ -164,6 +184,7 @@ mod tests {
                 "max_connections" => "as many as the limit of open files leaves room for",
                 "workers" => "one a core",
                 "keep_days" => "never",
+                "key_measurements" | "key_mib" | "key_jobs" | "key_compute_minutes" => "no limit",
                 "hosts" => "none; any where other machines can reach it",
                 "cors_origins" | "webhook_allow" | "mqtt" | "admin_key" | "admin_key_file" => {
                     "none"

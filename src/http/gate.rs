@@ -1,6 +1,7 @@
 //! Who may pass: each request with a key or a session, held against what it needs.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderMap, Method, StatusCode, header};
@@ -13,6 +14,7 @@ use crate::service::{Caller, Key, Service, ServiceError};
 use super::access::{Need, Needs};
 use super::callers::SEC_FETCH_SITE;
 use super::problem::Problem;
+use super::rates::Rates;
 
 /// Name of the cookie that holds a session.
 pub(super) const COOKIE: &str = "servoscope_session";
@@ -24,6 +26,8 @@ pub(super) struct Gate {
     pub(super) service: Service,
     /// What each request needs.
     pub(super) needs: Arc<Needs>,
+    /// How often a key may ask.
+    pub(super) rates: Arc<Rates>,
     /// Whether a key is needed also while none is stored.
     pub(super) always: bool,
 }
@@ -85,8 +89,24 @@ impl Gate {
                 let Key { name, scopes, .. } = key;
                 Err(ServiceError::Lacking { name, scope, scopes }.into())
             }
-            _ => Ok(Caller::Holder(key)),
+            _ => {
+                self.count(&key)?;
+                Ok(Caller::Holder(key))
+            }
         }
+    }
+}
+
+impl Gate {
+    /// Counts a request of a key.
+    fn count(&self, key: &Key) -> Result<(), Box<Problem>> {
+        let Err(wait_s) = self.rates.take(&key.id, Instant::now()) else { return Ok(()) };
+        let most = self.rates.per_minute();
+        let reason = format!(
+            "may ask {most} times a minute (`--key-requests-per-minute`) and has; wait {wait_s} s"
+        );
+        let (name, wait_s) = (key.name.clone(), Some(wait_s));
+        Err(ServiceError::OverQuota { name, reason, wait_s }.into())
     }
 }
 

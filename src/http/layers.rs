@@ -23,6 +23,7 @@ use crate::service::Service;
 use super::access::Needs;
 use super::gate::{self, Gate};
 use super::problem::{MEDIA_TYPE, Problem};
+use super::rates::Rates;
 use super::server::Reserved;
 use super::{Limits, body, dashboard, routes, unpacking};
 
@@ -53,9 +54,11 @@ const METHODS: [Method; 7] = [
 
 /// Surrounds the routes; the last layer sees a request first.
 pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router {
-    let Limits { sent_bytes, unpacked_bytes, pace, callers, keys_always: always } = limits;
+    let Limits { sent_bytes, unpacked_bytes, pace, callers, .. } = limits;
+    let (rates, always) =
+        (Arc::new(Rates::new(limits.key_requests_per_minute)), limits.keys_always);
     let needs = Arc::new(Needs::of(&routes::openapi()));
-    let gate = Gate { service: service.clone(), needs, always };
+    let gate = Gate { service: service.clone(), needs, rates, always };
     let origins = callers.origins.clone();
     let router = router
         .layer(DefaultBodyLimit::max(unpacked_bytes))

@@ -62,6 +62,9 @@ pub(super) struct Problem {
     /// Where the operator finds more in the log.
     #[serde(skip_serializing_if = "Option::is_none")]
     reference: Option<String>,
+    /// After how many seconds to try again.
+    #[serde(skip)]
+    retry_after_s: Option<u64>,
 }
 
 impl Problem {
@@ -133,6 +136,7 @@ impl Problem {
             column: None,
             member: None,
             reference: None,
+            retry_after_s: None,
         }
     }
 }
@@ -190,6 +194,11 @@ impl Problem {
             ServiceError::TooCostly { .. } => {
                 Self::new(StatusCode::UNPROCESSABLE_ENTITY, "too-costly", "Too costly", text)
             }
+            ServiceError::OverQuota { wait_s, .. } => {
+                let status = StatusCode::TOO_MANY_REQUESTS;
+                let problem = Self::new(status, "over-quota", "More than a key may", text);
+                Self { retry_after_s: wait_s, ..problem }
+            }
             ServiceError::KeyReused { .. } => Self::new(
                 StatusCode::UNPROCESSABLE_ENTITY,
                 "idempotency-key-reused",
@@ -214,7 +223,11 @@ impl Problem {
 impl IntoResponse for Box<Problem> {
     fn into_response(self) -> Response {
         let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let retry_after = self.retry_after_s.map(HeaderValue::from);
         let mut response = (status, Json(self)).into_response();
+        if let Some(seconds) = retry_after {
+            response.headers_mut().insert(header::RETRY_AFTER, seconds);
+        }
         if matches!(status, StatusCode::SERVICE_UNAVAILABLE | StatusCode::INSUFFICIENT_STORAGE) {
             response.headers_mut().insert(header::RETRY_AFTER, RETRY_AFTER_S);
         }

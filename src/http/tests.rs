@@ -12,7 +12,7 @@ use ureq::{Agent, Body};
 
 use crate::notify::{Allowed, Webhooks};
 use crate::service::testing::{INCOMPARABLE, RUN_UNTIL_CANCELLED, SUCCEED, Scripted, UNUSABLE};
-use crate::service::{NewKey, Outlets, Scope, Service, Signals};
+use crate::service::{NewKey, Outlets, Quotas, Scope, Service, Signals};
 use crate::store::{Sqlite, Store};
 use crate::worker;
 
@@ -29,6 +29,7 @@ mod inspections;
 mod keys;
 mod operations;
 mod plans;
+mod quotas;
 mod scopes;
 mod sessions;
 
@@ -55,6 +56,16 @@ impl Server {
     }
 
     fn start_keeping(origins: Vec<HeaderValue>, keeping: Keeping) -> Self {
+        Self::start_with(origins, keeping, Quotas::default(), None)
+    }
+
+    /// A server that holds each key to quotas and to so many requests a minute.
+    fn start_with(
+        origins: Vec<HeaderValue>,
+        keeping: Keeping,
+        quotas: Quotas,
+        key_requests_per_minute: Option<usize>,
+    ) -> Self {
         let directory = tempfile::tempdir().unwrap();
         let runtime = Runtime::new().unwrap();
         let signals = Arc::new(Signals::default());
@@ -64,7 +75,7 @@ impl Server {
         // Nobody listens there.
         let here = Allowed::new(vec!["127.0.0.0/8".parse().unwrap()]);
         let outlets = Outlets { webhooks: Webhooks::new(here), broker: None };
-        let service = service.telling(outlets);
+        let service = service.telling(outlets).within(quotas);
         let address = runtime.block_on(async {
             let settings = worker::Settings::new(2);
             worker::start(Arc::clone(&store), service.clone(), Arc::clone(&signals), settings);
@@ -74,7 +85,14 @@ impl Server {
             let (sent_bytes, unpacked_bytes, pace) = (LIMIT, LIMIT, Pace::default());
             let app = super::app(
                 service.clone(),
-                Limits { sent_bytes, unpacked_bytes, pace, callers, keys_always: false },
+                Limits {
+                    sent_bytes,
+                    unpacked_bytes,
+                    pace,
+                    callers,
+                    key_requests_per_minute,
+                    keys_always: false,
+                },
             );
             tokio::spawn(super::serve(listener, app, keeping, Arc::clone(&signals)));
             format!("http://{address}")

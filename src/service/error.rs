@@ -112,6 +112,16 @@ pub enum ServiceError {
         /// Its highest harmonic.
         highest_harmonic: i64,
     },
+    /// A key has, or asks, as much as a key may.
+    #[error("the key `{name}` {reason}")]
+    OverQuota {
+        /// Name of the key.
+        name: String,
+        /// How much it may, by which setting, and what to do.
+        reason: String,
+        /// After how many seconds to try again; `None`: waiting alone does not help.
+        wait_s: Option<u64>,
+    },
     /// The idempotency key came with another request before.
     #[error("the idempotency key `{key}` was used before for another request; use a new key")]
     KeyReused {

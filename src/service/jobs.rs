@@ -79,6 +79,7 @@ impl Service {
         };
         match self.store.insert_job(&self.reach, &row, key.as_ref()).await? {
             Inserted::Created => {
+                self.keep_job_within_quotas(&row.id).await?;
                 self.signals.job_queued();
                 Ok(Added { resource: self.job(&row.id).await?, replayed: false })
             }

@@ -78,7 +78,7 @@ impl Service {
     /// Reads and stores a measurement; nothing is stored when it cannot be read.
     ///
     /// # Errors
-    /// [`ServiceError::Upload`] says where the data is wrong.
+    /// [`ServiceError::Upload`] says where the data is wrong; [`ServiceError::OverQuota`].
     pub async fn add_measurement(
         &self,
         upload: Upload,
@@ -95,6 +95,7 @@ impl Service {
         match self.store.insert_measurement(&self.reach, &row, &reading.files, key.as_ref()).await?
         {
             Inserted::Created => {
+                self.keep_measurement_within_quotas(&row.id).await?;
                 Ok(Added { resource: self.measurement(&row.id).await?, replayed: false })
             }
             Inserted::Replayed(id) => {

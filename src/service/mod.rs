@@ -27,6 +27,7 @@ mod plans;
 mod plots;
 mod preview;
 mod quantities;
+mod quotas;
 mod reading;
 mod report;
 mod request;
@@ -60,6 +61,7 @@ pub use plans::PlanFor;
 pub use plots::Plot;
 pub use preview::Preview;
 pub use quantities::{Quantities, Quantity};
+pub use quotas::Quotas;
 pub use report::measured;
 pub use request::{JobRequest, Submission};
 pub use running::RunError;
@@ -115,17 +117,19 @@ pub struct Service {
     caller: Arc<Caller>,
     reach: Reach,
     most_cost: Duration,
+    quotas: Quotas,
 }
 
 impl Service {
     /// Joins them, for the server itself: see [`Service::on_behalf_of`]. `signals` are shared with
-    /// the worker of this process. Webhooks go to public addresses, there is no broker, and a job
-    /// may cost what it will: see [`Service::telling`] and [`Service::accepting`].
+    /// the worker of this process. Webhooks go to public addresses, there is no broker, a job may
+    /// cost what it will, and a key have what it likes: see [`Service::telling`],
+    /// [`Service::accepting`] and [`Service::within`].
     pub fn new(store: Arc<dyn Store>, numerics: Arc<dyn Numerics>, signals: Arc<Signals>) -> Self {
         let (metrics, asked, outlets) = Default::default();
         let (caller, reach) = (Arc::new(Caller::Everybody), Reach::everything());
-        let most_cost = Duration::MAX;
-        Self { store, numerics, signals, metrics, asked, outlets, caller, reach, most_cost }
+        let (most_cost, quotas) = (Duration::MAX, Quotas::default());
+        Self { store, numerics, signals, metrics, asked, outlets, caller, reach, most_cost, quotas }
     }
 
     /// The same for a caller: it finds what it may see, and owns what it makes.
@@ -147,6 +151,11 @@ impl Service {
     /// The same, refusing jobs that are estimated to take longer on one processor.
     pub fn accepting(self, most_cost: Duration) -> Self {
         Self { most_cost, ..self }
+    }
+
+    /// The same, holding each key to these quotas.
+    pub fn within(self, quotas: Quotas) -> Self {
+        Self { quotas, ..self }
     }
 
     /// What is counted of this service.

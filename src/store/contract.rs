@@ -13,7 +13,7 @@ use super::{
     ALONE_AFTER, Beat, Cancelling, ConvergencePoint, Description, EndedRow, FileRow,
     IdempotencyKey, Inserted, JobFilter, KeyRow, Lease, MAX_ATTEMPTS, MappingRow,
     MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, QueueState, Reach, Recovered,
-    ResultFilter, Sqlite, Status, Store, StoreError, WebhookRow,
+    ResultFilter, Sqlite, Status, Store, StoreError, Usage, WebhookRow,
 };
 use keys::*;
 use lists::*;
@@ -268,6 +268,7 @@ engine!(
         rows_of_another_owner_are_not_there,
         a_later_job_of_another_owner_does_not_hide_a_result,
         each_owner_has_mappings_of_its_own,
+        the_usage_of_a_key_is_what_it_has_stored_queued_and_computed,
     ]
 );
 

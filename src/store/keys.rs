@@ -1,8 +1,10 @@
 //! Keys by which callers are recognised, and browsers that are signed in with one.
 
+use std::time::Duration;
+
 use async_trait::async_trait;
 
-use super::{Millis, StoreError};
+use super::{Millis, StoreError, Usage};
 
 /// A key, without what only its holder knows.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -67,6 +69,10 @@ pub trait Keyring {
 
     /// Remembers that a key is used now.
     async fn key_used(&self, id: &str) -> Result<(), StoreError>;
+
+    /// What the key with this id has stored and has waiting, and what its jobs computed within the
+    /// `last` time.
+    async fn usage(&self, id: &str, last: Duration) -> Result<Usage, StoreError>;
 
     /// Signs in: stores the digest of a session with a key until a time, and removes sessions that
     /// have ended.

@@ -36,6 +36,7 @@ mod outbox;
 mod reach;
 mod rows;
 mod sqlite;
+mod usage;
 
 use std::time::Duration;
 
@@ -51,6 +52,7 @@ pub use rows::{
     Outcome, Page, QueueState, ResultFilter, Status, StoredResult,
 };
 pub use sqlite::Sqlite;
+pub use usage::Usage;
 
 /// How often a job is charged with the death of its worker before it ends as failed.
 pub const MAX_ATTEMPTS: u32 = 3;

@@ -111,6 +111,13 @@ const TOO_COSTLY: Kind = kind(
     "Too costly",
     "it would compute about 9 hours on one processor, more than the 60 minutes that a job may",
 );
+const OVER_QUOTA: Kind = kind(
+    429,
+    "over-quota",
+    "More than a key may",
+    "the key `rig 7` may have 100 jobs that wait or run (`--key-jobs`) and has as many; wait until one \
+     ends",
+);
 const UNINSPECTED: Kind = kind(
     422,
     "uninspected",
@@ -200,8 +207,8 @@ pub(super) fn declare(path: &str, effect: &Effect, operation: &mut Operation) {
 fn kinds(path: &str, effect: &Effect, operation: &Operation) -> Vec<&'static Kind> {
     let id = operation.operation_id.as_deref().unwrap_or_default();
     let mut kinds: Vec<&Kind> = match need(id) {
-        Some(Need::Scope(_)) => vec![&NO_KEY, &MISSING_SCOPE],
-        Some(Need::Key) => vec![&NO_KEY],
+        Some(Need::Scope(_)) => vec![&NO_KEY, &MISSING_SCOPE, &OVER_QUOTA],
+        Some(Need::Key) => vec![&NO_KEY, &OVER_QUOTA],
         Some(Need::Nothing) | None => Vec::new(),
     };
     if matches!(id, "ready" | "metrics") {

@@ -206,3 +206,29 @@ pub(super) async fn each_owner_has_mappings_of_its_own(store: &dyn Store) {
     assert!(!store.delete_mapping(&first, "rig").await.unwrap(), "the other is not its own");
     assert_eq!(settings(&second).await, both("two"));
 }
+
+pub(super) async fn the_usage_of_a_key_is_what_it_has_stored_queued_and_computed(
+    store: &dyn Store,
+) {
+    let of = |owner: &str| Reach { owner: owner.into(), ..Reach::nothing() };
+    let usage = async |owner: &str, last| store.usage(owner, last).await.unwrap();
+    assert_eq!(usage("a", LONG).await, Usage::default());
+    for (owner, bytes) in [("a", 5), ("a", 7), ("b", 11)] {
+        let (id, files) = (id(), [file(&vec![b'x'; bytes]), file(b"y")]);
+        store.insert_measurement(&of(owner), &measurement(&id), &files, None).await.unwrap();
+        store.insert_job(&of(owner), &new_job(&id), None).await.unwrap();
+    }
+    let stored = Usage { measurements: 2, bytes: 14, unfinished: 2, computed_ms: 0 };
+    assert_eq!(usage("a", LONG).await, stored);
+    let first = lease(store, LONG).await.unwrap();
+    tokio::time::sleep(Duration::from_millis(60)).await;
+    let running = usage("a", LONG).await;
+    assert!(running.unfinished == 2 && running.computed_ms >= 50, "{running:?}");
+    assert!(store.finish(&first, &Outcome::Cancelled).await.unwrap());
+    let ended = usage("a", LONG).await;
+    assert!(ended.unfinished == 1 && ended.computed_ms >= 50, "{ended:?}");
+    tokio::time::sleep(Duration::from_millis(60)).await;
+    assert_eq!(usage("a", LONG).await, ended, "it runs no longer");
+    let of_late = usage("a", Duration::from_millis(20)).await;
+    assert_eq!(of_late.computed_ms, 0, "it ended before");
+}

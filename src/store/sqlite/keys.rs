@@ -1,10 +1,13 @@
 //! Keys and sessions.
 
+use std::time::Duration;
+
 use async_trait::async_trait;
 
-use crate::store::{KeyRow, Keyring, Millis, StoreError};
+use crate::store::{KeyRow, Keyring, Millis, StoreError, Usage};
 
 use super::Sqlite;
+use super::queue::millis;
 
 #[async_trait]
 impl Keyring for Sqlite {
@@ -95,6 +98,26 @@ impl Keyring for Sqlite {
         let written = update.bind(id).execute(&mut *transaction).await;
         self.end(transaction, written).await?;
         Ok(())
+    }
+
+    async fn usage(&self, id: &str, last: Duration) -> Result<Usage, StoreError> {
+        let one = sqlx::query_as::<_, (i64, i64, i64, i64)>(
+            "SELECT (SELECT count(*) FROM measurements WHERE owner = ?1) AS measurements,
+                    (SELECT COALESCE(sum(length(bytes)), 0)
+                     FROM measurement_files JOIN measurements ON id = measurement_id
+                     WHERE owner = ?1) AS bytes,
+                    (SELECT count(*) FROM jobs
+                     WHERE owner = ?1 AND status IN ('queued', 'running')) AS unfinished,
+                    (SELECT COALESCE(sum(max(0, COALESCE(finished_at_ms, now_ms)
+                                               - max(started_at_ms, now_ms - ?2))), 0)
+                     FROM jobs
+                     WHERE owner = ?1 AND status <> 'queued'
+                       AND started_at_ms IS NOT NULL) AS computed_ms
+             FROM clock",
+        );
+        let one = one.bind(id).bind(millis(last)).fetch_one(&self.readers).await?;
+        let (measurements, bytes, unfinished, computed_ms) = one;
+        Ok(Usage { measurements, bytes, unfinished, computed_ms })
     }
 
     async fn insert_session(

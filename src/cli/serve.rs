@@ -105,6 +105,7 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     let limits = http::Limits {
         sent_bytes: config.max_upload_mib * MIB,
         unpacked_bytes: config.max_unpacked_mib * MIB,
+        bodies_bytes: config.max_bodies_mib * MIB,
         pace: http::Pace::default(),
         callers: http::Callers {
             any_host: !config.listen.ip().is_loopback() && config.hosts.is_empty(),

@@ -63,6 +63,13 @@ settings! {
     max_unpacked_mib: usize = |given| given.max_upload_mib.unwrap_or(UPLOAD_MIB).max(128),
         in 1..=MAX_UPLOAD_MIB;
 
+    /// Memory for the uploads that are under way together, mebibytes; an upload beyond is told to
+    /// come again [default: 512, or four times the largest upload once unpacked where that is
+    /// more].
+    #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_BODIES_MIB")]
+    max_bodies_mib: usize = |given| (4 * given.max_unpacked_mib
+        .or(given.max_upload_mib).unwrap_or(UPLOAD_MIB)).max(512), in 1..=1 << 24;
+
     /// Largest database, mebibytes [default: as the disk has room].
     #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_STORE_MIB")]
     max_store_mib: usize, in 1..=1 << 30;

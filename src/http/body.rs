@@ -12,6 +12,7 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 use tokio::time::{Instant, timeout_at};
 
 use super::measurements::media_type;
+use super::memory::{self, Held, Memory};
 use super::problem::Problem;
 
 /// How many times the largest body is read before the connection is given up.
@@ -40,6 +41,8 @@ enum Unread {
     Cut(axum::Error),
     /// It comes too slowly.
     Slow,
+    /// Other bodies take the memory.
+    NoMemory,
 }
 
 /// Reads the body before anything is decided.
@@ -47,7 +50,13 @@ enum Unread {
 /// A server that answers and closes while the client still sends makes the client
 /// see a broken connection in place of the answer. So a body that is too large is
 /// read on and thrown away, within reason, and one that nobody wants is read too.
-pub(super) async fn whole(request: Request, next: Next, max_bytes: usize, pace: Pace) -> Response {
+pub(super) async fn whole(
+    request: Request,
+    next: Next,
+    max_bytes: usize,
+    pace: Pace,
+    memory: &Memory,
+) -> Response {
     let (parts, body) = request.into_parts();
     let header_number = |name| parts.headers.get(name)?.to_str().ok()?.parse::<usize>().ok();
     let declared: Option<usize> = header_number(header::CONTENT_LENGTH);
@@ -56,12 +65,16 @@ pub(super) async fn whole(request: Request, next: Next, max_bytes: usize, pace: 
     if asks && declared.is_some_and(|bytes| bytes > max_bytes) {
         return refusal(max_bytes);
     }
-    match read(body, max_bytes, pace).await {
+    let mut held = memory.none();
+    match read(body, max_bytes, pace, &mut held).await {
         Ok(Some(bytes)) => next.run(Request::from_parts(parts, Body::from(bytes))).await,
         Ok(None) => refusal(max_bytes),
         Err(Unread::Cut(error)) => {
             let detail = format!("the body ends early: {error}");
             Problem::of_status(StatusCode::BAD_REQUEST, detail).into_response()
+        }
+        Err(Unread::NoMemory) => {
+            ([(header::CONNECTION, "close")], memory::refusal()).into_response()
         }
         Err(Unread::Slow) => {
             let detail = format!(
@@ -116,7 +129,12 @@ fn refusal(max_bytes: usize) -> Response {
 }
 
 /// The whole body, or `None` where it is larger than `max_bytes`.
-async fn read(mut body: Body, max_bytes: usize, pace: Pace) -> Result<Option<Bytes>, Unread> {
+async fn read(
+    mut body: Body,
+    max_bytes: usize,
+    pace: Pace,
+    held: &mut Held,
+) -> Result<Option<Bytes>, Unread> {
     let mut kept = Vec::new();
     let mut seen = 0_usize;
     let began = Instant::now();
@@ -131,9 +149,13 @@ async fn read(mut body: Body, max_bytes: usize, pace: Pace) -> Result<Option<Byt
             break;
         }
         if seen <= max_bytes {
+            if !held.grow_to(seen) {
+                return Err(Unread::NoMemory);
+            }
             kept.extend_from_slice(&data);
         } else {
             kept = Vec::new();
+            held.shrink_to(0);
         }
     }
     Ok((seen <= max_bytes).then(|| kept.into()))
@@ -146,7 +168,8 @@ mod tests {
     #[tokio::test]
     async fn a_body_is_kept_up_to_the_limit_and_not_beyond() {
         let read = async |length: usize| {
-            read(Body::from(vec![7; length]), 10, Pace::default()).await.unwrap()
+            let mut held = Memory::new(1 << 20).none();
+            read(Body::from(vec![7; length]), 10, Pace::default(), &mut held).await.unwrap()
         };
         assert_eq!(read(10).await.as_deref(), Some(&[7; 10][..]));
         assert_eq!(read(11).await, None);
@@ -167,7 +190,8 @@ mod tests {
         let read = async |frames, bytes, every, pause| {
             let body = paced(frames, bytes, Duration::from_millis(every));
             let pace = Pace { pause: Duration::from_millis(pause), bytes_per_s: 500 };
-            read(body, 1 << 20, pace).await.map(|read| read.map(|bytes| bytes.len()))
+            let mut held = Memory::new(1 << 20).none();
+            read(body, 1 << 20, pace, &mut held).await.map(|read| read.map(|bytes| bytes.len()))
         };
         // Longer than one pause may be, but fast enough.
         assert_eq!(read(30, 1000, 50, 1000).await.unwrap(), Some(30_000));

@@ -22,6 +22,7 @@ use crate::service::Service;
 
 use super::access::Needs;
 use super::gate::{self, Gate};
+use super::memory::Memory;
 use super::problem::{MEDIA_TYPE, Problem};
 use super::rates::Rates;
 use super::server::Reserved;
@@ -59,15 +60,19 @@ pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router
         (Arc::new(Rates::new(limits.key_requests_per_minute)), limits.keys_always);
     let needs = Arc::new(Needs::of(&routes::openapi()));
     let gate = Gate { service: service.clone(), needs, rates, always };
+    let reading = Memory::new(limits.bodies_bytes);
+    let unpacking = reading.clone();
     let origins = callers.origins.clone();
     let router = router
         .layer(DefaultBodyLimit::max(unpacked_bytes))
         .layer(from_fn(move |request: Request, next: Next| {
-            unpacking::unpacked(request, next, unpacked_bytes)
+            let memory = unpacking.clone();
+            async move { unpacking::unpacked(request, next, unpacked_bytes, &memory).await }
         }))
         .layer(CatchPanicLayer::custom(panicked))
         .layer(from_fn(move |request: Request, next: Next| {
-            body::whole(request, next, sent_bytes, pace)
+            let memory = reading.clone();
+            async move { body::whole(request, next, sent_bytes, pace, &memory).await }
         }))
         .layer(from_fn(move |request: Request, next: Next| {
             problems_only(request, next, [sent_bytes, unpacked_bytes])

@@ -24,6 +24,7 @@ mod layers;
 mod lists;
 mod mappings;
 mod measurements;
+mod memory;
 mod plans;
 mod plots;
 mod previews;
@@ -61,6 +62,8 @@ pub struct Limits {
     /// Largest body once unpacked, bytes: a few kilobytes of gzip can stand for
     /// megabytes.
     pub unpacked_bytes: usize,
+    /// Memory for the bodies of all requests together, bytes.
+    pub bodies_bytes: usize,
     /// How fast a body must come.
     pub pace: Pace,
     /// Who may send requests.

@@ -36,6 +36,9 @@ mod sessions;
 /// Bytes that an upload may have here.
 const LIMIT: usize = 10_000;
 
+/// Bytes that the bodies of all requests may have together here: of small pieces there are 64.
+const BODIES: usize = 1 << 20;
+
 struct Server {
     address: String,
     agent: Agent,
@@ -88,6 +91,7 @@ impl Server {
                 Limits {
                     sent_bytes,
                     unpacked_bytes,
+                    bodies_bytes: BODIES,
                     pace,
                     callers,
                     key_requests_per_minute,

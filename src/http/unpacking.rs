@@ -10,7 +10,11 @@ use axum::response::{IntoResponse, Response};
 use flate2::bufread::MultiGzDecoder;
 use http_body_util::BodyExt;
 
+use super::memory::{self, Memory};
 use super::problem::Problem;
+
+/// A byte of deflate stands for no more bytes than this (zlib's documentation: 1032 to 1).
+const MOST_EXPANDED: usize = 1032;
 
 /// How a body is encoded.
 #[derive(Debug, PartialEq)]
@@ -40,7 +44,12 @@ fn encoding(headers: &HeaderMap) -> Encoding {
 ///
 /// A body of more than `max_bytes` once unpacked is answered with 413, one that is not whole gzip
 /// members from its first byte to its last with 400, and any other encoding with 415.
-pub(super) async fn unpacked(request: Request, next: Next, max_bytes: usize) -> Response {
+pub(super) async fn unpacked(
+    request: Request,
+    next: Next,
+    max_bytes: usize,
+    memory: &Memory,
+) -> Response {
     match encoding(request.headers()) {
         Encoding::Identity => return next.run(request).await,
         Encoding::Other => {
@@ -54,12 +63,17 @@ pub(super) async fn unpacked(request: Request, next: Next, max_bytes: usize) -> 
         Ok(body) => body.to_bytes(),
         Err(error) => return not_gzip(&error),
     };
+    let mut held = memory.none();
+    if !held.grow_to(packed.len().saturating_mul(MOST_EXPANDED).min(max_bytes)) {
+        return memory::refusal().into_response();
+    }
     let unpacking = tokio::task::spawn_blocking(move || members(&packed, max_bytes));
     let body = match unpacking.await.unwrap_or_else(|error| Err(io::Error::other(error))) {
         Ok(Some(body)) => body,
         Ok(None) => return StatusCode::PAYLOAD_TOO_LARGE.into_response(),
         Err(error) => return not_gzip(&error),
     };
+    held.shrink_to(body.len());
     parts.headers.remove(header::CONTENT_ENCODING);
     parts.headers.insert(header::CONTENT_LENGTH, body.len().into());
     next.run(Request::from_parts(parts, Body::from(body))).await

@@ -95,3 +95,37 @@ fn a_form_that_is_cut_short_or_has_another_boundary_is_the_callers_fault() {
     let huge = FORM.replace("any", &"a".repeat(LIMIT));
     problem(post("; boundary=x", &huge), 413);
 }
+
+#[test]
+fn bodies_that_take_all_memory_together_are_refused_until_some_are_gone() {
+    use std::io::Write;
+
+    let server = Server::start();
+    let head = "POST /v1/measurements HTTP/1.1\r\nhost: localhost\r\ncontent-type: text/csv\r\n\
+                content-length: 9000\r\n\r\n";
+    // A piece of memory is larger than the largest body here: each takes one.
+    let held: Vec<_> = (0..64)
+        .map(|_| {
+            let host = server.address.trim_start_matches("http://");
+            let mut stream = std::net::TcpStream::connect(host).unwrap();
+            stream.write_all(head.as_bytes()).unwrap();
+            stream.write_all(&[b'x'; 8000]).unwrap();
+            stream
+        })
+        .collect();
+    let status_becomes = |wanted: u16| {
+        let deadline = Instant::now() + Duration::from_secs(30);
+        loop {
+            let answer = server.post("/v1/measurements", &[("content-type", "text/csv")], b"any");
+            if answer.status() == wanted || Instant::now() > deadline {
+                return answer;
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    };
+    let refused = status_becomes(503);
+    assert_eq!(header(&refused, "retry-after"), "5");
+    assert!(string(&problem(refused, 503), "detail").contains("memory"));
+    drop(held);
+    json_of(status_becomes(201), 201);
+}

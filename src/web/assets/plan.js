@@ -22,7 +22,7 @@ export function planned(plan, asked, unit, signal) {
       experiments(plan, unit)),
     h("section", { "aria-labelledby": "names" },
       h("h2", { id: "names" }, "What it could name, and how surely"),
-      h("p", {}, "The percentages are those of a linearisation around typical sizes: they rank experiments. Of an effect that starts at a limit, as a slew rate, they promise too much."),
+      h("p", {}, "The percentages are those of a linearisation around three sizes of each effect: they rank experiments."),
       effects(plan),
       figure(asked, signal)),
     h("section", { "aria-labelledby": "sweeps" },

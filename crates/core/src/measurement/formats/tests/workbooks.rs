@@ -5,7 +5,7 @@ use std::io::{Cursor, Write as _};
 use super::*;
 
 /// A workbook of sheets with a name and the XML of their rows.
-fn book(sheets: &[(&str, &str)]) -> Vec<u8> {
+pub(super) fn book(sheets: &[(&str, &str)]) -> Vec<u8> {
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let mut part = |name: &str, text: &str| {
         zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
@@ -47,7 +47,7 @@ fn book(sheets: &[(&str, &str)]) -> Vec<u8> {
 }
 
 /// Rows of cells, each a number or else words, the first in row 1.
-fn rows(rows: &[&[&str]]) -> String {
+pub(super) fn rows(rows: &[&[&str]]) -> String {
     let cell = |row: usize, (column, text): (usize, &&str)| {
         let name = format!("{}{row}", char::from(b'A' + column as u8));
         match text.parse::<f64>() {

@@ -19,6 +19,7 @@ mod keys;
 mod layers;
 mod limits;
 mod machines;
+mod manual;
 mod mappings;
 mod measurements;
 mod measurements_of_instruments;

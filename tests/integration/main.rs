@@ -1,6 +1,8 @@
 //! Integration tests: everything through the public interface.
 
+mod alarms;
 mod benchmark_simulator;
+mod book;
 mod caps;
 mod circles;
 mod cli;

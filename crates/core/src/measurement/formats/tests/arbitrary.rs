@@ -77,6 +77,8 @@ fn valid() -> Vec<Valid> {
         {"magnitude":1,"omega_rad_s":2,"harmonics":[{"harmonic":1,"re":1,"im":2,"u_re":1,"u_im":0}]}]}"#;
     let motion = "# period_s: none\n# intersample: linear\ntime_s,input,output\n0,0,0\n0.1,1,0.1\n\
         0.2,1,0.2\n0.3,0,0.1\n0.4,0,0\n";
+    let rest = (5..20).map(|n| format!("{:.1},0,0\n", 0.1 * f64::from(n)));
+    let motion = motion.to_owned() + &rest.collect::<String>();
     let cells = rows(&[
         &["magnitude", "omega_rad_s", "re", "im"],
         &["1", "2", "3", "4"],

@@ -140,3 +140,10 @@ fn a_mutated_workbook_is_read_or_refused() {
         let _ = read_book(&valid[..at], None);
     }
 }
+
+#[test]
+fn a_row_that_no_sheet_has_is_refused() {
+    let cells = "<row r=\"1\"><c r=\"A9007199254740993\"><v>1</v></c></row>";
+    let bytes = book(&[("one", cells)]);
+    assert!(read(&[Source { name: "x.xlsx", bytes: &bytes }]).is_err());
+}

@@ -85,14 +85,12 @@ fn stating(entries: &[(&str, &str)], bytes: &[u8]) -> Measurement {
     read(&[Source { name: "a.mat", bytes }, stated]).unwrap()
 }
 
-/// Elements of a file that can be read, and how they are put into one as they are or packed.
+/// Elements of a file that can be read.
 pub(crate) fn readable() -> Vec<u8> {
     let [times, input, output] = samples();
     [
         vector("time", &times),
-        structure("run", &[("current", input.clone()), ("velocity", output.clone())]),
-        vector("current", &input),
-        vector("velocity", &output),
+        structure("run", &[("current", input), ("velocity", output)]),
         complex("Y", &[Complex::new(0.5, -0.25); 4]),
     ]
     .concat()

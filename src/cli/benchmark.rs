@@ -17,6 +17,7 @@ use servoscope_core::observer::Observer;
 
 use crate::report;
 
+use super::choice::one_of;
 use super::{Failure, interrupt, terminal};
 
 /// Arguments of `benchmark`.
@@ -61,10 +62,10 @@ pub(super) struct Args {
     /// `machine` [default: all].
     #[arg(long, value_name = "ID,…", value_delimiter = ',', value_parser = known_effect)]
     effects: Vec<&'static str>,
-    /// Kinds of draw: single, clean, pair, outsider, analyser, machine, machine-2,
-    /// machine-record, machine-2-record, mismeasured [default: the first four; the others would make
-    /// the run several times as long].
+    /// Kinds of draw [default: single, clean, pair and outsider; the others would make the run
+    /// several times as long].
     #[arg(long, value_name = "KIND,…", value_delimiter = ',')]
+    #[arg(value_parser = one_of::<Kind>(Kind::ALL.map(Kind::name)))]
     kinds: Vec<Kind>,
     /// Orders of the actuator, taken in turn.
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [0, 1, 2])]
@@ -103,7 +104,7 @@ pub(super) struct Args {
     /// Draws at once, each with its share of the cores [default: one a core].
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
-    /// Writes every draw with its truth and its answer to a file.
+    /// Writes every draw, what was hidden and what was answered, as JSON into this file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Runs one draw by its key and prints the whole diagnosis.

@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
+use clap::builder::PossibleValuesParser;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
-use servoscope_core::answers::{Answer, ConvergenceRow, IdentifyOptions, Progress};
+use servoscope_core::answers::{Answer, ConvergenceRow, IdentifyOptions, Method, Progress};
 use servoscope_core::diagnose::DiagnoseError;
 use servoscope_core::identify::IdentifyError;
 use servoscope_core::measurement::Measurement;
@@ -16,6 +17,7 @@ use servoscope_core::observer::Observer;
 
 use crate::service::{BuiltIn, JobRequest, Numerics, Submission};
 
+use super::choice::one_of;
 use super::{Failure, given, interrupt, shown, terminal};
 
 /// Steps of the progress bar.
@@ -25,31 +27,33 @@ const STEPS: u64 = 1000;
 #[derive(Debug, clap::Args)]
 #[group(skip)]
 pub(super) struct Args {
-    /// Harmonic tables or time records that together are one measurement.
+    /// Files of one measurement: harmonic tables or time records.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    #[command(flatten)]
-    pub(super) given: given::Args,
-    /// Order of the actuator: 0, 1 or 2 [default: chosen from the data].
-    #[arg(long, value_name = "N")]
+    /// Order of the actuator [default: chosen from the data].
+    #[arg(long, value_name = "N", value_parser = one_of::<u8>(["0", "1", "2"]))]
     actuator_order: Option<u8>,
-    /// How parameters are estimated: abc-ann, pso-ann, aga-ann, ga-ann, two-magnitude,
-    /// least-squares or cma-es [default: abc-ann].
+    /// How parameters are estimated [default: abc-ann].
     #[arg(long, value_name = "NAME")]
+    #[arg(value_parser = PossibleValuesParser::new(Method::all().map(Method::name)))]
     method: Option<String>,
-    /// Seed of every random choice; the same seed gives the same bits.
+    /// Seed of every random choice; the same seed gives the same bits [default: 1].
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Standard deviation of re and im of every harmonic, response units, for
-    /// data that carries neither deviations nor repeats.
-    #[arg(long, value_name = "S")]
+    /// Standard deviation of the noise in re and im of every harmonic, response units, for data
+    /// that carries neither deviations nor repeats [default: estimated from what the fit leaves].
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     noise_std: Option<f64>,
-    /// Every other option of the method, as in a request over HTTP.
+    /// Further options as a JSON object, such as '{"most_effects": 2}': the `options` of a job over
+    /// HTTP [default: {}].
     #[arg(long, value_name = "JSON")]
     options: Option<String>,
-    /// Prints the result object alone.
-    #[arg(long)]
+    /// Prints the result as JSON, and nothing else.
+    #[arg(long, help_heading = "Output")]
     json: bool,
+    // Groups with a heading of their own come last: what follows one would stand under it.
+    #[command(flatten)]
+    pub(super) given: given::Args,
     #[command(flatten)]
     pub(super) shown: shown::Args,
 }
@@ -106,9 +110,13 @@ fn submission(args: &Args, kind: &str) -> Result<Submission, Failure> {
 
 fn options(text: &str) -> Result<IdentifyOptions, Failure> {
     let mut json = serde_json::Deserializer::from_str(text);
-    let options = serde_path_to_error::deserialize(&mut json)
-        .map_err(|error| Failure::Input(format!("--options: {error}")))?;
-    json.end().map_err(|error| Failure::Input(format!("--options: {error}")))?;
+    let options = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+        match error.inner().is_data() {
+            true => Failure::Input(format!("--options: {error}")),
+            false => Failure::Input(format!("--options: this is not JSON: {}", error.inner())),
+        }
+    })?;
+    json.end().map_err(|error| Failure::Input(format!("--options: this is not JSON: {error}")))?;
     Ok(options)
 }
 
@@ -128,7 +136,7 @@ pub(super) fn read(
 ) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let file = |path: &PathBuf| match std::fs::read(path) {
         Ok(bytes) => Ok((path.display().to_string(), bytes)),
-        Err(error) => Err(Failure::Input(format!("{}: {error}", path.display()))),
+        Err(error) => Err(Failure::unread(path, &error)),
     };
     let mut files = paths.iter().map(file).collect::<Result<Vec<_>, _>>()?;
     files.extend(given.file()?);
@@ -143,8 +151,7 @@ pub(super) fn stored_answer(path: &Path) -> Result<Answer, Failure> {
             path.display()
         ))
     };
-    let bytes = std::fs::read(path)
-        .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
+    let bytes = std::fs::read(path).map_err(|error| Failure::unread(path, &error))?;
     let text = String::from_utf8(bytes).map_err(|error| wrong(&error))?;
     Answer::from_json(&text).map_err(|error| wrong(&error))
 }

@@ -13,7 +13,7 @@ use super::{Failure, terminal};
 #[derive(Debug, clap::Args)]
 #[group(skip)]
 pub(super) struct Args {
-    /// File of settings, TOML: the names of the flags below with underscores.
+    /// File of settings, TOML: the names of the flags below with underscores [default: none].
     #[arg(long = "config", value_name = "FILE", env = "SERVOSCOPE_CONFIG")]
     file: Option<PathBuf>,
     #[command(flatten)]

@@ -4,17 +4,20 @@ use std::path::PathBuf;
 
 use crate::report::figures::{self, Subject, Theme};
 
+use super::choice::one_of;
 use super::{Failure, target};
 
 /// Arguments of every command that can draw its answer.
 #[derive(Debug, Default, clap::Args)]
 #[group(skip)]
 pub(super) struct Args {
-    /// Draws the answer: writes bode.svg, spectrum.svg … into this folder.
-    #[arg(long = "figures", value_name = "DIR")]
+    /// Draws the answer into this folder: bode.svg, spectrum.svg, residuals.svg …
+    #[arg(long = "figures", value_name = "DIR", help_heading = "Output")]
     directory: Option<PathBuf>,
-    /// Colours of the figures: auto (those the reader prefers), light or dark.
+    /// Colours of the figures; auto: those that the reader of the page prefers.
     #[arg(long, value_name = "NAME", default_value = "auto", requires = "directory")]
+    #[arg(help_heading = "Output")]
+    #[arg(value_parser = one_of::<Theme>(Theme::ALL.iter().map(|theme| theme.name())))]
     theme: Theme,
 }
 

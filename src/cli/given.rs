@@ -10,44 +10,48 @@ use super::Failure;
 /// the files say.
 #[derive(Debug, Default, clap::Args)]
 #[group(skip)]
+#[command(next_help_heading = "How the files are read")]
 pub(super) struct Args {
-    /// A TOML file with any of the following, such as `sample_s = 0.001`, for files of one layout;
-    /// flags hold before it.
+    /// Takes any of the following from a TOML file, such as `sample_s = 0.001`; an option on the
+    /// command line holds before it.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
-    /// Magnitude of the input at every frequency, for a table that has no column of it.
+    /// Magnitude of the input at every frequency [default: the column of the table].
     #[arg(long, value_name = "M")]
     magnitude: Option<String>,
-    /// What the input is: `current A`.
+    /// What the input is, such as `current A` [default: as the file says].
     #[arg(long, value_name = "NAME UNIT")]
     input: Option<String>,
-    /// What the response is: `velocity rad/s`, `position mm`, `acceleration m/s²`.
+    /// What the response is, such as `velocity rad/s`, `position mm` or `acceleration m/s²`
+    /// [default: as the file says].
     #[arg(long, value_name = "KIND UNIT")]
     response: Option<String>,
-    /// Whether the axis was measured in an open or a closed loop.
-    #[arg(long = "loop", value_name = "open|closed")]
+    /// Whether the axis was measured in an open or a closed loop [default: as the file says].
+    #[arg(long = "loop", value_name = "KIND", value_parser = ["open", "closed"])]
     feedback: Option<String>,
-    /// What amplitudes are: peak, rms or peak-to-peak.
-    #[arg(long, value_name = "KIND")]
+    /// What the amplitudes are [default: peak].
+    #[arg(long, value_name = "KIND", value_parser = ["peak", "rms", "peak-to-peak"])]
     amplitude: Option<String>,
-    /// Period of a time record, seconds, or none.
+    /// Period of a time record, seconds; `none` for a record without a period [default: found in
+    /// the record].
     #[arg(long, value_name = "S")]
     period_s: Option<String>,
-    /// Decimal mark of the numbers in a text: comma or point.
-    #[arg(long, value_name = "MARK")]
+    /// Decimal mark of the numbers in a text [default: found from the numbers].
+    #[arg(long, value_name = "MARK", value_parser = ["comma", "point"])]
     decimal: Option<String>,
-    /// Names of the columns in their order, with units in brackets, between semicolons; empty for
-    /// a column that is not to be used.
+    /// Names of the columns in their order, separated by semicolons, such as `time [s]; ; current
+    /// [A]`; an empty one is not used [default: the header of the file].
     #[arg(long, value_name = "NAMES")]
     column_names: Option<String>,
-    /// Time between samples, seconds, for a record that has no column of times.
+    /// Time between samples, seconds [default: the column of times].
     #[arg(long, value_name = "S")]
     sample_s: Option<String>,
-    /// Sheet of a workbook that has several tables.
+    /// Sheet of a workbook [default: the one that has a table].
     #[arg(long, value_name = "NAME")]
     sheet: Option<String>,
-    /// Whether the response has the opposite sign, as a loop gain at an injection point has.
-    #[arg(long, value_name = "yes|no")]
+    /// Whether the response has the opposite sign, as a loop gain at an injection point has
+    /// [default: no].
+    #[arg(long, value_name = "ANSWER", value_parser = ["yes", "no"])]
     inverted: Option<String>,
 }
 
@@ -92,7 +96,7 @@ impl Args {
 /// The keys and values of a mapping.
 fn mapping(path: &Path) -> Result<Vec<(String, String)>, Failure> {
     let wrong = |reason: String| Failure::Input(format!("{}: {reason}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
+    let text = std::fs::read_to_string(path).map_err(|error| Failure::unread(path, &error))?;
     let table: toml::Table =
         toml::from_str(&text).map_err(|error| wrong(error.to_string().trim().to_owned()))?;
     let entry = |(key, value): (String, toml::Value)| match value {

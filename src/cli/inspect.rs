@@ -10,26 +10,27 @@ use servoscope_core::identify::IdentifyError;
 use crate::report;
 use crate::service::{BuiltIn, JobRequest, Numerics, Submission, measured};
 
+use super::choice::one_of;
 use super::{Failure, computation, given, terminal};
 
 /// Arguments of `inspect`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Harmonic tables or time records that together are one measurement.
+    /// Files of one measurement: harmonic tables or time records.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    /// Order of the actuator [default: chosen from the data].
+    #[arg(long, value_name = "N", value_parser = one_of::<u8>(["0", "1", "2"]))]
+    actuator_order: Option<u8>,
+    /// Standard deviation of the noise in re and im of every harmonic, response units, for data
+    /// that carries neither deviations nor repeats [default: estimated from what the fit leaves].
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    noise_std: Option<f64>,
+    /// Prints the inspection as JSON, and nothing else.
+    #[arg(long, help_heading = "Output")]
+    json: bool,
     #[command(flatten)]
     given: given::Args,
-    /// Order of the actuator: 0, 1 or 2 [default: chosen from the data].
-    #[arg(long, value_name = "N")]
-    actuator_order: Option<u8>,
-    /// Standard deviation of re and im of every harmonic, response units, for
-    /// data that carries neither deviations nor repeats.
-    #[arg(long, value_name = "S")]
-    noise_std: Option<f64>,
-    /// Prints the inspection as one object.
-    #[arg(long)]
-    json: bool,
 }
 
 /// What `--json` prints.

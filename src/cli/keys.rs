@@ -9,6 +9,7 @@ use crate::config::Settings;
 use crate::service::{BuiltIn, Key, NewKey, Scope, Service, Signals, Token};
 use crate::store::Sqlite;
 
+use super::choice::one_of;
 use super::{Failure, terminal};
 
 /// Subcommands of `keys`.
@@ -30,7 +31,7 @@ pub(super) enum Command {
 #[derive(Debug, clap::Args)]
 #[group(skip)]
 pub(super) struct Folder {
-    /// File of settings of the server, TOML.
+    /// File of settings of the server, TOML [default: none].
     #[arg(long = "config", value_name = "FILE", env = "SERVOSCOPE_CONFIG")]
     file: Option<PathBuf>,
     /// Directory of the server's database [default: servoscope-data].
@@ -45,9 +46,9 @@ pub(super) struct Add {
     /// Its name, for people: who or what will hold it.
     #[arg(long, value_name = "NAME")]
     name: String,
-    /// What it may do: `upload`, `run`, `read`, `read:all`, `metrics` or `admin`; repeated, or
-    /// separated by commas.
+    /// What it may do; repeated, or separated by commas.
     #[arg(long = "scope", value_name = "SCOPE", value_delimiter = ',', required = true)]
+    #[arg(value_parser = one_of::<Scope>(Scope::ALL.map(Scope::name)))]
     scopes: Vec<Scope>,
     /// Days after which it expires [default: never].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]

@@ -2,10 +2,13 @@
 //! server itself. One file a subcommand.
 
 mod benchmark;
+mod choice;
+mod completions;
 mod computation;
 mod config;
 mod demo;
 mod diagnose;
+mod effects;
 mod failure;
 mod figures;
 mod given;
@@ -14,6 +17,7 @@ mod inspect;
 mod interrupt;
 mod keys;
 mod logging;
+mod manual;
 mod openapi;
 mod page;
 mod plan;
@@ -35,12 +39,23 @@ use crate::config::LogFormat;
 
 use failure::Failure;
 
-/// Identifies transfer function and friction of a servo axis from its measured
-/// frequency response.
+/// What to try first, below the list of commands.
+const EXAMPLES: &str = "\
+Examples:
+  servoscope inspect axis.csv                        how the file is understood
+  servoscope diagnose axis.csv                       where the simulation is wrong, and why
+  servoscope diagnose axis.csv --report axis.html    the same as a page
+  servoscope serve --demo                            the dashboard, with a measurement to try
+
+`servoscope COMMAND --help` lists the options of a command.";
+
+/// Finds out where a simulated servo axis differs from the measured one, and why: identifies its
+/// transfer function and friction from its frequency response, and names the physical effects that
+/// they miss.
 #[derive(Debug, Parser)]
-#[command(name = "servoscope", version)]
+#[command(name = "servoscope", version, after_help = EXAMPLES)]
 struct Cli {
-    /// Says more on standard error; twice: everything.
+    /// Logs more on standard error; -vv logs everything.
     #[arg(short, long, action = clap::ArgAction::Count, global = true)]
     verbose: u8,
     #[command(subcommand)]
@@ -49,37 +64,44 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Hides effects in drawn machines, diagnoses them and scores what is named.
+    /// Diagnoses simulated machines with hidden effects, and counts how often the answer is right.
     Benchmark(benchmark::Args),
+    /// Prints a script that lets a shell complete commands, options and their values.
+    Completions(completions::Args),
     /// Shows the settings of the service and where they come from.
     #[command(subcommand)]
     Config(config::Command),
-    /// Says where the base model departs from a measurement, and names what it lacks.
+    /// Says where the simulation differs from a measurement, and names the cause.
     Diagnose(diagnose::Args),
-    /// Fits the base model to a measurement.
+    /// Lists the effects that a diagnosis can name, or describes each with a figure.
+    Effects(effects::Args),
+    /// Fits the base model, a linear axis with dry friction, to a measurement.
     Identify(computation::Args),
-    /// Says how a measurement was understood, what looks wrong with it, and which effects it can show.
+    /// Says how a file is understood, what looks wrong with it, and which effects it can show.
     Inspect(inspect::Args),
     /// Makes, lists and revokes the keys of a server.
     #[command(subcommand)]
     Keys(keys::Command),
+    /// Prints the manual page, or writes one page for every command into a folder.
+    Man(manual::Args),
     /// Prints the OpenAPI document of the service.
     Openapi,
-    /// Plans experiments: where to measure within a time budget, and which effects that can name.
+    /// Plans experiments: where to measure in the time that there is, and what that can show.
     Plan(Box<plan::Args>),
-    /// Runs the experiments of the paper and prints its tables with our columns beside its own.
+    /// Repeats the experiments of the paper on the method, and prints both results side by side.
     Reproduce(reproduce::Args),
-    /// Computes a result again and compares every bit.
+    /// Computes a stored result again, and compares every number with it.
     Rerun(rerun::Args),
-    /// Runs the service.
+    /// Runs the HTTP service with its dashboard.
     Serve(Box<serve::Args>),
-    /// Shows a result that was stored: on the terminal, as figures or as a page.
+    /// Shows a stored result: on the terminal, as figures or as a page.
     Show(show::Args),
-    /// Writes a measurement of an axis with known parameters.
+    /// Simulates a measurement of an axis with known parameters.
     ///
-    /// The response is exact; without any flag it is that of the first system of the paper.
+    /// Without --noise-db or --noise-std the response is exact. Without options of the axis it is
+    /// the first system of the paper: pole −10 rad/s, constant 10, dry friction 0.5 and 0.4.
     Simulate(Box<simulate::Args>),
-    /// Tries the models of a result on another measurement.
+    /// Tests a stored result on another measurement of the same axis.
     Validate(validate::Args),
 }
 
@@ -94,6 +116,7 @@ pub fn main() -> ExitCode {
             start_log(cli.verbose);
             benchmark::run(&args)
         }
+        Command::Completions(args) => completions::run(&args),
         Command::Config(command) => {
             let of_command = matches.subcommand().and_then(|(_, matches)| matches.subcommand());
             config::run(&command, of_command.map_or(&matches, |(_, matches)| matches))
@@ -102,6 +125,7 @@ pub fn main() -> ExitCode {
             start_log(cli.verbose);
             diagnose::run(&args)
         }
+        Command::Effects(args) => effects::run(&args),
         Command::Identify(args) => {
             start_log(cli.verbose);
             identify::run(&args)
@@ -111,6 +135,7 @@ pub fn main() -> ExitCode {
             inspect::run(&args)
         }
         Command::Keys(command) => keys::run(command),
+        Command::Man(args) => manual::run(&args),
         Command::Openapi => openapi::run(),
         Command::Plan(args) => {
             start_log(cli.verbose);
@@ -148,10 +173,52 @@ fn start_log(verbose: u8) {
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::answers::{IdentifyOptions, Method};
+
     use super::*;
 
     #[test]
     fn the_arguments_are_well_formed() {
         Cli::command().debug_assert();
+    }
+
+    /// Beginnings of the help of options that do something only where they are given.
+    const VERBS: [&str; 8] =
+        ["Writes ", "Draws ", "Runs ", "Changes ", "Adds ", "Prints ", "Takes ", "Uses "];
+
+    fn says_what_holds_without_it(argument: &clap::Arg) -> bool {
+        let help = argument.get_long_help().or_else(|| argument.get_help());
+        let help = help.map(ToString::to_string).unwrap_or_default();
+        let flag = !argument.get_action().takes_values();
+        flag || argument.is_positional()
+            || argument.is_required_set()
+            || !argument.get_default_values().is_empty()
+            || help.contains("[default: ")
+            || VERBS.iter().any(|verb| help.starts_with(verb))
+    }
+
+    #[test]
+    fn every_option_says_its_default_or_what_it_does_where_it_is_given() {
+        let mut commands = vec![Cli::command()];
+        let mut silent = Vec::new();
+        while let Some(command) = commands.pop() {
+            let options = command.get_arguments().filter(|one| !says_what_holds_without_it(one));
+            silent.extend(options.map(|one| format!("{} --{}", command.get_name(), one.get_id())));
+            commands.extend(command.get_subcommands().cloned());
+        }
+        assert!(silent.is_empty(), "{silent:#?}");
+    }
+
+    #[test]
+    fn the_defaults_that_a_help_states_are_those_of_the_library() {
+        let options = IdentifyOptions::default();
+        let identify = Cli::command().find_subcommand("identify").cloned().unwrap();
+        for (name, default) in
+            [("seed", options.seed.to_string()), ("method", Method::default().name().to_owned())]
+        {
+            let argument = identify.get_arguments().find(|one| one.get_id() == name).unwrap();
+            let help = argument.get_help().unwrap().to_string();
+            assert!(help.contains(&format!("[default: {default}]")), "{help}");
+        }
     }
 }

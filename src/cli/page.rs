@@ -11,7 +11,7 @@ use super::{Failure, target};
 #[group(skip)]
 pub(super) struct Args {
     /// Writes the answer as one HTML page, with its figures, into this file.
-    #[arg(long = "report", value_name = "FILE")]
+    #[arg(long = "report", value_name = "FILE", help_heading = "Output")]
     file: Option<PathBuf>,
 }
 

@@ -10,37 +10,40 @@ use crate::report;
 use crate::report::figures::Theme;
 use crate::service::{BuiltIn, JobRequest, Numerics, Submission};
 
+use super::choice::one_of;
 use super::{Failure, computation, given, target, terminal};
 
 /// Arguments of `plan`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A first measurement of the axis; without one, give the axis.
+    /// Files of a first measurement of the axis; without one, describe the axis.
     #[arg(value_name = "FILE", conflicts_with_all = ["pole", "constant", "fc_plus", "fc_minus"])]
-    #[arg(required_unless_present = "pole")]
     files: Vec<PathBuf>,
-    #[command(flatten)]
-    given: given::Args,
-    #[command(flatten)]
-    axis: Axis,
-    /// Time that the experiments may take in all, settling included, s.
-    #[arg(long, value_name = "S")]
+    /// Time that all experiments together may take, with settling, seconds.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     budget_s: f64,
-    #[command(flatten)]
-    limits: Limits,
-    /// Relative standard deviation of each parameter of the axis.
+    /// How uncertain the axis is: relative standard deviation of each of its parameters.
     #[arg(long, value_name = "U", default_value_t = PlanOptions::default().uncertainty)]
     uncertainty: f64,
-    /// Standard deviation of re and im of a harmonic that is measured for one second, velocity units
-    /// [default: a thousandth of a middle response that is measured for 10/a].
+    /// Standard deviation of the noise in re and im of a harmonic that is measured for one second,
+    /// velocity units [default: such that a middle response, measured for 10/a, is known to a
+    /// thousandth].
     #[arg(long, value_name = "S")]
     noise_std: Option<f64>,
-    /// Standard deviation of a harmonic in one repeat as a share of its size.
+    /// Noise in proportion to the response: standard deviation of a harmonic in one repeat as a share
+    /// of its size.
     #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
     noise_share: f64,
     /// Seed of the axes that are drawn and of the order; the same seed gives the same plan.
     #[arg(long, value_name = "N", default_value_t = PlanOptions::default().seed)]
     seed: u64,
+    // Groups with a heading of their own come last: what follows one would stand under it.
+    #[command(flatten)]
+    axis: Axis,
+    #[command(flatten)]
+    limits: Limits,
+    #[command(flatten)]
+    given: given::Args,
     #[command(flatten)]
     output: Output,
 }
@@ -49,27 +52,28 @@ pub(super) struct Args {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Axis")]
 struct Axis {
-    /// Pole −a of the mechanics, rad/s.
+    /// Pole −a of the mechanics, rad/s [default: from the first measurement].
     #[arg(long, value_name = "-A", allow_negative_numbers = true)]
     #[arg(requires_all = ["constant", "fc_plus"])]
     pole: Option<f64>,
-    /// Constant K of the mechanics, velocity units per input unit and second.
+    /// Constant K of the mechanics, velocity units per input unit and second [default: from the
+    /// first measurement].
     #[arg(long, value_name = "K", requires = "pole", allow_negative_numbers = true)]
     constant: Option<f64>,
-    /// Friction while the velocity is positive, input units.
+    /// Friction while the velocity is positive, input units [default: from the first measurement].
     #[arg(long, value_name = "FC", requires = "pole")]
     fc_plus: Option<f64>,
     /// Friction while the velocity is negative, input units [default: as --fc-plus].
     #[arg(long, value_name = "FC", requires = "pole")]
     fc_minus: Option<f64>,
-    /// Pole −p of an actuator of first order, rad/s.
+    /// Pole −p of an actuator of first order, rad/s [default: no such actuator].
     #[arg(long, value_name = "-P", requires = "pole", allow_negative_numbers = true)]
     #[arg(conflicts_with = "natural_frequency")]
     actuator_pole: Option<f64>,
-    /// Natural frequency of an actuator of second order, rad/s.
+    /// Natural frequency of an actuator of second order, rad/s [default: no such actuator].
     #[arg(long, value_name = "WN", requires_all = ["pole", "damping_ratio"])]
     natural_frequency: Option<f64>,
-    /// Its damping ratio.
+    /// Damping ratio of an actuator of second order [default: no such actuator].
     #[arg(long, value_name = "ZETA", requires = "natural_frequency")]
     damping_ratio: Option<f64>,
 }
@@ -99,19 +103,20 @@ struct Limits {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Output")]
 struct Output {
-    /// Prints the plan as one object.
+    /// Prints the plan as JSON, and nothing else.
     #[arg(long)]
     json: bool,
-    /// Writes the experiments in their order.
+    /// Writes the experiments in their order as CSV.
     #[arg(long, value_name = "FILE.csv")]
     table: Option<PathBuf>,
     /// Writes the input as samples that a generator or a drive can play.
     #[arg(long, value_name = "FILE.csv")]
     excitation: Option<PathBuf>,
-    /// Which input: stepped-sine or multisine.
+    /// Which input `--excitation` writes.
     #[arg(long, value_name = "KIND", default_value = "stepped-sine")]
+    #[arg(value_parser = one_of::<ExcitationKind>(["stepped-sine", "multisine"]))]
     excitation_kind: ExcitationKind,
-    /// Draws the plan.
+    /// Draws the plan as SVG.
     #[arg(long, value_name = "FILE.svg")]
     figure: Option<PathBuf>,
 }
@@ -124,6 +129,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     let axis = match args.axis.rough() {
         Some(axis) => axis,
+        None if args.files.is_empty() => {
+            return Err(Failure::Input(
+                "give a first measurement, or describe the axis with --pole, --constant and \
+                 --fc-plus"
+                    .into(),
+            ));
+        }
         None => measured(args)?,
     };
     let request = PlanRequest { axis, budget_s: args.budget_s, options: args.options() };
@@ -132,6 +144,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     watch.finish();
     let plan = plan.map_err(|error| match error {
         PlanError::Cancelled => Failure::other(error),
+        PlanError::Invalid { field, reason } => {
+            let flag = field.rsplit('.').next().unwrap_or_default().replace('_', "-");
+            Failure::Input(format!("--{flag}: {reason}"))
+        }
         error => Failure::input(error),
     })?;
     if let Some(path) = table {

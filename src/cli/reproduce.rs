@@ -11,6 +11,7 @@ use servoscope_bench::reproduction::{
 };
 use servoscope_core::answers::Method;
 
+use super::choice::one_of;
 use super::{Failure, interrupt, terminal};
 
 mod charts;
@@ -28,6 +29,7 @@ pub(super) struct Args {
     levels: Vec<u32>,
     /// Methods [default: all].
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    #[arg(value_parser = one_of::<Method>(Method::all().map(Method::name)))]
     methods: Vec<Method>,
     /// Follows the paper's own equations, to the letter and on their own, and nothing else.
     #[arg(long)]

@@ -21,18 +21,18 @@ pub(super) struct Args {
     /// What `identify --json` or `diagnose --json` has printed, or the result of a job.
     #[arg(value_name = "RESULT.json")]
     result: PathBuf,
-    /// The files that it was computed from.
+    /// Files that it was computed from.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    #[command(flatten)]
-    given: given::Args,
-    /// The second measurement of a diagnosis that had one; repeated, the files together
-    /// are one.
+    /// The second measurement, for a diagnosis that had one; repeat it for a measurement of several
+    /// files [default: none].
     #[arg(long, value_name = "FILE")]
     validate: Vec<PathBuf>,
-    /// Prints the result object computed this time.
-    #[arg(long)]
+    /// Prints the result computed this time as JSON.
+    #[arg(long, help_heading = "Output")]
     json: bool,
+    #[command(flatten)]
+    given: given::Args,
 }
 
 /// Computes a result again, from what it says of itself, and compares every bit.

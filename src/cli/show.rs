@@ -12,7 +12,7 @@ pub(super) struct Args {
     /// What `identify --json` or `diagnose --json` has printed, or the result of a job.
     #[arg(value_name = "RESULT.json")]
     result: PathBuf,
-    /// The files that it was computed from: figures and the page need them.
+    /// Files that it was computed from; only figures and the page need them.
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
     #[command(flatten)]

@@ -14,8 +14,8 @@ use super::{Failure, figures, page, terminal};
 #[derive(Debug, Default, clap::Args)]
 #[group(skip)]
 pub(super) struct Args {
-    /// Prints everything that the answer says: some 200 lines instead of 40.
-    #[arg(long)]
+    /// Prints the whole answer, some 200 lines, instead of its main points in at most 40.
+    #[arg(long, help_heading = "Output")]
     full: bool,
     #[command(flatten)]
     figures: figures::Args,

@@ -29,8 +29,8 @@ const MAX_HARMONIC: usize = 1000;
 pub(super) struct Args {
     #[command(flatten)]
     axis: Axis,
-    /// What the axis has beyond its base model, by id and parameters; repeatable. An id alone or
-    /// an unknown one is refused with what there is.
+    /// Adds an effect: its id, and its parameters by name; repeatable. An id alone lists its
+    /// parameters, and an unknown id lists all ids.
     #[arg(long = "effect", value_name = "ID:NAME=VALUE,…", value_parser = effect)]
     #[arg(help_heading = "Axis")]
     effects: Vec<ActiveEffect>,
@@ -42,11 +42,13 @@ pub(super) struct Args {
     #[arg(long, value_name = "KIND", value_enum, default_value_t = Kind::Velocity)]
     #[arg(help_heading = "Output")]
     response: Kind,
-    /// Unit of the input, written to the file.
-    #[arg(long, value_name = "UNIT", default_value = "", help_heading = "Output")]
+    /// Writes this unit of the input to the file.
+    #[arg(long, value_name = "UNIT", default_value = "", hide_default_value = true)]
+    #[arg(help_heading = "Output")]
     input_unit: String,
-    /// Unit of the response, written to the file.
-    #[arg(long, value_name = "UNIT", default_value = "", help_heading = "Output")]
+    /// Writes this unit of the response to the file.
+    #[arg(long, value_name = "UNIT", default_value = "", hide_default_value = true)]
+    #[arg(help_heading = "Output")]
     response_unit: String,
     /// File to write [default: standard output].
     #[arg(long, value_name = "FILE", help_heading = "Output")]
@@ -60,11 +62,11 @@ struct Design {
     /// Magnitudes of the cosine input [default: 2, 4 and 8 times the highest friction level].
     #[arg(long, value_name = "M,…", value_delimiter = ',')]
     magnitudes: Vec<f64>,
-    /// Frequencies, each measured at every magnitude, rad/s.
+    /// Frequencies, each measured at every magnitude, rad/s [default: as --frequency-range].
     #[arg(long, value_name = "W,…", value_delimiter = ',')]
     frequencies_rad_s: Vec<f64>,
-    /// The same as so many, evenly spaced on a logarithmic axis, rad/s [default: 13 from a tenth
-    /// of the pole to ten times the pole].
+    /// COUNT frequencies from LOW to HIGH, rad/s, evenly spaced on a logarithmic axis [default: 13
+    /// from a tenth of the pole to ten times the pole].
     #[arg(long, value_name = "LOW:HIGH:COUNT", conflicts_with = "frequencies_rad_s")]
     #[arg(value_parser = frequency_range)]
     frequency_range: Option<Range>,
@@ -81,10 +83,11 @@ struct Scatter {
     /// fundamentals [default: no noise].
     #[arg(long, value_name = "N", conflicts_with = "noise_std", allow_negative_numbers = true)]
     noise_db: Option<f64>,
-    /// The same in response units.
+    /// Standard deviation of re and im of every harmonic, response units [default: no noise].
     #[arg(long, value_name = "S")]
     noise_std: Option<f64>,
-    /// Writes so many repeats, whose mean has that deviation, instead of the deviation.
+    /// Writes this many repeats of each point, whose mean has that deviation, instead of a column
+    /// `std`.
     #[arg(long, value_name = "M")]
     repeats: Option<usize>,
     /// Seed of the noise.

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::Failure;
 
 fn failure(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::Input(format!("{}: {error}", path.display()))
+    Failure::unwritten(path, error)
 }
 
 /// Whether a file can be written. What is in it stays until it is written, and a file that was not

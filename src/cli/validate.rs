@@ -16,14 +16,14 @@ pub(super) struct Args {
     /// What `identify --json` or `diagnose --json` has printed.
     #[arg(value_name = "RESULT.json")]
     result: PathBuf,
-    /// Harmonic tables or time records that together are another measurement.
+    /// Files of the other measurement: harmonic tables or time records.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    /// Prints the result as JSON, and nothing else.
+    #[arg(long, help_heading = "Output")]
+    json: bool,
     #[command(flatten)]
     given: given::Args,
-    /// Prints the result object alone.
-    #[arg(long)]
-    json: bool,
 }
 
 /// Tries the models of a result on another measurement.

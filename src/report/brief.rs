@@ -2,7 +2,7 @@
 //! begin with them.
 
 use servoscope_core::answers::{
-    Answer, Cause, Diagnosis, Gain, Identification, ReadingDoubt, Verdict,
+    Answer, Cause, Diagnosis, Gain, Identification, NoiseSource, ReadingDoubt, Verdict,
 };
 
 use super::number::{digits, significant};
@@ -26,6 +26,13 @@ pub(super) struct Judgement {
     pub(super) text: String,
 }
 
+impl Judgement {
+    /// The verdict in one line.
+    pub(super) fn headline(&self) -> String {
+        format!("{}: {}", self.word.to_uppercase(), self.text)
+    }
+}
+
 /// The verdict of an answer.
 pub(super) fn judgement(answer: &Answer) -> Judgement {
     match answer {
@@ -34,7 +41,8 @@ pub(super) fn judgement(answer: &Answer) -> Judgement {
     }
 }
 
-fn of_fit(answer: &Identification) -> Judgement {
+/// The verdict of a fit.
+pub(super) fn of_fit(answer: &Identification) -> Judgement {
     let is_noise = answer.fit.p_value.is_some_and(|p| p >= 0.01);
     let (word, mark, text) = match answer.fit.adequate {
         Some(true) => {
@@ -48,16 +56,23 @@ fn of_fit(answer: &Identification) -> Judgement {
         Some(false) => {
             ("Not adequate", Mark::Bad, "The model leaves more of the measurement than noise.")
         }
-        None => (
+        None if answer.noise == NoiseSource::Estimated => (
             "Adequacy unknown",
             Mark::Open,
             "Whether the model explains the measurement cannot be said: its noise is not known.",
+        ),
+        None => (
+            "Adequacy unknown",
+            Mark::Open,
+            "Whether the model explains the measurement cannot be said: it has no more data than \
+             the model has parameters.",
         ),
     };
     Judgement { word, mark, text: text.to_owned() }
 }
 
-fn of_diagnosis(answer: &Diagnosis) -> Judgement {
+/// The verdict of a diagnosis.
+pub(super) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
     let causes = joined(answer.causes.iter().map(|cause| a(&cause.effect)).collect(), "and");
     let them = if answer.causes.len() > 1 { "them" } else { "it" };
     let (word, mark, text) = match answer.verdict {
@@ -101,11 +116,11 @@ fn of_diagnosis(answer: &Diagnosis) -> Judgement {
     let text = match (answer.measurement.len(), answer.verdict) {
         (0, _) => text,
         (1, Verdict::Adequate) => {
-            "The measurement has a fault; with that mended, nothing speaks against the simulation."
+            "The measurement has a fault; with that corrected, nothing speaks against the simulation."
                 .into()
         }
-        (1, _) => format!("The measurement has a fault, mended here. {text}"),
-        (count, _) => format!("The measurement has {count} faults, mended here. {text}"),
+        (1, _) => format!("The measurement has a fault, corrected here. {text}"),
+        (count, _) => format!("The measurement has {count} faults, corrected here. {text}"),
     };
     Judgement { word, mark, text }
 }
@@ -115,7 +130,7 @@ pub(super) fn suspicions(answer: &Answer) -> Vec<String> {
     let faults = answer.diagnosis().map_or(&[][..], |answer| &answer.measurement);
     let faults = faults
         .iter()
-        .map(|fault| format!("{} To mend it: {}.", sentence(&fault.sentence), fault.remedy));
+        .map(|fault| format!("{} To correct it: {}.", sentence(&fault.sentence), fault.remedy));
     let rivals = answer.diagnosis().and_then(rival_faults);
     faults.chain(rivals).chain(answer.base().doubts.iter().map(doubt)).collect()
 }
@@ -134,10 +149,21 @@ pub(super) fn doubt(doubt: &ReadingDoubt) -> String {
 }
 
 /// Units of the command and of the response.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Units<'a> {
     pub(super) input: &'a str,
     pub(super) response: &'a str,
+}
+
+impl<'a> Units<'a> {
+    /// Those of a fit, as its parameters tell them.
+    pub(super) fn of(fit: &'a Identification) -> Self {
+        let unit = |id: &str| fit.parameters.get(id).map(|estimate| estimate.unit.as_str());
+        let input = unit("fc_plus").or(unit("fc_mean")).unwrap_or_default();
+        // `(mm/s)/V`: what is in front of the last stroke.
+        let gain = unit("dc_gain").unwrap_or_default();
+        Self { input, response: gain.rsplit_once('/').map_or("", |(response, _)| response) }
+    }
 }
 
 /// What happens in the machine, as the library of effects tells it: without how it shows.
@@ -185,9 +211,13 @@ pub(super) fn next(answer: &Answer, units: Units<'_>) -> Vec<String> {
                     .into(),
             ],
             Some(true) => vec!["Use the model at the magnitudes and frequencies measured.".into()],
-            None => vec![
+            None if answer.base().noise == NoiseSource::Estimated => vec![
                 "Give the noise (a column std, repeats or --noise-std), so that the model can be \
                  judged."
+                    .into(),
+            ],
+            None => vec![
+                "Measure more magnitudes, frequencies or harmonics, so that the model can be judged."
                     .into(),
             ],
         };
@@ -196,7 +226,7 @@ pub(super) fn next(answer: &Answer, units: Units<'_>) -> Vec<String> {
     let ids = answer.candidates.iter().map(|candidate| candidate.effect.as_str());
     let experiment = match (&answer.next_experiment, answer.verdict) {
         _ if !answer.rival_faults.is_empty() => {
-            "Measure that again: if it repeats, it is the machine's.".into()
+            "Measure that again: what repeats comes from the machine.".into()
         }
         (Some(next), _) => {
             let magnitude = quantity(next.magnitude, 4, units.input);
@@ -210,12 +240,12 @@ pub(super) fn next(answer: &Answer, units: Units<'_>) -> Vec<String> {
         }
         (None, Verdict::Adequate) => String::new(),
         (None, Verdict::Explained) => {
-            "Put the cause into your model. No other effect is in doubt, and no further experiment \
-             is asked for."
+            "Add the cause to your model. No other effect fits nearly as well, so no further \
+             experiment is needed."
                 .into()
         }
         (None, Verdict::Improved) => {
-            "Confirm the cause at the machine: something else is wrong, too, and it may look like \
+            "Check the cause on the machine: something else is wrong as well, and it may look like \
              this cause."
                 .into()
         }

@@ -2,10 +2,12 @@
 
 use servoscope_core::answers::{Cause, Diagnosis, Gain, Identification};
 
+use super::brief::Units;
 use super::columns::{Side, align_points, table};
 use super::number::significant;
 use super::tables::{self, flags, in_digits};
 use super::text::section;
+use super::units::fitting;
 use super::written::lines;
 
 /// Probability above which another digit says nothing.
@@ -18,7 +20,8 @@ pub(super) fn sections(answer: &Diagnosis) -> Vec<String> {
     let mut sections = Vec::new();
     if !causes.is_empty() {
         let title = if causes.len() == 1 { "Cause" } else { "Causes" };
-        let lines = causes.iter().enumerate().flat_map(|(i, cause)| named(i + 1, cause));
+        let lines =
+            causes.iter().enumerate().flat_map(|(i, cause)| named(i + 1, cause, Units::of(base)));
         sections.push(section(title, lines.collect()));
     }
     if let Some(next) = next_experiment {
@@ -69,7 +72,7 @@ pub fn with_causes(causes: &[Cause]) -> String {
     format!("with {}", names.join(" and "))
 }
 
-fn named(number: usize, cause: &Cause) -> Vec<String> {
+fn named(number: usize, cause: &Cause, units: Units<'_>) -> Vec<String> {
     let Cause { effect, parameters, confidence, explanation, equivalents, margin, .. } = cause;
     let mut lines = vec![format!("{number}. {effect}, confidence {}", per_cent(*confidence))];
     let mut rows: Vec<[String; 4]> = parameters
@@ -88,8 +91,8 @@ fn named(number: usize, cause: &Cause) -> Vec<String> {
         .collect();
     align_points(rows.iter_mut().map(|row| &mut row[1]));
     let (left, right) = (Side::Left, Side::Right);
-    let below =
-        std::iter::once(explanation.clone()).chain(table(&[left, right, left, left], &rows));
+    let below = std::iter::once(fitting(explanation, units.input, units.response))
+        .chain(table(&[left, right, left, left], &rows));
     lines.extend(below.map(|line| format!("   {line}")));
     if let Some(margin) = without(*margin) {
         lines.push(format!("   {margin}"));
@@ -151,6 +154,17 @@ mod tests {
             line(&text, "cannot"),
             "cannot be told from stribeck or presliding by this data"
         );
+    }
+
+    #[test]
+    fn what_is_measured_in_newtons_is_told_of_a_force() {
+        let mut answer = sample::explained();
+        for (id, unit) in [("fc_plus", "N"), ("dc_gain", "(mm/s)/N")] {
+            answer.base.parameters.get_mut(id).unwrap().unit = unit.into();
+        }
+        let text = sections(&answer).concat();
+        assert!(text.contains("breakaway takes more force than sliding"), "{text}");
+        assert!(!text.contains("torque"), "{text}");
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! A diagnosis as plain text for a terminal.
 
-use servoscope_core::answers::{Diagnosis, Discrepancy, NoiseSource, Pattern, Verdict};
+use servoscope_core::answers::{Diagnosis, Discrepancy, NoiseSource, Pattern};
 
+use super::brief;
 use super::causes::{self, with_causes};
 use super::columns::Side;
 use super::measurement;
@@ -9,6 +10,14 @@ use super::tables::{self, Cell, Column, Table};
 use super::text::{identification, section};
 use super::validation;
 use super::written::lines;
+
+/// How to read the table of what is left.
+const LEFT_SAYS: &str = "root mean squares of what the base model leaves: over the noise (sigmas; 1 \
+                         is noise), in units of the response, and as a share of what was measured";
+
+/// How to read the table of tests.
+const TESTS_SAY: &str =
+    "each test holds what the base model leaves against noise; p is how often noise looks as bad";
 
 /// Writes a diagnosis the way it is read: what it comes to and why, where the
 /// simulation is wrong, how both were judged, and the model: with the causes,
@@ -20,7 +29,8 @@ pub fn diagnosis(answer: &Diagnosis) -> String {
     let band = answer.valid_band.as_ref().map(|band| &band.sentence);
     let headline = [linearity, Some(&discrepancy.sentence), band].into_iter().flatten().cloned();
     let faults = answer.measurement.iter().map(|f| format!("the measurement: {}", f.sentence));
-    let mut sections = vec![section(verdict(answer.verdict), faults.chain(headline).collect())];
+    let mut sections =
+        vec![section(&brief::of_diagnosis(answer).headline(), faults.chain(headline).collect())];
     sections.extend(measurement::section_of(answer));
     sections.extend(causes::sections(answer));
     if !answer.limitations.is_empty() {
@@ -31,15 +41,19 @@ pub fn diagnosis(answer: &Diagnosis) -> String {
     if !discrepancy.patterns.is_empty() {
         sections.push(section("Where it is wrong", patterns(&discrepancy.patterns)));
     }
-    sections.push(section("What is left", lines(&left(discrepancy, base.noise))));
-    sections.push(section("Is it noise?", lines(&tables::tests(&discrepancy.tests))));
+    sections.push(section("What is left", said(LEFT_SAYS, &left(discrepancy, base.noise))));
+    sections.push(section("Is it noise?", said(TESTS_SAY, &tables::tests(&discrepancy.tests))));
     if !answer.candidates.is_empty() {
-        sections.push(section("What was tried", lines(&tables::tried(&answer.candidates))));
+        sections.push(section(
+            "What was tried",
+            said(tables::TRIED_SAYS, &tables::tried(&answer.candidates)),
+        ));
     }
     match extended {
         None => sections.push(format!("The base model\n\n{}", identification(base))),
         Some(extended) => {
-            let title = "Parameters of the base model, which takes the causes for its own";
+            let title =
+                "Parameters of the base model: without the causes they absorb what is missing";
             sections.push(section(title, lines(&tables::parameters(&base.parameters, ""))));
             let title = format!("The model {}", with_causes(&answer.causes));
             sections.push(format!("{title}\n\n{}", identification(extended)));
@@ -48,13 +62,9 @@ pub fn diagnosis(answer: &Diagnosis) -> String {
     sections.join("\n")
 }
 
-fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Adequate => "ADEQUATE: nothing in the data speaks against the base model",
-        Verdict::Explained => "EXPLAINED: with the named causes the model explains the data",
-        Verdict::Improved => "IMPROVED: the named causes help, and something remains",
-        Verdict::Unexplained => "UNEXPLAINED: the base model is wrong, and no cause is named",
-    }
+/// A table below a sentence that says how to read it.
+fn said(how: &str, table: &Table) -> Vec<String> {
+    std::iter::once(how.to_owned()).chain(lines(table)).collect()
 }
 
 fn patterns(patterns: &[Pattern]) -> Vec<String> {
@@ -91,7 +101,7 @@ mod tests {
     fn the_verdict_and_its_sentence_come_first_and_the_base_model_last() {
         let answer = sample::diagnosis();
         let text = diagnosis(&answer);
-        assert!(text.starts_with("UNEXPLAINED: the base model is wrong"), "{text}");
+        assert!(text.starts_with("UNEXPLAINED: The simulation is wrong"), "{text}");
         let position = |part: &str| text.find(part).unwrap_or_else(|| panic!("{part}: {text}"));
         assert!(position(&answer.discrepancy.sentence) < position("Where it is wrong"));
         assert!(position("Where it is wrong") < position("What is left"));
@@ -102,7 +112,7 @@ mod tests {
     fn an_explained_diagnosis_goes_from_the_cause_to_the_model_with_it() {
         let answer = sample::explained();
         let text = diagnosis(&answer);
-        assert!(text.starts_with("EXPLAINED: with the named causes"), "{text}");
+        assert!(text.starts_with("EXPLAINED: The simulation misses"), "{text}");
         let order = [
             &answer.discrepancy.sentence,
             "\nCause\n",

@@ -11,7 +11,7 @@ pub(super) fn section_of(answer: &Diagnosis) -> Option<String> {
     let mut lines = Vec::new();
     for fault in &answer.measurement {
         lines.push(format!("- {}", fault.sentence));
-        lines.push(format!("  to mend it: {}", fault.remedy));
+        lines.push(format!("  to correct it: {}", fault.remedy));
     }
     lines.extend(without(answer));
     lines.extend(brief::rival_faults(answer).map(|text| format!("- {text}")));
@@ -25,7 +25,10 @@ pub(super) fn without(answer: &Diagnosis) -> Vec<String> {
     let causes: Vec<&str> = answer.causes.iter().map(|cause| cause.effect.as_str()).collect();
     vec![
         format!("as it is, {}", left(as_measured)),
-        format!("with this mended, {}", one(&causes, answer.base.fit.nrmse, Some(best.fit.nrmse))),
+        format!(
+            "with this corrected, {}",
+            one(&causes, answer.base.fit.nrmse, Some(best.fit.nrmse))
+        ),
         "--keep-all (the option keep_all) takes the measurement as it is".to_owned(),
     ]
 }
@@ -56,9 +59,9 @@ mod tests {
     fn a_fault_is_told_with_what_mends_it_and_the_answer_with_and_without_it() {
         let text = section_of(&sample::mended()).unwrap();
         assert!(text.contains("line 153 (harmonic 1 at magnitude 2 and 3 Hz) does not belong"));
-        assert!(text.contains("to mend it: measure these again"), "{text}");
+        assert!(text.contains("to correct it: measure these again"), "{text}");
         assert!(text.contains("as it is, the base model leaves 4.1 % of the response"), "{text}");
-        assert!(text.contains("with this mended, the base model leaves"), "{text}");
+        assert!(text.contains("with this corrected, the base model leaves"), "{text}");
         assert!(text.contains("--keep-all"), "{text}");
         assert_eq!(section_of(&sample::diagnosis()), None);
     }

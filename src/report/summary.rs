@@ -39,8 +39,7 @@ pub fn summary(answer: &Answer, width: usize) -> String {
 
 /// The verdict of an answer in one line: its word, and what it means.
 pub fn headline(answer: &Answer) -> String {
-    let Judgement { word, text, .. } = judgement(answer);
-    format!("{}: {text}", word.to_uppercase())
+    judgement(answer).headline()
 }
 
 fn verdict(judgement: &Judgement, width: usize) -> String {
@@ -60,7 +59,7 @@ type Part = (&'static str, Vec<String>);
 
 /// Every part, the most important first: the last are those that go where there is no room.
 fn parts(answer: &Answer) -> Vec<Part> {
-    let units = units(answer);
+    let units = Units::of(answer.base());
     let mut parts: Vec<Part> = vec![("Measurement", brief::suspicions(answer))];
     if let Some(diagnosis) = answer.diagnosis() {
         parts.extend(found(diagnosis, units));
@@ -76,22 +75,14 @@ fn parts(answer: &Answer) -> Vec<Part> {
         .collect();
     parts.push(("Axis", columns(&names)));
     let left = super::words::per_cent(model.fit.nrmse, 3);
-    let each = model.fit.chi2_per_dof.map(|each| {
-        format!(", χ² {} for each degree of freedom", super::number::significant(each, 3))
-    });
-    parts.push(("Left", vec![format!("{left} of the response{}", each.unwrap_or_default())]));
-    parts.push(("Mind", limits(answer)));
+    let each = model
+        .fit
+        .chi2_per_dof
+        .map(|each| format!(", χ² {} per degree of freedom", super::number::significant(each, 3)));
+    parts.push(("Residual", vec![format!("{left} of the response{}", each.unwrap_or_default())]));
+    parts.push(("Caveats", limits(answer)));
     parts.retain(|(_, texts)| !texts.is_empty());
     parts
-}
-
-/// Units of the command and the response, as the parameters tell them.
-fn units(answer: &Answer) -> Units<'_> {
-    let unit = |id: &str| answer.base().parameters.get(id).map(|estimate| estimate.unit.as_str());
-    let input = unit("fc_plus").or(unit("fc_mean")).unwrap_or_default();
-    // `(mm/s)/V`: what is in front of the last stroke.
-    let gain = unit("dc_gain").unwrap_or_default();
-    Units { input, response: gain.rsplit_once('/').map_or("", |(response, _)| response) }
 }
 
 fn found(answer: &Diagnosis, units: Units<'_>) -> Vec<Part> {
@@ -116,7 +107,7 @@ fn found(answer: &Diagnosis, units: Units<'_>) -> Vec<Part> {
     }
     if let Some(gain) = &answer.gain {
         let (factor, is_sure) = brief::factor(gain);
-        let chance = if is_sure { "" } else { ", no more than chance may make of it" };
+        let chance = if is_sure { "" } else { ", which may be chance" };
         parts.push((
             "Gain",
             vec![format!(

@@ -9,7 +9,7 @@ mod plan;
 use super::columns::Side;
 use super::number::digits;
 
-pub(super) use diagnosis::{gains, residuals, tests, tried};
+pub(super) use diagnosis::{TRIED_SAYS, gains, residuals, tests, tried};
 use inspection::size as parameter_of_size;
 pub(super) use inspection::{unseen, visible};
 pub(super) use model::{flags, in_digits, misfit, orders, parameters, stages};

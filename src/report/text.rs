@@ -16,7 +16,7 @@ use super::written::lines;
 /// Writes an identification the way it is read: whether the model can be
 /// trusted, what to mind, what was found, and how.
 pub fn identification(answer: &Identification) -> String {
-    let mut sections = vec![section(verdict(answer), fit(answer))];
+    let mut sections = vec![section(&brief::of_fit(answer).headline(), fit(answer))];
     if !answer.doubts.is_empty() {
         let lines = answer.doubts.iter().map(|found| format!("- {}", brief::doubt(found)));
         sections.push(section("The measurement looks wrong", lines.collect()));
@@ -52,17 +52,6 @@ pub(super) fn section(title: &str, lines: Vec<String>) -> String {
     })
 }
 
-fn verdict(answer: &Identification) -> &'static str {
-    let is_noise = answer.fit.p_value.is_some_and(|p| p >= 0.01);
-    match answer.fit.adequate {
-        Some(true) => "ADEQUATE: the model explains the data to within its noise",
-        Some(false) if is_noise => "NOT ADEQUATE: the model leaves more than it simulates",
-        Some(false) => "NOT ADEQUATE: the model leaves more than noise",
-        None if answer.noise == NoiseSource::Estimated => "Adequacy unknown, because the noise is",
-        None => "Adequacy unknown: there are no more data than parameters",
-    }
-}
-
 fn fit(answer: &Identification) -> Vec<String> {
     let Fit { chi2, dof, chi2_per_dof, nrmse, .. } = answer.fit;
     let noise = match answer.noise {
@@ -72,7 +61,10 @@ fn fit(answer: &Identification) -> Vec<String> {
         NoiseSource::Estimated => "estimated from what the model leaves",
     };
     let mut rows = vec![
-        ["left".to_owned(), format!("{} % of the response (NRMSE)", significant(100.0 * nrmse, 3))],
+        [
+            "residual".to_owned(),
+            format!("{} % of the response (NRMSE)", significant(100.0 * nrmse, 3)),
+        ],
         ["noise".to_owned(), noise.to_owned() + &law(answer.fit.noise_law.as_ref())],
     ];
     if let (Some(chi2), Some(each)) = (chi2, chi2_per_dof) {
@@ -209,10 +201,18 @@ mod tests {
     fn the_verdict_comes_first_and_what_to_mind_before_any_number() {
         let mut answer = sample::identification();
         for (adequate, p_value, begin) in [
-            (Some(true), Some(0.5), "ADEQUATE: the model explains the data"),
-            (Some(false), Some(1e-6), "NOT ADEQUATE: the model leaves more than noise"),
-            (Some(false), Some(0.5), "NOT ADEQUATE: the model leaves more than it simulates"),
-            (None, None, "Adequacy unknown"),
+            (Some(true), Some(0.5), "ADEQUATE: The model explains the measurement"),
+            (
+                Some(false),
+                Some(1e-6),
+                "NOT ADEQUATE: The model leaves more of the measurement than noise",
+            ),
+            (
+                Some(false),
+                Some(0.5),
+                "NOT ADEQUATE: The model leaves more of the measurement than it",
+            ),
+            (None, None, "ADEQUACY UNKNOWN: Whether"),
         ] {
             (answer.fit.adequate, answer.fit.p_value) = (adequate, p_value);
             assert!(identification(&answer).starts_with(begin));
@@ -220,7 +220,7 @@ mod tests {
         let text = identification(&answer);
         let position = |part: &str| text.find(part).unwrap();
         assert!(position("- One magnitude only") < position("Parameters"));
-        assert_eq!(words(&text, "left")[1..3], ["1.23", "%"]);
+        assert_eq!(words(&text, "residual")[1..3], ["1.23", "%"]);
     }
 
     #[test]

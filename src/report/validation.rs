@@ -57,7 +57,7 @@ fn figures(answer: &Validation) -> Vec<String> {
         "" => String::new(),
         unit => format!(" ({unit})"),
     };
-    let title = ["", "NRMSE", &format!("rms{unit}"), "χ² a datum", "data"];
+    let title = ["", "NRMSE", &format!("rms{unit}"), "χ² per value", "values"];
     let mut rows = vec![title.map(str::to_owned), row("base model", &answer.models.base)];
     if let Some(extended) = &answer.models.extended {
         let names: Vec<&str> = answer.causes.iter().map(|cause| cause.effect.as_str()).collect();

@@ -31,7 +31,7 @@ fn bad_usage_ends_with_2() {
 fn a_file_that_is_not_there_ends_with_2_and_its_name() {
     let output = servoscope(&["identify", "nowhere.csv"]);
     assert_eq!(code(&output), Some(2));
-    assert!(error(&output).contains("nowhere.csv"));
+    assert_eq!(error(&output), "servoscope: nowhere.csv: there is no such file\n");
     assert!(output.stdout.is_empty());
 }
 
@@ -44,7 +44,7 @@ fn what_is_unknown_is_refused_with_what_is_known() {
         ),
         (["--actuator-order", "3"], "0, 1, 2"),
         (["--options", "{\"sead\": 1}"], "`seed`"),
-        (["--options", "{"], "line 1 column 1"),
+        (["--options", "{"], "--options: this is not JSON: EOF while parsing an object at line 1"),
         (["--noise-std", "0"], "positive"),
     ];
     for (flag, known) in cases {
@@ -174,6 +174,21 @@ fn an_actuator_that_is_simulated_is_found_and_its_order_too() {
         let [value, std] = ["value", "std"].map(|key| parameter[key].as_f64().unwrap());
         // As above; the scale of the noise is estimated, too.
         assert!((value - truth).abs() < 4.0 * std, "{name}: {value} ± {std}, not {truth}");
+    }
+}
+
+#[test]
+fn a_plan_without_an_axis_or_with_a_wrong_one_says_which_option_is_missing_or_wrong() {
+    let axis = ["--pole", "-3", "--constant", "1", "--fc-plus", "1"];
+    let wrong = ["--pole", "3", "--constant", "1", "--fc-plus", "1"];
+    for (axis, budget, told) in [
+        (&[][..], "5", "describe the axis with --pole"),
+        (&axis[..], "-5", "--budget-s: "),
+        (&wrong[..], "5", "--pole: 3 is not the pole"),
+    ] {
+        let output = servoscope(&[&["plan", "--budget-s", budget], axis].concat());
+        assert_eq!(code(&output), Some(2), "{told}: {}", error(&output));
+        assert!(error(&output).contains(told), "{told}: {}", error(&output));
     }
 }
 

@@ -1,6 +1,8 @@
 //! Integration tests: everything through the public interface.
 
+mod alarms;
 mod benchmark_simulator;
+mod book;
 mod caps;
 mod circles;
 mod cli;
@@ -19,6 +21,7 @@ mod keys;
 mod layers;
 mod limits;
 mod machines;
+mod manual;
 mod mappings;
 mod measurements;
 mod measurements_of_instruments;

@@ -128,6 +128,27 @@ impl Server {
         request.header("content-type", content_type).send(body).unwrap().into()
     }
 
+    /// Status of a `PUT` of whatever it is.
+    pub fn put_bytes(&self, path: &str, content_type: &str, body: &[u8]) -> u16 {
+        let request = self.agent.put(format!("{}{path}", self.address));
+        let answer = request.header("content-type", content_type).send(body);
+        answer.unwrap().status().as_u16()
+    }
+
+    /// The same of a `PATCH`.
+    pub fn patch_bytes(&self, path: &str, content_type: &str, body: &[u8]) -> u16 {
+        let request = self.agent.patch(format!("{}{path}", self.address));
+        let answer = request.header("content-type", content_type).send(body);
+        answer.unwrap().status().as_u16()
+    }
+
+    /// Most memory that it has had, KiB, where the system tells it.
+    pub fn peak_memory_kib(&self) -> Option<u64> {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+        line.trim().trim_end_matches("kB").trim().parse().ok()
+    }
+
     pub fn put(&self, path: &str, body: &Value) -> Answer {
         let request = self.agent.put(format!("{}{path}", self.address));
         let request = request.header("content-type", "application/json");

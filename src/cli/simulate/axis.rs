@@ -20,20 +20,21 @@ pub(super) struct Axis {
     /// Friction while the velocity is negative, input units.
     #[arg(long, value_name = "FC", default_value_t = 0.4)]
     fc_minus: f64,
-    /// Torque that starts the axis in positive direction [default: as --fc-plus].
+    /// Static friction, which the input has to exceed to start the axis in positive direction, input
+    /// units [default: as --fc-plus].
     #[arg(long, value_name = "FS")]
     fs_plus: Option<f64>,
-    /// Torque that starts the axis in negative direction [default: as --fc-minus].
+    /// The same in negative direction [default: as --fc-minus].
     #[arg(long, value_name = "FS")]
     fs_minus: Option<f64>,
-    /// Pole −p of an actuator of first order, rad/s.
+    /// Pole −p of an actuator of first order, rad/s [default: no such actuator].
     #[arg(long, value_name = "-P", allow_negative_numbers = true)]
     #[arg(conflicts_with = "natural_frequency")]
     actuator_pole: Option<f64>,
-    /// Natural frequency of an actuator of second order, rad/s.
+    /// Natural frequency of an actuator of second order, rad/s [default: no such actuator].
     #[arg(long, value_name = "WN", requires = "damping_ratio")]
     natural_frequency: Option<f64>,
-    /// Its damping ratio.
+    /// Damping ratio of an actuator of second order [default: no such actuator].
     #[arg(long, value_name = "ZETA", requires = "natural_frequency")]
     damping_ratio: Option<f64>,
 }

@@ -45,7 +45,7 @@ fn faults(answer: &Diagnosis) -> Markup {
     let body = html! {
         @for fault in &answer.measurement {
             p { (sentence(&fault.sentence)) }
-            p.small { "To mend it: " (fault.remedy) "." }
+            p.small { "To correct it: " (fault.remedy) "." }
         }
     };
     card("bad", title, body)

@@ -16,10 +16,7 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     }
     let ids: Vec<&str> = answer.candidates.iter().map(|c| c.effect.as_str()).collect();
     let body = html! {
-        p {
-            "Each effect was fitted together with the whole base model. Δχ² is what it alone takes \
-             off the misfit, the criterion weighs that against its parameters: the smallest wins."
-        }
+        p { (tables::TRIED_SAYS) }
         (described("", &tables::tried(&answer.candidates), &ids))
     };
     let title = if answer.causes.is_empty() { "What was tried" } else { "What else could it be?" };

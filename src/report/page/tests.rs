@@ -303,6 +303,6 @@ fn a_fault_of_the_measurement_is_told_before_all_else_with_what_mends_it() {
     let text = read(&page);
     let position = |part: &str| text.find(part).unwrap_or_else(|| panic!("{part}: {text}"));
     assert!(position("The measurement has a fault") < position("Fault of the measurement"));
-    assert!(position("To mend it: measure these again") < position("What to do next"));
+    assert!(position("To correct it: measure these again") < position("What to do next"));
     assert!(!read(&of(&sample::diagnosis())).contains("Fault of the measurement"));
 }

@@ -8,6 +8,10 @@ use crate::report::columns::Side::{Left, Point, Right};
 
 use super::{Cell, Table};
 
+/// How to read the table of effects that were tried.
+pub(in crate::report) const TRIED_SAYS: &str = "Each effect was fitted together with the whole base model. Δχ² is what it alone takes off the \
+     misfit; the criterion weighs that against its parameters: the smallest wins.";
+
 /// What models gain on data that neither a fit nor the choice of the causes has seen.
 pub(in crate::report) fn gains(gains: &[(String, &Gain)]) -> Table {
     let rows = gains.iter().map(|(name, gain)| {

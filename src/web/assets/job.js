@@ -110,5 +110,5 @@ function without(job) {
     h("h2", {}, job.status === "failed" ? "It failed" : "It was cancelled"),
     failure && h("p", {}, failure.reason),
     failure?.reference && h("p", { class: "small" }, "The log of the server says more under ", h("code", {}, failure.reference), "."),
-    h("p", {}, job.status === "failed" ? "Mend what it says, and start again." : "There is no result. To start again takes over what was asked for."));
+    h("p", {}, job.status === "failed" ? "Correct what it says, and start again." : "There is no result. To start again takes over what was asked for."));
 }

@@ -108,7 +108,7 @@ async function explained(error, files) {
     h("h2", {}, "Nothing was stored"),
     h("p", {}, error.message),
     file && line && await excerpt(file, line, where),
-    h("p", { class: "small" }, "Mend the file and drop it again. ",
+    h("p", { class: "small" }, "Correct the file and drop it again. ",
       h("a", { href: "/assets/example.csv", download: "sticky_axis.csv" }, "The example"), " shows the form of a harmonic table."));
 }
 

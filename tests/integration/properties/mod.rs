@@ -2,6 +2,7 @@
 //! contradicts, and no cause where nothing can be decided. Many drawn measurements go through
 //! `identify`, fewer of them, and all that once had a wrong answer, through a whole diagnosis.
 
+mod bodies;
 mod cases;
 mod checks;
 mod kept;

@@ -282,7 +282,7 @@ mod tests {
             alone: Some(outcome.clone()),
             refined: Some(outcome),
             budget: Some(1010),
-            stop_reason: "every cycle flown".into(),
+            stop_reason: "every cycle ended".into(),
             history: Vec::new(),
         }
     }

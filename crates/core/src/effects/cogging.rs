@@ -23,7 +23,7 @@ pub struct Cogging;
 const PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "amplitude",
-        title: "amplitude of the cogging torque",
+        title: "amplitude of the cogging",
         symbol: ["T", ""],
         dimension: Dimension::INPUT,
         domain: Domain::NotNegative,
@@ -36,7 +36,7 @@ const PARAMETERS: [Parameter; 3] = [
     },
     Parameter {
         name: "cycles_per_unit",
-        title: "spatial frequency of the cogging torque",
+        title: "spatial frequency of the cogging",
         symbol: ["N", ""],
         dimension: Dimension::NONE.per(Dimension::POSITION),
         domain: Domain::Positive,
@@ -51,7 +51,7 @@ const PARAMETERS: [Parameter; 3] = [
     },
     Parameter {
         name: "phase",
-        title: "phase of the cogging torque",
+        title: "phase of the cogging",
         symbol: ["φ", ""],
         dimension: Dimension::NONE,
         domain: Domain::Any,
@@ -113,7 +113,7 @@ const DESCRIPTOR: Descriptor = Descriptor {
     id: "cogging",
     title: "cogging",
     with_article: "cogging",
-    equation: "g += T·sin(N·θ + φ), with the constant torque that makes the mean of v zero; θ has zero mean",
+    equation: "g += T·sin(N·θ + φ), with the constant that makes the mean of v zero; θ has zero mean",
     meaning: "a torque ripples with the position: cogging of the motor, teeth of a gear, an \
          eccentric",
     signature: "harmonics, even ones too, that come and go as the travel covers one tooth more; \

@@ -63,7 +63,7 @@ impl Stop {
     pub fn reason(self) -> &'static str {
         match self {
             Stop::BudgetSpent => "evaluation budget spent",
-            Stop::EveryCycleFlown => "every cycle flown",
+            Stop::EveryCycleFlown => "every cycle ended",
             Stop::Converged => "converged",
             Stop::EveryStartDescended => "every start descended",
             Stop::Cancelled => "cancelled",

@@ -43,7 +43,9 @@ impl Change {
     /// longer than one period, or constant.
     pub fn of(signal: &[f64], samples: f64) -> Option<Self> {
         let (whole, fraction) = (samples.floor() as usize, samples.fract());
-        let count = signal.len().checked_sub(whole + 1).filter(|count| *count >= FEWEST)?;
+        // A period may be stated as any number.
+        let ends = whole.saturating_add(1);
+        let count = signal.len().checked_sub(ends).filter(|count| *count >= FEWEST)?;
         let mean = signal.iter().sum::<f64>() / signal.len() as f64;
         let size = signal.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / signal.len() as f64;
         let later =
@@ -141,5 +143,13 @@ mod tests {
     fn one_period_or_a_constant_cannot_be_tested() {
         assert_eq!(Change::of(&signal(250.0, 0.0)[..258], 250.0), None);
         assert_eq!(Change::of(&[2.0; 1000], 100.0), None);
+    }
+
+    #[test]
+    fn a_period_longer_than_any_signal_is_not_compared() {
+        let signal = signal(20.0, 0.0);
+        for samples in [1e308, usize::MAX as f64, 1e15] {
+            assert_eq!(Change::of(&signal, samples), None);
+        }
     }
 }

@@ -3,6 +3,23 @@
 use super::columns::Column;
 use super::lack::Lack;
 
+/// Most characters of the name of a column in an error: a file may have a name as long as itself.
+const MOST_OF_COLUMN: usize = 300;
+
+/// Most characters of a reason.
+const MOST_OF_REASON: usize = 2000;
+
+/// A text whose middle is left out where it is longer than `most` characters.
+fn shortened(text: String, most: usize) -> String {
+    let count = text.chars().count();
+    if count <= most {
+        return text;
+    }
+    let begin: String = text.chars().take(most / 2).collect();
+    let end: String = text.chars().skip(count - most / 2 + 1).collect();
+    format!("{begin}…{end}")
+}
+
 /// An error in an upload: where it is, and what is wrong.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{file}{}{}: {reason}", line.map(|n| format!(", line {n}")).unwrap_or_default(),
@@ -78,9 +95,24 @@ impl Fault {
         ParseError {
             file: file.to_owned(),
             line: self.line,
-            column: self.column,
-            reason: self.reason,
+            column: self.column.map(|column| shortened(column, MOST_OF_COLUMN)),
+            reason: shortened(self.reason, MOST_OF_REASON),
             lacks: self.lacks,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_not_as_long_as_what_is_wrong() {
+        let fault = Fault::new(format!("`{}` is unknown", "é".repeat(10_000)));
+        let error = fault.in_column("a".repeat(500)).in_file("x");
+        assert_eq!(error.reason.chars().count(), MOST_OF_REASON);
+        assert!(error.reason.starts_with("`éé") && error.reason.ends_with("é` is unknown"));
+        assert_eq!(error.column.map(|column| column.chars().count()), Some(MOST_OF_COLUMN));
+        assert_eq!(Fault::new("short").in_file("x").reason, "short");
     }
 }

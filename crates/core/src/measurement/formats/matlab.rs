@@ -149,4 +149,4 @@ fn with_names(fault: Fault, columns: &[Column<'_>]) -> Fault {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

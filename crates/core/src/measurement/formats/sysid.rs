@@ -108,11 +108,12 @@ fn numbers(row: &Value) -> Result<[f64; 4], String> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::{Source, read};
     use crate::measurement::Measurement;
 
-    fn log(columns: usize) -> String {
+    /// A log of two tests with so many columns.
+    pub(crate) fn log(columns: usize) -> String {
         let rows = |start: f64| {
             let row = |n: i32| {
                 let time = f64::from(n) * 0.005;

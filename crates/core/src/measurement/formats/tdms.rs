@@ -56,4 +56,4 @@ fn times(channel: &Channel, stated: Option<f64>) -> Result<Vec<f64>, Fault> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -5,10 +5,12 @@ use crate::measurement::Complex;
 use crate::measurement::ResponseKind;
 
 mod accepted;
+mod arbitrary;
 mod dialects;
 mod json;
 mod look;
 mod mutated;
+mod mutation;
 mod names;
 mod noise;
 mod periods;

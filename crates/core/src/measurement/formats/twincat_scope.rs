@@ -146,12 +146,12 @@ fn named(cells: &[&str]) -> Vec<Channel> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::{Source, read};
     use crate::measurement::{Measurement, ResponseKind};
 
     /// 200 samples of a current and a position 0.5 ms apart, with or without a second time column.
-    fn export(mark: &str, own_times: bool, decimal: &str) -> String {
+    pub(crate) fn export(mark: &str, own_times: bool, decimal: &str) -> String {
         let again = if own_times { "Name\t" } else { "" };
         let unit = if own_times { "Unit\t" } else { "" };
         let mut text = format!(

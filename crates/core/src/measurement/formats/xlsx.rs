@@ -5,8 +5,9 @@
 
 use std::fmt::Write as _;
 use std::io::{Cursor, Read};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use calamine::{DataRef, Reader, Xlsx};
+use calamine::{DataRef, Reader, Xlsx, XlsxError};
 
 use super::csv_text::CsvText;
 use super::delimited;
@@ -31,7 +32,7 @@ type Book<'a> = Xlsx<Cursor<&'a [u8]>>;
 
 fn open(bytes: &[u8]) -> Result<Book<'_>, Fault> {
     check_size(bytes)?;
-    calamine::open_workbook_from_rs(Cursor::new(bytes)).map_err(|error| no_book(&error))
+    sound(|| calamine::open_workbook_from_rs(Cursor::new(bytes)))
 }
 
 /// The table of the sheet that is stated, or else of the first sheet that has one. The layout is
@@ -103,6 +104,15 @@ fn no_book(error: &dyn std::fmt::Display) -> Fault {
     Fault::new(format!("the file is a zip archive, but no xlsx workbook that can be read: {error}"))
 }
 
+/// What calamine reads. It computes with the names of cells unchecked: where arithmetic is checked,
+/// a row that no sheet has makes it panic.
+fn sound<T>(read: impl FnOnce() -> Result<T, XlsxError>) -> Result<T, Fault> {
+    match catch_unwind(AssertUnwindSafe(read)) {
+        Ok(read) => read.map_err(|error| no_book(&error)),
+        Err(_) => Err(no_book(&"it names a cell that no sheet has")),
+    }
+}
+
 /// Checks that the parts of the archive unpack to no more than can be held. What the archive says
 /// of their sizes may be wrong, so they are unpacked once without being kept.
 fn check_size(bytes: &[u8]) -> Result<(), Fault> {
@@ -128,11 +138,11 @@ fn check_size(bytes: &[u8]) -> Result<(), Fault> {
 
 /// The cells of a sheet as text between tabs.
 fn text(book: &mut Book<'_>, sheet: &str) -> Result<String, Fault> {
-    let wrong = |error: calamine::XlsxError| no_book(&error).in_sheet(sheet);
-    let mut cells = book.worksheet_cells_reader(sheet).map_err(wrong)?;
+    let wrong = |fault: Fault| fault.in_sheet(sheet);
+    let mut cells = sound(|| book.worksheet_cells_reader(sheet)).map_err(wrong)?;
     let mut text = String::new();
     let (mut row, mut column) = (0, 0);
-    while let Some(cell) = cells.next_cell().map_err(wrong)? {
+    while let Some(cell) = sound(|| cells.next_cell()).map_err(wrong)? {
         let (cell_row, cell_column) = cell.get_position();
         if matches!(cell.get_value(), DataRef::Empty) {
             continue;

@@ -69,11 +69,11 @@ impl Quantity {
         match self {
             Self::Velocity => "velocity",
             Self::Position => "position",
-            Self::Torque => "torque behind the actuator",
-            Self::TorqueRate => "rate of the torque behind the actuator",
+            Self::Torque => "output of the actuator",
+            Self::TorqueRate => "rate of the output of the actuator",
             Self::Bristle => "share to which the bristles are bent",
             Self::Twist => "twist of the joint",
-            Self::Balance => "constant torque beside the ripple",
+            Self::Balance => "constant load beside the ripple",
         }
     }
 }

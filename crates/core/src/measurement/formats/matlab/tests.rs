@@ -85,6 +85,27 @@ fn stating(entries: &[(&str, &str)], bytes: &[u8]) -> Measurement {
     read(&[Source { name: "a.mat", bytes }, stated]).unwrap()
 }
 
+/// Elements of a file that can be read.
+pub(crate) fn readable() -> Vec<u8> {
+    let [times, input, output] = samples();
+    [
+        vector("time", &times),
+        structure("run", &[("current", input), ("velocity", output)]),
+        complex("Y", &[Complex::new(0.5, -0.25); 4]),
+    ]
+    .concat()
+}
+
+/// A file of elements as they are.
+pub(crate) fn plain(elements: &[u8]) -> Vec<u8> {
+    file(&[elements.to_vec()])
+}
+
+/// A file of packed elements.
+pub(crate) fn packed(elements: &[u8]) -> Vec<u8> {
+    file(&[compressed(elements)])
+}
+
 /// Samples of two periods of an input and of a response of half its size.
 fn samples() -> [Vec<f64>; 3] {
     let times: Vec<f64> = (0..128).map(|n| f64::from(n) / 64.0).collect();

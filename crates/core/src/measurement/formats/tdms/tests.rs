@@ -66,6 +66,13 @@ fn channels() -> [Vec<u8>; 2] {
     ]
 }
 
+/// A file that can be read.
+pub(crate) fn readable() -> Vec<u8> {
+    let [first, second] = [halves(0), halves(64)].map(|halves| halves.concat());
+    let segments = [segment(FIRST, &channels(), &first, None), segment(1 << 3, &[], &second, None)];
+    segments.concat()
+}
+
 fn half(measurement: &Measurement) -> bool {
     let experiment = &measurement.experiments()[0];
     let ratio = experiment.harmonic(1).unwrap().value / experiment.input[1];

@@ -30,7 +30,7 @@ fn with_magnitude(bytes: &[u8]) -> Result<Measurement, String> {
 }
 
 /// 4 lines from 0 to 1.5 Hz; the last line of the numbers is not filled.
-fn response() -> String {
+pub(super) fn response() -> String {
     let head = header(4, [5, 4, 1], [0.0, 0.5], OF_RESPONSE);
     file(&[format!("{head} 1.0E+00 0.0E+00 5.0E-01-2.5E-01 2.5E-01-1.25E-01\n 1.0D-01-5.0D-02\n")])
 }

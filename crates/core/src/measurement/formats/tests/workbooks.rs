@@ -5,7 +5,7 @@ use std::io::{Cursor, Write as _};
 use super::*;
 
 /// A workbook of sheets with a name and the XML of their rows.
-fn book(sheets: &[(&str, &str)]) -> Vec<u8> {
+pub(super) fn book(sheets: &[(&str, &str)]) -> Vec<u8> {
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let mut part = |name: &str, text: &str| {
         zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
@@ -47,7 +47,7 @@ fn book(sheets: &[(&str, &str)]) -> Vec<u8> {
 }
 
 /// Rows of cells, each a number or else words, the first in row 1.
-fn rows(rows: &[&[&str]]) -> String {
+pub(super) fn rows(rows: &[&[&str]]) -> String {
     let cell = |row: usize, (column, text): (usize, &&str)| {
         let name = format!("{}{row}", char::from(b'A' + column as u8));
         match text.parse::<f64>() {
@@ -139,4 +139,11 @@ fn a_mutated_workbook_is_read_or_refused() {
         let _ = read_book(&bytes, None);
         let _ = read_book(&valid[..at], None);
     }
+}
+
+#[test]
+fn a_row_that_no_sheet_has_is_refused() {
+    let cells = "<row r=\"1\"><c r=\"A9007199254740993\"><v>1</v></c></row>";
+    let bytes = book(&[("one", cells)]);
+    assert!(read(&[Source { name: "x.xlsx", bytes: &bytes }]).is_err());
 }

@@ -16,6 +16,7 @@ mod keys;
 mod logging;
 mod openapi;
 mod page;
+mod place;
 mod plan;
 mod reproduce;
 mod rerun;
@@ -26,6 +27,7 @@ mod simulate;
 mod target;
 mod terminal;
 mod validate;
+mod worker;
 
 use std::process::ExitCode;
 
@@ -81,6 +83,8 @@ enum Command {
     Simulate(Box<simulate::Args>),
     /// Tries the models of a result on another measurement.
     Validate(validate::Args),
+    /// Runs jobs of servers that share its database; settings about requests mean nothing to it.
+    Worker(Box<config::Args>),
 }
 
 /// Does what the arguments of the process ask for. Exit code 0: done; 2: the
@@ -131,6 +135,7 @@ pub fn main() -> ExitCode {
             start_log(cli.verbose);
             validate::run(&args)
         }
+        Command::Worker(args) => worker::run(&args, cli.verbose),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -12,6 +12,7 @@ mod durability;
 mod effects;
 mod eighteenth_effect;
 mod extremes;
+mod fleet;
 mod grafana;
 mod identification;
 mod inspection;
@@ -28,6 +29,8 @@ mod mqtt;
 mod naming;
 mod openapi;
 mod operations;
+#[path = "../postgres_cluster.rs"]
+mod postgres_cluster;
 mod process;
 mod progress;
 mod properties;

@@ -69,9 +69,14 @@ CREATE TABLE jobs (
     result TEXT                                 -- JSON, the answer
 ) WITH (fillfactor = 80, autovacuum_vacuum_scale_factor = 0.02, autovacuum_vacuum_threshold = 200);
 
+-- Where the next job is looked for. While any transaction is held open, entries of the index stay
+-- behind for every job that was taken since, and would all be passed over; a sequence has none.
+CREATE SEQUENCE lowest_turn MINVALUE 0 START 0;
+
 CREATE INDEX jobs_by_turn ON jobs (turn, id) WHERE status = 'queued';
 CREATE INDEX jobs_by_submitter ON jobs (submitter, turn) WHERE status = 'queued';
 CREATE INDEX jobs_in_hand ON jobs (worker) WHERE status = 'running';
+CREATE INDEX jobs_alone ON jobs (worker) WHERE status = 'running' AND shared >= 2;
 CREATE INDEX jobs_by_status ON jobs (status, id);
 CREATE INDEX jobs_by_measurement ON jobs (measurement_id, id);
 CREATE INDEX jobs_by_owner ON jobs (owner, id);

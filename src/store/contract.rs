@@ -270,6 +270,7 @@ contract!(
     a_poisonous_job_ends_and_none_of_its_siblings,
     a_job_that_is_lost_by_a_living_worker_is_charged,
     a_job_waits_longer_with_each_death_but_the_first,
+    a_job_that_waited_is_leased_after_those_that_passed_it,
     a_job_handed_back_is_queued_and_not_charged,
     a_queued_job_is_cancelled_at_once,
     the_worker_of_a_running_job_learns_that_it_is_cancelled,

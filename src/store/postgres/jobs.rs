@@ -22,10 +22,13 @@ pub(super) async fn insert(
     sqlx::query(
         "INSERT INTO jobs
              (id, measurement_id, kind, request, submitter, status, created_at_ms, turn, owner)
-         VALUES ($1, $2, $3, $4, $5, 'queued', (SELECT now_ms FROM clock),
-                 greatest(COALESCE((SELECT min(turn) FROM jobs WHERE status = 'queued'), 0),
-                          COALESCE((SELECT max(turn) + 1 FROM jobs
-                                    WHERE status = 'queued' AND submitter = $5), 0)), $6)",
+         SELECT $1, $2, $3, $4, $5, 'queued', now_ms,
+                greatest(COALESCE((SELECT min(turn) FROM jobs
+                                   WHERE status = 'queued' AND turn >= last_value), last_value),
+                         COALESCE((SELECT max(turn) + 1 FROM jobs
+                                   WHERE status = 'queued' AND turn >= last_value
+                                     AND submitter = $5), 0)), $6
+         FROM clock, lowest_turn",
     )
     .bind(&row.id)
     .bind(&row.measurement_id)

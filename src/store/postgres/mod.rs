@@ -20,7 +20,8 @@ mod results;
 mod retention;
 mod wakes;
 
-use std::time::Duration;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use async_trait::async_trait;
 use sqlx::PgPool;
@@ -43,10 +44,15 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// another transaction.
 const IDLE: &str = "30s";
 
+/// How often the whole queue is looked at for a job.
+const LOOK_AGAIN: Duration = Duration::from_secs(1);
+
 /// Store on one Postgres database, which any number of processes share.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Postgres {
     pool: PgPool,
+    /// When it last looked at the whole queue.
+    looked: Mutex<Option<Instant>>,
 }
 
 impl Postgres {
@@ -63,7 +69,18 @@ impl Postgres {
         let pool = PgPoolOptions::new().max_connections(CONNECTIONS).acquire_timeout(PATIENCE);
         let pool = pool.connect_with(options).await?;
         migrations::all().run(&pool).await?;
-        Ok(Self { pool })
+        Ok(Self { pool, looked: Mutex::default() })
+    }
+
+    /// Whether the whole queue is to be looked at this time.
+    fn looks_again(&self) -> bool {
+        // A panic cannot leave it half-written.
+        let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);
+        let again = looked.is_none_or(|looked| looked.elapsed() > LOOK_AGAIN);
+        if again {
+            *looked = Some(Instant::now());
+        }
+        again
     }
 }
 
@@ -248,7 +265,7 @@ impl Store for Postgres {
     }
 
     async fn lease(&self, worker: &str, duration: Duration) -> Result<Option<Lease>, StoreError> {
-        Ok(queue::lease(&self.pool, worker, duration).await?)
+        Ok(queue::lease(&self.pool, worker, duration, self.looks_again()).await?)
     }
 
     async fn heartbeat(

@@ -3,6 +3,10 @@
 //! A transaction of another process may hold a row of the queue at any time. Whoever takes a job
 //! passes over such rows; every other write waits for the row and then looks again whether it still
 //! applies, so that of two writes that exclude each other one finds the other's.
+//!
+//! Jobs are looked for from the lowest turn on, a sequence: taking a job raises it, and putting one
+//! back lowers it. Several processes do so at once, and a job that waited for its time is below it;
+//! so every process looks at the whole queue now and then.
 
 use std::time::Duration;
 
@@ -15,16 +19,21 @@ use crate::store::{
 
 use super::history;
 
+/// Leases the next job: of the whole queue, or of what is not below the lowest turn.
 pub(super) async fn lease(
     pool: &PgPool,
     worker: &str,
     duration: Duration,
+    whole: bool,
 ) -> sqlx::Result<Option<Lease>> {
+    // An index has this number, too.
+    const { assert!(ALONE_AFTER == 2) };
     // A job that was in hand at two deaths of workers runs alone: whatever is next waits for it.
     sqlx::query_as(
         "WITH next AS MATERIALIZED (
-             SELECT id, shared FROM jobs
+             SELECT id, shared, turn FROM jobs
              WHERE status = 'queued' AND due_ms <= (SELECT now_ms FROM clock)
+               AND turn >= CASE WHEN $3 THEN 0 ELSE (SELECT last_value FROM lowest_turn) END
              ORDER BY turn, id LIMIT 1 FOR UPDATE SKIP LOCKED)
          UPDATE jobs
          SET status = 'running', attempt = attempt + 1, progress = NULL, worker = $1,
@@ -33,14 +42,19 @@ pub(super) async fn lease(
          WHERE jobs.id = next.id
            AND NOT EXISTS (SELECT 1 FROM jobs AS held
                            WHERE held.status = 'running' AND held.worker = $1
-                             AND (next.shared >= $3 OR held.shared >= $3))
+                             AND held.shared >= 2)
+           AND (next.shared < 2
+                OR NOT EXISTS (SELECT 1 FROM jobs AS held
+                               WHERE held.status = 'running' AND held.worker = $1))
+           AND setval('lowest_turn', greatest(
+                   next.turn, (SELECT last_value FROM lowest_turn))) IS NOT NULL
          RETURNING jobs.id AS job_id, attempt, measurement_id, kind, request,
                    (SELECT COALESCE(max(seq) + 1, 0) FROM convergence
                     WHERE job_id = jobs.id) AS next_seq",
     )
     .bind(worker)
     .bind(millis(duration))
-    .bind(i64::from(ALONE_AFTER))
+    .bind(whole)
     .fetch_optional(pool)
     .await
 }
@@ -92,19 +106,22 @@ pub(super) async fn finish(pool: &PgPool, lease: &Lease, outcome: &Outcome) -> s
 
 pub(super) async fn hand_back(pool: &PgPool, lease: &Lease) -> sqlx::Result<bool> {
     let done = sqlx::query(
-        "UPDATE jobs
-         SET status = CASE WHEN cancel_requested THEN 'cancelled' ELSE 'queued' END,
-             finished_at_ms =
-                 CASE WHEN cancel_requested THEN (SELECT now_ms FROM clock) ELSE NULL END,
-             handed_back = handed_back + 1, lease_until_ms = NULL, progress = NULL
-         WHERE id = $1 AND attempt = $2 AND status = 'running'
-           AND lease_until_ms > (SELECT now_ms FROM clock)",
+        "WITH back AS (
+             UPDATE jobs
+             SET status = CASE WHEN cancel_requested THEN 'cancelled' ELSE 'queued' END,
+                 finished_at_ms =
+                     CASE WHEN cancel_requested THEN (SELECT now_ms FROM clock) ELSE NULL END,
+                 handed_back = handed_back + 1, lease_until_ms = NULL, progress = NULL
+             WHERE id = $1 AND attempt = $2 AND status = 'running'
+               AND lease_until_ms > (SELECT now_ms FROM clock)
+             RETURNING turn)
+         SELECT setval('lowest_turn', least(turn, last_value)) FROM back, lowest_turn",
     )
     .bind(&lease.job_id)
     .bind(lease.attempt)
-    .execute(pool)
+    .fetch_optional(pool)
     .await?;
-    Ok(done.rows_affected() == 1)
+    Ok(done.is_some())
 }
 
 pub(super) async fn cancel(

@@ -22,19 +22,22 @@ pub(super) async fn recover_expired(
     }
     for (id, alone) in judged(connection, &expired).await? {
         let left: EndedRow = sqlx::query_as(
-            "UPDATE jobs
-             SET charged = charged + $2, shared = shared + (1 - $2), lease_until_ms = NULL,
-                 status = CASE WHEN cancel_requested THEN 'cancelled'
-                               WHEN charged + $2 >= $3 THEN 'failed' ELSE 'queued' END,
-                 progress = CASE WHEN cancel_requested OR charged + $2 >= $3 THEN progress END,
-                 finished_at_ms = CASE WHEN cancel_requested OR charged + $2 >= $3
-                                       THEN (SELECT now_ms FROM clock) END,
-                 failure = CASE WHEN NOT cancel_requested AND charged + $2 >= $3 THEN $6 END,
-                 due_ms = (SELECT now_ms FROM clock) + CASE charged + shared WHEN 0 THEN 0
-                     ELSE least($4 << least(2 * (charged + shared - 1), 20)::integer,
-                                greatest($4, $5)) END
-             WHERE id = $1
-             RETURNING kind, status",
+            "WITH lost AS (
+                 UPDATE jobs
+                 SET charged = charged + $2, shared = shared + (1 - $2), lease_until_ms = NULL,
+                     status = CASE WHEN cancel_requested THEN 'cancelled'
+                                   WHEN charged + $2 >= $3 THEN 'failed' ELSE 'queued' END,
+                     progress = CASE WHEN cancel_requested OR charged + $2 >= $3 THEN progress END,
+                     finished_at_ms = CASE WHEN cancel_requested OR charged + $2 >= $3
+                                           THEN (SELECT now_ms FROM clock) END,
+                     failure = CASE WHEN NOT cancel_requested AND charged + $2 >= $3 THEN $6 END,
+                     due_ms = (SELECT now_ms FROM clock) + CASE charged + shared WHEN 0 THEN 0
+                         ELSE least($4 << least(2 * (charged + shared - 1), 20)::integer,
+                                    greatest($4, $5)) END
+                 WHERE id = $1
+                 RETURNING kind, status, turn)
+             SELECT kind, status, setval('lowest_turn', least(turn, last_value))
+             FROM lost, lowest_turn",
         )
         .bind(id)
         .bind(i64::from(alone))

@@ -1,7 +1,7 @@
 //! What a server is told when it starts: defaults, then a file, then the
 //! environment, then flags; each says only what it changes. Checked once.
 
-mod broker;
+mod address;
 mod declaration;
 mod files;
 mod secret;
@@ -11,7 +11,7 @@ use std::ops::RangeInclusive;
 
 use crate::notify::{Broker, BrokerError};
 
-pub use broker::BrokerAddress;
+pub use address::Address;
 pub use secret::SecretText;
 pub use settings::{LogFormat, ServeConfig, Settings};
 
@@ -29,6 +29,12 @@ pub enum ConfigError {
     /// Two first admin keys.
     #[error("admin_key, admin_key_file: give one of them, not both")]
     TwoKeys,
+    /// No database is there.
+    #[error("database: {0} is not an address as in `postgres://user:password@host/name`")]
+    Database(Address),
+    /// A limit that a Postgres database does not know.
+    #[error("max_store_mib: how large a Postgres database may grow is set there; leave it out")]
+    StoreLimit,
     /// A number is out of range.
     #[error("{setting}: {value} is outside {low} to {high}")]
     Range {
@@ -59,6 +65,15 @@ impl ServeConfig {
         if settings.admin_key.is_some() && settings.admin_key_file.is_some() {
             return Err(ConfigError::TwoKeys);
         }
+        if let Some(database) = &settings.database {
+            let address = database.reveal();
+            if !["postgres://", "postgresql://"].iter().any(|scheme| address.starts_with(scheme)) {
+                return Err(ConfigError::Database(database.clone()));
+            }
+            if settings.max_store_mib.is_some() {
+                return Err(ConfigError::StoreLimit);
+            }
+        }
         let config = settings.in_range()?;
         config.broker()?;
         match config.cors_origins.iter().find(|origin| !is_origin(origin)) {
@@ -85,7 +100,7 @@ impl ServeConfig {
     /// # Errors
     /// [`ConfigError::Broker`], never once the settings are checked.
     pub fn broker(&self) -> Result<Option<Broker>, ConfigError> {
-        let parsed = |address: &BrokerAddress| Broker::parse(address.reveal(), &self.mqtt_topic);
+        let parsed = |address: &Address| Broker::parse(address.reveal(), &self.mqtt_topic);
         self.mqtt.as_ref().map(parsed).transpose().map_err(ConfigError::Broker)
     }
 }
@@ -149,8 +164,8 @@ mod tests {
     #[test]
     fn numbers_out_of_range_are_refused() {
         let loopback = settings("127.0.0.1:0");
-        let none = Settings { workers: Some(0), ..loopback.clone() };
-        assert!(ServeConfig::check(none).is_err());
+        let many = Settings { workers: Some(1025), ..loopback.clone() };
+        assert!(ServeConfig::check(many).is_err());
         let huge = Settings { max_upload_mib: Some(4097), ..loopback };
         assert!(ServeConfig::check(huge).is_err());
     }
@@ -166,6 +181,22 @@ mod tests {
             let (mqtt, mqtt_topic) = (address.parse().ok(), Some(topic.to_owned()));
             let checked = ServeConfig::check(Settings { mqtt, mqtt_topic, ..settings("[::1]:0") });
             assert_eq!(checked.is_ok(), good, "{address} {topic}");
+            assert!(!format!("{checked:?}").contains("secret"));
+        }
+    }
+
+    #[test]
+    fn a_database_that_cannot_be_used_is_refused_without_its_password() {
+        for (address, max_store_mib, good) in [
+            ("postgres://bench:secret@host/bench", None, true),
+            ("postgresql://bench:secret@host/bench", None, true),
+            ("mysql://bench:secret@host/bench", None, false),
+            ("postgres://bench:secret@host/bench", Some(100), false),
+        ] {
+            let database = address.parse().ok();
+            let checked =
+                ServeConfig::check(Settings { database, max_store_mib, ..settings("[::1]:0") });
+            assert_eq!(checked.is_ok(), good, "{address}");
             assert!(!format!("{checked:?}").contains("secret"));
         }
     }

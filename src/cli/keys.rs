@@ -1,15 +1,15 @@
-//! `servoscope keys`: who may do what, on the folder of a server, also while it runs.
+//! `servoscope keys`: who may do what, on the data of a server, also while it runs.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use jiff::{Timestamp, ToSpan as _};
 
-use crate::config::Settings;
+use crate::config::{Address, ServeConfig, Settings};
 use crate::service::{BuiltIn, Key, NewKey, Scope, Service, Signals, Token};
-use crate::store::Sqlite;
 
 use super::choice::one_of;
+use super::place::Place;
 use super::{Failure, terminal};
 
 /// Subcommands of `keys`.
@@ -37,6 +37,9 @@ pub(super) struct Folder {
     /// Directory of the server's database [default: servoscope-data].
     #[arg(long, value_name = "DIR", env = "SERVOSCOPE_DATA_DIR")]
     data_dir: Option<PathBuf>,
+    /// Postgres database of the server [default: none].
+    #[arg(long, value_name = "URL", env = "SERVOSCOPE_DATABASE", hide_env_values = true)]
+    database: Option<Address>,
 }
 
 /// Arguments of `keys add`.
@@ -69,19 +72,22 @@ pub(super) struct One {
 
 impl Folder {
     /// Where it is.
-    fn path(&self) -> Result<PathBuf, Failure> {
+    fn place(&self) -> Result<Place, Failure> {
         let file = self.file.as_deref().map(Settings::read).transpose().map_err(Failure::input)?;
-        let told = Settings { data_dir: self.data_dir.clone(), ..Settings::default() };
-        let settings = told.over(file.unwrap_or_default()).completed();
-        Ok(settings.data_dir.unwrap_or_default())
+        let told = Settings {
+            data_dir: self.data_dir.clone(),
+            database: self.database.clone(),
+            ..Settings::default()
+        };
+        let config = ServeConfig::check(told.over(file.unwrap_or_default()));
+        Ok(Place::of(&config.map_err(Failure::input)?))
     }
 
     /// The service on what is stored there.
     async fn service(&self) -> Result<Service, Failure> {
-        let path = self.path()?;
-        if !Sqlite::is_in(&path) {
-            let reason =
-                format!("there is no database in {}; name it with --data-dir", path.display());
+        let place = self.place()?;
+        if place.is_empty() {
+            let reason = format!("there is no database in {place}; name it with --data-dir");
             return Err(Failure::Input(reason));
         }
         self.service_or_new().await
@@ -89,11 +95,8 @@ impl Folder {
 
     /// The same, made where it is not there yet.
     async fn service_or_new(&self) -> Result<Service, Failure> {
-        let path = self.path()?;
-        let store = Sqlite::open(&path).await.map_err(|error| {
-            Failure::Other(format!("cannot use the data in {}: {error}", path.display()))
-        })?;
-        Ok(Service::new(Arc::new(store), Arc::new(BuiltIn), Arc::new(Signals::default())))
+        let store = self.place()?.open().await?;
+        Ok(Service::new(store, Arc::new(BuiltIn), Arc::new(Signals::default())))
     }
 }
 
@@ -112,13 +115,13 @@ async fn done(command: Command) -> Result<(), Failure> {
             let expires_at_ms = end.map(Timestamp::as_millisecond);
             let service = folder.service_or_new().await?;
             let added = service.add_key(NewKey { name, scopes, expires_at_ms }).await?;
-            made(&added, &folder.path()?)
+            made(&added, &folder.place()?)
         }
         Command::List(folder) => listed(&folder.service().await?.keys().await?),
         Command::Revoke(One { id, folder }) => Ok(folder.service().await?.revoke_key(&id).await?),
         Command::Rotate(One { id, folder }) => {
             let rotated = folder.service().await?.rotate_key(&id).await?;
-            made(&rotated, &folder.path()?)
+            made(&rotated, &folder.place()?)
         }
         Command::Generate => {
             let token = Token::generate();
@@ -129,11 +132,10 @@ async fn done(command: Command) -> Result<(), Failure> {
 }
 
 /// The key alone on standard output, for a program; what it is beside it, for a person.
-fn made((key, token): &(Key, Token), folder: &Path) -> Result<(), Failure> {
+fn made((key, token): &(Key, Token), place: &Place) -> Result<(), Failure> {
     let Key { id, name, .. } = key;
     let end = key.expires_at_ms.map_or("never".to_owned(), time);
-    let folder = folder.display();
-    eprintln!("key {id} ({name}) in {folder}: {}; expires: {end}", scopes(key));
+    eprintln!("key {id} ({name}) in {place}: {}; expires: {end}", scopes(key));
     eprintln!("It is shown this once:");
     terminal::print(&format!("{}\n", token.text()))
 }

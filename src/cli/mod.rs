@@ -20,6 +20,7 @@ mod logging;
 mod manual;
 mod openapi;
 mod page;
+mod place;
 mod plan;
 mod reproduce;
 mod rerun;
@@ -30,6 +31,7 @@ mod simulate;
 mod target;
 mod terminal;
 mod validate;
+mod worker;
 
 use std::process::ExitCode;
 
@@ -103,6 +105,8 @@ enum Command {
     Simulate(Box<simulate::Args>),
     /// Tests a stored result on another measurement of the same axis.
     Validate(validate::Args),
+    /// Runs jobs of servers that share its database; settings about requests mean nothing to it.
+    Worker(Box<config::Args>),
 }
 
 /// Does what the arguments of the process ask for. Exit code 0: done; 2: the
@@ -156,6 +160,7 @@ pub fn main() -> ExitCode {
             start_log(cli.verbose);
             validate::run(&args)
         }
+        Command::Worker(args) => worker::run(&args, cli.verbose),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,7 +1,6 @@
 //! `servoscope serve`
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use axum::http::HeaderValue;
 use tokio::net::TcpListener;
@@ -10,14 +9,13 @@ use tracing::info;
 use crate::config::ServeConfig;
 use crate::notify::{Allowed, Webhooks};
 use crate::service::{BuiltIn, Outlets, Quotas, Service, Signals};
-use crate::store::{Sqlite, Store};
 use crate::{http, worker};
 
 use super::interrupt::Terminations;
+use super::place::Place;
+use super::worker::{hand_back, seconds, settings, stop_when_asked};
 use super::{Failure, config, demo, logging};
 
-/// Time that the worker has to hand its jobs back.
-const HAND_BACK: Duration = Duration::from_secs(1);
 /// Bytes of a mebibyte.
 const MIB: usize = 1 << 20;
 
@@ -46,12 +44,8 @@ pub(super) fn run(args: &Args, verbose: u8) -> Result<(), Failure> {
 }
 
 async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
-    let mut terminations = Terminations::new().map_err(Failure::other)?;
-    let store_limit = config.max_store_mib.map(|size| (size * MIB) as u64);
-    let store = Sqlite::open_limited(&config.data_dir, store_limit);
-    let store: Arc<dyn Store> = Arc::new(store.await.map_err(|error| {
-        Failure::Other(format!("cannot keep data in {}: {error}", config.data_dir.display()))
-    })?);
+    let terminations = Terminations::new().map_err(Failure::other)?;
+    let store = Place::of(&config).open().await?;
     let signals = Arc::new(Signals::default());
     let service = Service::new(Arc::clone(&store), Arc::new(BuiltIn), Arc::clone(&signals));
     lock(&service, &config).await?;
@@ -72,24 +66,15 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     };
     let most_cost = seconds(config.job_cost_minutes * 60);
     let service = service.telling(outlets).accepting(most_cost).within(quotas);
-    let settings = worker::Settings {
-        lease: seconds(config.lease_seconds),
-        limit: seconds(config.job_minutes * 60),
-        wait: seconds(config.retry_seconds),
-        ..worker::Settings::new(config.workers)
-    };
-    let worker = worker::start(Arc::clone(&store), service.clone(), Arc::clone(&signals), settings);
+    let worker =
+        worker::start(Arc::clone(&store), service.clone(), Arc::clone(&signals), settings(&config));
+    tokio::spawn(worker::relay(Arc::clone(&store), Arc::clone(&signals)));
     tokio::spawn(worker::tell(Arc::clone(&store), service.clone(), Arc::clone(&signals)));
     if let Some(days) = config.keep_days {
         let age = seconds(days * 24 * 3600);
         tokio::spawn(worker::forget(store, Arc::clone(&signals), age));
     }
-    let stopping = Arc::clone(&signals);
-    tokio::spawn(async move {
-        terminations.next().await;
-        info!("asked to stop");
-        stopping.stop();
-    });
+    stop_when_asked(terminations, Arc::clone(&signals));
 
     // On standard output, for whoever asked for a free port.
     println!("listening on http://{address}");
@@ -119,9 +104,7 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     let keeping = http::Keeping::new(config.max_connections);
     http::serve(listener, app, keeping, Arc::clone(&signals)).await;
     signals.stop();
-    if tokio::time::timeout(HAND_BACK, worker).await.is_err() {
-        info!("a job was not handed back; it is queued again when its lease expires");
-    }
+    hand_back(worker).await;
     Ok(())
 }
 
@@ -135,15 +118,12 @@ async fn lock(service: &Service, config: &ServeConfig) -> Result<(), Failure> {
     if config.listen.ip().is_loopback() || service.has_valid_key().await? {
         return Ok(());
     }
-    let (listen, folder) = (config.listen, config.data_dir.display());
+    let (listen, place) = (config.listen, Place::of(config));
+    let flag = place.flag();
     Err(Failure::Input(format!(
-        "other machines can reach {listen}, and {folder} has no valid key that would keep strangers \
-         out; make one with `servoscope keys add --name first --scope admin --data-dir {folder}`, \
+        "other machines can reach {listen}, and {place} has no valid key that would keep strangers \
+         out; make one with `servoscope keys add --name first --scope admin {flag}`, \
          or give one in the variable SERVOSCOPE_ADMIN_KEY or in a file that \
          SERVOSCOPE_ADMIN_KEY_FILE names, or listen on 127.0.0.1"
     )))
-}
-
-fn seconds(count: usize) -> Duration {
-    Duration::from_secs(count as u64)
 }

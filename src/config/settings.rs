@@ -8,7 +8,7 @@ use ipnet::IpNet;
 use serde::{Deserialize, Serialize};
 
 use super::ConfigError;
-use super::broker::BrokerAddress;
+use super::address::Address;
 use super::declaration::settings;
 use super::files;
 use super::secret::SecretText;
@@ -42,6 +42,12 @@ settings! {
     /// Directory of the database; made if it is not there [default: servoscope-data].
     #[arg(long, value_name = "DIR", env = "SERVOSCOPE_DATA_DIR")]
     data_dir: PathBuf = |_| "servoscope-data".into();
+
+    /// Postgres database that other servers and workers may share, in place of the one in the
+    /// directory, `postgres://user:password@host/name`; other users of the machine see arguments,
+    /// so that a password is better put in the environment or the file [default: none].
+    #[arg(long, value_name = "URL", env = "SERVOSCOPE_DATABASE", hide_env_values = true)]
+    database: Address;
 
     /// First admin key, as for a container: it is stored at the start unless it is there already.
     /// Other users of the machine see arguments, so that it is better put in the environment or a
@@ -79,10 +85,11 @@ settings! {
     #[arg(long, value_name = "N", env = "SERVOSCOPE_MAX_CONNECTIONS")]
     max_connections: usize = |_| files::connections().min(4096), in 1..=files::connections();
 
-    /// Jobs that run at once [default: one a core].
+    /// Jobs that run at once; 0 leaves them to other processes, see `servoscope worker`
+    /// [default: one a core].
     #[arg(long, value_name = "N", env = "SERVOSCOPE_WORKERS")]
     workers: usize = |_| std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
-        in 1..=1024;
+        in 0..=1024;
 
     /// Longest that a job may compute, minutes [default: 360].
     #[arg(long, value_name = "MINUTES", env = "SERVOSCOPE_JOB_MINUTES")]
@@ -150,7 +157,7 @@ settings! {
     /// `mqtts://…`; other users of the machine see arguments, so that a password is better
     /// put in the environment or the file [default: none].
     #[arg(long, value_name = "URL", env = "SERVOSCOPE_MQTT", hide_env_values = true)]
-    mqtt: BrokerAddress;
+    mqtt: Address;
 
     /// Beginning of the topics that events are published under [default: servoscope].
     #[arg(long, value_name = "TOPIC", env = "SERVOSCOPE_MQTT_TOPIC")]
@@ -193,9 +200,8 @@ mod tests {
                 "keep_days" => "never",
                 "key_measurements" | "key_mib" | "key_jobs" | "key_compute_minutes" => "no limit",
                 "hosts" => "none; any where other machines can reach it",
-                "cors_origins" | "webhook_allow" | "mqtt" | "admin_key" | "admin_key_file" => {
-                    "none"
-                }
+                "cors_origins" | "webhook_allow" | "mqtt" | "admin_key" | "admin_key_file"
+                | "database" => "none",
                 _ => default.trim_matches('"'),
             };
             assert!(help.contains(&format!("[default: {words}")), "{name}: {words}: {help}");

@@ -1,9 +1,12 @@
 //! What every engine of [`Store`] must do. Each engine runs the whole list.
 
+#[path = "../../tests/postgres_cluster.rs"]
+mod cluster;
 mod keys;
 mod lists;
 mod mappings;
 mod outbox;
+mod processes;
 mod queue;
 mod recovery;
 
@@ -12,8 +15,8 @@ use std::time::Duration;
 use super::{
     ALONE_AFTER, Beat, Cancelling, ConvergencePoint, Description, EndedRow, FileRow,
     IdempotencyKey, Inserted, JobFilter, KeyRow, Lease, MAX_ATTEMPTS, MappingRow,
-    MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, QueueState, Reach, Recovered,
-    ResultFilter, Sqlite, Status, Store, StoreError, Usage, WebhookRow,
+    MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, Postgres, QueueState, Reach,
+    Recovered, ResultFilter, Sqlite, Status, Store, StoreError, Usage, Wake, WebhookRow,
 };
 use keys::*;
 use lists::*;
@@ -155,6 +158,20 @@ async fn an_idempotency_key_answers_the_same_request_only(store: &dyn Store) {
     assert_eq!(insert(&second, &key("another k", "body")).await, Inserted::Created);
 }
 
+async fn requests_with_one_key_at_once_make_one_measurement(store: &dyn Store) {
+    let promise = key("k", "body");
+    let rows = [(); 4].map(|()| measurement(&id()));
+    let inserts = rows.iter().map(async |row| {
+        store.insert_measurement(&all(), row, &[file(b"x")], Some(&promise)).await.unwrap()
+    });
+    let inserted = futures_util::future::join_all(inserts).await;
+    let made = inserted.iter().position(|one| *one == Inserted::Created).expect("one is made");
+    for (index, one) in inserted.iter().enumerate() {
+        let others = Inserted::Replayed(rows[made].id.clone());
+        assert_eq!(*one, if index == made { Inserted::Created } else { others });
+    }
+}
+
 async fn a_job_of_an_unknown_measurement_is_refused(store: &dyn Store) {
     let row = new_job("nobody");
     store.insert_job(&all(), &row, Some(&key("k", "body"))).await.unwrap_err();
@@ -210,89 +227,75 @@ async fn what_is_old_is_deleted_and_what_is_wanted_is_not(store: &dyn Store) {
     assert!(store.measurement(&all(), &kept.measurement_id).await.unwrap().is_some());
 }
 
-/// Runs every test of the contract on a fresh store of one engine each.
-macro_rules! engine {
-    ($engine:ident, $open:expr, [$($test:ident),* $(,)?]) => {
-        mod $engine {
+/// Runs every test of the contract on a fresh store of each engine.
+macro_rules! contract {
+    ($($test:ident),* $(,)?) => {
+        mod sqlite {
             $(#[tokio::test]
             async fn $test() {
                 let directory = tempfile::tempdir().unwrap();
-                super::$test(&$open(directory.path()).await.unwrap()).await;
+                super::$test(&super::Sqlite::open(directory.path()).await.unwrap()).await;
+            })*
+        }
+
+        mod postgres {
+            $(#[tokio::test]
+            async fn $test() {
+                let Some(cluster) = super::cluster::Cluster::shared() else { return };
+                super::$test(&super::Postgres::open(&cluster.database()).await.unwrap()).await;
             })*
         }
     };
 }
 
-engine!(
-    sqlite,
-    super::Sqlite::open,
-    [
-        a_measurement_comes_back_as_it_was_stored,
-        lists_are_paged_newest_first_and_filtered,
-        a_mapping_is_found_by_its_name_and_by_the_latest_of_its_layout,
-        an_idempotency_key_answers_the_same_request_only,
-        a_deleted_job_takes_its_key_with_it,
-        a_job_of_an_unknown_measurement_is_refused,
-        the_oldest_queued_job_is_leased_once,
-        submitters_take_turns_however_much_each_queues,
-        a_job_runs_and_succeeds_with_its_history,
-        a_failed_job_says_why_and_has_no_result,
-        nothing_is_written_after_the_end,
-        an_expired_lease_writes_nothing_even_before_it_is_recovered,
-        a_stale_worker_cannot_spoil_its_successor,
-        a_job_that_kills_its_workers_fails_after_the_last_attempt,
-        ten_kills_in_company_end_no_job,
-        a_poisonous_job_ends_and_none_of_its_siblings,
-        a_job_that_is_lost_by_a_living_worker_is_charged,
-        a_job_waits_longer_with_each_death_but_the_first,
-        a_job_handed_back_is_queued_and_not_charged,
-        a_queued_job_is_cancelled_at_once,
-        the_worker_of_a_running_job_learns_that_it_is_cancelled,
-        a_cancelled_job_does_not_come_back_to_the_queue,
-        history_goes_on_where_the_attempt_before_left_it,
-        a_deleted_measurement_takes_its_jobs_and_keys_with_it,
-        what_is_old_is_deleted_and_what_is_wanted_is_not,
-        a_measurement_says_something_else_of_itself,
-        results_are_listed_by_when_they_were_measured,
-        the_queue_says_what_waits_and_how_long,
-        every_way_to_end_a_job_leaves_one_event,
-        an_event_is_announced_once,
-        one_message_at_a_time_is_under_way_to_a_receiver,
-        a_failed_message_waits_and_keeps_its_reason,
-        a_message_under_way_is_due_again_when_its_sender_is_killed,
-        a_receiver_that_wants_no_more_is_told_no_more,
-        webhooks_are_listed_counted_and_deleted_with_their_messages,
-        old_messages_are_deleted,
-        a_key_is_valid_until_it_expires_or_is_revoked,
-        a_session_is_of_its_key_until_either_ends,
-        rows_of_another_owner_are_not_there,
-        a_later_job_of_another_owner_does_not_hide_a_result,
-        each_owner_has_mappings_of_its_own,
-        the_usage_of_a_key_is_what_it_has_stored_queued_and_computed,
-    ]
+contract!(
+    a_measurement_comes_back_as_it_was_stored,
+    lists_are_paged_newest_first_and_filtered,
+    a_mapping_is_found_by_its_name_and_by_the_latest_of_its_layout,
+    an_idempotency_key_answers_the_same_request_only,
+    requests_with_one_key_at_once_make_one_measurement,
+    a_deleted_job_takes_its_key_with_it,
+    a_job_of_an_unknown_measurement_is_refused,
+    the_oldest_queued_job_is_leased_once,
+    submitters_take_turns_however_much_each_queues,
+    jobs_queued_at_once_have_turns_of_their_own,
+    an_expired_lease_is_recovered_once,
+    a_job_runs_and_succeeds_with_its_history,
+    a_failed_job_says_why_and_has_no_result,
+    nothing_is_written_after_the_end,
+    an_expired_lease_writes_nothing_even_before_it_is_recovered,
+    a_stale_worker_cannot_spoil_its_successor,
+    a_job_that_kills_its_workers_fails_after_the_last_attempt,
+    ten_kills_in_company_end_no_job,
+    a_poisonous_job_ends_and_none_of_its_siblings,
+    a_job_that_is_lost_by_a_living_worker_is_charged,
+    a_job_waits_longer_with_each_death_but_the_first,
+    a_job_that_waited_is_leased_after_those_that_passed_it,
+    a_job_handed_back_is_queued_and_not_charged,
+    a_queued_job_is_cancelled_at_once,
+    the_worker_of_a_running_job_learns_that_it_is_cancelled,
+    a_cancelled_job_does_not_come_back_to_the_queue,
+    history_goes_on_where_the_attempt_before_left_it,
+    a_deleted_measurement_takes_its_jobs_and_keys_with_it,
+    what_is_old_is_deleted_and_what_is_wanted_is_not,
+    a_measurement_says_something_else_of_itself,
+    results_are_listed_by_when_they_were_measured,
+    the_queue_says_what_waits_and_how_long,
+    every_way_to_end_a_job_leaves_one_event,
+    an_event_is_announced_once,
+    one_message_at_a_time_is_under_way_to_a_receiver,
+    a_failed_message_waits_and_keeps_its_reason,
+    a_message_under_way_is_due_again_when_its_sender_is_killed,
+    a_receiver_that_wants_no_more_is_told_no_more,
+    webhooks_are_listed_counted_and_deleted_with_their_messages,
+    old_messages_are_deleted,
+    a_key_is_valid_until_it_expires_or_is_revoked,
+    a_session_is_of_its_key_until_either_ends,
+    rows_of_another_owner_are_not_there,
+    a_later_job_of_another_owner_does_not_hide_a_result,
+    each_owner_has_mappings_of_its_own,
+    the_usage_of_a_key_is_what_it_has_stored_queued_and_computed,
 );
-
-#[tokio::test]
-async fn leases_taken_at_once_from_two_connections_are_of_different_jobs() {
-    let directory = tempfile::tempdir().unwrap();
-    let first = Sqlite::open(directory.path()).await.unwrap();
-    let second = Sqlite::open(directory.path()).await.unwrap();
-    let mut queued = Vec::new();
-    for _ in 0..8 {
-        queued.push(queued_job(&first).await);
-    }
-    let take = async |store: &Sqlite| {
-        let mut taken = Vec::new();
-        while let Some(lease) = store.lease("one", LONG).await.unwrap() {
-            taken.push(lease.job_id);
-        }
-        taken
-    };
-    let (mut taken, others) = tokio::join!(take(&first), take(&second));
-    taken.extend(others);
-    taken.sort();
-    assert_eq!(taken, queued);
-}
 
 #[tokio::test]
 async fn what_has_no_room_is_refused_whole_and_accepted_once_there_is() {

@@ -1,11 +1,18 @@
 //! Why the store could not do what was asked.
 
 use sqlx::error::DatabaseError;
+use sqlx::postgres::PgDatabaseError;
 
 /// Primary result codes of SQLite, <https://www.sqlite.org/rescode.html>.
 mod sqlite_code {
     pub(super) const READONLY: u32 = 8;
     pub(super) const FULL: u32 = 13;
+}
+
+/// States of Postgres, <https://www.postgresql.org/docs/current/errcodes-appendix.html>.
+mod postgres_code {
+    pub(super) const DISK_FULL: &str = "53100";
+    pub(super) const READ_ONLY: &str = "25006";
 }
 
 /// The store could not do what was asked, and nothing of it was done.
@@ -30,15 +37,32 @@ pub enum StoreError {
 
 impl From<sqlx::Error> for StoreError {
     fn from(error: sqlx::Error) -> Self {
-        match error.as_database_error().and_then(primary_code) {
-            Some(sqlite_code::FULL) => Self::Full(error),
-            Some(sqlite_code::READONLY) => Self::ReadOnly(error),
-            _ => Self::Database(error),
+        match error.as_database_error().and_then(lacking) {
+            Some(Lacking::Room) => Self::Full(error),
+            Some(Lacking::Permission) => Self::ReadOnly(error),
+            None => Self::Database(error),
         }
     }
 }
 
-/// The low byte of an extended result code says what kind of error it is.
-fn primary_code(error: &dyn DatabaseError) -> Option<u32> {
-    Some(error.code()?.parse::<u32>().ok()? & 0xff)
+/// What a database lacks that refuses to write.
+enum Lacking {
+    Room,
+    Permission,
+}
+
+fn lacking(error: &dyn DatabaseError) -> Option<Lacking> {
+    if let Some(error) = error.try_downcast_ref::<PgDatabaseError>() {
+        return match error.code() {
+            postgres_code::DISK_FULL => Some(Lacking::Room),
+            postgres_code::READ_ONLY => Some(Lacking::Permission),
+            _ => None,
+        };
+    }
+    // The low byte of an extended result code says what kind of error it is.
+    match error.code()?.parse::<u32>().ok()? & 0xff {
+        sqlite_code::FULL => Some(Lacking::Room),
+        sqlite_code::READONLY => Some(Lacking::Permission),
+        _ => None,
+    }
 }

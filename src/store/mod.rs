@@ -30,9 +30,11 @@
 
 #[cfg(test)]
 mod contract;
+mod decode;
 mod error;
 mod keys;
 mod outbox;
+mod postgres;
 mod reach;
 mod rows;
 mod sqlite;
@@ -45,6 +47,7 @@ use async_trait::async_trait;
 pub use error::StoreError;
 pub use keys::{KeyRow, Keyring};
 pub use outbox::{DeliveryRow, DueRow, EventRow, NewDeliveryRow, Outbox, Settled, WebhookRow};
+pub use postgres::Postgres;
 pub use reach::Reach;
 pub use rows::{
     AxisRow, ConvergencePoint, Description, EndedRow, Expired, FileRow, IdempotencyKey, Inserted,
@@ -97,6 +100,35 @@ pub struct Recovered {
     pub ended: Vec<EndedRow>,
 }
 
+impl Recovered {
+    /// Counts one more job, by where it was left.
+    fn count(&mut self, left: EndedRow) {
+        match left.status {
+            Status::Queued => self.requeued += 1,
+            _ => self.ended.push(left),
+        }
+    }
+}
+
+/// What a process says to the others that share a store. It only shortens waits: whoever waits also
+/// looks now and then.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wake {
+    /// A job waits for a worker.
+    Queued,
+    /// A job runs, or has come further.
+    Changed,
+    /// A running job is no longer wanted.
+    Unwanted,
+    /// A job has ended, or is gone.
+    Ended,
+}
+
+impl Wake {
+    /// Every one.
+    pub const ALL: [Self; 4] = [Self::Queued, Self::Changed, Self::Unwanted, Self::Ended];
+}
+
 /// Everything that is kept. Every method is one transaction.
 ///
 /// What a caller asks for takes the [`Reach`] of the caller. The methods without one are for the
@@ -105,6 +137,10 @@ pub struct Recovered {
 pub trait Store: Outbox + Keyring + Send + Sync + 'static {
     /// Whether the database can be read and written.
     async fn ping(&self) -> Result<(), StoreError>;
+
+    /// Calls `heard` for what any process does to jobs, this one included, until the database fails;
+    /// returns at once where the engine passes nothing on.
+    async fn listen(&self, heard: &(dyn Fn(Wake) + Send + Sync)) -> Result<(), StoreError>;
 
     /// Stores a measurement with its files, unless `key` answers the request.
     async fn insert_measurement(

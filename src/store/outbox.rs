@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use async_trait::async_trait;
 
+use super::decode::millis;
 use super::{Millis, Reach, StoreError};
 
 /// Somebody who is told what happens.
@@ -89,6 +90,17 @@ pub enum Settled {
     /// The receiver wants no more: its webhook is disabled, and whatever waits for it is
     /// given up.
     Disabled,
+}
+
+impl Settled {
+    /// The status it leaves, and the wait until the next attempt, ms.
+    pub(super) fn columns(&self) -> (&'static str, Option<Millis>) {
+        match self {
+            Settled::Delivered => ("delivered", None),
+            Settled::Later(wait) => ("waiting", Some(millis(*wait))),
+            Settled::GivenUp | Settled::Disabled => ("given_up", None),
+        }
+    }
 }
 
 /// Where a delivery stands.

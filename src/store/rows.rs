@@ -1,5 +1,7 @@
 //! Rows as they are stored: neither domain values nor what a client sees.
 
+use super::MAX_ATTEMPTS;
+
 /// Milliseconds since 1970-01-01 UTC, by the database's clock.
 pub type Millis = i64;
 
@@ -191,6 +193,25 @@ impl Outcome {
             Outcome::Cancelled => Status::Cancelled,
         }
     }
+
+    /// What it leaves in the columns `result` and `failure`.
+    pub(super) fn columns(&self) -> (Option<&str>, Option<&str>) {
+        match self {
+            Outcome::Succeeded(result) => (Some(result), None),
+            Outcome::Failed(failure) => (None, Some(failure)),
+            Outcome::Cancelled => (None, None),
+        }
+    }
+}
+
+/// JSON of why a job failed whose workers died too often.
+pub(super) fn gave_up() -> String {
+    let reason = format!(
+        "gave up after {MAX_ATTEMPTS} attempts: each time the worker stopped without a word, as a \
+         process does that is killed or runs out of memory, while it had nothing else in hand, or \
+         lost this job alone"
+    );
+    serde_json::json!({ "reason": reason, "reference": null }).to_string()
 }
 
 /// One row of convergence history.

@@ -13,6 +13,7 @@
 
 mod attempt;
 mod messages;
+mod relay;
 mod retention;
 #[cfg(test)]
 mod tests;
@@ -29,6 +30,7 @@ use crate::service::{Service, Signals};
 use crate::store::{Recovered, Store};
 
 pub use messages::tell;
+pub use relay::relay;
 pub use retention::forget;
 
 /// How often the queue is looked at without a signal: other processes may have

@@ -22,7 +22,7 @@ const STOPPING: Duration = Duration::from_secs(5);
 const ONE_PLACE: [&str; 6] = ["--workers", "1", "--lease-seconds", "2", "--retry-seconds", "0"];
 
 /// Waits until a job says what is wanted of it.
-fn until(server: &Server, job: &str, wanted: impl Fn(&Value) -> bool) -> Value {
+pub fn until(server: &Server, job: &str, wanted: impl Fn(&Value) -> bool) -> Value {
     let began = Instant::now();
     loop {
         let now = server.get(job).json();
@@ -34,7 +34,7 @@ fn until(server: &Server, job: &str, wanted: impl Fn(&Value) -> bool) -> Value {
     }
 }
 
-fn is_running(job: &Value) -> bool {
+pub fn is_running(job: &Value) -> bool {
     job["status"] == "running"
 }
 

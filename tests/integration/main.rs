@@ -14,6 +14,7 @@ mod durability;
 mod effects;
 mod eighteenth_effect;
 mod extremes;
+mod fleet;
 mod grafana;
 mod identification;
 mod inspection;
@@ -31,6 +32,8 @@ mod mqtt;
 mod naming;
 mod openapi;
 mod operations;
+#[path = "../postgres_cluster.rs"]
+mod postgres_cluster;
 mod process;
 mod progress;
 mod properties;

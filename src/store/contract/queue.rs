@@ -1,5 +1,7 @@
 //! Jobs on their way from the queue to their end.
 
+use futures_util::future::join_all;
+
 use super::*;
 
 pub(super) async fn the_oldest_queued_job_is_leased_once(store: &dyn Store) {
@@ -34,6 +36,27 @@ pub(super) async fn submitters_take_turns_however_much_each_queues(store: &dyn S
     }
     wanted.extend_from_slice(&flood[8..]);
     assert_eq!(leased, wanted);
+}
+
+pub(super) async fn jobs_queued_at_once_have_turns_of_their_own(store: &dyn Store) {
+    let measured = stored_measurement(store).await;
+    let submitters = ["a", "b"].repeat(8);
+    let queued = submitters.iter().map(|submitter| queued_job_of(store, &measured, submitter));
+    let jobs = join_all(queued).await;
+    let of_a: Vec<&String> = jobs.iter().step_by(2).collect();
+    for _ in 0..8 {
+        let pair = [lease(store, LONG).await, lease(store, LONG).await];
+        let pair = pair.map(|lease| lease.expect("16 are queued").job_id);
+        let mine = pair.iter().filter(|job| of_a.contains(job));
+        assert_eq!(mine.count(), 1, "one of each submitter");
+    }
+}
+
+pub(super) async fn an_expired_lease_is_recovered_once(store: &dyn Store) {
+    let lease = leased_job(store, EXPIRED).await;
+    let recovered = join_all((0..4).map(|_| store.recover_expired(NO_WAIT))).await;
+    assert_eq!(recovered.into_iter().map(|one| one.unwrap().requeued).sum::<u64>(), 1);
+    assert_eq!(status(store, &lease.job_id).await, Status::Queued);
 }
 
 pub(super) async fn a_job_runs_and_succeeds_with_its_history(store: &dyn Store) {

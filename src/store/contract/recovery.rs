@@ -132,3 +132,21 @@ pub(super) async fn a_job_waits_longer_with_each_death_but_the_first(store: &dyn
         tokio::time::sleep(Duration::from_millis(10)).await;
     }
 }
+
+pub(super) async fn a_job_that_waited_is_leased_after_those_that_passed_it(store: &dyn Store) {
+    let jobs = queued_jobs(store, 3).await;
+    for wait in [NO_WAIT, Duration::from_millis(50)] {
+        assert_eq!(lease(store, EXPIRED).await.expect("it is queued").job_id, jobs[0]);
+        assert_eq!(store.recover_expired(wait).await.unwrap().requeued, 1);
+    }
+    for job in &jobs[1..] {
+        assert_eq!(lease(store, LONG).await.expect("it is queued").job_id, *job);
+    }
+    let waited = loop {
+        match lease(store, LONG).await {
+            Some(lease) => break lease,
+            None => tokio::time::sleep(Duration::from_millis(10)).await,
+        }
+    };
+    assert_eq!(waited.job_id, jobs[0]);
+}

@@ -5,7 +5,7 @@ use sqlx::{SqliteConnection, SqlitePool};
 use crate::store::{IdempotencyKey, Inserted, JobFilter, JobRow, NewJobRow, Page, Reach};
 
 use super::idempotency;
-use super::measurements::label_pairs;
+use crate::store::decode::label_pairs;
 
 pub(super) async fn insert(
     connection: &mut SqliteConnection,

@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use async_trait::async_trait;
 
+use crate::store::decode::millis;
 use crate::store::{KeyRow, Keyring, Millis, StoreError, Usage};
 
 use super::Sqlite;
-use super::queue::millis;
 
 #[async_trait]
 impl Keyring for Sqlite {

@@ -2,6 +2,7 @@
 
 use sqlx::{SqliteConnection, SqlitePool};
 
+use crate::store::decode::label_pairs;
 use crate::store::{
     Description, FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow, Page, Reach,
 };
@@ -145,11 +146,6 @@ pub(super) async fn list(
     .bind(reach.read())
     .fetch_all(pool)
     .await
-}
-
-/// Labels as the JSON array of pairs that the filters read.
-pub(super) fn label_pairs(labels: &[(String, String)]) -> String {
-    serde_json::json!(labels).to_string()
 }
 
 pub(super) async fn describe(

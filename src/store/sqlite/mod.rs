@@ -1,6 +1,5 @@
 //! The engine on one SQLite file.
 
-mod decode;
 mod history;
 mod idempotency;
 mod jobs;
@@ -27,6 +26,7 @@ use super::{
     AxisRow, Beat, Cancelling, ConvergencePoint, Description, Expired, FileRow, IdempotencyKey,
     Inserted, JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow,
     Outcome, Page, QueueState, Reach, Recovered, ResultFilter, Store, StoreError, StoredResult,
+    Wake,
 };
 
 /// How long a writer waits for another one before it gives up.
@@ -146,6 +146,10 @@ impl Store for Sqlite {
         .execute(&mut *transaction)
         .await;
         self.end(transaction, written).await?;
+        Ok(())
+    }
+
+    async fn listen(&self, _heard: &(dyn Fn(Wake) + Send + Sync)) -> Result<(), StoreError> {
         Ok(())
     }
 

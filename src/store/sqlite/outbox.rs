@@ -11,7 +11,7 @@ use crate::store::outbox::{
 use crate::store::{Reach, StoreError};
 
 use super::Sqlite;
-use super::queue::millis;
+use crate::store::decode::millis;
 
 /// Deliveries that may be tried now. There is one at a time to a receiver: one that is slow
 /// holds up nobody else, and one that is fast is told in order.
@@ -207,11 +207,7 @@ async fn settle(
     answered: Option<u16>,
     error: Option<&str>,
 ) -> sqlx::Result<bool> {
-    let (status, wait) = match settled {
-        Settled::Delivered => ("delivered", None),
-        Settled::Later(wait) => ("waiting", Some(millis(*wait))),
-        Settled::GivenUp | Settled::Disabled => ("given_up", None),
-    };
+    let (status, wait) = settled.columns();
     let done = sqlx::query(
         "UPDATE deliveries
          SET status = ?3, answered = ?4, error = ?5, lease_until_ms = NULL,

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use sqlx::{SqliteConnection, SqlitePool};
 
+use crate::store::decode::millis;
 use crate::store::{
     ALONE_AFTER, Beat, Cancelling, ConvergencePoint, Lease, Outcome, QueueState, Reach, Status,
 };
@@ -72,11 +73,7 @@ pub(super) async fn finish(
     lease: &Lease,
     outcome: &Outcome,
 ) -> sqlx::Result<bool> {
-    let (result, failure) = match outcome {
-        Outcome::Succeeded(result) => (Some(result), None),
-        Outcome::Failed(failure) => (None, Some(failure)),
-        Outcome::Cancelled => (None, None),
-    };
+    let (result, failure) = outcome.columns();
     let done = sqlx::query(
         "UPDATE jobs
          SET status = ?3, result = ?4, failure = ?5, lease_until_ms = NULL,
@@ -159,8 +156,4 @@ pub(super) async fn state(pool: &SqlitePool) -> sqlx::Result<QueueState> {
     )
     .fetch_one(pool)
     .await
-}
-
-pub(super) fn millis(duration: Duration) -> i64 {
-    i64::try_from(duration.as_millis()).unwrap_or(i64::MAX)
 }

@@ -4,9 +4,10 @@ use std::time::Duration;
 
 use sqlx::SqliteConnection;
 
-use crate::store::{EndedRow, LONGEST_WAIT, MAX_ATTEMPTS, Recovered, Status};
+use crate::store::rows::gave_up;
+use crate::store::{EndedRow, LONGEST_WAIT, MAX_ATTEMPTS, Recovered};
 
-use super::queue::millis;
+use crate::store::decode::millis;
 
 /// Requeues jobs whose lease has expired, or ends them, by the rule of [`crate::store`].
 pub(super) async fn recover_expired(
@@ -23,12 +24,7 @@ pub(super) async fn recover_expired(
                  progress = CASE WHEN cancel_requested OR charged + ?2 >= ?3 THEN progress END,
                  finished_at_ms = CASE WHEN cancel_requested OR charged + ?2 >= ?3
                                        THEN (SELECT now_ms FROM clock) END,
-                 failure = CASE WHEN NOT cancel_requested AND charged + ?2 >= ?3 THEN json_object(
-                     'reason', 'gave up after ' || (charged + ?2) || ' attempts: each time the '
-                         || 'worker stopped without a word, as a process does that is killed or '
-                         || 'runs out of memory, while it had nothing else in hand, or lost this '
-                         || 'job alone',
-                     'reference', NULL) END,
+                 failure = CASE WHEN NOT cancel_requested AND charged + ?2 >= ?3 THEN ?6 END,
                  due_ms = (SELECT now_ms FROM clock) + CASE charged + shared WHEN 0 THEN 0
                      ELSE min(?4 << min(2 * (charged + shared - 1), 20), max(?4, ?5)) END
              WHERE id = ?1
@@ -39,12 +35,10 @@ pub(super) async fn recover_expired(
         .bind(MAX_ATTEMPTS)
         .bind(millis(wait))
         .bind(millis(LONGEST_WAIT))
+        .bind(gave_up())
         .fetch_one(&mut *connection)
         .await?;
-        match left.status {
-            Status::Queued => recovered.requeued += 1,
-            _ => recovered.ended.push(left),
-        }
+        recovered.count(left);
     }
     Ok(recovered)
 }

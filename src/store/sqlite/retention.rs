@@ -6,7 +6,7 @@ use sqlx::SqliteConnection;
 
 use crate::store::Expired;
 
-use super::queue::millis;
+use crate::store::decode::millis;
 
 /// Jobs that ended long ago.
 const JOBS: &str = "DELETE FROM jobs WHERE id IN (

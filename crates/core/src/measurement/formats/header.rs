@@ -55,7 +55,7 @@ impl Header {
         if !self.apply(key, &value).map_err(fault)? {
             return Ok(false);
         }
-        self.check_size(key, &value).map_err(fault)?;
+        self.check_storable(key, &value).map_err(fault)?;
         if let Some((_, earlier)) = self.seen.get(key)
             && *earlier != value
         {
@@ -65,8 +65,11 @@ impl Header {
         Ok(true)
     }
 
-    /// Refuses what no list of measurements has room for.
-    fn check_size(&self, key: &str, value: &str) -> Result<(), String> {
+    /// Refuses what no list of measurements has room for, and what not every database keeps.
+    fn check_storable(&self, key: &str, value: &str) -> Result<(), String> {
+        if key.contains('\0') || value.contains('\0') {
+            return Err("it has a NUL character; remove it".into());
+        }
         let longest = key.len().max(if key == "column_names" { 0 } else { value.len() });
         if longest > MAX_METADATA {
             return Err(format!("it has {longest} bytes; at most {MAX_METADATA} are taken"));
@@ -408,6 +411,8 @@ mod tests {
         assert!(header.set(Some(3), "machine", &long).is_err());
         assert!(header.set(None, "machine", &long[1..]).unwrap());
         assert!(header.set(None, &format!("label.{long}"), "north").is_err());
+        assert!(header.set(None, "machine", "press\0").is_err());
+        assert!(header.set(None, "label.site\0", "north").is_err());
         assert!(!header.set(None, "remark", &long).unwrap());
         let mut header = Header::default();
         for label in 0..MAX_LABELS {

@@ -1,0 +1,89 @@
+//! Stored mappings. Each owner has names of its own; a caller who reads those of others finds its
+//! own first.
+
+use sqlx::PgPool;
+
+use crate::store::{MappingRow, Reach};
+
+/// Stores a mapping; `false`: in place of one of its owner's with its name.
+pub(super) async fn put(pool: &PgPool, reach: &Reach, row: &MappingRow) -> sqlx::Result<bool> {
+    // A row that was updated has a transaction in `xmax`.
+    sqlx::query_scalar(
+        "INSERT INTO mappings (name, settings, layout, updated_at_ms, owner)
+         VALUES ($1, $2, $3, (SELECT now_ms FROM clock), $4)
+         ON CONFLICT (owner, name) DO UPDATE SET settings = excluded.settings,
+             layout = excluded.layout, updated_at_ms = excluded.updated_at_ms
+         RETURNING xmax = 0",
+    )
+    .bind(&row.name)
+    .bind(&row.settings)
+    .bind(&row.layout)
+    .bind(&reach.owner)
+    .fetch_one(pool)
+    .await
+}
+
+pub(super) async fn get(
+    pool: &PgPool,
+    reach: &Reach,
+    name: &str,
+) -> sqlx::Result<Option<MappingRow>> {
+    sqlx::query_as(
+        "SELECT name, settings, layout, updated_at_ms FROM mappings
+         WHERE name = $1 AND ($2 IS NULL OR owner = $2)
+         ORDER BY owner <> $3, owner LIMIT 1",
+    )
+    .bind(name)
+    .bind(reach.read())
+    .bind(&reach.owner)
+    .fetch_optional(pool)
+    .await
+}
+
+/// Nobody asked for it by its name: that of another owner does not change how files are read.
+pub(super) async fn of_layout(
+    pool: &PgPool,
+    reach: &Reach,
+    layout: &str,
+) -> sqlx::Result<Option<MappingRow>> {
+    sqlx::query_as(
+        "SELECT name, settings, layout, updated_at_ms FROM mappings
+         WHERE layout = $1 AND owner = $2
+         ORDER BY updated_at_ms DESC, name LIMIT 1",
+    )
+    .bind(layout)
+    .bind(&reach.owner)
+    .fetch_optional(pool)
+    .await
+}
+
+pub(super) async fn list(
+    pool: &PgPool,
+    reach: &Reach,
+    limit: u32,
+) -> sqlx::Result<Vec<MappingRow>> {
+    sqlx::query_as(
+        "SELECT name, settings, layout, updated_at_ms FROM mappings
+         WHERE ($2 IS NULL OR owner = $2)
+         ORDER BY name, owner <> $3, owner LIMIT $1",
+    )
+    .bind(i64::from(limit))
+    .bind(reach.read())
+    .bind(&reach.owner)
+    .fetch_all(pool)
+    .await
+}
+
+pub(super) async fn delete(pool: &PgPool, reach: &Reach, name: &str) -> sqlx::Result<bool> {
+    let done = sqlx::query(
+        "DELETE FROM mappings WHERE (owner, name) IN (
+             SELECT owner, name FROM mappings WHERE name = $1 AND ($2 IS NULL OR owner = $2)
+             ORDER BY owner <> $3, owner LIMIT 1)",
+    )
+    .bind(name)
+    .bind(reach.changed())
+    .bind(&reach.owner)
+    .execute(pool)
+    .await?;
+    Ok(done.rows_affected() == 1)
+}

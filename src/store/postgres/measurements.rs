@@ -1,0 +1,210 @@
+//! Measurements and their files.
+
+use sqlx::{PgConnection, PgPool};
+
+use crate::store::decode::label_pairs;
+use crate::store::{
+    Description, FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow, Millis,
+    Page, Reach,
+};
+
+use super::idempotency;
+
+pub(super) async fn insert(
+    connection: &mut PgConnection,
+    reach: &Reach,
+    row: &MeasurementRow,
+    files: &[FileRow],
+    key: Option<&IdempotencyKey>,
+) -> sqlx::Result<Inserted> {
+    let claim = idempotency::claim(connection, reach, "measurement", key, &row.id).await?;
+    if claim != Inserted::Created {
+        return Ok(claim);
+    }
+    sqlx::query(
+        "INSERT INTO measurements
+             (id, created_at_ms, name, machine, axis, operator, measured_at, measured_at_ms, labels,
+              sha256, experiments, highest_harmonic, magnitude_min, magnitude_max,
+              omega_min_rad_s, omega_max_rad_s, notes, quantities, simulation_s, diagnosis_s, owner)
+         VALUES ($1, (SELECT now_ms FROM clock), $2, $3, $4, $5, $6, $20, $7, $8, $9, $10, $11, $12,
+                 $13, $14, $15, $16, $17, $18, $19)",
+    )
+    .bind(&row.id)
+    .bind(&row.name)
+    .bind(&row.machine)
+    .bind(&row.axis)
+    .bind(&row.operator)
+    .bind(&row.measured_at)
+    .bind(&row.labels)
+    .bind(&row.sha256)
+    .bind(row.experiments)
+    .bind(row.highest_harmonic)
+    .bind(row.magnitude_min)
+    .bind(row.magnitude_max)
+    .bind(row.omega_min_rad_s)
+    .bind(row.omega_max_rad_s)
+    .bind(&row.notes)
+    .bind(&row.quantities)
+    .bind(row.simulation_s)
+    .bind(row.diagnosis_s)
+    .bind(&reach.owner)
+    .bind(measured_at_ms(row.measured_at.as_deref()))
+    .execute(&mut *connection)
+    .await?;
+    for (position, file) in (0_i64..).zip(files) {
+        sqlx::query(
+            "INSERT INTO measurement_files (measurement_id, position, name, content_type, bytes)
+             VALUES ($1, $2, $3, $4, $5)",
+        )
+        .bind(&row.id)
+        .bind(position)
+        // Postgres keeps every character but this one.
+        .bind(file.name.replace('\0', "\u{fffd}"))
+        .bind(&file.content_type)
+        .bind(&file.bytes)
+        .execute(&mut *connection)
+        .await?;
+    }
+    Ok(claim)
+}
+
+/// When something was measured, where the upload says so.
+fn measured_at_ms(text: Option<&str>) -> Option<Millis> {
+    Some(text?.parse::<jiff::Timestamp>().ok()?.as_millisecond())
+}
+
+pub(super) async fn get(
+    pool: &PgPool,
+    reach: &Reach,
+    id: &str,
+) -> sqlx::Result<Option<MeasurementRow>> {
+    sqlx::query_as(
+        "SELECT id, created_at_ms, name, machine, axis, operator, measured_at, labels, sha256,
+                experiments, highest_harmonic, magnitude_min, magnitude_max, omega_min_rad_s,
+                omega_max_rad_s, notes, quantities, simulation_s, diagnosis_s,
+                (SELECT '[' || coalesce(string_agg(to_json(name)::text, ',' ORDER BY position), '')
+                            || ']'
+                 FROM measurement_files WHERE measurement_id = measurements.id) AS files
+         FROM measurements WHERE id = $1 AND ($2 IS NULL OR owner = $2)",
+    )
+    .bind(id)
+    .bind(reach.read())
+    .fetch_optional(pool)
+    .await
+}
+
+pub(super) async fn files(pool: &PgPool, reach: &Reach, id: &str) -> sqlx::Result<Vec<FileRow>> {
+    sqlx::query_as(
+        "SELECT name, content_type, bytes FROM measurement_files
+         WHERE measurement_id = $1
+           AND ($2 IS NULL OR EXISTS (SELECT 1 FROM measurements WHERE id = $1 AND owner = $2))
+         ORDER BY position",
+    )
+    .bind(id)
+    .bind(reach.read())
+    .fetch_all(pool)
+    .await
+}
+
+pub(super) async fn list(
+    pool: &PgPool,
+    reach: &Reach,
+    filter: &MeasurementFilter,
+    page: &Page,
+) -> sqlx::Result<Vec<MeasurementRow>> {
+    sqlx::query_as(
+        "SELECT id, created_at_ms, name, machine, axis, operator, measured_at, labels, sha256,
+                experiments, highest_harmonic, magnitude_min, magnitude_max, omega_min_rad_s,
+                omega_max_rad_s, notes, quantities, simulation_s, diagnosis_s,
+                (SELECT '[' || coalesce(string_agg(to_json(name)::text, ',' ORDER BY position), '')
+                            || ']'
+                 FROM measurement_files WHERE measurement_id = measurements.id) AS files
+         FROM measurements
+         WHERE ($1 IS NULL OR id < $1)
+           AND ($2 IS NULL OR machine = $2)
+           AND ($3 IS NULL OR axis = $3)
+           AND ($4 IS NULL OR created_at_ms >= $4)
+           AND ($5 IS NULL OR created_at_ms < $5)
+           AND ($6 IS NULL OR measured_at_ms >= $6)
+           AND ($7 IS NULL OR measured_at_ms < $7)
+           AND NOT EXISTS (SELECT 1 FROM json_array_elements($8::json) AS wanted (pair)
+                           WHERE labels::json ->> (pair ->> 0) IS DISTINCT FROM pair ->> 1)
+           AND ($9 IS NULL OR sha256 = $9)
+           AND ($10 IS NULL
+                OR strpos(lower(concat_ws(chr(10), name, machine, axis, operator, labels)),
+                          lower($10 COLLATE \"C\")) > 0
+                OR EXISTS (SELECT 1 FROM measurement_files AS file
+                           WHERE file.measurement_id = measurements.id
+                             AND strpos(lower(file.name), lower($10 COLLATE \"C\")) > 0))
+           AND ($12 IS NULL OR owner = $12)
+         ORDER BY id DESC LIMIT $11",
+    )
+    .bind(&page.before)
+    .bind(&filter.machine)
+    .bind(&filter.axis)
+    .bind(filter.since_ms)
+    .bind(filter.until_ms)
+    .bind(filter.measured_since_ms)
+    .bind(filter.measured_until_ms)
+    .bind(label_pairs(&filter.labels))
+    .bind(&filter.sha256)
+    .bind(&filter.text)
+    .bind(i64::from(page.limit))
+    .bind(reach.read())
+    .fetch_all(pool)
+    .await
+}
+
+pub(super) async fn describe(
+    pool: &PgPool,
+    reach: &Reach,
+    id: &str,
+    description: &Description,
+) -> sqlx::Result<bool> {
+    let done = sqlx::query(
+        "UPDATE measurements
+         SET name = $2, machine = $3, axis = $4, operator = $5, measured_at = $6, labels = $7,
+             measured_at_ms = $9
+         WHERE id = $1 AND ($8 IS NULL OR owner = $8)",
+    )
+    .bind(id)
+    .bind(&description.name)
+    .bind(&description.machine)
+    .bind(&description.axis)
+    .bind(&description.operator)
+    .bind(&description.measured_at)
+    .bind(&description.labels)
+    .bind(reach.changed())
+    .bind(measured_at_ms(description.measured_at.as_deref()))
+    .execute(pool)
+    .await?;
+    Ok(done.rows_affected() == 1)
+}
+
+pub(super) async fn delete(
+    connection: &mut PgConnection,
+    reach: &Reach,
+    id: &str,
+) -> sqlx::Result<bool> {
+    // Whoever queues a job on it waits, and then finds it gone.
+    let within: Option<String> = sqlx::query_scalar(
+        "SELECT id FROM measurements WHERE id = $1 AND ($2 IS NULL OR owner = $2) FOR UPDATE",
+    )
+    .bind(id)
+    .bind(reach.changed())
+    .fetch_optional(&mut *connection)
+    .await?;
+    if within.is_none() {
+        return Ok(false);
+    }
+    for statement in [
+        "DELETE FROM idempotency_keys
+         WHERE resource_id = $1
+            OR resource_id IN (SELECT id FROM jobs WHERE measurement_id = $1)",
+        "DELETE FROM jobs WHERE measurement_id = $1",
+        "DELETE FROM measurements WHERE id = $1",
+    ] {
+        sqlx::query(statement).bind(id).execute(&mut *connection).await?;
+    }
+    Ok(true)
+}

@@ -1,0 +1,298 @@
+//! The engine on a Postgres database, which servers and workers on any number of machines share.
+//!
+//! Writes run side by side. Each waits for the rows that it changes and decides on what it then
+//! finds; what no row stands for has a lock of its own in `locks`. A process that is cut off or
+//! stopped in the midst of a transaction must not hold up the others: the database ends such a
+//! transaction after [`IDLE`].
+
+mod history;
+mod idempotency;
+mod jobs;
+mod keys;
+mod locks;
+mod mappings;
+mod measurements;
+mod migrations;
+mod outbox;
+mod queue;
+mod recovery;
+mod results;
+mod retention;
+mod wakes;
+
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use async_trait::async_trait;
+use sqlx::PgPool;
+use sqlx::postgres::{PgConnectOptions, PgPoolOptions};
+
+use super::{
+    AxisRow, Beat, Cancelling, ConvergencePoint, Description, Expired, FileRow, IdempotencyKey,
+    Inserted, JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow,
+    Outcome, Page, QueueState, Reach, Recovered, ResultFilter, Store, StoreError, StoredResult,
+    Wake,
+};
+
+/// Connections of one process.
+const CONNECTIONS: u32 = 10;
+
+/// How long a request waits for a connection, as while the database restarts.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// After how long the database ends a transaction of a process that says nothing, and a wait for
+/// another transaction.
+const IDLE: &str = "30s";
+
+/// How often the whole queue is looked at for a job.
+const LOOK_AGAIN: Duration = Duration::from_secs(1);
+
+/// Store on one Postgres database, which any number of processes share.
+#[derive(Debug)]
+pub struct Postgres {
+    pool: PgPool,
+    /// When it last looked at the whole queue.
+    looked: Mutex<Option<Instant>>,
+}
+
+impl Postgres {
+    /// Connects to the database of an address as in `postgres://user:password@host/database` and
+    /// brings its tables to the form this version needs.
+    ///
+    /// # Errors
+    /// When the address cannot be used, or the database not be reached or migrated.
+    pub async fn open(address: &str) -> Result<Self, StoreError> {
+        let options: PgConnectOptions = address.parse()?;
+        let options = options
+            .application_name("servoscope")
+            .options([("idle_in_transaction_session_timeout", IDLE), ("lock_timeout", IDLE)]);
+        let pool = PgPoolOptions::new().max_connections(CONNECTIONS).acquire_timeout(PATIENCE);
+        let pool = pool.connect_with(options).await?;
+        migrations::all().run(&pool).await?;
+        Ok(Self { pool, looked: Mutex::default() })
+    }
+
+    /// Whether the whole queue is to be looked at this time.
+    fn looks_again(&self) -> bool {
+        // A panic cannot leave it half-written.
+        let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);
+        let again = looked.is_none_or(|looked| looked.elapsed() > LOOK_AGAIN);
+        if again {
+            *looked = Some(Instant::now());
+        }
+        again
+    }
+}
+
+#[async_trait]
+impl Store for Postgres {
+    async fn ping(&self) -> Result<(), StoreError> {
+        sqlx::query(
+            "INSERT INTO probe (id, at_ms) VALUES (1, (SELECT now_ms FROM clock))
+             ON CONFLICT (id) DO UPDATE SET at_ms = excluded.at_ms",
+        )
+        .execute(&self.pool)
+        .await?;
+        Ok(())
+    }
+
+    async fn listen(&self, heard: &(dyn Fn(Wake) + Send + Sync)) -> Result<(), StoreError> {
+        wakes::listen(&self.pool, heard).await
+    }
+
+    async fn insert_measurement(
+        &self,
+        reach: &Reach,
+        row: &MeasurementRow,
+        files: &[FileRow],
+        key: Option<&IdempotencyKey>,
+    ) -> Result<Inserted, StoreError> {
+        let mut transaction = self.pool.begin().await?;
+        let written = measurements::insert(&mut transaction, reach, row, files, key).await?;
+        transaction.commit().await?;
+        Ok(written)
+    }
+
+    async fn measurement(
+        &self,
+        reach: &Reach,
+        id: &str,
+    ) -> Result<Option<MeasurementRow>, StoreError> {
+        Ok(measurements::get(&self.pool, reach, id).await?)
+    }
+
+    async fn measurement_files(&self, reach: &Reach, id: &str) -> Result<Vec<FileRow>, StoreError> {
+        Ok(measurements::files(&self.pool, reach, id).await?)
+    }
+
+    async fn measurements(
+        &self,
+        reach: &Reach,
+        filter: &MeasurementFilter,
+        page: &Page,
+    ) -> Result<Vec<MeasurementRow>, StoreError> {
+        Ok(measurements::list(&self.pool, reach, filter, page).await?)
+    }
+
+    async fn describe_measurement(
+        &self,
+        reach: &Reach,
+        id: &str,
+        description: &Description,
+    ) -> Result<bool, StoreError> {
+        Ok(measurements::describe(&self.pool, reach, id, description).await?)
+    }
+
+    async fn delete_measurement(&self, reach: &Reach, id: &str) -> Result<bool, StoreError> {
+        let mut transaction = self.pool.begin().await?;
+        let deleted = measurements::delete(&mut transaction, reach, id).await?;
+        transaction.commit().await?;
+        Ok(deleted)
+    }
+
+    async fn put_mapping(&self, reach: &Reach, row: &MappingRow) -> Result<bool, StoreError> {
+        Ok(mappings::put(&self.pool, reach, row).await?)
+    }
+
+    async fn mapping(&self, reach: &Reach, name: &str) -> Result<Option<MappingRow>, StoreError> {
+        Ok(mappings::get(&self.pool, reach, name).await?)
+    }
+
+    async fn mapping_of_layout(
+        &self,
+        reach: &Reach,
+        layout: &str,
+    ) -> Result<Option<MappingRow>, StoreError> {
+        Ok(mappings::of_layout(&self.pool, reach, layout).await?)
+    }
+
+    async fn mappings(&self, reach: &Reach, limit: u32) -> Result<Vec<MappingRow>, StoreError> {
+        Ok(mappings::list(&self.pool, reach, limit).await?)
+    }
+
+    async fn delete_mapping(&self, reach: &Reach, name: &str) -> Result<bool, StoreError> {
+        Ok(mappings::delete(&self.pool, reach, name).await?)
+    }
+
+    async fn insert_job(
+        &self,
+        reach: &Reach,
+        row: &NewJobRow,
+        key: Option<&IdempotencyKey>,
+    ) -> Result<Inserted, StoreError> {
+        let mut transaction = self.pool.begin().await?;
+        let written = jobs::insert(&mut transaction, reach, row, key).await?;
+        transaction.commit().await?;
+        Ok(written)
+    }
+
+    async fn job(&self, reach: &Reach, id: &str) -> Result<Option<JobRow>, StoreError> {
+        Ok(jobs::get(&self.pool, reach, id).await?)
+    }
+
+    async fn jobs(
+        &self,
+        reach: &Reach,
+        filter: &JobFilter,
+        page: &Page,
+    ) -> Result<Vec<JobRow>, StoreError> {
+        Ok(jobs::list(&self.pool, reach, filter, page).await?)
+    }
+
+    async fn delete_job(&self, reach: &Reach, id: &str) -> Result<bool, StoreError> {
+        let mut transaction = self.pool.begin().await?;
+        let deleted = jobs::delete(&mut transaction, reach, id).await?;
+        transaction.commit().await?;
+        Ok(deleted)
+    }
+
+    async fn delete_older(&self, age: Duration, limit: u32) -> Result<Expired, StoreError> {
+        let mut transaction = self.pool.begin().await?;
+        let deleted = retention::delete_older(&mut transaction, age, limit).await?;
+        transaction.commit().await?;
+        Ok(deleted)
+    }
+
+    async fn result(&self, reach: &Reach, id: &str) -> Result<Option<String>, StoreError> {
+        Ok(jobs::result(&self.pool, reach, id).await?)
+    }
+
+    async fn results(
+        &self,
+        reach: &Reach,
+        filter: &ResultFilter,
+        limit: u32,
+    ) -> Result<Vec<StoredResult>, StoreError> {
+        Ok(results::list(&self.pool, reach, filter, limit).await?)
+    }
+
+    async fn axes(
+        &self,
+        reach: &Reach,
+        machine: Option<&str>,
+        limit: u32,
+    ) -> Result<Vec<AxisRow>, StoreError> {
+        Ok(results::axes(&self.pool, reach, machine, limit).await?)
+    }
+
+    async fn convergence(
+        &self,
+        reach: &Reach,
+        id: &str,
+    ) -> Result<Vec<ConvergencePoint>, StoreError> {
+        Ok(history::of_latest_attempt(&self.pool, reach, id).await?)
+    }
+
+    async fn history(
+        &self,
+        reach: &Reach,
+        id: &str,
+        from: i64,
+        limit: u32,
+    ) -> Result<Vec<ConvergencePoint>, StoreError> {
+        Ok(history::from(&self.pool, reach, id, from, limit).await?)
+    }
+
+    async fn queue(&self) -> Result<QueueState, StoreError> {
+        Ok(queue::state(&self.pool).await?)
+    }
+
+    async fn cancel(&self, reach: &Reach, id: &str) -> Result<Cancelling, StoreError> {
+        let mut transaction = self.pool.begin().await?;
+        let cancelling = queue::cancel(&mut transaction, reach, id).await?;
+        transaction.commit().await?;
+        Ok(cancelling)
+    }
+
+    async fn lease(&self, worker: &str, duration: Duration) -> Result<Option<Lease>, StoreError> {
+        Ok(queue::lease(&self.pool, worker, duration, self.looks_again()).await?)
+    }
+
+    async fn heartbeat(
+        &self,
+        lease: &Lease,
+        duration: Duration,
+        progress: Option<&str>,
+        rows: &[ConvergencePoint],
+    ) -> Result<Beat, StoreError> {
+        let mut transaction = self.pool.begin().await?;
+        let beat = queue::renew(&mut transaction, lease, duration, progress, rows).await?;
+        transaction.commit().await?;
+        Ok(beat)
+    }
+
+    async fn finish(&self, lease: &Lease, outcome: &Outcome) -> Result<bool, StoreError> {
+        Ok(queue::finish(&self.pool, lease, outcome).await?)
+    }
+
+    async fn hand_back(&self, lease: &Lease) -> Result<bool, StoreError> {
+        Ok(queue::hand_back(&self.pool, lease).await?)
+    }
+
+    async fn recover_expired(&self, wait: Duration) -> Result<Recovered, StoreError> {
+        let mut transaction = self.pool.begin().await?;
+        let recovered = recovery::recover_expired(&mut transaction, wait).await?;
+        transaction.commit().await?;
+        Ok(recovered)
+    }
+}

@@ -1,0 +1,166 @@
+//! The lease queue: what moves a job from one status to the next.
+//!
+//! A transaction of another process may hold a row of the queue at any time. Whoever takes a job
+//! passes over such rows; every other write waits for the row and then looks again whether it still
+//! applies, so that of two writes that exclude each other one finds the other's.
+//!
+//! Jobs are looked for from the lowest turn on, a sequence: taking a job raises it, and putting one
+//! back lowers it. Several processes do so at once, and a job that waited for its time is below it;
+//! so every process looks at the whole queue now and then.
+
+use std::time::Duration;
+
+use sqlx::{PgConnection, PgPool};
+
+use crate::store::decode::millis;
+use crate::store::{
+    ALONE_AFTER, Beat, Cancelling, ConvergencePoint, Lease, Outcome, QueueState, Reach, Status,
+};
+
+use super::history;
+
+/// Leases the next job: of the whole queue, or of what is not below the lowest turn.
+pub(super) async fn lease(
+    pool: &PgPool,
+    worker: &str,
+    duration: Duration,
+    whole: bool,
+) -> sqlx::Result<Option<Lease>> {
+    // An index has this number, too.
+    const { assert!(ALONE_AFTER == 2) };
+    // A job that was in hand at two deaths of workers runs alone: whatever is next waits for it.
+    sqlx::query_as(
+        "WITH next AS MATERIALIZED (
+             SELECT id, shared, turn FROM jobs
+             WHERE status = 'queued' AND due_ms <= (SELECT now_ms FROM clock)
+               AND turn >= CASE WHEN $3 THEN 0 ELSE (SELECT last_value FROM lowest_turn) END
+             ORDER BY turn, id LIMIT 1 FOR UPDATE SKIP LOCKED)
+         UPDATE jobs
+         SET status = 'running', attempt = attempt + 1, progress = NULL, worker = $1,
+             started_at_ms = now_ms, renewed_at_ms = now_ms, lease_until_ms = now_ms + $2
+         FROM next, clock
+         WHERE jobs.id = next.id
+           AND NOT EXISTS (SELECT 1 FROM jobs AS held
+                           WHERE held.status = 'running' AND held.worker = $1
+                             AND held.shared >= 2)
+           AND (next.shared < 2
+                OR NOT EXISTS (SELECT 1 FROM jobs AS held
+                               WHERE held.status = 'running' AND held.worker = $1))
+           AND setval('lowest_turn', greatest(
+                   next.turn, (SELECT last_value FROM lowest_turn))) IS NOT NULL
+         RETURNING jobs.id AS job_id, attempt, measurement_id, kind, request,
+                   (SELECT COALESCE(max(seq) + 1, 0) FROM convergence
+                    WHERE job_id = jobs.id) AS next_seq",
+    )
+    .bind(worker)
+    .bind(millis(duration))
+    .bind(whole)
+    .fetch_optional(pool)
+    .await
+}
+
+pub(super) async fn renew(
+    connection: &mut PgConnection,
+    lease: &Lease,
+    duration: Duration,
+    progress: Option<&str>,
+    rows: &[ConvergencePoint],
+) -> sqlx::Result<Beat> {
+    let cancel_requested: Option<bool> = sqlx::query_scalar(
+        "UPDATE jobs
+         SET lease_until_ms = (SELECT now_ms FROM clock) + $3,
+             renewed_at_ms = (SELECT now_ms FROM clock), progress = COALESCE($4, progress)
+         WHERE id = $1 AND attempt = $2 AND status = 'running'
+           AND lease_until_ms > (SELECT now_ms FROM clock)
+         RETURNING cancel_requested",
+    )
+    .bind(&lease.job_id)
+    .bind(lease.attempt)
+    .bind(millis(duration))
+    .bind(progress)
+    .fetch_optional(&mut *connection)
+    .await?;
+    let Some(cancel_requested) = cancel_requested else { return Ok(Beat::Lost) };
+    history::append(connection, lease, rows).await?;
+    Ok(Beat::Renewed { cancel_requested })
+}
+
+pub(super) async fn finish(pool: &PgPool, lease: &Lease, outcome: &Outcome) -> sqlx::Result<bool> {
+    let (result, failure) = outcome.columns();
+    let done = sqlx::query(
+        "UPDATE jobs
+         SET status = $3, result = $4, failure = $5, lease_until_ms = NULL,
+             finished_at_ms = (SELECT now_ms FROM clock)
+         WHERE id = $1 AND attempt = $2 AND status = 'running'
+           AND lease_until_ms > (SELECT now_ms FROM clock)",
+    )
+    .bind(&lease.job_id)
+    .bind(lease.attempt)
+    .bind(outcome.status())
+    .bind(result)
+    .bind(failure)
+    .execute(pool)
+    .await?;
+    Ok(done.rows_affected() == 1)
+}
+
+pub(super) async fn hand_back(pool: &PgPool, lease: &Lease) -> sqlx::Result<bool> {
+    let done = sqlx::query(
+        "WITH back AS (
+             UPDATE jobs
+             SET status = CASE WHEN cancel_requested THEN 'cancelled' ELSE 'queued' END,
+                 finished_at_ms =
+                     CASE WHEN cancel_requested THEN (SELECT now_ms FROM clock) ELSE NULL END,
+                 handed_back = handed_back + 1, lease_until_ms = NULL, progress = NULL
+             WHERE id = $1 AND attempt = $2 AND status = 'running'
+               AND lease_until_ms > (SELECT now_ms FROM clock)
+             RETURNING turn)
+         SELECT setval('lowest_turn', least(turn, last_value)) FROM back, lowest_turn",
+    )
+    .bind(&lease.job_id)
+    .bind(lease.attempt)
+    .fetch_optional(pool)
+    .await?;
+    Ok(done.is_some())
+}
+
+pub(super) async fn cancel(
+    connection: &mut PgConnection,
+    reach: &Reach,
+    id: &str,
+) -> sqlx::Result<Cancelling> {
+    let status: Option<Status> = sqlx::query_scalar(
+        "SELECT status FROM jobs WHERE id = $1 AND ($2 IS NULL OR owner = $2) FOR UPDATE",
+    )
+    .bind(id)
+    .bind(reach.changed())
+    .fetch_optional(&mut *connection)
+    .await?;
+    let (statement, cancelling) = match status {
+        None => return Ok(Cancelling::Unknown),
+        Some(Status::Queued) => (
+            "UPDATE jobs
+             SET status = 'cancelled', cancel_requested = TRUE,
+                 finished_at_ms = (SELECT now_ms FROM clock)
+             WHERE id = $1",
+            Cancelling::Cancelled,
+        ),
+        Some(Status::Running) => {
+            ("UPDATE jobs SET cancel_requested = TRUE WHERE id = $1", Cancelling::Requested)
+        }
+        Some(status) => return Ok(Cancelling::Ended(status)),
+    };
+    sqlx::query(statement).bind(id).execute(connection).await?;
+    Ok(cancelling)
+}
+
+pub(super) async fn state(pool: &PgPool) -> sqlx::Result<QueueState> {
+    sqlx::query_as(
+        "SELECT (SELECT count(*) FROM jobs WHERE status = 'queued') AS queued,
+                (SELECT count(*) FROM jobs WHERE status = 'running') AS running,
+                COALESCE((SELECT greatest(0, (SELECT now_ms FROM clock) - created_at_ms) FROM jobs
+                          WHERE status = 'queued' ORDER BY id LIMIT 1), 0) AS oldest_wait_ms",
+    )
+    .fetch_one(pool)
+    .await
+}

@@ -1,0 +1,102 @@
+//! What becomes of jobs whose worker stopped without a word.
+
+use std::time::Duration;
+
+use sqlx::PgConnection;
+
+use crate::store::decode::millis;
+use crate::store::rows::gave_up;
+use crate::store::{EndedRow, LONGEST_WAIT, MAX_ATTEMPTS, Recovered};
+
+use super::locks;
+
+/// Requeues jobs whose lease has expired, or ends them, by the rule of [`crate::store`].
+pub(super) async fn recover_expired(
+    connection: &mut PgConnection,
+    wait: Duration,
+) -> sqlx::Result<Recovered> {
+    let mut recovered = Recovered::default();
+    let expired = expired(connection).await?;
+    if expired.is_empty() {
+        return Ok(recovered);
+    }
+    for (id, alone) in judged(connection, &expired).await? {
+        let left: EndedRow = sqlx::query_as(
+            "WITH lost AS (
+                 UPDATE jobs
+                 SET charged = charged + $2, shared = shared + (1 - $2), lease_until_ms = NULL,
+                     status = CASE WHEN cancel_requested THEN 'cancelled'
+                                   WHEN charged + $2 >= $3 THEN 'failed' ELSE 'queued' END,
+                     progress = CASE WHEN cancel_requested OR charged + $2 >= $3 THEN progress END,
+                     finished_at_ms = CASE WHEN cancel_requested OR charged + $2 >= $3
+                                           THEN (SELECT now_ms FROM clock) END,
+                     failure = CASE WHEN NOT cancel_requested AND charged + $2 >= $3 THEN $6 END,
+                     due_ms = (SELECT now_ms FROM clock) + CASE charged + shared WHEN 0 THEN 0
+                         ELSE least($4 << least(2 * (charged + shared - 1), 20)::integer,
+                                    greatest($4, $5)) END
+                 WHERE id = $1
+                 RETURNING kind, status, turn)
+             SELECT kind, status, setval('lowest_turn', least(turn, last_value))
+             FROM lost, lowest_turn",
+        )
+        .bind(id)
+        .bind(i64::from(alone))
+        .bind(i64::from(MAX_ATTEMPTS))
+        .bind(millis(wait))
+        .bind(millis(LONGEST_WAIT))
+        .bind(gave_up())
+        .fetch_one(&mut *connection)
+        .await?;
+        recovered.count(left);
+    }
+    Ok(recovered)
+}
+
+/// The jobs whose lease has expired, held until the transaction ends. One that a heartbeat holds at
+/// this moment is left for the next time; nobody looks twice at once.
+async fn expired(connection: &mut PgConnection) -> sqlx::Result<Vec<String>> {
+    const EXPIRED: &str = "SELECT id FROM jobs
+         WHERE status = 'running' AND lease_until_ms <= (SELECT now_ms FROM clock)";
+    // Mostly there is none, and the lock is not needed.
+    let any: Vec<String> = sqlx::query_scalar(EXPIRED).fetch_all(&mut *connection).await?;
+    if any.is_empty() || !locks::recovery(connection).await? {
+        return Ok(Vec::new());
+    }
+    sqlx::query_scalar(
+        "SELECT id FROM jobs
+         WHERE status = 'running' AND lease_until_ms <= (SELECT now_ms FROM clock)
+         ORDER BY id FOR UPDATE SKIP LOCKED",
+    )
+    .fetch_all(connection)
+    .await
+}
+
+/// Those of them of which it is known what became of their siblings, the other jobs in hand of
+/// their worker; and whether each is the only one that was lost.
+async fn judged(
+    connection: &mut PgConnection,
+    expired: &[String],
+) -> sqlx::Result<Vec<(String, bool)>> {
+    // A sibling that was heard of after the lease had expired lives. One that was not, but whose
+    // own lease is good for a little longer, must be waited for: it may have died at the same time.
+    sqlx::query_as(
+        "SELECT id, lives OR NOT siblings
+         FROM (SELECT id,
+                      EXISTS (SELECT 1 FROM jobs AS sibling
+                              WHERE sibling.status = 'running' AND sibling.worker = jobs.worker
+                                AND sibling.id <> jobs.id) AS siblings,
+                      EXISTS (SELECT 1 FROM jobs AS sibling
+                              WHERE sibling.status = 'running' AND sibling.worker = jobs.worker
+                                AND sibling.renewed_at_ms > jobs.lease_until_ms) AS lives,
+                      EXISTS (SELECT 1 FROM jobs AS sibling
+                              WHERE sibling.status = 'running' AND sibling.worker = jobs.worker
+                                AND sibling.lease_until_ms > (SELECT now_ms FROM clock)) AS open
+               FROM jobs
+               WHERE id = ANY($1)) AS judged
+         WHERE lives OR NOT open
+         ORDER BY id",
+    )
+    .bind(expired)
+    .fetch_all(connection)
+    .await
+}

@@ -1,0 +1,225 @@
+//! Servers and workers, each a process, on one Postgres.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::{Value, json};
+
+use crate::durability::{is_running, until};
+use crate::postgres_cluster::Cluster;
+use crate::process::{Server, command};
+use crate::receiver::Receiver;
+use crate::service::{endless, submit};
+
+/// Ends a test that hangs; far more than anything here takes.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+/// A short wait for what a worker held that is gone.
+const QUICK: [&str; 4] = ["--lease-seconds", "2", "--retry-seconds", "0"];
+
+/// A server without workers.
+fn server(folder: &Path, database: &str) -> Server {
+    let mut arguments = vec!["--database", database, "--workers", "0"];
+    arguments.extend(["--webhook-allow", "127.0.0.0/8"]);
+    arguments.extend(QUICK);
+    Server::start(folder, &arguments)
+}
+
+/// A worker of one place, killed when it is dropped.
+struct Worker(Child);
+
+impl Worker {
+    fn start(place: &[&str]) -> Self {
+        Self::start_logging(place, Stdio::null())
+    }
+
+    fn start_logging(place: &[&str], log: impl Into<Stdio>) -> Self {
+        let mut command = command();
+        command.arg("worker").args(place).args(["--workers", "1"]).args(QUICK);
+        let mut child = command.stdout(Stdio::piped()).stderr(log).spawn().unwrap();
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        assert!(line.starts_with("taking jobs from "), "{line}");
+        Self(child)
+    }
+
+    fn signal(&self, signal: Signal) {
+        kill_process(Pid::from_child(&self.0), signal).unwrap();
+    }
+
+    /// Asks it to stop and waits for its exit code.
+    fn terminate(mut self) -> Option<i32> {
+        self.signal(Signal::TERM);
+        self.0.wait().unwrap().code()
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        // Fails where it has ended already, which is as good.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn succeeded(server: &Server, job: &str) -> Value {
+    let ended = server.ended(job);
+    assert_eq!(ended["status"], "succeeded", "{ended}");
+    ended
+}
+
+#[test]
+fn a_job_is_computed_by_a_worker_and_followed_and_cancelled_from_another_server() {
+    let Some(cluster) = Cluster::shared() else { return };
+    let (database, folder) = (cluster.database(), tempfile::tempdir().unwrap());
+    let place = ["--database", database.as_str()];
+    let [first, second] = [server(folder.path(), &database), server(folder.path(), &database)];
+    let workers = [Worker::start(&place), Worker::start(&place)];
+    let short = submit(&first, &json!({"seed": 5}));
+    succeeded(&second, &short);
+    let result = format!("{short}/result");
+    assert_eq!(first.get(&result).text, second.get(&result).text);
+
+    let long = submit(&first, &endless());
+    let stream = ureq::get(format!("{}{long}/events", second.address())).call().unwrap();
+    let mut lines = BufReader::new(stream.into_body().into_reader()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line.contains("\"running\"")));
+    assert!(lines.any(|line| line == "event: convergence"), "rows arrive while it runs");
+    assert_eq!(second.post(&format!("{long}/cancel"), "text/plain", b"").status, 202);
+    assert!(lines.any(|line| line == "event: end"));
+    assert_eq!(first.get(&long).json()["status"], "cancelled");
+
+    let left = submit(&second, &endless());
+    until(&first, &left, is_running);
+    for worker in workers {
+        assert_eq!(worker.terminate(), Some(0));
+    }
+    let handed_back = first.get(&left).json();
+    assert_eq!(handed_back["status"], "queued", "{handed_back}");
+}
+
+#[test]
+fn jobs_of_a_killed_worker_end_once_in_the_hands_of_another() {
+    let Some(cluster) = Cluster::shared() else { return };
+    let (database, folder) = (cluster.database(), tempfile::tempdir().unwrap());
+    let place = ["--database", database.as_str()];
+    let [first, second] = [server(folder.path(), &database), server(folder.path(), &database)];
+    let receiver = Receiver::start(&["204 No Content"]);
+    let hook = json!({"url": receiver.url(), "events": ["job.finished"]}).to_string();
+    assert_eq!(first.post("/v1/webhooks", "application/json", hook.as_bytes()).status, 201);
+
+    let killed = Worker::start(&place);
+    let mut jobs = vec![submit(&first, &endless())];
+    jobs.extend((0..8).map(|seed| submit(&second, &json!({ "seed": seed }))));
+    until(&second, &jobs[0], is_running);
+    killed.signal(Signal::KILL);
+    let _others = [Worker::start(&place), Worker::start(&place)];
+    until(&first, &jobs[0], |job| is_running(job) && job["attempt"] == 2);
+    for job in &jobs[1..] {
+        succeeded(&first, job);
+    }
+    assert_eq!(first.post(&format!("{}/cancel", jobs[0]), "text/plain", b"").status, 202);
+    assert_eq!(second.ended(&jobs[0])["status"], "cancelled");
+    let mut told = BTreeMap::new();
+    for _ in &jobs {
+        let message = receiver.next().json();
+        *told.entry(message["data"]["job_id"].as_str().unwrap().to_owned()).or_insert(0) += 1;
+    }
+    let ids = jobs.iter().map(|job| (job.rsplit('/').next().unwrap().to_owned(), 1));
+    assert_eq!(told, ids.collect());
+    assert!(receiver.is_untouched(), "each end is told once");
+}
+
+#[test]
+fn the_late_result_of_a_worker_that_was_stopped_is_refused() {
+    let Some(cluster) = Cluster::shared() else { return };
+    let (database, folder) = (cluster.database(), tempfile::tempdir().unwrap());
+    let place = ["--database", database.as_str()];
+    let server = server(folder.path(), &database);
+    let log = folder.path().join("log");
+    let stopped = Worker::start_logging(&place, File::create(&log).unwrap());
+    let job = submit(&server, &endless());
+    until(&server, &job, is_running);
+    stopped.signal(Signal::STOP);
+    let _other = Worker::start(&place);
+    until(&server, &job, |job| is_running(job) && job["attempt"] == 2);
+    stopped.signal(Signal::CONT);
+    let began = Instant::now();
+    while !std::fs::read_to_string(&log).unwrap().contains("lease lost; its result is given up") {
+        assert!(began.elapsed() < PATIENCE);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let stands = server.get(&job).json();
+    assert_eq!((&stands["status"], &stands["attempt"]), (&"running".into(), &2.into()));
+    assert_eq!(server.post(&format!("{job}/cancel"), "text/plain", b"").status, 202);
+    assert_eq!(server.ended(&job)["attempt"], 2);
+}
+
+#[test]
+fn nothing_that_was_accepted_is_lost_when_the_database_restarts() {
+    let Some(cluster) = Cluster::alone() else { return };
+    let (database, folder) = (cluster.database(), tempfile::tempdir().unwrap());
+    let place = ["--database", database.as_str()];
+    let server = server(folder.path(), &database);
+    let workers = [Worker::start(&place), Worker::start(&place)];
+    let before: Vec<_> = (0..12).map(|seed| submit(&server, &json!({ "seed": seed }))).collect();
+    cluster.stop();
+    assert_eq!(server.get("/livez").status, 200);
+    cluster.start_again();
+    let after: Vec<_> = (12..16).map(|seed| submit(&server, &json!({ "seed": seed }))).collect();
+    for job in before.iter().chain(&after) {
+        succeeded(&server, job);
+        assert_eq!(server.get(&format!("{job}/result")).status, 200);
+    }
+    for worker in workers {
+        assert_eq!(worker.terminate(), Some(0));
+    }
+}
+
+#[test]
+fn a_worker_takes_jobs_of_a_server_on_the_same_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), &["--workers", "0"]);
+    let job = submit(&server, &json!({"seed": 5}));
+    assert_eq!(server.get(&job).json()["status"], "queued");
+    let worker = Worker::start(&["--data-dir", folder.path().to_str().unwrap()]);
+    succeeded(&server, &job);
+    assert_eq!(worker.terminate(), Some(0));
+}
+
+#[test]
+fn a_key_is_made_in_the_database_and_nothing_shows_its_password() {
+    let Some(cluster) = Cluster::shared() else { return };
+    // Where nobody asks for a password, any will do.
+    let database = cluster.database().replace("postgres@", "postgres:secret-kestrel@");
+    let mut add = command();
+    add.args(["keys", "add", "--name", "first", "--scope", "admin"]);
+    let added = add.env("SERVOSCOPE_DATABASE", &database).output().unwrap();
+    assert!(added.status.success(), "{added:?}");
+    let key = String::from_utf8(added.stdout).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("log");
+    let arguments = ["--database", database.as_str(), "-vv"];
+    let server = Server::start_logging(folder.path(), &arguments, &log);
+    assert_eq!(server.get("/v1/jobs").status, 401);
+    assert_eq!(server.get_with("/v1/jobs", key.trim()).status, 200);
+    assert_eq!(server.terminate(), Some(0));
+
+    let mut show = command();
+    let shown = show.args(["config", "show", "--database", &database]).output().unwrap();
+    let nowhere = "postgres://bench:secret-kestrel@localhost:1/bench";
+    let mut unreachable = command();
+    unreachable.args(["worker", "--database", nowhere]);
+    let refused = unreachable.output().unwrap();
+    assert_eq!(refused.status.code(), Some(1));
+    let log = std::fs::read(&log).unwrap();
+    for text in [added.stderr, shown.stdout, refused.stdout, refused.stderr, log] {
+        let text = String::from_utf8(text).unwrap();
+        assert!(!text.contains("kestrel"), "{text}");
+    }
+}

@@ -26,9 +26,14 @@ const DRAWS: u64 = 600;
 /// Family-wise error rate: probability that any fault is named in a sound measurement.
 const LEVEL: f64 = 0.003;
 
+/// Largest share of rows that belong among those that are left out once one certainly does not.
+const FALSE_ROWS: f64 = 0.05;
+
 /// The limits of all kinds of fault.
 pub(super) struct Family {
     limits: BTreeMap<FaultKind, f64>,
+    /// Probability with which chance reaches the limit of one kind.
+    level: f64,
     /// The same for the size of the noise: largest |Σr²/ν − 1|.
     pub size: f64,
 }
@@ -70,6 +75,7 @@ impl Family {
         };
         let sizes = draws.iter().map(|(_, size)| *size).collect();
         Self {
+            level,
             limits: kinds.into_iter().map(limit).collect(),
             size: NullDistribution::new(sizes).limit(level),
         }
@@ -78,5 +84,38 @@ impl Family {
     /// By how much a fault must lower χ²; infinite for one that cannot show.
     pub fn limit(&self, kind: FaultKind) -> f64 {
         self.limits.get(&kind).copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// By how much a row must lower χ² where so many are left out already. The first is judged by the
+    /// family-wise error rate. It says that rows are wrong, and of the rest those are wrong, too, among
+    /// which the expected share of false ones is small (Y. Benjamini, Y. Hochberg 1995,
+    /// doi:10.1111/j.2517-6161.1995.tb02031.x): the probability of each may be larger by the ratio of
+    /// the two rates and by the number of rows. That of a decrease x by the two parts of a row is
+    /// exp(−x/2).
+    pub fn row_limit(&self, left_out: usize) -> f64 {
+        let more = match left_out {
+            0 => 1.0,
+            _ => (1.0 + left_out as f64) * FALSE_ROWS / self.level,
+        };
+        self.limit(FaultKind::BadRows) - 2.0 * more.ln()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // exp(−x/2) is the probability of a decrease beyond x: with the first limit α/m, with the next
+    // ones 0.05·k/m.
+    #[test]
+    fn the_first_row_is_judged_by_all_and_the_next_by_their_share_of_false_ones() {
+        let (rows, level) = (400.0_f64, 3e-4_f64);
+        let limit = -2.0 * (level / rows).ln();
+        let family = Family { limits: [(FaultKind::BadRows, limit)].into(), level, size: 0.0 };
+        let probability = |left_out: usize| (-0.5 * family.row_limit(left_out)).exp();
+        assert!((probability(0) / (level / rows) - 1.0).abs() < 1e-9);
+        for k in [2, 10, 40] {
+            assert!((probability(k - 1) / (0.05 * k as f64 / rows) - 1.0).abs() < 1e-9);
+        }
     }
 }

@@ -160,13 +160,11 @@ impl<'a> Scan<'a> {
             fault::convention(1.0 + values[0])?;
         }
         let scale = self.scale();
-        // Of many rows the next needs to be no rarer than one of them all (Benjamini and Hochberg
-        // 1995, doi:10.1111/j.2517-6161.1995.tb02031.x).
-        let more = match candidate.kind {
-            FaultKind::BadRows => 2.0 * (1.0 + rows as f64).ln(),
-            _ => 0.0,
+        let limit = match candidate.kind {
+            FaultKind::BadRows => family.row_limit(rows),
+            kind => family.limit(kind),
         };
-        if gain <= (family.limit(candidate.kind) - more) * scale {
+        if gain <= limit * scale {
             return None;
         }
         if matches!(candidate.kind, FaultKind::RunGain | FaultKind::RunPhase)

@@ -21,8 +21,16 @@ use super::design::{Design, Point};
 use super::scenario;
 use super::setting::{HARMONICS, Setting};
 
-/// Sizes and shapes of every effect that are simulated: a rival imitates with any sum of them.
-pub(super) const SHAPES: usize = 4;
+/// Forms of every effect that are simulated: a typical one first, then drawn ones.
+const FORMS: usize = 2;
+
+/// Sizes of every form that are simulated, as factors on the typical size: log-uniform.
+pub(super) const FACTORS: [f64; SIZES] = [1.0, 0.182_574_185_835_055_37, 1.0 / 30.0];
+pub(super) const SIZES: usize = 3;
+
+/// Columns of every effect: all sizes of its first form, then of the next. A rival imitates with any
+/// sum of them.
+pub(super) const VARIANTS: usize = FORMS * SIZES;
 
 /// Share of the order of acquisition at which an experiment stands: its mean and mean square.
 #[derive(Debug, Clone, Copy)]
@@ -45,8 +53,8 @@ impl Share {
 pub(super) struct Scenario {
     /// Parameters of the base model.
     pub base: usize,
-    /// Parameters of every effect in its shapes.
-    pub shapes: Vec<Vec<Vec<f64>>>,
+    /// Parameters of every effect in its variants.
+    pub variants: Vec<Vec<Vec<f64>>>,
     /// The columns that grow with the order of acquisition.
     ordered: Vec<bool>,
     /// Of every point, what one repeat tells.
@@ -64,7 +72,7 @@ struct Told {
 }
 
 impl Scenario {
-    /// Simulates all points for an axis. Shapes of effects beyond the first come from `rng`.
+    /// Simulates all points for an axis. Forms of effects beyond the first come from `rng`.
     pub fn of(
         setting: &Setting,
         plant: &Plant,
@@ -73,18 +81,18 @@ impl Scenario {
         observer: &dyn Observer,
     ) -> Self {
         let scales = setting.scales(plant);
-        let shapes: Vec<Vec<Vec<f64>>> = ALL
+        let variants: Vec<Vec<Vec<f64>>> = ALL
             .iter()
-            .map(|effect| scenario::typical_sizes(*effect, &scales, SHAPES, rng))
+            .map(|effect| scenario::variants(*effect, &scales, FORMS, &FACTORS, rng))
             .collect();
-        let told = points.par_iter().map(|point| told(setting, plant, &shapes, point, observer));
+        let told = points.par_iter().map(|point| told(setting, plant, &variants, point, observer));
         let points: Vec<Told> = told.collect();
         let base = 4 + usize::from(plant.actuator.order());
         let mut ordered = vec![false; base];
         for effect in ALL {
-            ordered.extend([effect.search().needs_run; SHAPES]);
+            ordered.extend([effect.search().needs_run; VARIANTS]);
         }
-        Self { base, shapes, ordered, points }
+        Self { base, variants, ordered, points }
     }
 
     /// Adds `repeats` repeats of a point at a share of the order to the products of a design.
@@ -132,11 +140,11 @@ impl Scenario {
 fn told(
     setting: &Setting,
     plant: &Plant,
-    shapes: &[Vec<Vec<f64>>],
+    variants: &[Vec<Vec<f64>>],
     point: &Point,
     observer: &dyn Observer,
 ) -> Told {
-    let columns = 4 + usize::from(plant.actuator.order()) + shapes.iter().flatten().count();
+    let columns = 4 + usize::from(plant.actuator.order()) + variants.iter().flatten().count();
     let still = || Told {
         products: DMatrix::zeros(columns, columns),
         response: 0.0,
@@ -168,12 +176,12 @@ fn told(
     let mut rows: Vec<Vec<f64>> = by_parameter.iter().map(|change| row(change)).collect();
     let last = excitation.clone().at_run_share(1.0);
     let balanced = balanced(plant, &excitation);
-    for (effect, shapes) in ALL.iter().zip(shapes) {
+    for (effect, variants) in ALL.iter().zip(variants) {
         let without = match effect.search().forces_zero_mean {
             true => balanced.as_ref(),
             false => Some(&velocity),
         };
-        for values in shapes {
+        for values in variants {
             let with = with_effect(plant, *effect, values, &last);
             let change: Option<Vec<Complex>> = with.zip(without).map(|(with, without)| {
                 with.iter().zip(without).map(|(with, without)| with - without).collect()

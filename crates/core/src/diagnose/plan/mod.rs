@@ -3,7 +3,7 @@
 //! 1. `setting`: the rough idea of the axis and the limits are checked.
 //! 2. `scenario`, `information`: on a grid of magnitudes and frequencies (`design`) the response of the
 //!    axis, and of some axes drawn around it, is simulated with its derivatives and with every effect of
-//!    the library in several typical sizes.
+//!    the library in several sizes.
 //! 3. `criterion`: how surely a set of experiments names each effect.
 //! 4. `exchange`: the set of experiments that does it best within the budget. `sweep`: what it is compared
 //!    with.
@@ -20,6 +20,7 @@ mod order;
 mod report;
 mod scenario;
 mod setting;
+mod sizes;
 mod sweep;
 #[cfg(test)]
 mod tests;

@@ -5,25 +5,17 @@ use nalgebra::DMatrix;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::answers::{
-    EffectSize, Plan, PlannedEffect, PlannedExperiment, PlannedSweep, SizedParameter,
-};
-use crate::effects::{ALL, Effect, MachineScales};
-use crate::identify::Units;
+use crate::answers::{EffectSize, Plan, PlannedEffect, PlannedExperiment, PlannedSweep};
+use crate::effects::{ALL, Effect};
 use crate::measurement::per_cent;
 
 use super::criterion::{Left, SURE, left, mean};
 use super::design::{Design, Point};
-use super::information::{SHAPES, Scenario, Share};
+use super::information::{SIZES, Scenario, Share, VARIANTS};
 use super::order;
 use super::setting::{HARMONICS, Setting};
+use super::sizes::{factor_from, size};
 use super::sweep::Sweep;
-
-/// The excess χ² from which an effect is detectable (contract, section 2).
-const LEAST_EXCESS: f64 = 120.0;
-
-/// A smaller relative difference of two values is rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// Points and their repeats, in order.
 type Ordered = Vec<(usize, usize)>;
@@ -38,21 +30,26 @@ pub(super) struct Report<'a> {
 }
 
 /// What is left of every effect, by axis.
-struct Shown(Vec<Vec<[Left; SHAPES]>>);
+struct Shown(Vec<Vec<[Left; VARIANTS]>>);
 
 impl Shown {
-    /// The mean over axes and shapes of what `value` says of an effect.
-    fn of(&self, effect: usize, value: impl Fn(&Left) -> f64) -> f64 {
-        let shapes = self.0.iter().flat_map(|axis| &axis[effect]);
-        shapes.map(value).sum::<f64>() / (self.0.len() * SHAPES) as f64
+    /// The mean over axes and variants of the score of an effect.
+    fn score_of(&self, effect: usize) -> f64 {
+        let variants = self.0.iter().flat_map(|axis| &axis[effect]);
+        variants.map(Left::score).sum::<f64>() / (self.0.len() * VARIANTS) as f64
     }
 
     fn score(&self) -> f64 {
         self.0.iter().map(|axis| mean(axis, Left::score)).sum::<f64>() / self.0.len() as f64
     }
 
+    /// The mean over axes and forms of the probability that an effect of the whole size is named.
     fn probability(&self, effect: usize) -> f64 {
-        self.of(effect, |left| left.probability(1.0))
+        let whole = |axis: &[Left; VARIANTS]| {
+            axis.iter().step_by(SIZES).map(|left| left.probability(1.0)).sum::<f64>()
+        };
+        let sum: f64 = self.0.iter().map(|axis| whole(&axis[effect])).sum();
+        sum / (self.0.len() * VARIANTS / SIZES) as f64
     }
 
     fn nameable(&self) -> usize {
@@ -117,7 +114,7 @@ impl Report<'_> {
         let mut fewer = ordered.clone();
         fewer.remove(index);
         let without = self.shown(&fewer);
-        let fall = |effect| shown.of(effect, Left::score) - without.of(effect, Left::score);
+        let fall = |effect| shown.score_of(effect) - without.score_of(effect);
         let falls = (0..ALL.len()).map(|effect| (effect, fall(effect)));
         falls.filter(|(_, fall)| *fall > 0.0).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(e, _)| e)
     }
@@ -132,12 +129,15 @@ impl Report<'_> {
             .sum();
         let scales = self.setting.scales(&self.setting.plant);
         let effect = |(index, effect): (usize, &&'static dyn Effect)| {
-            let typical = &scenario.shapes[index][0];
-            let column = scenario.base + SHAPES * index;
+            let typical = &scenario.variants[index][0];
+            let column = scenario.base + VARIANTS * index;
             let change = (sum[(column, column)] / response.max(f64::MIN_POSITIVE)).sqrt();
             let sized = |factor: f64| size(*effect, &scales, typical, factor, change);
-            let from = |excess: f64| sized((LEAST_EXCESS / excess).sqrt());
-            let left = shown.0[0][index][0];
+            let typical_form = &shown.0[0][index][..SIZES];
+            let from = |of: fn(&Left) -> f64| {
+                sized(factor_from(std::array::from_fn(|size| of(&typical_form[size]))))
+            };
+            let left = typical_form[0];
             PlannedEffect {
                 effect: effect.id().to_owned(),
                 title: effect.descriptor().title.to_owned(),
@@ -146,11 +146,11 @@ impl Report<'_> {
                     set_by: Vec::new(),
                     change,
                 }),
-                noticed_from: from(left.excess),
-                named_from: from(left.beyond),
+                noticed_from: from(|left| left.excess),
+                named_from: from(|left| left.beyond),
                 closest_imitator: left.imitator.map(|imitator| ALL[imitator].id().to_owned()),
                 probability: shown.probability(index),
-                score: shown.of(index, Left::score),
+                score: shown.score_of(index),
             }
         };
         ALL.iter().enumerate().map(effect).collect()
@@ -197,8 +197,8 @@ impl Report<'_> {
             per_cent(request.options.noise_share)
         ));
         notes.push(
-            "the percentages are those of a linearisation around typical sizes: they rank experiments; of an \
-             effect that starts at a limit, as a slew rate, they promise too much"
+            "the percentages are those of a linearisation around three sizes of each effect: they rank \
+             experiments"
                 .to_owned(),
         );
         let out = self.allowed.iter().filter(|allowed| !**allowed).count();
@@ -214,34 +214,4 @@ impl Report<'_> {
 
 fn duration_s(experiments: &[PlannedExperiment]) -> f64 {
     experiments.iter().map(|experiment| experiment.duration_s).sum()
-}
-
-/// The effect `factor` times as large; `None` if no machine has that. `change` is the relative change of
-/// the response at the typical size.
-fn size(
-    effect: &dyn Effect,
-    scales: &MachineScales,
-    typical: &[f64],
-    factor: f64,
-    change: f64,
-) -> Option<EffectSize> {
-    let scaled = effect.descriptor().draw.scaled;
-    let values = scaled(scales, typical, factor)?;
-    let units = Units { input: "input".into(), velocity: "response".into() };
-    let parameters = effect.parameters().iter().zip(&values).map(|(parameter, value)| {
-        let unit = units.unit(parameter.dimension);
-        (parameter.name.to_owned(), SizedParameter { value: *value, unit })
-    });
-    let near = [0.99, 1.01].into_iter().find_map(|k| scaled(scales, typical, k * factor));
-    let differs = |(here, near): (&f64, f64)| (here - near).abs() > ROUNDING * here.abs();
-    let set_by = near.into_iter().flat_map(|near| {
-        let names = effect.parameters().iter().map(|parameter| parameter.name.to_owned());
-        let pairs = names.zip(values.iter().zip(near));
-        pairs.filter(|(_, pair)| differs(*pair)).map(|(name, _)| name).collect::<Vec<_>>()
-    });
-    Some(EffectSize {
-        set_by: set_by.collect(),
-        parameters: parameters.collect(),
-        change: factor * change,
-    })
 }

@@ -7,7 +7,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::effects::{Draws, Effect, MachineScales, Middle};
+use crate::effects::{DrawPlan, Draws, Effect, MachineScales, Middle};
 use crate::plant::{Friction, Plant};
 
 /// A plant whose every parameter is off by a log-normal factor.
@@ -25,16 +25,25 @@ pub(super) fn drawn(plant: &Plant, uncertainty: f64, rng: &mut ChaCha8Rng) -> Pl
     Plant { viscous_rate_rad_s, constant, actuator, friction }
 }
 
-/// Parameters of an effect in an axis of these scales: a typical size first, then some drawn ones.
-pub(super) fn typical_sizes(
+/// Parameters of an effect in an axis of these scales: of every form, a typical one first, then drawn
+/// ones, every size. A size that no axis has is replaced by the whole.
+pub(super) fn variants(
     effect: &dyn Effect,
     scales: &MachineScales,
-    count: usize,
+    forms: usize,
+    factors: &[f64],
     rng: &mut ChaCha8Rng,
 ) -> Vec<Vec<f64>> {
-    let draw = effect.descriptor().draw.draw;
-    let drawn = (1..count).map(|_| draw(scales, &mut Random(rng)));
-    std::iter::once(draw(scales, &mut Middle)).chain(drawn).collect()
+    let DrawPlan { draw, scaled, .. } = effect.descriptor().draw;
+    let drawn: Vec<Vec<f64>> = (1..forms).map(|_| draw(scales, &mut Random(rng))).collect();
+    let forms = std::iter::once(draw(scales, &mut Middle)).chain(drawn);
+    let sized = |form: &[f64], factor: f64| scaled(scales, form, factor);
+    forms
+        .flat_map(|form| {
+            let sizes = factors.iter().map(|factor| sized(&form, *factor));
+            sizes.map(|size| size.unwrap_or_else(|| form.clone())).collect::<Vec<_>>()
+        })
+        .collect()
 }
 
 /// Draws from a stream of random numbers.

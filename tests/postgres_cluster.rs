@@ -42,9 +42,10 @@ impl Cluster {
         if is_root() {
             run(Command::new("chown").arg("nobody").arg(&folder));
         }
-        // The pipe to it closes when this process is gone.
-        let script =
-            "cat >/dev/null; \"$0/pg_ctl\" -D \"$1/data\" -m immediate stop; rm -rf \"$1\"";
+        // The pipe to it closes when this process is gone. A signal to the whole group must not end
+        // it before.
+        let script = "trap '' HUP INT TERM; cat >/dev/null; \
+                      \"$0/pg_ctl\" -D \"$1/data\" -m immediate stop; rm -rf \"$1\"";
         let mut guard = unprivileged(OsStr::new("sh"));
         guard.args(["-c", script]).arg(programs).arg(&folder);
         let guard = guard.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null());

@@ -259,7 +259,7 @@ contract!(
     the_oldest_queued_job_is_leased_once,
     submitters_take_turns_however_much_each_queues,
     jobs_queued_at_once_have_turns_of_their_own,
-    an_expired_lease_is_recovered_once,
+    expired_leases_are_recovered_once,
     a_job_runs_and_succeeds_with_its_history,
     a_failed_job_says_why_and_has_no_result,
     nothing_is_written_after_the_end,

@@ -142,11 +142,13 @@ pub(super) async fn a_job_that_waited_is_leased_after_those_that_passed_it(store
     for job in &jobs[1..] {
         assert_eq!(lease(store, LONG).await.expect("it is queued").job_id, *job);
     }
-    let waited = loop {
-        match lease(store, LONG).await {
-            Some(lease) => break lease,
-            None => tokio::time::sleep(Duration::from_millis(10)).await,
+    let waited = tokio::time::timeout(LONG, async {
+        loop {
+            match lease(store, LONG).await {
+                Some(lease) => break lease,
+                None => tokio::time::sleep(Duration::from_millis(10)).await,
+            }
         }
-    };
-    assert_eq!(waited.job_id, jobs[0]);
+    });
+    assert_eq!(waited.await.expect("it is found").job_id, jobs[0]);
 }

@@ -8,12 +8,13 @@
 //! again.
 //!
 //! [`readings`] tries other ways to read the whole file, [`repeats`] compares repeats with each
-//! other. [`retest`] asks whether faults are still needed beside the effects that are named in the
+//! other, [`isolated`] finds rows that stand out where nothing explains the measurement. [`retest`] asks whether faults are still needed beside the effects that are named in the
 //! end. Faults of one row, level or experiment are looked for in tables only.
 
 mod candidates;
 mod family;
 mod fault;
+mod isolated;
 mod mending;
 mod noise_size;
 mod projection;
@@ -61,6 +62,7 @@ pub(super) fn diagnose(
     }
     let mut faults: Vec<MeasurementFault> = repeats::odd_rows(measurement).into_iter().collect();
     let mut as_measured = None;
+    let (mut unexplained, mut restored) = (None, false);
     for round in 0..=MOST_ROUNDS {
         let Ok(mended) = mending::mended(measurement, &faults) else { break };
         let data = Data { measurement: &mended.measurement, doubted: round < MOST_ROUNDS };
@@ -70,14 +72,27 @@ pub(super) fn diagnose(
                 let alone = |measurement: &Measurement, request: &IdentifyRequest| {
                     undoubted(measurement, request, Part::of(&quiet)).ok()
                 };
-                let read = || readings::explained(&answer, measurement, request, &quiet, &alone);
-                let Some(reading) = (!is_explained(&answer)).then(read).flatten() else {
+                if is_explained(&answer) {
+                    return Ok(answer);
+                }
+                let read = readings::explained(&answer, measurement, request, &quiet, &alone);
+                let Some(fault) = read.or_else(|| isolated::rows(&answer, measurement)) else {
                     return Ok(answer);
                 };
                 as_measured = Some(as_answered(&answer));
-                faults.push(reading);
+                unexplained = Some(answer);
+                faults.push(fault);
             }
             Ok(answer) if is_explained(&answer) || faults.iter().all(is_certain) => {
+                if !restored && let Some(fewer) = isolated::belonging(&answer, measurement, &faults)
+                {
+                    if fewer.is_empty() {
+                        break;
+                    }
+                    restored = true;
+                    faults = fewer;
+                    continue;
+                }
                 // What another effect might explain. The size of the noise it cannot.
                 let (asked, kept): (Vec<_>, Vec<_>) = faults
                     .iter()
@@ -111,7 +126,7 @@ pub(super) fn diagnose(
             }
         }
     }
-    as_it_is()
+    unexplained.map_or_else(as_it_is, Ok)
 }
 
 /// The answer to a measurement as it is.

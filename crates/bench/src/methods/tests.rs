@@ -99,7 +99,7 @@ fn every_search_stops_at_its_budget_and_counts_what_it_spends() {
                 searched(method, budget, 1, usize::MAX);
             assert!(used <= budget, "{name}: {used} of {budget}");
             assert!(best.is_some(), "{name}");
-            let known = [Stop::BudgetSpent, Stop::EveryCycleFlown, Stop::EveryStartDescended];
+            let known = [Stop::BudgetSpent, Stop::EveryCycleEnded, Stop::EveryStartDescended];
             assert!(known.contains(&stop), "{name}: {stop:?}");
             let counts: Vec<usize> = generations.iter().map(|g| g.evaluations).collect();
             assert!(counts.windows(2).all(|pair| pair[0] <= pair[1]), "{name}: {counts:?}");

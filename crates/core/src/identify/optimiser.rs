@@ -49,7 +49,7 @@ pub enum Stop {
     /// All allowed evaluations are used.
     BudgetSpent,
     /// The colony has completed all cycles.
-    EveryCycleFlown,
+    EveryCycleEnded,
     /// The steps have become negligible.
     Converged,
     /// A descent from every start is done.
@@ -63,7 +63,7 @@ impl Stop {
     pub fn reason(self) -> &'static str {
         match self {
             Stop::BudgetSpent => "evaluation budget spent",
-            Stop::EveryCycleFlown => "every cycle ended",
+            Stop::EveryCycleEnded => "every cycle ended",
             Stop::Converged => "converged",
             Stop::EveryStartDescended => "every start descended",
             Stop::Cancelled => "cancelled",

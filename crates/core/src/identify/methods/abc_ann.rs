@@ -41,7 +41,7 @@ impl Optimiser for BeeColony {
         search.adopt(&outcome.best, outcome.cost, outcome.evaluations);
         Err(match outcome.stop {
             bee_colony::StopReason::Cancelled => Stop::Cancelled,
-            bee_colony::StopReason::CyclesDone => Stop::EveryCycleFlown,
+            bee_colony::StopReason::CyclesDone => Stop::EveryCycleEnded,
         })
     }
 }

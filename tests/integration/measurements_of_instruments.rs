@@ -105,5 +105,6 @@ fn what_a_file_does_not_say_is_asked_for_and_given_as_query_field_or_flag() {
     // The file is read now; two points are too few for a fit.
     let given = run(&["--response", "velocity rad/s", "--magnitude", "2"]);
     assert!(!given.contains("--response") && !given.contains("is missing"), "{given}");
-    assert!(run(&["--decimal", "dot"]).contains("--decimal: `dot`"));
+    let wrong = run(&["--decimal", "dot"]);
+    assert!(wrong.contains("'dot' for '--decimal") && wrong.contains("comma, point"), "{wrong}");
 }

@@ -21,7 +21,7 @@ pub(super) fn factor_from(excess: [f64; SIZES]) -> f64 {
         None => FACTORS[SIZES - 1] * (LEAST_EXCESS / excess[SIZES - 1]).sqrt(),
         Some(small) => {
             let large = small - 1;
-            let exponent = (excess[large] / excess[small].max(f64::MIN_POSITIVE)).ln()
+            let exponent = (excess[large].ln() - excess[small].max(f64::MIN_POSITIVE).ln())
                 / (FACTORS[large] / FACTORS[small]).ln();
             FACTORS[large] * (LEAST_EXCESS / excess[large]).powf(1.0 / exponent)
         }

@@ -96,14 +96,20 @@ pub(crate) fn readable() -> Vec<u8> {
     .concat()
 }
 
+/// One element that a record is read from.
+pub(crate) fn one_element() -> Vec<u8> {
+    let [times, input, output] = samples();
+    structure("run", &[("time", times), ("current", input), ("velocity", output)])
+}
+
 /// A file of elements as they are.
 pub(crate) fn plain(elements: &[u8]) -> Vec<u8> {
     file(&[elements.to_vec()])
 }
 
-/// A file of packed elements.
-pub(crate) fn packed(elements: &[u8]) -> Vec<u8> {
-    file(&[compressed(elements)])
+/// A file of one packed element.
+pub(crate) fn packed(element: &[u8]) -> Vec<u8> {
+    file(&[compressed(element)])
 }
 
 /// Samples of two periods of an input and of a response of half its size.

@@ -94,7 +94,6 @@ fn valid() -> Vec<Valid> {
         1, 0.5, 0.25, -45, 0, 0\n10, 0.7, 0.1, -90, 0, 0\n";
     let given = "# given with the upload\n# decimal: comma\n# response: position mm\n\
         # column_names: a; b [mm]\n# label.a: b\n";
-    let matlab = matlab::tests::readable();
     vec![
         plain("harmonic table", table),
         plain("spreadsheet", spreadsheet),
@@ -115,8 +114,12 @@ fn valid() -> Vec<Valid> {
             content: cells.into_bytes(),
             file: |cells| book(&[("one", &String::from_utf8_lossy(cells))]),
         },
-        Valid { name: "MATLAB", content: matlab.clone(), file: matlab::tests::plain },
-        Valid { name: "packed MATLAB", content: matlab, file: matlab::tests::packed },
+        Valid { name: "MATLAB", content: matlab::tests::readable(), file: matlab::tests::plain },
+        Valid {
+            name: "packed MATLAB",
+            content: matlab::tests::one_element(),
+            file: matlab::tests::packed,
+        },
     ]
 }
 

@@ -105,7 +105,7 @@ enum Command {
     Simulate(Box<simulate::Args>),
     /// Tests a stored result on another measurement of the same axis.
     Validate(validate::Args),
-    /// Runs jobs of servers that share its database; settings about requests mean nothing to it.
+    /// Runs jobs of servers that share its database; settings about requests have no effect.
     Worker(Box<config::Args>),
 }
 

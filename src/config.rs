@@ -15,6 +15,8 @@ pub use address::Address;
 pub use secret::SecretText;
 pub use settings::{LogFormat, ServeConfig, Settings};
 
+use settings::MAX_BODIES_MIB;
+
 /// A setting that no server can be started with.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ConfigError {
@@ -75,6 +77,9 @@ impl ServeConfig {
             }
         }
         let config = settings.in_range()?;
+        // A body is held as it was sent and unpacked: with less, the largest would never be read.
+        let low = config.max_upload_mib + config.max_unpacked_mib;
+        within("max_bodies_mib", Some(config.max_bodies_mib), low..=MAX_BODIES_MIB)?;
         config.broker()?;
         match config.cors_origins.iter().find(|origin| !is_origin(origin)) {
             Some(wrong) => Err(ConfigError::Origin(wrong.clone())),
@@ -139,6 +144,19 @@ mod tests {
     fn what_is_not_given_takes_its_default() {
         let config = ServeConfig::check(settings("127.0.0.1:0")).unwrap();
         assert_eq!((config.max_upload_mib, config.workers), (64, 3));
+    }
+
+    #[test]
+    fn there_is_memory_for_the_largest_upload() {
+        let bodies = |mib| {
+            let bodies = Settings { max_bodies_mib: Some(mib), ..settings("127.0.0.1:0") };
+            ServeConfig::check(Settings { max_upload_mib: Some(100), ..bodies })
+        };
+        // As sent, and once unpacked, for which the default is 128.
+        assert_eq!(bodies(228).unwrap().max_bodies_mib, 228);
+        assert!(bodies(227).unwrap_err().to_string().contains("227 is outside 228 to"));
+        let most = Settings { max_upload_mib: Some(4096), ..settings("127.0.0.1:0") };
+        assert!(ServeConfig::check(most).is_ok(), "the default follows");
     }
 
     #[test]

@@ -22,6 +22,9 @@ const UPLOAD_MIB: usize = 64;
 /// The largest upload limit that can be asked for: bodies are held in memory.
 const MAX_UPLOAD_MIB: usize = 4096;
 
+/// The most memory for all bodies together that can be asked for, mebibytes.
+pub(super) const MAX_BODIES_MIB: usize = 1 << 24;
+
 /// How a log line is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
@@ -74,7 +77,7 @@ settings! {
     /// more].
     #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_BODIES_MIB")]
     max_bodies_mib: usize = |given| (4 * given.max_unpacked_mib
-        .or(given.max_upload_mib).unwrap_or(UPLOAD_MIB)).max(512), in 1..=1 << 24;
+        .or(given.max_upload_mib).unwrap_or(UPLOAD_MIB)).max(512), in 1..=MAX_BODIES_MIB;
 
     /// Largest database, mebibytes [default: as the disk has room].
     #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_STORE_MIB")]

@@ -15,6 +15,9 @@ pub(super) const MAGNITUDES: usize = 6;
 /// Fewest repeats of an experiment: their scatter tells the noise.
 pub(super) const FEWEST_REPEATS: usize = 2;
 
+/// From twice so many repeats on, more than one is added at a time.
+const MANY_REPEATS: usize = 32;
+
 /// A point of the grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Point {
@@ -110,8 +113,25 @@ impl Design {
         self.0.iter().zip(points).map(|(repeats, point)| point.duration_s(*repeats)).sum()
     }
 
-    /// The next larger number of repeats of a point.
-    pub fn more(&self, point: usize) -> usize {
-        (self.0[point] + 1).max(FEWEST_REPEATS)
+    /// The next larger number of repeats of a point, of which `fitting` more would fit into the time.
+    /// Of a point with many repeats it is several at once, so that a long plan takes hardly more steps
+    /// than a short one.
+    pub fn more(&self, point: usize, fitting: usize) -> usize {
+        let repeats = self.0[point];
+        (repeats + (repeats / MANY_REPEATS).min(fitting).max(1)).max(FEWEST_REPEATS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repeats_are_added_one_by_one_or_many_to_many_and_no_more_than_fit() {
+        let design = Design(vec![0, 2, 63, 64, 320]);
+        let more = |fitting: usize| (0..5).map(|point| design.more(point, fitting)).collect();
+        let (ample, scarce): (Vec<usize>, Vec<usize>) = (more(1000), more(3));
+        assert_eq!(ample, [FEWEST_REPEATS, 3, 64, 66, 330]);
+        assert_eq!(scarce, [FEWEST_REPEATS, 3, 64, 66, 323]);
     }
 }

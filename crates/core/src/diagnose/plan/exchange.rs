@@ -96,7 +96,8 @@ impl Choice<'_> {
             let fitting: Vec<(usize, usize, f64)> = (0..self.points.len())
                 .filter(|point| self.allowed[*point])
                 .map(|point| {
-                    let repeats = state.design.more(point);
+                    let fitting = (left_s / self.points[point].repeat_s()) as usize;
+                    let repeats = state.design.more(point, fitting);
                     let [before, after] = [state.design.0[point], repeats]
                         .map(|repeats| self.points[point].duration_s(repeats));
                     (point, repeats, after - before)

@@ -111,6 +111,35 @@ mod tests {
         encoder.finish().unwrap()
     }
 
+    #[tokio::test]
+    async fn a_body_is_unpacked_where_there_is_memory_for_it_and_not_before() {
+        use axum::Router;
+        use axum::middleware::from_fn;
+        use axum::routing::post;
+        use tower_service::Service as _;
+
+        // Memory is given in pieces: this is one.
+        let memory = Memory::new(1);
+        let own = memory.clone();
+        let mut router = Router::new().route("/", post(|body: String| async { body })).layer(
+            from_fn(move |request: Request, next: Next| {
+                let memory = own.clone();
+                async move { unpacked(request, next, 100, &memory).await }
+            }),
+        );
+        let mut status = async || {
+            let request = Request::post("/").header(header::CONTENT_ENCODING, "gzip");
+            let request = request.body(Body::from(packed(b"one"))).unwrap();
+            router.call(request).await.unwrap().status()
+        };
+        let mut other = memory.none();
+        assert!(other.grow_to(1));
+        assert_eq!(status().await, StatusCode::SERVICE_UNAVAILABLE);
+        drop(other);
+        assert_eq!(status().await, StatusCode::OK);
+        assert_eq!(status().await, StatusCode::OK, "it is given back");
+    }
+
     #[test]
     fn all_members_are_read_up_to_the_limit() {
         let two = [packed(b"one,"), packed(b"two")].concat();

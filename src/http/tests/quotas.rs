@@ -37,7 +37,7 @@ fn detail(answer: Response<Body>) -> String {
 #[test]
 fn a_key_keeps_so_many_measurements_and_a_repeated_upload_is_answered_also_then() {
     let server = start(Quotas { measurements: Some(1), ..Quotas::default() }, None);
-    let [(_, one), (_, other)] = [server.key(&SCOPES), server.key(&SCOPES)];
+    let [(id, one), (_, other)] = [server.key(&SCOPES), server.key(&SCOPES)];
     let first = json_of(upload(&server, &one, "a", b"any"), 201);
     let refused = upload(&server, &one, "b", b"more");
     assert!(refused.headers().get("retry-after").is_none(), "waiting does not help");
@@ -47,6 +47,8 @@ fn a_key_keeps_so_many_measurements_and_a_repeated_upload_is_answered_also_then(
     json_of(upload(&server, &other, "a", b"any"), 201);
 
     // What was refused left nothing behind, its idempotency key neither.
+    let kept = server.runtime.block_on(server.store.usage(&id, Duration::from_secs(60)));
+    assert_eq!(kept.unwrap().measurements, 1);
     let path = format!("/v1/measurements/{}", string(&first, "id"));
     let authorization = format!("Bearer {one}");
     let headers = [("authorization", authorization.as_str())];

@@ -64,6 +64,24 @@ async fn processes_on_one_postgres_hear_what_others_do() {
     heard(&[Wake::Unwanted, Wake::Ended]).await;
 }
 
+// Two that looked at once could each see a part of the jobs that died together, and charge them as if each
+// had been alone.
+#[tokio::test]
+async fn expired_leases_are_judged_by_one_process_at_a_time() {
+    let Some(cluster) = Cluster::shared() else { return };
+    let address = cluster.database();
+    let store = Postgres::open(&address).await.unwrap();
+    let lease = leased_job(&store, EXPIRED).await;
+    let other = sqlx::PgPool::connect(&address).await.unwrap();
+    let mut judging = other.begin().await.unwrap();
+    let lock = "SELECT pg_advisory_xact_lock(hashtext('recovery'), 0)";
+    sqlx::query(lock).execute(&mut *judging).await.unwrap();
+    assert_eq!(store.recover_expired(NO_WAIT).await.unwrap(), Recovered::default());
+    judging.rollback().await.unwrap();
+    assert_eq!(store.recover_expired(NO_WAIT).await.unwrap().requeued, 1);
+    assert_eq!(status(&store, &lease.job_id).await, Status::Queued);
+}
+
 #[tokio::test]
 async fn a_store_goes_on_when_its_postgres_was_killed_and_is_back() {
     let Some(cluster) = Cluster::alone() else { return };

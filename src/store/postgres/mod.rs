@@ -63,9 +63,12 @@ impl Postgres {
     /// When the address cannot be used, or the database not be reached or migrated.
     pub async fn open(address: &str) -> Result<Self, StoreError> {
         let options: PgConnectOptions = address.parse()?;
-        let options = options
-            .application_name("servoscope")
-            .options([("idle_in_transaction_session_timeout", IDLE), ("lock_timeout", IDLE)]);
+        let options = options.application_name("servoscope").options([
+            ("idle_in_transaction_session_timeout", IDLE),
+            ("lock_timeout", IDLE),
+            // That a table is there already is no news for a log.
+            ("client_min_messages", "warning"),
+        ]);
         let pool = PgPoolOptions::new().max_connections(CONNECTIONS).acquire_timeout(PATIENCE);
         let pool = pool.connect_with(options).await?;
         migrations::all().run(&pool).await?;

@@ -48,6 +48,7 @@ impl Numerics for Scripted {
             input_mean_measured: false,
             mean_velocity: 0.0,
             rounding_std: 0.0,
+            open_samples: None,
             response: vec![Harmonic { order: 1, value: Complex::new(0.5, -0.5), std: None }],
             run: None,
             repeats: Vec::new(),

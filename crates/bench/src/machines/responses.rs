@@ -131,6 +131,7 @@ impl Responses {
                 input_mean_measured: false,
                 mean_velocity: 0.0,
                 rounding_std: 0.0,
+                open_samples: None,
                 response,
                 run: Some(point.run as f64),
                 repeats,

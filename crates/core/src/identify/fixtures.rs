@@ -64,6 +64,7 @@ fn experiment(
         input_mean_measured: false,
         mean_velocity: 0.0,
         rounding_std: 0.0,
+        open_samples: None,
         response: velocity.into_iter().enumerate().map(harmonic).collect(),
         run: None,
         repeats: Vec::new(),

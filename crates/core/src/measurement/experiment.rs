@@ -43,6 +43,9 @@ pub struct Experiment {
     /// Standard deviation of each of re and im of every harmonic of the response from the rounding
     /// of samples, as far as it repeats in every period, so that `repeats` do not tell it.
     pub rounding_std: f64,
+    /// Samples of a period of the input, if it was sampled and nothing says how it runs between its
+    /// samples. `input` are then the lines of the smoothest course through them.
+    pub open_samples: Option<f64>,
     /// Yₖ, mean over the repeats, in ascending order of k without duplicates.
     pub response: Vec<Harmonic>,
     /// Position in the order of acquisition, if known.

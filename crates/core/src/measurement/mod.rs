@@ -7,6 +7,7 @@
 mod doubts;
 mod experiment;
 pub mod formats;
+mod intersample;
 mod metadata;
 mod notes;
 mod period;

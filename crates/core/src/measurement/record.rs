@@ -47,7 +47,8 @@ impl Record {
     /// Phases refer to the beginning of the first period used. The harmonics of the input reach up
     /// to the Nyquist frequency, since all of them drive the machine; those of the response end
     /// where it disappears in the noise. A position that moves on from period to period is used
-    /// without that uniform motion, which becomes the mean velocity.
+    /// without that uniform motion, which becomes the mean velocity. Without `intersample` the
+    /// input is the smoothest course through its samples.
     ///
     /// # Errors
     /// See [`RecordError`].
@@ -55,7 +56,7 @@ impl Record {
         &self,
         kind: ResponseKind,
         feedback: Option<Loop>,
-        intersample: Intersample,
+        intersample: Option<Intersample>,
         period_s: Option<f64>,
         settle_periods: Option<usize>,
     ) -> Result<(Experiment, Vec<String>), RecordError> {
@@ -122,8 +123,10 @@ impl Record {
             outputs = spectrum::of_periods(&returning, periods);
         }
         let mut inputs = spectrum::of_periods(&self.input, periods);
-        if intersample == Intersample::Hold {
-            inputs.iter_mut().for_each(|lines| spectrum::hold(lines, samples));
+        if let Some(intersample) = intersample {
+            for (k, line) in inputs.iter_mut().flat_map(|lines| lines.iter_mut().enumerate()) {
+                *line *= intersample.factor(k, samples);
+            }
         }
         remarks.push(format!("the last {count} whole periods of {period_s} s are used"));
         remarks.extend(travel.remark(&returning));
@@ -131,6 +134,7 @@ impl Record {
         let experiment = Experiment {
             mean_velocity: travel.distance() / period_s,
             rounding_std: self.rounding_std(&outputs, samples),
+            open_samples: intersample.is_none().then_some(samples),
             ..self.joined(period_s, &inputs, &outputs, &mut remarks)
         };
         remarks.extend(beginning.remark(count));
@@ -212,6 +216,7 @@ impl Record {
             input_mean_measured: true,
             mean_velocity: 0.0,
             rounding_std: 0.0,
+            open_samples: None,
             response: output[..=highest]
                 .iter()
                 .enumerate()

@@ -78,6 +78,7 @@ mod tests {
             input_mean_measured: false,
             mean_velocity: 0.0,
             rounding_std: 0.0,
+            open_samples: None,
             response: (1..=harmonics).map(harmonic).collect(),
             run: None,
             repeats: deviations.into_iter().map(repeat).collect(),

@@ -30,6 +30,7 @@ pub(super) fn table(repeats: usize) -> Measurement {
                 input_mean_measured: false,
                 mean_velocity: 0.0,
                 rounding_std: 0.0,
+                open_samples: None,
                 response,
                 run: None,
                 repeats,

@@ -70,7 +70,9 @@ pub(super) fn read_one(table: &Table, run: Option<f64>, header: &Header) -> Resu
 
 fn read_segment(table: &Table, segment: &Segment, header: &Header) -> Result<Read, Fault> {
     let record = &segment.record;
-    let motion = |remark: &str| match record.transient(header.intersample, header.beginning) {
+    let motion = |remark: &str| match record
+        .transient(header.intersample.unwrap_or_default(), header.beginning)
+    {
         Ok(content) => Ok(Read::Motion(Remarked { content, remarks: vec![remark.into()] })),
         Err(error) => Err(fault(table, segment, error)),
     };

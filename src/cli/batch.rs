@@ -205,7 +205,7 @@ mod tests {
     fn a_refusal_of_one_measurement_is_told_from_one_of_all() {
         let refusal = |member: Option<&str>| Refusal {
             detail: String::new(),
-            kind: String::new(),
+            status: 422,
             member: member.map(str::to_owned),
         };
         assert_eq!(unusable(&refusal(Some("measurement_ids[3]")), 4), Some(3));

@@ -137,6 +137,7 @@ fn measurements(folder: &Path) -> String {
         std::fs::write(folder.join(format!("run-{seed}.csv")), table).unwrap();
     }
     std::fs::write(folder.join("notes.txt"), "the belt was loose").unwrap();
+    std::fs::write(folder.join("video.mp4"), vec![b'x'; 2 << 20]).unwrap();
     folder.to_str().unwrap().to_owned()
 }
 
@@ -162,13 +163,14 @@ fn listed(server: &Server, list: &str) -> Vec<Value> {
 #[test]
 fn a_folder_is_computed_once_however_often_it_is_asked_for() {
     let directory = tempfile::tempdir().unwrap();
-    let server = Server::start(&directory.path().join("data"), &[]);
+    let server = Server::start(&directory.path().join("data"), &["--max-upload-mib", "1"]);
     let folder = measurements(&directory.path().join("press hall"));
     let arguments = [folder.as_str(), "--kind", "identify", "--actuator-order", "0"];
     let first = run(&server, &arguments);
     let (out, said) = (text(&first.stdout), text(&first.stderr));
     assert!(first.status.success(), "{out}{said}");
     assert!(said.contains("notes.txt: not read: "), "{said}");
+    assert!(said.contains("video.mp4: not read: the body is larger than"), "{said}");
     assert!(said.contains("3 of 3 ended"), "{said}");
     let lines: Vec<&str> = out.lines().collect();
     assert!(lines[0].starts_with("file       state "), "{out}");

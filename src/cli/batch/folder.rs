@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use indicatif::ProgressBar;
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
@@ -51,14 +50,13 @@ pub(super) async fn upload(
     struct Measurement {
         id: String,
     }
-    // Draws on standard error, and only where that is a terminal.
-    let bar = ProgressBar::new(files.len() as u64);
+    let bar = remote.bar(files.len() as u64);
     let mut stored = Vec::new();
     for path in files {
         bar.inc(1);
         let file = name(path);
         let not_read = |why: &dyn std::fmt::Display| {
-            bar.suspend(|| eprintln!("{file}: not read: {why}"));
+            remote.say(&format!("{file}: not read: {why}"));
         };
         let bytes = match std::fs::read(path) {
             Ok(bytes) => bytes,

@@ -36,7 +36,7 @@ pub(super) async fn watch(
     terminations: &mut Terminations,
 ) -> Result<Watched, Failure> {
     let path = format!("/v1/batches/{}", remote::segment(id));
-    let mut shown = Shown::new();
+    let mut shown = Shown::on(remote);
     loop {
         let look = async {
             let seen: Seen = remote::read(remote.json(&Request::get(path.as_str())).await?)?;
@@ -64,7 +64,7 @@ pub(super) async fn watch(
             }
             remote.json(&Request::post(format!("{path}/cancel"))).await?;
             eprintln!("cancelled; what runs ends at its next evaluation");
-            shown = Shown::new();
+            shown = Shown::on(remote);
         }
     }
 }
@@ -98,9 +98,9 @@ struct Shown {
 }
 
 impl Shown {
-    fn new() -> Self {
+    fn on(remote: &Remote) -> Self {
         let style = ProgressStyle::with_template("[{bar:40}] {msg}");
-        let bar = ProgressBar::new(1);
+        let bar = remote.bar(1);
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         Self { bar, printed: None }
     }

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use indicatif::{MultiProgress, ProgressBar};
 use reqwest::multipart::{Form, Part};
 use reqwest::{Client, Method, Response, StatusCode, Url, header};
 use serde::Deserialize;
@@ -70,15 +71,15 @@ pub(super) struct Refusal {
     pub(super) detail: String,
     /// The member of the request.
     pub(super) member: Option<String>,
-    /// The type of problem.
-    #[serde(rename = "type")]
-    pub(super) kind: String,
+    /// Status of the answer.
+    pub(super) status: u16,
 }
 
 impl Refusal {
-    /// Whether it is about the file that was sent, and the next one may be taken.
+    /// Whether it is about the file that was sent: it is unreadable or too large, and the next one
+    /// may be taken.
     pub(super) fn is_of_file(&self) -> bool {
-        self.kind.ends_with(":unreadable-measurement")
+        matches!(self.status, 400 | 413 | 415 | 422)
     }
 }
 
@@ -108,6 +109,7 @@ pub(super) struct Remote {
     client: Client,
     address: String,
     key: Option<SecretText>,
+    bars: MultiProgress,
 }
 
 impl Remote {
@@ -127,7 +129,17 @@ impl Remote {
             .build()
             .map_err(Failure::other)?;
         let address = address.trim_end_matches('/').to_owned();
-        Ok(Self { client, address, key: key.cloned() })
+        Ok(Self { client, address, key: key.cloned(), bars: MultiProgress::new() })
+    }
+
+    /// A bar on standard error, where that is a terminal.
+    pub(super) fn bar(&self, length: u64) -> ProgressBar {
+        self.bars.add(ProgressBar::new(length))
+    }
+
+    /// Says something on standard error, above the bars.
+    pub(super) fn say(&self, text: &str) {
+        self.bars.suspend(|| eprintln!("{text}"));
     }
 
     pub(super) fn address(&self) -> &str {
@@ -166,7 +178,7 @@ impl Remote {
                     // It says when to come back: that is no failure.
                     Some(pause) if answer.status() == StatusCode::TOO_MANY_REQUESTS => {
                         if let Sent::Refused(refusal) = refused(answer).await {
-                            eprintln!("the server has enough for now: {}", refusal.detail);
+                            self.say(&format!("the server has enough for now: {}", refusal.detail));
                         }
                         tokio::time::sleep(pause).await;
                         continue;
@@ -177,7 +189,7 @@ impl Remote {
                 Err(error) => (innermost(&error), PAUSE),
             };
             let since = *away.get_or_insert_with(|| {
-                eprintln!("the server does not answer ({reason}); trying again");
+                self.say(&format!("the server does not answer ({reason}); trying again"));
                 Instant::now()
             });
             if since.elapsed() > AWAY {

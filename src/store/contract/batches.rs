@@ -131,7 +131,7 @@ pub(super) async fn a_batch_says_where_its_jobs_stand_and_what_came_of_them(stor
         ("succeeded", cause(), 2),
     ];
     assert_eq!(tallied(store, &batch.id).await, expected);
-    let tallies = store.batch_tallies(&all(), &[batch.id.clone()]).await.unwrap();
+    let tallies = store.batch_tallies(&all(), std::slice::from_ref(&batch.id)).await.unwrap();
     let named = tallies.iter().find(|row| row.cause.is_some()).unwrap();
     assert_eq!(named.verdict.as_deref(), Some("explained"));
     assert!(named.started_ms.is_some() && named.finished_ms >= named.started_ms);
@@ -231,7 +231,7 @@ pub(super) async fn a_batch_of_another_owner_is_not_there(store: &dyn Store) {
     let page = Page { limit: 10, before: None };
     let found = async |reach: &Reach| {
         [
-            store.measurements_of(reach, &[row.id.clone()]).await.unwrap().len(),
+            store.measurements_of(reach, std::slice::from_ref(&row.id)).await.unwrap().len(),
             store.batch(reach, &batch.id).await.unwrap().iter().count(),
             store.batches(reach, &page).await.unwrap().len(),
             store.batch_tallies(reach, &ids).await.unwrap().len(),

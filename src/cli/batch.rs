@@ -3,6 +3,7 @@
 mod folder;
 mod progress;
 mod remote;
+mod request;
 mod table;
 
 use std::path::PathBuf;
@@ -21,6 +22,7 @@ use super::{Failure, computation, given, terminal};
 use folder::Stored;
 use progress::Watched;
 use remote::{Refusal, Remote, Sent};
+use request::{Request, segment};
 use table::{Row, Seen};
 
 /// Rows of a page that is asked for.
@@ -160,10 +162,10 @@ async fn made(args: &Args, remote: &Remote) -> Result<Seen, Failure> {
 }
 
 /// The request for a batch. Its key is made of what it says: asked again, it is the same batch.
-fn submission(body: &Value) -> remote::Request {
+fn submission(body: &Value) -> Request {
     let text = body.to_string();
     let key = format!("batch-{}", hexadecimal(&Sha256::digest(&text)));
-    remote::Request::post("/v1/batches").json(text).keyed(key)
+    Request::post("/v1/batches").json(text).keyed(key)
 }
 
 /// The place of the one measurement that a refusal is about.
@@ -183,8 +185,8 @@ async fn rows(remote: &Remote, id: &str) -> Result<Vec<Row>, Failure> {
     let mut all = Vec::new();
     let mut cursor = String::new();
     loop {
-        let path = format!("/v1/batches/{}/results?limit={PAGE}{cursor}", remote::segment(id));
-        let List { items, next } = remote::read(remote.json(&remote::Request::get(path)).await?)?;
+        let path = format!("/v1/batches/{}/results?limit={PAGE}{cursor}", segment(id));
+        let List { items, next } = remote::read(remote.json(&Request::get(path)).await?)?;
         all.extend(items);
         match next {
             Some(next) => cursor = format!("&cursor={next}"),

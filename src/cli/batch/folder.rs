@@ -8,7 +8,8 @@ use sha2::{Digest, Sha256};
 use crate::cli::Failure;
 
 use super::hexadecimal;
-use super::remote::{self, Remote, Request, Sent};
+use super::remote::{self, Remote, Sent};
+use super::request::{Request, segment};
 
 /// A file that is a measurement of the server.
 #[derive(Debug)]
@@ -88,7 +89,7 @@ fn request(file: &str, bytes: Vec<u8>, given: &[(String, String)]) -> Request {
         hash.update(part);
     }
     let key = format!("file-{}", hexadecimal(&hash.finalize()));
-    let path = format!("/v1/measurements?name={}", remote::segment(file));
+    let path = format!("/v1/measurements?name={}", segment(file));
     Request::post(path).file(file.to_owned(), bytes, given.to_vec()).keyed(key)
 }
 

@@ -8,7 +8,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::cli::Failure;
 use crate::cli::interrupt::Terminations;
 
-use super::remote::{self, Remote, Request};
+use super::remote::{self, Remote};
+use super::request::{Request, segment};
 use super::table::Seen;
 
 /// How often the server is asked.
@@ -35,7 +36,7 @@ pub(super) async fn watch(
     id: &str,
     terminations: &mut Terminations,
 ) -> Result<Watched, Failure> {
-    let path = format!("/v1/batches/{}", remote::segment(id));
+    let path = format!("/v1/batches/{}", segment(id));
     let mut shown = Shown::on(remote);
     loop {
         let look = async {

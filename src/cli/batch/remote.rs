@@ -3,8 +3,7 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar};
-use reqwest::multipart::{Form, Part};
-use reqwest::{Client, Method, Response, StatusCode, Url, header};
+use reqwest::{Client, Response, StatusCode, Url, header};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -13,56 +12,14 @@ use crate::cli::Failure;
 use crate::config::SecretText;
 use crate::notify::tls_config;
 
+use super::request::Request;
+
 /// The longest that one request may take.
 const ONE_REQUEST: Duration = Duration::from_secs(120);
 
 /// How long a server may be away, as while it is started again; and between two attempts.
 const AWAY: Duration = Duration::from_secs(600);
 const PAUSE: Duration = Duration::from_secs(2);
-
-/// A request, which may be sent several times.
-#[derive(Debug, Clone)]
-pub(super) struct Request {
-    method: Method,
-    path: String,
-    key: Option<String>,
-    body: Body,
-}
-
-#[derive(Debug, Clone)]
-enum Body {
-    None,
-    Json(String),
-    /// A file, and what is given beside it.
-    File {
-        name: String,
-        bytes: Vec<u8>,
-        given: Vec<(String, String)>,
-    },
-}
-
-impl Request {
-    pub(super) fn get(path: impl Into<String>) -> Self {
-        Self { method: Method::GET, path: path.into(), key: None, body: Body::None }
-    }
-
-    pub(super) fn post(path: impl Into<String>) -> Self {
-        Self { method: Method::POST, ..Self::get(path) }
-    }
-
-    pub(super) fn json(self, text: String) -> Self {
-        Self { body: Body::Json(text), ..self }
-    }
-
-    pub(super) fn file(self, name: String, bytes: Vec<u8>, given: Vec<(String, String)>) -> Self {
-        Self { body: Body::File { name, bytes, given }, ..self }
-    }
-
-    /// The same with an idempotency key.
-    pub(super) fn keyed(self, key: String) -> Self {
-        Self { key: Some(key), ..self }
-    }
-}
 
 /// What a server says is wrong with a request.
 #[derive(Debug, Clone, Deserialize)]
@@ -213,18 +170,7 @@ impl Remote {
         if let Some(key) = &request.key {
             builder = builder.header("idempotency-key", key);
         }
-        builder = match &request.body {
-            Body::None => builder,
-            Body::Json(text) => {
-                builder.header(header::CONTENT_TYPE, "application/json").body(text.clone())
-            }
-            Body::File { name, bytes, given } => {
-                let file = Part::bytes(bytes.clone()).file_name(name.clone());
-                let form = Form::new().part("file", file);
-                let given = given.iter().cloned();
-                builder.multipart(given.fold(form, |form, (key, value)| form.text(key, value)))
-            }
-        };
+        builder = request.body(builder);
         builder.send().await
     }
 }
@@ -268,11 +214,6 @@ pub(super) fn read<T: DeserializeOwned>(answer: Value) -> Result<T, Failure> {
     serde_json::from_value(answer).map_err(wrong)
 }
 
-/// An id as a part of a path.
-pub(super) fn segment(id: &str) -> String {
-    percent_encoding::utf8_percent_encode(id, percent_encoding::NON_ALPHANUMERIC).to_string()
-}
-
 /// What lies at the bottom of a failure of the client, without the address that it was about.
 fn innermost(error: &reqwest::Error) -> String {
     let mut last: &dyn std::error::Error = error;
@@ -302,11 +243,5 @@ mod tests {
         let remote = Remote::new(&format!("http://127.0.0.1:{port}"), None).unwrap();
         let failed = remote.greet().await.unwrap_err().to_string();
         assert!(failed.starts_with("no server answers at http://127.0.0.1:"), "{failed}");
-    }
-
-    #[test]
-    fn an_id_stays_within_its_part_of_a_path() {
-        assert_eq!(segment("019a9c1e"), "019a9c1e");
-        assert_eq!(segment("../jobs?x"), "%2E%2E%2Fjobs%3Fx");
     }
 }

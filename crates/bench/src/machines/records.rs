@@ -6,7 +6,9 @@ use rand_distr::{Distribution, StandardNormal};
 use rustfft::FftPlanner;
 use std::f64::consts::TAU;
 
-use crate::measurement::{Complex, Experiment, Harmonic, Record, RecordError, ResponseKind};
+use crate::measurement::{
+    Complex, Experiment, Harmonic, Intersample, Record, RecordError, ResponseKind,
+};
 
 /// Points of a period per highest line at which the peak of a multisine is looked for.
 const POINTS_PER_LINE: usize = 16;
@@ -126,6 +128,7 @@ impl PeriodicMotion {
             input: self.input.clone(),
             input_mean_measured: true,
             mean_velocity: self.mean_velocity,
+            rounding_std: 0.0,
             response: response.map(harmonic).collect(),
             run: Some(run),
             repeats: Vec::new(),
@@ -173,8 +176,9 @@ impl PeriodicMotion {
         rng: &mut ChaCha8Rng,
     ) -> Result<Experiment, RecordError> {
         let record = self.record(noise, sampling, run, rng);
+        let period_s = Some(TAU / self.omega_rad_s);
         let (mut experiment, _) =
-            record.experiment(kind, None, Some(TAU / self.omega_rad_s), Some(0))?;
+            record.experiment(kind, None, Intersample::Linear, period_s, Some(0))?;
         if kind != ResponseKind::Velocity {
             // The mean of a position says nothing.
             experiment.response.remove(0);

@@ -14,6 +14,7 @@ mod period_drift;
 mod record;
 mod record_error;
 mod repetition;
+mod resolution;
 mod sampling;
 mod scatter;
 mod settling;

@@ -116,6 +116,16 @@ fn normal_matrix(count: usize, step: f64, highest: usize) -> DMatrix<f64> {
     })
 }
 
+/// Lines of an input that holds each sample until the next, from those of its samples: line k of N
+/// samples a period is multiplied by sin(πk/N)/(πk/N)·exp(−jπk/N). The images of the lines beyond
+/// the Nyquist frequency are left out.
+pub(super) fn hold(lines: &mut [Complex], samples: f64) {
+    for (k, line) in lines.iter_mut().enumerate().skip(1) {
+        let half = std::f64::consts::PI * k as f64 / samples;
+        *line *= Complex::from_polar(half.sin() / half, -half);
+    }
+}
+
 /// Sum of the squared moduli of harmonics.
 pub(super) fn power(harmonics: &[Complex]) -> f64 {
     harmonics.iter().map(Complex::norm_sqr).sum()
@@ -137,6 +147,23 @@ pub(super) fn mean_and_deviations(spectra: &[Vec<Complex>]) -> (Vec<Complex>, Ve
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    // The mean of exp(jkωt) over each interval, by 1000 midpoints: (2π·7/(16·1000))²/24 = 3e-7.
+    #[test]
+    fn a_held_line_is_the_mean_of_steps() {
+        for k in [1_usize, 3, 7] {
+            let mut lines = vec![Complex::ZERO; 9];
+            lines[k] = Complex::ONE;
+            hold(&mut lines, 16.0);
+            let angle = |n: f64| std::f64::consts::TAU * k as f64 * n / 16.0;
+            let at = |n: u32| {
+                let held = Complex::from_polar(1.0, angle(f64::from(n / 1000)));
+                held * Complex::from_polar(1.0, -angle((f64::from(n) + 0.5) / 1000.0))
+            };
+            let expected = (0..16_000).map(at).sum::<Complex>() / 16_000.0;
+            assert!((lines[k] - expected).norm() < 1e-6, "{k}");
+        }
+    }
 
     fn harmonics() -> Vec<Complex> {
         vec![

@@ -1,6 +1,7 @@
 //! The command line: the same questions as over HTTP, asked offline, and the
 //! server itself. One file a subcommand.
 
+mod batch;
 mod benchmark;
 mod choice;
 mod completions;
@@ -66,6 +67,11 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Has a server compute every measurement of a folder, and prints what came of each.
+    ///
+    /// Files that cannot be read are named and left out. The same command on the same folder uploads
+    /// and computes nothing twice: it shows the batch that there is.
+    Batch(Box<batch::Args>),
     /// Diagnoses simulated machines with hidden effects, and counts how often the answer is right.
     Benchmark(benchmark::Args),
     /// Prints a script that lets a shell complete commands, options and their values.
@@ -116,6 +122,7 @@ pub fn main() -> ExitCode {
     let matches = Cli::command().get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let done = match cli.command {
+        Command::Batch(args) => batch::run(&args),
         Command::Benchmark(args) => {
             start_log(cli.verbose);
             benchmark::run(&args)

@@ -20,10 +20,10 @@ use crate::service::{endless, submit};
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// A short wait for what a worker held that is gone.
-const QUICK: [&str; 4] = ["--lease-seconds", "2", "--retry-seconds", "0"];
+pub const QUICK: [&str; 4] = ["--lease-seconds", "2", "--retry-seconds", "0"];
 
 /// A server without workers.
-fn server(folder: &Path, database: &str) -> Server {
+pub fn server(folder: &Path, database: &str) -> Server {
     let mut arguments = vec!["--database", database, "--workers", "0"];
     arguments.extend(["--webhook-allow", "127.0.0.0/8"]);
     arguments.extend(QUICK);
@@ -31,10 +31,10 @@ fn server(folder: &Path, database: &str) -> Server {
 }
 
 /// A worker of one place, killed when it is dropped.
-struct Worker(Child);
+pub struct Worker(Child);
 
 impl Worker {
-    fn start(place: &[&str]) -> Self {
+    pub fn start(place: &[&str]) -> Self {
         Self::start_logging(place, Stdio::null())
     }
 
@@ -48,7 +48,7 @@ impl Worker {
         Self(child)
     }
 
-    fn signal(&self, signal: Signal) {
+    pub fn signal(&self, signal: Signal) {
         kill_process(Pid::from_child(&self.0), signal).unwrap();
     }
 

@@ -4,8 +4,10 @@ use sqlx::SqlSafeStr as _;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
 /// Number, what it does, and its statements. A step that was released never changes.
-const STEPS: &[(i64, &str, &str)] =
-    &[(1, "everything", include_str!("../../../migrations/postgres/0001_everything.sql"))];
+const STEPS: &[(i64, &str, &str)] = &[
+    (1, "everything", include_str!("../../../migrations/postgres/0001_everything.sql")),
+    (2, "batches", include_str!("../../../migrations/postgres/0002_batches.sql")),
+];
 
 /// Every step, to be run on a database of any earlier version. Processes that start together run
 /// them one after the other.

@@ -1,5 +1,6 @@
 //! The engine on one SQLite file.
 
+mod batches;
 mod history;
 mod idempotency;
 mod jobs;

@@ -24,7 +24,7 @@ const ONE_OF_THREE: f64 = 2.197;
 /// the courses (Markov's inequality of the likelihood ratio).
 const SAVES_NONE: f64 = 9.21;
 
-/// Models that are tried with each course: those of most evidence, and the base model.
+/// Models that are tried with each course: those of most evidence, and all that are parts of the best.
 const MOST_TRIED: usize = 4;
 
 /// Models that leave more per degree of freedom are not brought down to the noise by a course of the
@@ -44,12 +44,12 @@ pub(super) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
     let all = suspects.models.all().filter(|(key, model)| wanted(key) && near(model));
     let mut tried: Vec<(&Key, &Model)> = all.collect();
     tried.sort_by(|a, b| criterion(a.0, a.1).total_cmp(&criterion(b.0, b.1)));
+    let best_key = tried.first().map_or_else(Key::new, |(key, _)| (*key).clone());
     let mut place = 0;
     tried.retain(|(key, _)| {
         place += 1;
-        place <= MOST_TRIED || key.is_empty()
+        place <= MOST_TRIED || key.iter().all(|id| best_key.contains(id))
     });
-    let effects_without = tried.first().map_or(0, |(key, _)| key.len());
     let mut best: Option<Suspected> = None;
     let mut bar = suspects.best_without();
     for kind in COURSES {
@@ -58,7 +58,7 @@ pub(super) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
         let session = suspects.session.with_input(|index, k| course.factor(k, samples[index]));
         for (key, model) in &tried {
             let model = session.refine(model, FitAccuracy::Settle);
-            let saves = key.len() < effects_without;
+            let saves = key.len() < best_key.len();
             let price = ONE_OF_THREE + if saves { 0.0 } else { SAVES_NONE };
             let criterion = criterion(key, &model) + price;
             if criterion >= bar {

@@ -162,7 +162,7 @@ fn rows_left_out(faults: &[MeasurementFault]) -> usize {
 }
 
 /// −2 ln likelihood of a cost, up to a constant that models of known and of unknown noise share.
-pub(super) fn misfit(cost: f64, dof: f64, size_known: bool) -> f64 {
+pub(crate) fn misfit(cost: f64, dof: f64, size_known: bool) -> f64 {
     match size_known {
         true => cost,
         false => dof * (1.0 + (cost.max(f64::MIN_POSITIVE) / dof).ln()),

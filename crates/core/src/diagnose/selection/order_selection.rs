@@ -26,6 +26,9 @@ const CLEARLY_BETTER: f64 = 200.0;
 /// in a few rows alone. Tuned.
 const LARGEST_CLEAR_PRICE: f64 = 50.0;
 
+/// Highest order of an actuator.
+const HIGHEST_ORDER: u8 = 2;
+
 /// Shares of the progress.
 struct Spans {
     /// Every effect alone, at every order.
@@ -53,7 +56,8 @@ impl Spans {
 
 /// Diagnoses with the actuator order that was requested. If none was, the order is that of
 /// `first`, which suits the base model without any effect, unless a lower order is better by more
-/// than [`EQUIVALENCE_MARGIN`]. On time records only the order of `first` is studied.
+/// than [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, and a higher one if
+/// that is better by as much beside the effects that are found.
 ///
 /// # Errors
 /// See [`crate::diagnose::DiagnoseError`]; and the faults of the measurement, if it is doubted and
@@ -67,19 +71,22 @@ pub(crate) fn diagnose(
     let measurement = data.measurement;
     let (seed, most) = (request.options.seed, request.options.most_effects);
     let suited = first.order();
-    let lower: Vec<IdentifyRequest> = (0..suited)
-        .filter(|_| request.plant.is_none() && first.has_cosines_alone())
-        .map(|actuator_order| IdentifyRequest {
-            plant: Some(PlantRequest { actuator_order }),
-            ..*request
-        })
-        .collect();
+    let of_order = |actuator_order| IdentifyRequest {
+        plant: Some(PlantRequest { actuator_order }),
+        ..*request
+    };
+    let is_open =
+        |of_cosines: bool| request.plant.is_none() && first.has_cosines_alone() == of_cosines;
+    let lower: Vec<IdentifyRequest> = (0..suited).filter(|_| is_open(true)).map(of_order).collect();
+    let higher: Vec<IdentifyRequest> =
+        (suited + 1..=HIGHEST_ORDER).filter(|_| is_open(false)).map(of_order).collect();
     let quietly = Quiet(&part);
     let mut others = Vec::with_capacity(lower.len());
     for request in &lower {
         others.push(first.beside(request, &quietly)?);
     }
     let sessions: Vec<&FitSession<'_>> = iter::once(first).chain(&others).collect();
+    let better;
     let each = 1.0 / sessions.len() as f64;
     let spans = Spans::of(sessions.len());
     let mut studies = Vec::with_capacity(sessions.len());
@@ -91,6 +98,10 @@ pub(crate) fn diagnose(
         criterion(study) - if study.order() == suited { EQUIVALENCE_MARGIN } else { 0.0 }
     };
     studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
+    if let Some(session) = better_order(&studies[0], &higher, first, &quietly)? {
+        better = session;
+        studies = vec![OrderStudy::new(&better, part.part(spans.singles), seed)?];
+    }
     if data.doubted && !studies[0].explained() {
         let is_clear = |found: &Suspected| found.effects == 0 || found.price < LARGEST_CLEAR_PRICE;
         doubt(&studies, CLEARLY_BETTER, &is_clear)?;
@@ -134,6 +145,32 @@ pub(crate) fn diagnose(
     }
     answer.limitations.extend(said);
     Ok(answer)
+}
+
+/// The session of that one of other orders which is best, and better than the order of a study beside
+/// the effects that were chosen there. The base model of a machine with a large effect is so wrong
+/// that its own order means little.
+fn better_order<'a>(
+    study: &OrderStudy<'_>,
+    others: &'a [IdentifyRequest],
+    first: &FitSession<'a>,
+    observer: &'a Quiet<'a>,
+) -> Result<Option<FitSession<'a>>, Halt> {
+    if study.chosen.is_empty() {
+        return Ok(None);
+    }
+    let mut least = criterion(study) - EQUIVALENCE_MARGIN;
+    let mut best = None;
+    for request in others {
+        let session = first.beside(request, observer)?;
+        let cost = ACTUATOR_ORDER_COST * f64::from(session.order());
+        if let Some(criterion) = study.criterion_beside(&session).map(|own| own + cost)
+            && criterion < least
+        {
+            (least, best) = (criterion, Some(session));
+        }
+    }
+    Ok(best)
 }
 
 /// Faults of the measurement that explain it about as well as effects of the machine do.

@@ -1,7 +1,7 @@
 //! The study of one actuator order: residual tests, search for missing effects, model choice.
 
 use crate::answers::{AsMeasured, Discrepancy};
-use crate::identify::{FitSession, IdentifyError, Intervals, Model, ModelFit};
+use crate::identify::{FitAccuracy, FitSession, IdentifyError, Intervals, Model, ModelFit};
 use crate::measurement::Measurement;
 use crate::observer::Observer as _;
 
@@ -10,7 +10,7 @@ use super::evidence::NoiseScale;
 use super::models::Key;
 use super::report_assembly::ReportAssembly;
 use crate::diagnose::error::DiagnoseError;
-use crate::diagnose::faults::suspects::{Suspected, Suspects};
+use crate::diagnose::faults::suspects::{Suspected, Suspects, misfit};
 use crate::diagnose::holdout::cv_splits::CvSplits;
 use crate::diagnose::progress::Part;
 use crate::diagnose::residuals::discrepancy;
@@ -125,6 +125,21 @@ impl<'a> OrderStudy<'a> {
     /// −2 ln evidence of the best model without faults, comparable with that of [`Self::suspected`].
     pub fn best_criterion(&self) -> f64 {
         self.suspects().best_without()
+    }
+
+    /// −2 ln evidence of the chosen effects beside the base model of a session of another order,
+    /// comparable with [`Self::criterion`]; `None` if there is no such model.
+    pub fn criterion_beside(&self, other: &FitSession<'_>) -> Option<f64> {
+        let models = &self.search.models;
+        let model = models.get(&self.chosen)?;
+        let reported = self.session.judge(model, Intervals::Curvature).ok()?.identification;
+        let base = other.base().clone();
+        let start =
+            model.effects().iter().fold(base, |model, effect| other.extend(&model, *effect));
+        let fitted =
+            other.refine(&other.with_reported_effects(&start, &reported)?, FitAccuracy::Settle);
+        let NoiseScale { dof, known, .. } = models.noise_scale;
+        Some(misfit(fitted.cost, dof, known) + models.complexity(&self.chosen))
     }
 
     fn suspects(&self) -> Suspects<'_> {

@@ -63,11 +63,18 @@ impl FitSession<'_> {
     /// measurement. `None` if the answer lacks one.
     pub fn at_reported(&self, model: &Model, answer: &Identification) -> Option<Model> {
         let plant = self.problem.in_scale(&prediction::reported_plant(answer).ok()?);
-        let reported = prediction::reported_effects(answer, self.problem.scales).ok()?;
-        let mut model = model.clone();
+        let mut model = self.with_reported_effects(model, answer)?;
         let base = model.coordinates.point(&plant);
         let count = model.coordinates.base_len();
         model.point[..count].copy_from_slice(&base[..count]);
+        Some(model)
+    }
+
+    /// A model with the values that an answer reports of the same effects, beside a plant that may be
+    /// of another order. `None` if the answer lacks one.
+    pub fn with_reported_effects(&self, model: &Model, answer: &Identification) -> Option<Model> {
+        let reported = prediction::reported_effects(answer, self.problem.scales).ok()?;
+        let mut model = model.clone();
         for (index, effect) in model.effects().to_vec().into_iter().enumerate() {
             let own = reported.iter().find(|own| own.effect().id() == effect.id())?;
             let values = own.values().to_vec();

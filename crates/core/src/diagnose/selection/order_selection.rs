@@ -104,7 +104,9 @@ pub(crate) fn diagnose(
     }
     if data.doubted && !studies[0].explained() {
         let is_clear = |found: &Suspected| found.effects == 0 || found.price < LARGEST_CLEAR_PRICE;
-        doubt(&studies, CLEARLY_BETTER, &is_clear)?;
+        // The only fault of a record is how its input runs, which costs more than chance gains.
+        let margin = if first.has_cosines_alone() { CLEARLY_BETTER } else { 0.0 };
+        doubt(&studies, margin, &is_clear)?;
     }
     studies[0].combine(part.part(spans.combining[0]), most, measurement)?;
     if !studies[0].explained() && studies.len() > 1 {

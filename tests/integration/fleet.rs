@@ -20,7 +20,7 @@ use crate::service::{endless, submit};
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// A short wait for what a worker held that is gone.
-const QUICK: [&str; 4] = ["--lease-seconds", "2", "--retry-seconds", "0"];
+pub const QUICK: [&str; 4] = ["--lease-seconds", "2", "--retry-seconds", "0"];
 
 /// A server without workers.
 fn server(folder: &Path, database: &str) -> Server {
@@ -31,10 +31,10 @@ fn server(folder: &Path, database: &str) -> Server {
 }
 
 /// A worker of one place, killed when it is dropped.
-struct Worker(Child);
+pub struct Worker(Child);
 
 impl Worker {
-    fn start(place: &[&str]) -> Self {
+    pub fn start(place: &[&str]) -> Self {
         Self::start_logging(place, Stdio::null())
     }
 
@@ -53,7 +53,7 @@ impl Worker {
     }
 
     /// Asks it to stop and waits for its exit code.
-    fn terminate(mut self) -> Option<i32> {
+    pub fn terminate(mut self) -> Option<i32> {
         self.signal(Signal::TERM);
         self.0.wait().unwrap().code()
     }

@@ -30,6 +30,7 @@ mod methods;
 mod motions;
 mod mqtt;
 mod naming;
+mod no_room;
 mod openapi;
 mod operations;
 #[path = "../postgres_cluster.rs"]

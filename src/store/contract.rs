@@ -1,7 +1,9 @@
 //! What every engine of [`Store`] must do. Each engine runs the whole list.
 
+mod backup;
 #[path = "../../tests/postgres_cluster.rs"]
 mod cluster;
+mod kept;
 mod keys;
 mod lists;
 mod mappings;

@@ -28,6 +28,7 @@
 //! largest of those that the same submitter has waiting, whichever is larger. So submitters alternate
 //! however many jobs each of them queues, and those of one are leased in the order in which they came.
 
+mod backup;
 #[cfg(test)]
 mod contract;
 mod decode;
@@ -39,11 +40,13 @@ mod reach;
 mod rows;
 mod sqlite;
 mod usage;
+mod versions;
 
 use std::time::Duration;
 
 use async_trait::async_trait;
 
+pub use backup::{BackupError, Portable, Reader, Rows, Writer};
 pub use error::StoreError;
 pub use keys::{KeyRow, Keyring};
 pub use outbox::{DeliveryRow, DueRow, EventRow, NewDeliveryRow, Outbox, Settled, WebhookRow};
@@ -134,7 +137,7 @@ impl Wake {
 /// What a caller asks for takes the [`Reach`] of the caller. The methods without one are for the
 /// server's own work: the queue, and what is old.
 #[async_trait]
-pub trait Store: Outbox + Keyring + Send + Sync + 'static {
+pub trait Store: Outbox + Keyring + Portable + Send + Sync + 'static {
     /// Whether the database can be read and written.
     async fn ping(&self) -> Result<(), StoreError>;
 

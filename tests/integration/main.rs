@@ -1,6 +1,7 @@
 //! Integration tests: everything through the public interface.
 
 mod alarms;
+mod backup;
 mod benchmark_simulator;
 mod book;
 mod caps;

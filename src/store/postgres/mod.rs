@@ -14,6 +14,7 @@ mod mappings;
 mod measurements;
 mod migrations;
 mod outbox;
+mod portable;
 mod queue;
 mod recovery;
 mod results;
@@ -62,6 +63,22 @@ impl Postgres {
     /// # Errors
     /// When the address cannot be used, or the database not be reached or migrated.
     pub async fn open(address: &str) -> Result<Self, StoreError> {
+        let store = Self::connect(address).await?;
+        migrations::run(&store.pool).await?;
+        Ok(store)
+    }
+
+    /// Connects to a database as it is.
+    ///
+    /// # Errors
+    /// When the address cannot be used, the database not be reached, or it is not of this version.
+    pub async fn open_existing(address: &str) -> Result<Self, StoreError> {
+        let store = Self::connect(address).await?;
+        migrations::check(&store.pool).await?;
+        Ok(store)
+    }
+
+    async fn connect(address: &str) -> Result<Self, StoreError> {
         let options: PgConnectOptions = address.parse()?;
         let options = options.application_name("servoscope").options([
             ("idle_in_transaction_session_timeout", IDLE),
@@ -71,7 +88,6 @@ impl Postgres {
         ]);
         let pool = PgPoolOptions::new().max_connections(CONNECTIONS).acquire_timeout(PATIENCE);
         let pool = pool.connect_with(options).await?;
-        migrations::all().run(&pool).await?;
         Ok(Self { pool, looked: Mutex::default() })
     }
 

@@ -7,6 +7,7 @@ mod book;
 mod caps;
 mod circles;
 mod cli;
+mod compose;
 mod connections;
 mod coverage;
 mod discrepancy;

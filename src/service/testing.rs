@@ -46,6 +46,7 @@ impl Numerics for Scripted {
             omega_rad_s,
             input: vec![Complex::new(0.0, 0.0), Complex::new(magnitude, 0.0)],
             input_mean_measured: false,
+            mean_velocity: 0.0,
             response: vec![Harmonic { order: 1, value: Complex::new(0.5, -0.5), std: None }],
             run: None,
             repeats: Vec::new(),

@@ -157,6 +157,7 @@ impl Bench {
                     omega_rad_s: point.omega_rad_s,
                     input: input(point.offset, point.magnitude),
                     input_mean_measured: point.offset != 0.0,
+                    mean_velocity: 0.0,
                     response,
                     run: Some(point.run as f64),
                     repeats,

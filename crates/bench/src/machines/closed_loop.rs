@@ -83,7 +83,12 @@ impl PositionLoop {
         for _ in 0..MEAN_CORRECTIONS {
             if held(&response) {
                 response.truncate(self.harmonics + 1);
-                return Ok(Some(PeriodicMotion { omega_rad_s, input, response }));
+                return Ok(Some(PeriodicMotion {
+                    omega_rad_s,
+                    input,
+                    response,
+                    mean_velocity: 0.0,
+                }));
             }
             let (before, step) = (response[0].re, -response[0].re / slope);
             input[0].re += step;

@@ -20,6 +20,9 @@ pub struct PeriodicMotion {
     pub input: Vec<Complex>,
     /// Y₀, Y₁ …, response units.
     pub response: Vec<Complex>,
+    /// Mean velocity of a response that is a position, response units per second: beside its
+    /// periodic motion it moves on at this rate. 0 for other responses.
+    pub mean_velocity: f64,
 }
 
 /// How a motion is sampled.
@@ -69,8 +72,10 @@ pub fn multisine(count: usize, magnitude: f64, rng: &mut ChaCha8Rng) -> Vec<Comp
 }
 
 impl PeriodicMotion {
-    /// The same motion with its velocity as a position: Yₖ = Vₖ/(jkω), without the mean.
+    /// The same motion with its velocity as a position: Yₖ = Vₖ/(jkω), Y₀ = 0, beside which it moves
+    /// on with the mean of the velocity.
     pub fn converted_to_position(mut self) -> Self {
+        self.mean_velocity = self.response[0].re;
         for (k, value) in self.response.iter_mut().enumerate() {
             *value /= Complex::new(0.0, k.max(1) as f64 * self.omega_rad_s);
         }
@@ -120,6 +125,7 @@ impl PeriodicMotion {
             omega_rad_s: self.omega_rad_s,
             input: self.input.clone(),
             input_mean_measured: true,
+            mean_velocity: self.mean_velocity,
             response: response.map(harmonic).collect(),
             run: Some(run),
             repeats: Vec::new(),
@@ -137,18 +143,18 @@ impl PeriodicMotion {
     ) -> Record {
         let Sampling { samples, periods } = sampling;
         let step_s = TAU / self.omega_rad_s / samples as f64;
-        let mut noisy = |lines: &[Complex], std: f64| -> Vec<f64> {
+        let mut noisy = |lines: &[Complex], per_sample: f64, std: f64| -> Vec<f64> {
             let period = sampled(lines, samples);
-            let all = period.iter().cycle().take(samples * periods);
-            all.map(|value| {
+            let all = period.iter().cycle().take(samples * periods).enumerate();
+            all.map(|(n, value)| {
                 let normal: f64 = StandardNormal.sample(rng);
-                value + std * normal
+                value + per_sample * n as f64 + std * normal
             })
             .collect()
         };
         Record {
-            input: noisy(&self.input, noise.input),
-            output: noisy(&self.response, noise.response),
+            input: noisy(&self.input, 0.0, noise.input),
+            output: noisy(&self.response, self.mean_velocity * step_s, noise.response),
             time_s: (0..samples * periods).map(|n| n as f64 * step_s).collect(),
             run: Some(run),
         }
@@ -167,7 +173,8 @@ impl PeriodicMotion {
         rng: &mut ChaCha8Rng,
     ) -> Result<Experiment, RecordError> {
         let record = self.record(noise, sampling, run, rng);
-        let (mut experiment, _) = record.experiment(Some(TAU / self.omega_rad_s), Some(0))?;
+        let (mut experiment, _) =
+            record.experiment(kind, None, Some(TAU / self.omega_rad_s), Some(0))?;
         if kind != ResponseKind::Velocity {
             // The mean of a position says nothing.
             experiment.response.remove(0);
@@ -213,7 +220,7 @@ mod tests {
         let input = multisine(20, 2.0, &mut rng());
         let gain = |k: usize| 3.0 / Complex::new(1.0, 0.2 * k as f64);
         let response = input.iter().enumerate().map(|(k, line)| gain(k) * line).collect();
-        PeriodicMotion { omega_rad_s: 2.5, input, response }
+        PeriodicMotion { omega_rad_s: 2.5, input, response, mean_velocity: 0.0 }
     }
 
     #[test]
@@ -288,5 +295,22 @@ mod tests {
             assert_eq!(experiment.response[0].order, 1);
         }
         assert!(found.repeats.iter().all(|repeat| !repeat.input.is_empty()));
+    }
+
+    #[test]
+    fn a_position_moves_on_with_the_mean_velocity_and_has_the_same_harmonics() {
+        let mut velocity = motion();
+        velocity.response[0] = Complex::new(0.7, 0.0);
+        let position = velocity.converted_to_position();
+        let noise = RecordNoise { input: 0.0, response: 1e-6 };
+        let kind = ResponseKind::Position;
+        let found = position.recorded(kind, &noise, SAMPLING, 0.0, &mut rng()).unwrap();
+        // The standard error of a mean of 256 differences over three periods of 2π/2.5 s.
+        let error = 1e-6 * (2.0_f64 / 256.0).sqrt() / 3.0 * 2.5 / TAU;
+        assert!((found.mean_velocity - 0.7).abs() < 4.0 * error);
+        for (found, expected) in found.response.iter().zip(&position.response[1..]) {
+            // Noise, as of a mean of four periods.
+            assert!((found.value - expected).norm() < 5.0 * 1e-6 * (2.0_f64 / 1024.0).sqrt());
+        }
     }
 }

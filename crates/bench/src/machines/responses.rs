@@ -129,6 +129,7 @@ impl Responses {
                 omega_rad_s: point.omega_rad_s,
                 input: cosine(point.magnitude),
                 input_mean_measured: false,
+                mean_velocity: 0.0,
                 response,
                 run: Some(point.run as f64),
                 repeats,

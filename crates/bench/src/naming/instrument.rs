@@ -109,7 +109,8 @@ impl Instrument {
                 harmonics: Harmonics::UpTo(7),
                 noise: RelativeNoise::decibels(level_db),
                 said: if has_repeats { NoiseSaid::Repeats(REPEATS) } else { NoiseSaid::Std },
-                recording: is_recorded.then(|| Recording::of(rng.random_range(0..3))),
+                recording: is_recorded
+                    .then(|| Recording::ALL[rng.random_range(0..Recording::ALL.len())]),
             };
         }
         let points = [rng.random_range(1..=3), rng.random_range(10..=60)];

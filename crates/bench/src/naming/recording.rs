@@ -1,4 +1,5 @@
-//! Records of a machine, in place of a table: multisines, and a trajectory in a position loop.
+//! Records of a machine, in place of a table: multisines whose response is a velocity or a position, and
+//! a trajectory in a position loop.
 
 use std::fmt;
 
@@ -27,7 +28,10 @@ const LEVEL_RATIO: f64 = 2.0;
 const TRAJECTORY_VELOCITY: f64 = 1.5;
 /// Fundamental of a trajectory and bandwidth of its loop, as multiples of a.
 const TRAJECTORY_RATES: [f64; 2] = [0.1, 2.0];
-const SAMPLING: Sampling = Sampling { samples: 2048, periods: 4 };
+/// Samples of a record, over all its periods.
+const SAMPLES: usize = 8192;
+/// Periods, but for records of a single one.
+const PERIODS: usize = 4;
 /// Noise of every sample of the input and of the response of a multisine, as shares of their root
 /// mean squares. It is then changed until the dominant effects leave what they shall.
 const MULTISINE_NOISE: [f64; 2] = [0.0, 5e-3];
@@ -45,6 +49,12 @@ pub enum Recording {
         /// Number of levels, 1 or 2.
         levels: usize,
     },
+    /// The multisine at one level with a response that is a position. Nothing holds the axis, so it
+    /// moves on where it is not symmetric.
+    Position {
+        /// Number of periods, 1 or 4, with as many samples in all.
+        periods: usize,
+    },
     /// A trajectory in a closed position loop: the response is a position, and the input is
     /// measured with noise.
     Trajectory,
@@ -56,6 +66,8 @@ impl fmt::Display for Recording {
         match self {
             Self::Multisine { levels: 1 } => f.write_str("multisine at 1 level"),
             Self::Multisine { levels } => write!(f, "multisine at {levels} levels"),
+            Self::Position { periods: 1 } => f.write_str("one period of a position"),
+            Self::Position { periods } => write!(f, "{periods} periods of a position"),
             Self::Trajectory => f.write_str("trajectory in a position loop"),
         }
     }
@@ -76,20 +88,28 @@ pub(super) struct Recorded {
 type Motions = Vec<[PeriodicMotion; 2]>;
 
 impl Recording {
-    /// One of all, by a random number from 0 to 2.
-    pub(super) fn of(number: u8) -> Self {
-        match number {
-            0 => Self::Multisine { levels: 1 },
-            1 => Self::Multisine { levels: 2 },
-            _ => Self::Trajectory,
-        }
-    }
+    /// All of them.
+    pub(super) const ALL: [Self; 5] = [
+        Self::Multisine { levels: 1 },
+        Self::Multisine { levels: 2 },
+        Self::Trajectory,
+        Self::Position { periods: PERIODS },
+        Self::Position { periods: 1 },
+    ];
 
     fn kind(self) -> ResponseKind {
         match self {
             Self::Multisine { .. } => ResponseKind::Velocity,
-            Self::Trajectory => ResponseKind::Position,
+            Self::Position { .. } | Self::Trajectory => ResponseKind::Position,
         }
+    }
+
+    fn sampling(self) -> Sampling {
+        let periods = match self {
+            Self::Position { periods } => periods,
+            Self::Multisine { .. } | Self::Trajectory => PERIODS,
+        };
+        Sampling { samples: SAMPLES / periods, periods }
     }
 
     /// Records a machine whose first effects, this many, dominate, with as much noise as it takes
@@ -104,15 +124,17 @@ impl Recording {
     ) -> Option<Recorded> {
         let motions = match self {
             Self::Multisine { levels } => multisines(machine, dominant, levels, rng)?,
+            Self::Position { .. } => positions(multisines(machine, dominant, 1, rng)?),
             Self::Trajectory => trajectory(machine, dominant)?,
         };
         let noise = self.noise(&motions[0][0]);
+        let sampling = self.sampling();
         let run = |place: usize| place as f64;
         let exact = |which: usize, noise: &RecordNoise| {
             let exact = |(place, both): (usize, &[PeriodicMotion; 2])| {
                 let omega_rad_s = both[which].omega_rad_s;
                 let gain = |k: usize| self.gain(&machine.plant, k as f64 * omega_rad_s);
-                both[which].exact(self.kind(), LINES, noise, SAMPLING, run(place), gain)
+                both[which].exact(self.kind(), LINES, noise, sampling, run(place), gain)
             };
             self.measurement(motions.iter().enumerate().map(exact).collect())
         };
@@ -126,7 +148,7 @@ impl Recording {
         }
         let (noise, dominance) = (noise.times(change), found.with_noise(change));
         let recorded = |(place, [whole, _]): (usize, &[PeriodicMotion; 2])| {
-            whole.recorded(self.kind(), &noise, SAMPLING, run(place), rng).ok()
+            whole.recorded(self.kind(), &noise, sampling, run(place), rng).ok()
         };
         let experiments = motions.iter().enumerate().map(recorded).collect::<Option<_>>()?;
         let exact = exact(0, &noise)?;
@@ -147,7 +169,7 @@ impl Recording {
 
     fn noise(self, motion: &PeriodicMotion) -> RecordNoise {
         let [input, response] = match self {
-            Self::Multisine { .. } => MULTISINE_NOISE,
+            Self::Multisine { .. } | Self::Position { .. } => MULTISINE_NOISE,
             Self::Trajectory => TRAJECTORY_NOISE,
         };
         RecordNoise {
@@ -158,7 +180,7 @@ impl Recording {
 
     fn measurement(self, experiments: Vec<Experiment>) -> Option<Measurement> {
         let feedback = Some(match self {
-            Self::Multisine { .. } => Loop::Open,
+            Self::Multisine { .. } | Self::Position { .. } => Loop::Open,
             Self::Trajectory => Loop::Closed,
         });
         let metadata = Metadata { response_kind: self.kind(), feedback, ..Metadata::default() };
@@ -185,7 +207,7 @@ fn multisines(
             let settings = Settings::default();
             let response =
                 respond(&machine, share, omega_rad_s, &input, HARMONICS, &settings).ok()?;
-            Some(PeriodicMotion { omega_rad_s, input: input.clone(), response })
+            Some(PeriodicMotion { omega_rad_s, input: input.clone(), response, mean_velocity: 0.0 })
         };
         Some([of(&machine.effects)?, of(&machine.effects[..dominant])?])
     };
@@ -212,8 +234,12 @@ fn trajectory(machine: &Draw, dominant: usize) -> Option<Motions> {
     let without_small = Machine { plant, effects: &machine.effects[..dominant] };
     let PeriodicMotion { omega_rad_s, input, .. } = motion.clone();
     let response = respond(&without_small, 0.0, omega_rad_s, &input, HARMONICS, &settings).ok()?;
-    let other = PeriodicMotion { omega_rad_s, input, response };
-    Some(vec![[motion.converted_to_position(), other.converted_to_position()]])
+    let other = PeriodicMotion { omega_rad_s, input, response, mean_velocity: 0.0 };
+    Some(positions(vec![[motion, other]]))
+}
+
+fn positions(motions: Motions) -> Motions {
+    motions.into_iter().map(|both| both.map(PeriodicMotion::converted_to_position)).collect()
 }
 
 #[cfg(test)]
@@ -249,24 +275,30 @@ mod tests {
 
     #[test]
     fn every_recording_is_drawn_and_says_what_it_is() {
-        let texts = [0, 1, 2].map(|number| Recording::of(number).to_string());
-        let expected =
-            ["multisine at 1 level", "multisine at 2 levels", "trajectory in a position loop"];
-        assert_eq!(texts, expected);
+        let expected = [
+            "multisine at 1 level",
+            "multisine at 2 levels",
+            "trajectory in a position loop",
+            "4 periods of a position",
+            "one period of a position",
+        ];
+        assert_eq!(Recording::ALL.map(|recording| recording.to_string()), expected);
     }
 
     #[test]
     #[ignore = "slow: fits of 200 lines"]
     fn a_record_has_the_noise_with_which_the_dominant_effect_leaves_what_it_shall() {
-        for number in 0..3 {
+        for recording in Recording::ALL {
             let rng = &mut ChaCha8Rng::seed_from_u64(1);
-            let recording = Recording::of(number);
             let recorded = recording.record(&machine(), 1, 5.0, rng).unwrap();
             // Rounding of a few operations.
             assert!((recorded.dominance.chi2_per_dof - 5.0).abs() < 1e-9, "{recording}");
             let experiments = recorded.measurement.experiments();
-            assert_eq!(experiments.len(), if number == 1 { 2 } else { 1 });
-            assert!(experiments.iter().all(|e| e.repeats.len() == SAMPLING.periods));
+            let levels = if let Recording::Multisine { levels } = recording { levels } else { 1 };
+            assert_eq!(experiments.len(), levels);
+            let periods = recording.sampling().periods;
+            let repeats = if periods == 1 { 0 } else { periods };
+            assert!(experiments.iter().all(|e| e.repeats.len() == repeats));
             assert_eq!(recorded.measurement.metadata().response_kind, recording.kind());
         }
     }

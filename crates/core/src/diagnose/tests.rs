@@ -281,6 +281,7 @@ fn multisine(change: impl Fn(usize) -> f64) -> Measurement {
         omega_rad_s,
         input,
         input_mean_measured: false,
+        mean_velocity: 0.0,
         response,
         run: None,
         repeats: Vec::new(),

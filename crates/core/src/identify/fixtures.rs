@@ -62,6 +62,7 @@ fn experiment(
         omega_rad_s,
         input,
         input_mean_measured: false,
+        mean_velocity: 0.0,
         response: velocity.into_iter().enumerate().map(harmonic).collect(),
         run: None,
         repeats: Vec::new(),

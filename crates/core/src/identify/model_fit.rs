@@ -21,7 +21,7 @@ pub struct Component {
     pub order: usize,
     /// Whether it is the imaginary part.
     pub imaginary: bool,
-    /// Whether it is not a datum but the constraint that the mean velocity is 0.
+    /// Whether it is not a datum but the constraint of the mean velocity of a position.
     pub constraint: bool,
 }
 

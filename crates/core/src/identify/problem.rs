@@ -42,7 +42,7 @@ pub(super) struct Target {
     pub per_velocity: Complex,
     /// Whether only the real part is compared (harmonic 0).
     pub real: bool,
-    /// Whether this is not a datum but the constraint that the mean velocity is 0.
+    /// Whether this is not a datum but the constraint of the mean velocity of a position.
     pub constraint: bool,
 }
 
@@ -306,15 +306,12 @@ fn prepare(
         })
         .collect();
     if kind == ResponseKind::Position && experiment.input_mean_measured {
-        // A periodic position has zero mean velocity. That fact constrains the friction only if the
-        // mean of the input was measured; otherwise the offset that balanced the friction is
-        // unknown.
-        let zero = Complex::new(0.0, 0.0);
+        // The mean velocity is known, mostly 0. That constrains the friction only if the mean of
+        // the input was measured; otherwise the offset that balanced the friction is unknown.
+        let value = Complex::new(experiment.mean_velocity / scales.velocity, 0.0);
         let one = Complex::new(1.0, 0.0);
-        targets.insert(
-            0,
-            Target { order: 0, value: zero, per_velocity: one, real: true, constraint: true },
-        );
+        targets
+            .insert(0, Target { order: 0, value, per_velocity: one, real: true, constraint: true });
     }
     let highest = targets.last().map_or(0, |target| target.order);
     let excitation = Excitation::new(omega, input).at_run_share(run_share);

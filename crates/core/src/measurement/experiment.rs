@@ -37,6 +37,9 @@ pub struct Experiment {
     pub input: Vec<Complex>,
     /// Whether the mean of the input (U₀) was measured rather than assumed to be 0.
     pub input_mean_measured: bool,
+    /// Mean velocity of a response that is a position, response units per second: 0 where it
+    /// returns after each period. Other responses have it as harmonic 0 and ignore this.
+    pub mean_velocity: f64,
     /// Yₖ, mean over the repeats, in ascending order of k without duplicates.
     pub response: Vec<Harmonic>,
     /// Position in the order of acquisition, if known.
@@ -97,6 +100,9 @@ impl Experiment {
         let largest = parts.map(f64::abs).fold(0.0, f64::max);
         if let Some(reason) = size::fault("the largest line of the input", largest) {
             return Err(reason);
+        }
+        if !self.mean_velocity.is_finite() {
+            return Err("the mean velocity is not finite".into());
         }
         if self.response.is_empty() {
             return Err("there is no response".into());

@@ -22,6 +22,7 @@ mod size;
 mod spectrum;
 mod stated_period;
 mod transient;
+mod travel;
 mod units;
 mod waveform;
 

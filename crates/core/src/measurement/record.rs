@@ -1,13 +1,16 @@
 //! Converts a sampled time record into the harmonics of its periods.
 
+use std::borrow::Cow;
+
 use super::period::{WHOLE_SAMPLES_TOLERANCE, whole_if_nearly};
 use super::record_error::RecordError;
 use super::repetition::Change;
 use super::spectrum::{self, Periods, mean_and_deviations, power};
+use super::travel::Travel;
 use super::waveform::half_peak_to_peak;
 use super::{
-    Beginning, Complex, Experiment, Harmonic, Intersample, Repeat, Transient, period, sampling,
-    settling, significance, stated_period,
+    Beginning, Complex, Experiment, Harmonic, Intersample, Loop, Repeat, ResponseKind, Transient,
+    period, sampling, settling, significance, stated_period,
 };
 
 /// Deviations between periods below this share of the spectrum's norm are rounding errors of the
@@ -43,12 +46,15 @@ impl Record {
     /// dropped; without it, those in which the response has not settled, if enough others follow.
     /// Phases refer to the beginning of the first period used. The harmonics of the input reach up
     /// to the Nyquist frequency, since all of them drive the machine; those of the response end
-    /// where it disappears in the noise.
+    /// where it disappears in the noise. A position that moves on from period to period is used
+    /// without that uniform motion, which becomes the mean velocity.
     ///
     /// # Errors
     /// See [`RecordError`].
     pub fn experiment(
         &self,
+        kind: ResponseKind,
+        feedback: Option<Loop>,
         period_s: Option<f64>,
         settle_periods: Option<usize>,
     ) -> Result<(Experiment, Vec<String>), RecordError> {
@@ -106,10 +112,22 @@ impl Record {
         }
         let count = outputs.len();
         let periods = Periods { samples, count };
+        // A closed loop holds the position.
+        let is_free = kind == ResponseKind::Position && feedback != Some(Loop::Closed);
+        let travel = if is_free { Travel::of(&self.output, periods) } else { Travel::None };
+        let mut returning = Cow::Borrowed(&self.output);
+        if travel != Travel::None {
+            returning = Cow::Owned(travel.taken_out_of(&self.output, samples));
+            outputs = spectrum::of_periods(&returning, periods);
+        }
         let inputs = spectrum::of_periods(&self.input, periods);
         remarks.push(format!("the last {count} whole periods of {period_s} s are used"));
-        let beginning = settling::Beginning::of(&outputs, &self.output, samples);
-        let experiment = self.joined(period_s, &inputs, &outputs, &mut remarks);
+        remarks.extend(travel.remark(&returning));
+        let beginning = settling::Beginning::of(&outputs, &returning, samples);
+        let experiment = Experiment {
+            mean_velocity: travel.distance() / period_s,
+            ..self.joined(period_s, &inputs, &outputs, &mut remarks)
+        };
         remarks.extend(beginning.remark(count));
         Ok((experiment, remarks))
     }
@@ -174,6 +192,7 @@ impl Record {
             omega_rad_s: std::f64::consts::TAU / period_s,
             input,
             input_mean_measured: true,
+            mean_velocity: 0.0,
             response: output[..=highest]
                 .iter()
                 .enumerate()

@@ -76,6 +76,7 @@ mod tests {
             omega_rad_s: 1.0,
             input: vec![Complex::ZERO, Complex::ONE],
             input_mean_measured: false,
+            mean_velocity: 0.0,
             response: (1..=harmonics).map(harmonic).collect(),
             run: None,
             repeats: deviations.into_iter().map(repeat).collect(),

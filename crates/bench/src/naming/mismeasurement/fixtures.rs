@@ -28,6 +28,7 @@ pub(super) fn table(repeats: usize) -> Measurement {
                 omega_rad_s,
                 input: vec![Complex::default(), Complex::new(magnitude, 0.0)],
                 input_mean_measured: false,
+                mean_velocity: 0.0,
                 response,
                 run: None,
                 repeats,

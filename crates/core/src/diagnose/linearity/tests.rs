@@ -31,6 +31,7 @@ fn experiment(plant: Plant, omega_rad_s: f64, input: Vec<Complex>, highest: usiz
         omega_rad_s,
         input,
         input_mean_measured: false,
+        mean_velocity: 0.0,
         response: velocity.unwrap().into_iter().enumerate().map(harmonic).collect(),
         run: None,
         repeats: Vec::new(),

@@ -130,6 +130,7 @@ mod tests {
                 omega_rad_s,
                 input,
                 input_mean_measured: false,
+                mean_velocity: 0.0,
                 response: velocity.ok()?.into_iter().enumerate().map(harmonic).collect(),
                 run: None,
                 repeats: Vec::new(),

@@ -98,6 +98,7 @@ pub(super) fn experiment(
             omega_rad_s: group.omega_rad_s,
             input: mean_input,
             input_mean_measured: mean_measured || group.bias.is_some(),
+            mean_velocity: 0.0,
             response,
             run: run(&repeats, &mut remarks),
             repeats: repeats_of_mean,

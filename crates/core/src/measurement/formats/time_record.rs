@@ -78,7 +78,13 @@ fn read_segment(table: &Table, segment: &Segment, header: &Header) -> Result<Rea
         return motion("one motion that does not repeat: a validation takes it, a fit does not");
     }
     let moves = record.output.iter().any(|value| *value != record.output[0]);
-    match record.experiment(header.period_s, header.settle_periods) {
+    let metadata = &header.metadata;
+    match record.experiment(
+        metadata.response_kind,
+        metadata.feedback,
+        header.period_s,
+        header.settle_periods,
+    ) {
         Ok((content, remarks)) => Ok(Read::Periods(Remarked { content, remarks })),
         Err(RecordError::NoPeriodFound { .. }) if record.time_s.len() >= FEWEST && moves => motion(
             "no period is found in the input: it is taken as one motion that does not repeat, \

@@ -63,6 +63,12 @@ fn needs_input(experiment: &Experiment) -> bool {
         || experiment.repeats.iter().any(|repeat| !repeat.input.is_empty())
 }
 
+/// Whether to write the mean of the input. Beside a position, the reader takes it for the statement
+/// that the position returns.
+fn has_input_mean(experiment: &Experiment) -> bool {
+    experiment.input_mean_measured && experiment.mean_velocity == 0.0
+}
+
 fn write_repeat(
     out: &mut impl Write,
     experiment: &Experiment,
@@ -78,7 +84,7 @@ fn write_repeat(
     let mut response = experiment.response.iter().enumerate().peekable();
     for order in 0..lines.max(experiment.highest_harmonic() + 1) {
         let harmonic = response.next_if(|(_, harmonic)| harmonic.order == order);
-        let input = (order < lines && (order > 0 || experiment.input_mean_measured))
+        let input = (order < lines && (order > 0 || has_input_mean(experiment)))
             .then(|| experiment.input[order] + deviation_at(deviation.map(|d| &d.input), order));
         if harmonic.is_none() && input.is_none() {
             continue;

@@ -24,8 +24,9 @@
 //! So a job that kills its workers ends after at most [`ALONE_AFTER`] deaths in company and
 //! [`MAX_ATTEMPTS`] alone, and none of its siblings ends with it.
 //!
-//! Jobs are leased by turns. A job's turn is the smallest of all that wait, or one more than the
-//! largest of those that the same submitter has waiting, whichever is larger. So submitters alternate
+//! Jobs are leased by turns. A job's turn is the next one, or one more than the largest of those that
+//! the same submitter has waiting, whichever is larger. The next turn is the smallest of all that
+//! wait, or on Postgres one more than that of the job that was leased last. So submitters alternate
 //! however many jobs each of them queues, and those of one are leased in the order in which they came.
 
 mod backup;

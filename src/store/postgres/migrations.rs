@@ -7,8 +7,14 @@ use crate::store::StoreError;
 use crate::store::versions;
 
 /// Number, what it does, and its statements. A step that was released never changes.
-const STEPS: &[(i64, &str, &str)] =
-    &[(1, "everything", include_str!("../../../migrations/postgres/0001_everything.sql"))];
+const STEPS: &[(i64, &str, &str)] = &[
+    (1, "everything", include_str!("../../../migrations/postgres/0001_everything.sql")),
+    (
+        3,
+        "commits and claims",
+        include_str!("../../../migrations/postgres/0003_commits_and_claims.sql"),
+    ),
+];
 
 /// Brings a database of any earlier version to this one. Of several processes that start together
 /// one does so, and the others wait.

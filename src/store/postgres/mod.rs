@@ -34,8 +34,9 @@ use super::{
     Outcome, Page, QueueState, Reach, Recovered, ResultFilter, Store, StoreError, StoredResult,
     Wake,
 };
+use wakes::Speaker;
 
-/// Connections of one process.
+/// Connections of one process, beside the one that tells others what it did.
 const CONNECTIONS: u32 = 10;
 
 /// How long a request waits for a connection, as while the database restarts.
@@ -52,6 +53,7 @@ const LOOK_AGAIN: Duration = Duration::from_secs(1);
 #[derive(Debug)]
 pub struct Postgres {
     pool: PgPool,
+    speaker: Speaker,
     /// When it last looked at the whole queue.
     looked: Mutex<Option<Instant>>,
 }
@@ -87,8 +89,8 @@ impl Postgres {
             ("client_min_messages", "warning"),
         ]);
         let pool = PgPoolOptions::new().max_connections(CONNECTIONS).acquire_timeout(PATIENCE);
-        let pool = pool.connect_with(options).await?;
-        Ok(Self { pool, looked: Mutex::default() })
+        let pool = pool.connect_with(options.clone()).await?;
+        Ok(Self { pool, speaker: Speaker::new(options), looked: Mutex::default() })
     }
 
     /// Whether the whole queue is to be looked at this time.
@@ -166,6 +168,9 @@ impl Store for Postgres {
         let mut transaction = self.pool.begin().await?;
         let deleted = measurements::delete(&mut transaction, reach, id).await?;
         transaction.commit().await?;
+        if deleted {
+            self.speaker.say(&[Wake::Unwanted, Wake::Ended]);
+        }
         Ok(deleted)
     }
 
@@ -202,6 +207,9 @@ impl Store for Postgres {
         let mut transaction = self.pool.begin().await?;
         let written = jobs::insert(&mut transaction, reach, row, key).await?;
         transaction.commit().await?;
+        if written == Inserted::Created {
+            self.speaker.say(&[Wake::Queued]);
+        }
         Ok(written)
     }
 
@@ -222,6 +230,9 @@ impl Store for Postgres {
         let mut transaction = self.pool.begin().await?;
         let deleted = jobs::delete(&mut transaction, reach, id).await?;
         transaction.commit().await?;
+        if deleted {
+            self.speaker.say(&[Wake::Unwanted, Wake::Ended]);
+        }
         Ok(deleted)
     }
 
@@ -229,6 +240,9 @@ impl Store for Postgres {
         let mut transaction = self.pool.begin().await?;
         let deleted = retention::delete_older(&mut transaction, age, limit).await?;
         transaction.commit().await?;
+        if deleted.jobs > 0 {
+            self.speaker.say(&[Wake::Ended]);
+        }
         Ok(deleted)
     }
 
@@ -280,11 +294,20 @@ impl Store for Postgres {
         let mut transaction = self.pool.begin().await?;
         let cancelling = queue::cancel(&mut transaction, reach, id).await?;
         transaction.commit().await?;
+        match cancelling {
+            Cancelling::Cancelled => self.speaker.say(&[Wake::Ended]),
+            Cancelling::Requested => self.speaker.say(&[Wake::Unwanted, Wake::Changed]),
+            Cancelling::Unknown | Cancelling::Ended(_) => {}
+        }
         Ok(cancelling)
     }
 
     async fn lease(&self, worker: &str, duration: Duration) -> Result<Option<Lease>, StoreError> {
-        Ok(queue::lease(&self.pool, worker, duration, self.looks_again()).await?)
+        let lease = queue::lease(&self.pool, worker, duration, self.looks_again()).await?;
+        if lease.is_some() {
+            self.speaker.say(&[Wake::Changed]);
+        }
+        Ok(lease)
     }
 
     async fn heartbeat(
@@ -297,21 +320,39 @@ impl Store for Postgres {
         let mut transaction = self.pool.begin().await?;
         let beat = queue::renew(&mut transaction, lease, duration, progress, rows).await?;
         transaction.commit().await?;
+        if beat != Beat::Lost && (progress.is_some() || !rows.is_empty()) {
+            self.speaker.say(&[Wake::Changed]);
+        }
         Ok(beat)
     }
 
     async fn finish(&self, lease: &Lease, outcome: &Outcome) -> Result<bool, StoreError> {
-        Ok(queue::finish(&self.pool, lease, outcome).await?)
+        let finished = queue::finish(&self.pool, lease, outcome).await?;
+        if finished {
+            self.speaker.say(&[Wake::Ended]);
+        }
+        Ok(finished)
     }
 
     async fn hand_back(&self, lease: &Lease) -> Result<bool, StoreError> {
-        Ok(queue::hand_back(&self.pool, lease).await?)
+        let handed_back = queue::hand_back(&self.pool, lease).await?;
+        if handed_back {
+            // It is queued again, or ended where that was asked for.
+            self.speaker.say(&[Wake::Queued, Wake::Ended]);
+        }
+        Ok(handed_back)
     }
 
     async fn recover_expired(&self, wait: Duration) -> Result<Recovered, StoreError> {
         let mut transaction = self.pool.begin().await?;
         let recovered = recovery::recover_expired(&mut transaction, wait).await?;
         transaction.commit().await?;
+        if recovered.requeued > 0 {
+            self.speaker.say(&[Wake::Queued]);
+        }
+        if !recovered.ended.is_empty() {
+            self.speaker.say(&[Wake::Ended]);
+        }
         Ok(recovered)
     }
 }

@@ -108,7 +108,8 @@ fn submission(args: &Args, kind: &str) -> Result<Submission, Failure> {
     })
 }
 
-fn options(text: &str) -> Result<IdentifyOptions, Failure> {
+/// The options of a method from JSON.
+pub(super) fn options(text: &str) -> Result<IdentifyOptions, Failure> {
     let mut json = serde_json::Deserializer::from_str(text);
     let options = serde_path_to_error::deserialize(&mut json).map_err(|error| {
         match error.inner().is_data() {

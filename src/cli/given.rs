@@ -61,6 +61,19 @@ impl Args {
     /// # Errors
     /// [`Failure::Input`] for a value that means nothing, and for a mapping that cannot be read.
     pub(super) fn file(&self) -> Result<Option<(String, Vec<u8>)>, Failure> {
+        let (given, _) = self.checked()?;
+        Ok(given.text().map(|text| (Given::NAME.to_owned(), text.into_bytes())))
+    }
+
+    /// The same as keys and values.
+    ///
+    /// # Errors
+    /// As for [`Args::file`].
+    pub(super) fn pairs(&self) -> Result<Vec<(String, String)>, Failure> {
+        Ok(self.checked()?.1)
+    }
+
+    fn checked(&self) -> Result<(Given, Vec<(String, String)>), Failure> {
         let flags = [
             ("magnitude", &self.magnitude),
             ("input", &self.input),
@@ -74,12 +87,13 @@ impl Args {
             ("sheet", &self.sheet),
             ("inverted", &self.inverted),
         ];
-        let mut given = Given::default();
+        let (mut given, mut pairs) = (Given::default(), Vec::new());
         for (key, value) in flags {
             let Some(value) = value else { continue };
             given.set(key, value).map_err(|error| {
                 Failure::Input(format!("--{}: {}", key.replace('_', "-"), error.reason))
             })?;
+            pairs.push((key.to_owned(), value.clone()));
         }
         let by_flag = |key: &str| flags.iter().any(|(flag, value)| *flag == key && value.is_some());
         if let Some(path) = &self.mapping {
@@ -87,9 +101,10 @@ impl Args {
                 given.set(&key, &value).map_err(|error| {
                     Failure::Input(format!("{}: {key}: {}", path.display(), error.reason))
                 })?;
+                pairs.push((key, value));
             }
         }
-        Ok(given.text().map(|text| (Given::NAME.to_owned(), text.into_bytes())))
+        Ok((given, pairs))
     }
 }
 

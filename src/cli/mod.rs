@@ -2,6 +2,7 @@
 //! server itself. One file a subcommand.
 
 mod backup;
+mod batch;
 mod benchmark;
 mod choice;
 mod completions;
@@ -70,6 +71,11 @@ struct Cli {
 enum Command {
     /// Writes everything that a server keeps into one file, also while it runs.
     Backup(backup::Args),
+    /// Has a server compute every measurement of a folder, and prints what came of each.
+    ///
+    /// Files that cannot be read are named and left out. The same command on the same folder uploads
+    /// and computes nothing twice: it shows the batch that there is.
+    Batch(Box<batch::Args>),
     /// Diagnoses simulated machines with hidden effects, and counts how often the answer is right.
     Benchmark(benchmark::Args),
     /// Prints a script that lets a shell complete commands, options and their values.
@@ -123,6 +129,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let done = match cli.command {
         Command::Backup(args) => backup::run(&args),
+        Command::Batch(args) => batch::run(&args),
         Command::Benchmark(args) => {
             start_log(cli.verbose);
             benchmark::run(&args)

@@ -20,10 +20,12 @@ pub(super) enum Need {
 }
 
 /// Addresses of the dashboard's page and of its files, which are the same on every server.
-pub(super) const PAGES: [&str; 8] = [
+pub(super) const PAGES: [&str; 10] = [
     "/",
     "/measurements/{id}",
     "/jobs/{id}",
+    "/batches",
+    "/batches/{id}",
     "/compare",
     "/axes",
     "/plans",
@@ -51,6 +53,9 @@ const NEEDS: &[(&str, Need)] = &[
     ("submit_job", RUN),
     ("cancel_job", RUN),
     ("delete_job", RUN),
+    ("submit_batch", RUN),
+    ("cancel_batch", RUN),
+    ("delete_batch", RUN),
     ("validate", RUN),
     ("plan", RUN),
     ("plan_excitation", RUN),
@@ -77,6 +82,10 @@ const NEEDS: &[(&str, Need)] = &[
     ("get_comparison_csv", READ),
     ("get_plot", READ),
     ("get_report", READ),
+    ("list_batches", READ),
+    ("get_batch", READ),
+    ("list_batch_results", READ),
+    ("list_batch_results_csv", READ),
     ("list_results", READ),
     ("list_results_csv", READ),
     ("list_axes", READ),

@@ -132,6 +132,8 @@ pub(super) struct ListQuery {
     /// Only jobs on measurements with this text in the name, machine, axis, operator, a label or the
     /// name of a file; upper and lower case do not matter.
     text: Option<String>,
+    /// Only jobs of this batch.
+    batch_id: Option<String>,
 }
 
 /// Jobs, newest first.
@@ -158,6 +160,7 @@ pub(super) async fn list(
         axis: query.axis,
         verdict: query.verdict.map(|verdict| verdict.name().to_owned()),
         text: query.text,
+        batch_id: query.batch_id,
     };
     let limit = query.limit.unwrap_or(DEFAULT_PAGE);
     Ok(Json(List::new(service.jobs(&filter, limit, query.cursor).await?)))

@@ -5,6 +5,7 @@
 
 mod access;
 mod axes;
+mod batches;
 mod body;
 mod cached;
 mod callers;

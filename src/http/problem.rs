@@ -173,6 +173,9 @@ impl Problem {
                 )
             },
             ServiceError::Request { member, .. } => Self::invalid_request(member, text),
+            ServiceError::Member { member, source } => {
+                Self { detail: text, member: Some(member), ..Self::of_service(*source) }
+            }
             ServiceError::NotFinished { .. } => {
                 Self::new(StatusCode::CONFLICT, "not-finished", "No result yet", text)
             }

@@ -7,9 +7,9 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::{
-    access, axes, dashboard, descriptions, document, events, exports, health, inspections, jobs,
-    keys, mappings, measurements, plans, plots, previews, report, results, sessions, validations,
-    webhooks,
+    access, axes, batches, dashboard, descriptions, document, events, exports, health, inspections,
+    jobs, keys, mappings, measurements, plans, plots, previews, report, results, sessions,
+    validations, webhooks,
 };
 
 #[derive(OpenApi)]
@@ -24,6 +24,7 @@ use super::{
         (name = "plans", description = "What is to be measured"),
         (name = "mappings", description = "How files of a layout are read that do not say it all"),
         (name = "jobs", description = "What is to be computed from it"),
+        (name = "batches", description = "The same of many measurements"),
         (name = "axes", description = "What came of it, over the time of measuring"),
         (name = "webhooks", description = "Who is told what happens"),
         (name = "keys", description = "Who may do what"),
@@ -59,6 +60,11 @@ pub(super) fn list() -> OpenApiRouter {
         .routes(routes!(plots::get))
         .routes(routes!(report::get))
         .routes(routes!(jobs::cancel))
+        .routes(routes!(batches::submit, batches::list))
+        .routes(routes!(batches::get, batches::delete))
+        .routes(routes!(batches::results))
+        .routes(routes!(batches::results_csv))
+        .routes(routes!(batches::cancel))
         .routes(routes!(validations::create))
         .routes(routes!(axes::results_json))
         .routes(routes!(axes::results_csv))

@@ -19,6 +19,7 @@ use crate::worker;
 use super::{Callers, Keeping, Limits, Pace};
 
 mod axes;
+mod batches;
 mod bodies;
 mod connections;
 mod dashboard;

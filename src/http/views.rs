@@ -184,6 +184,8 @@ pub(super) struct JobView {
     pub(super) id: String,
     /// The measurement it works on.
     measurement_id: String,
+    /// The batch it is of; null: it was made by itself.
+    batch_id: Option<String>,
     /// Kind of job.
     kind: JobKind,
     /// Where it stands.
@@ -220,6 +222,7 @@ impl From<Job> for JobView {
         Self {
             id: row.id,
             measurement_id: row.measurement_id,
+            batch_id: row.batch_id,
             kind: request.kind,
             status: row.status.into(),
             progress,

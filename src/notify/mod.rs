@@ -15,6 +15,7 @@ pub use addresses::Allowed;
 pub use mqtt::{Broker, BrokerError};
 pub use schedule::{broker_delay, webhook_delay};
 pub use secret::Secret;
+pub use tls::config as tls_config;
 pub use webhook::Webhooks;
 
 use std::net::IpAddr;

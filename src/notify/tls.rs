@@ -9,7 +9,7 @@ use tracing::warn;
 static CONFIG: LazyLock<ClientConfig> = LazyLock::new(load);
 
 /// How to speak TLS.
-pub(super) fn config() -> ClientConfig {
+pub fn config() -> ClientConfig {
     CONFIG.clone()
 }
 

@@ -50,6 +50,14 @@ pub enum ServiceError {
         /// What is wrong, and what is known instead.
         reason: String,
     },
+    /// One of many members of the request cannot be used.
+    #[error("{member}: {source}")]
+    Member {
+        /// Which one.
+        member: String,
+        /// Why.
+        source: Box<ServiceError>,
+    },
     /// The result of a job that has not ended.
     #[error("job `{id}` is {}, it has no result yet; ask `GET /v1/jobs/{id}?wait=30` until its \
              status is `succeeded`", status.name())]

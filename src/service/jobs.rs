@@ -69,11 +69,7 @@ impl Service {
         let row = NewJobRow {
             id: uuid::Uuid::now_v7().to_string(),
             measurement_id: measurement.id,
-            // Keys take turns; who has none is told apart by what the submission says.
-            submitter: match self.reach.owner.as_str() {
-                "" => submission.submitter.clone(),
-                key => key.to_owned(),
-            },
+            submitter: self.submitter(submission),
             kind: submission.kind.clone(),
             request,
         };
@@ -87,6 +83,14 @@ impl Service {
             Inserted::KeyReused => {
                 Err(ServiceError::KeyReused { key: key.map(|key| key.key).unwrap_or_default() })
             }
+        }
+    }
+
+    /// Whose turn it is: keys take turns; who has none is told apart by what the submission says.
+    pub(super) fn submitter(&self, submission: &Submission) -> String {
+        match self.reach.owner.as_str() {
+            "" => submission.submitter.clone(),
+            key => key.to_owned(),
         }
     }
 

@@ -4,6 +4,7 @@
 //! line refuse the same things in the same words.
 
 mod axes;
+mod batches;
 mod caller;
 mod compared;
 mod cost;
@@ -44,6 +45,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 pub use axes::HistoryQuery;
+pub use batches::{Batch, BatchJob, BatchState, BatchSubmission, Counts, MAX_BATCH};
 pub use caller::{Caller, Key, Scope};
 pub use compared::Compared;
 pub use descriptions::Redescribed;

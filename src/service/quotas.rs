@@ -65,7 +65,7 @@ impl Quotas {
             let jobs = if most == 1 { "job that waits or runs" } else { "jobs that wait or run" };
             return Some((
                 format!(
-                    "may have {most} {jobs} (`--key-jobs`) and has as many; wait until one ends"
+                    "may have {most} {jobs} (`--key-jobs`), and this would be more; wait until some end"
                 ),
                 Some(QUEUE_WAIT_S),
             ));
@@ -105,6 +105,33 @@ impl Service {
         let exceeded = |quotas: &Quotas, usage: &Usage| quotas.exceeded_by_job(usage);
         let Some(refused) = self.over_quota(exceeded).await? else { return Ok(()) };
         self.store.delete_job(&self.reach, id).await?;
+        Err(refused)
+    }
+
+    /// Refuses a batch that has more jobs than a key may ever have.
+    ///
+    /// # Errors
+    /// [`ServiceError::Request`] then.
+    pub(super) fn check_batch_within_quotas(&self, jobs: usize) -> Result<(), ServiceError> {
+        let most = self.caller.key().and(self.quotas.jobs).filter(|most| jobs > *most);
+        let Some(most) = most else { return Ok(()) };
+        Err(ServiceError::Request {
+            member: "measurement_ids".into(),
+            reason: format!(
+                "these are {jobs}, and a key may have {most} jobs that wait or run (`--key-jobs`); \
+                 make batches of at most {most}"
+            ),
+        })
+    }
+
+    /// Takes a batch back that was just queued, where its key has more than it may.
+    ///
+    /// # Errors
+    /// [`ServiceError::OverQuota`] then.
+    pub(super) async fn keep_batch_within_quotas(&self, id: &str) -> Result<(), ServiceError> {
+        let exceeded = |quotas: &Quotas, usage: &Usage| quotas.exceeded_by_job(usage);
+        let Some(refused) = self.over_quota(exceeded).await? else { return Ok(()) };
+        self.delete_batch(id).await?;
         Err(refused)
     }
 

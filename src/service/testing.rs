@@ -47,6 +47,8 @@ impl Numerics for Scripted {
             input: vec![Complex::new(0.0, 0.0), Complex::new(magnitude, 0.0)],
             input_mean_measured: false,
             mean_velocity: 0.0,
+            rounding_std: 0.0,
+            open_samples: None,
             response: vec![Harmonic { order: 1, value: Complex::new(0.5, -0.5), std: None }],
             run: None,
             repeats: Vec::new(),

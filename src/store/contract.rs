@@ -1,6 +1,7 @@
 //! What every engine of [`Store`] must do. Each engine runs the whole list.
 
 mod backup;
+mod batches;
 #[path = "../../tests/postgres_cluster.rs"]
 mod cluster;
 mod kept;
@@ -15,11 +16,13 @@ mod recovery;
 use std::time::Duration;
 
 use super::{
-    ALONE_AFTER, Beat, Cancelling, ConvergencePoint, Description, EndedRow, FileRow,
-    IdempotencyKey, Inserted, JobFilter, KeyRow, Lease, MAX_ATTEMPTS, MappingRow,
-    MeasurementFilter, MeasurementRow, NewJobRow, Outcome, Page, Postgres, QueueState, Reach,
-    Recovered, ResultFilter, Sqlite, Status, Store, StoreError, Usage, Wake, WebhookRow,
+    ALONE_AFTER, Beat, CancelledRows, Cancelling, ConvergencePoint, Description, EndedRow,
+    FailureRow, FileRow, IdempotencyKey, Inserted, JobFilter, KeyRow, Lease, MAX_ATTEMPTS,
+    MappingRow, MeasurementFilter, MeasurementRow, MemberRow, NewBatchRow, NewJobRow, NewMemberRow,
+    Outcome, Page, Postgres, QueueState, Reach, Recovered, ResultFilter, Sqlite, Standing, Status,
+    Store, StoreError, Usage, Wake, WebhookRow,
 };
+use batches::*;
 use keys::*;
 use lists::*;
 use mappings::*;
@@ -297,6 +300,14 @@ contract!(
     a_later_job_of_another_owner_does_not_hide_a_result,
     each_owner_has_mappings_of_its_own,
     the_usage_of_a_key_is_what_it_has_stored_queued_and_computed,
+    the_jobs_of_a_batch_are_ordinary_jobs_in_its_order,
+    a_batch_is_stored_whole_or_not_at_all,
+    a_batch_delays_the_job_of_another_by_one_job,
+    a_batch_says_where_its_jobs_stand_and_what_came_of_them,
+    a_batch_is_cancelled_step_by_step,
+    a_batch_is_deleted_step_by_step_with_its_jobs_and_its_key,
+    an_old_batch_is_forgotten_with_the_last_of_its_jobs,
+    a_batch_of_another_owner_is_not_there,
 );
 
 #[tokio::test]

@@ -10,8 +10,9 @@ use sqlx::error::BoxDynError;
 use sqlx::{ColumnIndex, Database, Decode, Encode, FromRow, Row, Type};
 
 use super::{
-    AxisRow, ConvergencePoint, DeliveryRow, DueRow, EndedRow, EventRow, FileRow, JobRow, KeyRow,
-    Lease, MappingRow, MeasurementRow, Millis, QueueState, Status, StoredResult, WebhookRow,
+    AxisRow, BatchRow, ConvergencePoint, DeliveryRow, DueRow, EndedRow, EventRow, FailureRow,
+    FileRow, JobRow, KeyRow, Lease, MappingRow, MeasurementRow, MemberRow, Millis, QueueState,
+    Status, StoredResult, TallyRow, WebhookRow,
 };
 
 /// Reads each field from the column of its name; one with a type in brackets from a column of
@@ -75,6 +76,20 @@ from_columns!(JobRow {
     created_at_ms,
     started_at_ms,
     finished_at_ms,
+    failure,
+    batch_id
+});
+from_columns!(BatchRow { id, created_at_ms, name, kind, request, jobs });
+from_columns!(TallyRow { batch_id, status, verdict, cause, jobs, started_ms, finished_ms });
+from_columns!(FailureRow { reason, jobs });
+from_columns!(MemberRow {
+    measurement_id,
+    file,
+    job_id,
+    status,
+    verdict,
+    cause,
+    confidence,
     failure
 });
 from_columns!(Lease { job_id, attempt, next_seq, measurement_id, kind, request });

@@ -1,6 +1,7 @@
 //! Rows as they are stored: neither domain values nor what a client sees.
 
 use super::MAX_ATTEMPTS;
+use super::gist::Gist;
 
 /// Milliseconds since 1970-01-01 UTC, by the database's clock.
 pub type Millis = i64;
@@ -154,6 +155,8 @@ pub struct JobRow {
     pub finished_at_ms: Option<Millis>,
     /// JSON of why it failed.
     pub failure: Option<String>,
+    /// The batch it is of.
+    pub batch_id: Option<String>,
 }
 
 /// The right to work on a job until it expires; every write names it.
@@ -200,6 +203,14 @@ impl Outcome {
             Outcome::Succeeded(result) => (Some(result), None),
             Outcome::Failed(failure) => (None, Some(failure)),
             Outcome::Cancelled => (None, None),
+        }
+    }
+
+    /// What stands out of it.
+    pub(super) fn gist(&self) -> Gist {
+        match self {
+            Outcome::Succeeded(result) => Gist::of(result),
+            Outcome::Failed(_) | Outcome::Cancelled => Gist::default(),
         }
     }
 }
@@ -325,6 +336,8 @@ pub struct JobFilter {
     pub verdict: Option<String>,
     /// As [`MeasurementFilter::text`], of the measurement.
     pub text: Option<String>,
+    /// The batch they are of.
+    pub batch_id: Option<String>,
 }
 
 /// Which results to list; `None` accepts every value.

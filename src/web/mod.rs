@@ -61,6 +61,8 @@ const FILES: &[(&str, &str, &str)] = &[
     file!("plans.js", SCRIPT),
     file!("plan.js", SCRIPT),
     file!("together.js", SCRIPT),
+    file!("batches.js", SCRIPT),
+    file!("batch.js", SCRIPT),
     file!("find.js", SCRIPT),
     file!("describe.js", SCRIPT),
 ];

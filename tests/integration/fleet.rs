@@ -23,7 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 pub const QUICK: [&str; 4] = ["--lease-seconds", "2", "--retry-seconds", "0"];
 
 /// A server without workers.
-fn server(folder: &Path, database: &str) -> Server {
+pub fn server(folder: &Path, database: &str) -> Server {
     let mut arguments = vec!["--database", database, "--workers", "0"];
     arguments.extend(["--webhook-allow", "127.0.0.0/8"]);
     arguments.extend(QUICK);
@@ -48,7 +48,7 @@ impl Worker {
         Self(child)
     }
 
-    fn signal(&self, signal: Signal) {
+    pub fn signal(&self, signal: Signal) {
         kill_process(Pid::from_child(&self.0), signal).unwrap();
     }
 

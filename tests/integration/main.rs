@@ -2,6 +2,7 @@
 
 mod alarms;
 mod backup;
+mod batches;
 mod benchmark_simulator;
 mod book;
 mod caps;

@@ -158,6 +158,8 @@ impl Bench {
                     input: input(point.offset, point.magnitude),
                     input_mean_measured: point.offset != 0.0,
                     mean_velocity: 0.0,
+                    rounding_std: 0.0,
+                    open_samples: None,
                     response,
                     run: Some(point.run as f64),
                     repeats,

@@ -19,10 +19,10 @@ use crate::service::{
 };
 use crate::store::{AxisRow, JobRow, MeasurementRow, Status};
 
-use super::{keys, webhooks};
+use super::{batches, keys, webhooks};
 
-const MEASUREMENT: &str = "019a9c1e-7d20-7c55-9f3a-5e0d3b1c2a44";
-const JOB: &str = "019a9c1e-8b31-7d06-8a4e-2f9c6d7e1b55";
+pub(super) const MEASUREMENT: &str = "019a9c1e-7d20-7c55-9f3a-5e0d3b1c2a44";
+pub(super) const JOB: &str = "019a9c1e-8b31-7d06-8a4e-2f9c6d7e1b55";
 /// 2026-03-04T10:20:00Z
 pub(super) const AT_MS: i64 = 1_772_619_600_000;
 const AT: &str = "2026-03-04T10:20:00Z";
@@ -72,7 +72,10 @@ pub(super) fn request(operation: &str, media_type: &str) -> Option<Value> {
         ("put_mapping", _) => json!({
             "settings": {"column_names": COLUMN_NAMES}, "layout": LAYOUT,
         }),
-        _ => return webhooks::request(operation).or_else(|| keys::request(operation)),
+        _ => {
+            let others = webhooks::request(operation).or_else(|| keys::request(operation));
+            return others.or_else(|| batches::request(operation));
+        }
     })
 }
 
@@ -134,7 +137,10 @@ pub(super) fn answer(operation: &str, media_type: &str) -> Option<Value> {
             "{HISTORY}{AT},pole,Pole,-10.02,0.031,-10.08,-9.96,rad/s,,false,,press 4,Y,\
              {MEASUREMENT},{JOB}\n"
         )),
-        _ => return webhooks::answer(operation).or_else(|| keys::answer(operation)),
+        _ => {
+            let others = webhooks::answer(operation).or_else(|| keys::answer(operation));
+            return others.or_else(|| batches::answer(operation));
+        }
     })
 }
 
@@ -248,6 +254,18 @@ fn inspection() -> Inspection {
     Inspection { doubts: Vec::new(), detectability: Some(detectability), obstacle: None }
 }
 
+/// What a job asks for.
+pub(super) fn asked() -> JobRequest {
+    JobRequest {
+        kind: JobKind::Diagnose,
+        plant: Some(PlantRequest { actuator_order: 0 }),
+        method: Method::AbcAnn,
+        options: IdentifyOptions::default(),
+        validation_measurement_id: None,
+        estimated_s: Some(4.5),
+    }
+}
+
 fn job(status: Status) -> Job {
     let row = JobRow {
         id: JOB.into(),
@@ -262,14 +280,7 @@ fn job(status: Status) -> Job {
         started_at_ms: (status != Status::Queued).then_some(AT_MS + 12),
         finished_at_ms: status.is_final().then_some(AT_MS + 4200),
         failure: None,
-    };
-    let request = JobRequest {
-        kind: JobKind::Diagnose,
-        plant: Some(PlantRequest { actuator_order: 0 }),
-        method: Method::AbcAnn,
-        options: IdentifyOptions::default(),
-        validation_measurement_id: None,
-        estimated_s: Some(4.5),
+        batch_id: None,
     };
     let progress = (status == Status::Running).then(|| Progress {
         stage: "searching".into(),
@@ -278,7 +289,7 @@ fn job(status: Status) -> Job {
         fraction: 0.3,
         remaining_s: Some(2.5),
     });
-    Job { row, request, progress, failure: None }
+    Job { row, request: asked(), progress, failure: None }
 }
 
 fn convergence() -> ConvergenceRow {

@@ -1,6 +1,7 @@
 //! What the document of the interface teaches beside its types: an example of every request and
 //! answer, every status with its types of problem, and what a request needs.
 
+mod batches;
 mod examples;
 mod keys;
 mod problems;

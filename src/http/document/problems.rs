@@ -115,8 +115,8 @@ const OVER_QUOTA: Kind = kind(
     429,
     "over-quota",
     "More than a key may",
-    "the key `rig 7` may have 100 jobs that wait or run (`--key-jobs`) and has as many; wait until one \
-     ends",
+    "the key `rig 7` may have 100 jobs that wait or run (`--key-jobs`), and this would be more; wait \
+     until some end",
 );
 const UNINSPECTED: Kind = kind(
     422,
@@ -160,6 +160,9 @@ const OWN: &[(&str, &[&Kind])] = &[
     ("list_measurements", &[&INVALID]),
     ("list_jobs", &[&INVALID]),
     ("submit_job", &[&UNKNOWN, &KEY_REUSED, &TOO_COSTLY]),
+    ("submit_batch", &[&UNKNOWN, &KEY_REUSED, &TOO_COSTLY]),
+    ("list_batches", &[&INVALID]),
+    ("list_batch_results", &[&INVALID]),
     ("get_result", &[&NOT_FINISHED, &NO_RESULT]),
     ("get_parameters_csv", &[&NOT_FINISHED, &NO_RESULT]),
     ("get_comparison_csv", &[&NOT_FINISHED, &NO_RESULT, &NO_PLOT, &UNREADABLE]),

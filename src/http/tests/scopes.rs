@@ -27,6 +27,7 @@ fn operations() -> Vec<Operation> {
 struct Things {
     measurement: String,
     job: String,
+    batch: String,
     mapping: String,
     webhook: String,
     key: String,
@@ -54,6 +55,13 @@ impl Things {
             let path = format!("/v1/jobs/{job}?wait=60");
             assert_eq!(json("GET", &path, json!({}), 200)["status"], "succeeded");
         }
+        let batch = match operation.path.contains("batches") {
+            true => {
+                let body = json!({"measurement_ids": [measurement], "kind": "identify"});
+                string(&json("POST", "/v1/batches", body, 202), "id")
+            }
+            false => "no batch was made".to_owned(),
+        };
         let mapping = format!("mapping of {measurement}");
         let body = json!({"settings": {"machine": SETTING}});
         json("PUT", &format!("/v1/mappings/{}", mapping.replace(' ', "%20")), body, 201);
@@ -64,7 +72,7 @@ impl Things {
             }
             false => "no webhook was made".to_owned(),
         };
-        Self { measurement, job, mapping, webhook, key: server.key(&[Scope::Read]).0 }
+        Self { measurement, job, batch, mapping, webhook, key: server.key(&[Scope::Read]).0 }
     }
 
     /// The path of an operation on them.
@@ -72,6 +80,7 @@ impl Things {
         let path = &operation.path;
         let id = match path.split('/').nth(2) {
             Some("jobs") => &self.job,
+            Some("batches") => &self.batch,
             Some("webhooks") => &self.webhook,
             Some("keys") => &self.key,
             _ => &self.measurement,
@@ -92,6 +101,7 @@ impl Things {
         let body = match operation.id.as_str() {
             "add_measurement" | "preview_measurement" => return (b"any".to_vec(), "text/csv"),
             "submit_job" => json!({"measurement_id": self.measurement, "kind": "identify"}),
+            "submit_batch" => json!({"measurement_ids": [self.measurement], "kind": "identify"}),
             "validate" => json!({"job_id": self.job, "measurement_id": self.measurement}),
             "plan" | "plan_excitation" | "plan_figure" => {
                 json!({"job_id": self.job, "budget_s": 80.0})
@@ -212,7 +222,9 @@ fn what_a_key_has_made_is_there_for_it_and_for_admins_alone() {
         let reads = need(id) == Some(Need::Scope(Scope::Read));
         // Those that name a thing of another key, in the path or in the body.
         let names = operation.path.contains("{") && id != "put_mapping";
-        let uses = names || matches!(id, "submit_job" | "validate") || id.starts_with("plan");
+        let uses = names
+            || matches!(id, "submit_job" | "submit_batch" | "validate")
+            || id.starts_with("plan");
 
         let things = fresh();
         let mut strange = answer(&server, &operation, &things, Some(&stranger));
@@ -232,8 +244,8 @@ fn what_a_key_has_made_is_there_for_it_and_for_admins_alone() {
             // has examples.
             let own = ["add_measurement", "preview_measurement", "put_mapping", "openapi_document"]
                 .contains(&id);
-            let Things { measurement, job, mapping, webhook, .. } = &things;
-            for secret in [measurement, job, mapping, webhook, SETTING, "press 4"] {
+            let Things { measurement, job, batch, mapping, webhook, .. } = &things;
+            for secret in [measurement, job, batch, mapping, webhook, SETTING, "press 4"] {
                 assert!(own || !text.contains(secret), "{id} shows a stranger {secret}: {text}");
             }
         }
@@ -259,7 +271,9 @@ fn what_a_key_has_made_is_there_for_it_and_for_admins_alone() {
 
 /// Deletes what a key has made, so that nothing of it runs on or is listed.
 fn forget_all(server: &Server, key: &str) {
-    for (list, name) in [("measurements", "id"), ("webhooks", "id"), ("mappings", "name")] {
+    let lists =
+        [("batches", "id"), ("measurements", "id"), ("webhooks", "id"), ("mappings", "name")];
+    for (list, name) in lists {
         let listed = json_of(ask(server, "GET", &format!("/v1/{list}"), &[bearer(key)], b""), 200);
         for item in listed["items"].as_array().unwrap() {
             let path = format!("/v1/{list}/{}", string(item, name).replace(' ', "%20"));

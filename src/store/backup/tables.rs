@@ -95,6 +95,24 @@ pub(in crate::store) const TABLES: &[Table] = &[
         ],
     },
     Table {
+        name: "batches",
+        key: "id",
+        columns: &[
+            text("id"),
+            integer("created_at_ms"),
+            text("owner"),
+            text("name"),
+            text("kind"),
+            text("request"),
+            integer("jobs"),
+        ],
+    },
+    Table {
+        name: "batch_members",
+        key: "batch_id, job_id",
+        columns: &[text("batch_id"), text("job_id"), text("measurement_id"), text("file")],
+    },
+    Table {
         name: "jobs",
         key: "id",
         columns: &[
@@ -121,6 +139,10 @@ pub(in crate::store) const TABLES: &[Table] = &[
             integer("finished_at_ms"),
             text("failure"),
             text("result"),
+            text("batch_id"),
+            text("verdict"),
+            text("cause"),
+            real("confidence"),
         ],
     },
     Table {

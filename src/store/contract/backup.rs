@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::kept::Kept;
 use super::*;
 use crate::store::backup::{BackupError, Kind, Reader, TABLES, Writer};
-use crate::store::{NewDeliveryRow, Settled};
+use crate::store::{NewBatchRow, NewDeliveryRow, NewMemberRow, Settled};
 
 /// At least a row of every table, and no job that runs.
 async fn fill(store: &dyn Store) {
@@ -68,6 +68,21 @@ async fn fill(store: &dyn Store) {
     let lease = lease(store, LONG).await.unwrap();
     store.hand_back(&lease).await.unwrap();
     queued_job(store).await;
+    let member = NewMemberRow {
+        job_id: id(),
+        measurement_id: bare.id.clone(),
+        request: "{}".into(),
+        file: Some(odd.into()),
+    };
+    let batch = NewBatchRow {
+        id: id(),
+        name: Some(odd.into()),
+        submitter: "rig".into(),
+        kind: "diagnose".into(),
+        request: "{}".into(),
+        jobs: vec![member],
+    };
+    store.insert_batch(&owner, &batch, None).await.unwrap();
 
     let mapping =
         MappingRow { name: odd.into(), settings: odd.into(), layout: None, updated_at_ms: 0 };

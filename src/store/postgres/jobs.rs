@@ -44,7 +44,7 @@ pub(super) async fn insert(
 pub(super) async fn get(pool: &PgPool, reach: &Reach, id: &str) -> sqlx::Result<Option<JobRow>> {
     sqlx::query_as(
         "SELECT id, measurement_id, kind, request, status, progress, attempt, cancel_requested,
-                created_at_ms, started_at_ms, finished_at_ms, failure
+                created_at_ms, started_at_ms, finished_at_ms, failure, batch_id
          FROM jobs WHERE id = $1 AND ($2 IS NULL OR owner = $2)",
     )
     .bind(id)
@@ -61,7 +61,7 @@ pub(super) async fn list(
 ) -> sqlx::Result<Vec<JobRow>> {
     sqlx::query_as(
         "SELECT id, measurement_id, kind, request, status, progress, attempt, cancel_requested,
-                created_at_ms, started_at_ms, finished_at_ms, failure
+                created_at_ms, started_at_ms, finished_at_ms, failure, batch_id
          FROM jobs
          WHERE ($1 IS NULL OR id < $1)
            AND ($2 IS NULL OR status = $2)
@@ -85,6 +85,7 @@ pub(super) async fn list(
                                  WHERE file.measurement_id = measurements.id
                                    AND strpos(lower(file.name), lower($11 COLLATE \"C\")) > 0))))
            AND ($13 IS NULL OR owner = $13)
+           AND ($14 IS NULL OR batch_id = $14)
          ORDER BY id DESC LIMIT $12",
     )
     .bind(&page.before)
@@ -100,6 +101,7 @@ pub(super) async fn list(
     .bind(&filter.text)
     .bind(i64::from(page.limit))
     .bind(reach.read())
+    .bind(&filter.batch_id)
     .fetch_all(pool)
     .await
 }

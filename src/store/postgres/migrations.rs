@@ -9,6 +9,7 @@ use crate::store::versions;
 /// Number, what it does, and its statements. A step that was released never changes.
 const STEPS: &[(i64, &str, &str)] = &[
     (1, "everything", include_str!("../../../migrations/postgres/0001_everything.sql")),
+    (2, "batches", include_str!("../../../migrations/postgres/0002_batches.sql")),
     (
         3,
         "commits and claims",

@@ -5,6 +5,7 @@
 //! stopped in the midst of a transaction must not hold up the others: the database ends such a
 //! transaction after [`IDLE`].
 
+mod batches;
 mod history;
 mod idempotency;
 mod jobs;

@@ -29,12 +29,20 @@ const MEASUREMENTS: &str = "DELETE FROM measurements
      WHERE id = ANY($1)
        AND NOT EXISTS (SELECT 1 FROM jobs WHERE jobs.measurement_id = measurements.id)";
 
+/// Batches that are old and whose jobs are gone.
+const BATCHES: &str = "DELETE FROM batches WHERE id IN (
+     SELECT id FROM batches
+     WHERE created_at_ms < (SELECT now_ms FROM clock) - $1
+       AND NOT EXISTS (SELECT 1 FROM jobs WHERE jobs.batch_id = batches.id)
+     LIMIT $2 FOR UPDATE SKIP LOCKED)";
+
 /// Keys that nobody repeats any more.
 const KEYS: &str = "DELETE FROM idempotency_keys WHERE (owner, scope, key) IN (
      SELECT owner, scope, key FROM idempotency_keys
      WHERE created_at_ms < (SELECT now_ms FROM clock) - $1
         OR (NOT EXISTS (SELECT 1 FROM jobs WHERE id = resource_id)
-            AND NOT EXISTS (SELECT 1 FROM measurements WHERE id = resource_id))
+            AND NOT EXISTS (SELECT 1 FROM measurements WHERE id = resource_id)
+            AND NOT EXISTS (SELECT 1 FROM batches WHERE id = resource_id))
      LIMIT $2 FOR UPDATE SKIP LOCKED)";
 
 pub(super) async fn delete_older(
@@ -48,6 +56,7 @@ pub(super) async fn delete_older(
     let candidates = sqlx::query_scalar::<_, String>(CANDIDATES).bind(age).bind(limit);
     let candidates = candidates.fetch_all(&mut *connection).await?;
     let measurements = sqlx::query(MEASUREMENTS).bind(candidates).execute(&mut *connection).await?;
+    sqlx::query(BATCHES).bind(age).bind(limit).execute(&mut *connection).await?;
     sqlx::query(KEYS).bind(age).bind(limit).execute(connection).await?;
     Ok(Expired { measurements: measurements.rows_affected(), jobs: jobs.rows_affected() })
 }

@@ -43,7 +43,7 @@ pub(super) async fn get(
 ) -> sqlx::Result<Option<JobRow>> {
     sqlx::query_as(
         "SELECT id, measurement_id, kind, request, status, progress, attempt, cancel_requested,
-                created_at_ms, started_at_ms, finished_at_ms, failure
+                created_at_ms, started_at_ms, finished_at_ms, failure, batch_id
          FROM jobs WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)",
     )
     .bind(id)
@@ -60,7 +60,7 @@ pub(super) async fn list(
 ) -> sqlx::Result<Vec<JobRow>> {
     sqlx::query_as(
         "SELECT id, measurement_id, kind, request, status, progress, attempt, cancel_requested,
-                created_at_ms, started_at_ms, finished_at_ms, failure
+                created_at_ms, started_at_ms, finished_at_ms, failure, batch_id
          FROM jobs
          WHERE (?1 IS NULL OR id < ?1)
            AND (?2 IS NULL OR status = ?2)
@@ -86,6 +86,7 @@ pub(super) async fn list(
                                  WHERE measurement_files.measurement_id = measurements.id
                                    AND instr(lower(measurement_files.name), lower(?11))))))
            AND (?13 IS NULL OR owner = ?13)
+           AND (?14 IS NULL OR batch_id = ?14)
          ORDER BY id DESC LIMIT ?12",
     )
     .bind(&page.before)
@@ -101,6 +102,7 @@ pub(super) async fn list(
     .bind(&filter.text)
     .bind(page.limit)
     .bind(reach.read())
+    .bind(&filter.batch_id)
     .fetch_all(pool)
     .await
 }

@@ -30,6 +30,7 @@ const STEPS: &[Step] = &[
     (4, "mappings", include_str!("../../../migrations/0004_mappings.sql")),
     (5, "keys", include_str!("../../../migrations/0005_keys.sql")),
     (6, "limits", include_str!("../../../migrations/0006_limits.sql")),
+    (7, "batches", include_str!("../../../migrations/0007_batches.sql")),
 ];
 
 /// Brings a database of any earlier version to this one. Of several processes that start together

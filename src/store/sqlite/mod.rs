@@ -1,5 +1,6 @@
 //! The engine on one SQLite file.
 
+mod batches;
 mod damage;
 mod history;
 mod idempotency;

@@ -5,6 +5,7 @@ use std::time::Duration;
 use sqlx::{SqliteConnection, SqlitePool};
 
 use crate::store::decode::millis;
+use crate::store::gist::Gist;
 use crate::store::{
     ALONE_AFTER, Beat, Cancelling, ConvergencePoint, Lease, Outcome, QueueState, Reach, Status,
 };
@@ -74,9 +75,11 @@ pub(super) async fn finish(
     outcome: &Outcome,
 ) -> sqlx::Result<bool> {
     let (result, failure) = outcome.columns();
+    let Gist { verdict, cause, confidence } = outcome.gist();
     let done = sqlx::query(
         "UPDATE jobs
          SET status = ?3, result = ?4, failure = ?5, lease_until_ms = NULL,
+             verdict = ?6, cause = ?7, confidence = ?8,
              finished_at_ms = (SELECT now_ms FROM clock)
          WHERE id = ?1 AND attempt = ?2 AND status = 'running'
            AND lease_until_ms > (SELECT now_ms FROM clock)",
@@ -86,6 +89,9 @@ pub(super) async fn finish(
     .bind(outcome.status())
     .bind(result)
     .bind(failure)
+    .bind(verdict)
+    .bind(cause)
+    .bind(confidence)
     .execute(connection)
     .await?;
     Ok(done.rows_affected() == 1)

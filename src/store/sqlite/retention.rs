@@ -26,12 +26,20 @@ const MEASUREMENTS: &str = "DELETE FROM measurements WHERE id IN (
              AND json_extract(request, '$.validation_measurement_id') = measurements.id)
      LIMIT ?2)";
 
+/// Batches that are old and whose jobs are gone.
+const BATCHES: &str = "DELETE FROM batches WHERE id IN (
+     SELECT id FROM batches
+     WHERE created_at_ms < (SELECT now_ms FROM clock) - ?1
+       AND NOT EXISTS (SELECT 1 FROM jobs WHERE jobs.batch_id = batches.id)
+     LIMIT ?2)";
+
 /// Keys that nobody repeats any more.
 const KEYS: &str = "DELETE FROM idempotency_keys WHERE (owner, scope, key) IN (
      SELECT owner, scope, key FROM idempotency_keys
      WHERE created_at_ms < (SELECT now_ms FROM clock) - ?1
         OR (resource_id NOT IN (SELECT id FROM jobs)
-            AND resource_id NOT IN (SELECT id FROM measurements))
+            AND resource_id NOT IN (SELECT id FROM measurements)
+            AND resource_id NOT IN (SELECT id FROM batches))
      LIMIT ?2)";
 
 pub(super) async fn delete_older(
@@ -42,6 +50,7 @@ pub(super) async fn delete_older(
     // Jobs first: a measurement goes with the last job on it.
     let jobs = delete(connection, JOBS, age, limit).await?;
     let measurements = delete(connection, MEASUREMENTS, age, limit).await?;
+    delete(connection, BATCHES, age, limit).await?;
     delete(connection, KEYS, age, limit).await?;
     Ok(Expired { measurements, jobs })
 }

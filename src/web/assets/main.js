@@ -10,6 +10,8 @@ import * as compare from "./compare.js";
 import * as axes from "./axes.js";
 import * as plans from "./plans.js";
 import * as together from "./together.js";
+import * as batches from "./batches.js";
+import * as batch from "./batch.js";
 
 const VIEWS = [
   [/^\/$/, overview],
@@ -19,6 +21,8 @@ const VIEWS = [
   [/^\/axes$/, axes],
   [/^\/plans$/, plans],
   [/^\/together$/, together],
+  [/^\/batches$/, batches],
+  [/^\/batches\/([^/]+)$/, batch],
 ];
 
 const main = document.getElementById("main");

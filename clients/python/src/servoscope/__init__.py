@@ -20,8 +20,9 @@ from .answers import (
     Parameter,
     TransferFunction,
 )
-from .async_client import AsyncClient, AsyncJob
-from .client import Client, Job
+from .async_client import AsyncBatch, AsyncClient, AsyncJob
+from .batches import BatchRow, BatchState
+from .client import Batch, Client, Job
 from .comparison import Comparison, Quantities
 from .errors import (
     JobCancelled,
@@ -37,8 +38,12 @@ from .results import Diagnosis, Identification, Result
 from .uploads import FrequencyResponse, TimeRecord, UploadSettings
 
 __all__ = [
+    "AsyncBatch",
     "AsyncClient",
     "AsyncJob",
+    "Batch",
+    "BatchRow",
+    "BatchState",
     "Cause",
     "Client",
     "Comparison",

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 import httpx
 
-from . import calls, jobs
+from . import batches, calls, jobs
+from .batches import BatchRow, BatchState
 from .calls import Order
-from .jobs import JobState
+from .jobs import JobState, Kind
 from .measurements import Measurement
 from .results import Diagnosis, Identification, Result
 from .steps import DEFAULT_URL, Outcome, Pause, Step, Steps, http_settings
@@ -84,6 +86,26 @@ class AsyncClient:
         """Come back to a job by its id."""
         return AsyncJob(self, await self._run(jobs.look(job_id, self._give_up_after_s)))
 
+    async def batch(
+        self,
+        measurements: Iterable[Measurement | str],
+        kind: Kind = "diagnose",
+        *,
+        name: str | None = None,
+        actuator_order: Order | None = None,
+        method: str | None = None,
+        options: dict[str, Any] | None = None,
+        idempotency_key: str | None = None,
+    ) -> AsyncBatch:
+        """Compute many measurements in the same way, as one batch: see ``Client.batch``."""
+        body = calls.batch_body(measurements, kind, name, actuator_order, method, options)
+        steps = batches.submit(body, idempotency_key, self._give_up_after_s)
+        return AsyncBatch(self, await self._run(steps))
+
+    async def find_batch(self, batch_id: str) -> AsyncBatch:
+        """Come back to a batch by its id."""
+        return AsyncBatch(self, await self._run(batches.look(batch_id, self._give_up_after_s)))
+
     async def close(self) -> None:
         """Close the connections."""
         await self._http.aclose()
@@ -148,3 +170,43 @@ class AsyncJob(Generic[R]):
 
     def __repr__(self) -> str:
         return f"<{self.state.kind} {self.id}: {self.state.status}>"
+
+
+class AsyncBatch:
+    """A batch on the server, as ``Batch``."""
+
+    def __init__(self, client: AsyncClient, state: BatchState) -> None:
+        self._client = client
+        self.state = state
+
+    @property
+    def id(self) -> str:
+        """Its id, by which ``AsyncClient.find_batch`` comes back to it."""
+        return self.state.id
+
+    async def refresh(self) -> BatchState:
+        """Ask how it stands."""
+        return await self._update(batches.look(self.id, self._client._give_up_after_s))
+
+    async def wait(
+        self, timeout_s: float | None = None, *, progress: bool = True
+    ) -> list[BatchRow]:
+        """Wait for the end and give what came of each measurement: see ``Batch.wait``."""
+        patience_s = self._client._give_up_after_s
+        await self._update(batches.wait(self.id, timeout_s, progress, patience_s))
+        return await self.rows()
+
+    async def rows(self) -> list[BatchRow]:
+        """Ask what came of each measurement so far, in the order in which they were given."""
+        return await self._client._run(batches.rows(self.id, self._client._give_up_after_s))
+
+    async def cancel(self) -> BatchState:
+        """Cancel what has not ended. Cancelling twice is no error."""
+        return await self._update(batches.cancel(self.id, self._client._give_up_after_s))
+
+    async def _update(self, steps: Steps[BatchState]) -> BatchState:
+        self.state = await self._client._run(steps)
+        return self.state
+
+    def __repr__(self) -> str:
+        return f"<batch {self.id}: {self.state.state}>"

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, Literal, TypeAlias
 from urllib.parse import quote
 from uuid import uuid4
 
+from .jobs import Kind
 from .measurements import Measurement
 from .steps import Request, Steps, send
 from .uploads import Source, UploadSettings, form
@@ -46,6 +48,27 @@ def job_body(
         "method": method,
         "options": options,
         "validation_measurement_id": None if validation is None else _id(validation),
+    }
+    return {name: value for name, value in body.items() if value is not None}
+
+
+def batch_body(
+    measurements: Iterable[Measurement | str],
+    kind: Kind,
+    name: str | None,
+    actuator_order: Order | None,
+    method: str | None,
+    options: dict[str, Any] | None,
+) -> dict[str, Any]:
+    """Say what a batch asks for; what is None is left to the server."""
+    plant = None if actuator_order is None else {"actuator_order": actuator_order}
+    body = {
+        "name": name,
+        "kind": kind,
+        "measurement_ids": [_id(one) for one in measurements],
+        "plant": plant,
+        "method": method,
+        "options": options,
     }
     return {name: value for name, value in body.items() if value is not None}
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 import httpx
 
-from . import calls, jobs
+from . import batches, calls, jobs
+from .batches import BatchRow, BatchState
 from .calls import Order
-from .jobs import JobState
+from .jobs import JobState, Kind
 from .measurements import Measurement
 from .results import Diagnosis, Identification, Result
 from .steps import DEFAULT_URL, Outcome, Pause, Step, Steps, http_settings
@@ -118,6 +120,42 @@ class Client:
         """Come back to a job by its id."""
         return Job(self, self._run(jobs.look(job_id, self._give_up_after_s)))
 
+    def batch(
+        self,
+        measurements: Iterable[Measurement | str],
+        kind: Kind = "diagnose",
+        *,
+        name: str | None = None,
+        actuator_order: Order | None = None,
+        method: str | None = None,
+        options: dict[str, Any] | None = None,
+        idempotency_key: str | None = None,
+    ) -> Batch:
+        """Compute many measurements in the same way, as one batch.
+
+        Args:
+            measurements: Measurements or their ids, at most 10 000, each of them once.
+            kind: ``"diagnose"`` or ``"identify"``.
+            name: Name of the batch, for people.
+            actuator_order: 0, 1 or 2; None: chosen from the data of each.
+            method: How parameters are estimated; None: the server's default.
+            options: Options such as ``{"seed": 2}``.
+            idempotency_key: The same key with the same request gives the same batch. By default
+                each call makes one.
+
+        Raises:
+            ProblemError: The server refused; ``member`` says which measurement or argument is
+                wrong. Nothing is computed then.
+            ServerUnreachable: The server does not answer.
+        """
+        body = calls.batch_body(measurements, kind, name, actuator_order, method, options)
+        steps = batches.submit(body, idempotency_key, self._give_up_after_s)
+        return Batch(self, self._run(steps))
+
+    def find_batch(self, batch_id: str) -> Batch:
+        """Come back to a batch by its id."""
+        return Batch(self, self._run(batches.look(batch_id, self._give_up_after_s)))
+
     def close(self) -> None:
         """Close the connections."""
         self._http.close()
@@ -201,3 +239,50 @@ class Job(Generic[R]):
 
     def __repr__(self) -> str:
         return f"<{self.state.kind} {self.id}: {self.state.status}>"
+
+
+class Batch:
+    """A batch on the server. It computes whether or not somebody waits for it."""
+
+    def __init__(self, client: Client, state: BatchState) -> None:
+        self._client = client
+        self.state = state
+
+    @property
+    def id(self) -> str:
+        """Its id, by which ``Client.find_batch`` comes back to it."""
+        return self.state.id
+
+    def refresh(self) -> BatchState:
+        """Ask how it stands."""
+        return self._update(batches.look(self.id, self._client._give_up_after_s))
+
+    def wait(self, timeout_s: float | None = None, *, progress: bool = True) -> list[BatchRow]:
+        """Wait for the end, and give what came of each measurement, whatever it is.
+
+        Args:
+            timeout_s: Longest time to wait, seconds; None: until it ends.
+            progress: Whether a progress bar is shown.
+
+        Raises:
+            WaitTimeout: It has not ended within ``timeout_s``. It goes on computing.
+            ServerUnreachable: The server was away for longer than ``give_up_after_s``.
+        """
+        patience_s = self._client._give_up_after_s
+        self._update(batches.wait(self.id, timeout_s, progress, patience_s))
+        return self.rows()
+
+    def rows(self) -> list[BatchRow]:
+        """Ask what came of each measurement so far, in the order in which they were given."""
+        return self._client._run(batches.rows(self.id, self._client._give_up_after_s))
+
+    def cancel(self) -> BatchState:
+        """Cancel what has not ended. Cancelling twice is no error."""
+        return self._update(batches.cancel(self.id, self._client._give_up_after_s))
+
+    def _update(self, steps: Steps[BatchState]) -> BatchState:
+        self.state = self._client._run(steps)
+        return self.state
+
+    def __repr__(self) -> str:
+        return f"<batch {self.id}: {self.state.state}>"

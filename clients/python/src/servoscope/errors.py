@@ -64,10 +64,10 @@ class JobCancelled(ServoscopeError):
 
 
 class WaitTimeout(ServoscopeError, TimeoutError):
-    """A job had not ended when the time to wait was over. It goes on computing."""
+    """A job or batch had not ended when the time to wait was over. It goes on computing."""
 
-    def __init__(self, job_id: str, seconds: float) -> None:
-        super().__init__(f"job {job_id} has not ended within {seconds:g} s")
+    def __init__(self, of_id: str, seconds: float, what: str = "job") -> None:
+        super().__init__(f"{what} {of_id} has not ended within {seconds:g} s")
 
 
 def raise_for_problem(response: httpx.Response) -> None:

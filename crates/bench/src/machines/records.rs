@@ -51,6 +51,17 @@ impl RecordNoise {
 }
 
 impl Sampling {
+    /// Lines of an input that a converter holds from each sample to the next, without their images:
+    /// sin(x)/x·exp(−jx) of those of its samples, x = πk/N.
+    pub fn held(self, lines: &[Complex]) -> Vec<Complex> {
+        lines.iter().enumerate().map(|(k, line)| line * self.hold(k)).collect()
+    }
+
+    fn hold(self, k: usize) -> Complex {
+        let x = 0.5 * TAU * k as f64 / self.samples as f64;
+        Complex::from_polar(if k == 0 { 1.0 } else { x.sin() / x }, -x)
+    }
+
     /// Standard deviation of re and im of a harmonic, averaged over all periods, from that of a
     /// sample: √(2/(number of samples)) of it.
     fn harmonic_std(self, sample_std: f64) -> f64 {
@@ -81,6 +92,12 @@ impl PeriodicMotion {
         }
         self.response[0] = Complex::new(0.0, 0.0);
         self
+    }
+
+    /// The same motion with the samples of its input that a converter holds.
+    pub fn read_before_holding(&self, sampling: Sampling) -> Self {
+        let lines = self.input.iter().enumerate();
+        Self { input: lines.map(|(k, line)| line / sampling.hold(k)).collect(), ..self.clone() }
     }
 
     /// Root mean square of the input without its mean, input units.
@@ -126,6 +143,8 @@ impl PeriodicMotion {
             input: self.input.clone(),
             input_mean_measured: true,
             mean_velocity: self.mean_velocity,
+            rounding_std: 0.0,
+            open_samples: None,
             response: response.map(harmonic).collect(),
             run: Some(run),
             repeats: Vec::new(),
@@ -173,8 +192,8 @@ impl PeriodicMotion {
         rng: &mut ChaCha8Rng,
     ) -> Result<Experiment, RecordError> {
         let record = self.record(noise, sampling, run, rng);
-        let (mut experiment, _) =
-            record.experiment(kind, None, Some(TAU / self.omega_rad_s), Some(0))?;
+        let period_s = Some(TAU / self.omega_rad_s);
+        let (mut experiment, _) = record.experiment(kind, None, None, period_s, Some(0))?;
         if kind != ResponseKind::Velocity {
             // The mean of a position says nothing.
             experiment.response.remove(0);
@@ -295,6 +314,19 @@ mod tests {
             assert_eq!(experiment.response[0].order, 1);
         }
         assert!(found.repeats.iter().all(|repeat| !repeat.input.is_empty()));
+    }
+
+    #[test]
+    fn a_held_input_is_read_as_the_samples_that_are_held() {
+        let motion = motion();
+        let held = PeriodicMotion { input: SAMPLING.held(&motion.input), ..motion.clone() };
+        let read = held.read_before_holding(SAMPLING);
+        for (read, line) in read.input.iter().zip(&motion.input) {
+            assert!((read - line).norm() < 1e-14 * 2.0);
+        }
+        // Half a sample late: line 20 of 256 samples by 20/256 of half a turn.
+        let angle = (held.input[20] / motion.input[20]).arg();
+        assert!((angle + 0.5 * TAU * 20.0 / 256.0).abs() < 1e-12, "{angle}");
     }
 
     #[test]

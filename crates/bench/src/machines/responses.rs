@@ -130,6 +130,8 @@ impl Responses {
                 input: cosine(point.magnitude),
                 input_mean_measured: false,
                 mean_velocity: 0.0,
+                rounding_std: 0.0,
+                open_samples: None,
                 response,
                 run: Some(point.run as f64),
                 repeats,

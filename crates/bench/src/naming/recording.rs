@@ -49,6 +49,9 @@ pub enum Recording {
         /// Number of levels, 1 or 2.
         levels: usize,
     },
+    /// The multisine at one level as the command of a converter, which holds each sample until the
+    /// next. The record does not say so.
+    Held,
     /// The multisine at one level with a response that is a position. Nothing holds the axis, so it
     /// moves on where it is not symmetric.
     Position {
@@ -66,6 +69,7 @@ impl fmt::Display for Recording {
         match self {
             Self::Multisine { levels: 1 } => f.write_str("multisine at 1 level"),
             Self::Multisine { levels } => write!(f, "multisine at {levels} levels"),
+            Self::Held => f.write_str("multisine, held between samples"),
             Self::Position { periods: 1 } => f.write_str("one period of a position"),
             Self::Position { periods } => write!(f, "{periods} periods of a position"),
             Self::Trajectory => f.write_str("trajectory in a position loop"),
@@ -89,17 +93,18 @@ type Motions = Vec<[PeriodicMotion; 2]>;
 
 impl Recording {
     /// All of them.
-    pub(super) const ALL: [Self; 5] = [
+    pub(super) const ALL: [Self; 6] = [
         Self::Multisine { levels: 1 },
         Self::Multisine { levels: 2 },
         Self::Trajectory,
         Self::Position { periods: PERIODS },
         Self::Position { periods: 1 },
+        Self::Held,
     ];
 
     fn kind(self) -> ResponseKind {
         match self {
-            Self::Multisine { .. } => ResponseKind::Velocity,
+            Self::Multisine { .. } | Self::Held => ResponseKind::Velocity,
             Self::Position { .. } | Self::Trajectory => ResponseKind::Position,
         }
     }
@@ -107,7 +112,7 @@ impl Recording {
     fn sampling(self) -> Sampling {
         let periods = match self {
             Self::Position { periods } => periods,
-            Self::Multisine { .. } | Self::Trajectory => PERIODS,
+            Self::Multisine { .. } | Self::Held | Self::Trajectory => PERIODS,
         };
         Sampling { samples: SAMPLES / periods, periods }
     }
@@ -123,8 +128,9 @@ impl Recording {
         rng: &mut ChaCha8Rng,
     ) -> Option<Recorded> {
         let motions = match self {
-            Self::Multisine { levels } => multisines(machine, dominant, levels, rng)?,
-            Self::Position { .. } => positions(multisines(machine, dominant, 1, rng)?),
+            Self::Multisine { levels } => multisines(machine, dominant, levels, None, rng)?,
+            Self::Held => multisines(machine, dominant, 1, Some(self.sampling()), rng)?,
+            Self::Position { .. } => positions(multisines(machine, dominant, 1, None, rng)?),
             Self::Trajectory => trajectory(machine, dominant)?,
         };
         let noise = self.noise(&motions[0][0]);
@@ -148,7 +154,11 @@ impl Recording {
         }
         let (noise, dominance) = (noise.times(change), found.with_noise(change));
         let recorded = |(place, [whole, _]): (usize, &[PeriodicMotion; 2])| {
-            whole.recorded(self.kind(), &noise, sampling, run(place), rng).ok()
+            let read = match self {
+                Self::Held => whole.read_before_holding(sampling),
+                _ => whole.clone(),
+            };
+            read.recorded(self.kind(), &noise, sampling, run(place), rng).ok()
         };
         let experiments = motions.iter().enumerate().map(recorded).collect::<Option<_>>()?;
         let exact = exact(0, &noise)?;
@@ -169,7 +179,7 @@ impl Recording {
 
     fn noise(self, motion: &PeriodicMotion) -> RecordNoise {
         let [input, response] = match self {
-            Self::Multisine { .. } | Self::Position { .. } => MULTISINE_NOISE,
+            Self::Multisine { .. } | Self::Held | Self::Position { .. } => MULTISINE_NOISE,
             Self::Trajectory => TRAJECTORY_NOISE,
         };
         RecordNoise {
@@ -180,7 +190,7 @@ impl Recording {
 
     fn measurement(self, experiments: Vec<Experiment>) -> Option<Measurement> {
         let feedback = Some(match self {
-            Self::Multisine { .. } | Self::Position { .. } => Loop::Open,
+            Self::Multisine { .. } | Self::Held | Self::Position { .. } => Loop::Open,
             Self::Trajectory => Loop::Closed,
         });
         let metadata = Metadata { response_kind: self.kind(), feedback, ..Metadata::default() };
@@ -188,16 +198,18 @@ impl Recording {
     }
 }
 
-/// The same multisine at one or two levels.
+/// The same multisine at one or two levels; held between these samples, if any.
 fn multisines(
     machine: &Draw,
     dominant: usize,
     levels: usize,
+    held: Option<Sampling>,
     rng: &mut ChaCha8Rng,
 ) -> Option<Motions> {
     let (highest, band_rad_s) = *machine.design.last()?;
     let omega_rad_s = band_rad_s / LINES as f64;
     let input = multisine(LINES, MULTISINE_MAGNITUDE * highest, rng);
+    let input = held.map_or(input.clone(), |sampling| sampling.held(&input));
     let level = |level: usize| {
         let factor = LEVEL_RATIO.powi(-(level as i32));
         let input: Vec<_> = input.iter().map(|line| factor * line).collect();
@@ -264,7 +276,7 @@ mod tests {
     fn two_levels_are_the_same_multisine_and_the_input_does_not_depend_on_small_effects() {
         let machine = machine();
         let rng = &mut ChaCha8Rng::seed_from_u64(1);
-        let motions = multisines(&machine, 1, 2, rng).unwrap();
+        let motions = multisines(&machine, 1, 2, None, rng).unwrap();
         let [[whole, dominant], [lower, _]] = &motions[..] else { panic!("two levels") };
         assert_eq!((whole.input.len(), &whole.input), (LINES + 1, &dominant.input));
         assert_ne!(whole.response, dominant.response);
@@ -281,6 +293,7 @@ mod tests {
             "trajectory in a position loop",
             "4 periods of a position",
             "one period of a position",
+            "multisine, held between samples",
         ];
         assert_eq!(Recording::ALL.map(|recording| recording.to_string()), expected);
     }

@@ -31,11 +31,15 @@ pub enum FaultKind {
     AmplitudeConvention,
     /// The response is ahead of the input by a constant time.
     ChannelSkew,
+    /// Between its samples the input of a record is held, as behind a converter.
+    HeldInput,
+    /// Between its samples the input of a record runs straight.
+    StraightInput,
 }
 
 impl FaultKind {
     /// Every kind.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::BadRows,
         Self::StdFactor,
         Self::LevelGain,
@@ -48,6 +52,8 @@ impl FaultKind {
         Self::ResponseKind,
         Self::AmplitudeConvention,
         Self::ChannelSkew,
+        Self::HeldInput,
+        Self::StraightInput,
     ];
 
     /// The name used on the wire.
@@ -65,6 +71,8 @@ impl FaultKind {
             Self::ResponseKind => "response_kind",
             Self::AmplitudeConvention => "amplitude_convention",
             Self::ChannelSkew => "channel_skew",
+            Self::HeldInput => "held_input",
+            Self::StraightInput => "straight_input",
         }
     }
 }

@@ -282,6 +282,8 @@ fn multisine(change: impl Fn(usize) -> f64) -> Measurement {
         input,
         input_mean_measured: false,
         mean_velocity: 0.0,
+        rounding_std: 0.0,
+        open_samples: None,
         response,
         run: None,
         repeats: Vec::new(),

@@ -63,6 +63,8 @@ fn experiment(
         input,
         input_mean_measured: false,
         mean_velocity: 0.0,
+        rounding_std: 0.0,
+        open_samples: None,
         response: velocity.into_iter().enumerate().map(harmonic).collect(),
         run: None,
         repeats: Vec::new(),

@@ -177,7 +177,8 @@ fn from_scatter(experiments: &[Experiment], problem: &Problem, model: Option<&Pl
         .zip(experiments)
         .map(|(variances, experiment)| {
             let repeats = experiment.repeats.len().max(1) as f64;
-            variances.into_iter().map(|variance| (variance / repeats).sqrt()).collect()
+            let rounding = experiment.rounding_std / problem.response_scale;
+            variances.into_iter().map(|v| (v / repeats + rounding * rounding).sqrt()).collect()
         })
         .collect();
     Weights {
@@ -282,4 +283,33 @@ fn explained_by_input(
             prepared.targets.iter().map(of).collect()
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{ACTUATORS, axis, joined, multisine};
+    use super::*;
+    use crate::measurement::Repeat;
+
+    #[test]
+    fn rounding_that_repeats_adds_to_the_scatter_of_periods() {
+        let of = |rounding_std: f64| {
+            let mut experiments = multisine(&axis(ACTUATORS[0])).experiments().to_vec();
+            let e = &mut experiments[0];
+            let deviation = |sign: f64| Repeat {
+                input: Vec::new(),
+                response: vec![Complex::new(sign * 3e-3, sign * 3e-3); e.response.len()],
+            };
+            e.repeats = vec![deviation(1.0), deviation(-1.0)];
+            (e.from_record, e.rounding_std) = (true, rounding_std);
+            let measurement = joined(experiments);
+            let problem = Problem::new(&measurement).unwrap();
+            let weights = weights(&measurement, &problem, &IdentifyOptions::default(), None);
+            weights.sigma[0][5] * problem.response_scale
+        };
+        let (scatter, both) = (of(0.0), of(4e-3));
+        // Of two repeats at ± 3e-3 the mean has a standard error of 3e-3.
+        assert!((scatter / 3e-3 - 1.0).abs() < 1e-9, "{scatter}");
+        assert!((both / 5e-3 - 1.0).abs() < 1e-9, "{both}");
+    }
 }

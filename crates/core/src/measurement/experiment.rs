@@ -40,6 +40,12 @@ pub struct Experiment {
     /// Mean velocity of a response that is a position, response units per second: 0 where it
     /// returns after each period. Other responses have it as harmonic 0 and ignore this.
     pub mean_velocity: f64,
+    /// Standard deviation of each of re and im of every harmonic of the response from the rounding
+    /// of samples, as far as it repeats in every period, so that `repeats` do not tell it.
+    pub rounding_std: f64,
+    /// Samples of a period of the input, if it was sampled and nothing says how it runs between its
+    /// samples. `input` are then the lines of the smoothest course through them.
+    pub open_samples: Option<f64>,
     /// Yₖ, mean over the repeats, in ascending order of k without duplicates.
     pub response: Vec<Harmonic>,
     /// Position in the order of acquisition, if known.
@@ -103,6 +109,12 @@ impl Experiment {
         }
         if !self.mean_velocity.is_finite() {
             return Err("the mean velocity is not finite".into());
+        }
+        if !(self.rounding_std.is_finite() && self.rounding_std >= 0.0) {
+            return Err(format!(
+                "rounding deviation {} is not a finite number ≥ 0",
+                self.rounding_std
+            ));
         }
         if self.response.is_empty() {
             return Err("there is no response".into());

@@ -7,6 +7,7 @@
 mod doubts;
 mod experiment;
 pub mod formats;
+mod intersample;
 mod metadata;
 mod notes;
 mod period;
@@ -14,6 +15,7 @@ mod period_drift;
 mod record;
 mod record_error;
 mod repetition;
+mod resolution;
 mod sampling;
 mod scatter;
 mod settling;

@@ -10,7 +10,7 @@ use super::travel::Travel;
 use super::waveform::half_peak_to_peak;
 use super::{
     Beginning, Complex, Experiment, Harmonic, Intersample, Loop, Repeat, ResponseKind, Transient,
-    period, sampling, settling, significance, stated_period,
+    period, resolution, sampling, settling, significance, stated_period,
 };
 
 /// Deviations between periods below this share of the spectrum's norm are rounding errors of the
@@ -47,7 +47,8 @@ impl Record {
     /// Phases refer to the beginning of the first period used. The harmonics of the input reach up
     /// to the Nyquist frequency, since all of them drive the machine; those of the response end
     /// where it disappears in the noise. A position that moves on from period to period is used
-    /// without that uniform motion, which becomes the mean velocity.
+    /// without that uniform motion, which becomes the mean velocity. Without `intersample` the
+    /// input is the smoothest course through its samples.
     ///
     /// # Errors
     /// See [`RecordError`].
@@ -55,6 +56,7 @@ impl Record {
         &self,
         kind: ResponseKind,
         feedback: Option<Loop>,
+        intersample: Option<Intersample>,
         period_s: Option<f64>,
         settle_periods: Option<usize>,
     ) -> Result<(Experiment, Vec<String>), RecordError> {
@@ -120,12 +122,19 @@ impl Record {
             returning = Cow::Owned(travel.taken_out_of(&self.output, samples));
             outputs = spectrum::of_periods(&returning, periods);
         }
-        let inputs = spectrum::of_periods(&self.input, periods);
+        let mut inputs = spectrum::of_periods(&self.input, periods);
+        if let Some(intersample) = intersample {
+            for (k, line) in inputs.iter_mut().flat_map(|lines| lines.iter_mut().enumerate()) {
+                *line *= intersample.factor(k, samples);
+            }
+        }
         remarks.push(format!("the last {count} whole periods of {period_s} s are used"));
         remarks.extend(travel.remark(&returning));
         let beginning = settling::Beginning::of(&outputs, &returning, samples);
         let experiment = Experiment {
             mean_velocity: travel.distance() / period_s,
+            rounding_std: self.rounding_std(&outputs, samples),
+            open_samples: intersample.is_none().then_some(samples),
             ..self.joined(period_s, &inputs, &outputs, &mut remarks)
         };
         remarks.extend(beginning.remark(count));
@@ -149,6 +158,19 @@ impl Record {
             beginning,
             run: self.run,
         })
+    }
+
+    /// Standard deviation of a harmonic from rounding that repeats in every period.
+    fn rounding_std(&self, outputs: &[Vec<Complex>], samples: f64) -> f64 {
+        let (_, deviations) = mean_and_deviations(outputs);
+        let others = outputs.len() - 1;
+        if others == 0 {
+            return 0.0;
+        }
+        // A line of amplitude A has the mean square A²/2.
+        let scatter: f64 = deviations.iter().map(|deviation| 0.5 * power(deviation)).sum();
+        let step = resolution::step(&self.output);
+        (2.0 / samples * resolution::repeated_variance(step, scatter / others as f64)).sqrt()
     }
 
     fn joined(
@@ -193,6 +215,8 @@ impl Record {
             input,
             input_mean_measured: true,
             mean_velocity: 0.0,
+            rounding_std: 0.0,
+            open_samples: None,
             response: output[..=highest]
                 .iter()
                 .enumerate()

@@ -29,6 +29,8 @@ pub(super) fn table(repeats: usize) -> Measurement {
                 input: vec![Complex::default(), Complex::new(magnitude, 0.0)],
                 input_mean_measured: false,
                 mean_velocity: 0.0,
+                rounding_std: 0.0,
+                open_samples: None,
                 response,
                 run: None,
                 repeats,

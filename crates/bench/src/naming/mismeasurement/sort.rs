@@ -110,7 +110,9 @@ mod tests {
 
     #[test]
     fn every_kind_of_fault_is_among_the_sorts_and_each_sort_has_a_row_of_its_own() {
-        for kind in FaultKind::ALL {
+        // How the input runs between samples concerns records, which `recording` draws.
+        let of_records = [FaultKind::HeldInput, FaultKind::StraightInput];
+        for kind in FaultKind::ALL.into_iter().filter(|kind| !of_records.contains(kind)) {
             assert!(Sort::ALL.iter().any(|sort| sort.kind() == kind), "{kind:?}");
         }
         let mut names = Sort::ALL.map(Sort::name).to_vec();

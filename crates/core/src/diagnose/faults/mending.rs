@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use crate::answers::{FaultKind, MeasurementFault};
 use crate::identify::DatumChange;
 use crate::measurement::{
-    Complex, Experiment, Harmonic, InvalidMeasurement, Measurement, Repeat, ResponseKind,
+    Complex, Experiment, Harmonic, Intersample, InvalidMeasurement, Measurement, Repeat,
+    ResponseKind,
 };
 
 /// Two magnitudes are the same if they differ by less than this, relative.
@@ -90,6 +91,15 @@ pub(super) fn change(
     change
 }
 
+/// How the input runs between its samples, if that is one of the faults.
+pub(super) fn course(faults: &[MeasurementFault]) -> Option<Intersample> {
+    faults.iter().find_map(|fault| match fault.fault {
+        FaultKind::HeldInput => Some(Intersample::Hold),
+        FaultKind::StraightInput => Some(Intersample::Linear),
+        _ => None,
+    })
+}
+
 /// The measurement without these faults. The indices in the faults are those of this measurement.
 ///
 /// # Errors
@@ -134,6 +144,13 @@ fn mended_experiment(
             let order = harmonic.order;
             harmonic.value = mended_value(fault, experiment, order, harmonic.value);
             harmonic.std = harmonic.std.map(|std| std * std_factor(fault, experiment, order));
+        }
+    }
+    if let Some((course, samples)) = course(faults).zip(mended.open_samples) {
+        mended.open_samples = None;
+        let repeats = mended.repeats.iter_mut().map(|repeat| &mut repeat.input);
+        for lines in repeats.chain([&mut mended.input]) {
+            lines.iter_mut().enumerate().for_each(|(k, line)| *line *= course.factor(k, samples));
         }
     }
     let keep = |order: usize| !faults.iter().any(|fault| leaves_out(fault, index, order));

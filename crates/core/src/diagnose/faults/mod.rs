@@ -8,10 +8,11 @@
 //! again.
 //!
 //! [`readings`] tries other ways to read the whole file, [`repeats`] compares repeats with each
-//! other, [`isolated`] finds rows that stand out where nothing explains the measurement. [`retest`] asks whether faults are still needed beside the effects that are named in the
+//! other, [`course`] tries how an input runs between its samples, [`isolated`] finds rows that stand out where nothing explains the measurement. [`retest`] asks whether faults are still needed beside the effects that are named in the
 //! end. Faults of one row, level or experiment are looked for in tables only.
 
 mod candidates;
+mod course;
 mod family;
 mod fault;
 mod isolated;

@@ -7,6 +7,7 @@ use crate::diagnose::residuals::discrepancy;
 use crate::diagnose::residuals::residual::Residuals;
 use crate::diagnose::selection::models::{Key, Models};
 
+use super::course;
 use super::family::Family;
 use super::fault;
 use super::mending;
@@ -53,10 +54,13 @@ pub(crate) struct Suspects<'a> {
 
 impl Suspects<'_> {
     /// The best model with faults, if it leaves only noise and is better than every model without
-    /// any; `wanted` says which models are tried.
+    /// any; `wanted` says which models are tried. Of records the only fault is that of [`course`].
     pub fn best(&self, wanted: impl Fn(&Key) -> bool) -> Option<Suspected> {
-        if !self.session.has_cosines_alone() || self.dof() < FEWEST_DOF {
+        if self.dof() < FEWEST_DOF {
             return None;
+        }
+        if !self.session.has_cosines_alone() {
+            return course::best(self, wanted);
         }
         let scan = self.scan(self.base, self.session.base());
         let family = Family::of(self.base, &scan.candidates(), self.seed);
@@ -98,11 +102,11 @@ impl Suspects<'_> {
         criteria.fold(f64::INFINITY, f64::min)
     }
 
-    fn dof(&self) -> f64 {
+    pub(super) fn dof(&self) -> f64 {
         self.models.noise_scale.dof
     }
 
-    fn size_known(&self) -> bool {
+    pub(super) fn size_known(&self) -> bool {
         self.models.noise_scale.known
     }
 

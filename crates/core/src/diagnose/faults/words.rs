@@ -101,6 +101,14 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
                 mended,
             )
         }
+        FaultKind::HeldInput => (
+            "between its samples the input is held: it acts half a sample later than it was read"
+                .into(),
+            ": taken as that",
+        ),
+        FaultKind::StraightInput => {
+            ("between its samples the input runs straight".into(), ": taken as that")
+        }
         FaultKind::ChannelSkew => {
             let ends = fault.interval95.map(|ends| ends.map(|end| 1e3 * end));
             let interval = ends.map(|both| both.map(|end| rounded(end, ends)));
@@ -196,6 +204,8 @@ fn remedy(fault: &MeasurementFault) -> &'static str {
         FaultKind::AmplitudeConvention => {
             "state what the amplitudes are: `# amplitude: rms`, or `peak-to-peak`"
         }
+        FaultKind::HeldInput => "add the line `# intersample: hold` above the header",
+        FaultKind::StraightInput => "add the line `# intersample: linear` above the header",
         FaultKind::ChannelSkew => "correct the delay between the channels of the instrument",
     }
 }

@@ -32,6 +32,8 @@ fn experiment(plant: Plant, omega_rad_s: f64, input: Vec<Complex>, highest: usiz
         input,
         input_mean_measured: false,
         mean_velocity: 0.0,
+        rounding_std: 0.0,
+        open_samples: None,
         response: velocity.unwrap().into_iter().enumerate().map(harmonic).collect(),
         run: None,
         repeats: Vec::new(),

@@ -103,9 +103,10 @@ pub(crate) fn diagnose(
     let mut said = Vec::new();
     let mut alternative = None;
     if data.doubted {
-        // Data are not left out for what effects explain about as well.
+        // Data are not left out for what effects explain about as well. Of records none are.
         let explained = studies[0].explained() && !studies[0].chosen.is_empty();
-        let margin = if explained { EQUIVALENCE_MARGIN } else { 0.0 };
+        let leaves_out = first.has_cosines_alone();
+        let margin = if explained && leaves_out { EQUIVALENCE_MARGIN } else { 0.0 };
         alternative = doubt(&studies, margin, &|_| true)?;
     }
     let best = studies.remove(0);

@@ -131,6 +131,8 @@ mod tests {
                 input,
                 input_mean_measured: false,
                 mean_velocity: 0.0,
+                rounding_std: 0.0,
+                open_samples: None,
                 response: velocity.ok()?.into_iter().enumerate().map(harmonic).collect(),
                 run: None,
                 repeats: Vec::new(),

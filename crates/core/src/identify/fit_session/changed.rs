@@ -1,7 +1,9 @@
 //! Sessions with some data changed, to try what a fault of the measurement would explain.
 
 use super::FitSession;
+use crate::identify::problem::Problem;
 use crate::measurement::Complex;
+use crate::simulate::Excitation;
 
 /// How a datum is changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,12 +30,30 @@ impl<'a> FitSession<'a> {
                 *sigma *= deviation;
             }
         }
+        FitSession { fitted, ..self.of_problem(problem) }
+    }
+
+    /// The same session with every line of the inputs changed by a factor, given its experiment and
+    /// order. Nothing is fitted again, and models of this session are models of the result.
+    pub fn with_input(&self, factor: impl Fn(usize, usize) -> Complex) -> FitSession<'a> {
+        let mut problem = self.problem.clone();
+        for (index, experiment) in problem.experiments.iter_mut().enumerate() {
+            let before = &experiment.excitation;
+            let lines = before.input().iter().enumerate();
+            let input = lines.map(|(k, line)| line * factor(index, k)).collect();
+            experiment.excitation =
+                Excitation::new(before.omega_rad_s(), input).at_run_share(before.run_share());
+        }
+        self.of_problem(problem)
+    }
+
+    fn of_problem(&self, problem: Problem) -> FitSession<'a> {
         FitSession {
             measurement: self.measurement,
             request: self.request,
             observer: self.observer,
             problem,
-            fitted,
+            fitted: self.fitted.clone(),
             order_choice: self.order_choice.clone(),
             orders: self.orders.clone(),
             base: self.base.clone(),

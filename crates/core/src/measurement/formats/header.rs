@@ -21,7 +21,7 @@ pub(super) struct Header {
     /// Whether the file states that a time record has no period (`period_s: none`).
     pub(super) aperiodic: bool,
     /// Course of the input of a record without period between samples.
-    pub(super) intersample: Intersample,
+    pub(super) intersample: Option<Intersample>,
     /// Initial state of a record without period.
     pub(super) beginning: Beginning,
     /// Periods to drop at the beginning of a time record, if stated.
@@ -201,8 +201,8 @@ impl Header {
             "period_s" => (self.period_s, self.aperiodic) = (Some(period(value)?), false),
             "intersample" => {
                 self.intersample = match value {
-                    "linear" => Intersample::Linear,
-                    "hold" => Intersample::Hold,
+                    "linear" => Some(Intersample::Linear),
+                    "hold" => Some(Intersample::Hold),
                     _ => return Err(format!("`{value}` is neither linear nor hold")),
                 };
             }
@@ -343,7 +343,7 @@ mod tests {
         );
         assert_eq!(header("period_s", "6.24").period_s, Some(6.24));
         assert!(header("period_s", "none").aperiodic);
-        assert_eq!(header("intersample", "hold").intersample, Intersample::Hold);
+        assert_eq!(header("intersample", "hold").intersample, Some(Intersample::Hold));
         assert_eq!(header("initial_velocity", "-0.5").beginning.velocity, Some(-0.5));
         assert_eq!(header("initial_position", "2").beginning.position, Some(2.0));
         assert_eq!(header("settle_s", "0").beginning.settle_s, Some(0.0));

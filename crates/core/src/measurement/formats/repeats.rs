@@ -99,6 +99,8 @@ pub(super) fn experiment(
             input: mean_input,
             input_mean_measured: mean_measured || group.bias.is_some(),
             mean_velocity: 0.0,
+            rounding_std: 0.0,
+            open_samples: None,
             response,
             run: run(&repeats, &mut remarks),
             repeats: repeats_of_mean,

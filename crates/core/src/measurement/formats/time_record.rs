@@ -70,7 +70,9 @@ pub(super) fn read_one(table: &Table, run: Option<f64>, header: &Header) -> Resu
 
 fn read_segment(table: &Table, segment: &Segment, header: &Header) -> Result<Read, Fault> {
     let record = &segment.record;
-    let motion = |remark: &str| match record.transient(header.intersample, header.beginning) {
+    let motion = |remark: &str| match record
+        .transient(header.intersample.unwrap_or_default(), header.beginning)
+    {
         Ok(content) => Ok(Read::Motion(Remarked { content, remarks: vec![remark.into()] })),
         Err(error) => Err(fault(table, segment, error)),
     };
@@ -79,12 +81,14 @@ fn read_segment(table: &Table, segment: &Segment, header: &Header) -> Result<Rea
     }
     let moves = record.output.iter().any(|value| *value != record.output[0]);
     let metadata = &header.metadata;
-    match record.experiment(
+    let experiment = record.experiment(
         metadata.response_kind,
         metadata.feedback,
+        header.intersample,
         header.period_s,
         header.settle_periods,
-    ) {
+    );
+    match experiment {
         Ok((content, remarks)) => Ok(Read::Periods(Remarked { content, remarks })),
         Err(RecordError::NoPeriodFound { .. }) if record.time_s.len() >= FEWEST && moves => motion(
             "no period is found in the input: it is taken as one motion that does not repeat, \

@@ -64,6 +64,56 @@ fn periods_that_are_copies_say_nothing_of_the_noise() {
     assert!(m.notes().iter().any(|note| note.contains("copies")));
 }
 
+/// Three periods of 0.1 s of a position that is rounded to steps of 0.01 and moves on by `travel`.
+fn rounded_position(travel: f64, scatter: f64) -> Measurement {
+    let mut text = String::from("# response: position rad\n# period_s: 0.1\ntime_s,input,output\n");
+    for n in 0..600 {
+        let phase = f64::from(n) / 200.0;
+        let noise = scatter * (f64::from((n * 7919) % 101) - 50.0) / 50.0;
+        let position = (std::f64::consts::TAU * phase).cos() + travel * phase + noise;
+        let rounded = (position / 0.01).round() * 0.01;
+        text += &format!(
+            "{:.4},{:.4},{rounded:.2}\n",
+            phase * 0.1,
+            (std::f64::consts::TAU * phase).sin()
+        );
+    }
+    ok(&text)
+}
+
+#[test]
+fn rounding_that_repeats_with_the_periods_is_noise_and_rounding_that_scatters_is_not_counted_twice()
+{
+    // The scatter is uniform over ± 0.2 and ± 2 steps.
+    let repeating = rounded_position(0.0, 0.002);
+    let scattering = rounded_position(0.0, 0.02);
+    let of = |m: &Measurement| m.experiments()[0].rounding_std;
+    // All of 0.01/√12, in each of re and im √(2/200) of it.
+    let whole = 0.01 / 12.0_f64.sqrt() * (2.0_f64 / 200.0).sqrt();
+    assert!((0.4..0.9).contains(&(of(&repeating) / whole)), "{}", of(&repeating) / whole);
+    assert!(of(&scattering) < 0.01 * whole, "{}", of(&scattering) / whole);
+}
+
+#[test]
+fn a_position_that_moves_on_is_used_without_that_uniform_motion() {
+    let moving = rounded_position(0.3, 0.02);
+    let experiment = &moving.experiments()[0];
+    assert!((experiment.mean_velocity - 3.0).abs() < 0.02, "{}", experiment.mean_velocity);
+    assert!((y(&moving, 0, 1) - Complex::new(1.0, 0.0)).norm() < 0.01);
+    assert!(moving.notes().iter().any(|note| note.contains("moves on by 0.3")));
+}
+
+#[test]
+fn an_input_that_is_held_between_samples_is_half_a_sample_late() {
+    let text = record(100, 3);
+    let at = ok(&format!("# period_s: 0.1\n{text}"));
+    let held = ok(&format!("# period_s: 0.1\n# intersample: hold\n{text}"));
+    let [at, held] = [&at, &held].map(|m| m.experiments()[0].input[1]);
+    let half = std::f64::consts::PI / 100.0;
+    // Rounding of a few operations.
+    assert!((held / at - Complex::from_polar(half.sin() / half, -half)).norm() < 1e-12);
+}
+
 #[test]
 fn an_input_that_contradicts_its_period_is_refused_and_one_of_noise_is_said() {
     let wrong = record(100, 5);

@@ -8,9 +8,9 @@ COPY Cargo.toml Cargo.lock ./
 COPY src ./src
 COPY crates ./crates
 COPY migrations ./migrations
-# The manifest names the integration tests and the bench; nothing here builds them.
-RUN mkdir -p tests/integration benches/load \
-    && touch tests/integration/main.rs benches/load/main.rs \
+# The manifest names the integration tests and the benches; nothing here builds them.
+RUN mkdir -p tests/integration benches/load benches/queue \
+    && touch tests/integration/main.rs benches/load/main.rs benches/queue/main.rs \
     && cargo build --release --locked --bin servoscope
 
 FROM debian:bookworm-slim

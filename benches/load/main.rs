@@ -4,7 +4,7 @@
 //! `cargo bench --bench load`
 //!
 //! It starts the server itself, on the same machine and with default settings, in
-//! three acts: uploads as large as may be; thousands of jobs queued; and callers
+//! four acts: uploads as large as may be, and many small ones; thousands of jobs queued; and callers
 //! who ask over 64 kept connections how the jobs stand that are being computed.
 //! The callers ask when their schedule says, not when the answer before has come
 //! (an open loop), and an answer's time counts from the scheduled moment, so that
@@ -28,6 +28,10 @@ use watched::Watched;
 /// Every so many-th job is a diagnosis, the others are identifications.
 const DIAGNOSIS_EVERY: u64 = 4;
 
+/// Small uploads, and callers that send them.
+const UPLOADS: usize = 4000;
+const UPLOADERS: usize = 8;
+
 /// How long jobs run before callers come.
 const WARM_UP: Duration = Duration::from_secs(3);
 
@@ -49,6 +53,10 @@ struct Args {
     /// Leaves out the uploads.
     #[arg(long)]
     no_uploads: bool,
+    /// An empty Postgres database in place of a SQLite file; only one server is started, and the
+    /// largest uploads are left out.
+    #[arg(long)]
+    database: Option<String>,
     /// What `cargo bench` says to every bench.
     #[arg(long, hide = true)]
     bench: bool,
@@ -57,12 +65,16 @@ struct Args {
 fn main() {
     let args = Args::parse();
     println!("machine: {} cores, load average {}", cores(), memory::load_average());
-    if !args.no_uploads {
-        println!("\nuploads");
+    if !args.no_uploads && args.database.is_none() {
+        println!("\nlargest uploads");
         uploads();
     }
+    let server = Server::start(args.database.as_deref());
+    if !args.no_uploads {
+        println!("\nsmall uploads");
+        small_uploads(&server);
+    }
     println!("\njobs");
-    let server = Server::start();
     let jobs = queue(&server, args.jobs);
     println!("\npolls");
     poll(&server, jobs, &args);
@@ -71,7 +83,7 @@ fn main() {
 /// Each on a server of its own: what one leaves behind is not the other's.
 fn uploads() {
     for (name, encoding, bytes) in upload::largest() {
-        let server = Server::start();
+        let server = Server::start(None);
         let before = server.memory().resident;
         let began = Instant::now();
         let stored = server.upload(&bytes, encoding);
@@ -82,6 +94,24 @@ fn uploads() {
             after.peak, after.resident
         );
     }
+}
+
+/// From several callers at once, each one after the other.
+fn small_uploads(server: &Server) {
+    let table = server::simulated(&["--noise-db", "60"]);
+    let began = Instant::now();
+    std::thread::scope(|scope| {
+        for _ in 0..UPLOADERS {
+            scope.spawn(|| {
+                let agent = server::agent();
+                for _ in 0..UPLOADS / UPLOADERS {
+                    server.upload_with(&agent, &table, None);
+                }
+            });
+        }
+    });
+    let rate = UPLOADS as f64 / began.elapsed().as_secs_f64();
+    println!("  {UPLOADS} of {} KiB by {UPLOADERS} callers: {rate:.0} a second", table.len() >> 10);
 }
 
 /// Queues real jobs, and gives their ids in the order in which they run.

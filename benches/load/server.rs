@@ -19,12 +19,13 @@ pub struct Server {
 
 impl Server {
     /// Starts one with default settings, an empty store and its log in a file.
-    pub fn start() -> Self {
+    pub fn start(database: Option<&str>) -> Self {
         let directory = tempfile::tempdir().expect("a folder");
         let log = File::create(directory.path().join("log")).expect("a file");
         let mut process = program()
             .args(["serve", "--listen", "127.0.0.1:0", "--data-dir"])
             .arg(directory.path().join("data"))
+            .args(database.into_iter().flat_map(|address| ["--database", address]))
             .stdout(Stdio::piped())
             .stderr(log)
             .spawn()
@@ -48,7 +49,12 @@ impl Server {
 
     /// Stores a measurement.
     pub fn upload(&self, table: &[u8], encoding: Option<&str>) -> Value {
-        let request = self.agent.post(format!("{}/v1/measurements", self.address));
+        self.upload_with(&self.agent, table, encoding)
+    }
+
+    /// The same on a connection of the caller.
+    pub fn upload_with(&self, agent: &Agent, table: &[u8], encoding: Option<&str>) -> Value {
+        let request = agent.post(format!("{}/v1/measurements", self.address));
         let request = request.header("content-type", "text/csv");
         let request = match encoding {
             Some(encoding) => request.header("content-encoding", encoding),

@@ -1,15 +1,13 @@
 //! `servoscope keys`: who may do what, on the data of a server, also while it runs.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use jiff::{Timestamp, ToSpan as _};
 
-use crate::config::{Address, ServeConfig, Settings};
 use crate::service::{BuiltIn, Key, NewKey, Scope, Service, Signals, Token};
 
 use super::choice::one_of;
-use super::place::Place;
+use super::place::{Folder, Place};
 use super::{Failure, terminal};
 
 /// Subcommands of `keys`.
@@ -25,21 +23,6 @@ pub(super) enum Command {
     Rotate(One),
     /// Prints a new key that is stored nowhere, as for the environment of a container.
     Generate,
-}
-
-/// Where the server keeps its data.
-#[derive(Debug, clap::Args)]
-#[group(skip)]
-pub(super) struct Folder {
-    /// File of settings of the server, TOML [default: none].
-    #[arg(long = "config", value_name = "FILE", env = "SERVOSCOPE_CONFIG")]
-    file: Option<PathBuf>,
-    /// Directory of the server's database [default: servoscope-data].
-    #[arg(long, value_name = "DIR", env = "SERVOSCOPE_DATA_DIR")]
-    data_dir: Option<PathBuf>,
-    /// Postgres database of the server [default: none].
-    #[arg(long, value_name = "URL", env = "SERVOSCOPE_DATABASE", hide_env_values = true)]
-    database: Option<Address>,
 }
 
 /// Arguments of `keys add`.
@@ -70,34 +53,16 @@ pub(super) struct One {
     folder: Folder,
 }
 
-impl Folder {
-    /// Where it is.
-    fn place(&self) -> Result<Place, Failure> {
-        let file = self.file.as_deref().map(Settings::read).transpose().map_err(Failure::input)?;
-        let told = Settings {
-            data_dir: self.data_dir.clone(),
-            database: self.database.clone(),
-            ..Settings::default()
-        };
-        let config = ServeConfig::check(told.over(file.unwrap_or_default()));
-        Ok(Place::of(&config.map_err(Failure::input)?))
-    }
+/// The service on what is stored somewhere.
+async fn service(place: &Place) -> Result<Service, Failure> {
+    place.must_exist()?;
+    service_or_new(place).await
+}
 
-    /// The service on what is stored there.
-    async fn service(&self) -> Result<Service, Failure> {
-        let place = self.place()?;
-        if place.is_empty() {
-            let reason = format!("there is no database in {place}; name it with --data-dir");
-            return Err(Failure::Input(reason));
-        }
-        self.service_or_new().await
-    }
-
-    /// The same, made where it is not there yet.
-    async fn service_or_new(&self) -> Result<Service, Failure> {
-        let store = self.place()?.open().await?;
-        Ok(Service::new(store, Arc::new(BuiltIn), Arc::new(Signals::default())))
-    }
+/// The same, made where it is not there yet.
+async fn service_or_new(place: &Place) -> Result<Service, Failure> {
+    let store = place.open().await?;
+    Ok(Service::new(store, Arc::new(BuiltIn), Arc::new(Signals::default())))
 }
 
 /// Does what was asked of the keys.
@@ -113,14 +78,16 @@ async fn done(command: Command) -> Result<(), Failure> {
             let end = days.map(|days| now.checked_add((24 * i64::from(days)).hours()));
             let end = end.transpose().map_err(Failure::input)?;
             let expires_at_ms = end.map(Timestamp::as_millisecond);
-            let service = folder.service_or_new().await?;
+            let service = service_or_new(&folder.place()?).await?;
             let added = service.add_key(NewKey { name, scopes, expires_at_ms }).await?;
             made(&added, &folder.place()?)
         }
-        Command::List(folder) => listed(&folder.service().await?.keys().await?),
-        Command::Revoke(One { id, folder }) => Ok(folder.service().await?.revoke_key(&id).await?),
+        Command::List(folder) => listed(&service(&folder.place()?).await?.keys().await?),
+        Command::Revoke(One { id, folder }) => {
+            Ok(service(&folder.place()?).await?.revoke_key(&id).await?)
+        }
         Command::Rotate(One { id, folder }) => {
-            let rotated = folder.service().await?.rotate_key(&id).await?;
+            let rotated = service(&folder.place()?).await?.rotate_key(&id).await?;
             made(&rotated, &folder.place()?)
         }
         Command::Generate => {

@@ -1,6 +1,7 @@
 //! The command line: the same questions as over HTTP, asked offline, and the
 //! server itself. One file a subcommand.
 
+mod backup;
 mod batch;
 mod benchmark;
 mod choice;
@@ -25,6 +26,7 @@ mod place;
 mod plan;
 mod reproduce;
 mod rerun;
+mod restore;
 mod serve;
 mod show;
 mod shown;
@@ -67,6 +69,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Writes everything that a server keeps into one file, also while it runs.
+    Backup(backup::Args),
     /// Has a server compute every measurement of a folder, and prints what came of each.
     ///
     /// Files that cannot be read are named and left out. The same command on the same folder uploads
@@ -100,6 +104,8 @@ enum Command {
     Reproduce(reproduce::Args),
     /// Computes a stored result again, and compares every number with it.
     Rerun(rerun::Args),
+    /// Fills an empty folder or database from a backup, of the same engine or the other.
+    Restore(restore::Args),
     /// Runs the HTTP service with its dashboard.
     Serve(Box<serve::Args>),
     /// Shows a stored result: on the terminal, as figures or as a page.
@@ -122,6 +128,7 @@ pub fn main() -> ExitCode {
     let matches = Cli::command().get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let done = match cli.command {
+        Command::Backup(args) => backup::run(&args),
         Command::Batch(args) => batch::run(&args),
         Command::Benchmark(args) => {
             start_log(cli.verbose);
@@ -160,6 +167,7 @@ pub fn main() -> ExitCode {
             start_log(cli.verbose);
             rerun::run(&args)
         }
+        Command::Restore(args) => restore::run(&args),
         Command::Serve(args) => serve::run(&args, cli.verbose),
         Command::Show(args) => show::run(&args),
         Command::Simulate(args) => simulate::run(*args),

@@ -45,7 +45,9 @@ pub(super) fn run(args: &Args, verbose: u8) -> Result<(), Failure> {
 
 async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     let terminations = Terminations::new().map_err(Failure::other)?;
-    let store = Place::of(&config).open().await?;
+    let place = Place::of(&config);
+    let _held = place.hold()?;
+    let store = place.open().await?;
     let signals = Arc::new(Signals::default());
     let service = Service::new(Arc::clone(&store), Arc::new(BuiltIn), Arc::clone(&signals));
     lock(&service, &config).await?;

@@ -1,8 +1,10 @@
 //! What every engine of [`Store`] must do. Each engine runs the whole list.
 
+mod backup;
 mod batches;
 #[path = "../../tests/postgres_cluster.rs"]
 mod cluster;
+mod kept;
 mod keys;
 mod lists;
 mod mappings;

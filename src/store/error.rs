@@ -1,12 +1,15 @@
 //! Why the store could not do what was asked.
 
 use sqlx::error::DatabaseError;
+use sqlx::migrate::MigrateError;
 use sqlx::postgres::PgDatabaseError;
 
 /// Primary result codes of SQLite, <https://www.sqlite.org/rescode.html>.
 mod sqlite_code {
     pub(super) const READONLY: u32 = 8;
+    pub(super) const CORRUPT: u32 = 11;
     pub(super) const FULL: u32 = 13;
+    pub(super) const NOT_A_DATABASE: u32 = 26;
 }
 
 /// States of Postgres, <https://www.postgresql.org/docs/current/errcodes-appendix.html>.
@@ -27,12 +30,39 @@ pub enum StoreError {
     /// The database refused or is out of reach.
     #[error("database: {0}")]
     Database(sqlx::Error),
+    /// The file of the database is not as it was written.
+    #[error(
+        "its database is damaged ({0}); it is left as it is. Keep a copy of the folder, and restore \
+         a backup into a new one with `servoscope restore FILE --data-dir DIR`"
+    )]
+    Damaged(String),
+    /// A newer version has changed the tables.
+    #[error(
+        "a newer version of servoscope has changed its tables; start that version, or restore a \
+         backup from before into an empty folder or database"
+    )]
+    Newer,
+    /// The tables are those of an older version, or there are none.
+    #[error(
+        "its tables are not those of this version; start `servoscope serve` of this version on it \
+         once, or use the version that made them"
+    )]
+    Older,
     /// The tables could not be brought to the form this version needs.
     #[error("migrating the database: {0}")]
-    Migration(#[from] sqlx::migrate::MigrateError),
+    Migration(MigrateError),
     /// The folder of the database cannot be used.
     #[error("data directory: {0}")]
     Directory(#[from] std::io::Error),
+}
+
+impl From<MigrateError> for StoreError {
+    fn from(error: MigrateError) -> Self {
+        match error {
+            MigrateError::VersionMissing(_) => Self::Newer,
+            error => Self::Migration(error),
+        }
+    }
 }
 
 impl From<sqlx::Error> for StoreError {
@@ -40,15 +70,17 @@ impl From<sqlx::Error> for StoreError {
         match error.as_database_error().and_then(lacking) {
             Some(Lacking::Room) => Self::Full(error),
             Some(Lacking::Permission) => Self::ReadOnly(error),
+            Some(Lacking::Soundness) => Self::Damaged(error.to_string()),
             None => Self::Database(error),
         }
     }
 }
 
-/// What a database lacks that refuses to write.
+/// What a database lacks that refuses what is asked.
 enum Lacking {
     Room,
     Permission,
+    Soundness,
 }
 
 fn lacking(error: &dyn DatabaseError) -> Option<Lacking> {
@@ -63,6 +95,7 @@ fn lacking(error: &dyn DatabaseError) -> Option<Lacking> {
     match error.code()?.parse::<u32>().ok()? & 0xff {
         sqlite_code::FULL => Some(Lacking::Room),
         sqlite_code::READONLY => Some(Lacking::Permission),
+        sqlite_code::CORRUPT | sqlite_code::NOT_A_DATABASE => Some(Lacking::Soundness),
         _ => None,
     }
 }

@@ -24,11 +24,13 @@
 //! So a job that kills its workers ends after at most [`ALONE_AFTER`] deaths in company and
 //! [`MAX_ATTEMPTS`] alone, and none of its siblings ends with it.
 //!
-//! Jobs are leased by turns. A job's turn is the smallest of all that wait, or one more than the
-//! largest of those that the same submitter has waiting, whichever is larger; so are those of a batch,
-//! one after the other. So submitters alternate
-//! however many jobs each of them queues, and those of one are leased in the order in which they came.
+//! Jobs are leased by turns. A job's turn is the next one, or one more than the largest of those that
+//! the same submitter has waiting, whichever is larger; so are those of a batch, one after the other.
+//! The next turn is the smallest of all that wait, or on Postgres one more than that of the job that
+//! was leased last. So submitters alternate however many jobs each of them queues, and those of one
+//! are leased in the order in which they came.
 
+mod backup;
 mod batches;
 #[cfg(test)]
 mod contract;
@@ -42,11 +44,13 @@ mod reach;
 mod rows;
 mod sqlite;
 mod usage;
+mod versions;
 
 use std::time::Duration;
 
 use async_trait::async_trait;
 
+pub use backup::{BackupError, Portable, Reader, Rows, Writer};
 pub use batches::{
     BatchRow, Batches, CancelledRows, FailureRow, MemberRow, NewBatchRow, NewMemberRow, Standing,
     TallyRow,
@@ -141,7 +145,7 @@ impl Wake {
 /// What a caller asks for takes the [`Reach`] of the caller. The methods without one are for the
 /// server's own work: the queue, and what is old.
 #[async_trait]
-pub trait Store: Outbox + Keyring + Batches + Send + Sync + 'static {
+pub trait Store: Outbox + Keyring + Batches + Portable + Send + Sync + 'static {
     /// Whether the database can be read and written.
     async fn ping(&self) -> Result<(), StoreError>;
 

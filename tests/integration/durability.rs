@@ -153,11 +153,11 @@ fn stopping_waits_for_nobody_and_costs_no_attempt() {
     until(&server, &job, is_running);
 }
 
-fn upload(server: &Server, table: &[u8]) -> crate::process::Answer {
+pub fn upload(server: &Server, table: &[u8]) -> crate::process::Answer {
     server.post("/v1/measurements", "text/csv", table)
 }
 
-fn count(server: &Server) -> usize {
+pub fn count(server: &Server) -> usize {
     server.get("/v1/measurements").json()["items"].as_array().unwrap().len()
 }
 
@@ -169,7 +169,7 @@ fn large() -> Vec<u8> {
 }
 
 /// Uploads until there is no room, and gives what was stored.
-fn fill(server: &Server, table: &[u8]) -> Vec<String> {
+pub fn fill(server: &Server, table: &[u8]) -> Vec<String> {
     let mut stored = Vec::new();
     for _ in 0..64 {
         let answer = upload(server, table);
@@ -198,11 +198,13 @@ fn a_full_database_refuses_what_it_has_no_room_for_and_recovers() {
 }
 
 /// A file system of its own, unmounted at the end.
-struct Mounted(PathBuf);
+pub struct Mounted(PathBuf);
 
 impl Mounted {
-    fn small(folder: &Path) -> Option<Self> {
-        let mount = ["-t", "tmpfs", "-o", "size=4m", "tmpfs"];
+    /// One of so many mebibytes, where this process may mount any.
+    pub fn small(folder: &Path, mebibytes: usize) -> Option<Self> {
+        let size = format!("size={mebibytes}m");
+        let mount = ["-t", "tmpfs", "-o", size.as_str(), "tmpfs"];
         let done = Command::new("mount").args(mount).arg(folder).output().ok()?;
         done.status.success().then(|| Self(folder.to_owned()))
     }
@@ -217,7 +219,7 @@ impl Drop for Mounted {
 #[test]
 fn a_full_disk_is_survived_without_a_restart() {
     let directory = tempfile::tempdir().unwrap();
-    let Some(disk) = Mounted::small(directory.path()) else {
+    let Some(disk) = Mounted::small(directory.path(), 4) else {
         skipped("no file system can be mounted here");
         return;
     };

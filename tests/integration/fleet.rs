@@ -53,7 +53,7 @@ impl Worker {
     }
 
     /// Asks it to stop and waits for its exit code.
-    fn terminate(mut self) -> Option<i32> {
+    pub fn terminate(mut self) -> Option<i32> {
         self.signal(Signal::TERM);
         self.0.wait().unwrap().code()
     }

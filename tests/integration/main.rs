@@ -1,12 +1,14 @@
 //! Integration tests: everything through the public interface.
 
 mod alarms;
+mod backup;
 mod batches;
 mod benchmark_simulator;
 mod book;
 mod caps;
 mod circles;
 mod cli;
+mod compose;
 mod connections;
 mod coverage;
 mod discrepancy;
@@ -31,6 +33,7 @@ mod methods;
 mod motions;
 mod mqtt;
 mod naming;
+mod no_room;
 mod openapi;
 mod operations;
 #[path = "../postgres_cluster.rs"]

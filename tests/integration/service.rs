@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::process::{Answer, Server, simulated};
+use crate::process::{Answer, Server, servoscope, simulated};
 
 pub fn problem(answer: &Answer, status: u16) -> Value {
     assert_eq!(answer.status, status, "{}", answer.text);
@@ -53,12 +53,17 @@ fn a_server_refuses_what_is_wrong_with_problem_documents() {
 }
 
 #[test]
-fn two_servers_may_share_a_data_directory() {
+fn a_second_server_on_a_folder_is_refused_until_the_first_one_is_killed() {
     let directory = tempfile::tempdir().unwrap();
-    let servers = [Server::start(directory.path(), &[]), Server::start(directory.path(), &[])];
-    for server in servers {
-        assert_eq!(server.get("/readyz").status, 200);
-    }
+    let first = Server::start(directory.path(), &[]);
+    let folder = directory.path().to_str().unwrap();
+    let refused = servoscope(&["serve", "--listen", "127.0.0.1:0", "--data-dir", folder]);
+    assert_eq!(refused.status.code(), Some(1));
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert!(said.contains(&format!("another server runs on {folder}; stop it first")), "{said}");
+    assert_eq!(first.get("/readyz").status, 200);
+    first.kill();
+    assert_eq!(Server::start(directory.path(), &[]).get("/readyz").status, 200);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::*;
 /// Longer than the clock of the database is coarse.
 const TICK: Duration = Duration::from_millis(5);
 
-fn key_row(id: &str, expires_at_ms: Option<i64>) -> KeyRow {
+pub(super) fn key_row(id: &str, expires_at_ms: Option<i64>) -> KeyRow {
     KeyRow {
         id: id.into(),
         name: "rig 7".into(),

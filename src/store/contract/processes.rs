@@ -30,6 +30,14 @@ async fn leases_taken_at_once_from_two_connections_to_sqlite_are_of_different_jo
 }
 
 #[tokio::test]
+async fn processes_that_start_at_once_on_a_new_folder_share_its_queue() {
+    let directory = tempfile::tempdir().unwrap();
+    let opened = futures_util::future::join_all((0..8).map(|_| Sqlite::open(directory.path())));
+    let stores: Vec<Sqlite> = opened.await.into_iter().map(Result::unwrap).collect();
+    leases_taken_at_once_are_of_different_jobs(&stores[0], &stores[7]).await;
+}
+
+#[tokio::test]
 async fn two_processes_that_start_at_once_on_an_empty_postgres_share_its_queue() {
     let Some(cluster) = Cluster::shared() else { return };
     let address = cluster.database();
@@ -91,4 +99,67 @@ async fn a_store_goes_on_when_its_postgres_was_killed_and_is_back() {
     cluster.start_again();
     assert!(store.finish(&lease, &Outcome::Succeeded("{}".into())).await.unwrap());
     assert_eq!(status(&store, &lease.job_id).await, Status::Succeeded);
+}
+
+/// What a newer version of the program may do to the tables while this one runs.
+const NEWER: [&str; 5] = [
+    "ALTER TABLE jobs ADD COLUMN mood TEXT",
+    "ALTER TABLE measurements ADD COLUMN mood INTEGER NOT NULL DEFAULT 0",
+    "CREATE TABLE moods (job_id TEXT REFERENCES jobs (id) ON DELETE CASCADE)",
+    "CREATE INDEX jobs_by_mood ON jobs (mood)",
+    "INSERT INTO _sqlx_migrations (version, description, success, checksum, execution_time)
+     VALUES (9999, 'moods', TRUE, '', 0)",
+];
+
+/// Everything that goes on in a server, on a store that is open.
+async fn goes_on(store: &dyn Store) {
+    let ended = leased_job(store, LONG).await;
+    let renewed = store.heartbeat(&ended, LONG, Some("{}"), &[point(0)]).await.unwrap();
+    assert_eq!(renewed, Beat::Renewed { cancel_requested: false });
+    assert!(store.finish(&ended, &Outcome::Succeeded("{}".into())).await.unwrap());
+    assert_eq!(store.result(&all(), &ended.job_id).await.unwrap().as_deref(), Some("{}"));
+    let page = Page { limit: 10, before: None };
+    assert!(!store.jobs(&all(), &JobFilter::default(), &page).await.unwrap().is_empty());
+    let measured = store.measurement(&all(), &ended.measurement_id).await.unwrap();
+    assert!(measured.is_some());
+    assert!(store.delete_job(&all(), &ended.job_id).await.unwrap());
+}
+
+#[tokio::test]
+async fn a_folder_of_a_newer_version_is_refused_and_an_older_server_goes_on() {
+    let directory = tempfile::tempdir().unwrap();
+    let store = Sqlite::open(directory.path()).await.unwrap();
+    goes_on(&store).await;
+    let file = format!("sqlite://{}/servoscope.sqlite3", directory.path().display());
+    let newer = sqlx::SqlitePool::connect(&file).await.unwrap();
+    for statement in NEWER {
+        sqlx::query(statement).execute(&newer).await.unwrap();
+    }
+    goes_on(&store).await;
+    for opened in
+        [Sqlite::open(directory.path()).await, Sqlite::open_existing(directory.path()).await]
+    {
+        assert!(matches!(opened, Err(StoreError::Newer)), "{opened:?}");
+    }
+    sqlx::query("DELETE FROM _sqlx_migrations WHERE version > 1").execute(&newer).await.unwrap();
+    let older = Sqlite::open_existing(directory.path()).await;
+    assert!(matches!(older, Err(StoreError::Older)), "{older:?}");
+}
+
+#[tokio::test]
+async fn a_postgres_of_a_newer_version_is_refused_and_an_older_server_goes_on() {
+    let Some(cluster) = Cluster::shared() else { return };
+    let address = cluster.database();
+    let none = Postgres::open_existing(&address).await;
+    assert!(matches!(none, Err(StoreError::Older)), "{none:?}");
+    let store = Postgres::open(&address).await.unwrap();
+    goes_on(&store).await;
+    let newer = sqlx::PgPool::connect(&address).await.unwrap();
+    for statement in NEWER {
+        sqlx::query(statement).execute(&newer).await.unwrap();
+    }
+    goes_on(&store).await;
+    for opened in [Postgres::open(&address).await, Postgres::open_existing(&address).await] {
+        assert!(matches!(opened, Err(StoreError::Newer)), "{opened:?}");
+    }
 }

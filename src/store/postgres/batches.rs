@@ -5,7 +5,7 @@ use sqlx::PgConnection;
 
 use crate::store::{
     BatchRow, Batches, CancelledRows, FailureRow, IdempotencyKey, Inserted, MeasurementRow,
-    MemberRow, NewBatchRow, Page, Reach, Standing, Status, StoreError, TallyRow,
+    MemberRow, NewBatchRow, Page, Reach, Standing, Status, StoreError, TallyRow, Wake,
 };
 
 use super::{Postgres, idempotency, locks};
@@ -40,6 +40,9 @@ impl Batches for Postgres {
         let mut transaction = self.pool.begin().await?;
         let written = insert(&mut transaction, reach, row, key).await?;
         transaction.commit().await?;
+        if written == Inserted::Created {
+            self.speaker.say(&[Wake::Queued]);
+        }
         Ok(written)
     }
 
@@ -127,6 +130,9 @@ impl Batches for Postgres {
         let mut transaction = self.pool.begin().await?;
         let cancelled = cancel(&mut transaction, reach, id, limit).await?;
         transaction.commit().await?;
+        if cancelled.is_some() {
+            self.speaker.say(&[Wake::Unwanted, Wake::Changed, Wake::Ended]);
+        }
         Ok(cancelled)
     }
 
@@ -139,6 +145,9 @@ impl Batches for Postgres {
         let mut transaction = self.pool.begin().await?;
         let deleted = delete(&mut transaction, reach, id, limit).await?;
         transaction.commit().await?;
+        if deleted.is_some() {
+            self.speaker.say(&[Wake::Unwanted, Wake::Ended]);
+        }
         Ok(deleted)
     }
 }
@@ -169,8 +178,7 @@ async fn insert(
     locks::wait_for(connection, locks::SUBMITTER, &row.submitter).await?;
     // The turns are those that the jobs would have if they came one by one.
     let turn: i64 = sqlx::query_scalar(
-        "SELECT greatest(COALESCE((SELECT min(turn) FROM jobs
-                                   WHERE status = 'queued' AND turn >= last_value), last_value),
+        "SELECT greatest(last_value + 1,
                          COALESCE((SELECT max(turn) + 1 FROM jobs
                                    WHERE status = 'queued' AND turn >= last_value
                                      AND submitter = $1), 0))

@@ -17,14 +17,14 @@ pub(super) async fn insert(
     if claim != Inserted::Created {
         return Ok(claim);
     }
-    // Two jobs of one submitter must not take the same turn.
+    // Two jobs of one submitter must not take the same turn. One after that of the job that was
+    // taken last, so that turns go on however short the queue is.
     locks::wait_for(connection, locks::SUBMITTER, &row.submitter).await?;
     sqlx::query(
         "INSERT INTO jobs
              (id, measurement_id, kind, request, submitter, status, created_at_ms, turn, owner)
          SELECT $1, $2, $3, $4, $5, 'queued', now_ms,
-                greatest(COALESCE((SELECT min(turn) FROM jobs
-                                   WHERE status = 'queued' AND turn >= last_value), last_value),
+                greatest(last_value + 1,
                          COALESCE((SELECT max(turn) + 1 FROM jobs
                                    WHERE status = 'queued' AND turn >= last_value
                                      AND submitter = $5), 0)), $6

@@ -69,7 +69,7 @@ pub(super) async fn insert(
 }
 
 /// When something was measured, where the upload says so.
-fn measured_at_ms(text: Option<&str>) -> Option<Millis> {
+pub(super) fn measured_at_ms(text: Option<&str>) -> Option<Millis> {
     Some(text?.parse::<jiff::Timestamp>().ok()?.as_millisecond())
 }
 

@@ -15,6 +15,7 @@ mod mappings;
 mod measurements;
 mod migrations;
 mod outbox;
+mod portable;
 mod queue;
 mod recovery;
 mod results;
@@ -34,8 +35,9 @@ use super::{
     Outcome, Page, QueueState, Reach, Recovered, ResultFilter, Store, StoreError, StoredResult,
     Wake,
 };
+use wakes::Speaker;
 
-/// Connections of one process.
+/// Connections of one process, beside the one that tells others what it did.
 const CONNECTIONS: u32 = 10;
 
 /// How long a request waits for a connection, as while the database restarts.
@@ -52,6 +54,7 @@ const LOOK_AGAIN: Duration = Duration::from_secs(1);
 #[derive(Debug)]
 pub struct Postgres {
     pool: PgPool,
+    speaker: Speaker,
     /// When it last looked at the whole queue.
     looked: Mutex<Option<Instant>>,
 }
@@ -63,6 +66,22 @@ impl Postgres {
     /// # Errors
     /// When the address cannot be used, or the database not be reached or migrated.
     pub async fn open(address: &str) -> Result<Self, StoreError> {
+        let store = Self::connect(address).await?;
+        migrations::run(&store.pool).await?;
+        Ok(store)
+    }
+
+    /// Connects to a database as it is.
+    ///
+    /// # Errors
+    /// When the address cannot be used, the database not be reached, or it is not of this version.
+    pub async fn open_existing(address: &str) -> Result<Self, StoreError> {
+        let store = Self::connect(address).await?;
+        migrations::check(&store.pool).await?;
+        Ok(store)
+    }
+
+    async fn connect(address: &str) -> Result<Self, StoreError> {
         let options: PgConnectOptions = address.parse()?;
         let options = options.application_name("servoscope").options([
             ("idle_in_transaction_session_timeout", IDLE),
@@ -71,9 +90,8 @@ impl Postgres {
             ("client_min_messages", "warning"),
         ]);
         let pool = PgPoolOptions::new().max_connections(CONNECTIONS).acquire_timeout(PATIENCE);
-        let pool = pool.connect_with(options).await?;
-        migrations::all().run(&pool).await?;
-        Ok(Self { pool, looked: Mutex::default() })
+        let pool = pool.connect_with(options.clone()).await?;
+        Ok(Self { pool, speaker: Speaker::new(options), looked: Mutex::default() })
     }
 
     /// Whether the whole queue is to be looked at this time.
@@ -151,6 +169,9 @@ impl Store for Postgres {
         let mut transaction = self.pool.begin().await?;
         let deleted = measurements::delete(&mut transaction, reach, id).await?;
         transaction.commit().await?;
+        if deleted {
+            self.speaker.say(&[Wake::Unwanted, Wake::Ended]);
+        }
         Ok(deleted)
     }
 
@@ -187,6 +208,9 @@ impl Store for Postgres {
         let mut transaction = self.pool.begin().await?;
         let written = jobs::insert(&mut transaction, reach, row, key).await?;
         transaction.commit().await?;
+        if written == Inserted::Created {
+            self.speaker.say(&[Wake::Queued]);
+        }
         Ok(written)
     }
 
@@ -207,6 +231,9 @@ impl Store for Postgres {
         let mut transaction = self.pool.begin().await?;
         let deleted = jobs::delete(&mut transaction, reach, id).await?;
         transaction.commit().await?;
+        if deleted {
+            self.speaker.say(&[Wake::Unwanted, Wake::Ended]);
+        }
         Ok(deleted)
     }
 
@@ -214,6 +241,9 @@ impl Store for Postgres {
         let mut transaction = self.pool.begin().await?;
         let deleted = retention::delete_older(&mut transaction, age, limit).await?;
         transaction.commit().await?;
+        if deleted.jobs > 0 {
+            self.speaker.say(&[Wake::Ended]);
+        }
         Ok(deleted)
     }
 
@@ -265,11 +295,20 @@ impl Store for Postgres {
         let mut transaction = self.pool.begin().await?;
         let cancelling = queue::cancel(&mut transaction, reach, id).await?;
         transaction.commit().await?;
+        match cancelling {
+            Cancelling::Cancelled => self.speaker.say(&[Wake::Ended]),
+            Cancelling::Requested => self.speaker.say(&[Wake::Unwanted, Wake::Changed]),
+            Cancelling::Unknown | Cancelling::Ended(_) => {}
+        }
         Ok(cancelling)
     }
 
     async fn lease(&self, worker: &str, duration: Duration) -> Result<Option<Lease>, StoreError> {
-        Ok(queue::lease(&self.pool, worker, duration, self.looks_again()).await?)
+        let lease = queue::lease(&self.pool, worker, duration, self.looks_again()).await?;
+        if lease.is_some() {
+            self.speaker.say(&[Wake::Changed]);
+        }
+        Ok(lease)
     }
 
     async fn heartbeat(
@@ -282,21 +321,39 @@ impl Store for Postgres {
         let mut transaction = self.pool.begin().await?;
         let beat = queue::renew(&mut transaction, lease, duration, progress, rows).await?;
         transaction.commit().await?;
+        if beat != Beat::Lost && (progress.is_some() || !rows.is_empty()) {
+            self.speaker.say(&[Wake::Changed]);
+        }
         Ok(beat)
     }
 
     async fn finish(&self, lease: &Lease, outcome: &Outcome) -> Result<bool, StoreError> {
-        Ok(queue::finish(&self.pool, lease, outcome).await?)
+        let finished = queue::finish(&self.pool, lease, outcome).await?;
+        if finished {
+            self.speaker.say(&[Wake::Ended]);
+        }
+        Ok(finished)
     }
 
     async fn hand_back(&self, lease: &Lease) -> Result<bool, StoreError> {
-        Ok(queue::hand_back(&self.pool, lease).await?)
+        let handed_back = queue::hand_back(&self.pool, lease).await?;
+        if handed_back {
+            // It is queued again, or ended where that was asked for.
+            self.speaker.say(&[Wake::Queued, Wake::Ended]);
+        }
+        Ok(handed_back)
     }
 
     async fn recover_expired(&self, wait: Duration) -> Result<Recovered, StoreError> {
         let mut transaction = self.pool.begin().await?;
         let recovered = recovery::recover_expired(&mut transaction, wait).await?;
         transaction.commit().await?;
+        if recovered.requeued > 0 {
+            self.speaker.say(&[Wake::Queued]);
+        }
+        if !recovered.ended.is_empty() {
+            self.speaker.say(&[Wake::Ended]);
+        }
         Ok(recovered)
     }
 }

@@ -42,7 +42,7 @@ pub(super) async fn lease(
          FROM next, clock
          WHERE jobs.id = next.id
            AND NOT EXISTS (SELECT 1 FROM jobs AS held
-                           WHERE held.status = 'running' AND held.worker = $1
+                           WHERE held.status || '' = 'running' AND held.worker = $1
                              AND held.shared >= 2)
            AND (next.shared < 2
                 OR NOT EXISTS (SELECT 1 FROM jobs AS held

@@ -1,7 +1,10 @@
 //! The schema, as steps from one version to the next.
 
-use sqlx::SqlSafeStr as _;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
+use sqlx::{SqlSafeStr as _, SqlitePool};
+
+use crate::store::StoreError;
+use crate::store::versions;
 
 /// Number, what it does, and its statements.
 type Step = (i64, &'static str, &'static str);
@@ -30,8 +33,29 @@ const STEPS: &[Step] = &[
     (7, "batches", include_str!("../../../migrations/0007_batches.sql")),
 ];
 
-/// Every step, to be run on a database of any earlier version.
-pub(super) fn all() -> Migrator {
+/// Brings a database of any earlier version to this one. Of several processes that start together
+/// one does so, and the others wait.
+pub(super) async fn run(writer: &SqlitePool) -> Result<(), StoreError> {
+    let mut transaction = writer.begin_with("BEGIN IMMEDIATE").await?;
+    all().run_direct(None, &mut *transaction, false).await?;
+    transaction.commit().await?;
+    Ok(())
+}
+
+/// Whether a database is of this version.
+pub(super) async fn check(readers: &SqlitePool) -> Result<(), StoreError> {
+    let any = "SELECT EXISTS (SELECT 1 FROM sqlite_master WHERE name = '_sqlx_migrations')";
+    let done = if sqlx::query_scalar(any).fetch_one(readers).await? {
+        let done = "SELECT version FROM _sqlx_migrations WHERE success";
+        sqlx::query_scalar(done).fetch_all(readers).await?
+    } else {
+        Vec::new()
+    };
+    versions::check(&all(), &done)
+}
+
+/// Every step.
+fn all() -> Migrator {
     of(STEPS)
 }
 

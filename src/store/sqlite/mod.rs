@@ -1,6 +1,7 @@
 //! The engine on one SQLite file.
 
 mod batches;
+mod damage;
 mod history;
 mod idempotency;
 mod jobs;
@@ -9,6 +10,7 @@ mod mappings;
 mod measurements;
 mod migrations;
 mod outbox;
+mod portable;
 mod queue;
 mod recovery;
 mod results;
@@ -38,6 +40,9 @@ const FILE_NAME: &str = "servoscope.sqlite3";
 
 /// Connections that read at the same time.
 const READERS: u32 = 4;
+
+/// Rows that are read before they are asked for.
+const ROWS_AHEAD: usize = 4;
 
 /// Bytes of a page of the database; SQLite's own default.
 const PAGE_BYTES: u64 = 4096;
@@ -80,25 +85,32 @@ impl Sqlite {
     /// As for [`Sqlite::open`].
     pub async fn open_limited(data_dir: &Path, bytes: Option<u64>) -> Result<Self, StoreError> {
         std::fs::create_dir_all(data_dir)?;
-        let mut options = SqliteConnectOptions::new()
-            .filename(data_dir.join(FILE_NAME))
-            .create_if_missing(true)
-            .foreign_keys(true)
-            .busy_timeout(BUSY_TIMEOUT)
-            // Readers go on while one writes; a power cut may cost the last
-            // transactions but never the file.
-            .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Normal)
-            // What is deleted is overwritten, not only forgotten.
-            .pragma("secure_delete", "ON");
+        damage::check(&data_dir.join(FILE_NAME))?;
+        let mut options = options(data_dir).create_if_missing(true);
         if let Some(bytes) = bytes {
             options = options.pragma("max_page_count", (bytes / PAGE_BYTES).max(1).to_string());
         }
+        let store = Self::connect(options).await?;
+        migrations::run(&store.writer).await?;
+        Ok(store)
+    }
+
+    /// Opens the database in a data directory as it is.
+    ///
+    /// # Errors
+    /// When it is not there or cannot be opened, or is not of this version.
+    pub async fn open_existing(data_dir: &Path) -> Result<Self, StoreError> {
+        damage::check(&data_dir.join(FILE_NAME))?;
+        let store = Self::connect(options(data_dir)).await?;
+        migrations::check(&store.readers).await?;
+        Ok(store)
+    }
+
+    async fn connect(options: SqliteConnectOptions) -> Result<Self, StoreError> {
         // A connection to a file does not break between two uses; asking it first
         // whether it answers would be a second round trip for every job looked up.
         let pool = |size| SqlitePoolOptions::new().max_connections(size).test_before_acquire(false);
         let writer = pool(1).connect_with(options.clone()).await?;
-        migrations::all().run(&writer).await?;
         let readers = pool(READERS).connect_with(options).await?;
         Ok(Self { readers, writer, stale: Arc::default() })
     }
@@ -133,6 +145,22 @@ impl Sqlite {
         }
         Ok(ended?)
     }
+}
+
+/// How the database in a data directory is opened.
+fn options(data_dir: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(data_dir.join(FILE_NAME))
+        .foreign_keys(true)
+        .busy_timeout(BUSY_TIMEOUT)
+        // Readers go on while one writes; a power cut may cost the last
+        // transactions but never the file.
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Normal)
+        // Rows that are read ahead; one may be as large as an upload.
+        .row_buffer_size(ROWS_AHEAD)
+        // What is deleted is overwritten, not only forgotten.
+        .pragma("secure_delete", "ON")
 }
 
 #[async_trait]

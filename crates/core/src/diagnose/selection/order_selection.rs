@@ -7,7 +7,7 @@
 use std::iter;
 
 use crate::answers::{Diagnosis, MeasurementFault, PlantRequest};
-use crate::identify::{FitSession, IdentifyRequest};
+use crate::identify::{FitSession, IdentifyRequest, Intervals};
 
 use super::causes::EQUIVALENCE_MARGIN;
 use super::evidence::ACTUATOR_ORDER_COST;
@@ -56,8 +56,8 @@ impl Spans {
 
 /// Diagnoses with the actuator order that was requested. If none was, the order is that of
 /// `first`, which suits the base model without any effect, unless a lower order is better by more
-/// than [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, and a higher one if
-/// that is better by as much beside the effects that are found.
+/// than [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, lower ones if its base
+/// model is no axis, and a higher one if that is better by as much beside the effects that are found.
 ///
 /// # Errors
 /// See [`crate::diagnose::DiagnoseError`]; and the faults of the measurement, if it is doubted and
@@ -75,11 +75,12 @@ pub(crate) fn diagnose(
         plant: Some(PlantRequest { actuator_order }),
         ..*request
     };
-    let is_open =
-        |of_cosines: bool| request.plant.is_none() && first.has_cosines_alone() == of_cosines;
-    let lower: Vec<IdentifyRequest> = (0..suited).filter(|_| is_open(true)).map(of_order).collect();
+    let (is_open, of_cosines) = (request.plant.is_none(), first.has_cosines_alone());
+    let tries_lower = is_open && (of_cosines || is_degenerate(first));
+    let tries_higher = is_open && !of_cosines;
+    let lower: Vec<IdentifyRequest> = (0..suited).filter(|_| tries_lower).map(of_order).collect();
     let higher: Vec<IdentifyRequest> =
-        (suited + 1..=HIGHEST_ORDER).filter(|_| is_open(false)).map(of_order).collect();
+        (suited + 1..=HIGHEST_ORDER).filter(|_| tries_higher).map(of_order).collect();
     let quietly = Quiet(&part);
     let mut others = Vec::with_capacity(lower.len());
     for request in &lower {
@@ -147,6 +148,13 @@ pub(crate) fn diagnose(
     }
     answer.limitations.extend(said);
     Ok(answer)
+}
+
+/// Whether the base model of a session is no axis: its pole is at a bound, so that the actuator stands
+/// for the mechanics. No effect can be found beside it.
+fn is_degenerate(session: &FitSession<'_>) -> bool {
+    let fit = session.judge(session.base(), Intervals::Curvature);
+    fit.is_ok_and(|fit| fit.identification.parameters.get("pole").is_some_and(|pole| pole.at_bound))
 }
 
 /// The session of that one of other orders which is best, and better than the order of a study beside

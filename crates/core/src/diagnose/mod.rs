@@ -29,6 +29,8 @@ mod limitations;
 mod linearity;
 mod plan;
 mod progress;
+#[cfg(test)]
+mod record;
 mod residuals;
 mod search;
 mod selection;

@@ -77,62 +77,32 @@ pub(super) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
 
 #[cfg(test)]
 mod tests {
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-
     use super::*;
     use crate::answers::Verdict;
+    use crate::diagnose::record::{multisine_record, plant};
     use crate::identify::IdentifyRequest;
-    use crate::machines::records::{PeriodicMotion, RecordNoise, Sampling, multisine};
-    use crate::machines::simulator::{Machine, Settings, respond};
-    use crate::measurement::{Intersample, Measurement, Metadata, ResponseKind};
+    use crate::measurement::Intersample;
     use crate::observer::Silent;
-    use crate::plant::{Actuator, Friction, Plant};
 
-    const SAMPLING: Sampling = Sampling { samples: 512, periods: 4 };
-
-    /// A record of a healthy axis whose input runs in this way between the samples that are read.
-    fn recorded(course: Option<Intersample>, seed: u64) -> Measurement {
-        let plant = Plant {
-            viscous_rate_rad_s: 8.0,
-            constant: 20.0,
-            actuator: Actuator::FirstOrder { corner_rad_s: 90.0 },
-            friction: Friction::coulomb(0.2, 0.25),
-        };
-        let rng = &mut ChaCha8Rng::seed_from_u64(seed);
-        let (omega_rad_s, input) = (2.0, multisine(60, 2.0, rng));
-        let samples = SAMPLING.samples as f64;
-        let factor = |k: usize| course.map_or(1.0.into(), |course| course.factor(k, samples));
-        let driven: Vec<_> = input.iter().enumerate().map(|(k, line)| factor(k) * line).collect();
-        let settings = Settings::default();
-        let response =
-            respond(&Machine::base(plant), 0.0, omega_rad_s, &driven, 120, &settings).unwrap();
-        let motion = PeriodicMotion { omega_rad_s, input, response, mean_velocity: 0.0 };
-        let noise = RecordNoise { input: 0.0, response: 5e-3 * motion.response_rms() };
-        let kind = ResponseKind::Velocity;
-        let experiment = motion.recorded(kind, &noise, SAMPLING, 0.0, rng).unwrap();
-        let metadata = Metadata::default();
-        Measurement::new(metadata, vec![experiment], Vec::new(), String::new()).unwrap()
-    }
-
-    fn found(measurement: &Measurement) -> (Verdict, Vec<FaultKind>) {
+    /// What is found in a record of a healthy axis whose input runs in this way between its samples.
+    fn found(course: Option<Intersample>, seed: u64) -> (Verdict, Vec<FaultKind>) {
+        let measurement = multisine_record(plant(), &[], course, seed);
         let request = IdentifyRequest::default();
-        let answer = crate::diagnose::diagnose(measurement, &request, &Silent).unwrap();
+        let answer = crate::diagnose::diagnose(&measurement, &request, &Silent).unwrap();
         (answer.verdict, answer.measurement.iter().map(|fault| fault.fault).collect())
     }
 
     #[test]
     fn an_input_that_is_held_or_runs_straight_is_no_fault_of_the_machine() {
         for (course, kind) in [(Intersample::Hold, COURSES[0]), (Intersample::Linear, COURSES[1])] {
-            let answer = found(&recorded(Some(course), 3));
-            assert_eq!(answer, (Verdict::Adequate, vec![kind]), "{course:?}");
+            assert_eq!(found(Some(course), 3), (Verdict::Adequate, vec![kind]), "{course:?}");
         }
     }
 
     #[test]
     fn an_input_that_is_read_as_it_runs_has_no_fault() {
         for seed in 0..4 {
-            assert_eq!(found(&recorded(None, seed)), (Verdict::Adequate, vec![]), "{seed}");
+            assert_eq!(found(None, seed), (Verdict::Adequate, vec![]), "{seed}");
         }
     }
 }

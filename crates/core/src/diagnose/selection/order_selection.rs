@@ -236,3 +236,35 @@ fn described(study: &OrderStudy<'_>) -> String {
         causes => format!("order {} with {}", study.order(), causes.join(" and ")),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::record::{multisine_record, plant};
+    use crate::machines::simulator::Effect;
+    use crate::observer::Silent;
+    use crate::plant::{Actuator, Plant};
+
+    /// The order that is better beside what is found at order 0, on a record with an asymmetric gain.
+    fn better_than_0(actuator: Actuator) -> Option<u8> {
+        let effects = [Effect::new("gain_asymmetry", [("gamma", 0.15)])];
+        let record = multisine_record(Plant { actuator, ..plant() }, &effects, None, 5);
+        let of_order = |actuator_order| IdentifyRequest {
+            plant: Some(PlantRequest { actuator_order }),
+            ..IdentifyRequest::default()
+        };
+        let (order_0, others) = (of_order(0), [of_order(1)]);
+        let first = FitSession::new(&record, &order_0, &Silent).unwrap();
+        let part = Part::of(&Silent);
+        let study = OrderStudy::new(&first, part, 1).unwrap();
+        assert_eq!(study.chosen, ["gain_asymmetry"]);
+        let observer = Quiet(&part);
+        better_order(&study, &others, &first, &observer).unwrap().map(|better| better.order())
+    }
+
+    #[test]
+    fn the_order_is_chosen_again_beside_the_effect_that_is_found() {
+        assert_eq!(better_than_0(Actuator::FirstOrder { corner_rad_s: 400.0 }), Some(1));
+        assert_eq!(better_than_0(Actuator::Direct), None);
+    }
+}

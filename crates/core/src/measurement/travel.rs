@@ -31,7 +31,7 @@ pub(super) enum Travel {
     None,
     /// It moves on by this distance in each of several periods.
     Steady(f64),
-    /// It ends a single period this far from where it began. Whether it would move on is not known.
+    /// It ends a single period this far from where it began. That it would move on is assumed.
     Once(f64),
 }
 
@@ -67,13 +67,13 @@ impl Travel {
         match self {
             Self::None => None,
             Self::Steady(distance) => Some(format!(
-                "the position moves on by {distance:.4} in every period: this uniform motion is taken out, \
-                 and serves as the mean velocity"
+                "the position moves on by {distance:.4} in every period: this uniform motion is taken \
+                 out, and serves as the mean velocity"
             )),
             Self::Once(distance) => Some(format!(
-                "the position ends the period {distance:.4} from where it began: this is taken out as a \
-                 uniform motion; record several periods to see whether the axis moves on or has not \
-                 settled"
+                "the position ends the period {distance:.4} from where it began: this is taken out as \
+                 a uniform motion; record several periods to see whether the axis moves on or has \
+                 not settled"
             )),
         }
     }

@@ -6,7 +6,9 @@ use rand_distr::{Distribution, StandardNormal};
 use rustfft::FftPlanner;
 use std::f64::consts::TAU;
 
-use crate::measurement::{Complex, Experiment, Harmonic, Record, RecordError, ResponseKind};
+use crate::measurement::{
+    Complex, Experiment, Harmonic, Record, RecordError, RecordStatement, ResponseKind,
+};
 
 /// Points of a period per highest line at which the peak of a multisine is looked for.
 const POINTS_PER_LINE: usize = 16;
@@ -192,8 +194,13 @@ impl PeriodicMotion {
         rng: &mut ChaCha8Rng,
     ) -> Result<Experiment, RecordError> {
         let record = self.record(noise, sampling, run, rng);
-        let period_s = Some(TAU / self.omega_rad_s);
-        let (mut experiment, _) = record.experiment(kind, None, None, period_s, Some(0))?;
+        let stated = RecordStatement {
+            kind,
+            period_s: Some(TAU / self.omega_rad_s),
+            settle_periods: Some(0),
+            ..RecordStatement::default()
+        };
+        let (mut experiment, _) = record.experiment(stated)?;
         if kind != ResponseKind::Velocity {
             // The mean of a position says nothing.
             experiment.response.remove(0);

@@ -34,7 +34,7 @@ use std::sync::Arc;
 pub(crate) use doubts::per_cent;
 pub use experiment::{Experiment, Harmonic, Repeat};
 pub use metadata::{Loop, Metadata, Quantity, ResponseKind};
-pub use record::Record;
+pub use record::{Record, RecordStatement};
 pub use record_error::RecordError;
 pub use transient::{Beginning, Intersample, Transient};
 use waveform::half_peak_to_peak;

@@ -30,6 +30,21 @@ pub struct Record {
     pub run: Option<f64>,
 }
 
+/// What is stated of a record.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct RecordStatement {
+    /// Kind of the response.
+    pub kind: ResponseKind,
+    /// Whether a controller was active.
+    pub feedback: Option<Loop>,
+    /// How the input runs between its samples.
+    pub intersample: Option<Intersample>,
+    /// Period of the input, s.
+    pub period_s: Option<f64>,
+    /// Periods at the beginning to leave out.
+    pub settle_periods: Option<usize>,
+}
+
 impl Record {
     /// Sampling interval, s, by least squares over all samples.
     ///
@@ -54,12 +69,9 @@ impl Record {
     /// See [`RecordError`].
     pub fn experiment(
         &self,
-        kind: ResponseKind,
-        feedback: Option<Loop>,
-        intersample: Option<Intersample>,
-        period_s: Option<f64>,
-        settle_periods: Option<usize>,
+        stated: RecordStatement,
     ) -> Result<(Experiment, Vec<String>), RecordError> {
+        let RecordStatement { kind, feedback, intersample, period_s, settle_periods } = stated;
         let mut remarks = Vec::new();
         let step_s = self.step_s()?;
         let duration_s = step_s * self.time_s.len() as f64;

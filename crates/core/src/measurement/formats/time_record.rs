@@ -5,7 +5,7 @@ use super::fault::Fault;
 use super::header::Header;
 use super::part::{Part, Remarked};
 use super::table::Table;
-use crate::measurement::record::Record;
+use crate::measurement::record::{Record, RecordStatement};
 use crate::measurement::record_error::RecordError;
 use crate::measurement::transient::FEWEST;
 use crate::measurement::{Experiment, Lines, Transient};
@@ -80,15 +80,14 @@ fn read_segment(table: &Table, segment: &Segment, header: &Header) -> Result<Rea
         return motion("one motion that does not repeat: a validation takes it, a fit does not");
     }
     let moves = record.output.iter().any(|value| *value != record.output[0]);
-    let metadata = &header.metadata;
-    let experiment = record.experiment(
-        metadata.response_kind,
-        metadata.feedback,
-        header.intersample,
-        header.period_s,
-        header.settle_periods,
-    );
-    match experiment {
+    let stated = RecordStatement {
+        kind: header.metadata.response_kind,
+        feedback: header.metadata.feedback,
+        intersample: header.intersample,
+        period_s: header.period_s,
+        settle_periods: header.settle_periods,
+    };
+    match record.experiment(stated) {
         Ok((content, remarks)) => Ok(Read::Periods(Remarked { content, remarks })),
         Err(RecordError::NoPeriodFound { .. }) if record.time_s.len() >= FEWEST && moves => motion(
             "no period is found in the input: it is taken as one motion that does not repeat, \

@@ -96,3 +96,26 @@ fn the_motor_bench_has_an_answer_by_default_options() {
     assert!(result["fit"]["nrmse"].as_f64().unwrap() < 1.0);
     assert_eq!(result["order_choice"]["candidates"].as_array().unwrap().len(), 3);
 }
+
+/// A motor drives an arm through springs. Of all lines between 1.8 and 3 Hz the response is least at
+/// 2.35 Hz.
+#[test]
+#[ignore = "slow: a diagnosis of a record with 200 excited lines"]
+fn the_joint_of_the_flexible_arm_is_named() {
+    let Some(file) = shared("data/flexible-joint/multisine.csv") else { return };
+    let output = servoscope(&["diagnose", "--json", file.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let causes = result["causes"].as_array().unwrap();
+    // A joint whose play is too small to be seen is the same joint.
+    let is_joint =
+        |cause: &&Value| ["flexible_mode", "backlash"].map(Value::from).contains(&cause["effect"]);
+    let joint = causes.iter().find(is_joint).unwrap_or_else(|| panic!("{causes:?}"));
+    let value = |of: &Value, name: &str| of[name]["value"].as_f64().unwrap();
+    let parameters = &result["extended"]["parameters"];
+    let [stiffness, share] =
+        ["stiffness", "load_inertia_fraction"].map(|name| value(&joint["parameters"], name));
+    let antiresonance_hz =
+        (stiffness * value(parameters, "constant") / share).sqrt() / std::f64::consts::TAU;
+    assert!((2.1..2.7).contains(&antiresonance_hz), "{antiresonance_hz} Hz");
+}

@@ -23,14 +23,14 @@
 mod doubt;
 mod error;
 mod faults;
+#[cfg(test)]
+mod fixtures;
 mod holdout;
 mod inspection;
 mod limitations;
 mod linearity;
 mod plan;
 mod progress;
-#[cfg(test)]
-mod record;
 mod residuals;
 mod search;
 mod selection;

@@ -79,7 +79,7 @@ pub(super) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
 mod tests {
     use super::*;
     use crate::answers::Verdict;
-    use crate::diagnose::record::{multisine_record, plant};
+    use crate::diagnose::fixtures::{multisine_record, plant};
     use crate::identify::IdentifyRequest;
     use crate::measurement::Intersample;
     use crate::observer::Silent;

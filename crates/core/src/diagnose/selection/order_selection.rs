@@ -240,7 +240,7 @@ fn described(study: &OrderStudy<'_>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::record::{multisine_record, plant};
+    use crate::diagnose::fixtures::{multisine_record, plant};
     use crate::machines::simulator::Effect;
     use crate::observer::Silent;
     use crate::plant::{Actuator, Plant};

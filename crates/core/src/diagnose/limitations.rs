@@ -1,7 +1,10 @@
 //! Sentences on what a diagnosis cannot say.
 
-use crate::answers::{Identification, Unanswered};
+use std::f64::consts::TAU;
+
+use crate::answers::{Cause, Identification, Unanswered};
 use crate::identify::FitSession;
+use crate::measurement::Measurement;
 
 use super::selection::models::Models;
 
@@ -65,4 +68,54 @@ pub(super) fn unanswered(answer: &Identification) -> Option<String> {
         experiments.len(),
         places.join(", "),
     ))
+}
+
+/// A delay is that of a held input if it differs from half a sampling interval by less than this,
+/// relative: other effects that are named beside it move it a little.
+const HALF_A_SAMPLE: f64 = 0.1;
+
+/// Says that a delay of half a sampling interval may be that of an input that a converter holds.
+pub(super) fn held_input(measurement: &Measurement, causes: &[Cause]) -> Option<String> {
+    let delay = causes.iter().find(|cause| cause.effect == "transport_delay")?;
+    let delay_s = delay.parameters.get("delay")?.value?;
+    let mut steps = measurement
+        .experiments()
+        .iter()
+        .filter_map(|experiment| Some(TAU / experiment.omega_rad_s / experiment.open_samples?));
+    let is_half = |step_s: &f64| (delay_s / (0.5 * step_s) - 1.0).abs() < HALF_A_SAMPLE;
+    let step_s = steps.find(is_half)?;
+    Some(format!(
+        "the delay is half the sampling interval of {:.4} ms: a converter that holds the input from \
+         one sample to the next delays it by that; if it does, add the line `# intersample: hold`",
+        1e3 * step_s
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answers::sample;
+    use crate::diagnose::fixtures::{multisine_record, plant};
+
+    // 512 samples in a period of 2π/2 s.
+    #[test]
+    fn a_delay_of_half_a_sample_may_be_that_of_a_held_input_where_nothing_is_stated() {
+        let record = multisine_record(plant(), &[], None, 1);
+        let said = |measurement: &Measurement, delay_s: f64| {
+            let mut cause = sample::diagnosis().causes.remove(0);
+            let mut parameter = cause.parameters.values().next().unwrap().clone();
+            parameter.value = Some(delay_s);
+            cause.effect = "transport_delay".into();
+            cause.parameters = [("delay".to_owned(), parameter)].into_iter().collect();
+            held_input(measurement, &[cause])
+        };
+        let half_s = 0.5 * TAU / 2.0 / 512.0;
+        assert!(said(&record, 1.05 * half_s).unwrap().contains("6.1359 ms"));
+        assert_eq!(said(&record, 1.3 * half_s), None);
+        let mut experiments = record.experiments().to_vec();
+        experiments[0].open_samples = None;
+        let stated =
+            Measurement::new(record.metadata().clone(), experiments, Vec::new(), String::new());
+        assert_eq!(said(&stated.unwrap(), half_s), None);
+    }
 }

@@ -100,6 +100,7 @@ impl ReportAssembly<'_> {
         let Self { models, chosen, .. } = &self;
         let named = |extended| causes::named(models, chosen, extended, self.fits);
         let mut causes = extended.as_ref().map(named).unwrap_or_default();
+        limitations.extend(crate::diagnose::limitations::held_input(measurement, &causes));
         for cause in &mut causes {
             cause.gain = match chosen.len() {
                 1 => gain.clone(),

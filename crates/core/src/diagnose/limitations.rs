@@ -102,7 +102,7 @@ mod tests {
     fn a_delay_of_half_a_sample_may_be_that_of_a_held_input_where_nothing_is_stated() {
         let record = multisine_record(plant(), &[], None, 1);
         let said = |measurement: &Measurement, delay_s: f64| {
-            let mut cause = sample::diagnosis().causes.remove(0);
+            let mut cause = sample::explained().causes.remove(0);
             let mut parameter = cause.parameters.values().next().unwrap().clone();
             parameter.value = Some(delay_s);
             cause.effect = "transport_delay".into();

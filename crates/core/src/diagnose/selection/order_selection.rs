@@ -33,6 +33,8 @@ const HIGHEST_ORDER: u8 = 2;
 struct Spans {
     /// Every effect alone, at every order.
     singles: [f64; 2],
+    /// The same again at an order that turns out to be better.
+    again: [f64; 2],
     /// Several effects together, at the best order and at the second best.
     combining: [[f64; 2]; 2],
     /// Cross-validation and assembly of the answer.
@@ -40,17 +42,14 @@ struct Spans {
 }
 
 impl Spans {
-    fn of(orders: usize) -> Self {
-        match orders {
-            1 => {
-                let combining = [[0.3, 0.75], [0.75, 0.75]];
-                Self { singles: [0.0, 0.3], combining, concluding: [0.75, 1.0] }
-            }
-            _ => {
-                let combining = [[0.5, 0.65], [0.65, 0.8]];
-                Self { singles: [0.0, 0.5], combining, concluding: [0.8, 1.0] }
-            }
-        }
+    /// For so many orders at first, and perhaps another one beside what is found.
+    fn of(orders: usize, perhaps_another: bool) -> Self {
+        let (studied, combining, concluding) = match orders {
+            1 => (0.3, [[0.3, 0.75], [0.75, 0.75]], [0.75, 1.0]),
+            _ => (0.5, [[0.5, 0.65], [0.65, 0.8]], [0.8, 1.0]),
+        };
+        let first = if perhaps_another { 2.0 / 3.0 * studied } else { studied };
+        Self { singles: [0.0, first], again: [first, studied], combining, concluding }
     }
 }
 
@@ -89,7 +88,7 @@ pub(crate) fn diagnose(
     let sessions: Vec<&FitSession<'_>> = iter::once(first).chain(&others).collect();
     let better;
     let each = 1.0 / sessions.len() as f64;
-    let spans = Spans::of(sessions.len());
+    let spans = Spans::of(sessions.len(), !higher.is_empty());
     let mut studies = Vec::with_capacity(sessions.len());
     for (i, session) in sessions.iter().enumerate() {
         let own = part.part(spans.singles).part([i, i + 1].map(|end| end as f64 * each));
@@ -101,7 +100,7 @@ pub(crate) fn diagnose(
     studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
     if let Some(session) = better_order(&studies[0], &higher, first, &quietly)? {
         better = session;
-        studies = vec![OrderStudy::new(&better, part.part(spans.singles), seed)?];
+        studies = vec![OrderStudy::new(&better, part.part(spans.again), seed)?];
     }
     if data.doubted && !studies[0].explained() {
         let is_clear = |found: &Suspected| found.effects == 0 || found.price < LARGEST_CLEAR_PRICE;
@@ -266,5 +265,29 @@ mod tests {
     fn the_order_is_chosen_again_beside_the_effect_that_is_found() {
         assert_eq!(better_than_0(Actuator::FirstOrder { corner_rad_s: 400.0 }), Some(1));
         assert_eq!(better_than_0(Actuator::Direct), None);
+    }
+
+    // Of 120 rad/s, a pole at 20 000 turns the phase by a third of a degree.
+    #[test]
+    fn a_base_model_is_no_axis_where_its_inertia_does_not_show() {
+        let degenerate = |viscous_rate_rad_s: f64| {
+            let constant = 2.5 * viscous_rate_rad_s;
+            let machine = Plant { viscous_rate_rad_s, constant, ..plant() };
+            let record = multisine_record(machine, &[], None, 5);
+            let request = IdentifyRequest::default();
+            is_degenerate(&FitSession::new(&record, &request, &Silent).unwrap())
+        };
+        assert_eq!([8.0, 2e4].map(degenerate), [false, true]);
+    }
+
+    #[test]
+    fn the_shares_of_the_progress_follow_each_other() {
+        for (orders, perhaps_another) in [(1, false), (1, true), (3, false), (3, true)] {
+            let Spans { singles, again, combining, concluding } =
+                Spans::of(orders, perhaps_another);
+            let all = [singles, again, combining[0], combining[1], concluding].concat();
+            assert!(all.is_sorted() && (all[0], all[9]) == (0.0, 1.0), "{all:?}");
+            assert_eq!(again[0] < again[1], perhaps_another, "{all:?}");
+        }
     }
 }

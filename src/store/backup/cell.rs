@@ -17,36 +17,6 @@ pub(in crate::store) enum Cell {
 }
 
 impl Cell {
-    /// Reads the column at a position of a row.
-    fn read<'r, R: Row>(row: &'r R, position: usize, kind: Kind) -> sqlx::Result<Self>
-    where
-        usize: ColumnIndex<R>,
-        i64: Decode<'r, R::Database> + Type<R::Database>,
-        f64: Decode<'r, R::Database> + Type<R::Database>,
-        bool: Decode<'r, R::Database> + Type<R::Database>,
-        String: Decode<'r, R::Database> + Type<R::Database>,
-        Vec<u8>: Decode<'r, R::Database> + Type<R::Database>,
-    {
-        fn cell<'r, R: Row, T>(
-            row: &'r R,
-            position: usize,
-            cell: impl FnOnce(T) -> Cell,
-        ) -> sqlx::Result<Cell>
-        where
-            usize: ColumnIndex<R>,
-            T: Decode<'r, R::Database> + Type<R::Database>,
-        {
-            Ok(row.try_get::<Option<T>, _>(position)?.map_or(Cell::Null, cell))
-        }
-        match kind {
-            Kind::Integer => cell(row, position, Cell::Integer),
-            Kind::Real => cell(row, position, Cell::Real),
-            Kind::Text => cell(row, position, Cell::Text),
-            Kind::Bytes => cell(row, position, Cell::Bytes),
-            Kind::Flag => cell(row, position, Cell::Flag),
-        }
-    }
-
     /// As JSON; of bytes only how many there are.
     pub(super) fn to_json(&self) -> Value {
         match self {
@@ -87,5 +57,21 @@ where
     String: Decode<'r, R::Database> + Type<R::Database>,
     Vec<u8>: Decode<'r, R::Database> + Type<R::Database>,
 {
-    columns.iter().enumerate().map(|(at, column)| Cell::read(row, at, column.kind)).collect()
+    let read = |(at, column): (usize, &Column)| match column.kind {
+        Kind::Integer => read(row, at, Cell::Integer),
+        Kind::Real => read(row, at, Cell::Real),
+        Kind::Text => read(row, at, Cell::Text),
+        Kind::Bytes => read(row, at, Cell::Bytes),
+        Kind::Flag => read(row, at, Cell::Flag),
+    };
+    columns.iter().enumerate().map(read).collect()
+}
+
+/// The cell at a position of a row.
+fn read<'r, R: Row, T>(row: &'r R, at: usize, cell: impl FnOnce(T) -> Cell) -> sqlx::Result<Cell>
+where
+    usize: ColumnIndex<R>,
+    T: Decode<'r, R::Database> + Type<R::Database>,
+{
+    Ok(row.try_get::<Option<T>, _>(at)?.map_or(Cell::Null, cell))
 }

@@ -17,6 +17,7 @@ mod writer;
 use std::fmt;
 
 use async_trait::async_trait;
+use sha2::{Digest as _, Sha256};
 
 pub(super) use cell::{Cell, cells};
 pub use error::BackupError;
@@ -46,6 +47,11 @@ impl Section {
     pub(super) fn columns(&self) -> impl Iterator<Item = &'static str> {
         self.columns.iter().map(|column| column.name)
     }
+}
+
+/// The checksum as the last line of a backup has it.
+fn checksum(of: &Sha256) -> String {
+    of.clone().finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Rows of each table.

@@ -7,7 +7,7 @@ use flate2::bufread::MultiGzDecoder;
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
-use super::{BackupError, Cell, Column, FORMAT, Rows, Section, TABLES};
+use super::{BackupError, Cell, Column, FORMAT, Rows, Section, TABLES, checksum};
 
 /// Bytes with which a packed file begins.
 const PACKED: [u8; 2] = [0x1f, 0x8b];
@@ -118,7 +118,7 @@ impl<'r> Reader<'r> {
     /// So many bytes and the end of their line.
     fn bytes(&mut self, count: u64) -> Result<Vec<u8>, BackupError> {
         let mut bytes = Vec::new();
-        let taken = (&mut self.unpacked).take(count + 1).read_to_end(&mut bytes);
+        let taken = (&mut self.unpacked).take(count.saturating_add(1)).read_to_end(&mut bytes);
         taken.map_err(BackupError::reading)?;
         self.digest.update(&bytes);
         match bytes.pop() {
@@ -132,9 +132,7 @@ impl<'r> Reader<'r> {
         if last["rows"].as_u64() != Some(self.rows.all()) {
             return Err(damaged("rows are missing"));
         }
-        let sha256 = self.digest.clone().finalize();
-        let sha256: String = sha256.iter().map(|byte| format!("{byte:02x}")).collect();
-        if last["sha256"].as_str() != Some(&sha256) {
+        if last["sha256"].as_str() != Some(&checksum(&self.digest)) {
             return Err(damaged("its checksum is another"));
         }
         let beyond = self.unpacked.fill_buf().map_err(BackupError::reading)?;

@@ -8,7 +8,7 @@ use flate2::write::GzEncoder;
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 
-use super::{BackupError, Cell, FORMAT, Rows, Table};
+use super::{BackupError, Cell, FORMAT, Rows, Table, checksum};
 
 /// Writes a backup, row by row.
 pub struct Writer<'w> {
@@ -61,8 +61,7 @@ impl<'w> Writer<'w> {
     /// # Errors
     /// [`BackupError::File`]
     pub fn finish(mut self) -> Result<Rows, BackupError> {
-        let sha256 = self.digest.clone().finalize();
-        let sha256: String = sha256.iter().map(|byte| format!("{byte:02x}")).collect();
+        let sha256 = checksum(&self.digest);
         self.line(&json!({"rows": self.rows.all(), "sha256": sha256}))?;
         let file = self.packed.finish().map_err(BackupError::File)?;
         file.flush().map_err(BackupError::File)?;

@@ -14,7 +14,7 @@ use servoscope_core::answers::Method;
 use sha2::{Digest, Sha256};
 
 use crate::config::SecretText;
-use crate::service::MAX_BATCH;
+use crate::service::{MAX_BATCH, hexadecimal};
 
 use super::choice::one_of;
 use super::interrupt::Terminations;
@@ -193,10 +193,6 @@ async fn rows(remote: &Remote, id: &str) -> Result<Vec<Row>, Failure> {
             None => return Ok(all),
         }
     }
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]

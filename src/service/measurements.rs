@@ -167,7 +167,8 @@ pub(super) fn sources(files: &[FileRow]) -> Vec<Source<'_>> {
     files.iter().map(|file| Source { name: &file.name, bytes: &file.bytes }).collect()
 }
 
-pub(super) fn hexadecimal(bytes: &[u8]) -> String {
+/// Bytes as hexadecimal digits.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 

@@ -56,6 +56,7 @@ use inspections::Asked;
 pub use jobs::{Failure, Job};
 pub use keys::NewKey;
 pub use mappings::Mapping;
+pub(crate) use measurements::hexadecimal;
 pub use measurements::{MAX_FILES, MAX_POINTS, Measured, Upload};
 pub use metrics::Metrics;
 pub use numerics::{BuiltIn, Numerics};

@@ -6,8 +6,8 @@ use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
 use crate::cli::Failure;
+use crate::service::hexadecimal;
 
-use super::hexadecimal;
 use super::remote::{self, Remote, Sent};
 use super::request::{Request, segment};
 

@@ -353,6 +353,8 @@ fn levels(
 
 #[cfg(test)]
 mod tests {
+    use crate::measurement::Metadata;
+
     use super::super::fixtures::{ACTUATORS, axis, joined, multisine, stepped_sine};
     use super::*;
 
@@ -382,6 +384,27 @@ mod tests {
         let ratio = there.in_units(&axis(ACTUATORS[0])).constant
             / here.in_units(&axis(ACTUATORS[0])).constant;
         assert_eq!(ratio, 2.0 * 4.0 / 8.0);
+    }
+
+    #[test]
+    fn a_position_is_held_to_its_mean_velocity_where_the_mean_of_the_input_was_measured() {
+        let mut experiments = multisine(&axis(ACTUATORS[0])).experiments().to_vec();
+        let mut constrained = |input_mean_measured: bool, mean_velocity: f64| {
+            let e = &mut experiments[0];
+            (e.input_mean_measured, e.mean_velocity) = (input_mean_measured, mean_velocity);
+            let metadata =
+                Metadata { response_kind: ResponseKind::Position, ..Metadata::default() };
+            let position =
+                Measurement::new(metadata, experiments.clone(), Vec::new(), String::new()).unwrap();
+            let problem = Problem::new(&position).unwrap();
+            let mut targets = problem.experiments[0].targets.iter();
+            let found = targets.find(|target| target.constraint);
+            found.map(|target| target.value.re * problem.scales.velocity)
+        };
+        assert_eq!(constrained(false, 0.5), None);
+        assert_eq!(constrained(true, 0.0), Some(0.0));
+        // Rounding of a division and a multiplication.
+        assert!((constrained(true, 0.5).unwrap() - 0.5).abs() < 1e-15);
     }
 
     #[test]

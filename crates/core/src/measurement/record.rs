@@ -71,30 +71,11 @@ impl Record {
         &self,
         stated: RecordStatement,
     ) -> Result<(Experiment, Vec<String>), RecordError> {
-        let RecordStatement { kind, feedback, intersample, period_s, settle_periods } = stated;
+        let RecordStatement { kind, feedback, intersample, settle_periods, .. } = stated;
         let mut remarks = Vec::new();
         let step_s = self.step_s()?;
         let duration_s = step_s * self.time_s.len() as f64;
-        if let Some(period_s) = period_s {
-            enough_samples(period_s, step_s)?;
-        }
-        let (samples, period_s) = match period_s {
-            Some(period_s) => {
-                let (samples, remark) = stated_period::checked(&self.input, period_s, step_s)?;
-                remarks.extend(remark);
-                let is_stated =
-                    (samples * step_s / period_s - 1.0).abs() <= WHOLE_SAMPLES_TOLERANCE;
-                (samples, if is_stated { period_s } else { rounded(samples * step_s) })
-            }
-            None => {
-                let found = period::find(&self.input);
-                let found = found.ok_or(RecordError::NoPeriodFound { duration_s })?;
-                enough_samples(found * step_s, step_s)?;
-                let found_s = rounded(found * step_s);
-                remarks.push(format!("the period of {found_s} s is found from the input"));
-                (whole_if_nearly(found), found_s)
-            }
-        };
+        let (samples, period_s) = self.period(stated.period_s, step_s, &mut remarks)?;
         let change = Change::of(&self.input, samples);
         if let Some(Change { share, .. }) = change.filter(|change| change.is_large()) {
             let percent = 100.0 * share;
@@ -151,6 +132,28 @@ impl Record {
         };
         remarks.extend(beginning.remark(count));
         Ok((experiment, remarks))
+    }
+
+    /// The period of the input, in samples and in seconds.
+    fn period(
+        &self,
+        stated_s: Option<f64>,
+        step_s: f64,
+        remarks: &mut Vec<String>,
+    ) -> Result<(f64, f64), RecordError> {
+        if let Some(period_s) = stated_s {
+            enough_samples(period_s, step_s)?;
+            let (samples, remark) = stated_period::checked(&self.input, period_s, step_s)?;
+            remarks.extend(remark);
+            let is_stated = (samples * step_s / period_s - 1.0).abs() <= WHOLE_SAMPLES_TOLERANCE;
+            return Ok((samples, if is_stated { period_s } else { rounded(samples * step_s) }));
+        }
+        let duration_s = step_s * self.time_s.len() as f64;
+        let found = period::find(&self.input).ok_or(RecordError::NoPeriodFound { duration_s })?;
+        enough_samples(found * step_s, step_s)?;
+        let found_s = rounded(found * step_s);
+        remarks.push(format!("the period of {found_s} s is found from the input"));
+        Ok((whole_if_nearly(found), found_s))
     }
 
     /// The whole record as one motion that does not repeat.

@@ -21,7 +21,8 @@ struct Optional {
 /// `repeat`, `run` and `u_re,u_im` are written only if some experiment needs them. A repeat is
 /// written as the mean plus its deviation. Numbers have the fewest digits that read back as the
 /// same number. Reading the text therefore reproduces the measurement to rounding error, except
-/// for its notes and digest.
+/// for its notes and digest, and what a table cannot say of a record: how its input runs between
+/// samples, which rounding repeats, and how fast a position moves on.
 ///
 /// # Errors
 /// Any error of `out`.

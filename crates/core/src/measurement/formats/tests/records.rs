@@ -101,6 +101,11 @@ fn a_position_that_moves_on_is_used_without_that_uniform_motion() {
     assert!((experiment.mean_velocity - 3.0).abs() < 0.02, "{}", experiment.mean_velocity);
     assert!((y(&moving, 0, 1) - Complex::new(1.0, 0.0)).norm() < 0.01);
     assert!(moving.notes().iter().any(|note| note.contains("moves on by 0.3")));
+    // A table with the mean of the input would say that the position returns.
+    let mut table = Vec::new();
+    write_harmonic_csv(&moving, &mut table).unwrap();
+    let read = ok(std::str::from_utf8(&table).unwrap());
+    assert!(experiment.input_mean_measured && !read.experiments()[0].input_mean_measured);
 }
 
 #[test]

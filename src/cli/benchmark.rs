@@ -26,7 +26,8 @@ pub(super) struct Args {
     /// Single draws of each effect at each level.
     #[arg(long, value_name = "N", default_value_t = Plan::default().singles)]
     draws: u32,
-    /// Draws in which nothing is hidden, at all levels together; as many of `analyser`.
+    /// Draws in which nothing is hidden, at all levels together; as many of `analyser` and of
+    /// `analyser-record`.
     #[arg(long, value_name = "N", default_value_t = Plan::default().clean)]
     clean: u32,
     /// Pairs of effects at each level above 40 dB.

@@ -36,19 +36,31 @@ pub struct Sampling {
     pub periods: usize,
 }
 
-/// Standard deviations of the white noise of a record.
+/// Standard deviations of the white noise of a record, and what rounding adds to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordNoise {
     /// Of every sample of the input, input units.
     pub input: f64,
     /// Of every sample of the response, response units.
     pub response: f64,
+    /// Resolution to which a sensor rounds the response, noise and all, response units; 0 if it does
+    /// not round.
+    pub step: f64,
 }
 
 impl RecordNoise {
-    /// Both `factor` times as large.
+    /// All of it `factor` times as large.
     pub fn times(self, factor: f64) -> Self {
-        Self { input: factor * self.input, response: factor * self.response }
+        let Self { input, response, step } = self;
+        Self { input: factor * input, response: factor * response, step: factor * step }
+    }
+}
+
+impl RecordNoise {
+    /// Standard deviation of every sample of the response, with that of rounding: a step is uniform
+    /// over its width.
+    fn response_std(&self) -> f64 {
+        self.response.hypot(self.step / 12.0_f64.sqrt())
     }
 }
 
@@ -75,7 +87,20 @@ impl Sampling {
 /// `magnitude` (input units).
 pub fn multisine(count: usize, magnitude: f64, rng: &mut ChaCha8Rng) -> Vec<Complex> {
     let phases = (0..count).map(|_| Complex::from_polar(1.0, rng.random_range(0.0..TAU)));
-    let mut lines: Vec<Complex> = std::iter::once(Complex::new(0.0, 0.0)).chain(phases).collect();
+    with_magnitude(phases, magnitude)
+}
+
+/// Lines 1 to `count` of equal size whose phases −πk²/`count` make a sweep of their sum (M. R. Schroeder
+/// 1970, doi:10.1109/TIT.1970.1054411), half the peak-to-peak value of which is `magnitude` (input
+/// units).
+pub fn sweep(count: usize, magnitude: f64) -> Vec<Complex> {
+    let phase = |k: usize| -0.5 * TAU * (k * k) as f64 / count as f64;
+    with_magnitude((1..=count).map(|k| Complex::from_polar(1.0, phase(k))), magnitude)
+}
+
+fn with_magnitude(lines: impl Iterator<Item = Complex>, magnitude: f64) -> Vec<Complex> {
+    let mut lines: Vec<Complex> = std::iter::once(Complex::new(0.0, 0.0)).chain(lines).collect();
+    let count = lines.len() - 1;
     let values = sampled(&lines, (POINTS_PER_LINE * count).next_power_of_two());
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -132,7 +157,7 @@ impl PeriodicMotion {
         gain: impl Fn(usize) -> f64,
     ) -> Experiment {
         let [of_input, of_response] =
-            [noise.input, noise.response].map(|std| sampling.harmonic_std(std));
+            [noise.input, noise.response_std()].map(|std| sampling.harmonic_std(std));
         let harmonic = |(order, value): (usize, &Complex)| {
             let std = of_response.hypot(gain(order) * of_input);
             Harmonic { order, value: *value, std: Some(std) }
@@ -164,18 +189,19 @@ impl PeriodicMotion {
     ) -> Record {
         let Sampling { samples, periods } = sampling;
         let step_s = TAU / self.omega_rad_s / samples as f64;
-        let mut noisy = |lines: &[Complex], per_sample: f64, std: f64| -> Vec<f64> {
+        let mut noisy = |lines: &[Complex], per_sample: f64, std: f64, step: f64| -> Vec<f64> {
             let period = sampled(lines, samples);
             let all = period.iter().cycle().take(samples * periods).enumerate();
             all.map(|(n, value)| {
                 let normal: f64 = StandardNormal.sample(rng);
-                value + per_sample * n as f64 + std * normal
+                let value = value + per_sample * n as f64 + std * normal;
+                if step > 0.0 { (value / step).round() * step } else { value }
             })
             .collect()
         };
         Record {
-            input: noisy(&self.input, 0.0, noise.input),
-            output: noisy(&self.response, self.mean_velocity * step_s, noise.response),
+            input: noisy(&self.input, 0.0, noise.input, 0.0),
+            output: noisy(&self.response, self.mean_velocity * step_s, noise.response, noise.step),
             time_s: (0..samples * periods).map(|n| n as f64 * step_s).collect(),
             run: Some(run),
         }
@@ -269,7 +295,7 @@ mod tests {
     #[test]
     fn a_record_has_the_lines_of_its_motion_and_scatters_as_its_exact_response_states() {
         let motion = motion();
-        let noise = RecordNoise { input: 0.0, response: 0.05 };
+        let noise = RecordNoise { input: 0.0, response: 0.05, step: 0.0 };
         let exact = motion.exact(ResponseKind::Velocity, 20, &noise, SAMPLING, 3.0, gain);
         let found =
             motion.recorded(ResponseKind::Velocity, &noise, SAMPLING, 3.0, &mut rng()).unwrap();
@@ -295,7 +321,7 @@ mod tests {
     fn noise_of_the_input_counts_as_the_machine_passes_it_on() {
         let motion = motion();
         let of = |input: f64, response: f64| {
-            let noise = RecordNoise { input, response };
+            let noise = RecordNoise { input, response, step: 0.0 };
             motion.exact(ResponseKind::Velocity, 30, &noise, SAMPLING, 0.0, gain)
         };
         let std = |experiment: &Experiment, k: usize| experiment.harmonic(k).unwrap().std.unwrap();
@@ -313,7 +339,7 @@ mod tests {
         let position = velocity.clone().converted_to_position();
         let expected = velocity.response[4] / Complex::new(0.0, 10.0);
         assert!((position.response[4] - expected).norm() < 1e-15 * 3.0);
-        let noise = RecordNoise { input: 0.1, response: 1e-3 };
+        let noise = RecordNoise { input: 0.1, response: 1e-3, step: 0.0 };
         let kind = ResponseKind::Position;
         let exact = position.exact(kind, 20, &noise, SAMPLING, 0.0, gain);
         let found = position.recorded(kind, &noise, SAMPLING, 0.0, &mut rng()).unwrap();
@@ -341,7 +367,7 @@ mod tests {
         let mut velocity = motion();
         velocity.response[0] = Complex::new(0.7, 0.0);
         let position = velocity.converted_to_position();
-        let noise = RecordNoise { input: 0.0, response: 1e-6 };
+        let noise = RecordNoise { input: 0.0, response: 1e-6, step: 0.0 };
         let kind = ResponseKind::Position;
         let found = position.recorded(kind, &noise, SAMPLING, 0.0, &mut rng()).unwrap();
         // The standard error of a mean of 256 differences over three periods of 2π/2.5 s.

@@ -15,7 +15,7 @@ use super::effect_draws::{draw_effect, two};
 use super::excess::{DETECTABLE, exact, excess_in, scaled_to_excess};
 use super::instrument::Instrument;
 use super::mismeasurement::{Mistake, Sort};
-use super::mixed_case::{dominant, mixed, recorded};
+use super::mixed_case::{dominant, mixed, recorded, recorded_mixed};
 use super::mixture::{CHI2_PER_DOF, Mixing};
 use super::outsiders;
 use super::rivals::{Nearest, Rivals};
@@ -166,7 +166,10 @@ pub fn build_case(
         let Some(effects) = hidden else { continue };
         machine.effects = effects;
         if let Some(recording) = instrument.recording {
-            let made = recorded(case, &machine, instrument, recording, wanted[0], rng);
+            let made = match case.kind.dominant() {
+                0 => recorded(&machine, instrument, recording, wanted[0], rng),
+                _ => recorded_mixed(case, &machine, instrument, recording, wanted[0], rng),
+            };
             match made {
                 Some(made) => return Ok(Made { attempts: attempt, ..made }),
                 None => continue,
@@ -216,7 +219,7 @@ pub fn build_case(
 /// per degree of freedom that the dominant ones leave.
 fn target_range(case: &Case) -> [f64; 2] {
     match case.kind {
-        Kind::Analyser => ANALYSER_EXCESS,
+        Kind::Analyser | Kind::AnalyserRecord => ANALYSER_EXCESS,
         Kind::Mismeasured => [MUST_BE_NAMED, most_excess(case.level_db)],
         _ if case.kind.dominant() > 0 => CHI2_PER_DOF,
         _ => [DETECTABLE, most_excess(case.level_db)],
@@ -243,10 +246,12 @@ fn effects(
     rng: &mut ChaCha8Rng,
 ) -> Option<Vec<Effect>> {
     match case.kind {
-        Kind::Single | Kind::Analyser | Kind::Mismeasured => match case.effect {
-            Some(id) => Some(vec![sized(draw_effect(id, machine, rng), targets[0])?]),
-            None => Some(Vec::new()),
-        },
+        Kind::Single | Kind::Analyser | Kind::AnalyserRecord | Kind::Mismeasured => {
+            match case.effect {
+                Some(id) => Some(vec![sized(draw_effect(id, machine, rng), targets[0])?]),
+                None => Some(Vec::new()),
+            }
+        }
         Kind::Pair => {
             let ids = two(rng)?;
             let shapes = [draw_effect(ids[0], machine, rng), draw_effect(ids[1], machine, rng)];

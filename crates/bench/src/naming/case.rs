@@ -24,6 +24,10 @@ pub enum Kind {
     Outsider,
     /// One effect or nothing, in a table as frequency response analysers write them.
     Analyser,
+    /// One effect or nothing, recorded: a multisine, a sweep, a held command, or a trajectory in a
+    /// position loop.
+    #[serde(rename = "analyser-record")]
+    AnalyserRecord,
     /// One dominant effect, and several small ones beside it.
     Machine,
     /// Two dominant effects, and several small ones beside them.
@@ -41,12 +45,13 @@ pub enum Kind {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Single,
         Self::Clean,
         Self::Pair,
         Self::Outsider,
         Self::Analyser,
+        Self::AnalyserRecord,
         Self::Machine,
         Self::MachinePair,
         Self::MachineRecord,
@@ -62,6 +67,7 @@ impl Kind {
             Self::Pair => "pair",
             Self::Outsider => "outsider",
             Self::Analyser => "analyser",
+            Self::AnalyserRecord => "analyser-record",
             Self::Machine => "machine",
             Self::MachinePair => "machine-2",
             Self::MachineRecord => "machine-record",
@@ -78,6 +84,7 @@ impl Kind {
             | Self::Pair
             | Self::Outsider
             | Self::Analyser
+            | Self::AnalyserRecord
             | Self::Mismeasured => 0,
             Self::Machine | Self::MachineRecord => 1,
             Self::MachinePair | Self::MachinePairRecord => 2,
@@ -86,7 +93,7 @@ impl Kind {
 
     /// Whether the machine is recorded, instead of measured as a table.
     pub fn is_recorded(self) -> bool {
-        matches!(self, Self::MachineRecord | Self::MachinePairRecord)
+        matches!(self, Self::AnalyserRecord | Self::MachineRecord | Self::MachinePairRecord)
     }
 
     /// The kind with which a key begins, and the rest of the key.
@@ -117,7 +124,7 @@ pub struct Case {
     /// record follows from what the dominant effects shall leave.
     pub level_db: u32,
     /// Id of the effect; always for [`Kind::Single`] and, the dominant one, for [`Kind::Machine`];
-    /// for [`Kind::Analyser`] and [`Kind::Mismeasured`] if they hide one.
+    /// for [`Kind::Analyser`], [`Kind::AnalyserRecord`] and [`Kind::Mismeasured`] if they hide one.
     pub effect: Option<&'static str>,
     /// Order of the actuator, 0 to 2.
     pub order: u8,
@@ -172,7 +179,7 @@ impl FromStr for Case {
         };
         let is_whole = match kind {
             Kind::Single | Kind::Machine | Kind::MachineRecord => effect.is_some(),
-            Kind::Analyser | Kind::Mismeasured => true,
+            Kind::Analyser | Kind::AnalyserRecord | Kind::Mismeasured => true,
             Kind::Clean
             | Kind::Pair
             | Kind::Outsider
@@ -223,6 +230,8 @@ mod tests {
         for (kind, key, effect) in [
             (Kind::Analyser, "analyser-70-spring-o1-4", Some("spring")),
             (Kind::Analyser, "analyser-70-o1-4", None),
+            (Kind::AnalyserRecord, "analyser-record-70-spring-o1-4", Some("spring")),
+            (Kind::AnalyserRecord, "analyser-record-70-o1-4", None),
             (Kind::Mismeasured, "mismeasured-70-spring-o1-4", Some("spring")),
             (Kind::Mismeasured, "mismeasured-70-o1-4", None),
         ] {

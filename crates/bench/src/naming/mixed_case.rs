@@ -9,7 +9,7 @@ use super::effect_draws::two;
 use super::excess::{COARSE, excess_of};
 use super::instrument::Instrument;
 use super::mixture::dominance;
-use super::recording::{Recorded, Recording};
+use super::recording::{Recorded, Recording, Wanted};
 use crate::machines::draw::Draw;
 use crate::machines::noise::{NoiseLaw, RelativeNoise};
 use crate::machines::simulator::{Effect, Settings};
@@ -40,8 +40,37 @@ fn hidden_alone(case: &Case, machine: &Draw, instrument: &Instrument) -> Option<
     machine.effects.iter().enumerate().map(hidden).collect()
 }
 
-/// The draw of a machine that is recorded, at the first attempt; `None` unless it is as wanted.
+/// The draw of a machine with one effect or none that is recorded, at the first attempt, with the
+/// noise with which an effect has this excess; `None` if it cannot be recorded.
 pub(super) fn recorded(
+    machine: &Draw,
+    instrument: Instrument,
+    recording: Recording,
+    excess: f64,
+    rng: &mut ChaCha8Rng,
+) -> Option<Made> {
+    let count = machine.effects.len();
+    let wanted = if count == 0 { Wanted::Sound } else { Wanted::Excess(excess) };
+    let Recorded { measurement, dominance, std, level_db } =
+        recording.record(machine, count, wanted, rng)?;
+    let excess = if count == 0 { 0.0 } else { dominance.base };
+    Some(Made {
+        hidden: machine.effects.iter().map(|effect| Hidden::of(effect, excess)).collect(),
+        excess,
+        dominance: None,
+        plant: truth(&machine.plant),
+        machine: machine.clone(),
+        instrument: Instrument { noise: RelativeNoise::decibels(level_db), ..instrument },
+        noise: NoiseLaw::uniform(std),
+        measurement,
+        mistake: None,
+        attempts: 1,
+    })
+}
+
+/// The draw of a machine with small effects that is recorded, at the first attempt; `None` unless it
+/// is as wanted.
+pub(super) fn recorded_mixed(
     case: &Case,
     machine: &Draw,
     instrument: Instrument,
@@ -50,7 +79,7 @@ pub(super) fn recorded(
     rng: &mut ChaCha8Rng,
 ) -> Option<Made> {
     let Recorded { measurement, dominance, std, level_db } =
-        recording.record(machine, case.kind.dominant(), chi2_per_dof, rng)?;
+        recording.record(machine, case.kind.dominant(), Wanted::Left(chi2_per_dof), rng)?;
     dominance.is_wanted().then_some(())?;
     Some(Made {
         hidden: hidden_alone(case, machine, &instrument)?,

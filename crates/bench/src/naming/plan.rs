@@ -20,13 +20,14 @@ pub struct Plan {
     pub effects: Vec<&'static str>,
     /// Number of single draws of each effect at each level.
     pub singles: u32,
-    /// Number of clean draws at all levels together, and of analysers that hide nothing.
+    /// Number of clean draws at all levels together, and of analysers and of their records that hide
+    /// nothing.
     pub clean: u32,
     /// Number of pairs at each level above 40 dB; there is no target for pairs at 40 dB.
     pub pairs: u32,
     /// Number of outsiders, all at the level with the least noise.
     pub outsiders: u32,
-    /// Number of analysers that hide an effect, of each effect.
+    /// Number of analysers that hide an effect, of each effect; as many that are recorded.
     pub analysers: u32,
     /// Number of machines with one dominant effect, of each effect at each level above 40 dB; those
     /// that are recorded only at the level with the least noise.
@@ -38,7 +39,7 @@ pub struct Plan {
     pub mismeasured: u32,
 }
 
-/// All kinds but [`Kind::Analyser`], the machines with small effects and [`Kind::Mismeasured`],
+/// All kinds but [`Kind::Analyser`], its records, the machines with small effects and [`Kind::Mismeasured`],
 /// which would make the run several times as long.
 impl Default for Plan {
     fn default() -> Self {
@@ -119,12 +120,16 @@ impl Plan {
                 .flat_map(|level| (0..self.outsiders).map(move |i| (level, i)))
                 .map(|(level, index)| case(level, None, index))
                 .collect(),
-            Kind::Analyser => {
+            Kind::Analyser | Kind::AnalyserRecord => {
+                let level_db = match kind {
+                    Kind::Analyser => ANALYSER_LEVEL_DB,
+                    _ => levels.max().unwrap_or(ANALYSER_LEVEL_DB),
+                };
                 let hidden = self.effects.iter().map(|effect| (Some(*effect), self.analysers));
                 hidden
                     .chain([(None, self.clean)])
                     .flat_map(|(effect, count)| (0..count).map(move |i| (effect, i)))
-                    .map(|(effect, index)| case(ANALYSER_LEVEL_DB, effect, index))
+                    .map(|(effect, index)| case(level_db, effect, index))
                     .collect()
             }
             Kind::Mismeasured => {
@@ -160,7 +165,7 @@ mod tests {
         let plan = Plan::default();
         let cases = plan.cases();
         let count = |kind: Kind| cases.iter().filter(|case| case.kind == kind).count();
-        assert_eq!(Kind::ALL.map(count), [3 * 17 * 10, 300, 2 * 60, 45, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(Kind::ALL.map(count), [3 * 17 * 10, 300, 2 * 60, 45, 0, 0, 0, 0, 0, 0, 0]);
         let keys: HashSet<String> = cases.iter().map(Case::to_string).collect();
         assert_eq!(keys.len(), cases.len());
         for case in &cases {
@@ -182,7 +187,10 @@ mod tests {
         assert_eq!(cases[0].to_string(), format!("analyser-70-{}-o0-0", ids()[0]));
         let orders: Vec<u8> = cases[34..].iter().map(|case| case.order).collect();
         assert_eq!(orders, [0, 1, 2, 0, 1, 2]);
-        for case in cases {
+        let kinds = vec![Kind::AnalyserRecord];
+        let recorded = Plan { kinds, clean: 6, analysers: 2, ..Plan::default() }.cases();
+        assert_eq!((recorded.len(), recorded[0].level_db), (cases.len(), 60));
+        for case in cases.into_iter().chain(recorded) {
             assert_eq!(case.to_string().parse(), Ok(case));
         }
     }

@@ -5,13 +5,15 @@ use std::fmt;
 
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
-use servoscope_core::measurement::{Experiment, Loop, Measurement, Metadata, ResponseKind};
+use servoscope_core::measurement::{
+    Complex, Experiment, Loop, Measurement, Metadata, ResponseKind,
+};
 use servoscope_core::plant::Plant;
 
 use super::dominance::Dominance;
 use crate::machines::closed_loop::PositionLoop;
-use crate::machines::draw::Draw;
-use crate::machines::records::{PeriodicMotion, RecordNoise, Sampling, multisine};
+use crate::machines::draw::{Draw, log_uniform};
+use crate::machines::records::{PeriodicMotion, RecordNoise, Sampling, multisine, sweep};
 use crate::machines::simulator::{Effect, Machine, Settings, respond};
 
 /// Lines of a multisine, and of the command in a position loop.
@@ -37,6 +39,10 @@ const PERIODS: usize = 4;
 const MULTISINE_NOISE: [f64; 2] = [0.0, 5e-3];
 /// The same along a trajectory: a current is measured less well than a position.
 const TRAJECTORY_NOISE: [f64; 2] = [1e-2, 1e-4];
+/// Resolution of a sensor that rounds, as a multiple of the noise of a sample.
+const STEP_OF_NOISE: f64 = 4.0;
+/// Least and largest change of the noise where nothing is hidden.
+const SOUND_NOISE_CHANGE: [f64; 2] = [0.1, 3.0];
 /// Least and largest change of this noise.
 const NOISE_CHANGE: [f64; 2] = [0.02, 20.0];
 
@@ -58,6 +64,11 @@ pub enum Recording {
         /// Number of periods, 1 or 4, with as many samples in all.
         periods: usize,
     },
+    /// The lines of a multisine with the phases of M. R. Schroeder (1970,
+    /// doi:10.1109/TIT.1970.1054411), which make a sweep of it, with a response that is a velocity.
+    Sweep,
+    /// Four periods of a position that a sensor rounds to its resolution.
+    Rounded,
     /// A trajectory in a closed position loop: the response is a position, and the input is
     /// measured with noise.
     Trajectory,
@@ -72,9 +83,22 @@ impl fmt::Display for Recording {
             Self::Held => f.write_str("multisine, held between samples"),
             Self::Position { periods: 1 } => f.write_str("one period of a position"),
             Self::Position { periods } => write!(f, "{periods} periods of a position"),
+            Self::Sweep => f.write_str("sweep"),
+            Self::Rounded => f.write_str("position, rounded by its sensor"),
             Self::Trajectory => f.write_str("trajectory in a position loop"),
         }
     }
+}
+
+/// What the noise of a record shall make of its effects.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Wanted {
+    /// The χ² per degree of freedom that the dominant effects leave.
+    Left(f64),
+    /// The excess χ² of the base model.
+    Excess(f64),
+    /// Nothing: no effect is hidden.
+    Sound,
 }
 
 /// A record of a machine.
@@ -93,44 +117,51 @@ type Motions = Vec<[PeriodicMotion; 2]>;
 
 impl Recording {
     /// All of them.
-    pub(super) const ALL: [Self; 6] = [
+    pub(super) const ALL: [Self; 8] = [
         Self::Multisine { levels: 1 },
         Self::Multisine { levels: 2 },
         Self::Trajectory,
         Self::Position { periods: PERIODS },
         Self::Position { periods: 1 },
         Self::Held,
+        Self::Sweep,
+        Self::Rounded,
     ];
 
     fn kind(self) -> ResponseKind {
         match self {
-            Self::Multisine { .. } | Self::Held => ResponseKind::Velocity,
-            Self::Position { .. } | Self::Trajectory => ResponseKind::Position,
+            Self::Multisine { .. } | Self::Held | Self::Sweep => ResponseKind::Velocity,
+            Self::Position { .. } | Self::Rounded | Self::Trajectory => ResponseKind::Position,
         }
     }
 
     fn sampling(self) -> Sampling {
         let periods = match self {
             Self::Position { periods } => periods,
-            Self::Multisine { .. } | Self::Held | Self::Trajectory => PERIODS,
+            _ => PERIODS,
         };
         Sampling { samples: SAMPLES / periods, periods }
     }
 
-    /// Records a machine whose first effects, this many, dominate, with as much noise as it takes
-    /// for these to leave this χ² per degree of freedom. `None` if it has no response of the
-    /// input's period, cannot be fitted, or would need noise that no sensor has.
+    /// Records a machine whose first effects, this many, dominate, with as much noise as it takes to
+    /// have what is wanted. `None` if it has no response of the input's period, cannot be fitted, or
+    /// would need noise that no sensor has.
     pub(super) fn record(
         self,
         machine: &Draw,
         dominant: usize,
-        chi2_per_dof: f64,
+        wanted: Wanted,
         rng: &mut ChaCha8Rng,
     ) -> Option<Recorded> {
+        let magnitude = MULTISINE_MAGNITUDE * machine.design.last()?.0;
+        let random = |rng: &mut ChaCha8Rng| multisine(LINES, magnitude, rng);
         let motions = match self {
-            Self::Multisine { levels } => multisines(machine, dominant, levels, None, rng)?,
-            Self::Held => multisines(machine, dominant, 1, Some(self.sampling()), rng)?,
-            Self::Position { .. } => positions(multisines(machine, dominant, 1, None, rng)?),
+            Self::Multisine { levels } => multisines(machine, dominant, levels, random(rng))?,
+            Self::Held => multisines(machine, dominant, 1, self.sampling().held(&random(rng)))?,
+            Self::Sweep => multisines(machine, dominant, 1, sweep(LINES, magnitude))?,
+            Self::Position { .. } | Self::Rounded => {
+                positions(multisines(machine, dominant, 1, random(rng))?)
+            }
             Self::Trajectory => trajectory(machine, dominant)?,
         };
         let noise = self.noise(&motions[0][0]);
@@ -148,7 +179,13 @@ impl Recording {
         let order = machine.plant.actuator.order();
         let found = Dominance::of(&exact(0, &noise)?, &exact(1, &noise)?, &ids, order).ok()?;
         // Noise changes the size of all excesses, but not where the fits end.
-        let change = ((found.chi2_per_dof - 1.0) / (chi2_per_dof - 1.0)).sqrt();
+        let change = match wanted {
+            Wanted::Left(chi2_per_dof) => {
+                ((found.chi2_per_dof - 1.0) / (chi2_per_dof - 1.0)).sqrt()
+            }
+            Wanted::Excess(excess) => (found.base / excess).sqrt(),
+            Wanted::Sound => log_uniform(SOUND_NOISE_CHANGE[0], SOUND_NOISE_CHANGE[1], rng),
+        };
         if !(NOISE_CHANGE[0]..=NOISE_CHANGE[1]).contains(&change) {
             return None;
         }
@@ -179,37 +216,36 @@ impl Recording {
 
     fn noise(self, motion: &PeriodicMotion) -> RecordNoise {
         let [input, response] = match self {
-            Self::Multisine { .. } | Self::Held | Self::Position { .. } => MULTISINE_NOISE,
             Self::Trajectory => TRAJECTORY_NOISE,
+            _ => MULTISINE_NOISE,
         };
+        let step = if self == Self::Rounded { STEP_OF_NOISE * response } else { 0.0 };
         RecordNoise {
             input: input * motion.input_rms(),
             response: response * motion.response_rms(),
+            step: step * motion.response_rms(),
         }
     }
 
     fn measurement(self, experiments: Vec<Experiment>) -> Option<Measurement> {
         let feedback = Some(match self {
-            Self::Multisine { .. } | Self::Held | Self::Position { .. } => Loop::Open,
             Self::Trajectory => Loop::Closed,
+            _ => Loop::Open,
         });
         let metadata = Metadata { response_kind: self.kind(), feedback, ..Metadata::default() };
         Measurement::new(metadata, experiments, Vec::new(), String::new()).ok()
     }
 }
 
-/// The same multisine at one or two levels; held between these samples, if any.
+/// The same multisine at one or two levels.
 fn multisines(
     machine: &Draw,
     dominant: usize,
     levels: usize,
-    held: Option<Sampling>,
-    rng: &mut ChaCha8Rng,
+    input: Vec<Complex>,
 ) -> Option<Motions> {
-    let (highest, band_rad_s) = *machine.design.last()?;
+    let (_, band_rad_s) = *machine.design.last()?;
     let omega_rad_s = band_rad_s / LINES as f64;
-    let input = multisine(LINES, MULTISINE_MAGNITUDE * highest, rng);
-    let input = held.map_or(input.clone(), |sampling| sampling.held(&input));
     let level = |level: usize| {
         let factor = LEVEL_RATIO.powi(-(level as i32));
         let input: Vec<_> = input.iter().map(|line| factor * line).collect();
@@ -275,8 +311,8 @@ mod tests {
     #[test]
     fn two_levels_are_the_same_multisine_and_the_input_does_not_depend_on_small_effects() {
         let machine = machine();
-        let rng = &mut ChaCha8Rng::seed_from_u64(1);
-        let motions = multisines(&machine, 1, 2, None, rng).unwrap();
+        let input = multisine(LINES, 1.0, &mut ChaCha8Rng::seed_from_u64(1));
+        let motions = multisines(&machine, 1, 2, input).unwrap();
         let [[whole, dominant], [lower, _]] = &motions[..] else { panic!("two levels") };
         assert_eq!((whole.input.len(), &whole.input), (LINES + 1, &dominant.input));
         assert_ne!(whole.response, dominant.response);
@@ -294,6 +330,8 @@ mod tests {
             "4 periods of a position",
             "one period of a position",
             "multisine, held between samples",
+            "sweep",
+            "position, rounded by its sensor",
         ];
         assert_eq!(Recording::ALL.map(|recording| recording.to_string()), expected);
     }
@@ -303,7 +341,7 @@ mod tests {
     fn a_record_has_the_noise_with_which_the_dominant_effect_leaves_what_it_shall() {
         for recording in Recording::ALL {
             let rng = &mut ChaCha8Rng::seed_from_u64(1);
-            let recorded = recording.record(&machine(), 1, 5.0, rng).unwrap();
+            let recorded = recording.record(&machine(), 1, Wanted::Left(5.0), rng).unwrap();
             // Rounding of a few operations.
             assert!((recorded.dominance.chi2_per_dof - 5.0).abs() < 1e-9, "{recording}");
             let experiments = recorded.measurement.experiments();

@@ -109,7 +109,7 @@ impl Outcome {
     /// Whether the answer is right. A single effect must be named first, with the verdict
     /// `explained`. In a clean draw nothing may be named. Both effects of a pair must be named, and
     /// nothing else. For an outsider the verdict must not be `explained`, and no confidence may
-    /// reach 0.9. In an analyser's table, the effect must be first or an equivalent of the first and
+    /// reach 0.9. In an analyser's table or record, the effect must be first or an equivalent of the first and
     /// no other may be named; without one nothing may be named, and the verdict must not be
     /// `unexplained`. Of a machine with small effects, the dominant one must be first or an
     /// equivalent of the first, or both dominant ones must be named, and no name may be wrong at a
@@ -122,8 +122,12 @@ impl Outcome {
                 Kind::Clean => self.causes().is_empty(),
                 Kind::Pair => self.named_exactly(),
                 Kind::Outsider => !self.is_explained() && !self.any_at(0.9),
-                Kind::Analyser if self.hidden.is_empty() => self.is_without_suspicion(),
-                Kind::Analyser => self.first_or_equivalent() && !self.names_another(),
+                Kind::Analyser | Kind::AnalyserRecord if self.hidden.is_empty() => {
+                    self.is_without_suspicion()
+                }
+                Kind::Analyser | Kind::AnalyserRecord => {
+                    self.first_or_equivalent() && !self.names_another()
+                }
                 Kind::Machine | Kind::MachineRecord => {
                     self.first_or_equivalent() && !self.names_another_at(SURE)
                 }

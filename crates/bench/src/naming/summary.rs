@@ -147,7 +147,8 @@ fn effects(outcomes: &[Outcome], levels: &[u32]) -> Vec<EffectRates> {
     let mut rates: Vec<EffectRates> = Vec::new();
     for level_db in levels {
         let of_one = |o: &&Outcome| {
-            let of_one = matches!(o.kind, Kind::Single | Kind::Analyser) || o.kind.dominant() == 1;
+            let of_one = matches!(o.kind, Kind::Single | Kind::Analyser | Kind::AnalyserRecord)
+                || o.kind.dominant() == 1;
             of_one && o.level_db == *level_db
         };
         for outcome in outcomes.iter().filter(of_one) {

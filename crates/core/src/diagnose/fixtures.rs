@@ -37,7 +37,7 @@ pub(super) fn multisine_record(
     let (machine, settings) = (Machine { plant, effects }, Settings::default());
     let response = respond(&machine, 0.0, omega_rad_s, &driven, 120, &settings).unwrap();
     let motion = PeriodicMotion { omega_rad_s, input, response, mean_velocity: 0.0 };
-    let noise = RecordNoise { input: 0.0, response: 5e-3 * motion.response_rms() };
+    let noise = RecordNoise { input: 0.0, response: 5e-3 * motion.response_rms(), step: 0.0 };
     let experiment = motion.recorded(ResponseKind::Velocity, &noise, SAMPLING, 0.0, rng).unwrap();
     Measurement::new(Metadata::default(), vec![experiment], Vec::new(), String::new()).unwrap()
 }

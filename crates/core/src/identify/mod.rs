@@ -48,6 +48,7 @@ mod transient_prediction;
 mod uncertainty;
 mod unit_compatibility;
 mod unit_cube_objective;
+mod unknown_jump;
 mod variance_law;
 mod variance_shrinkage;
 

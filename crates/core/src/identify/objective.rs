@@ -13,6 +13,7 @@ use super::levenberg_marquardt::Linearisation;
 use super::noise::Weights;
 use super::parameters::{CONSTANT, Coordinates};
 use super::problem::{Prepared, Problem};
+use super::unknown_jump::{self, Direction};
 
 /// The misfit of a problem as a function of its coordinates.
 #[derive(Clone, Copy)]
@@ -65,7 +66,7 @@ impl<'a> Misfit<'a> {
         let plant = self.coordinates.plant(point);
         let effects = self.coordinates.effects_at(point);
         let predict = |e: usize, experiment: &Prepared| {
-            let Prepared { excitation, highest, targets } = experiment;
+            let Prepared { excitation, highest, targets, .. } = experiment;
             if targets.is_empty() {
                 return Ok(Vec::new());
             }
@@ -118,13 +119,17 @@ impl<'a> Misfit<'a> {
     pub fn unanswered(&self, point: &[f64]) -> Vec<usize> {
         let plant = self.coordinates.plant(point);
         let effects = self.coordinates.effects_at(point);
-        let is_unanswered = |Prepared { excitation, highest, targets }: &Prepared| {
+        let is_unanswered = |Prepared { excitation, highest, targets, .. }: &Prepared| {
             let response =
                 || simulate::respond_if(self.counts, &plant, &effects, excitation, *highest);
             !targets.is_empty() && !self.observer.cancelled() && response().is_err()
         };
         let experiments = self.problem.experiments.par_iter().enumerate();
         experiments.filter(|(_, experiment)| is_unanswered(experiment)).map(|(e, _)| e).collect()
+    }
+
+    fn unknown_jumps(&self) -> Vec<Direction> {
+        unknown_jump::directions(self.problem, self.weights)
     }
 
     /// Residuals (Ŷ − Y)/σ, in the order of [`Linearisation::residuals`].
@@ -140,6 +145,7 @@ impl<'a> Misfit<'a> {
                 }
             }
         }
+        unknown_jump::eliminate(&self.unknown_jumps(), &mut residuals);
         Ok(DVector::from_vec(residuals))
     }
 
@@ -149,7 +155,7 @@ impl<'a> Misfit<'a> {
         let effects = self.coordinates.effects_at(point);
         let (base, columns) = (self.coordinates.base_len(), self.coordinates.len());
         let respond = |e: usize, experiment: &Prepared| {
-            let Prepared { excitation, highest, targets } = experiment;
+            let Prepared { excitation, highest, targets, .. } = experiment;
             if targets.is_empty() {
                 return Ok(Response { velocity: Vec::new(), sensitivities: Vec::new() });
             }
@@ -198,6 +204,12 @@ impl<'a> Misfit<'a> {
                 row += if target.real { 1 } else { 2 };
             }
         }
+        let jumps = self.unknown_jumps();
+        unknown_jump::eliminate(&jumps, residuals.as_mut_slice());
+        // Columns follow one another.
+        for column in jacobian.as_mut_slice().chunks_exact_mut(residuals.len().max(1)) {
+            unknown_jump::eliminate(&jumps, column);
+        }
         Ok(Linearisation { residuals, jacobian })
     }
 
@@ -209,7 +221,8 @@ impl<'a> Misfit<'a> {
     /// Sets K to its best value given the other coordinates, and returns the cost there.
     ///
     /// The response is proportional to K, so the best K is the projection of the data on the
-    /// response to K = 1. The search needs no dimension for it.
+    /// response to K = 1. The search needs no dimension for it. Jumps that are not known count as they
+    /// were read: it is enough for a start.
     pub fn solve_for_constant(&self, point: &mut [f64]) -> f64 {
         point[CONSTANT] = 0.0;
         let Ok(unit) = self.predict(point) else { return f64::INFINITY };

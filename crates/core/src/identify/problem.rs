@@ -8,7 +8,9 @@
 mod subset;
 
 use crate::effects::Scope;
-use crate::measurement::{Complex, EXCITED_SHARE, Experiment, Measurement, ResponseKind};
+use crate::measurement::{
+    Complex, EXCITED_SHARE, Experiment, Loop, Measurement, Metadata, ResponseKind,
+};
 use crate::plant::{Actuator, Friction, Plant};
 use crate::simulate::Excitation;
 
@@ -55,6 +57,8 @@ pub(super) struct Prepared {
     pub highest: usize,
     /// The harmonics that are compared.
     pub targets: Vec<Target>,
+    /// Whether it is not known exactly how far a position ends its period from where it began.
+    pub unknown_jump: bool,
 }
 
 impl Prepared {
@@ -134,7 +138,8 @@ impl Problem {
             .iter()
             .map(|e| {
                 let share = if runs_known { share(e.run) } else { 0.0 };
-                prepare(e, kind, &scales, response_scale, share)
+                let unknown_jump = has_unknown_jump(e, measurement.metadata());
+                Prepared { unknown_jump, ..prepare(e, kind, &scales, response_scale, share) }
             })
             .collect();
         if prepared.iter().all(|e| e.targets.is_empty()) {
@@ -315,7 +320,15 @@ fn prepare(
     }
     let highest = targets.last().map_or(0, |target| target.order);
     let excitation = Excitation::new(omega, input).at_run_share(run_share);
-    Prepared { excitation, highest, targets }
+    Prepared { excitation, highest, targets, unknown_jump: false }
+}
+
+/// Whether a single period of a position was recorded of an axis that no loop holds.
+fn has_unknown_jump(experiment: &Experiment, metadata: &Metadata) -> bool {
+    experiment.from_record
+        && experiment.repeats.is_empty()
+        && metadata.response_kind == ResponseKind::Position
+        && metadata.feedback != Some(Loop::Closed)
 }
 
 /// Frequency band and torque levels of the experiments, in scale.

@@ -62,7 +62,9 @@ pub(super) fn lines(outcomes: &[Outcome], levels: &[u32]) -> Vec<Line> {
     lines.clean(levels);
     lines.pairs(levels);
     lines.outsiders();
-    lines.analysers();
+    for kind in [Kind::Analyser, Kind::AnalyserRecord] {
+        lines.analysers(kind);
+    }
     lines.machines(levels);
     lines.rivals();
     for kind in [Kind::Single, Kind::Pair, Kind::Analyser] {
@@ -151,28 +153,30 @@ impl<'a> Lines<'a> {
         self.count(all, "something named", Wanted::Nothing, names_something);
     }
 
-    /// Tables of analysers, all together and by what they contain.
-    fn analysers(&mut self) {
-        let at = (Kind::Analyser, None);
-        let all = self.at(Kind::Analyser, None);
+    /// Tables of analysers or records, all together; tables also by what they contain.
+    fn analysers(&mut self, kind: Kind) {
+        let at = (kind, None);
+        let parts = if kind.is_recorded() { &[][..] } else { &ANALYSER_PARTS };
+        let [first, another_name] = if kind.is_recorded() { [0.95, 0.03] } else { [0.97, 0.02] };
+        let all = self.at(kind, None);
         let (clean, hidden): (Vec<&Outcome>, Vec<&Outcome>) =
             all.partition(|o| o.hidden.is_empty());
         let nothing = Wanted::Nothing;
         let what = "clean: a name, unexplained or no answer";
         let missed = |o: &&Outcome| !o.is_right();
         self.add(at, what, Wanted::AtMost(0.02), clean.iter().map(missed));
-        for (part, what, _) in ANALYSER_PARTS {
+        for (part, what, _) in parts {
             self.add(at, what, nothing, clean.iter().filter(|o| part(&o.instrument)).map(missed));
         }
         let right = |o: &&Outcome| o.first_or_equivalent();
         let named_first = hidden.iter().map(|o| o.named_first());
-        self.add(at, "first or an equivalent", Wanted::AtLeast(0.97), hidden.iter().map(right));
+        self.add(at, "first or an equivalent", Wanted::AtLeast(first), hidden.iter().map(right));
         self.add(at, "named first", nothing, named_first);
-        for (part, _, what) in ANALYSER_PARTS {
+        for (part, _, what) in parts {
             self.add(at, what, nothing, hidden.iter().filter(|o| part(&o.instrument)).map(right));
         }
         let another = hidden.iter().map(|o| o.names_another());
-        self.add(at, "a name that is neither", Wanted::AtMost(0.02), another);
+        self.add(at, "a name that is neither", Wanted::AtMost(another_name), another);
         let explained = hidden.iter().map(|o| o.is_explained());
         self.add(at, "explained", nothing, explained);
     }

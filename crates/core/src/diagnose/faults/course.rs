@@ -2,11 +2,13 @@
 //!
 //! A command that a converter holds until the next sample acts half a sample later than the smoothest
 //! course through its samples. A healthy axis then seems to have a delay. The three courses have no
-//! parameter and are as probable before; where one of the other two and fewer effects leave only noise,
-//! it is the better explanation.
+//! parameter and are as probable before. Another course is found in two cases: with it a model leaves
+//! only noise; or more than noise remains whatever is tried, and one effect of the best model is not
+//! needed with it. A machine with small effects beside its large ones is of the second kind.
 
 use crate::answers::{FaultKind, MeasurementFault};
 use crate::diagnose::residuals::discrepancy;
+use crate::diagnose::selection::evidence;
 use crate::diagnose::selection::models::Key;
 use crate::identify::{FitAccuracy, Intervals, Model};
 
@@ -24,50 +26,60 @@ const ONE_OF_THREE: f64 = 2.197;
 /// the courses (Markov's inequality of the likelihood ratio).
 const SAVES_NONE: f64 = 9.21;
 
-/// Models that are tried with each course: those of most evidence, and all that are parts of the best.
+/// Models that are tried with each course where the best leaves only noise: those of most evidence,
+/// and all that are parts of the best.
 const MOST_TRIED: usize = 4;
 
 /// Models that leave more per degree of freedom are not brought down to the noise by a course of the
 /// input, which changes the response by a few per cent at most. As for the choice of weights, tuned.
 const MOST_LEFT: f64 = 20.0;
 
-/// The best model with another course of the input, if it leaves only noise and is better than every
-/// model without.
+/// The best model with another course of the input, if it is better than every model without.
 pub(super) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Option<Suspected> {
-    let experiments = suspects.session.measurement().experiments();
+    let Suspects { session, models, combined, .. } = *suspects;
+    let experiments = session.measurement().experiments();
     let samples: Vec<f64> =
         experiments.iter().map(|experiment| experiment.open_samples).collect::<Option<_>>()?;
-    let (dof, known) = (suspects.dof(), suspects.size_known());
-    let criterion =
-        |key: &Key, model: &Model| misfit(model.cost, dof, known) + suspects.models.complexity(key);
-    let near = |model: &Model| !known || model.cost < MOST_LEFT * dof;
-    let all = suspects.models.all().filter(|(key, model)| wanted(key) && near(model));
-    let mut tried: Vec<(&Key, &Model)> = all.collect();
-    tried.sort_by(|a, b| criterion(a.0, a.1).total_cmp(&criterion(b.0, b.1)));
-    let best_key = tried.first().map_or_else(Key::new, |(key, _)| (*key).clone());
-    let mut place = 0;
-    tried.retain(|(key, _)| {
-        place += 1;
-        place <= MOST_TRIED || key.iter().all(|id| best_key.contains(id))
-    });
+    let misfit = |model: &Model| misfit_of_noise(suspects, model.cost);
+    let criterion = |key: &Key, model: &Model| misfit(model) + models.complexity(key);
+    let mut ranked: Vec<(&Key, &Model)> = models.all().collect();
+    ranked.sort_by(|a, b| criterion(a.0, a.1).total_cmp(&criterion(b.0, b.1)));
+    let (best_key, best_model) = *ranked.first()?;
+    let without = criterion(best_key, best_model);
+    let more_is_left = combined && !models.noise_scale.explains(best_model.cost);
+    let tried: Vec<Model> = if more_is_left {
+        (0..best_key.len()).map(|effect| session.reduce(best_model, effect)).collect()
+    } else {
+        let is_near =
+            |model: &Model| !suspects.size_known() || model.cost < MOST_LEFT * suspects.dof();
+        let is_part = |key: &Key| key.iter().all(|id| best_key.contains(id));
+        let mut near = ranked.into_iter().filter(|(key, model)| wanted(key) && is_near(model));
+        let mut tried: Vec<_> = near.by_ref().take(MOST_TRIED).collect();
+        tried.extend(near.filter(|(key, _)| is_part(key)));
+        tried.into_iter().map(|(_, model)| model.clone()).collect()
+    };
     let mut best: Option<Suspected> = None;
-    let mut bar = suspects.best_without();
+    let mut least = without;
     for kind in COURSES {
         let faults = vec![MeasurementFault::of(kind)];
         let course = mending::course(&faults)?;
-        let session = suspects.session.with_input(|index, k| course.factor(k, samples[index]));
-        for (key, model) in &tried {
-            let model = session.refine(model, FitAccuracy::Settle);
-            let saves = key.len() < best_key.len();
+        let session = session.with_input(|index, k| course.factor(k, samples[index]));
+        for start in &tried {
+            let model = session.refine(start, FitAccuracy::Settle);
+            let effects = model.effects().len();
+            let saves = effects < best_key.len();
             let price = ONE_OF_THREE + if saves { 0.0 } else { SAVES_NONE };
-            let criterion = criterion(key, &model) + price;
-            if criterion >= bar {
+            let complexity = evidence::complexity(&session, &model, &models.noise_scale);
+            let criterion = misfit(&model) + complexity + price;
+            if criterion >= least {
                 continue;
             }
             let Ok(fit) = session.judge(&model, Intervals::Curvature) else { continue };
-            if discrepancy::is_noise(&fit, suspects.seed, session.observer()) {
-                bar = criterion;
-                let (faults, effects) = (faults.clone(), key.len());
+            let observer = session.observer();
+            if more_is_left || discrepancy::is_noise(&fit, suspects.seed, observer) {
+                least = criterion;
+                let (faults, criterion) =
+                    (faults.clone(), suspects.best_without() - (without - criterion));
                 best = Some(Suspected { faults, criterion, price, effects });
             }
         }
@@ -75,12 +87,19 @@ pub(super) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
     best
 }
 
+/// −2 ln likelihood of a cost where the noise is as large as stated or larger, whichever is likelier.
+fn misfit_of_noise(suspects: &Suspects<'_>, cost: f64) -> f64 {
+    let dof = suspects.dof();
+    misfit(cost, dof, suspects.size_known() && cost <= dof)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::answers::Verdict;
+    use crate::answers::{PlantRequest, Verdict};
     use crate::diagnose::fixtures::{multisine_record, plant};
     use crate::identify::IdentifyRequest;
+    use crate::machines::simulator::Effect;
     use crate::measurement::Intersample;
     use crate::observer::Silent;
 
@@ -97,6 +116,26 @@ mod tests {
         for (course, kind) in [(Intersample::Hold, COURSES[0]), (Intersample::Linear, COURSES[1])] {
             assert_eq!(found(Some(course), 3), (Verdict::Adequate, vec![kind]), "{course:?}");
         }
+    }
+
+    // A sensor that reads less the faster the axis moves is no effect of the library.
+    #[test]
+    fn a_held_input_is_found_beside_what_no_effect_explains() {
+        let effects = [
+            Effect::new("gain_asymmetry", [("gamma", 0.15)]),
+            Effect::new("sensor_compression", [("e", 0.3)]),
+        ];
+        let plant_request = Some(PlantRequest { actuator_order: 1 });
+        let request = IdentifyRequest { plant: plant_request, ..IdentifyRequest::default() };
+        let found = |course| {
+            let measurement = multisine_record(plant(), &effects, course, 3);
+            let answer = crate::diagnose::diagnose(&measurement, &request, &Silent).unwrap();
+            let faults: Vec<FaultKind> = answer.measurement.iter().map(|f| f.fault).collect();
+            (answer.verdict, answer.causes[0].effect.clone(), faults)
+        };
+        let improved = |faults| (Verdict::Improved, "gain_asymmetry".to_owned(), faults);
+        assert_eq!(found(Some(Intersample::Hold)), improved(vec![FaultKind::HeldInput]));
+        assert_eq!(found(None), improved(vec![]));
     }
 
     #[test]

@@ -84,7 +84,7 @@ pub(super) fn diagnose(
                 unexplained = Some(answer);
                 faults.push(fault);
             }
-            Ok(answer) if is_explained(&answer) || faults.iter().all(is_certain) => {
+            Ok(answer) if is_explained(&answer) || faults.iter().all(stands_alone) => {
                 if !restored && let Some(fewer) = isolated::belonging(&answer, measurement, &faults)
                 {
                     if fewer.is_empty() {
@@ -100,7 +100,8 @@ pub(super) fn diagnose(
                     .cloned()
                     .partition(|fault| !is_certain(fault) && fault.fault != FaultKind::StdFactor);
                 let observer = Quiet(&part);
-                if !asked.is_empty()
+                if is_explained(&answer)
+                    && !asked.is_empty()
                     && !retest::needs(measurement, &kept, &answer, request, &observer)
                 {
                     if kept.is_empty() {
@@ -152,6 +153,11 @@ fn is_certain(fault: &MeasurementFault) -> bool {
         BadRows => fault.left_out.iter().all(|row| row.repeat.is_some()),
         _ => false,
     }
+}
+
+/// Whether a fault stands even where no model beside it leaves only noise.
+fn stands_alone(fault: &MeasurementFault) -> bool {
+    is_certain(fault) || matches!(fault.fault, FaultKind::HeldInput | FaultKind::StraightInput)
 }
 
 /// Whether the answer's best model leaves only noise, and convinces.

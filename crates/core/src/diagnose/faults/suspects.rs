@@ -48,6 +48,8 @@ pub(crate) struct Suspects<'a> {
     pub base: &'a ModelFit,
     /// The models that were fitted.
     pub models: &'a Models,
+    /// Whether effects were combined, if one was not enough.
+    pub combined: bool,
     /// Seed of the draws of noise.
     pub seed: u64,
 }

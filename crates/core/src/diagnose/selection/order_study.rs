@@ -36,6 +36,8 @@ pub(crate) struct OrderStudy<'a> {
     discrepancy: Discrepancy,
     search: Search<'a>,
     seed: u64,
+    /// Whether effects were combined.
+    combined: bool,
     /// Effects of the chosen model.
     pub chosen: Key,
     /// Whether the chosen model leaves only noise.
@@ -64,7 +66,8 @@ impl<'a> OrderStudy<'a> {
         };
         let search = Search::new(session, part.part(SINGLES_SPAN), seed, noise_scale);
         let (chosen, fits) = (Key::new(), discrepancy.noise_like);
-        let mut this = Self { session, fit, discrepancy, search, seed, chosen, fits };
+        let mut this =
+            Self { session, fit, discrepancy, search, seed, combined: false, chosen, fits };
         this.choose(part)?;
         Ok(this)
     }
@@ -94,6 +97,7 @@ impl<'a> OrderStudy<'a> {
         };
         let combining = if search.deepens() { COMBINING_SPAN } else { [0.0, 1.0] };
         search.combine(part.part(combining), most, sufficient, adds);
+        self.combined = true;
         self.choose(part)?;
         self.search.deepen(&self.chosen, part.part(MULTISTART_SPAN));
         self.choose(part)
@@ -143,8 +147,9 @@ impl<'a> OrderStudy<'a> {
     }
 
     fn suspects(&self) -> Suspects<'_> {
-        let Self { session, fit, search, seed, .. } = self;
-        Suspects { session, base: fit, models: &search.models, seed: *seed }
+        let Self { session, fit, search, seed, combined, .. } = self;
+        let (models, combined, seed) = (&search.models, *combined, *seed);
+        Suspects { session, base: fit, models, combined, seed }
     }
 
     /// The answer so far.

@@ -86,7 +86,7 @@ impl FitSession<'_> {
         let Misfit { problem, weights, .. } = self.search_misfit(model);
         let mut row = 0;
         for (experiment, sigma) in problem.experiments.iter().zip(&weights.sigma) {
-            let Prepared { excitation, highest, targets } = experiment;
+            let Prepared { excitation, highest, targets, .. } = experiment;
             let travel = targets.iter().filter(|target| target.order > 0).map(|target| {
                 let rate = target.order as f64 * excitation.omega_rad_s();
                 (target.value / target.per_velocity).norm() / rate

@@ -60,6 +60,21 @@ test("a result fills in the axis, and the plan is shown, compared and downloaded
   asked = page.url().replace(server.address, "");
 });
 
+test("the page of a job leads to a plan for its axis", async () => {
+  const metadata = { input: "force N", response: "velocity m/s" };
+  const job = await server.answered(simulated([], metadata));
+  const page = await visit(`/jobs/${job.id}`);
+  await page.getByRole("link", { name: "Plan the next experiment" }).click();
+  await page.waitForFunction(() => document.querySelector("[name=pole]")?.value);
+  assert.equal(await page.getByLabel("Axis as a result has it").inputValue(), job.id);
+  assert.match(await page.getByLabel("Pole of the mechanics").inputValue(), /^-(9\.9|10)/);
+  await page.getByLabel("Time for all experiments").fill("10");
+  await page.getByRole("button", { name: "Plan it" }).click();
+  await planned(page);
+  const head = await page.locator("section", { has: page.locator("#experiments") }).locator("thead").textContent();
+  assert.match(head, /Magnitude \(N\)/);
+});
+
 test("the address asks for the same plan again, also on a phone and in the dark", async () => {
   for (const options of [{ viewport: { width: 390, height: 844 } }, { colorScheme: "dark" }]) {
     const page = await visit(asked, options);

@@ -2,7 +2,7 @@
 
 import { announce, h, row, table } from "./dom.js";
 import { ask, posted } from "./api.js";
-import { capital, effect, number, seconds } from "./format.js";
+import { effect, number, seconds, sentence as whole } from "./format.js";
 import { frame, load } from "./figure.js";
 import { keep } from "./plot-tools.js";
 
@@ -30,7 +30,7 @@ export function planned(plan, asked, unit, signal) {
       sweeps(plan)),
     h("section", { "aria-labelledby": "assumed" },
       h("h2", { id: "assumed" }, "What was assumed"),
-      h("ul", {}, plan.notes.map((note) => h("li", {}, `${capital(note)}.`)))),
+      h("ul", {}, plan.notes.map((note) => h("li", {}, whole(note))))),
   ];
 }
 

@@ -4,7 +4,7 @@
 use servoscope_core::answers::{
     Answer, Cause, Diagnosis, Gain, Identification, NoiseSource, ReadingDoubt, Verdict,
 };
-use servoscope_core::measurement::fit_words;
+use servoscope_core::effects::fit_words;
 
 use super::number::{digits, significant};
 use super::words::{a, joined, list, quantity, sentence, typeset, without_ids};
@@ -108,7 +108,7 @@ pub(super) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
         false => (
             Mark::Open,
             format!(
-                "The simulation misses {causes}, or the measurement is wrong: this data does not tell \
+                "The simulation lacks {causes}, or the measurement is wrong: this data does not tell \
                  which."
             ),
         ),

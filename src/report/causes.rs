@@ -1,7 +1,7 @@
 //! What the base model misses, as a diagnosis names it.
 
 use servoscope_core::answers::{Cause, Diagnosis, Gain, Identification};
-use servoscope_core::measurement::fit_words;
+use servoscope_core::effects::fit_words;
 
 use super::brief::Units;
 use super::columns::{Side, align_points, table};

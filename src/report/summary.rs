@@ -3,7 +3,7 @@
 
 use anstyle::{AnsiColor, Style};
 use servoscope_core::answers::{Answer, Diagnosis, Verdict};
-use servoscope_core::measurement::fit_words;
+use servoscope_core::effects::fit_words;
 
 use super::brief::{self, Judgement, Mark, Units, judgement};
 use super::causes::per_cent;

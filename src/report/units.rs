@@ -1,6 +1,6 @@
 //! What friction is called in units of the input.
 
-use servoscope_core::measurement::Effort;
+use servoscope_core::effects::Effort;
 
 /// What friction is called where it is drawn in units of the input.
 pub(super) fn friction(input_unit: &str) -> &'static str {

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 use servoscope_core::answers::{Answer, Cause, Diagnosis, Gain, ParameterEstimate, Verdict};
-use servoscope_core::measurement::fit_words;
+use servoscope_core::effects::fit_words;
 
 use super::Content;
 use super::words::{coded, confidence, effect, equation, parameter_name, sentence};

@@ -180,7 +180,7 @@ fn every_verdict_is_one_plain_sentence() {
     let sentences = [
         "Nothing in this measurement speaks against the simulation.",
         "The simulation lacks static friction; with it added, it matches the measurement",
-        "and something remains unexplained.",
+        "but something remains unexplained.",
         "The simulation is wrong, and no known effect is the cause.",
     ];
     for (answer, sentence) in diagnoses().iter().zip(sentences) {

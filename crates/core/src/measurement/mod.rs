@@ -5,7 +5,6 @@
 //! are private, and its constructors check them.
 
 mod doubts;
-mod effort;
 mod experiment;
 pub mod formats;
 mod intersample;
@@ -33,7 +32,6 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub(crate) use doubts::per_cent;
-pub use effort::{Effort, fit_words};
 pub use experiment::{Experiment, Harmonic, Repeat};
 pub use metadata::{Loop, Metadata, Quantity, ResponseKind};
 pub use record::{Record, RecordStatement};

@@ -4,9 +4,9 @@
 use indexmap::IndexMap;
 
 use crate::answers::{Candidate, Cause, Identification};
-use crate::effects::{Descriptor, are_confusable};
+use crate::effects::{Descriptor, are_confusable, fit_words};
 use crate::identify::Model;
-use crate::measurement::{Metadata, fit_words};
+use crate::measurement::Metadata;
 
 use super::confidence::Standing;
 use super::models::{Key, Models};

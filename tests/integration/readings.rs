@@ -56,7 +56,7 @@ fn a_reading_that_fails_or_that_results_stand_on_changes_nothing() {
     let before = server.get(&path).json();
     let reading = format!("{path}/reading");
     let put = |given: Value| server.put(&reading, &json!({ "given": given }));
-    let refused = problem(&put(json!({"response": "position parsecs per hour"})), 422);
+    let refused = problem(&put(json!({"loop": "sideways"})), 422);
     assert_eq!(refused["type"], "urn:servoscope:problem:unreadable-measurement", "{refused}");
     let refused = problem(&put(json!({"machine": "press 5"})), 422);
     assert_eq!(refused["member"], "given.machine");

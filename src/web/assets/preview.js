@@ -51,6 +51,8 @@ export function stored({ id }) {
   return {
     preview: (given, signal) => send(`${path}/preview`, { given }, { signal }),
     store: (given) => send(`${path}/reading`, { given }, { method: "PUT" }),
+    // Whoever reads it again wants another unit, mostly.
+    asks: true,
     action: "Read it like this",
     stored: "The measurement was read again.",
   };
@@ -73,7 +75,7 @@ export function previewForm(source, first, done, stopped) {
     said,
     columns?.node,
     wanted.length > 0 && h("div", { class: "fields" }, wanted.map(field)),
-    h("details", {}, h("summary", {}, "More that can be given"), h("div", { class: "fields" }, others.map(field))),
+    h("details", { open: source.asks }, h("summary", {}, "More that can be given"), h("div", { class: "fields" }, others.map(field))),
     kept.node,
     h("p", { class: "actions" }, store, h("button", { type: "button", onclick: stopped }, "Leave it")));
 

@@ -34,6 +34,7 @@ test("a result fills in the axis, and the plan is shown, compared and downloaded
   const metadata = { machine: "press 4", axis: "Y", input: "current A", response: "velocity rad/s" };
   const job = await server.answered(simulated(["--fc-minus", "0.4"], metadata));
   const page = await visit("/plans");
+  await page.getByLabel("Axis as a result has it").waitFor();
   await picture(page, "50-plan-form");
   await page.getByLabel("Axis as a result has it").selectOption(job.id);
   await page.waitForFunction(() => document.querySelector("[name=pole]").value !== "");
@@ -73,6 +74,9 @@ test("the page of a job leads to a plan for its axis", async () => {
   await planned(page);
   const head = await page.locator("section", { has: page.locator("#experiments") }).locator("thead").textContent();
   assert.match(head, /Magnitude \(N\)/);
+  const sizes = await page.locator("section", { has: page.locator("#names") }).textContent();
+  assert.match(sizes, /limit [\d.]+ N/);
+  assert.ok(!/input|response\b/.test(sizes), "every unit is known");
 });
 
 test("the address asks for the same plan again, also on a phone and in the dark", async () => {

@@ -37,11 +37,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAME")]
     #[arg(value_parser = PossibleValuesParser::new(Method::all().map(Method::name)))]
     method: Option<String>,
-    /// Seed of every random choice; the same seed gives the same bits [default: 1].
+    /// Seed of every random choice; the same seed gives the same result [default: 1].
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Standard deviation of the noise in re and im of every harmonic, response units, for data
-    /// that carries neither deviations nor repeats [default: estimated from what the fit leaves].
+    /// Standard deviation of the noise in the real and imaginary parts of every harmonic, response
+    /// units, for data that carries neither deviations nor repeats [default: estimated from what
+    /// the fit leaves].
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     noise_std: Option<f64>,
     /// Further options as a JSON object, such as '{"most_effects": 2}': the `options` of a job over

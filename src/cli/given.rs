@@ -13,7 +13,7 @@ use super::Failure;
 #[command(next_help_heading = "How the files are read")]
 pub(super) struct Args {
     /// Takes any of the following from a TOML file, such as `sample_s = 0.001`; an option on the
-    /// command line holds before it.
+    /// command line takes precedence.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
     /// Magnitude of the input at every frequency [default: the column of the table].

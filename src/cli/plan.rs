@@ -25,13 +25,13 @@ pub(super) struct Args {
     /// How uncertain the axis is: relative standard deviation of each of its parameters.
     #[arg(long, value_name = "U", default_value_t = PlanOptions::default().uncertainty)]
     uncertainty: f64,
-    /// Standard deviation of the noise in re and im of a harmonic that is measured for one second,
-    /// velocity units [default: such that a middle response, measured for 10/a, is known to a
-    /// thousandth].
+    /// Standard deviation of the noise in the real and imaginary parts of a harmonic that is
+    /// measured for one second, velocity units [default: such that a middle response, measured for
+    /// 10/a, is known to a thousandth].
     #[arg(long, value_name = "S")]
     noise_std: Option<f64>,
-    /// Noise in proportion to the response: standard deviation of a harmonic in one repeat as a share
-    /// of its size.
+    /// Noise in proportion to the response: standard deviation of a harmonic in one repeat as a
+    /// share of its size.
     #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
     noise_share: f64,
     /// Seed of the axes that are drawn and of the order; the same seed gives the same plan.

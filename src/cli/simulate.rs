@@ -79,11 +79,12 @@ struct Design {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Noise")]
 struct Scatter {
-    /// Standard deviation of re and im of every harmonic, in decibels below the median of the
-    /// fundamentals [default: no noise].
+    /// Standard deviation of the real and imaginary parts of every harmonic, in decibels below the
+    /// median of the fundamentals [default: no noise].
     #[arg(long, value_name = "N", conflicts_with = "noise_std", allow_negative_numbers = true)]
     noise_db: Option<f64>,
-    /// Standard deviation of re and im of every harmonic, response units [default: no noise].
+    /// Standard deviation of the real and imaginary parts of every harmonic, response units
+    /// [default: no noise].
     #[arg(long, value_name = "S")]
     noise_std: Option<f64>,
     /// Writes this many repeats of each point, whose mean has that deviation, instead of a column

@@ -47,6 +47,8 @@ const NEEDS: &[(&str, Need)] = &[
     ("add_measurement", UPLOAD),
     ("preview_measurement", UPLOAD),
     ("describe_measurement", UPLOAD),
+    ("preview_reading", UPLOAD),
+    ("read_again", UPLOAD),
     ("delete_measurement", UPLOAD),
     ("put_mapping", UPLOAD),
     ("delete_mapping", UPLOAD),

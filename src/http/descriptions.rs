@@ -36,8 +36,8 @@ pub(super) struct DescribeMeasurement {
 
 /// Changes what a measurement says of itself.
 ///
-/// Units, response and loop stay as they were read, since results stand on them: upload the file
-/// again, with what it lacks in the query, for another reading of it.
+/// Units, response and loop stay as they were read. `PUT /v1/measurements/{id}/reading` reads the
+/// files again, until there is a job on the measurement.
 #[utoipa::path(
     patch, path = "/v1/measurements/{id}", tag = "measurements",
     operation_id = "describe_measurement",

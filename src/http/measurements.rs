@@ -20,9 +20,9 @@ use super::views::{List, MeasurementView};
 /// them.
 ///
 /// It is read before it is stored; what cannot be read is not stored. What a file does not say may
-/// be given in the query, or as fields of the form; it holds before what the file says. A stored
-/// mapping is used where `mapping` names it, and where a file is of its layout and could not be
-/// read without it. The notes of the measurement say how the file was understood.
+/// be given in the query, or as fields of the form; it takes precedence over what the file says. A
+/// stored mapping is used where `mapping` names it, and where a file is of its layout and could not
+/// be read without it. The notes of the measurement say how the file was understood.
 #[utoipa::path(
     post, path = "/v1/measurements", tag = "measurements", operation_id = "add_measurement",
     params(

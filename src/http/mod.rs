@@ -32,6 +32,7 @@ mod previews;
 mod problem;
 mod query;
 mod rates;
+mod readings;
 mod report;
 mod results;
 mod routes;

@@ -191,6 +191,9 @@ impl Problem {
                 "Measurement cannot be inspected",
                 text,
             ),
+            ServiceError::HasJobs { .. } => {
+                Self::new(StatusCode::CONFLICT, "has-jobs", "There are jobs on it", text)
+            }
             ServiceError::Ended { .. } => {
                 Self::new(StatusCode::CONFLICT, "already-ended", "Already ended", text)
             }

@@ -8,8 +8,8 @@ use utoipa_axum::routes;
 
 use super::{
     access, axes, batches, dashboard, descriptions, document, events, exports, health, inspections,
-    jobs, keys, mappings, measurements, plans, plots, previews, report, results, sessions,
-    validations, webhooks,
+    jobs, keys, mappings, measurements, plans, plots, previews, readings, report, results,
+    sessions, validations, webhooks,
 };
 
 #[derive(OpenApi)]
@@ -42,6 +42,8 @@ pub(super) fn list() -> OpenApiRouter {
         .routes(routes!(mappings::get, mappings::put, mappings::delete))
         .routes(routes!(mappings::toml))
         .routes(routes!(measurements::get, descriptions::describe, measurements::delete))
+        .routes(routes!(readings::read_again))
+        .routes(routes!(readings::preview))
         .routes(routes!(exports::measurement_csv))
         .routes(routes!(exports::measurement_json))
         .routes(routes!(inspections::get))

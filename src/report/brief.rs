@@ -4,9 +4,9 @@
 use servoscope_core::answers::{
     Answer, Cause, Diagnosis, Gain, Identification, NoiseSource, ReadingDoubt, Verdict,
 };
+use servoscope_core::effects::fit_words;
 
 use super::number::{digits, significant};
-use super::units::fitting;
 use super::words::{a, joined, list, quantity, sentence, typeset, without_ids};
 
 /// How good an answer is.
@@ -85,16 +85,16 @@ pub(super) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
             "Explained",
             Mark::Good,
             format!(
-                "The simulation misses {causes}; with {them}, it matches the measurement to within \
-                 the noise."
+                "The simulation lacks {causes}; with {them} added, it matches the measurement to \
+                 within the noise."
             ),
         ),
         Verdict::Improved => (
             "Improved",
             Mark::Part,
             format!(
-                "The simulation seems to miss {causes}; with {them}, it comes closer to the \
-                 measurement, and something remains unexplained."
+                "The simulation seems to lack {causes}; with {them} added, it comes closer to the \
+                 measurement, but something remains unexplained."
             ),
         ),
         Verdict::Unexplained => (
@@ -108,7 +108,7 @@ pub(super) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
         false => (
             Mark::Open,
             format!(
-                "The simulation misses {causes}, or the measurement is wrong: this data does not tell \
+                "The simulation lacks {causes}, or the measurement is wrong: this data does not tell \
                  which."
             ),
         ),
@@ -169,13 +169,13 @@ impl<'a> Units<'a> {
 /// What happens in the machine, as the library of effects tells it: without how it shows.
 pub(super) fn meaning(cause: &Cause, units: Units<'_>) -> String {
     let meaning = cause.explanation.split(". How it shows").next().unwrap_or_default();
-    sentence(&fitting(meaning, units.input, units.response))
+    sentence(&fit_words(meaning, units.input, units.response))
 }
 
 /// How a cause shows, where its explanation says it.
 pub(super) fn signature(cause: &Cause, units: Units<'_>) -> Option<String> {
     let (_, signature) = cause.explanation.split_once(". How it shows: ")?;
-    Some(sentence(&fitting(signature, units.input, units.response)))
+    Some(sentence(&fit_words(signature, units.input, units.response)))
 }
 
 /// Error before and after on data held out: `0.361 % → 0.181 %`.

@@ -1,13 +1,13 @@
 //! What the base model misses, as a diagnosis names it.
 
 use servoscope_core::answers::{Cause, Diagnosis, Gain, Identification};
+use servoscope_core::effects::fit_words;
 
 use super::brief::Units;
 use super::columns::{Side, align_points, table};
 use super::number::significant;
 use super::tables::{self, flags, in_digits};
 use super::text::section;
-use super::units::fitting;
 use super::written::lines;
 
 /// Probability above which another digit says nothing.
@@ -67,7 +67,7 @@ fn gained(gains: &[(String, &Gain)]) -> Vec<String> {
 }
 
 /// What the model with the causes is called: `with stribeck and backlash`.
-pub fn with_causes(causes: &[Cause]) -> String {
+pub(super) fn with_causes(causes: &[Cause]) -> String {
     let names: Vec<&str> = causes.iter().map(|cause| cause.effect.as_str()).collect();
     format!("with {}", names.join(" and "))
 }
@@ -91,7 +91,7 @@ fn named(number: usize, cause: &Cause, units: Units<'_>) -> Vec<String> {
         .collect();
     align_points(rows.iter_mut().map(|row| &mut row[1]));
     let (left, right) = (Side::Left, Side::Right);
-    let below = std::iter::once(fitting(explanation, units.input, units.response))
+    let below = std::iter::once(fit_words(explanation, units.input, units.response))
         .chain(table(&[left, right, left, left], &rows));
     lines.extend(below.map(|line| format!("   {line}")));
     if let Some(margin) = without(*margin) {

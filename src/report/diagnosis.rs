@@ -112,7 +112,7 @@ mod tests {
     fn an_explained_diagnosis_goes_from_the_cause_to_the_model_with_it() {
         let answer = sample::explained();
         let text = diagnosis(&answer);
-        assert!(text.starts_with("EXPLAINED: The simulation misses"), "{text}");
+        assert!(text.starts_with("EXPLAINED: The simulation lacks"), "{text}");
         let order = [
             &answer.discrepancy.sentence,
             "\nCause\n",

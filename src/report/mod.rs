@@ -22,13 +22,13 @@ mod written;
 
 use servoscope_core::answers::Answer;
 
-pub use causes::with_causes;
 pub use diagnosis::diagnosis;
 pub use inspection::inspection;
 pub use plan::{plan, plan_csv};
 pub use summary::{headline, summary};
 pub use text::identification;
 pub use validation::validation;
+pub use words::with_causes;
 
 /// Everything that an answer of either kind says, in lines of at most `width` columns but for
 /// words that are longer.

@@ -32,6 +32,7 @@ impl Rounding {
         let decimals = (exponent - place).max(0) as usize;
         match exponent {
             0 => format!("{number:.decimals$}"),
+            _ if number == 0.0 => "0".to_owned(),
             _ => format!("{:.decimals$}e{exponent}", number / 10.0_f64.powi(exponent)),
         }
     }
@@ -94,6 +95,7 @@ mod tests {
     fn very_large_and_very_small_values_share_a_power_of_ten() {
         assert_eq!(rounded(1.0248e-7, 1.5e-10), ["1.0248e-7", "0.0015e-7"]);
         assert_eq!(rounded(2.5e6, 3.0e4), ["2.500e6", "0.030e6"]);
+        assert_eq!(rounded(0.0, 8.6e-6), ["0", "8.6e-6"]);
     }
 
     #[test]

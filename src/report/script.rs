@@ -54,6 +54,6 @@ mod tests {
         let is_code = |line: &&str| !line.trim().is_empty() && !line.trim().starts_with("//");
         let lines = |text: &str| text.lines().filter(is_code).count();
         assert!(FILES.iter().all(|(_, text)| lines(text) <= 250));
-        assert!(lines(inline()) <= 400, "{} lines", lines(inline()));
+        assert!(lines(inline()) <= 420, "{} lines", lines(inline()));
     }
 }

@@ -3,11 +3,11 @@
 
 use anstyle::{AnsiColor, Style};
 use servoscope_core::answers::{Answer, Diagnosis, Verdict};
+use servoscope_core::effects::fit_words;
 
 use super::brief::{self, Judgement, Mark, Units, judgement};
 use super::causes::per_cent;
 use super::size;
-use super::units::fitting;
 use super::words::{effect, parameter_name, sentence};
 
 /// Lines of all, at most.
@@ -97,7 +97,7 @@ fn found(answer: &Diagnosis, units: Units<'_>) -> Vec<Part> {
         )];
         let values: Vec<(String, String)> = size::values(cause)
             .into_iter()
-            .map(|(name, value)| (fitting(&name, units.input, units.response), value))
+            .map(|(name, value)| (fit_words(&name, units.input, units.response), value))
             .collect();
         texts.extend(columns(&values));
         texts.extend(size::in_the_machine(cause, model));

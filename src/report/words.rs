@@ -48,6 +48,15 @@ pub(in crate::report) fn sentence(text: &str) -> String {
     sentence.replace(" %", "\u{a0}%")
 }
 
+/// A text in which what stands between backquotes is code.
+pub(in crate::report) fn coded(text: &str) -> Markup {
+    html! {
+        @for (place, part) in text.split('`').enumerate() {
+            @if place % 2 == 0 { (part) } @else { code { (part) } }
+        }
+    }
+}
+
 /// An id as words: `static_friction` is static friction.
 pub(in crate::report) fn effect(id: &str) -> String {
     match find(id) {
@@ -81,7 +90,7 @@ pub(in crate::report) fn without_ids<'a>(
 }
 
 /// What the model with the causes is called: `with Stribeck friction and backlash`.
-pub(in crate::report) fn with_causes(causes: &[Cause]) -> String {
+pub fn with_causes(causes: &[Cause]) -> String {
     format!("with {}", list(causes.iter().map(|cause| cause.effect.as_str()), "and"))
 }
 
@@ -154,6 +163,12 @@ mod tests {
         assert_eq!(sentence("the mean is 3 % larger"), "The mean is 3\u{a0}% larger.");
         assert_eq!(sentence("slew_limit explains it."), "slew_limit explains it.");
         assert_eq!(sentence(""), "");
+    }
+
+    #[test]
+    fn what_stands_between_backquotes_is_code() {
+        let html = coded("say so: `--loop closed`, or <not>").into_string();
+        assert_eq!(html, "say so: <code>--loop closed</code>, or &lt;not&gt;");
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub(super) fn draw(measurement: &Measurement) -> String {
     let [input, output] = units(measurement);
     let levels: Vec<f64> = magnitudes.into_iter().step_by(step).collect();
     let label = |magnitude: f64| match magnitude {
-        0.01.. => format!("{} {input}", (1e3 * magnitude).round() / 1e3),
+        0.01.. => format!("{} {input}", three_digits(magnitude)),
         _ => format!("{magnitude:.2e} {input}"),
     };
 
@@ -148,9 +148,21 @@ fn over_time(harmonics: &[Complex], period: f64) -> Vec<[f64; 2]> {
     (0..=POINTS).map(at).collect()
 }
 
+/// A positive number to three significant digits.
+fn three_digits(value: f64) -> f64 {
+    let step = 10.0_f64.powf(2.0 - value.log10().floor());
+    (step * value).round() / step
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_magnitude_is_written_to_three_digits() {
+        let written = [148.428, 6.4, 0.05, 12_345.0].map(|value| three_digits(value).to_string());
+        assert_eq!(written, ["148", "6.4", "0.05", "12300"]);
+    }
 
     #[test]
     fn a_phase_goes_on_where_it_passes_half_a_turn() {

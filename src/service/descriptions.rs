@@ -1,7 +1,6 @@
 //! What a measurement says of itself, changed after it was stored.
 //!
-//! Its data, units, response and loop stay as they were read: results stand on them. The same files
-//! are uploaded again for another reading of them.
+//! Its data, units, response and loop stay as they were read; see the module `readings`.
 
 use std::collections::BTreeMap;
 

@@ -93,6 +93,16 @@ pub enum ServiceError {
         /// What is wrong.
         reason: String,
     },
+    /// Reading the files of a measurement again, on which there is a job.
+    #[error(
+        "measurement `{id}` has jobs, whose results stand on how its files were read; delete them \
+         with `DELETE /v1/jobs/{{id}}`, or upload the files again with `POST /v1/measurements` for \
+         another reading of them"
+    )]
+    HasJobs {
+        /// The measurement.
+        id: String,
+    },
     /// Cancelling a job that has ended.
     #[error("job `{id}` has already {}; there is nothing to cancel", status.name())]
     Ended {

@@ -10,7 +10,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::kept::Kept;
 use super::measurements::sources;
-use super::{Service, ServiceError, aside, curves};
+use super::{Measured, Service, ServiceError, aside, curves};
 
 /// Inspections that are kept: a page that is opened again answers at once.
 const INSPECTIONS: usize = 64;
@@ -66,12 +66,13 @@ impl Service {
     /// [`ServiceError::Unknown`] when there is none with this id; [`ServiceError::Uninspected`]
     /// where it cannot be inspected.
     pub async fn inspection(&self, id: &str) -> Result<Inspection, ServiceError> {
-        self.check_inspection(&self.measurement(id).await?.row)?;
+        let Measured { row, .. } = self.measurement(id).await?;
+        self.check_inspection(&row)?;
         let files = self.store.measurement_files(&self.reach, id).await?;
         let flag = Arc::new(AtomicBool::new(false));
         let _gone = Gone(Arc::clone(&flag));
         let turn = self.asked.turn().await;
-        if let Some(known) = self.asked.inspections.get(id) {
+        if let Some(known) = self.asked.inspections.get(&row.sha256) {
             return Ok(known);
         }
         let numerics = Arc::clone(&self.numerics);
@@ -83,7 +84,7 @@ impl Service {
             found.map_err(|error| ServiceError::Uninspected { reason: error.to_string() })
         });
         let inspection = looking.await?;
-        self.asked.inspections.keep(id, inspection.clone());
+        self.asked.inspections.keep(&row.sha256, inspection.clone());
         Ok(inspection)
     }
 

@@ -24,7 +24,7 @@ pub const MAX_POINTS: usize = 20_000;
 pub struct Upload {
     /// Name of the measurement where the files do not give one.
     pub name: Option<String>,
-    /// Metadata that is given beside the files, and holds before theirs.
+    /// Metadata that is given beside the files, and takes precedence over theirs.
     pub given: BTreeMap<String, String>,
     /// Stored mapping that is used.
     pub mapping: Option<String>,

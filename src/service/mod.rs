@@ -30,6 +30,7 @@ mod preview;
 mod quantities;
 mod quotas;
 mod reading;
+mod readings;
 mod report;
 mod request;
 mod running;

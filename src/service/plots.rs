@@ -111,7 +111,7 @@ mod tests {
     fn a_model_with_its_cause_is_drawn_beside_the_base_model() {
         let answer = sample::explained().into();
         let svg = drawn(&answer, &compared(&answer), &[], "bode", Format::default()).unwrap();
-        assert!(svg.contains("simulated with static_friction") && svg.contains("base model"));
+        assert!(svg.contains("simulated with static friction") && svg.contains("base model"));
     }
 
     #[test]

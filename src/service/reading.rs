@@ -91,7 +91,8 @@ impl Service {
         Reading { mapping: Some(name.clone()), note, measurement, ..reading }
     }
 
-    async fn read_given(
+    /// Reads files with what is given beside them, and with no mapping.
+    pub(super) async fn read_given(
         &self,
         mut files: Vec<FileRow>,
         given: BTreeMap<String, String>,

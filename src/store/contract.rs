@@ -19,8 +19,8 @@ use super::{
     ALONE_AFTER, Beat, CancelledRows, Cancelling, ConvergencePoint, Description, EndedRow,
     FailureRow, FileRow, IdempotencyKey, Inserted, JobFilter, KeyRow, Lease, MAX_ATTEMPTS,
     MappingRow, MeasurementFilter, MeasurementRow, MemberRow, NewBatchRow, NewJobRow, NewMemberRow,
-    Outcome, Page, Postgres, QueueState, Reach, Recovered, ResultFilter, Sqlite, Standing, Status,
-    Store, StoreError, Usage, Wake, WebhookRow,
+    Outcome, Page, Postgres, QueueState, Reach, Recovered, RereadRow, Rereading, ResultFilter,
+    Sqlite, Standing, Status, Store, StoreError, Usage, Wake, WebhookRow,
 };
 use batches::*;
 use keys::*;
@@ -284,6 +284,7 @@ contract!(
     a_deleted_measurement_takes_its_jobs_and_keys_with_it,
     what_is_old_is_deleted_and_what_is_wanted_is_not,
     a_measurement_says_something_else_of_itself,
+    files_are_read_again_until_there_is_a_job,
     results_are_listed_by_when_they_were_measured,
     the_queue_says_what_waits_and_how_long,
     every_way_to_end_a_job_leaves_one_event,

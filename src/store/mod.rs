@@ -63,7 +63,7 @@ pub use reach::Reach;
 pub use rows::{
     AxisRow, ConvergencePoint, Description, EndedRow, Expired, FileRow, IdempotencyKey, Inserted,
     JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, Millis, NewJobRow,
-    Outcome, Page, QueueState, ResultFilter, Status, StoredResult,
+    Outcome, Page, QueueState, RereadRow, Rereading, ResultFilter, Status, StoredResult,
 };
 pub use sqlite::Sqlite;
 pub use usage::Usage;
@@ -187,6 +187,14 @@ pub trait Store: Outbox + Keyring + Batches + Portable + Send + Sync + 'static {
         id: &str,
         description: &Description,
     ) -> Result<bool, StoreError>;
+
+    /// Stores another reading of a measurement's files, unless a job was queued on it.
+    async fn reread_measurement(
+        &self,
+        reach: &Reach,
+        id: &str,
+        reread: &RereadRow,
+    ) -> Result<Rereading, StoreError>;
 
     /// Removes a measurement, its files and every job on it, whatever their
     /// status: the worker of a running one loses its lease. `false`: there is none.

@@ -313,6 +313,28 @@ pub struct Description {
     pub labels: String,
 }
 
+/// What another reading of a measurement's files changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RereadRow {
+    /// What was read; id, time of storing and what the measurement says of itself are ignored.
+    pub row: MeasurementRow,
+    /// Name of the file that carries what is given beside the others.
+    pub given_name: &'static str,
+    /// That file; `None`: nothing is given.
+    pub given: Option<FileRow>,
+}
+
+/// What became of another reading.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rereading {
+    /// It is stored.
+    Stored,
+    /// There is a job on the measurement: nothing was changed.
+    HasJobs,
+    /// There is no measurement with this id.
+    Unknown,
+}
+
 /// Which jobs to list; `None` accepts every value.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct JobFilter {

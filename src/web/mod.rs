@@ -65,6 +65,7 @@ const FILES: &[(&str, &str, &str)] = &[
     file!("batch.js", SCRIPT),
     file!("find.js", SCRIPT),
     file!("describe.js", SCRIPT),
+    file!("reread.js", SCRIPT),
 ];
 
 /// The page, the same at each of its addresses: its script shows what the address

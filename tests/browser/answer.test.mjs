@@ -139,6 +139,67 @@ test("a figure is read off with the keyboard", async () => {
   assert.equal(await svg.locator("[data-toggle=measured]").getAttribute("aria-pressed"), "false");
 });
 
+test("the map of residuals is read off cell by cell", async () => {
+  const page = await visit(report);
+  await page.locator("#departure > summary").click();
+  const svg = page.locator("#servoscope-residuals");
+  const texts = () => svg.locator("text").allTextContents();
+  const cell = svg.locator(".cells rect").nth(2);
+  const hint = await cell.locator("title").textContent();
+  const [where, size] = hint.split(": ");
+  assert.match(hint, /^[\d.]+\u00a0?\s?A, [\d.]+ Hz, k = \d+: [\d.]+ σ$/);
+  await cell.hover();
+  assert.ok((await texts()).includes(where) && (await texts()).includes(size), hint);
+  await page.mouse.move(0, 0);
+
+  await svg.focus();
+  const said = page.locator("p.unseen");
+  const read = async (key) => (await page.keyboard.press(key), said.textContent());
+  const first = await read("ArrowRight");
+  assert.match(first, /A, [\d.]+ Hz, k = \d+; [\d.]+ σ/);
+  assert.notEqual(await read("ArrowRight"), first);
+  // Down through the harmonics of a magnitude to those of the next.
+  const magnitudes = new Set();
+  for (let i = 0; i < 8; i += 1) magnitudes.add((await read("ArrowDown")).split(",")[0]);
+  assert.ok(magnitudes.size > 1, [...magnitudes].join());
+
+  const width = async () => Number(await cell.getAttribute("width"));
+  const [drawn, height] = [await width(), await cell.getAttribute("height")];
+  await page.keyboard.press("+");
+  assert.ok(await width() > 1.3 * drawn, "frequencies are zoomed");
+  assert.ok(Math.abs(await cell.getAttribute("height") - height) < 0.1, "rows stay");
+  await page.keyboard.press("0");
+  assert.equal(await width(), drawn);
+});
+
+test("every figure of a job says what the cursor is on", async () => {
+  const page = await visit(report);
+  await page.evaluate(() => document.querySelectorAll("details").forEach((section) => (section.open = true)));
+  const figures = await page.locator("figure svg[id]").all();
+  assert.ok(figures.length > 5, `${figures.length} figures`);
+  const said = page.locator("p.unseen");
+  for (const svg of figures) {
+    await said.evaluate((all) => (all.textContent = ""));
+    await svg.focus();
+    await page.keyboard.press("ArrowRight");
+    assert.match(await said.textContent(), /\d/, await svg.getAttribute("id"));
+  }
+});
+
+test("the page of a job is small as it is sent", async () => {
+  const page = await visit(diagnosed);
+  await page.locator(".verdict").waitFor();
+  await page.waitForLoadState("networkidle");
+  const sent = await page.evaluate(() => performance.getEntries()
+    .filter(({ entryType }) => ["navigation", "resource"].includes(entryType))
+    .map(({ name, transferSize }) => [name, transferSize]));
+  const bytes = sent.reduce((sum, [, size]) => sum + size, 0);
+  assert.ok(bytes > 20_000, "it is counted");
+  assert.ok(bytes < 1_500_000, JSON.stringify(sent));
+  // Three are asked for by address, the others are files of the page.
+  assert.ok(sent.filter(([name]) => !name.includes("/assets/")).length < 12, JSON.stringify(sent));
+});
+
 test("two fingers zoom a figure, and one tap shows values", async () => {
   const page = await visit(report, { viewport: { width: 390, height: 844 }, hasTouch: true });
   const svg = page.locator(".first svg");

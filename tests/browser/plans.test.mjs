@@ -34,6 +34,7 @@ test("a result fills in the axis, and the plan is shown, compared and downloaded
   const metadata = { machine: "press 4", axis: "Y", input: "current A", response: "velocity rad/s" };
   const job = await server.answered(simulated(["--fc-minus", "0.4"], metadata));
   const page = await visit("/plans");
+  await page.getByLabel("Axis as a result has it").waitFor();
   await picture(page, "50-plan-form");
   await page.getByLabel("Axis as a result has it").selectOption(job.id);
   await page.waitForFunction(() => document.querySelector("[name=pole]").value !== "");
@@ -58,6 +59,24 @@ test("a result fills in the axis, and the plan is shown, compared and downloaded
   }
   assert.deepEqual(await faults(page), []);
   asked = page.url().replace(server.address, "");
+});
+
+test("the page of a job leads to a plan for its axis", async () => {
+  const metadata = { input: "force N", response: "velocity m/s" };
+  const job = await server.answered(simulated([], metadata));
+  const page = await visit(`/jobs/${job.id}`);
+  await page.getByRole("link", { name: "Plan the next experiment" }).click();
+  await page.waitForFunction(() => document.querySelector("[name=pole]")?.value);
+  assert.equal(await page.getByLabel("Axis as a result has it").inputValue(), job.id);
+  assert.match(await page.getByLabel("Pole of the mechanics").inputValue(), /^-(9\.9|10)/);
+  await page.getByLabel("Time for all experiments").fill("10");
+  await page.getByRole("button", { name: "Plan it" }).click();
+  await planned(page);
+  const head = await page.locator("section", { has: page.locator("#experiments") }).locator("thead").textContent();
+  assert.match(head, /Magnitude \(N\)/);
+  const sizes = await page.locator("section", { has: page.locator("#names") }).textContent();
+  assert.match(sizes, /limit [\d.]+ N/);
+  assert.ok(!/input|response\b/.test(sizes), "every unit is known");
 });
 
 test("the address asks for the same plan again, also on a phone and in the dark", async () => {

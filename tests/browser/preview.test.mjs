@@ -125,3 +125,27 @@ test("a mapping is deleted where mappings are listed", async () => {
   await page.locator("#mappings").waitFor({ state: "hidden" });
   assert.deepEqual((await (await fetch(`${server.address}/v1/mappings`)).json()).items, []);
 });
+
+test("a stored file is read again in other units, until there is a job on it", async () => {
+  const { id } = await server.post("/v1/measurements?input=current%20A&response=velocity%20rad/s", simulated([]), "text/csv");
+  const page = await visit(`/measurements/${id}`);
+  const facts = page.locator("#what + dl");
+  assert.match(await facts.textContent(), /Inputcurrent, A.*Responsevelocity, rad\/s/);
+  await page.getByRole("button", { name: "Read it again …" }).click();
+  const response = page.getByRole("textbox", { name: /^Response/ });
+  assert.equal(await response.inputValue(), "velocity rad/s");
+  await response.fill("position mm");
+  await page.getByRole("textbox", { name: /^Input/ }).fill("force N");
+  await response.press("Tab");
+  await page.locator(".understood", { hasText: /from force \(N\) to position \(mm\)/ }).waitFor();
+  await picture(page, "44-read-again");
+  assert.deepEqual(await faults(page), []);
+  await page.getByRole("button", { name: "Read it like this" }).click();
+  await page.locator("#what + dl", { hasText: /Responseposition, mm/ }).waitFor();
+
+  await server.post("/v1/jobs", { measurement_id: id, kind: "identify", plant: { actuator_order: 0 } });
+  await page.getByRole("button", { name: "Read it again …" }).click();
+  await page.getByText(/There are jobs on it/).waitFor();
+  await page.getByRole("button", { name: "Close" }).click();
+  assert.equal(await page.getByText(/There are jobs on it/).isVisible(), false);
+});

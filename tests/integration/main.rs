@@ -42,6 +42,7 @@ mod process;
 mod progress;
 mod properties;
 mod proxy;
+mod readings;
 mod readme;
 mod real_data;
 mod receiver;

@@ -27,7 +27,7 @@ fn check(page: &str) {
     assert_eq!(named("details"), 8);
     let title = document.descendants().find(|node| node.has_tag_name("h1")).unwrap();
     assert_eq!(title.text(), Some(format!("Diagnosis of {MACHINE}, axis C").as_str()));
-    for part in ["The simulation misses static friction", "all but certain", "What to do next"] {
+    for part in ["The simulation lacks static friction", "all but certain", "What to do next"] {
         assert!(page.contains(part), "{part}");
     }
 }

@@ -69,6 +69,7 @@ pub(super) fn request(operation: &str, media_type: &str) -> Option<Value> {
             "budget_s": 80.0,
         }),
         ("describe_measurement", _) => json!({"name": "before the repair", "machine": "press 4"}),
+        ("read_again" | "preview_reading", _) => json!({"given": {"response": "position mm"}}),
         ("put_mapping", _) => json!({
             "settings": {"column_names": COLUMN_NAMES}, "layout": LAYOUT,
         }),
@@ -87,11 +88,11 @@ pub(super) fn answer(operation: &str, media_type: &str) -> Option<Value> {
         ("live" | "ready", _) => json!("ok\n"),
         ("metrics", _) => json!("# TYPE servoscope_jobs_queued gauge\nservoscope_jobs_queued 0\n"),
         ("openapi_document", _) => json!({"openapi": "3.1.0"}),
-        ("add_measurement" | "get_measurement" | "describe_measurement", _) => {
+        ("add_measurement" | "get_measurement" | "describe_measurement" | "read_again", _) => {
             shown(MeasurementView::from(measured()))
         }
         ("list_measurements", _) => list(shown(MeasurementView::from(measured()))),
-        ("preview_measurement", _) => preview(),
+        ("preview_measurement" | "preview_reading", _) => preview(),
         ("get_mapping" | "put_mapping", "application/json") => shown(MappingView::from(mapping())),
         ("get_mapping" | "get_mapping_toml", _) => json!(mapping().toml()),
         ("list_mappings", _) => list(shown(MappingView::from(mapping()))),

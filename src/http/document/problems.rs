@@ -70,6 +70,14 @@ const NOT_FINISHED: Kind = kind(
     "job `01a2` is running, it has no result yet; ask `GET /v1/jobs/01a2?wait=30` until its status \
      is `succeeded`",
 );
+const HAS_JOBS: Kind = kind(
+    409,
+    "has-jobs",
+    "There are jobs on it",
+    "measurement `01a2` has jobs, whose results stand on how its files were read; delete them with \
+     `DELETE /v1/jobs/{id}`, or upload the files again with `POST /v1/measurements` for another \
+     reading of them",
+);
 const ENDED: Kind = kind(
     409,
     "already-ended",
@@ -153,6 +161,7 @@ const NO_ROOM: Kind = kind(
 const OWN: &[(&str, &[&Kind])] = &[
     ("add_measurement", &[&UNREADABLE, &INVALID, &KEY_REUSED]),
     ("preview_measurement", &[&INVALID]),
+    ("read_again", &[&UNREADABLE, &HAS_JOBS]),
     ("get_measurement_csv", &[&UNREADABLE]),
     ("get_measurement_json", &[&UNREADABLE]),
     ("get_measurement_figure", &[&UNREADABLE]),

@@ -107,6 +107,7 @@ impl Things {
                 json!({"job_id": self.job, "budget_s": 80.0})
             }
             "describe_measurement" => json!({"name": "another"}),
+            "read_again" | "preview_reading" => json!({"given": {"response": "velocity rad/s"}}),
             "put_mapping" => json!({"settings": {"machine": "mine"}}),
             "add_webhook" => json!({"url": "http://127.0.0.1:9/"}),
             "add_key" => json!({"name": "another", "scopes": ["read"]}),
@@ -191,10 +192,12 @@ fn every_operation_asks_for_its_scope_and_nothing_else() {
 }
 
 /// The status of an answer. A plan that is refused since the scripted result tells too little of
-/// its axis has found the result.
+/// its axis has found the result, and another reading that is refused since there is a job has found
+/// the measurement.
 fn outcome(operation: &Operation, answer: &Response<Body>) -> u16 {
     match answer.status().as_u16() {
         422 if operation.id.starts_with("plan") => 200,
+        409 if operation.id == "read_again" => 200,
         status => status,
     }
 }

@@ -144,7 +144,7 @@ pub(super) fn trace(
     for (index, curve) in curves.iter().enumerate() {
         for (style, key, name, model) in models {
             let keys = format!("{key} s{index}");
-            let trace = Trace { series: &curve.label, name, keys: &keys };
+            let trace = Trace { series: &curve.label, name, keys: &keys, hints: false };
             canvas.open_trace(&format!("s{index} simulated"), panel.sides(), trace);
             simulated(canvas, panel, curve, style, |point| model(point).map(value));
             canvas.close();
@@ -156,7 +156,7 @@ pub(super) fn trace(
             false => ("dense", Marker::Circle, 1.7),
         };
         let keys = format!("measured s{index}");
-        let trace = Trace { series: &curve.label, name: "measured", keys: &keys };
+        let trace = Trace { series: &curve.label, name: "measured", keys: &keys, hints: false };
         canvas.open_inside(&format!("s{index} {look} data"), panel.sides(), trace);
         for point in &curve.points {
             let Some(ratio) = point.measured else { continue };

@@ -157,7 +157,7 @@ fn errors(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, curves: &[Cur
                 panel.at(point.frequency_hz, (column.value)(error))
             };
             let keys = format!("{key} s{index}");
-            let trace = Trace { series: &curve.label, name, keys: &keys };
+            let trace = Trace { series: &curve.label, name, keys: &keys, hints: false };
             let before = *key == "before";
             let places = || curve.points.iter().filter_map(at);
             if few {

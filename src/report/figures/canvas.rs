@@ -89,13 +89,20 @@ pub(super) struct Trace<'a> {
     pub name: &'a str,
     /// Keys of the legend, with spaces between them.
     pub keys: &'a str,
+    /// Whether the cursor shows the hints of what is drawn in the place of its coordinates.
+    pub hints: bool,
 }
 
 impl Trace<'_> {
     fn attributes(&self) -> String {
         let parts = [("series", self.series), ("name", self.name), ("keys", self.keys)];
         let given = parts.into_iter().filter(|(_, text)| !text.is_empty());
-        given.map(|(name, text)| format!(" data-{name}=\"{}\"", escape(text))).collect()
+        let mut attributes: String =
+            given.map(|(name, text)| format!(" data-{name}=\"{}\"", escape(text))).collect();
+        if self.hints {
+            attributes.push_str(" data-hints=\"\"");
+        }
+        attributes
     }
 }
 

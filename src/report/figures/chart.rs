@@ -1,6 +1,6 @@
 //! Charts of plain numbers: lines over one or several panels, and bars. For what no answer holds.
 
-use super::canvas::{Anchor, Canvas, MARGIN, Marker, TICK, WIDTH};
+use super::canvas::{Anchor, Canvas, MARGIN, Marker, TICK, Trace, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, padded, range};
 use super::text::number;
@@ -111,7 +111,8 @@ pub fn lines(name: &'static str, title: &str, says: &str, plots: &[Plot], theme:
         for line in &plot.lines {
             let index = labels.iter().position(|(label, _)| *label == line.label);
             let class = format!("s{}", index.unwrap_or_default());
-            canvas.open_clipped(&class, panel.sides());
+            let trace = Trace { name: &line.label, ..Trace::default() };
+            canvas.open_trace(&class, panel.sides(), trace);
             let point =
                 |[x, y]: &[f64; 2]| panel.at(*x, *y).filter(|_| x.is_finite() && y.is_finite());
             canvas.polyline(line.stroke.class(), line.points.iter().map(point));

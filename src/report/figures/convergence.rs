@@ -170,13 +170,18 @@ fn traces(
     canvas.close();
     for Trace { order, rows } in &stage.traces {
         let rows = thinned(rows);
+        // A stage that runs again begins a line of its own.
+        let begins: Vec<bool> =
+            (0..rows.len()).map(|i| i > 0 && position(rows[i]) < position(rows[i - 1])).collect();
         let (class, series) = (format!("s{order}"), format!("order {order}"));
-        let named = |name| canvas::Trace { series: &series, name, keys: "" };
+        let named = |name| canvas::Trace { series: &series, name, ..canvas::Trace::default() };
         canvas.open_trace(&class, panel.sides(), named("mean"));
-        canvas.polyline("thin", rows.iter().map(|row| panel.at(position(row), row.mean?)));
+        let mean = rows.iter().map(|row| panel.at(position(row), row.mean?));
+        canvas.polyline("thin", mean.zip(&begins).flat_map(broken));
         canvas.close();
         canvas.open_trace(&class, panel.sides(), named("best"));
-        canvas.polyline("line", rows.iter().map(|row| panel.at(position(row), row.best)));
+        let best = rows.iter().map(|row| panel.at(position(row), row.best));
+        canvas.polyline("line", best.zip(&begins).flat_map(broken));
         canvas.close();
     }
     for Trace { order, rows } in &stage.traces {
@@ -189,6 +194,11 @@ fn traces(
         canvas.marker(Marker::Circle, inside, 3.4, &hint);
         canvas.close();
     }
+}
+
+/// A point of a line, after a break where the line begins anew.
+fn broken((point, begins): (Option<[f64; 2]>, &bool)) -> impl Iterator<Item = Option<[f64; 2]>> {
+    begins.then_some(None).into_iter().chain([point])
 }
 
 /// Where the search begins: a stage that is one evaluation.

@@ -138,15 +138,19 @@ fn curve(
     let area: Vec<[f64; 2]> = area.iter().filter_map(|[v, t]| panel.at(*v, *t)).collect();
     canvas.open_clipped(MODEL, panel.sides());
     canvas.area("band", &area);
+    canvas.close();
     // From rest: whatever value holds the axis, up to the static level.
     let sliding = side.torque(viscous.slope, 0.0);
     let breakaway = side.static_level.unwrap_or(sliding).max(sliding);
     let rest = [panel.at(0.0, 0.0), panel.at(0.0, side.sign * breakaway), None];
     let moving = side.curve(viscous.slope, reach).map(|[v, torque]| panel.at(v, torque));
+    let trace = Trace { name: "friction", ..Trace::default() };
+    canvas.open_trace(MODEL, panel.sides(), trace);
     canvas.polyline("line", rest.into_iter().chain(moving));
     canvas.close();
     if let Some(place) = side.static_level.and_then(|level| panel.at(0.0, side.sign * level)) {
-        canvas.open_inside(&format!("{MODEL} measured"), panel.sides(), Trace::default());
+        let trace = Trace { name: "static level", ..Trace::default() };
+        canvas.open_inside(&format!("{MODEL} measured"), panel.sides(), trace);
         canvas.marker(Marker::Diamond, place, 4.2, "static level");
         canvas.close();
     }

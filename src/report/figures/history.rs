@@ -100,6 +100,9 @@ pub(super) fn draw(title: &str, trends: &[Trend]) -> Result<Canvas, NothingToDra
     Ok(canvas)
 }
 
+/// What a reader's cursor stands on.
+const POINT: Trace<'_> = Trace { series: "", name: "estimate", keys: "", hints: true };
+
 fn points(canvas: &mut Canvas, panel: &Panel, trend: &Trend) {
     canvas.open_inside(&format!("s{STEADY}"), panel.sides(), Trace::default());
     canvas.polyline("faint", trend.points.iter().map(|point| panel.at(point.at_s, point.value)));
@@ -114,7 +117,7 @@ fn points(canvas: &mut Canvas, panel: &Panel, trend: &Trend) {
             canvas.line("bar", [at[0], low], [at[0], high]);
         }
         canvas.close();
-        canvas.open_inside(&format!("s{class} measured"), panel.sides(), Trace::default());
+        canvas.open_inside(&format!("s{class} measured"), panel.sides(), POINT);
         let shape = if point.changed { Marker::Diamond } else { Marker::Circle };
         canvas.marker(shape, at, 4.0, &hint(point, &trend.unit));
         canvas.close();

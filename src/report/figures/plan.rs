@@ -20,7 +20,7 @@ const LARGEST_RADIUS: f64 = 9.0;
 
 pub(super) fn draw(plan: &Plan) -> Canvas {
     let says = format!(
-        "{} experiments; {} of {} effects are named with a probability of 0.9 or more.",
+        "{} experiments; {} of {} effects are named with a probability of 90 % or more.",
         plan.experiments.len(),
         plan.nameable,
         plan.effects.len()
@@ -92,7 +92,7 @@ fn effects(canvas: &mut Canvas, plan: &Plan) {
     let top = canvas.y;
     for (index, effect) in effects.iter().enumerate() {
         let y = top + ROW * (index as f64 + 0.5);
-        canvas.text(BARS - 8.0, y + 4.0, TICK, Anchor::End, &effect.effect);
+        canvas.text(BARS - 8.0, y + 4.0, TICK, Anchor::End, &effect.title);
         if let (Some(from), Some(to)) = (x.at(0.0), x.at(1.0)) {
             canvas.line("grid", [from, y], [to, y]);
         }
@@ -106,7 +106,7 @@ fn effects(canvas: &mut Canvas, plan: &Plan) {
                 continue;
             };
             canvas.open(&format!("{class} measured"));
-            let hint = format!("{}, {how}: {}", effect.effect, number(share, 2));
+            let hint = format!("{}, {how}: {} %", effect.title, number(100.0 * share, 3));
             canvas.marker(shape, [px, y], 4.0, &hint);
             canvas.close();
         }
@@ -134,7 +134,7 @@ mod tests {
         let svg = draw_plan(&plan, Theme::Light);
         roxmltree::Document::parse(&svg).unwrap();
         for effect in &plan.effects {
-            assert!(svg.contains(&format!(">{}<", effect.effect)), "{svg}");
+            assert!(svg.contains(&format!(">{}<", effect.title)), "{svg}");
         }
         let last = plan.experiments.len() - 1;
         assert!(svg.contains(&format!("planned, run {last}: ")), "{svg}");

@@ -154,7 +154,7 @@ fn harmonics(canvas: &mut Canvas, panel: &Panel, index: usize, experiment: &Comp
     canvas.close();
     let (above, below): (Vec<&ComparedHarmonic>, Vec<_>) =
         experiment.harmonics.iter().partition(|h| lowest(size(h.measured)));
-    let trace = Trace { name: "measured", ..Trace::default() };
+    let trace = Trace { name: "measured", hints: true, ..Trace::default() };
     canvas.open_inside(&format!("s{index} measured data"), panel.sides(), trace);
     for harmonic in above {
         let value = size(harmonic.measured);
@@ -162,7 +162,8 @@ fn harmonics(canvas: &mut Canvas, panel: &Panel, index: usize, experiment: &Comp
         canvas.marker(Marker::Circle, place, 3.6, &hint(harmonic));
     }
     canvas.close();
-    canvas.open_inside(&format!("s{index} rest data"), panel.sides(), Trace::default());
+    let trace = Trace { name: "below the axis", ..trace };
+    canvas.open_inside(&format!("s{index} rest data"), panel.sides(), trace);
     for harmonic in below {
         let Some(x) = panel.x.at(harmonic.order as f64) else { continue };
         canvas.marker(Marker::Beyond, [x, panel.bottom - 6.0], 3.6, &hint(harmonic));

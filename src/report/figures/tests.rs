@@ -443,7 +443,7 @@ fn what_moves_with_axes_lies_in_a_panel_that_says_what_they_are() {
             }
             for scale in with("data-x").into_iter().chain(with("data-y")) {
                 let (kind, numbers) = scale.split_once(' ').unwrap();
-                assert!(["log", "linear"].contains(&kind), "{name}: {scale}");
+                assert!(["log", "linear", "rows"].contains(&kind), "{name}: {scale}");
                 let numbers: Vec<f64> = numbers.split(' ').map(|n| n.parse().unwrap()).collect();
                 assert!(numbers.len() == 4 && numbers[0] < numbers[1], "{name}: {scale}");
             }

@@ -2,13 +2,13 @@
 
 use maud::{Markup, html};
 use servoscope_core::answers::{Answer, Cause, Diagnosis, Gain, ParameterEstimate, Verdict};
+use servoscope_core::effects::fit_words;
 
 use super::Content;
-use super::words::{confidence, effect, equation, parameter_name, sentence};
+use super::words::{coded, confidence, effect, equation, parameter_name, sentence};
 use crate::report::brief::{self, Units};
 use crate::report::causes::per_cent;
 use crate::report::size;
-use crate::report::units::fitting;
 
 /// Rows of the card on the axis, of a model without a cause and of one with.
 const PARAMETERS: [&str; 5] = ["pole", "constant", "dc_gain", "fc_plus", "fc_minus"];
@@ -44,8 +44,8 @@ fn faults(answer: &Diagnosis) -> Markup {
     };
     let body = html! {
         @for fault in &answer.measurement {
-            p { (sentence(&fault.sentence)) }
-            p.small { "To correct it: " (fault.remedy) "." }
+            p { (coded(&sentence(&fault.sentence))) }
+            p.small { "To correct it: " (coded(&fault.remedy)) "." }
         }
     };
     card("bad", title, body)
@@ -59,8 +59,8 @@ fn doubts(answer: &Answer) -> Markup {
     }
     let body = html! {
         @for doubt in doubts {
-            p { (sentence(&doubt.sentence)) }
-            p.small { "To do: " (doubt.remedy) "." }
+            p { (coded(&sentence(&doubt.sentence))) }
+            p.small { "To do: " (coded(&doubt.remedy)) "." }
         }
     };
     card("bad", "The measurement looks wrong", body)
@@ -87,7 +87,7 @@ fn cause(cause: &Cause, answer: &Diagnosis, units: Units<'_>) -> Markup {
             }
             dl.values {
                 @for (name, value) in rows {
-                    div { dt { (sentence(&fitting(&name, units.input, units.response)).trim_end_matches('.')) } dd { (value) } }
+                    div { dt { (sentence(&fit_words(&name, units.input, units.response)).trim_end_matches('.')) } dd { (value) } }
                 }
             }
             @if let Some(said) = size::in_the_machine(cause, model) { p { (sentence(&said)) } }

@@ -6,7 +6,7 @@ use servoscope_core::answers::{Comparison, NoiseSource};
 
 use super::Content;
 use super::table::{Cell, table};
-use super::words::{number, quantity, sentence};
+use super::words::{coded, number, quantity, sentence};
 
 /// The most values that are listed rather than given as a range.
 const LISTED: usize = 6;
@@ -113,8 +113,8 @@ pub(super) fn described(content: &Content<'_>) -> Markup {
             }
         }
         @if !measured.notes.is_empty() {
-            p { "Remarks of the reader of the files:" }
-            ul { @for note in &measured.notes { li { (sentence(note)) } } }
+            p { "How the files were read:" }
+            ul { @for note in &measured.notes { li { (coded(&sentence(note))) } } }
         }
         (files(&measured.files))
     }

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use servoscope_core::answers::{Answer, Diagnosis, Identification};
 
 use super::described::described;
-use super::words::{number, per_cent, sentence, with_causes};
+use super::words::{coded, number, per_cent, sentence, with_causes};
 use super::{Content, Section};
 use crate::report::brief::{factor, interval};
 use crate::report::causes::{self, gains, held_out, without};
@@ -96,7 +96,7 @@ fn limits(answer: &Answer) -> Markup {
         @if texts.is_empty() {
             p { "Nothing was left out, and the data determines every parameter that was fitted." }
         } @else {
-            ul { @for text in texts { li { (sentence(&text)) } } }
+            ul { @for text in texts { li { (coded(&sentence(&text))) } } }
         }
         p.small {
             "An answer holds for the magnitudes and frequencies that were measured. Effects outside \

@@ -179,8 +179,8 @@ fn no_sentence_stands_on_a_page_twice() {
 fn every_verdict_is_one_plain_sentence() {
     let sentences = [
         "Nothing in this measurement speaks against the simulation.",
-        "The simulation misses static friction; with it, it matches the measurement",
-        "and something remains unexplained.",
+        "The simulation lacks static friction; with it added, it matches the measurement",
+        "but something remains unexplained.",
         "The simulation is wrong, and no known effect is the cause.",
     ];
     for (answer, sentence) in diagnoses().iter().zip(sentences) {

@@ -9,7 +9,8 @@ export class Axis {
   constructor(text, name, direction) {
     const [kind, ...numbers] = text.split(" ");
     [this.low, this.high, this.from, this.to] = numbers.map(Number);
-    Object.assign(this, { name, direction, isLog: kind === "log" });
+    // Rows of a table do not move.
+    Object.assign(this, { name, direction, isLog: kind === "log", isFixed: kind === "rows" });
     this.home = [this.low, this.high];
   }
 
@@ -30,6 +31,7 @@ export class Axis {
   }
 
   set([low, high]) {
+    if (this.isFixed) return;
     const [first, last] = this.home;
     const share = (high - low) / (last - first);
     if (share > 1e-5 && share < 8) [this.low, this.high] = [low, high];
@@ -72,6 +74,7 @@ export class Axis {
       }
       return found;
     }
+    if (this.isFixed) return [];
     const [low, high] = this.isLog ? [10 ** this.low, 10 ** this.high] : [this.low, this.high];
     const step = this.#step((high - low) / room);
     const decimals = Math.max(0, Math.min(12, -Math.floor(Math.log10(step) + 1e-9)));

@@ -71,6 +71,9 @@ function shape(element) {
   }
   if (element.tagName === "rect") {
     const [px, py, width, height] = ["x", "y", "width", "height"].map(number);
+    if (element.classList.contains("badge")) {
+      return (x, y) => (element.setAttribute("x", x(px + width / 2) - width / 2), element.setAttribute("y", y(py + height / 2) - height / 2));
+    }
     return (x, y) => {
       const [x1, x2, y1, y2] = [x(px), x(px + width), y(py), y(py + height)];
       for (const [name, value] of [["x", x1], ["y", y1], ["width", x2 - x1], ["height", y2 - y1]]) element.setAttribute(name, value);
@@ -82,12 +85,19 @@ function shape(element) {
   return (x, y) => element.setAttribute("d", steps.map(([pen, px, py]) => `${pen}${x(px)} ${y(py)}`).join(""));
 }
 
-/// Points of a trace, as it was drawn.
+/// Points of a trace, as it was drawn: where each is, what it says in the place of its coordinates,
+/// and how far it reaches to the sides.
 function points(group) {
-  return [...group.querySelectorAll("path, circle")].flatMap((element) => {
-    if (element.tagName === "circle") return [["cx", "cy"].map((name) => Number(element.getAttribute(name)))];
+  return [...group.querySelectorAll("path, circle, rect")].flatMap((element) => {
+    const numbers = (...names) => names.map((name) => Number(element.getAttribute(name)));
+    const hint = group.dataset.hints === undefined ? undefined : element.querySelector("title")?.textContent;
+    if (element.tagName === "circle") return [[...numbers("cx", "cy"), hint]];
+    if (element.tagName === "rect") {
+      const [x, y, width, height] = numbers("x", "y", "width", "height");
+      return [[x + width / 2, y + height / 2, hint, width / 2, height / 2]];
+    }
     const text = element.getAttribute("transform") ?? element.getAttribute("d");
-    const numbers = text.match(/-?[\d.]+/g).map(Number);
-    return numbers.flatMap((x, i) => (i % 2 ? [] : [[x, numbers[i + 1]]]));
+    const coordinates = text.match(/-?[\d.]+/g).map(Number);
+    return coordinates.flatMap((x, i) => (i % 2 ? [] : [[x, coordinates[i + 1], hint]]));
   });
 }

@@ -12,7 +12,7 @@ export function tools(svg, overlay, figure, reset, style) {
     return element;
   };
   const help = document.createElement("span");
-  help.textContent = "Click it: wheel or + − zooms, drag or Shift+arrows moves, arrows read values.";
+  help.textContent = "Click, then wheel or + − to zoom, drag or Shift+arrows to move, arrows to read.";
   const line = document.createElement("div");
   line.className = "tools-of-figure";
   line.append(help,

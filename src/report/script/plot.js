@@ -61,9 +61,11 @@ export function interactive(svg, figure, say, style = () => "") {
     let best = null;
     for (const trace of panel.visible()) {
       for (const point of trace.points) {
-        const [x, y] = [panel.x.moved(point[0]), panel.y.moved(point[1])];
-        const distance = (x - px) ** 2 + (y - py) ** 2;
-        if (panel.holds([x, y]) && distance < (best?.distance ?? Infinity)) best = { panel, trace, point, distance };
+        const [atX, atY, , reachX = 0, reachY = 0] = point;
+        const [x, y] = [panel.x.moved(atX), panel.y.moved(atY)];
+        const beside = (at, cursor, side) => Math.max(0, Math.abs(at - cursor) - Math.abs(side - at));
+        const distance = beside(x, px, panel.x.moved(atX + reachX)) ** 2 + beside(y, py, panel.y.moved(atY + reachY)) ** 2;
+        if ((reachX > 0 || panel.holds([x, y])) && distance < (best?.distance ?? Infinity)) best = { panel, trace, point, distance };
       }
     }
     return best;
@@ -79,11 +81,18 @@ export function interactive(svg, figure, say, style = () => "") {
       const px = round(x.from + ((place - x.low) / (x.high - x.low)) * (x.to - x.from));
       return make("path", { class: "frame", d: `M${px} ${top}L${px} ${bottom}` });
     });
-    const [x, y] = [panel.x.moved(point[0]), panel.y.moved(point[1])];
+    // What reaches to the sides may have its middle beyond them.
+    const [x, y] = [Math.max(panel.left, Math.min(panel.right, panel.x.moved(point[0]))), panel.y.moved(point[1])];
     parts.push(make("circle", { class: "ink", cx: round(x), cy: round(y), r: 5.5 }));
     const unit = panel.x.name.match(/\(([^–)]*)\)/)?.[1] ?? "";
-    const rows = [[[trace.series, `${panel.x.written(point[0])} ${unit}`].filter(Boolean).join(", "), ""]];
-    for (const other of linked.filter(({ left }) => left === panel.left)) {
+    const rows = [];
+    if (point[2]) {
+      const [of, values] = point[2].split(": ");
+      rows.push([of, ""], ...values.split(", ").map((value) => [`  ${value}`, ""]));
+    } else {
+      rows.push([[trace.series, `${panel.x.written(point[0])} ${unit}`].filter(Boolean).join(", "), ""]);
+    }
+    for (const other of point[2] ? [] : linked.filter(({ left }) => left === panel.left)) {
       const same = other.visible().filter(({ series }) => series === trace.series);
       const found = same.map(({ name, points }) => {
         const hit = points.filter(([px]) => Math.abs(px - point[0]) < 0.7);
@@ -111,13 +120,13 @@ export function interactive(svg, figure, say, style = () => "") {
     cursor ? mark() : overlay.replaceChildren();
   }
 
-  /// To the next point of the series, or to another series at this place.
+  /// To the next point of the series, or to another series at this place: after the last one of a
+  /// panel follows the first one of the next panel.
   function step(along, across) {
-    const panel = cursor?.panel ?? panels[0];
-    const traces = panel.visible().filter(({ points }) => points.length > 0);
-    if (traces.length === 0) return;
-    let trace = cursor && traces.includes(cursor.trace) ? cursor.trace : traces[0];
-    if (across) trace = traces[(traces.indexOf(trace) + across + traces.length) % traces.length];
+    const all = panels.flatMap((panel) => panel.visible().map((trace) => ({ panel, trace }))).filter(({ trace }) => trace.points.length > 0);
+    if (all.length === 0) return;
+    const now = Math.max(0, all.findIndex(({ trace }) => trace === cursor?.trace));
+    const { panel, trace } = all[(now + across + all.length) % all.length];
     const sorted = [...trace.points].sort((a, b) => a[0] - b[0]);
     const here = cursor ? sorted.reduce((best, [x], i) => (Math.abs(x - cursor.point[0]) < Math.abs(sorted[best][0] - cursor.point[0]) ? i : best), 0) : -along;
     const next = sorted[Math.max(0, Math.min(sorted.length - 1, here + along))];

@@ -140,6 +140,8 @@ pub(super) async fn rows_of_another_owner_are_not_there(store: &dyn Store) {
         assert!(!store.delete_job(stranger, &job.id).await.unwrap());
         let none = Description::default();
         assert!(!store.describe_measurement(stranger, &measured, &none).await.unwrap());
+        let again = store.reread_measurement(stranger, &measured, &reread(None)).await.unwrap();
+        assert_eq!(again, Rereading::Unknown);
         assert!(!store.delete_measurement(stranger, &measured).await.unwrap());
         assert!(!store.delete_webhook(stranger, &hook.id).await.unwrap());
     }

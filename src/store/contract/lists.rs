@@ -90,6 +90,57 @@ pub(super) async fn a_measurement_says_something_else_of_itself(store: &dyn Stor
     assert!(!store.describe_measurement(&all(), "nobody", &description).await.unwrap());
 }
 
+/// Another reading, with what is given beside the files, if anything.
+pub(super) fn reread(given: Option<&[u8]>) -> RereadRow {
+    let row = MeasurementRow {
+        name: Some("not taken over".into()),
+        sha256: "11ff".into(),
+        experiments: 7,
+        magnitude_max: 30.0,
+        quantities: Some(r#"{"input":"force"}"#.into()),
+        notes: r#"["read again"]"#.into(),
+        ..measurement("not taken over")
+    };
+    let given = given.map(|bytes| FileRow { name: "given".into(), ..file(bytes) });
+    RereadRow { row, given_name: "given", given }
+}
+
+pub(super) async fn files_are_read_again_until_there_is_a_job(store: &dyn Store) {
+    let (one, other) = (stored_measurement(store).await, stored_measurement(store).await);
+    let files = async || {
+        let files = store.measurement_files(&all(), &one).await.unwrap();
+        files.into_iter().map(|file| (file.name, file.bytes)).collect::<Vec<_>>()
+    };
+    let own = ("a.csv".to_owned(), b"x".to_vec());
+    for bytes in [b"a", b"b"] {
+        let again = reread(Some(bytes));
+        let outcome = store.reread_measurement(&all(), &one, &again).await.unwrap();
+        assert_eq!(outcome, Rereading::Stored);
+        assert_eq!(files().await, [own.clone(), ("given".to_owned(), bytes.to_vec())]);
+    }
+    let row = store.measurement(&all(), &one).await.unwrap().unwrap();
+    assert_eq!((row.id.as_str(), row.name.as_deref()), (one.as_str(), Some("stepped sine")));
+    let wanted = reread(None).row;
+    assert_eq!((row.sha256, row.experiments), (wanted.sha256, 7));
+    assert_eq!((row.quantities, row.notes), (wanted.quantities, wanted.notes));
+    assert_eq!((row.magnitude_min, row.magnitude_max), (1.0, 30.0));
+    let untouched = store.measurement(&all(), &other).await.unwrap().unwrap();
+    assert_eq!(untouched.sha256, "00ff");
+
+    let nothing = reread(None);
+    let outcome = store.reread_measurement(&all(), &one, &nothing).await.unwrap();
+    assert_eq!((outcome, files().await), (Rereading::Stored, vec![own]));
+    let job = queued_job_of(store, &one, "").await;
+    let late = reread(Some(b"late"));
+    let outcome = store.reread_measurement(&all(), &one, &late).await.unwrap();
+    assert_eq!((outcome, files().await.len()), (Rereading::HasJobs, 1));
+    assert!(store.delete_job(&all(), &job).await.unwrap());
+    let outcome = store.reread_measurement(&all(), &one, &late).await.unwrap();
+    assert_eq!((outcome, files().await.len()), (Rereading::Stored, 2));
+    let outcome = store.reread_measurement(&all(), "nobody", &late).await.unwrap();
+    assert_eq!(outcome, Rereading::Unknown);
+}
+
 pub(super) async fn results_are_listed_by_when_they_were_measured(store: &dyn Store) {
     let mut jobs = Vec::new();
     for (axis, measured_at) in [("x", Some("2024-05-06T07:08:09Z")), ("x", None), ("y", None)] {

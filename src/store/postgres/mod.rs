@@ -32,8 +32,8 @@ use sqlx::postgres::{PgConnectOptions, PgPoolOptions};
 use super::{
     AxisRow, Beat, Cancelling, ConvergencePoint, Description, Expired, FileRow, IdempotencyKey,
     Inserted, JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow,
-    Outcome, Page, QueueState, Reach, Recovered, ResultFilter, Store, StoreError, StoredResult,
-    Wake,
+    Outcome, Page, QueueState, Reach, Recovered, RereadRow, Rereading, ResultFilter, Store,
+    StoreError, StoredResult, Wake,
 };
 use wakes::Speaker;
 
@@ -163,6 +163,18 @@ impl Store for Postgres {
         description: &Description,
     ) -> Result<bool, StoreError> {
         Ok(measurements::describe(&self.pool, reach, id, description).await?)
+    }
+
+    async fn reread_measurement(
+        &self,
+        reach: &Reach,
+        id: &str,
+        reread: &RereadRow,
+    ) -> Result<Rereading, StoreError> {
+        let mut transaction = self.pool.begin().await?;
+        let outcome = measurements::reread(&mut transaction, reach, id, reread).await?;
+        transaction.commit().await?;
+        Ok(outcome)
     }
 
     async fn delete_measurement(&self, reach: &Reach, id: &str) -> Result<bool, StoreError> {

@@ -5,6 +5,7 @@ use sqlx::{SqliteConnection, SqlitePool};
 use crate::store::decode::label_pairs;
 use crate::store::{
     Description, FileRow, IdempotencyKey, Inserted, MeasurementFilter, MeasurementRow, Page, Reach,
+    RereadRow, Rereading,
 };
 
 use super::idempotency;
@@ -170,6 +171,73 @@ pub(super) async fn describe(
     .execute(connection)
     .await?;
     Ok(done.rows_affected() == 1)
+}
+
+pub(super) async fn reread(
+    connection: &mut SqliteConnection,
+    reach: &Reach,
+    id: &str,
+    reread: &RereadRow,
+) -> sqlx::Result<Rereading> {
+    let within: Option<String> = sqlx::query_scalar(
+        "SELECT id FROM measurements WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)",
+    )
+    .bind(id)
+    .bind(reach.changed())
+    .fetch_optional(&mut *connection)
+    .await?;
+    if within.is_none() {
+        return Ok(Rereading::Unknown);
+    }
+    let has_jobs: bool =
+        sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM jobs WHERE measurement_id = ?1)")
+            .bind(id)
+            .fetch_one(&mut *connection)
+            .await?;
+    if has_jobs {
+        return Ok(Rereading::HasJobs);
+    }
+    let RereadRow { row, given_name, given } = reread;
+    sqlx::query(
+        "UPDATE measurements
+         SET sha256 = ?2, experiments = ?3, highest_harmonic = ?4, magnitude_min = ?5,
+             magnitude_max = ?6, omega_min_rad_s = ?7, omega_max_rad_s = ?8, notes = ?9,
+             quantities = ?10, simulation_s = ?11, diagnosis_s = ?12
+         WHERE id = ?1",
+    )
+    .bind(id)
+    .bind(&row.sha256)
+    .bind(row.experiments)
+    .bind(row.highest_harmonic)
+    .bind(row.magnitude_min)
+    .bind(row.magnitude_max)
+    .bind(row.omega_min_rad_s)
+    .bind(row.omega_max_rad_s)
+    .bind(&row.notes)
+    .bind(&row.quantities)
+    .bind(row.simulation_s)
+    .bind(row.diagnosis_s)
+    .execute(&mut *connection)
+    .await?;
+    sqlx::query("DELETE FROM measurement_files WHERE measurement_id = ?1 AND name = ?2")
+        .bind(id)
+        .bind(given_name)
+        .execute(&mut *connection)
+        .await?;
+    if let Some(file) = given {
+        sqlx::query(
+            "INSERT INTO measurement_files (measurement_id, position, name, content_type, bytes)
+             SELECT ?1, coalesce(max(position), -1) + 1, ?2, ?3, ?4
+             FROM measurement_files WHERE measurement_id = ?1",
+        )
+        .bind(id)
+        .bind(&file.name)
+        .bind(&file.content_type)
+        .bind(&file.bytes)
+        .execute(connection)
+        .await?;
+    }
+    Ok(Rereading::Stored)
 }
 
 pub(super) async fn delete(

@@ -28,8 +28,8 @@ use sqlx::{SqlitePool, Transaction};
 use super::{
     AxisRow, Beat, Cancelling, ConvergencePoint, Description, Expired, FileRow, IdempotencyKey,
     Inserted, JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, NewJobRow,
-    Outcome, Page, QueueState, Reach, Recovered, ResultFilter, Store, StoreError, StoredResult,
-    Wake,
+    Outcome, Page, QueueState, Reach, Recovered, RereadRow, Rereading, ResultFilter, Store,
+    StoreError, StoredResult, Wake,
 };
 
 /// How long a writer waits for another one before it gives up.
@@ -224,6 +224,17 @@ impl Store for Sqlite {
         let mut transaction = self.begin().await?;
         let described = measurements::describe(&mut transaction, reach, id, description).await;
         self.end(transaction, described).await
+    }
+
+    async fn reread_measurement(
+        &self,
+        reach: &Reach,
+        id: &str,
+        reread: &RereadRow,
+    ) -> Result<Rereading, StoreError> {
+        let mut transaction = self.begin().await?;
+        let outcome = measurements::reread(&mut transaction, reach, id, reread).await;
+        self.end(transaction, outcome).await
     }
 
     async fn delete_measurement(&self, reach: &Reach, id: &str) -> Result<bool, StoreError> {

@@ -4,7 +4,7 @@ import { h, row, table } from "./dom.js";
 import { json } from "./api.js";
 import { confidence, decimals, effect, fixed, kind, named, number, parameter, percent, subject, time } from "./format.js";
 import { frame, load } from "./figure.js";
-import { ofVerdict } from "./status.js";
+import { change, ofVerdict } from "./status.js";
 
 const FIGURES = ["bode-errors", "residuals", "spectrum", "friction", "convergence"];
 /// Figures of one model that are shown of the model of the table: that with the causes.
@@ -53,9 +53,9 @@ function summary({ job, result, measurement, model }) {
     ["Measured", time(measurement.measured_at ?? measurement.created_at)],
     ["Verdict", verdict ? ofVerdict(verdict) : "none asked for"],
     ["Cause", causes.map((cause) => `${effect(cause.effect)} (${confidence(cause.confidence)})`).join(", ")],
-    ["Gain", gain && `${number(gain.ratio, 3)} (${number(gain.interval95[0], 3)} to ${number(gain.interval95[1], 3)})`],
+    ["On data held out", gain && change(gain.ratio, gain.interval95)],
     ["Left of the response", percent(model.fit.nrmse)],
-    ["χ² each", number(model.fit.chi2_per_dof, 3)],
+    ["χ² per degree of freedom", number(model.fit.chi2_per_dof, 3)],
   ];
   return h("section", {},
     h("h2", {}, h("a", { href: `/jobs/${job.id}` }, subject(measurement))),

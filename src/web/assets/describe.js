@@ -18,7 +18,7 @@ export function editor(measurement, done) {
     h("div", { class: "fields" },
       FIELDS.map(([name, title, hint]) => input(name, title, { value: measurement[name] ?? "" }, hint)),
       h("label", {}, h("span", {}, "Labels"), lines, h("span", { class: "small" }, "One a line, as in site: north"))),
-    h("p", { class: "small" }, "Units, response and loop stay: results stand on them. For another reading of the file drop it again, and tick that it is shown before it is stored."),
+    h("p", { class: "small" }, "Units, kind of the response and columns: “Read it again …” on the page of the measurement."),
     h("p", { class: "actions" }, h("button", { class: "primary" }, "Save"), h("button", { type: "button", onclick: () => dialog.close() }, "Leave it")),
     h("p", { class: "wrong", role: "alert" }));
   const dialog = h("dialog", { class: "editor", "aria-label": "Edit the measurement", onclose: () => dialog.remove() }, form);

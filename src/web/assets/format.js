@@ -98,6 +98,11 @@ export function capital(text) {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
+/// A text as a sentence.
+export function sentence(text) {
+  return `${capital(text)}${/[.!?]$/.test(text) ? "" : "."}`;
+}
+
 /// What a measurement is of, as far as it says.
 export function subject({ machine, axis, name }) {
   const parts = [machine, axis && `axis ${axis}`].filter(Boolean);

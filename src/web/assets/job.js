@@ -41,6 +41,7 @@ export async function show({ argument: id, signal, go }) {
       } }, "Delete")]);
     if (shown) {
       body.replaceChildren(...shown.nodes);
+      body.querySelector(".card.next").append(h("p", {}, h("a", { href: `/plans?job=${job.id}` }, "Plan the next experiment"), " for this axis."));
       announce(`Ended: ${shown.verdict}`);
     } else {
       body.replaceChildren(without(job));

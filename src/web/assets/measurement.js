@@ -2,11 +2,12 @@
 
 import { confirmed, h, keyed, row, table } from "./dom.js";
 import { json, remove, repeatedly } from "./api.js";
-import { kind, range, subject, time } from "./format.js";
+import { kind, range, sentence, subject, time } from "./format.js";
 import { bar, chip, outcome } from "./status.js";
 import { curves, inspection } from "./inspection.js";
 import { startForm } from "./start.js";
 import { editor } from "./describe.js";
+import { rereader } from "./reread.js";
 
 const ACTIVE_MS = 700;
 const QUIET_MS = 5000;
@@ -23,6 +24,7 @@ export async function show({ argument: id, query, signal, go }) {
     await remove(path);
     go("/");
   } }, "Delete");
+  const again = rereader(measurement, () => go(location.pathname));
   const jobs = jobsOf(measurement, signal);
   const node = h("div", { class: "wide" },
     h("p", { class: "trail" }, h("a", { href: "/" }, "Overview")),
@@ -31,7 +33,9 @@ export async function show({ argument: id, query, signal, go }) {
       h("a", { class: "button", href: `${path}/data.csv`, download: `${measurement.name ?? "measurement"}.csv` }, "Harmonics, CSV"),
       h("a", { class: "button", href: `${path}/data.json`, download: `${measurement.name ?? "measurement"}.json` }, "JSON"),
       machine && axis && h("a", { class: "button", href: `/axes?${new URLSearchParams({ machine, axis })}` }, "History of the axis"),
-      h("button", { onclick: () => editor(measurement, () => go(location.pathname)) }, "Edit …"), erase),
+      h("button", { onclick: () => editor(measurement, () => go(location.pathname)) }, "Edit …"),
+      again.button, erase),
+    again.node,
     duplicates(measurement, signal),
     inspection(path, signal),
     h("div", { class: "halves" },
@@ -65,8 +69,11 @@ function facts(item) {
     ["By", item.operator],
     ["Files", item.files.join(", ")],
     ["Uploaded", time(item.created_at)],
+    ["Input", item.input && [item.input.name, item.input.unit].filter(Boolean).join(", ")],
+    ["Response", item.response && [item.response_kind, item.response.unit].filter(Boolean).join(", ")],
+    ["Loop", item.loop],
     ["Experiments", item.experiments],
-    ["Magnitudes", range(item.magnitude_range, "")],
+    ["Magnitudes", range(item.magnitude_range, item.input?.unit ?? "")],
     ["Fundamentals", range(item.omega_range_rad_s, "Hz", HERTZ)],
     ["Harmonics", `up to ${item.highest_harmonic}`],
     ...Object.entries(item.labels),
@@ -76,8 +83,8 @@ function facts(item) {
     h("dl", { class: "pairs" }, said.filter(([, value]) => value).map(([name, value]) =>
       h("div", {}, h("dt", {}, name), h("dd", {}, value)))),
     item.notes.length > 0 && [
-      h("p", {}, "Remarks of the reader of the files:"),
-      h("ul", {}, item.notes.map((note) => h("li", {}, note))),
+      h("p", {}, "How the files were read:"),
+      h("ul", {}, item.notes.map((note) => h("li", {}, sentence(note)))),
     ],
   ];
 }

@@ -147,7 +147,7 @@ function measurementRow(item) {
     [item.machine, item.axis].filter(Boolean).join(", "),
     { content: time(item.measured_at ?? item.created_at), class: "time" },
     { content: number(item.experiments, 6), class: "n" },
-    range(item.magnitude_range, ""),
+    range(item.magnitude_range, item.input?.unit ?? ""),
     range(item.omega_range_rad_s, "Hz", HERTZ),
     { content: h("a", { class: "button", href: `/measurements/${item.id}#start` }, "Start …"), class: "end" },
   ]);

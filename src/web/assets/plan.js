@@ -2,7 +2,7 @@
 
 import { announce, h, row, table } from "./dom.js";
 import { ask, posted } from "./api.js";
-import { capital, effect, number, seconds } from "./format.js";
+import { effect, number, seconds, sentence as whole } from "./format.js";
 import { frame, load } from "./figure.js";
 import { keep } from "./plot-tools.js";
 
@@ -11,7 +11,7 @@ const n = (text) => ({ text, class: "n" });
 const cell = (content) => ({ content, class: "n" });
 
 /// What is shown of a plan that answers a question.
-export function planned(plan, asked, unit, signal) {
+export function planned(plan, asked, units, signal) {
   return [
     h("section", { "aria-labelledby": "plan" },
       h("h2", { id: "plan" }, "The plan"),
@@ -19,18 +19,18 @@ export function planned(plan, asked, unit, signal) {
       downloads(plan, asked, signal)),
     h("section", { "aria-labelledby": "experiments" },
       h("h2", { id: "experiments" }, "Experiments in their order"),
-      experiments(plan, unit)),
+      experiments(plan, units.input)),
     h("section", { "aria-labelledby": "names" },
       h("h2", { id: "names" }, "What it could name, and how surely"),
       h("p", {}, "The percentages are those of a linearisation around three sizes of each effect: they rank experiments."),
-      effects(plan),
+      effects(plan, units),
       figure(asked, signal)),
     h("section", { "aria-labelledby": "sweeps" },
       h("h2", { id: "sweeps" }, "Beside sweeps that take no longer"),
       sweeps(plan)),
     h("section", { "aria-labelledby": "assumed" },
       h("h2", { id: "assumed" }, "What was assumed"),
-      h("ul", {}, plan.notes.map((note) => h("li", {}, `${capital(note)}.`)))),
+      h("ul", {}, plan.notes.map((note) => h("li", {}, whole(note))))),
   ];
 }
 
@@ -66,26 +66,27 @@ function scrolled(label, ...parts) {
   return part;
 }
 
-function effects({ effects, sweeps }) {
+function effects({ effects, sweeps }, units) {
   const sweep = sweeps.at(-1);
   const share = (value) => (value == null ? "" : value > 0.99 ? "> 99 %" : `${Math.floor(100 * value)} %`);
   const rows = [...effects].sort((a, b) => b.probability - a.probability).map((one) => row([
     one.title,
     cell(h("strong", {}, share(one.probability))),
     cell(share(sweep?.probabilities[one.effect])),
-    one.noticed_from ? size(one.noticed_from) : "at no size",
-    one.named_from ? size(one.named_from) : "at no size",
+    one.noticed_from ? size(one.noticed_from, units) : "at no size",
+    one.named_from ? size(one.named_from, units) : "at no size",
     one.closest_imitator ? effect(one.closest_imitator) : "",
   ]));
   return scrolled("Effects", "Probability that an effect of typical size is noticed and told from every other one.",
     ["Effect", n("as planned"), n(sweep ? "by a sweep" : ""), "noticed from", "told from its imitators from", "closest imitator"], rows);
 }
 
-/// The parameter that sets the size of an effect.
-function size({ parameters, set_by: [first] }) {
+/// The parameter that sets the size of an effect, in the units of the result that the axis is from.
+function size({ parameters, set_by: [first] }, units) {
   const key = first ?? Object.keys(parameters)[0];
   const { value, unit } = parameters[key];
-  return `${key.replaceAll("_", " ")} ${number(value, 3)} ${unit}`.trim();
+  const known = unit.replace(/input|response/g, (placeholder) => units[placeholder] || placeholder);
+  return `${key.replaceAll("_", " ")} ${number(value, 3)} ${known}`.trim();
 }
 
 function sweeps({ experiments, duration_s, nameable, score, sweeps }) {

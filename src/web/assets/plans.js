@@ -18,8 +18,8 @@ const OPTIONS = {
 
 export async function show({ query, signal }) {
   const { rows: results } = await json("/v1/results.json", { signal });
-  /// Unit of the input, where a result says it.
-  let unit = "";
+  /// Units of input and velocity, where a result says them.
+  let units = {};
   let asking = new AbortController();
   const field = (name, title, attributes = {}, hint = "") => input(name, title, { inputmode: "decimal", value: query.get(name), ...attributes }, hint);
   const button = h("button", { class: "primary" }, "Plan it");
@@ -64,12 +64,12 @@ export async function show({ query, signal }) {
   /// Fills in the axis that a job found.
   async function fill(job) {
     given.textContent = "";
-    unit = "";
+    units = {};
     if (!job) return;
     const result = await json(`/v1/jobs/${encodeURIComponent(job)}/result`, { signal });
     const { parameters } = result.base ?? result;
     const known = (member) => parameters[member]?.value;
-    unit = parameters.fc_plus?.unit ?? "";
+    units = unitsOf(parameters);
     const order = known("natural_frequency") != null ? 2 : known("actuator_pole") != null ? 1 : 0;
     form.elements.order.value = order;
     for (const member of [...AXIS, ...ACTUATOR[order]]) {
@@ -117,7 +117,7 @@ export async function show({ query, signal }) {
       button.disabled = true;
       answer.replaceChildren(waiting());
       const plan = await send("/v1/plans", asked, { signal: latest });
-      answer.replaceChildren(...planned(plan, asked, unit, latest));
+      answer.replaceChildren(...planned(plan, asked, units, latest));
       announce("The experiments are planned.");
       answer.scrollIntoView({ block: "start" });
     } catch (error) {
@@ -137,6 +137,13 @@ export async function show({ query, signal }) {
     h("p", {}, "From a rough idea of the axis: where to measure within a given time, so that as many effects as possible can be named."),
     form, answer);
   return { title: "Plan experiments", node };
+}
+
+/// Units of input and velocity, as the parameters of a result have them: a DC gain is in `(rad/s)/A`.
+function unitsOf({ fc_plus, dc_gain }) {
+  const input = fc_plus?.unit ?? "";
+  const per = `/${input}`;
+  return { input, response: input && dc_gain?.unit.endsWith(per) ? dc_gain.unit.slice(0, -per.length) : "" };
 }
 
 /// How long it is computed, while it is.

@@ -1,7 +1,8 @@
-// A file before it is stored: its first rows, what each column is, and what else it lacks.
+// How files are read, before they are stored or until there is a job on them: the first rows, what
+// each column is, and what else they lack.
 
 import { announce, h } from "./dom.js";
-import { json } from "./api.js";
+import { json, send } from "./api.js";
 import { number, range } from "./format.js";
 import { body, upload } from "./files.js";
 import { columnsForm } from "./columns.js";
@@ -34,9 +35,32 @@ export function preview(files, given = {}, signal) {
   return json("/v1/preview", { method: "POST", body: body(files, given), signal });
 }
 
+/// Files that are not stored yet, as a form shows them.
+export function dropped(files) {
+  return {
+    preview: (given, signal) => preview(files, given, signal),
+    store: (given) => upload(files, given),
+    action: "Store it",
+    stored: "The measurement was uploaded.",
+  };
+}
+
+/// Files of a measurement, as a form shows them.
+export function stored({ id }) {
+  const path = `/v1/measurements/${id}`;
+  return {
+    preview: (given, signal) => send(`${path}/preview`, { given }, { signal }),
+    store: (given) => send(`${path}/reading`, { given }, { method: "PUT" }),
+    // Whoever reads it again wants another unit, mostly.
+    asks: true,
+    action: "Read it like this",
+    stored: "The measurement was read again.",
+  };
+}
+
 /// A form that shows how files are read and asks for what they lack. `done` gets the measurement
 /// once it is stored, `stopped` is called where it is not to be.
-export function previewForm(files, first, done, stopped) {
+export function previewForm(source, first, done, stopped) {
   let seen = first;
   let asking = new AbortController();
   const said = h("div", { role: "status", class: "understood" });
@@ -45,22 +69,25 @@ export function previewForm(files, first, done, stopped) {
   const missing = new Set((first.refusal?.missing ?? []).map(({ key }) => key));
   const wanted = Object.keys(SETTINGS).filter((key) => missing.has(key));
   const others = Object.keys(SETTINGS).filter((key) => !missing.has(key));
-  const store = h("button", { class: "primary" }, "Store it");
+  const store = h("button", { class: "primary" }, source.action);
   const kept = keep(() => ({ layout: seen.layout, settings: settings() }));
   const form = h("form", { class: "preview", novalidate: true, "aria-label": "How the file is read", onchange: changed },
     said,
     columns?.node,
     wanted.length > 0 && h("div", { class: "fields" }, wanted.map(field)),
-    h("details", {}, h("summary", {}, "More that can be given"), h("div", { class: "fields" }, others.map(field))),
+    h("details", { open: source.asks }, h("summary", {}, "More that can be given"), h("div", { class: "fields" }, others.map(field))),
     kept.node,
     h("p", { class: "actions" }, store, h("button", { type: "button", onclick: stopped }, "Leave it")));
 
   /// What is given beside the file: by the stored mapping that was used, and by the form.
   function settings() {
-    const named = Object.keys(SETTINGS).map((key) => [key, form.elements[key].value.trim()]);
+    const all = { ...seen.given };
+    for (const key of Object.keys(SETTINGS)) {
+      const value = form.elements[key].value.trim();
+      value ? (all[key] = value) : delete all[key];
+    }
     const names = columns?.names();
-    const both = { ...seen.given, ...Object.fromEntries(named.filter(([, value]) => value)) };
-    return names ? { ...both, column_names: names } : both;
+    return names ? { ...all, column_names: names } : all;
   }
 
   function field(key) {
@@ -93,7 +120,7 @@ export function previewForm(files, first, done, stopped) {
     asking = new AbortController();
     const { signal } = asking;
     try {
-      const answer = await preview(files, settings(), signal);
+      const answer = await source.preview(settings(), signal);
       if (signal.aborted) return;
       seen = answer;
       say();
@@ -112,8 +139,8 @@ export function previewForm(files, first, done, stopped) {
     store.disabled = true;
     try {
       await kept.store();
-      const measurement = await upload(files, settings());
-      announce("The measurement was uploaded.");
+      const measurement = await source.store(settings());
+      announce(source.stored);
       done(measurement);
     } catch (error) {
       wrong(error);

@@ -23,8 +23,8 @@ export async function startForm(measurement, started, { earlier, signal } = {}) 
   const order = earlier?.plant?.actuator_order;
   const form = h("form", { class: "start", novalidate: true },
     h("fieldset", {},
-      h("legend", {}, "What is to be found out"),
-      radio("diagnose", "Diagnosis", "Where the model is wrong, which effect is missing, and what naming it gains."),
+      h("legend", {}, "What to find"),
+      radio("diagnose", "Diagnosis", "Where the model is wrong, which effect it lacks, and how much better it is with it."),
       radio("identify", "Identification", "The parameters of the base model: transfer function and friction.")),
     // Before what hardly anybody changes: it is seen without scrolling.
     h("p", { class: "actions" }, h("button", { class: "primary" }, "Start")),
@@ -34,8 +34,8 @@ export async function startForm(measurement, started, { earlier, signal } = {}) 
       select("method", "Method", schemas.Method.enum.map((name) => [name, name]), earlier?.method),
       input("noise_std", "Noise, standard deviation", { inputmode: "decimal", placeholder: "from the data", value: options.noise_std },
         "In units of the response; only where the file says nothing of it."),
-      input("seed", "Seed", { inputmode: "numeric", value: options.seed ?? 1 }, "The same seed gives the same bits."),
-      select("weights", "Errors are weighed with", [["noise", "their noise"], ["response", "all alike"]], options.weights),
+      input("seed", "Seed", { inputmode: "numeric", value: options.seed ?? 1 }, "The same seed gives the same result."),
+      select("weights", "Weight of each error", [["noise", "by its noise"], ["response", "the same for all"]], options.weights),
       select("validation_measurement_id", "Validate on", [["", "parts held out of it"],
         ...others.map((item) => [item.id, inList(item)])],
         earlier?.validation_measurement_id ?? "", "A second measurement of the same axis; for a diagnosis.")));

@@ -35,6 +35,13 @@ export function outcome({ status, failure, result }) {
   if (status === "failed") return failure?.reason ?? "";
   if (!result) return "";
   const { verdict, causes, ratio, nrmse, adequate } = result;
-  if (!verdict) return [adequate == null ? "" : adequate ? "adequate, " : "not adequate, ", `left ${percent(nrmse)}`];
-  return [ofVerdict(verdict), " ", h("strong", {}, named(causes)), ratio ? h("span", { class: "small" }, ` error ÷ ${number(ratio, 3)}`) : ""];
+  if (!verdict) return [adequate == null ? "" : adequate ? "adequate, " : "not adequate, ", `leaves ${percent(nrmse)} of the response`];
+  return [ofVerdict(verdict), " ", h("strong", {}, named(causes)), ratio ? h("span", { class: "small" }, ` ${change(ratio)}`) : ""];
+}
+
+/// What the causes make of the error on data held out, which they divide by a ratio.
+export function change(ratio, interval) {
+  const [what, of] = ratio >= 1 ? ["times less error", (value) => value] : ["times the error", (value) => 1 / value];
+  const [low, high] = (interval ?? []).map(of).sort((a, b) => a - b);
+  return `${number(of(ratio), 3)} ${what}${interval ? ` (95 %: ${number(low, 3)} to ${number(high, 3)})` : ""}`;
 }

@@ -3,7 +3,7 @@
 import { announce, h } from "./dom.js";
 import { Problem } from "./api.js";
 import { upload } from "./files.js";
-import { preview, previewForm } from "./preview.js";
+import { dropped, preview, previewForm } from "./preview.js";
 import { diagnoseEach } from "./together.js";
 
 /// Lines shown before and after one that is wrong.
@@ -76,7 +76,7 @@ export function dropZone(done, go) {
     const reason = seen.refusal && h("div", { class: "refused" },
       h("h2", {}, "Nothing is stored yet"), h("p", {}, "The file does not say everything. Fill in what is missing, and store it then."));
     outcome.replaceChildren(...(reason ? [reason] : []));
-    shown.replaceChildren(previewForm(files, seen, done, () => {
+    shown.replaceChildren(previewForm(dropped(files), seen, done, () => {
       shown.replaceChildren();
       outcome.replaceChildren();
     }));

@@ -365,7 +365,7 @@ pub fn explained() -> Diagnosis {
         heldout_error: None,
         rejected: rejected.map(str::to_owned),
     };
-    let chance = "it gains no more than chance makes any effect gain";
+    let chance = "it gains no more than chance would";
     Diagnosis {
         verdict: Verdict::Explained,
         causes: vec![Cause {

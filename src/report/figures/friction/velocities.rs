@@ -4,10 +4,11 @@ use std::f64::consts::TAU;
 
 use servoscope_core::answers::{ComparedExperiment, Comparison};
 
-use super::super::canvas::{Anchor, Canvas, NOTE};
+use super::super::canvas::{Anchor, Canvas, NOTE, Trace};
 use super::super::panel::{Naming, Panel};
 use super::super::scale::{Scale, range};
 use super::super::series::{Group, magnitude_label};
+use super::super::text::number;
 
 /// Samples of a period on which its extremes are looked for, per harmonic.
 const SAMPLES_PER_HARMONIC: usize = 8;
@@ -34,10 +35,13 @@ pub(super) fn extents(
     for (row, (index, range)) in ranges.iter().rev().enumerate() {
         let y = top + 3.0 + HEIGHT * (row as f64 + 0.5);
         let [Some(from), Some(to)] = range.map(|v| panel.x.at(v)) else { continue };
-        canvas.open_clipped(&format!("s{index}"), below.sides());
-        canvas.rectangle("fill", [from, y - 4.0, to.max(from + 1.0), y + 4.0], "");
-        canvas.close();
         let label = magnitude_label(groups[*index].magnitude, comparison);
+        let [lowest, highest] = range.map(|v| number(v, 3));
+        let hint = format!("{label}: from {lowest} to {highest} {velocity}");
+        let trace = Trace { name: &label, hints: true, ..Trace::default() };
+        canvas.open_trace(&format!("s{index}"), below.sides(), trace);
+        canvas.rectangle("fill", [from, y - 4.0, to.max(from + 1.0), y + 4.0], &hint);
+        canvas.close();
         canvas.text(panel.right + 8.0, y + 4.0, NOTE, Anchor::Start, &label);
     }
     canvas.y = bottom + 44.0;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use servoscope_core::answers::{ComparedExperiment, ComparedHarmonic, Comparison, Pattern};
 
-use super::super::canvas::{AXIS, Anchor, Canvas, HEADING, NOTE, TICK, WIDTH};
+use super::super::canvas::{AXIS, Anchor, Canvas, HEADING, NOTE, TICK, Trace, WIDTH};
 use super::super::scale::Scale;
 use super::super::series::{Group, by_magnitude, frequency_hz, magnitude_label, sigmas};
 use super::super::text::{self, number};
@@ -14,6 +14,9 @@ use super::{badge, within};
 const LEFT: f64 = 128.0;
 const RIGHT: f64 = WIDTH - 24.0;
 const BLOCK_GAP: f64 = 9.0;
+
+/// The axis of frequencies, as the other figures of a page call it: they move together.
+const FREQUENCY: &str = "Frequency (Hz)";
 
 /// Height that all rows together are meant to have.
 const WANTED_HEIGHT: f64 = 420.0;
@@ -34,6 +37,12 @@ struct Cell {
     hint: String,
 }
 
+/// The cells of a magnitude.
+struct Block {
+    sides: [f64; 4],
+    cells: Vec<Cell>,
+}
+
 pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pattern]) {
     let groups = by_magnitude(comparison);
     colours(canvas);
@@ -43,22 +52,23 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
     let x = frequencies(&groups);
     canvas.text(LEFT - 8.0, canvas.y + 10.0, AXIS, Anchor::End, "Harmonic k (–)");
     let mut y = canvas.y + 18.0;
-    let mut blocks: Vec<Vec<Cell>> = Vec::new();
+    let mut blocks: Vec<Block> = Vec::new();
     // The largest magnitude on top, as in a diagram over magnitude.
     for (group, orders) in groups.iter().zip(&orders).rev() {
         let bottom = y + height * orders.len() as f64;
+        let sides = [LEFT, y, RIGHT, bottom];
+        let is_lowest = blocks.len() + 1 == groups.len();
+        axes(canvas, &x, sides, is_lowest);
+        let magnitude = magnitude_label(group.magnitude, comparison);
         let cells = cells(group, orders, &x, y, height, comparison);
-        canvas.open("cells");
-        for cell in &cells {
-            if let Some(size) = cell.sigmas {
-                let [left, top, right, bottom] = cell.sides;
-                // A hairline of background keeps neighbours apart.
-                let tile = [left + 0.5, top + 0.5, right - 0.5, bottom - 0.5];
-                canvas.rectangle(&class(size), tile, &cell.hint);
-            }
+        for (row, order) in orders.iter().enumerate() {
+            let name = format!("k = {order}");
+            let trace = Trace { series: &magnitude, name: &name, hints: true, ..Trace::default() };
+            canvas.open_inside("cells", sides, trace);
+            cells.iter().filter(|cell| cell.row == row).for_each(|cell| tile(canvas, cell));
+            canvas.close();
         }
-        canvas.close();
-        let label = text::shorten(&magnitude_label(group.magnitude, comparison), 12.5, 68.0);
+        let label = text::shorten(&magnitude, 12.5, 68.0);
         let middle = if bottom - y > 16.0 { y + 12.0 } else { 0.5 * (y + bottom) + 4.0 };
         canvas.text(24.0, middle, HEADING, Anchor::Start, &label);
         let every = (LABELLED_ROW / height).ceil() as usize;
@@ -67,17 +77,40 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
             canvas.text(LEFT - 8.0, middle, TICK, Anchor::End, &order.to_string());
         }
         y = bottom + BLOCK_GAP;
-        blocks.push(cells);
+        blocks.push(Block { sides, cells });
     }
     let bottom = y - BLOCK_GAP;
-    for tick in x.horizontal_ticks(TICK.size) {
-        canvas.line("frame", [tick.px, bottom], [tick.px, bottom + 4.0]);
-        canvas.text(tick.px, bottom + 17.0, TICK, Anchor::Middle, &tick.label);
-    }
     let middle = 0.5 * (LEFT + RIGHT);
     canvas.text(middle, bottom + 34.0, AXIS, Anchor::Middle, "Frequency of the input (Hz)");
     mark(canvas, &blocks, patterns);
     canvas.y = bottom + 50.0;
+}
+
+/// What a reader's zoom moves: the frequencies, not the rows. The numbers of the frequencies stand
+/// below the lowest block.
+fn axes(canvas: &mut Canvas, x: &Scale, sides: [f64; 4], is_lowest: bool) {
+    let [_, top, _, bottom] = sides;
+    let rows = format!("rows 0 1 {bottom:.1} {top:.1}");
+    canvas.open_grid(
+        sides,
+        [(x.described(), FREQUENCY), (rows, "Harmonic k (–)")],
+        [is_lowest, false],
+    );
+    if is_lowest {
+        for tick in x.horizontal_ticks(TICK.size) {
+            canvas.line("frame", [tick.px, bottom], [tick.px, bottom + 4.0]);
+            canvas.text(tick.px, bottom + 17.0, TICK, Anchor::Middle, &tick.label);
+        }
+    }
+    canvas.close();
+}
+
+fn tile(canvas: &mut Canvas, cell: &Cell) {
+    let Some(size) = cell.sigmas else { return };
+    let [left, top, right, bottom] = cell.sides;
+    // A hairline of background keeps neighbours apart.
+    let tile = [left + 0.5, top + 0.5, right - 0.5, bottom - 0.5];
+    canvas.rectangle(&class(size), tile, &cell.hint);
 }
 
 fn orders(group: &Group<'_>) -> Vec<usize> {
@@ -197,34 +230,39 @@ fn colours(canvas: &mut Canvas) {
 }
 
 /// Outlines what belongs to each pattern and numbers it in every block.
-fn mark(canvas: &mut Canvas, blocks: &[Vec<Cell>], patterns: &[Pattern]) {
-    let mut outlines = Vec::new();
+fn mark(canvas: &mut Canvas, blocks: &[Block], patterns: &[Pattern]) {
+    // Each with the block it is in.
+    let mut outlines: Vec<([f64; 4], Vec<Edge>)> = Vec::new();
     let mut badges: Vec<(usize, [f64; 2])> = Vec::new();
+    let mut of_badges = Vec::new();
     for (index, pattern) in patterns.iter().enumerate() {
         // Outlines of patterns that overlap stand side by side, not on each other.
         let inset = 1.0 + 2.5 * (index % 3) as f64;
-        let mut edges = Vec::new();
-        for block in blocks {
-            let cells: Vec<&Cell> = block.iter().filter(|c| belongs(pattern, c)).collect();
+        for Block { sides, cells } in blocks {
+            let cells: Vec<&Cell> = cells.iter().filter(|c| belongs(pattern, c)).collect();
             let inside: BTreeSet<(usize, usize)> =
                 cells.iter().map(|c| (c.row, c.column)).collect();
-            edges.extend(cells.iter().flat_map(|cell| outline(cell, &inside, inset)));
-            let first = cells.iter().min_by_key(|cell| (cell.row, cell.column));
-            badges.extend(first.map(|cell| (index, free_place(cell, &badges))));
+            let edges = cells.iter().flat_map(|cell| outline(cell, &inside, inset)).collect();
+            outlines.push((*sides, edges));
+            if let Some(first) = cells.iter().min_by_key(|cell| (cell.row, cell.column)) {
+                badges.push((index, free_place(first, &badges)));
+                of_badges.push(*sides);
+            }
         }
-        outlines.push(edges);
     }
     // Every outline on top of every halo, every number on top of every outline.
     for class in ["halo", "ink"] {
-        canvas.open("outlines");
-        for edges in &outlines {
+        for (sides, edges) in outlines.iter().filter(|(_, edges)| !edges.is_empty()) {
             let path = edges.iter().flat_map(|[from, to]| [Some(*from), Some(*to), None]);
+            canvas.open_inside("outlines", *sides, Trace::default());
             canvas.polyline(class, path);
+            canvas.close();
         }
-        canvas.close();
     }
-    for (index, place) in badges {
+    for ((index, place), sides) in badges.into_iter().zip(of_badges) {
+        canvas.open_inside("", sides, Trace::default());
         badge(canvas, index, place);
+        canvas.close();
     }
 }
 
@@ -253,8 +291,11 @@ fn free_place(cell: &Cell, badges: &[(usize, [f64; 2])]) -> [f64; 2] {
     place
 }
 
+/// One side of a cell, from a corner to the next.
+type Edge = [[f64; 2]; 2];
+
 /// The sides of a cell at which its pattern ends, moved inwards.
-fn outline(cell: &Cell, inside: &BTreeSet<(usize, usize)>, inset: f64) -> Vec<[[f64; 2]; 2]> {
+fn outline(cell: &Cell, inside: &BTreeSet<(usize, usize)>, inset: f64) -> Vec<Edge> {
     let (row, column) = (cell.row, cell.column);
     let open = |dr: isize, dc: isize| {
         let moved = row.checked_add_signed(dr).zip(column.checked_add_signed(dc));

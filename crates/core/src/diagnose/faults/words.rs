@@ -86,9 +86,9 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
         ),
         FaultKind::ResponseKind => (
             format!(
-                "the response is read as a {}, but behaves as a {}",
-                kind_name(measurement),
-                fault.response.as_deref().unwrap_or_default()
+                "the response is read as {}, but behaves as {}",
+                with_article(kind_name(measurement)),
+                with_article(fault.response.as_deref().unwrap_or_default())
             ),
             ": taken as that",
         ),
@@ -134,6 +134,12 @@ fn rounded(value: f64, interval95: Option<[f64; 2]>) -> String {
         }
         _ => short(value),
     }
+}
+
+/// A kind of response as one of several: a velocity, an acceleration.
+fn with_article(kind: &str) -> String {
+    let article = if kind.starts_with('a') { "an" } else { "a" };
+    format!("{article} {kind}")
 }
 
 fn kind_name(measurement: &Measurement) -> &'static str {

@@ -4,8 +4,9 @@
 use indexmap::IndexMap;
 
 use crate::answers::{Candidate, Cause, Identification};
-use crate::effects::are_confusable;
+use crate::effects::{Descriptor, are_confusable, fit_words};
 use crate::identify::Model;
+use crate::measurement::Metadata;
 
 use super::confidence::Standing;
 use super::models::{Key, Models};
@@ -40,12 +41,14 @@ pub(crate) fn convincing(models: &Models, chosen: &Key) -> bool {
 }
 
 /// The causes of the model `chosen`, strongest first; `fits` says whether it leaves only noise.
-/// `extended` is the same model with its reported parameters.
+/// `extended` is the same model with its reported parameters; `metadata` says whether it is a force
+/// or a torque that moves the axis.
 pub(crate) fn named(
     models: &Models,
     chosen: &Key,
     extended: &Identification,
     fits: bool,
+    metadata: &Metadata,
 ) -> Vec<Cause> {
     let standing = Standing { models, chosen };
     let mut causes: Vec<(f64, Cause)> = chosen
@@ -66,10 +69,7 @@ pub(crate) fn named(
                 parameters,
                 confidence: standing.confidence(id, fits),
                 margin: Some(standing.factor(id)).filter(|factor| factor.is_finite()),
-                explanation: {
-                    let said = effect.descriptor();
-                    format!("{}. How it shows: {}", said.meaning, said.signature)
-                },
+                explanation: explanation(effect.descriptor(), metadata),
                 gain: None,
                 equivalents: rivals(models, chosen, id).into_iter().map(|r| r.0.into()).collect(),
             };
@@ -78,6 +78,12 @@ pub(crate) fn named(
         .collect();
     causes.sort_by(|a, b| b.0.total_cmp(&a.0));
     causes.into_iter().map(|(_, cause)| cause).collect()
+}
+
+/// What an effect does and how it shows, in words that fit the axis.
+fn explanation(effect: &Descriptor, Metadata { input, response, .. }: &Metadata) -> String {
+    let text = format!("{}. How it shows: {}", effect.meaning, effect.signature);
+    fit_words(&text, &input.unit, &response.unit)
 }
 
 /// Effects that explain the data as well as `id` does, in its place beside the other effects of
@@ -132,7 +138,7 @@ pub(crate) fn candidates(models: &Models, chosen: &Key, withdrawn: &Key) -> Vec<
 fn rejection(models: &Models, chosen: &Key, withdrawn: &Key, id: &'static str) -> String {
     let single = vec![id];
     if !models.supported(&single) {
-        return "it gains no more than chance makes any effect gain".into();
+        return "it gains no more than chance would".into();
     }
     if withdrawn.contains(&id) {
         return "it predicts data held out no better than the base model".into();
@@ -156,6 +162,7 @@ mod tests {
     use super::*;
     use crate::diagnose::selection::familywise_threshold::FamilywiseThreshold;
     use crate::diagnose::tests::{fitted_to, key};
+    use crate::effects::find;
 
     #[test]
     fn two_causes_convince_unless_they_are_confusable_or_one_has_an_unrelated_rival() {
@@ -176,6 +183,24 @@ mod tests {
         let models = fitted_to(&[(&["spring"], 100.0), (&three, 50.0)]);
         assert!(convincing(&models, &key(&["spring"])) && convincing(&models, &Key::new()));
         assert!(!convincing(&models, &key(&three)));
+    }
+
+    #[test]
+    fn an_explanation_tells_of_a_force_where_the_axis_is_linear() {
+        let spring = find("spring").unwrap().descriptor();
+        let told = |input: &str, response: &str| {
+            let mut metadata = Metadata::default();
+            metadata.input.unit = input.into();
+            metadata.response.unit = response.into();
+            explanation(spring, &metadata)
+        };
+        for [input, response] in [["N", "m"], ["A", "mm/s"]] {
+            let text = told(input, response);
+            assert!(text.starts_with("a restoring force is in proportion"), "{text}");
+            assert!(text.contains(". How it shows: ") && !text.contains("torque"), "{text}");
+        }
+        assert!(told("A", "rad/s").starts_with("a restoring torque"));
+        assert!(told("", "").starts_with("a restoring force or torque"));
     }
 
     #[test]

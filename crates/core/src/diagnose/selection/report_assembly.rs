@@ -98,7 +98,8 @@ impl ReportAssembly<'_> {
         stage.step();
         limitations.extend(extended.as_ref().and_then(crate::diagnose::limitations::unanswered));
         let Self { models, chosen, .. } = &self;
-        let named = |extended| causes::named(models, chosen, extended, self.fits);
+        let named =
+            |extended| causes::named(models, chosen, extended, self.fits, measurement.metadata());
         let mut causes = extended.as_ref().map(named).unwrap_or_default();
         limitations.extend(crate::diagnose::limitations::held_input(measurement, &causes));
         for cause in &mut causes {
@@ -208,25 +209,29 @@ const TOO_SMALL: &str = "that takes five frequencies, three magnitudes, or a rec
                          lines, to hold some out";
 
 fn dropped_sentence(Dropped { id, beside, gain }: &Dropped) -> String {
-    let [low, high] = gain.interval95;
     format!(
         "with {id} beside {} the model would fit the data better, but not predict what the fit \
-         has not seen: there the error is divided by {:.3}, 95 % from {low:.3} to {high:.3}; so it \
-         is not named",
+         has not seen: there {}; so it is not named",
         beside.join(" and "),
-        gain.ratio,
+        error_after(gain),
     )
 }
 
 fn withdrawn_sentence(chosen: &Key, gain: &Gain) -> String {
-    let [low, high] = gain.interval95;
     format!(
-        "{} would fit the data better, but not predict what the fit has not seen: there the error \
-         is divided by {:.3}, 95 % from {low:.3} to {high:.3} ({}); so it is not named",
+        "{} would fit the data better, but not predict what the fit has not seen: there {} ({}); so \
+         it is not named",
         chosen.join(" and "),
-        gain.ratio,
+        error_after(gain),
         gain.heldout
     )
+}
+
+/// How large the error on held-out data is beside that of the base model.
+fn error_after(gain: &Gain) -> String {
+    let [low, high] = gain.interval95;
+    let [from, to] = [1.0 / high, 1.0 / low];
+    format!("the error is {:.2} times as large, 95 % from {from:.2} to {to:.2}", 1.0 / gain.ratio)
 }
 
 #[cfg(test)]
@@ -246,6 +251,9 @@ mod tests {
         };
         let said = dropped_sentence(&Dropped { id: "spring", beside: vec!["backlash"], gain });
         assert!(said.starts_with("with spring beside backlash the model would fit"), "{said}");
-        assert!(said.contains("divided by 0.800, 95 % from 0.500 to 1.300"), "{said}");
+        assert!(
+            said.contains("the error is 1.25 times as large, 95 % from 0.77 to 2.00"),
+            "{said}"
+        );
     }
 }

@@ -63,8 +63,8 @@ impl Given {
         (!self.entries.is_empty()).then(|| format!("{FIRST_LINE}\n{}", lines.collect::<String>()))
     }
 
-    /// What a source gives, if it is no file but the text of [`Given::text`].
-    pub(super) fn of(source: &Source<'_>) -> Option<Result<Self, ParseError>> {
+    /// What a source gives; `None` if it is a file and not the text of [`Given::text`].
+    pub fn of(source: &Source<'_>) -> Option<Result<Self, ParseError>> {
         let text = std::str::from_utf8(source.bytes).ok()?.strip_prefix(FIRST_LINE)?;
         let mut given = Self::default();
         for line in text.lines().filter(|line| !line.trim().is_empty()) {
@@ -101,7 +101,7 @@ impl Given {
     }
 
     /// Keys and values.
-    pub(super) fn entries(&self) -> impl Iterator<Item = (&str, &str)> {
+    pub fn entries(&self) -> impl Iterator<Item = (&str, &str)> {
         self.entries.iter().map(|(key, value)| (key.as_str(), value.as_str()))
     }
 }

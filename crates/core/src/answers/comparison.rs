@@ -12,7 +12,8 @@ pub struct ComparedHarmonic {
     pub input: [f64; 2],
     /// Measured Yₖ as [re, im], response units; im of harmonic 0 is 0.
     pub measured: [f64; 2],
-    /// Simulated Yₖ as [re, im], response units.
+    /// Simulated Yₖ as [re, im], response units. That of a single period of a position has the jump at
+    /// its end that fits best.
     pub simulated: [f64; 2],
     /// Standard deviation of re and of im each, response units: given, from the repeats, or
     /// estimated from the residual.

@@ -15,6 +15,7 @@ use super::noise;
 use super::noise::{Beside, Weights};
 use super::problem::{Prepared, Problem, Scales};
 use super::request::IdentifyError;
+use super::unknown_jump;
 
 /// Compares a measurement with the model of a stored answer.
 ///
@@ -129,13 +130,19 @@ fn harmonics(
     response_scale: f64,
 ) -> Vec<ComparedHarmonic> {
     let pair = |z: Complex| [z.re, z.im];
+    let alone: Vec<Complex> = prepared
+        .targets
+        .iter()
+        .map(|target| velocity[target.order] * target.per_velocity)
+        .collect();
+    let jumps = unknown_jump::added(prepared, sigma, &alone);
     let targets = prepared.targets.iter().zip(sigma).enumerate();
     targets
         .filter(|(_, (target, _))| !target.constraint)
         .map(|(index, (target, sigma))| {
             let order = target.order;
             let correction = corrections.get(index).copied().unwrap_or(Complex::ZERO);
-            let simulated = (velocity[order] * target.per_velocity + correction) * response_scale;
+            let simulated = (alone[index] + jumps[index] + correction) * response_scale;
             let measured = experiment.harmonic(order).map_or(Complex::ZERO, |h| h.value);
             ComparedHarmonic {
                 order,

@@ -17,6 +17,7 @@ use super::refine;
 use super::reported_noise::reported;
 use super::search_settings::SearchSettings;
 use super::uncertainty::{Uncertainty, with_prior};
+use super::unknown_jump;
 
 /// Significance level of the χ² test of adequacy: with a smaller p-value the residuals are more
 /// than noise.
@@ -111,8 +112,9 @@ fn goodness(problem: &Problem, fitted: &Fitted, misfit: &Misfit<'_>, dof: i64) -
     let predicted = misfit.predict(&fitted.point).ok()?;
     let (mut left, mut size, mut simulated, mut count) = (0.0, 0.0, 0.0, 0);
     for (e, experiment) in problem.experiments.iter().enumerate() {
+        let jumps = unknown_jump::added(experiment, &fitted.weights.sigma[e], &predicted[e]);
         for (t, target) in experiment.targets.iter().enumerate().filter(|(_, t)| !t.constraint) {
-            left += (predicted[e][t] - target.value).norm_sqr();
+            left += (predicted[e][t] + jumps[t] - target.value).norm_sqr();
             size += target.value.norm_sqr();
             simulated += predicted[e][t].norm_sqr();
             count += 1;

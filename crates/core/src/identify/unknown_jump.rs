@@ -7,6 +7,8 @@
 //! derivatives lose their part along its direction (G. H. Golub, V. Pereyra 1973,
 //! doi:10.1137/0710036).
 
+use crate::measurement::Complex;
+
 use super::noise::Weights;
 use super::problem::{Prepared, Problem};
 
@@ -57,13 +59,30 @@ pub(super) fn eliminate(directions: &[Direction], vector: &mut [f64]) {
     }
 }
 
+/// What the jump that fits best adds to each predicted target of an experiment, in scale: nothing where
+/// it is known.
+pub(super) fn added(experiment: &Prepared, sigma: &[f64], predicted: &[Complex]) -> Vec<Complex> {
+    let of_order = |order: usize| 1.0 / order.max(1) as f64;
+    let (mut along, mut size) = (0.0, 0.0);
+    for ((target, sigma), predicted) in experiment.targets.iter().zip(sigma).zip(predicted) {
+        if experiment.unknown_jump && !target.real {
+            let row = of_order(target.order) / sigma;
+            along += row * (target.value - predicted).im / sigma;
+            size += row * row;
+        }
+    }
+    let jump = if size > 0.0 { along / size } else { 0.0 };
+    let added = |real: bool, order: usize| if real { 0.0 } else { jump * of_order(order) };
+    experiment.targets.iter().map(|t| Complex::new(0.0, added(t.real, t.order))).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::noise::weights;
     use super::*;
     use crate::answers::IdentifyOptions;
     use crate::machines::records::{PeriodicMotion, RecordNoise, Sampling, multisine};
-    use crate::measurement::{Complex, Experiment, Measurement, Metadata, ResponseKind};
+    use crate::measurement::{Experiment, Measurement, Metadata, ResponseKind};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
@@ -113,8 +132,14 @@ mod tests {
         let added: Vec<f64> = rows[1].iter().zip(&rows[0]).map(|(a, b)| a - b).collect();
         let mut left = added.clone();
         eliminate(&directions, &mut left);
+        let still: Vec<Complex> =
+            problems[0].experiments[0].targets.iter().map(|target| target.value).collect();
         let size = |of: &[f64]| of.iter().map(|x| x * x).sum::<f64>().sqrt();
         assert!(size(&added) > 0.0 && size(&left) < 5e-3 * size(&added), "{}", size(&left));
+        let jump = super::added(&problems[1].experiments[0], &weights.sigma[0], &still);
+        let expected = 1e-4 / std::f64::consts::PI / problems[1].response_scale;
+        // The scales of both problems differ by what the jump adds to the largest velocity.
+        assert!((jump[1].im - expected).abs() < 0.05 * expected, "{} {expected}", jump[1].im);
     }
 
     #[test]

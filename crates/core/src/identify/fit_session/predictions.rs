@@ -12,6 +12,7 @@ use super::{FitSession, Linear, Model};
 use crate::identify::objective::Misfit;
 use crate::identify::problem::{Prepared, Scales, per_velocity};
 use crate::identify::refine;
+use crate::identify::unknown_jump;
 
 /// Limits the number of samples per period: a periodic torque whose angle changes by more than this
 /// over the travel, rad, is sampled no more finely (tuned).
@@ -110,6 +111,8 @@ impl FitSession<'_> {
             }
             row += targets.iter().map(|target| if target.real { 1 } else { 2 }).sum::<usize>();
         }
+        let jumps = unknown_jump::directions(problem, weights);
+        changes.iter_mut().for_each(|c| unknown_jump::eliminate(&jumps, c.as_mut_slice()));
         Some(changes)
     }
 

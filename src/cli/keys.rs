@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use jiff::{Timestamp, ToSpan as _};
 
-use crate::service::{BuiltIn, Key, NewKey, Scope, Service, Signals, Token};
+use crate::service::{BuiltIn, Key, NewKey, Quotas, Scope, Service, Signals, Token};
 
 use super::choice::one_of;
 use super::place::{Folder, Place};
@@ -21,6 +21,8 @@ pub(super) enum Command {
     Revoke(One),
     /// Gives a key another secret and prints the new key, this once; its data and scopes stay.
     Rotate(One),
+    /// Gives a key quotas in place of the settings of the server; what is not named stays.
+    Limit(Limit),
     /// Prints a new key that is stored nowhere, as for the environment of a container.
     Generate,
 }
@@ -40,7 +42,74 @@ pub(super) struct Add {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     days: Option<u16>,
     #[command(flatten)]
+    limits: Limits,
+    #[command(flatten)]
     folder: Folder,
+}
+
+/// What a key may have.
+#[derive(Debug, clap::Args)]
+#[group(skip)]
+#[command(next_help_heading = "What the key may have")]
+struct Limits {
+    /// Measurements that it keeps; a number, or `server` for what the server gives every key
+    /// [default: as it was; of a new key `server`].
+    #[arg(long, value_name = "N", value_parser = most)]
+    measurements: Option<Most>,
+    /// Mebibytes of measurements that it keeps, or `server` [default: as it was; of a new key
+    /// `server`].
+    #[arg(long, value_name = "MIB", value_parser = most)]
+    mib: Option<Most>,
+    /// Jobs of it that wait or run, or `server` [default: as it was; of a new key
+    /// `server`].
+    #[arg(long, value_name = "N", value_parser = most)]
+    jobs: Option<Most>,
+    /// Minutes that its jobs run within 24 hours, or `server` [default: as it was; of a new key
+    /// `server`].
+    #[arg(long, value_name = "MINUTES", value_parser = most)]
+    compute_minutes: Option<Most>,
+    /// Requests that it sends a minute, or `server` [default: as it was; of a new key
+    /// `server`].
+    #[arg(long, value_name = "N", value_parser = most)]
+    requests_per_minute: Option<Most>,
+}
+
+/// A quota, or that of the server.
+#[derive(Debug, Clone, Copy)]
+struct Most(Option<usize>);
+
+fn most(text: &str) -> Result<Most, String> {
+    match text {
+        "server" => Ok(Most(None)),
+        number => {
+            let most = number.parse().map(|most| Most(Some(most)));
+            most.map_err(|_| "it is neither a number nor `server`".to_owned())
+        }
+    }
+}
+
+impl Limits {
+    /// Quotas with those that are named in place of what they were.
+    fn over(&self, old: Quotas) -> Quotas {
+        let of = |named: Option<Most>, old| named.map_or(old, |Most(most)| most);
+        Quotas {
+            measurements: of(self.measurements, old.measurements),
+            mib: of(self.mib, old.mib),
+            jobs: of(self.jobs, old.jobs),
+            compute_minutes: of(self.compute_minutes, old.compute_minutes),
+            requests_per_minute: of(self.requests_per_minute, old.requests_per_minute),
+        }
+    }
+}
+
+/// Arguments of `keys limit`.
+#[derive(Debug, clap::Args)]
+#[group(skip)]
+pub(super) struct Limit {
+    #[command(flatten)]
+    one: One,
+    #[command(flatten)]
+    limits: Limits,
 }
 
 /// Arguments of commands for one key.
@@ -73,13 +142,14 @@ pub(super) fn run(command: Command) -> Result<(), Failure> {
 
 async fn done(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Add(Add { name, scopes, days, folder }) => {
+        Command::Add(Add { name, scopes, days, limits, folder }) => {
             let now = Timestamp::now();
             let end = days.map(|days| now.checked_add((24 * i64::from(days)).hours()));
             let end = end.transpose().map_err(Failure::input)?;
             let expires_at_ms = end.map(Timestamp::as_millisecond);
             let service = service_or_new(&folder.place()?).await?;
-            let added = service.add_key(NewKey { name, scopes, expires_at_ms }).await?;
+            let quotas = limits.over(Quotas::default());
+            let added = service.add_key(NewKey { name, scopes, expires_at_ms, quotas }).await?;
             made(&added, &folder.place()?)
         }
         Command::List(folder) => listed(&service(&folder.place()?).await?.keys().await?),
@@ -89,6 +159,12 @@ async fn done(command: Command) -> Result<(), Failure> {
         Command::Rotate(One { id, folder }) => {
             let rotated = service(&folder.place()?).await?.rotate_key(&id).await?;
             made(&rotated, &folder.place()?)
+        }
+        Command::Limit(Limit { one: One { id, folder }, limits }) => {
+            let service = service(&folder.place()?).await?;
+            let quotas = limits.over(service.key(&id).await?.quotas);
+            let key = service.limit_key(&id, &quotas).await?;
+            terminal::print(&format!("key {id} ({}): {}\n", key.name, quotas_of(&key)))
         }
         Command::Generate => {
             let token = Token::generate();
@@ -108,7 +184,7 @@ fn made((key, token): &(Key, Token), place: &Place) -> Result<(), Failure> {
 }
 
 fn listed(keys: &[Key]) -> Result<(), Failure> {
-    let titles = ["id", "state", "made", "expires", "last used", "scopes", "name"];
+    let titles = ["id", "state", "made", "expires", "last used", "scopes", "quotas", "name"];
     let mut rows = vec![titles.map(str::to_owned)];
     rows.extend(keys.iter().map(|key| {
         let state = match (key.valid, key.revoked_at_ms) {
@@ -124,13 +200,14 @@ fn listed(keys: &[Key]) -> Result<(), Failure> {
             or(key.expires_at_ms, "never"),
             or(key.used_at_ms, "never"),
             scopes(key),
+            quotas_of(key),
             key.name.clone(),
         ]
     }));
     let widths: Vec<usize> = (0..titles.len())
         .map(|i| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or_default())
         .collect();
-    let line = |row: &[String; 7]| {
+    let line = |row: &[String; 8]| {
         let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}"));
         format!("{}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
     };
@@ -139,6 +216,13 @@ fn listed(keys: &[Key]) -> Result<(), Failure> {
 
 fn scopes(key: &Key) -> String {
     key.scopes.iter().map(|scope| scope.name()).collect::<Vec<_>>().join(",")
+}
+
+/// The quotas of its own.
+fn quotas_of(key: &Key) -> String {
+    let set = key.quotas.entries().into_iter().filter_map(|(name, most)| Some((name, most?)));
+    let set: Vec<_> = set.map(|(name, most)| format!("{name}={most}")).collect();
+    if set.is_empty() { "server".into() } else { set.join(",") }
 }
 
 /// To the minute, UTC.

@@ -62,9 +62,10 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
     };
     let quotas = Quotas {
         measurements: config.key_measurements,
-        mebibytes: config.key_mib,
+        mib: config.key_mib,
         jobs: config.key_jobs,
         compute_minutes: config.key_compute_minutes,
+        requests_per_minute: Some(config.key_requests_per_minute),
     };
     let most_cost = seconds(config.job_cost_minutes * 60);
     let service = service.telling(outlets).accepting(most_cost).within(quotas);
@@ -99,12 +100,12 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
             hosts: config.hosts.clone(),
             origins: origins.collect::<Result<_, _>>().map_err(Failure::input)?,
         },
-        key_requests_per_minute: Some(config.key_requests_per_minute),
         keys_always: !config.listen.ip().is_loopback(),
     };
+    let counts = service.metrics().connections().clone();
     let app = http::app(service, limits);
     let keeping = http::Keeping::new(config.max_connections);
-    http::serve(listener, app, keeping, Arc::clone(&signals)).await;
+    http::serve(listener, app, keeping, Arc::clone(&signals), counts).await;
     signals.stop();
     hand_back(worker).await;
     Ok(())

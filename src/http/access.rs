@@ -102,6 +102,7 @@ const NEEDS: &[(&str, Need)] = &[
     ("list_keys", ADMIN),
     ("get_key", ADMIN),
     ("rotate_key", ADMIN),
+    ("limit_key", ADMIN),
     ("revoke_key", ADMIN),
     ("get_session", Need::Key),
     ("sign_out", Need::Key),

@@ -36,8 +36,10 @@ pub(super) struct ResultsQuery {
     measurement_id: Option<String>,
     /// Only those measured at this time or later, RFC 3339; stored, where the upload
     /// does not say when it was measured.
+    #[param(format = DateTime)]
     from: Option<String>,
     /// Only those measured before this time.
+    #[param(format = DateTime)]
     to: Option<String>,
 }
 
@@ -126,8 +128,10 @@ pub(super) struct AxisQuery {
     changed: Option<bool>,
     /// Only what was measured at this time or later, RFC 3339; stored, where the
     /// upload does not say when it was measured.
+    #[param(format = DateTime)]
     from: Option<String>,
     /// Only what was measured before this time.
+    #[param(format = DateTime)]
     to: Option<String>,
 }
 
@@ -192,8 +196,10 @@ pub(super) struct FigureQuery {
     /// Only this parameter.
     parameter: Option<String>,
     /// Only what was measured at this time or later, RFC 3339.
+    #[param(format = DateTime)]
     from: Option<String>,
     /// Only what was measured before this time.
+    #[param(format = DateTime)]
     to: Option<String>,
     /// Colours: those the reader prefers (`auto`, if left out), `light` or `dark`.
     #[param(inline)]

@@ -30,7 +30,8 @@ pub(super) use views::{BatchJobView, BatchView};
 #[utoipa::path(
     post, path = "/v1/batches", tag = "batches", operation_id = "submit_batch",
     params(
-        ("Idempotency-Key" = Option<String>, Header,
+        ("Idempotency-Key" = Option<String>, Header, min_length = 1, max_length = 255,
+         pattern = "^[!-~]*$",
          description = "The same key with the same request again answers with the same batch"),
     ),
     request_body = SubmitBatch,
@@ -73,6 +74,7 @@ pub(super) struct ListQuery {
     #[param(minimum = 1, maximum = 200)]
     limit: Option<u32>,
     /// `next` of the page before.
+    #[param(format = "uuid")]
     cursor: Option<String>,
 }
 
@@ -118,6 +120,7 @@ pub(super) struct ResultsQuery {
     #[param(minimum = 1, maximum = 200)]
     limit: Option<u32>,
     /// `next` of the page before.
+    #[param(format = "uuid")]
     cursor: Option<String>,
     /// Only those whose job stands there.
     #[param(inline)]

@@ -18,6 +18,10 @@ use super::problem::Problem;
 /// How many times the largest body is read before the connection is given up.
 const PATIENCE: usize = 8;
 
+/// What is read of the body of a request that was refused by its head, and for how long.
+const LEFT_BYTES: usize = 64 << 10;
+const LEFT_TIME: Duration = Duration::from_secs(2);
+
 /// How fast a body must come: whoever sends one holds a connection and memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pace {
@@ -87,6 +91,28 @@ pub(super) async fn whole(
             ([(header::CONNECTION, "close")], problem).into_response()
         }
     }
+}
+
+/// Reads on for a moment where a request was refused by its head alone.
+///
+/// Head and body mostly come as two pieces. A server that closes between them breaks the connection
+/// under a client that still sends, and the client may lose the answer. Whoever asks before it sends
+/// is not told to.
+pub(super) async fn read_on(request: Request) {
+    if request.headers().contains_key(header::EXPECT) {
+        return;
+    }
+    let mut body = request.into_body();
+    let all = async {
+        let mut seen = 0;
+        while seen < LEFT_BYTES
+            && let Some(Ok(frame)) = body.frame().await
+        {
+            seen += frame.data_ref().map_or(0, Bytes::len);
+        }
+    };
+    // What has not come by then is not waited for.
+    let _ = tokio::time::timeout(LEFT_TIME, all).await;
 }
 
 /// A body as what it should say.

@@ -17,6 +17,7 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri, he
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
+use super::body;
 use super::problem::Problem;
 
 /// Where a browser says a request comes from.
@@ -37,7 +38,10 @@ impl Callers {
     /// Lets a request through, or refuses it.
     pub(super) async fn admit(self, request: Request, next: Next) -> Response {
         match self.refusal(request.method(), request.uri(), request.headers()) {
-            Some(problem) => problem.into_response(),
+            Some(problem) => {
+                body::read_on(request).await;
+                problem.into_response()
+            }
             None => next.run(request).await,
         }
     }

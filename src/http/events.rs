@@ -29,7 +29,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
     get, path = "/v1/jobs/{id}/events", tag = "jobs", operation_id = "follow_job",
     params(
         ("id" = String, Path, description = "Id of the job"),
-        ("Last-Event-ID" = Option<u64>, Header,
+        ("Last-Event-ID" = Option<u32>, Header, maximum = 2_147_483_647,
          description = "Number of the last event that was seen"),
     ),
     responses(

@@ -12,6 +12,7 @@ use tracing::Span;
 use crate::service::{Caller, Key, Service, ServiceError};
 
 use super::access::{Need, Needs};
+use super::body;
 use super::callers::SEC_FETCH_SITE;
 use super::problem::Problem;
 use super::rates::Rates;
@@ -51,7 +52,10 @@ pub(super) async fn admit(State(gate): State<Gate>, mut request: Request, next: 
             request.extensions_mut().insert(gate.service.on_behalf_of(caller));
             next.run(request).await
         }
-        Err(problem) => problem.into_response(),
+        Err(problem) => {
+            body::read_on(request).await;
+            problem.into_response()
+        }
     }
 }
 
@@ -100,11 +104,11 @@ impl Gate {
 impl Gate {
     /// Counts a request of a key.
     fn count(&self, key: &Key) -> Result<(), Box<Problem>> {
-        let Err(wait_s) = self.rates.take(&key.id, Instant::now()) else { return Ok(()) };
-        let most = self.rates.per_minute();
-        let reason = format!(
-            "may ask {most} times a minute (`--key-requests-per-minute`) and has; wait {wait_s} s"
-        );
+        let Some((most, by)) = self.service.quotas_of(key).requests_per_minute() else {
+            return Ok(());
+        };
+        let Err(wait_s) = self.rates.take(&key.id, most, Instant::now()) else { return Ok(()) };
+        let reason = format!("may ask {most} times a minute ({by}) and has; wait {wait_s} s");
         let (name, wait_s) = (key.name.clone(), Some(wait_s));
         Err(ServiceError::OverQuota { name, reason, wait_s }.into())
     }

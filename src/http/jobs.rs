@@ -15,7 +15,7 @@ use crate::service::{Service, Submission};
 use crate::store::JobFilter;
 
 use super::body;
-use super::lists::{self, DEFAULT_PAGE};
+use super::lists::{self, DEFAULT_PAGE, Label};
 use super::measurements::idempotency_key;
 use super::problem::Problem;
 use super::query::Query;
@@ -33,7 +33,8 @@ const RETRY_AFTER_S: &str = "1";
 #[utoipa::path(
     post, path = "/v1/jobs", tag = "jobs", operation_id = "submit_job",
     params(
-        ("Idempotency-Key" = Option<String>, Header,
+        ("Idempotency-Key" = Option<String>, Header, min_length = 1, max_length = 255,
+         pattern = "^[!-~]*$",
          description = "The same key with the same request again answers with the same job"),
     ),
     request_body = SubmitJob,
@@ -105,6 +106,7 @@ pub(super) struct ListQuery {
     #[param(minimum = 1, maximum = 200)]
     limit: Option<u32>,
     /// `next` of the page before.
+    #[param(format = "uuid")]
     cursor: Option<String>,
     /// Only jobs that stand there.
     #[param(inline)]
@@ -121,10 +123,13 @@ pub(super) struct ListQuery {
     /// Only jobs on measurements with this label, `name:value`; repeated: with all
     /// of them.
     #[serde(default)]
+    #[param(value_type = Vec<Label>, inline)]
     label: Vec<String>,
     /// Only those queued at this time or later, RFC 3339.
+    #[param(format = DateTime)]
     since: Option<String>,
     /// Only those queued before this time.
+    #[param(format = DateTime)]
     until: Option<String>,
     /// Only diagnoses with this verdict.
     #[param(inline)]

@@ -11,7 +11,7 @@ use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
 
-use crate::service::{Key, Listed, NewKey, Scope, Service, Token};
+use crate::service::{Key, Listed, NewKey, Quotas, Scope, Service, Token};
 
 use super::body;
 use super::problem::Problem;
@@ -42,6 +42,44 @@ pub(super) struct AddKey {
     /// When it expires, RFC 3339; left out: never.
     #[schema(format = DateTime)]
     expires_at: Option<String>,
+    /// What it may have, where it is not what every key may.
+    #[serde(default)]
+    quotas: KeyQuotas,
+}
+
+/// What a key may have; null or left out: what the settings of the server give every key.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KeyQuotas {
+    /// Measurements that it keeps.
+    #[schema(minimum = 1, maximum = 1_000_000_000)]
+    measurements: Option<usize>,
+    /// Mebibytes of their files.
+    #[schema(minimum = 1, maximum = 1_000_000_000)]
+    mib: Option<usize>,
+    /// Jobs of it that wait or run.
+    #[schema(minimum = 1, maximum = 1_000_000_000)]
+    jobs: Option<usize>,
+    /// Minutes that its jobs run within 24 hours.
+    #[schema(minimum = 1, maximum = 1_000_000_000)]
+    compute_minutes: Option<usize>,
+    /// Requests that it sends a minute.
+    #[schema(minimum = 1, maximum = 1_000_000_000)]
+    requests_per_minute: Option<usize>,
+}
+
+impl From<KeyQuotas> for Quotas {
+    fn from(quotas: KeyQuotas) -> Self {
+        let KeyQuotas { measurements, mib, jobs, compute_minutes, requests_per_minute } = quotas;
+        Self { measurements, mib, jobs, compute_minutes, requests_per_minute }
+    }
+}
+
+impl From<Quotas> for KeyQuotas {
+    fn from(quotas: Quotas) -> Self {
+        let Quotas { measurements, mib, jobs, compute_minutes, requests_per_minute } = quotas;
+        Self { measurements, mib, jobs, compute_minutes, requests_per_minute }
+    }
 }
 
 /// A key, without what only its holder has.
@@ -64,6 +102,8 @@ pub(super) struct KeyView {
     last_used_at: Option<String>,
     /// Whether it opens anything: it is neither revoked nor expired.
     valid: bool,
+    /// What it may have, where it is not what every key may.
+    quotas: KeyQuotas,
 }
 
 impl From<Key> for KeyView {
@@ -77,6 +117,7 @@ impl From<Key> for KeyView {
             revoked_at: key.revoked_at_ms.and_then(rfc3339),
             last_used_at: key.used_at_ms.and_then(rfc3339),
             valid: key.valid,
+            quotas: key.quotas.into(),
         }
     }
 }
@@ -111,11 +152,12 @@ pub(super) async fn add(
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Response, Box<Problem>> {
-    let AddKey { name, scopes, expires_at } = body::json(&headers, &body)?;
+    let AddKey { name, scopes, expires_at, quotas } = body::json(&headers, &body)?;
     let expires_at = expires_at.map(|text| text.parse::<Timestamp>()).transpose();
     let expires_at = expires_at.map_err(|error| Problem::wrong_member("expires_at", &error))?;
     let expires_at_ms = expires_at.map(Timestamp::as_millisecond);
-    let (key, token) = service.add_key(NewKey { name, scopes, expires_at_ms }).await?;
+    let new = NewKey { name, scopes, expires_at_ms, quotas: quotas.into() };
+    let (key, token) = service.add_key(new).await?;
     let location = [(header::LOCATION, format!("/v1/keys/{}", key.id))];
     Ok((StatusCode::CREATED, location, Json(AddedKey::new(key, &token))).into_response())
 }
@@ -166,6 +208,28 @@ pub(super) async fn rotate(
 ) -> Result<Json<AddedKey>, Box<Problem>> {
     let (key, token) = service.rotate_key(&id).await?;
     Ok(Json(AddedKey::new(key, &token)))
+}
+
+/// Gives a key other quotas in place of all that it had.
+///
+/// They hold from its next request on; what it has already stays.
+#[utoipa::path(
+    put, path = "/v1/keys/{id}/quotas", tag = "keys", operation_id = "limit_key",
+    params(("id" = String, Path, description = "Id of the key")),
+    request_body = KeyQuotas,
+    responses(
+        (status = 200, body = KeyView),
+        (status = "4XX", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn limit(
+    Extension(service): Extension<Service>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Json<KeyView>, Box<Problem>> {
+    let quotas: KeyQuotas = body::json(&headers, &body)?;
+    Ok(Json(service.limit_key(&id, &quotas.into()).await?.into()))
 }
 
 /// Revokes a key for good. It stays in the list, and what it made stays stored.

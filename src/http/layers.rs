@@ -56,8 +56,7 @@ const METHODS: [Method; 7] = [
 /// Surrounds the routes; the last layer sees a request first.
 pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router {
     let Limits { sent_bytes, unpacked_bytes, pace, callers, .. } = limits;
-    let (rates, always) =
-        (Arc::new(Rates::new(limits.key_requests_per_minute)), limits.keys_always);
+    let (rates, always) = (Arc::new(Rates::default()), limits.keys_always);
     let needs = Arc::new(Needs::of(&routes::openapi()));
     let gate = Gate { service: service.clone(), needs, rates, always };
     let reading = Memory::new(limits.bodies_bytes);
@@ -77,7 +76,7 @@ pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router
         .layer(from_fn(move |request: Request, next: Next| {
             problems_only(request, next, [sent_bytes, unpacked_bytes])
         }))
-        // Before a body is read: a stranger's is not.
+        // Before a body is read: a stranger's is not, but for what has been sent by then.
         .layer(from_fn_with_state(gate, gate::admit))
         .layer(from_fn(room))
         .layer(from_fn(move |request: Request, next: Next| callers.clone().admit(request, next)))

@@ -1,5 +1,9 @@
 //! What every list takes: a page, and what its items must match.
 
+use utoipa::openapi::RefOr;
+use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
+use utoipa::{PartialSchema, ToSchema};
+
 use crate::store::Millis;
 
 use super::problem::Problem;
@@ -18,6 +22,17 @@ pub(super) fn labels(texts: &[String]) -> Result<Vec<(String, String)>, Box<Prob
     };
     texts.iter().map(pair).collect()
 }
+
+/// What [`labels`] takes, for the document.
+pub(super) struct Label;
+
+impl PartialSchema for Label {
+    fn schema() -> RefOr<Schema> {
+        ObjectBuilder::new().schema_type(Type::String).pattern(Some("^[^:]+:")).into()
+    }
+}
+
+impl ToSchema for Label {}
 
 /// A time from RFC 3339.
 pub(super) fn time(member: &str, text: Option<&str>) -> Result<Option<Millis>, Box<Problem>> {

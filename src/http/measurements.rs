@@ -10,7 +10,7 @@ use utoipa::IntoParams;
 use crate::service::Service;
 use crate::store::MeasurementFilter;
 
-use super::lists::{self, DEFAULT_PAGE};
+use super::lists::{self, DEFAULT_PAGE, Label};
 use super::problem::Problem;
 use super::query::Query;
 use super::uploads::{self, FileBody, UploadForm, UploadQuery};
@@ -27,7 +27,8 @@ use super::views::{List, MeasurementView};
     post, path = "/v1/measurements", tag = "measurements", operation_id = "add_measurement",
     params(
         UploadQuery,
-        ("Idempotency-Key" = Option<String>, Header,
+        ("Idempotency-Key" = Option<String>, Header, min_length = 1, max_length = 255,
+         pattern = "^[!-~]*$",
          description = "The same key with the same data again answers with the same measurement"),
     ),
     request_body(
@@ -88,6 +89,7 @@ pub(super) struct ListQuery {
     #[param(minimum = 1, maximum = 200)]
     limit: Option<u32>,
     /// `next` of the page before.
+    #[param(format = "uuid")]
     cursor: Option<String>,
     /// Only of this machine.
     machine: Option<String>,
@@ -95,14 +97,19 @@ pub(super) struct ListQuery {
     axis: Option<String>,
     /// Only with this label, `name:value`; repeated: with all of them.
     #[serde(default)]
+    #[param(value_type = Vec<Label>, inline)]
     label: Vec<String>,
     /// Only those stored at this time or later, RFC 3339.
+    #[param(format = DateTime)]
     since: Option<String>,
     /// Only those stored before this time.
+    #[param(format = DateTime)]
     until: Option<String>,
     /// Only those measured at this time or later, as far as they say when.
+    #[param(format = DateTime)]
     measured_since: Option<String>,
     /// Only those measured before this time, as far as they say when.
+    #[param(format = DateTime)]
     measured_until: Option<String>,
     /// Only those with this text in the name, machine, axis, operator, a label or the name of a
     /// file; upper and lower case do not matter.

@@ -70,8 +70,6 @@ pub struct Limits {
     pub pace: Pace,
     /// Who may send requests.
     pub callers: Callers,
-    /// How often a key may send a request a minute; `None`: as often as it likes.
-    pub key_requests_per_minute: Option<usize>,
     /// Whether requests need a key also while none is stored.
     pub keys_always: bool,
 }

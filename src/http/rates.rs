@@ -14,9 +14,8 @@ const FORGOTTEN_AFTER: Duration = Duration::from_secs(600);
 const MANY: usize = 1024;
 
 /// Buckets of all keys.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Rates {
-    per_minute: f64,
     buckets: Mutex<HashMap<String, Bucket>>,
 }
 
@@ -28,40 +27,27 @@ struct Bucket {
 }
 
 impl Rates {
-    /// So many requests a minute for each key; `None`: as many as it likes.
-    pub(super) fn new(per_minute: Option<usize>) -> Self {
-        let per_minute = per_minute.map_or(f64::INFINITY, |count| count as f64);
-        Self { per_minute, buckets: Mutex::default() }
-    }
-
-    /// Takes a token of a key.
+    /// Takes a token of a key that may ask so often a minute.
     ///
     /// # Errors
     /// After how many seconds there is one.
-    pub(super) fn take(&self, key: &str, now: Instant) -> Result<(), u64> {
-        if self.per_minute.is_infinite() {
-            return Ok(());
-        }
+    pub(super) fn take(&self, key: &str, per_minute: usize, now: Instant) -> Result<(), u64> {
+        let per_minute = per_minute as f64;
         let mut buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
         if buckets.len() >= MANY {
             buckets.retain(|_, bucket| now.duration_since(bucket.at) < FORGOTTEN_AFTER);
         }
-        let full = Bucket { tokens: self.per_minute, at: now };
+        let full = Bucket { tokens: per_minute, at: now };
         let bucket = buckets.entry(key.to_owned()).or_insert(full);
-        let per_second = self.per_minute / 60.0;
+        let per_second = per_minute / 60.0;
         let since_s = now.duration_since(bucket.at).as_secs_f64();
-        let tokens = (bucket.tokens + since_s * per_second).min(self.per_minute);
+        let tokens = (bucket.tokens + since_s * per_second).min(per_minute);
         if tokens < 1.0 {
             *bucket = Bucket { tokens, at: now };
             return Err(((1.0 - tokens) / per_second).ceil().max(1.0) as u64);
         }
         *bucket = Bucket { tokens: tokens - 1.0, at: now };
         Ok(())
-    }
-
-    /// Requests a minute.
-    pub(super) fn per_minute(&self) -> f64 {
-        self.per_minute
     }
 }
 
@@ -71,24 +57,29 @@ mod tests {
 
     #[test]
     fn a_key_may_ask_as_often_as_a_minute_allows_and_then_at_that_pace() {
-        let rates = Rates::new(Some(30));
+        let rates = Rates::default();
         let start = Instant::now();
         for _ in 0..30 {
-            assert_eq!(rates.take("rig", start), Ok(()));
+            assert_eq!(rates.take("rig", 30, start), Ok(()));
         }
-        assert_eq!(rates.take("rig", start), Err(2), "one token in two seconds");
-        assert_eq!(rates.take("other", start), Ok(()), "each key has its own");
+        assert_eq!(rates.take("rig", 30, start), Err(2), "one token in two seconds");
+        assert_eq!(rates.take("other", 1, start), Ok(()), "each key has its own");
         let later = start + Duration::from_secs(2);
-        assert_eq!((rates.take("rig", later), rates.take("rig", later)), (Ok(()), Err(2)));
+        assert_eq!((rates.take("rig", 30, later), rates.take("rig", 30, later)), (Ok(()), Err(2)));
         let much_later = start + Duration::from_secs(3600);
-        let allowed = (0..100).filter(|_| rates.take("rig", much_later).is_ok()).count();
+        let allowed = (0..100).filter(|_| rates.take("rig", 30, much_later).is_ok()).count();
         assert_eq!(allowed, 30, "an hour without a request gives no more than a minute");
     }
 
     #[test]
-    fn without_a_limit_nothing_is_counted() {
-        let rates = Rates::new(None);
-        assert!((0..10_000).all(|_| rates.take("rig", Instant::now()).is_ok()));
-        assert!(rates.buckets.lock().unwrap().is_empty());
+    fn a_key_whose_pace_is_changed_goes_on_at_the_new_one() {
+        let rates = Rates::default();
+        let start = Instant::now();
+        let allowed =
+            |per_minute| (0..100).filter(|_| rates.take("rig", per_minute, start).is_ok()).count();
+        assert_eq!(allowed(30), 30);
+        assert_eq!(rates.take("rig", 60, start), Err(1));
+        let later = start + Duration::from_secs(60);
+        assert_eq!((0..100).filter(|_| rates.take("rig", 5, later).is_ok()).count(), 5);
     }
 }

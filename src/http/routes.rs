@@ -81,6 +81,7 @@ pub(super) fn list() -> OpenApiRouter {
         .routes(routes!(keys::add, keys::list))
         .routes(routes!(keys::get, keys::revoke))
         .routes(routes!(keys::rotate))
+        .routes(routes!(keys::limit))
         .routes(routes!(sessions::sign_in, sessions::get, sessions::sign_out))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))

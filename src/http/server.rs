@@ -1,7 +1,8 @@
 //! Serving until the process is asked to stop.
 
 use std::convert::Infallible;
-use std::io::ErrorKind;
+use std::error::Error as _;
+use std::io::{self, ErrorKind};
 use std::net::IpAddr;
 use std::pin::{Pin, pin};
 use std::sync::Arc;
@@ -22,7 +23,7 @@ use tokio_io_timeout::TimeoutStream;
 use tower_service::Service as _;
 use tracing::{debug, warn};
 
-use crate::service::Signals;
+use crate::service::{Closed, ConnectionCounts, Signals};
 
 use super::connections::{Busy, Connections, Place};
 
@@ -66,8 +67,14 @@ pub(super) struct Reserved;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Peer(pub(super) IpAddr);
 
-/// Answers requests until `signals` say that the process stops.
-pub async fn serve(listener: TcpListener, app: Router, keeping: Keeping, signals: Arc<Signals>) {
+/// Answers requests until `signals` say that the process stops, and counts the connections.
+pub async fn serve(
+    listener: TcpListener,
+    app: Router,
+    keeping: Keeping,
+    signals: Arc<Signals>,
+    counts: ConnectionCounts,
+) {
     let connections = Connections::new(keeping.connections);
     let mut open = JoinSet::new();
     let mut stopped = pin!(signals.stopped());
@@ -92,21 +99,28 @@ pub async fn serve(listener: TcpListener, app: Router, keeping: Keeping, signals
             () = &mut stopped => break,
             place = connections.admit() => place,
         };
-        open.spawn(answer((stream, peer), app.clone(), keeping, place, Arc::clone(&signals)));
+        let (app, signals, counts) = (app.clone(), Arc::clone(&signals), counts.clone());
+        open.spawn(async move {
+            let _open = counts.opened(place.reserved);
+            if let Some(why) = answer((stream, peer), app, keeping, place, signals).await {
+                counts.closed(why);
+            }
+        });
     }
     drop(listener);
     let all = async { while open.join_next().await.is_some() {} };
     let _ = tokio::time::timeout(keeping.drain, all).await;
 }
 
-/// Answers the requests of one connection until it ends or has to make room.
+/// Answers the requests of one connection until it ends or has to make room; gives the reason where
+/// it was the server that closed it.
 async fn answer(
     (stream, peer): (TcpStream, Peer),
     app: Router,
     keeping: Keeping,
     place: Place,
     signals: Arc<Signals>,
-) {
+) -> Option<Closed> {
     // Short answers must not wait for more to be sent with them; an error costs no more than that.
     let _ = stream.set_nodelay(true);
     let mut stream = TimeoutStream::new(stream);
@@ -139,18 +153,26 @@ async fn answer(
     loop {
         tokio::select! {
             ended = &mut connection => {
-                if let Err(error) = ended {
-                    debug!(%error, "a connection ended badly");
-                }
-                return;
+                let error = ended.err()?;
+                debug!(%error, "a connection ended badly");
+                return timed_out(&error);
             }
-            () = place.needed() => return,
+            () = place.needed() => return Some(Closed::Room),
             () = &mut stopped, if !stopping => {
                 stopping = true;
                 connection.as_mut().graceful_shutdown();
             }
         }
     }
+}
+
+/// Why a connection was closed that ended with an error, where a time was over.
+fn timed_out(error: &hyper::Error) -> Option<Closed> {
+    if error.is_timeout() {
+        return Some(Closed::Idle);
+    }
+    let source = error.source().and_then(|source| source.downcast_ref::<io::Error>())?;
+    (source.kind() == ErrorKind::TimedOut).then_some(Closed::Unread)
 }
 
 /// The body of an answer; its connection is busy until all of it is sent.

@@ -61,16 +61,11 @@ impl Server {
     }
 
     fn start_keeping(origins: Vec<HeaderValue>, keeping: Keeping) -> Self {
-        Self::start_with(origins, keeping, Quotas::default(), None)
+        Self::start_with(origins, keeping, Quotas::default())
     }
 
-    /// A server that holds each key to quotas and to so many requests a minute.
-    fn start_with(
-        origins: Vec<HeaderValue>,
-        keeping: Keeping,
-        quotas: Quotas,
-        key_requests_per_minute: Option<usize>,
-    ) -> Self {
+    /// A server that holds each key to quotas.
+    fn start_with(origins: Vec<HeaderValue>, keeping: Keeping, quotas: Quotas) -> Self {
         let directory = tempfile::tempdir().unwrap();
         let runtime = Runtime::new().unwrap();
         let signals = Arc::new(Signals::default());
@@ -96,11 +91,11 @@ impl Server {
                     bodies_bytes: BODIES,
                     pace,
                     callers,
-                    key_requests_per_minute,
                     keys_always: false,
                 },
             );
-            tokio::spawn(super::serve(listener, app, keeping, Arc::clone(&signals)));
+            let counts = service.metrics().connections().clone();
+            tokio::spawn(super::serve(listener, app, keeping, Arc::clone(&signals), counts));
             format!("http://{address}")
         });
         let agent = Agent::config_builder()
@@ -113,7 +108,12 @@ impl Server {
 
     /// A new key with these scopes: its id, and the whole of it.
     fn key(&self, scopes: &[Scope]) -> (String, String) {
-        let new = NewKey { name: "rig".into(), scopes: scopes.to_vec(), expires_at_ms: None };
+        let new = NewKey {
+            name: "rig".into(),
+            scopes: scopes.to_vec(),
+            expires_at_ms: None,
+            quotas: Quotas::default(),
+        };
         let (key, token) = self.runtime.block_on(self.service.add_key(new)).unwrap();
         (key.id, token.text())
     }

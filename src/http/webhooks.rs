@@ -56,6 +56,9 @@ pub(super) struct AddWebhook {
     /// What it is told of; left out: everything.
     events: Option<Vec<EventName>>,
     /// What messages are signed with: `whsec_` and 24 to 64 bytes in base64; left out: a new one.
+    #[schema(
+        pattern = "^whsec_(([A-Za-z0-9+/]{4}){8,20}([A-Za-z0-9+/]{2}[AEIMQUYcgkosw048]=)?|([A-Za-z0-9+/]{4}){8,21}([A-Za-z0-9+/][AQgw]==)?)$"
+    )]
     secret: Option<String>,
 }
 

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::store::{KeyRow, Millis, Reach};
 
 use super::ServiceError;
+use super::quotas::Quotas;
 
 /// Something that a key may do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -85,6 +86,8 @@ pub struct Key {
     pub used_at_ms: Option<Millis>,
     /// Whether it opens anything.
     pub valid: bool,
+    /// What it may have, where it is not what every key may.
+    pub quotas: Quotas,
 }
 
 impl Key {
@@ -108,8 +111,9 @@ impl TryFrom<KeyRow> for Key {
     type Error = ServiceError;
 
     fn try_from(row: KeyRow) -> Result<Self, ServiceError> {
-        let scopes = serde_json::from_str(&row.scopes)
-            .map_err(|source| ServiceError::Corrupt { what: "key", source })?;
+        let corrupt = |source| ServiceError::Corrupt { what: "key", source };
+        let scopes = serde_json::from_str(&row.scopes).map_err(corrupt)?;
+        let quotas = serde_json::from_str(&row.quotas).map_err(corrupt)?;
         let valid = row.is_valid();
         let KeyRow { id, name, created_at_ms, expires_at_ms, revoked_at_ms, used_at_ms, .. } = row;
         Ok(Self {
@@ -121,6 +125,7 @@ impl TryFrom<KeyRow> for Key {
             revoked_at_ms,
             used_at_ms,
             valid,
+            quotas,
         })
     }
 }
@@ -178,6 +183,7 @@ mod tests {
             revoked_at_ms: None,
             used_at_ms: None,
             valid: true,
+            quotas: Quotas::default(),
         }
     }
 

@@ -6,6 +6,7 @@ use crate::store::{KeyRow, Millis};
 
 use super::caller::{Key, Scope};
 use super::holders::is_of;
+use super::quotas::Quotas;
 use super::token::Token;
 use super::{Service, ServiceError};
 
@@ -24,15 +25,17 @@ pub struct NewKey {
     pub scopes: Vec<Scope>,
     /// When it expires; `None`: never.
     pub expires_at_ms: Option<Millis>,
+    /// What it may have, where it is not what every key may.
+    pub quotas: Quotas,
 }
 
 impl Service {
     /// Makes a key, and gives what only its holder has: it is not shown again.
     ///
     /// # Errors
-    /// [`ServiceError::Request`] for a name, scopes or an end that no key can have.
+    /// [`ServiceError::Request`] for a name, scopes, an end or quotas that no key can have.
     pub async fn add_key(&self, new: NewKey) -> Result<(Key, Token), ServiceError> {
-        let NewKey { name, mut scopes, expires_at_ms } = new;
+        let NewKey { name, mut scopes, expires_at_ms, quotas } = new;
         let refused = |member: &str, reason: String| {
             Err(ServiceError::Request { member: member.into(), reason })
         };
@@ -50,8 +53,11 @@ impl Service {
         if expires_at_ms.is_some_and(|end| end <= now_ms()) {
             return refused("expires_at", "this time has passed".into());
         }
+        quotas.check()?;
         let token = Token::generate().ok_or_else(no_random_numbers)?;
-        self.store.insert_key(&row(&token, name, &scopes, expires_at_ms)).await?;
+        let quotas = serde_json::json!(quotas).to_string();
+        let row = KeyRow { expires_at_ms, quotas, ..row(&token, name, &scopes) };
+        self.store.insert_key(&row).await?;
         Ok((self.key(token.id()).await?, token))
     }
 
@@ -75,7 +81,7 @@ impl Service {
             return refused("it could be guessed; `servoscope keys generate` prints one");
         }
         let name = "first admin key".to_owned();
-        if self.store.insert_key(&row(&token, name, &[Scope::Admin], None)).await? {
+        if self.store.insert_key(&row(&token, name, &[Scope::Admin])).await? {
             return Ok(true);
         }
         match self.store.key(token.id()).await? {
@@ -100,6 +106,19 @@ impl Service {
             return Err(ServiceError::Request { member: "id".into(), reason });
         }
         Ok((self.key(id).await?, token))
+    }
+
+    /// Gives a key other quotas, from its next request on; what it has already stays.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unknown`] when there is none with this id, [`ServiceError::Request`] for quotas
+    /// that no key can have.
+    pub async fn limit_key(&self, id: &str, quotas: &Quotas) -> Result<Key, ServiceError> {
+        quotas.check()?;
+        match self.store.limit_key(id, &serde_json::json!(quotas).to_string()).await? {
+            true => self.key(id).await,
+            false => Err(unknown(id)),
+        }
     }
 
     /// One key.
@@ -146,16 +165,17 @@ impl Service {
     }
 }
 
-fn row(token: &Token, name: String, scopes: &[Scope], expires_at_ms: Option<Millis>) -> KeyRow {
+fn row(token: &Token, name: String, scopes: &[Scope]) -> KeyRow {
     KeyRow {
         id: token.id().to_owned(),
         name,
         scopes: serde_json::json!(scopes).to_string(),
         sha256: token.sha256(),
         created_at_ms: 0,
-        expires_at_ms,
+        expires_at_ms: None,
         revoked_at_ms: None,
         used_at_ms: None,
+        quotas: "{}".into(),
         now_ms: 0,
     }
 }

@@ -14,6 +14,8 @@ use prometheus_client::registry::{Registry, Unit};
 
 use crate::store::{QueueState, Status};
 
+use super::connection_counts::ConnectionCounts;
+
 /// Bounds of the classes of request durations, seconds.
 const REQUEST_BOUNDS: [f64; 11] =
     [0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.5, 2.5, 10.0, 60.0];
@@ -75,6 +77,7 @@ pub struct Metrics {
     oldest_wait: Gauge<f64, AtomicU64>,
     told: Family<Told, Counter>,
     waiting: Gauge,
+    connections: ConnectionCounts,
 }
 
 impl Default for Metrics {
@@ -130,6 +133,7 @@ impl Default for Metrics {
             "Messages that are not delivered yet",
             waiting.clone(),
         );
+        let connections = ConnectionCounts::registered(&mut registry);
         Self {
             registry,
             jobs_ended,
@@ -142,6 +146,7 @@ impl Default for Metrics {
             oldest_wait,
             told,
             waiting,
+            connections,
         }
     }
 }
@@ -174,6 +179,11 @@ impl Metrics {
         self.requests.get_or_create(&request).observe(took.as_secs_f64());
     }
 
+    /// What is counted of connections.
+    pub fn connections(&self) -> &ConnectionCounts {
+        &self.connections
+    }
+
     /// Somebody was told something, or not.
     pub(super) fn told(&self, told: Told) {
         self.told.get_or_create(&told).inc();
@@ -194,6 +204,7 @@ impl Metrics {
 
 #[cfg(test)]
 mod tests {
+    use super::super::connection_counts::Closed;
     use super::*;
 
     #[test]
@@ -205,6 +216,9 @@ mod tests {
         metrics.leases_expired(2);
         metrics.answered("GET", "/v1/jobs/{id}", 200, Duration::from_millis(2));
         metrics.told(Told { to: "mqtt", outcome: "failed" });
+        let _open = metrics.connections().opened(false);
+        drop(metrics.connections().opened(true));
+        metrics.connections().closed(Closed::Room);
         let text = metrics.text(QueueState { queued: 3, running: 1, oldest_wait_ms: 1500 }, 4);
         for line in [
             "servoscope_jobs_queued 3",
@@ -218,6 +232,10 @@ mod tests {
             "servoscope_leases_expired_total 2",
             "servoscope_messages_total{to=\"mqtt\",outcome=\"failed\"} 1",
             "servoscope_messages_waiting 4",
+            "servoscope_connections_open 1",
+            "servoscope_connections_refused_total 1",
+            "servoscope_connections_closed_total{why=\"room\"} 1",
+            "servoscope_connections_closed_total{why=\"idle\"} 0",
         ] {
             assert!(text.lines().any(|found| found == line), "{line} is not in\n{text}");
         }

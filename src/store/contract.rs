@@ -296,6 +296,7 @@ contract!(
     webhooks_are_listed_counted_and_deleted_with_their_messages,
     old_messages_are_deleted,
     a_key_is_valid_until_it_expires_or_is_revoked,
+    a_key_has_quotas_of_its_own_from_its_start_or_later,
     a_session_is_of_its_key_until_either_ends,
     rows_of_another_owner_are_not_there,
     a_later_job_of_another_owner_does_not_hide_a_result,

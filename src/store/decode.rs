@@ -107,6 +107,7 @@ from_columns!(KeyRow {
     expires_at_ms,
     revoked_at_ms,
     used_at_ms,
+    quotas,
     now_ms
 });
 from_columns!(WebhookRow { id, created_at_ms, url, secret, events, disabled, owner });

@@ -25,6 +25,8 @@ pub struct KeyRow {
     pub revoked_at_ms: Option<Millis>,
     /// When it was last used, to the minute; ignored on insertion.
     pub used_at_ms: Option<Millis>,
+    /// JSON object of what it may have, where it is not what every key may.
+    pub quotas: String,
     /// When this was read; ignored on insertion.
     pub now_ms: Millis,
 }
@@ -66,6 +68,9 @@ pub trait Keyring {
     /// Revokes a key for good, and signs out those who signed in with it. `false`: there is none
     /// with this id.
     async fn revoke_key(&self, id: &str) -> Result<bool, StoreError>;
+
+    /// Gives a key other quotas. `false`: there is none with this id.
+    async fn limit_key(&self, id: &str, quotas: &str) -> Result<bool, StoreError>;
 
     /// Remembers that a key is used now.
     async fn key_used(&self, id: &str) -> Result<(), StoreError>;

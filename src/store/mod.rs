@@ -14,7 +14,8 @@
 //!
 //! * It is *charged* where it was the only job in hand of its worker, or where the worker goes on
 //!   with the others.
-//! * It *shares* a death where all jobs in hand of its worker expire together. That costs nothing;
+//! * It *shares* a death where all jobs in hand of its worker expire together, or, in a folder, where
+//!   the machine has restarted since. That costs nothing;
 //!   but after [`ALONE_AFTER`] such deaths it runs alone, so that the next one would be its own.
 //! * After its first charged or shared death it runs again at once; after the second it waits, and
 //!   four times as long after each further one, so that a machine that fails for some minutes ends no

@@ -126,8 +126,17 @@ fn keys_are_made_listed_rotated_and_revoked_while_a_server_runs() {
     assert_eq!(server.get_with("/v1/jobs", &key).status, 200);
     assert_eq!(server.get_with("/v1/keys", &key).status, 403);
     let line = listed(folder, &key);
-    assert!(line.contains("valid") && line.ends_with("upload,run,read  rig 7"), "{line}");
+    assert!(line.contains("valid") && line.ends_with("upload,run,read  server  rig 7"), "{line}");
     assert!(!line.contains("never"), "it expires, and was used: {line}");
+
+    let limit = |more: &[&str]| keys(folder, &[&["limit", id(&key)], more].concat());
+    assert!(limit(&["--jobs", "3", "--mib", "50"]).status.success());
+    assert!(limit(&["--mib", "server", "--requests-per-minute", "600"]).status.success());
+    let line = listed(folder, &key);
+    assert!(line.ends_with("jobs=3,requests_per_minute=600  rig 7"), "{line}");
+    for wrong in ["0", "many", "-1"] {
+        assert!(!limit(&[&format!("--jobs={wrong}")]).status.success(), "{wrong}");
+    }
 
     let rotated = made(&keys(folder, &["rotate", id(&key)]));
     assert_eq!(id(&rotated), id(&key));

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::http::keys::{AddedKey, KeyView};
 use crate::http::sessions::SessionView;
-use crate::service::{Key, Scope};
+use crate::service::{Key, Quotas, Scope};
 
 use super::examples::{AT_MS, shown};
 
@@ -17,8 +17,9 @@ pub(super) fn request(operation: &str) -> Option<Value> {
     Some(match operation {
         "add_key" => json!({
             "name": "rig 7", "scopes": ["upload", "run", "read"],
-            "expires_at": "2027-03-04T10:20:00Z",
+            "expires_at": "2027-03-04T10:20:00Z", "quotas": {"jobs": 20},
         }),
+        "limit_key" => json!({"measurements": 5000, "jobs": 20}),
         "sign_in" => json!({"key": KEY}),
         _ => return None,
     })
@@ -29,7 +30,7 @@ pub(super) fn answer(operation: &str) -> Option<Value> {
     Some(match operation {
         "add_key" | "rotate_key" => shown(AddedKey { stored: key(), key: KEY.into() }),
         "list_keys" => json!({"items": [shown(key())], "next": null}),
-        "get_key" => shown(key()),
+        "get_key" | "limit_key" => shown(key()),
         "sign_in" | "get_session" => shown(SessionView { key: Some(key()) }),
         _ => return None,
     })
@@ -45,5 +46,6 @@ fn key() -> KeyView {
         revoked_at_ms: None,
         used_at_ms: Some(AT_MS + 86_400_000),
         valid: true,
+        quotas: Quotas { jobs: Some(20), ..Quotas::default() },
     })
 }

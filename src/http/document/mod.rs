@@ -41,10 +41,16 @@ fn operations(item: &mut PathItem) -> impl Iterator<Item = (Effect, &mut Operati
     reads.chain(writes.map(|operation| (Effect::Writes, operation)))
 }
 
-/// Says of every text of a query that it is not empty: see [`Query`](super::query::Query).
+/// Says of every text of a query that it is not empty, see [`Query`](super::query::Query), and of
+/// every header that it is not null.
 fn need_values(operation: &mut Operation) {
     for parameter in operation.parameters.iter_mut().flatten() {
         let RefOr::T(parameter) = parameter else { continue };
+        if let (ParameterIn::Header, Some(RefOr::T(Schema::Object(header)))) =
+            (&parameter.parameter_in, &mut parameter.schema)
+        {
+            is_something(header);
+        }
         if parameter.parameter_in != ParameterIn::Query {
             continue;
         }
@@ -70,6 +76,16 @@ fn need_value(text: &mut Object) {
     };
     if is_text {
         text.min_length = Some(1);
+    }
+}
+
+/// A header that is left out is not null: it is not there.
+fn is_something(header: &mut Object) {
+    if let SchemaType::Array(kinds) = &mut header.schema_type {
+        kinds.retain(|kind| *kind != Type::Null);
+        if let [kind] = &kinds[..] {
+            header.schema_type = SchemaType::Type(kind.clone());
+        }
     }
 }
 

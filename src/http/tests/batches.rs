@@ -198,7 +198,7 @@ fn a_deleted_batch_takes_its_jobs_with_it_and_leaves_its_measurements() {
 #[test]
 fn a_batch_counts_against_the_quota_of_its_key_and_leaves_nothing_where_it_is_too_large() {
     let quotas = Quotas { jobs: Some(3), ..Quotas::default() };
-    let server = Server::start_with(Vec::new(), Keeping::new(100), quotas, None);
+    let server = Server::start_with(Vec::new(), Keeping::new(100), quotas);
     let (id, key) = server.key(&[Scope::Upload, Scope::Run, Scope::Read]);
     let authorization = format!("Bearer {key}");
     let bearer = ("authorization", authorization.as_str());

@@ -96,3 +96,56 @@ fn a_connection_without_a_request_is_closed_after_a_while_and_a_stream_is_not() 
         text.push_str(&String::from_utf8_lossy(&bytes[..read]));
     }
 }
+
+/// The value of a sample of the metrics.
+fn counted(server: &Server, sample: &str) -> i64 {
+    let text = server.get("/metrics").into_body().read_to_string().unwrap();
+    let line = text.lines().find_map(|line| line.strip_prefix(sample)?.strip_prefix(' '));
+    line.unwrap_or_else(|| panic!("no {sample} in\n{text}")).parse().unwrap()
+}
+
+#[test]
+fn connections_that_are_open_refused_and_closed_are_counted() {
+    let server = server(Duration::from_millis(300));
+    // The one that asks for the metrics is kept.
+    assert_eq!(counted(&server, "servoscope_connections_open"), 1);
+    answered(connect(&server, "GET /livez HTT"));
+    let closed = |why: &str| format!("servoscope_connections_closed_total{{why=\"{why}\"}}");
+    while counted(&server, &closed("idle")) == 0 {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert_eq!(counted(&server, "servoscope_connections_refused_total"), 0);
+    // Every place is taken by a request that is under way; only what is idle makes room.
+    let busy: Vec<TcpStream> = (0..KEPT).map(|_| unfinished(&server)).collect();
+    assert!(counted(&server, &closed("room")) <= 1);
+    let refused = counted(&server, "servoscope_connections_refused_total");
+    assert!(refused >= 1, "the one that asks");
+    assert!(counted(&server, "servoscope_connections_open") > KEPT as i64);
+    drop(busy);
+    while counted(&server, "servoscope_connections_open") > 1 {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn a_refused_request_whose_body_comes_later_leaves_its_connection_usable() {
+    let server = server(Duration::from_secs(75));
+    server.key(&[Scope::Read]);
+    let head = |more: &str| {
+        format!(
+            "POST /v1/measurements HTTP/1.1\r\nhost: localhost\r\ncontent-length: 3\r\n{more}\r\n"
+        )
+    };
+    // Without the key that the gate asks for, and from a foreign page.
+    for (more, status) in [("", "401"), ("origin: https://evil.example\r\n", "403")] {
+        let mut stream = connect(&server, &head(more));
+        // Time for the server to refuse it, were it to look at the head alone.
+        std::thread::sleep(Duration::from_millis(100));
+        stream.write_all(b"any").unwrap();
+        let next = "GET /livez HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n";
+        stream.write_all(next.as_bytes()).unwrap();
+        let text = answered(stream);
+        assert!(text.starts_with(&format!("HTTP/1.1 {status}")), "{text}");
+        assert!(text.contains("HTTP/1.1 200"), "the connection was closed: {text}");
+    }
+}

@@ -108,6 +108,7 @@ fn a_key_that_has_expired_or_was_revoked_or_is_wrong_opens_nothing() {
         expires_at_ms: Some(now),
         revoked_at_ms: None,
         used_at_ms: None,
+        quotas: "{}".into(),
         now_ms: 0,
     };
     assert!(server.runtime.block_on(server.store.insert_key(&row)).unwrap());

@@ -4,8 +4,8 @@ use super::*;
 
 const SCOPES: [Scope; 3] = [Scope::Upload, Scope::Run, Scope::Read];
 
-fn start(quotas: Quotas, key_requests_per_minute: Option<usize>) -> Server {
-    Server::start_with(Vec::new(), Keeping::new(100), quotas, key_requests_per_minute)
+fn start(quotas: Quotas) -> Server {
+    Server::start_with(Vec::new(), Keeping::new(100), quotas)
 }
 
 fn upload(server: &Server, key: &str, idempotency_key: &str, body: &[u8]) -> Response<Body> {
@@ -36,7 +36,7 @@ fn detail(answer: Response<Body>) -> String {
 
 #[test]
 fn a_key_keeps_so_many_measurements_and_a_repeated_upload_is_answered_also_then() {
-    let server = start(Quotas { measurements: Some(1), ..Quotas::default() }, None);
+    let server = start(Quotas { measurements: Some(1), ..Quotas::default() });
     let [(id, one), (_, other)] = [server.key(&SCOPES), server.key(&SCOPES)];
     let first = json_of(upload(&server, &one, "a", b"any"), 201);
     let refused = upload(&server, &one, "b", b"more");
@@ -58,7 +58,7 @@ fn a_key_keeps_so_many_measurements_and_a_repeated_upload_is_answered_also_then(
 
 #[test]
 fn a_key_keeps_so_many_mebibytes() {
-    let server = start(Quotas { mebibytes: Some(1), ..Quotas::default() }, None);
+    let server = start(Quotas { mib: Some(1), ..Quotas::default() });
     let (id, key) = server.key(&SCOPES);
     for count in 0..3 {
         json_of(upload(&server, &key, &count.to_string(), &[b'x'; 3000]), 201);
@@ -70,7 +70,7 @@ fn a_key_keeps_so_many_mebibytes() {
 
 #[test]
 fn a_key_has_so_many_jobs_that_wait_or_run() {
-    let server = start(Quotas { jobs: Some(2), ..Quotas::default() }, None);
+    let server = start(Quotas { jobs: Some(2), ..Quotas::default() });
     let (id, key) = server.key(&SCOPES);
     let measurement = string(&json_of(upload(&server, &key, "a", b"any"), 201), "id");
     for _ in 0..2 {
@@ -85,7 +85,7 @@ fn a_key_has_so_many_jobs_that_wait_or_run() {
 
 #[test]
 fn a_key_asks_so_often_and_another_is_not_kept_waiting() {
-    let server = start(Quotas::default(), Some(3));
+    let server = start(Quotas { requests_per_minute: Some(3), ..Quotas::default() });
     let [(_, one), (_, other)] = [server.key(&SCOPES), server.key(&SCOPES)];
     let ask = |key: &str| {
         let authorization = format!("Bearer {key}");
@@ -99,4 +99,53 @@ fn a_key_asks_so_often_and_another_is_not_kept_waiting() {
     assert!((1..=20).contains(&wait_s), "a token comes back in 20 s: {wait_s}");
     assert!(detail(refused).contains("3 times a minute"));
     json_of(ask(&other), 200);
+}
+
+#[test]
+fn a_key_has_quotas_of_its_own_from_its_start_and_later() {
+    let server = start(Quotas { measurements: Some(1), ..Quotas::default() });
+    let (_, admin) = server.key(&[Scope::Admin]);
+    let authorization = format!("Bearer {admin}");
+    let headers = [("authorization", authorization.as_str()), ("content-type", "application/json")];
+    let send = |method: &str, path: &str, body: &Value| {
+        server.send(method, path, &headers, body.to_string().as_bytes())
+    };
+    let none = json!({
+        "measurements": null, "mib": null, "jobs": null, "compute_minutes": null,
+        "requests_per_minute": null,
+    });
+    let with = |mut quotas: Value, name: &str, most: u32| {
+        quotas[name] = json!(most);
+        quotas
+    };
+    let body = json!({"name": "rig", "scopes": SCOPES, "quotas": {"measurements": 2}});
+    let added = json_of(send("POST", "/v1/keys", &body), 201);
+    assert_eq!(added["quotas"], with(none.clone(), "measurements", 2));
+    let (id, key) = (string(&added, "id"), string(&added, "key"));
+    json_of(upload(&server, &key, "a", b"any"), 201);
+    let measurement = string(&json_of(upload(&server, &key, "b", b"more"), 201), "id");
+    let text = detail(upload(&server, &key, "c", b"even more"));
+    assert!(text.contains("2 measurements (set for this key)"), "{text}");
+
+    let path = format!("/v1/keys/{id}/quotas");
+    let limited = json_of(send("PUT", &path, &json!({"jobs": 1})), 200);
+    assert_eq!(limited["quotas"], with(none.clone(), "jobs", 1));
+    let text = detail(upload(&server, &key, "c", b"even more"));
+    assert!(text.contains("1 measurement (`--key-measurements`)"), "{text}");
+    json_of(submit(&server, &key, &measurement), 202);
+    let text = detail(submit(&server, &key, &measurement));
+    assert!(text.contains("1 job that waits or runs (set for this key)"), "{text}");
+    json_of(send("PUT", &path, &json!({"requests_per_minute": 1})), 200);
+    upload(&server, &key, "a", b"any");
+    assert!(detail(upload(&server, &key, "a", b"any")).contains("1 times a minute (set for"));
+    assert_eq!(json_of(send("PUT", &path, &json!({})), 200)["quotas"], none);
+    json_of(upload(&server, &key, "a", b"any"), 201);
+
+    for wrong in [json!({"jobs": 0}), json!({"jobs": 1_000_000_001})] {
+        assert_eq!(problem(send("PUT", &path, &wrong), 422)["member"], "quotas.jobs");
+        let body = json!({"name": "rig", "scopes": SCOPES, "quotas": wrong});
+        assert_eq!(problem(send("POST", "/v1/keys", &body), 422)["member"], "quotas.jobs");
+    }
+    problem(send("PUT", &path, &json!({"cores": 1})), 422);
+    problem(send("PUT", "/v1/keys/nobody/quotas", &json!({})), 404);
 }

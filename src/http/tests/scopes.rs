@@ -111,6 +111,7 @@ impl Things {
             "put_mapping" => json!({"settings": {"machine": "mine"}}),
             "add_webhook" => json!({"url": "http://127.0.0.1:9/"}),
             "add_key" => json!({"name": "another", "scopes": ["read"]}),
+            "limit_key" => json!({"jobs": 5}),
             "sign_in" => json!({"key": key}),
             _ => return (Vec::new(), "application/json"),
         };

@@ -195,6 +195,7 @@ pub(in crate::store) const TABLES: &[Table] = &[
             integer("expires_at_ms"),
             integer("revoked_at_ms"),
             integer("used_at_ms"),
+            text("quotas"),
         ],
     },
     Table {

@@ -15,6 +15,7 @@ pub(super) fn key_row(id: &str, expires_at_ms: Option<i64>) -> KeyRow {
         expires_at_ms,
         revoked_at_ms: None,
         used_at_ms: None,
+        quotas: "{}".into(),
         now_ms: 0,
     }
 }
@@ -45,6 +46,23 @@ pub(super) async fn a_key_is_valid_until_it_expires_or_is_revoked(store: &dyn St
     assert!(store.has_keys().await.unwrap() && !store.has_valid_key().await.unwrap());
     assert_eq!(store.keys(10).await.unwrap().len(), 2);
     assert_eq!(store.keys(1).await.unwrap().len(), 1);
+}
+
+pub(super) async fn a_key_has_quotas_of_its_own_from_its_start_or_later(store: &dyn Store) {
+    let row = KeyRow { quotas: "{\"jobs\":1}".into(), ..key_row("a", None) };
+    store.insert_key(&row).await.unwrap();
+    store.insert_key(&key_row("b", None)).await.unwrap();
+    let quotas = async |id: &str| store.key(id).await.unwrap().unwrap().quotas;
+    assert_eq!((quotas("a").await, quotas("b").await), ("{\"jobs\":1}".into(), "{}".into()));
+    assert!(store.limit_key("a", "{\"mib\":2}").await.unwrap());
+    assert!(!store.limit_key("c", "{}").await.unwrap(), "there is none");
+    assert_eq!((quotas("a").await, quotas("b").await), ("{\"mib\":2}".into(), "{}".into()));
+    let end = store.key("a").await.unwrap().unwrap().now_ms + 600_000;
+    store.insert_session("one", "a", end).await.unwrap();
+    assert_eq!(store.session("one").await.unwrap().unwrap().quotas, "{\"mib\":2}");
+    assert!(store.keys(10).await.unwrap().iter().any(|key| key.quotas == "{\"mib\":2}"));
+    store.replace_key("a", "new", None).await.unwrap();
+    assert_eq!(quotas("a").await, "{\"mib\":2}", "another secret changes nothing of it");
 }
 
 pub(super) async fn a_session_is_of_its_key_until_either_ends(store: &dyn Store) {

@@ -14,8 +14,8 @@ use super::Postgres;
 impl Keyring for Postgres {
     async fn insert_key(&self, row: &KeyRow) -> Result<bool, StoreError> {
         let done = sqlx::query(
-            "INSERT INTO keys (id, name, scopes, sha256, created_at_ms, expires_at_ms)
-             VALUES ($1, $2, $3, $4, (SELECT now_ms FROM clock), $5)
+            "INSERT INTO keys (id, name, scopes, sha256, created_at_ms, expires_at_ms, quotas)
+             VALUES ($1, $2, $3, $4, (SELECT now_ms FROM clock), $5, $6)
              ON CONFLICT (id) DO NOTHING",
         )
         .bind(&row.id)
@@ -23,6 +23,7 @@ impl Keyring for Postgres {
         .bind(&row.scopes)
         .bind(&row.sha256)
         .bind(row.expires_at_ms)
+        .bind(&row.quotas)
         .execute(&self.pool)
         .await?;
         Ok(done.rows_affected() == 1)
@@ -50,7 +51,7 @@ impl Keyring for Postgres {
     async fn key(&self, id: &str) -> Result<Option<KeyRow>, StoreError> {
         let one = sqlx::query_as(
             "SELECT id, name, scopes, sha256, created_at_ms, expires_at_ms, revoked_at_ms, used_at_ms,
-                    now_ms
+                    quotas, now_ms
              FROM keys, clock WHERE id = $1",
         );
         Ok(one.bind(id).fetch_optional(&self.pool).await?)
@@ -59,7 +60,7 @@ impl Keyring for Postgres {
     async fn keys(&self, limit: u32) -> Result<Vec<KeyRow>, StoreError> {
         let newest = sqlx::query_as(
             "SELECT id, name, scopes, sha256, created_at_ms, expires_at_ms, revoked_at_ms, used_at_ms,
-                    now_ms
+                    quotas, now_ms
              FROM keys, clock ORDER BY created_at_ms DESC, id LIMIT $1",
         );
         Ok(newest.bind(i64::from(limit)).fetch_all(&self.pool).await?)
@@ -88,6 +89,12 @@ impl Keyring for Postgres {
         let done = revoke.bind(id).execute(&mut *transaction).await?;
         sign_out(&mut transaction, id).await?;
         transaction.commit().await?;
+        Ok(done.rows_affected() == 1)
+    }
+
+    async fn limit_key(&self, id: &str, quotas: &str) -> Result<bool, StoreError> {
+        let update = sqlx::query("UPDATE keys SET quotas = $2 WHERE id = $1");
+        let done = update.bind(id).bind(quotas).execute(&self.pool).await?;
         Ok(done.rows_affected() == 1)
     }
 
@@ -134,7 +141,7 @@ impl Keyring for Postgres {
     async fn session(&self, sha256: &str) -> Result<Option<KeyRow>, StoreError> {
         let one = sqlx::query_as(
             "SELECT id, name, scopes, keys.sha256, created_at_ms, keys.expires_at_ms, revoked_at_ms,
-                    used_at_ms, now_ms
+                    used_at_ms, quotas, now_ms
              FROM sessions JOIN keys ON keys.id = key_id, clock
              WHERE sessions.sha256 = $1 AND sessions.expires_at_ms > now_ms",
         );

@@ -14,8 +14,8 @@ impl Keyring for Sqlite {
     async fn insert_key(&self, row: &KeyRow) -> Result<bool, StoreError> {
         let mut transaction = self.begin().await?;
         let written = sqlx::query(
-            "INSERT INTO keys (id, name, scopes, sha256, created_at_ms, expires_at_ms)
-             VALUES (?1, ?2, ?3, ?4, (SELECT now_ms FROM clock), ?5)
+            "INSERT INTO keys (id, name, scopes, sha256, created_at_ms, expires_at_ms, quotas)
+             VALUES (?1, ?2, ?3, ?4, (SELECT now_ms FROM clock), ?5, ?6)
              ON CONFLICT (id) DO NOTHING",
         )
         .bind(&row.id)
@@ -23,6 +23,7 @@ impl Keyring for Sqlite {
         .bind(&row.scopes)
         .bind(&row.sha256)
         .bind(row.expires_at_ms)
+        .bind(&row.quotas)
         .execute(&mut *transaction)
         .await;
         Ok(self.end(transaction, written).await?.rows_affected() == 1)
@@ -88,6 +89,13 @@ impl Keyring for Sqlite {
             revoke.bind(id).execute(&mut *transaction).await
         }
         .await;
+        Ok(self.end(transaction, written).await?.rows_affected() == 1)
+    }
+
+    async fn limit_key(&self, id: &str, quotas: &str) -> Result<bool, StoreError> {
+        let mut transaction = self.begin().await?;
+        let update = sqlx::query("UPDATE keys SET quotas = ?2 WHERE id = ?1");
+        let written = update.bind(id).bind(quotas).execute(&mut *transaction).await;
         Ok(self.end(transaction, written).await?.rows_affected() == 1)
     }
 

@@ -1,6 +1,7 @@
 //! The engine on one SQLite file.
 
 mod batches;
+mod boot;
 mod damage;
 mod history;
 mod idempotency;

@@ -10,7 +10,7 @@ use crate::store::{
     ALONE_AFTER, Beat, Cancelling, ConvergencePoint, Lease, Outcome, QueueState, Reach, Status,
 };
 
-use super::history;
+use super::{boot, history};
 
 pub(super) async fn lease(
     connection: &mut SqliteConnection,
@@ -36,7 +36,7 @@ pub(super) async fn lease(
                    (SELECT COALESCE(max(seq) + 1, 0) FROM convergence
                     WHERE job_id = jobs.id) AS next_seq",
     )
-    .bind(worker)
+    .bind(boot::worker(worker))
     .bind(millis(duration))
     .bind(ALONE_AFTER)
     .fetch_optional(connection)

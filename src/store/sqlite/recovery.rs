@@ -9,6 +9,8 @@ use crate::store::{EndedRow, LONGEST_WAIT, MAX_ATTEMPTS, Recovered};
 
 use crate::store::decode::millis;
 
+use super::boot;
+
 /// Requeues jobs whose lease has expired, or ends them, by the rule of [`crate::store`].
 pub(super) async fn recover_expired(
     connection: &mut SqliteConnection,
@@ -44,13 +46,15 @@ pub(super) async fn recover_expired(
 }
 
 /// The jobs whose lease has expired and of which it is known what became of their siblings, the
-/// other jobs in hand of their worker; and whether each is the only one that was lost.
+/// other jobs in hand of their worker; and whether each is the only one that was lost, by a worker
+/// that died by itself.
 async fn judged(connection: &mut SqliteConnection) -> sqlx::Result<Vec<(String, bool)>> {
     // A sibling that was heard of after the lease had expired lives. One that was not, but whose
     // own lease is good for a little longer, must be waited for: it may have died at the same time.
     sqlx::query_as(
-        "SELECT id, lives OR NOT siblings
+        "SELECT id, lives OR (here AND NOT siblings)
          FROM (SELECT id,
+                      substr(worker, 1, length(?1)) = ?1 OR instr(worker, '/') = 0 AS here,
                       EXISTS (SELECT 1 FROM jobs AS sibling
                               WHERE sibling.status = 'running' AND sibling.worker IS jobs.worker
                                 AND sibling.id <> jobs.id) AS siblings,
@@ -65,6 +69,49 @@ async fn judged(connection: &mut SqliteConnection) -> sqlx::Result<Vec<(String, 
          WHERE lives OR NOT open
          ORDER BY id",
     )
+    .bind(boot::prefix())
     .fetch_all(connection)
     .await
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use sqlx::sqlite::SqlitePoolOptions;
+
+    use super::*;
+    use crate::store::sqlite::migrations;
+
+    #[tokio::test]
+    async fn a_job_that_was_alone_is_charged_unless_the_machine_has_restarted() {
+        let pool = SqlitePoolOptions::new().max_connections(1);
+        let pool = pool.connect("sqlite::memory:").await.unwrap();
+        migrations::run(&pool).await.unwrap();
+        sqlx::raw_sql(
+            "PRAGMA foreign_keys = OFF;
+             INSERT INTO jobs (id, measurement_id, kind, request, status, created_at_ms)
+             VALUES ('a', 'm', 'identify', '{}', 'queued', 0)",
+        )
+        .execute(&pool)
+        .await
+        .unwrap();
+        let mut connection = pool.acquire().await.unwrap();
+        let mut dies = async |worker: String| {
+            sqlx::query("UPDATE jobs SET status = 'running', worker = ?1, lease_until_ms = 1")
+                .bind(worker)
+                .execute(&mut *connection)
+                .await
+                .unwrap();
+            let recovered = recover_expired(&mut connection, Duration::ZERO).await.unwrap();
+            (recovered.requeued, recovered.ended.len())
+        };
+        for _ in 0..2 * MAX_ATTEMPTS {
+            assert_eq!(dies("an-earlier-run/worker".into()).await, (1, 0));
+        }
+        for _ in 1..MAX_ATTEMPTS {
+            assert_eq!(dies(boot::worker("worker")).await, (1, 0));
+        }
+        assert_eq!(dies(boot::worker("worker")).await, (0, 1));
+    }
 }

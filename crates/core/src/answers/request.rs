@@ -117,10 +117,13 @@ pub struct NetworkOptions {
     /// Whether it is used at all.
     pub enabled: bool,
     /// Neurons in the hidden layer.
+    #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 200))]
     pub hidden_neurons: usize,
     /// Number of simulated plants it is trained on.
+    #[cfg_attr(feature = "openapi", schema(minimum = 10, maximum = 20_000))]
     pub training_plants: usize,
     /// Passes of back-propagation over the training plants.
+    #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 5_000))]
     pub epochs: usize,
 }
 
@@ -141,11 +144,14 @@ pub struct ColonyOptions {
     /// Which variant.
     pub variant: ColonyVariant,
     /// Number of food sources, of employed bees and of onlookers.
+    #[cfg_attr(feature = "openapi", schema(minimum = 2, maximum = 1_000))]
     pub food_sources: usize,
     /// Number of cycles, each an employed, an onlooker and a scout phase.
+    #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 10_000))]
     pub cycles: usize,
     /// Failed trials after which a source is abandoned; null: food sources × parameters, the usual
     /// choice.
+    #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 1_000_000))]
     pub abandonment_limit: Option<usize>,
 }
 
@@ -185,6 +191,7 @@ pub struct IdentifyOptions {
     pub seed: u64,
     /// Standard deviation of re and im of every harmonic, in response units, for data with neither
     /// standard deviations nor repeats.
+    #[cfg_attr(feature = "openapi", schema(exclusive_minimum = 0.0))]
     pub noise_std: Option<f64>,
     /// Weights of the errors.
     pub weights: Weighting,
@@ -197,10 +204,12 @@ pub struct IdentifyOptions {
     /// Evaluations (simulations of the whole measurement) that the search of any method may use;
     /// for the colony it limits the number of cycles. Null: the number that results from the
     /// colony's food sources and cycles.
+    #[cfg_attr(feature = "openapi", schema(minimum = 2, maximum = 2_000_000))]
     pub evaluation_budget: Option<usize>,
     /// Whether the best point found is refined by Levenberg–Marquardt.
     pub refine: bool,
     /// Largest number of effects that a diagnosis names together, 1 to 3.
+    #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 3))]
     pub most_effects: usize,
     /// Whether a diagnosis takes the measurement as it is: no row is left out, and no fault of the
     /// measurement is looked for.

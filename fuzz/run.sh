@@ -37,7 +37,7 @@ for name in $targets; do
     continue
   fi
   seconds=$((what / $(echo "$targets" | wc -w)))
-  "$program" -seed=1 -max_total_time="$seconds" -max_len=10000 -timeout=20 -rss_limit_mb=2048 \
+  "$program" -seed=1 -max_total_time="$seconds" -max_len=10000 -timeout=120 -rss_limit_mb=2048 \
     -print_final_stats=1 -artifact_prefix="found/$name-" "grown/$name" "corpus/$name" 2>"$log" ||
     echo "$name: something was found, see fuzz/$log"
   edges=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$log" | tail -1)

@@ -1,7 +1,7 @@
 //! Rates of measurements with a fault, and of faults named in sound ones.
 
 use serde::Serialize;
-use servoscope_core::answers::{FaultKind, Verdict};
+use servoscope_core::answers::Verdict;
 
 use super::Wanted;
 use crate::naming::case::Kind;
@@ -149,7 +149,7 @@ fn lines(outcomes: &[Outcome], drawn: &[Drawn<'_>]) -> Vec<FaultLine> {
 
 #[cfg(test)]
 mod tests {
-    use servoscope_core::answers::MeasurementFault;
+    use servoscope_core::answers::{FaultKind, MeasurementFault};
 
     use super::*;
     use crate::naming::fixtures::{left_out, mistake, outcome};

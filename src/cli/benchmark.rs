@@ -38,7 +38,7 @@ pub(super) struct Args {
     outsiders: u32,
     /// Tables of analysers with each effect: bare Bode tables or few harmonics, with noise in
     /// proportion to the value and a floor 60 to 80 dB down, of which nothing, repeats or a
-    /// coherence tell.
+    /// coherence tell; as many records of `analyser-record`.
     #[arg(long, value_name = "N", default_value_t = Plan::default().analysers)]
     analyser: u32,
     /// Machines with one dominant effect and 3 to 6 small ones, of each effect at each level above
@@ -59,8 +59,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "DB,…", value_delimiter = ',', default_values_t = [60, 50, 40])]
     #[arg(value_parser = clap::value_parser!(u32).range(20..=100))]
     levels: Vec<u32>,
-    /// Effects of the single draws, of `analyser` and of `mismeasured`, dominant effects of
-    /// `machine` [default: all].
+    /// Effects of the single draws, of `analyser`, of its records and of `mismeasured`, dominant
+    /// effects of `machine` [default: all].
     #[arg(long, value_name = "ID,…", value_delimiter = ',', value_parser = known_effect)]
     effects: Vec<&'static str>,
     /// Kinds of draw [default: single, clean, pair and outsider; the others would make the run

@@ -95,7 +95,7 @@ impl Gate {
             }
             _ => {
                 self.count(&key)?;
-                Ok(Caller::Holder(key))
+                Ok(Caller::Holder(Box::new(key)))
             }
         }
     }

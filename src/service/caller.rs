@@ -138,7 +138,7 @@ pub enum Caller {
     /// Somebody without a key, who asks a server that has keys.
     Nobody,
     /// The holder of a valid key.
-    Holder(Key),
+    Holder(Box<Key>),
 }
 
 impl Caller {

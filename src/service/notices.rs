@@ -163,7 +163,7 @@ impl Service {
             return Ok(Caller::Everybody);
         }
         Ok(match self.store.key(&row.owner).await? {
-            Some(key) if key.is_valid() => Caller::Holder(key.try_into()?),
+            Some(key) if key.is_valid() => Caller::Holder(Box::new(key.try_into()?)),
             _ => Caller::Nobody,
         })
     }

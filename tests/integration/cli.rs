@@ -145,7 +145,7 @@ fn diagnose_says_where_the_base_model_is_wrong_and_names_the_cause() {
     let page = directory.path().join("page.html").to_str().unwrap().to_owned();
     assert_eq!(code(&servoscope(&["show", &stored, "--report", &page])), Some(2));
     assert_eq!(code(&servoscope(&["show", &stored, &file, "--report", &page])), Some(0));
-    assert!(std::fs::read_to_string(page).unwrap().contains("misses static friction"));
+    assert!(std::fs::read_to_string(page).unwrap().contains("lacks static friction"));
     let parts = ["1. static_friction", "Where it is wrong", "What is left", "Is it noise?"];
     for part in parts.into_iter().chain(["The model with static_friction\n\nADEQUATE"]) {
         assert!(report.contains(part), "{report}");

@@ -10,6 +10,7 @@ mod circles;
 mod cli;
 mod compose;
 mod connections;
+mod corpus;
 mod coverage;
 mod discrepancy;
 mod dockerfile;

@@ -96,7 +96,7 @@ fn every_shell_block_works_as_pasted() {
     let folder = tempfile::tempdir().unwrap();
     let printed = paste(keys, folder.path(), None);
     assert_eq!(printed.matches("sk_servoscope_").count(), 2, "{printed}");
-    assert!(printed.contains("upload,run,read  rig 7"), "{printed}");
+    assert!(printed.contains("upload,run,read  server  rig 7"), "{printed}");
     if Command::new("curl").arg("--version").output().is_err() {
         skipped("curl is absent");
         return;

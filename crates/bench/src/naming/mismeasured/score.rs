@@ -1,6 +1,6 @@
 //! What counts as right of a machine whose measurement has a fault.
 
-use servoscope_core::answers::Verdict;
+use servoscope_core::answers::{FaultKind, Verdict};
 
 use super::Mismeasured;
 use crate::naming::judge::{Answer, Outcome};
@@ -9,6 +9,11 @@ impl Outcome {
     /// Whether any fault of the measurement is named.
     pub fn names_a_fault(&self) -> bool {
         self.answer.as_ref().is_ok_and(Answer::names_a_fault)
+    }
+
+    /// Whether it is named that the input of a record is held.
+    pub fn names_held_input(&self) -> bool {
+        self.answer.as_ref().is_ok_and(|answer| answer.faults.contains(&FaultKind::HeldInput))
     }
 
     /// Whether the machine is taken for sound: nothing is named, and the verdict is not

@@ -9,6 +9,7 @@ use crate::naming::judge::{Answer, Outcome};
 use crate::naming::mismeasured::{Mismeasured, RowCounts};
 use crate::naming::mismeasurement::Sort;
 use crate::naming::rate::Rate;
+use crate::naming::recording::Recording;
 
 /// How often a fault of one sort is named, and what is said of the machine behind it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -93,7 +94,9 @@ fn lines(outcomes: &[Outcome], drawn: &[Drawn<'_>]) -> Vec<FaultLine> {
     let behind =
         drawn.iter().filter(|(o, _)| !o.hidden.is_empty() && o.first_in_sound_twin() == Some(true));
     let twins = drawn.iter().filter_map(|(o, _)| o.sound.as_ref()?.as_ref().ok());
-    let sound = outcomes.iter().filter(|o| o.kind != Kind::Mismeasured && o.answer.is_ok());
+    let others = outcomes.iter().filter(|o| o.kind != Kind::Mismeasured && o.answer.is_ok());
+    let is_held = |o: &&Outcome| o.instrument.recording == Some(Recording::Held);
+    let (held, sound): (Vec<&Outcome>, Vec<&Outcome>) = others.partition(is_held);
     let rows = |count: fn(&RowCounts) -> u32, of: fn(&RowCounts) -> u32| Rate {
         hits: faults().map(|fault| count(&fault.rows)).sum(),
         of: faults().map(|fault| of(&fault.rows)).sum(),
@@ -134,7 +137,12 @@ fn lines(outcomes: &[Outcome], drawn: &[Drawn<'_>]) -> Vec<FaultLine> {
         line(
             "sound draws of other kinds: a fault named",
             Wanted::AtMost(0.01),
-            Rate::count(sound.map(Outcome::names_a_fault)),
+            Rate::count(sound.iter().map(|o| o.names_a_fault())),
+        ),
+        line(
+            "recorded with a held input: that it is held",
+            nothing,
+            Rate::count(held.iter().map(|o| o.names_held_input())),
         ),
     ]
 }
@@ -248,5 +256,18 @@ mod tests {
         let faults = faults(&[sound, accused, clean(Verdict::Adequate, &[])]);
         let what = "sound draws of other kinds: a fault named";
         assert_eq!(line(&faults, what), (1, 2, Some(false)));
+    }
+
+    #[test]
+    fn that_an_input_is_held_is_true_of_a_record_whose_input_is() {
+        let mut missed = outcome("analyser-record-60-o0-0", &[], &[], Verdict::Adequate);
+        missed.instrument.recording = Some(Recording::Held);
+        let mut named = missed.clone();
+        if let Ok(answer) = &mut named.answer {
+            answer.faults.push(FaultKind::HeldInput);
+        }
+        let faults = faults(&[missed, named]);
+        assert_eq!(line(&faults, "recorded with a held input: that it is held"), (1, 2, None));
+        assert!(faults.lines.iter().all(|line| !line.what.starts_with("sound draws")));
     }
 }

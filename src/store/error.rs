@@ -6,6 +6,7 @@ use sqlx::postgres::PgDatabaseError;
 
 /// Primary result codes of SQLite, <https://www.sqlite.org/rescode.html>.
 mod sqlite_code {
+    pub(super) const BUSY: u32 = 5;
     pub(super) const READONLY: u32 = 8;
     pub(super) const CORRUPT: u32 = 11;
     pub(super) const FULL: u32 = 13;
@@ -73,6 +74,15 @@ impl From<sqlx::Error> for StoreError {
             Some(Lacking::Soundness) => Self::Damaged(error.to_string()),
             None => Self::Database(error),
         }
+    }
+}
+
+impl StoreError {
+    /// Whether another process has the file of SQLite for itself.
+    pub(super) fn is_locked(&self) -> bool {
+        let Self::Database(error) = self else { return false };
+        let code = error.as_database_error().and_then(|error| error.code()?.parse::<u32>().ok());
+        code.is_some_and(|code| code & 0xff == sqlite_code::BUSY)
     }
 }
 

@@ -52,13 +52,19 @@ impl Keyring for Sqlite {
     }
 
     async fn key(&self, id: &str) -> Result<Option<KeyRow>, StoreError> {
-        let one = sqlx::query_as("SELECT keys.*, now_ms FROM keys, clock WHERE id = ?1").bind(id);
-        Ok(one.fetch_optional(&self.readers).await?)
+        let one = sqlx::query_as(
+            "SELECT id, name, scopes, sha256, created_at_ms, expires_at_ms, revoked_at_ms, used_at_ms,
+                    quotas, now_ms
+             FROM keys, clock WHERE id = ?1",
+        );
+        Ok(one.bind(id).fetch_optional(&self.readers).await?)
     }
 
     async fn keys(&self, limit: u32) -> Result<Vec<KeyRow>, StoreError> {
         let newest = sqlx::query_as(
-            "SELECT keys.*, now_ms FROM keys, clock ORDER BY created_at_ms DESC, id LIMIT ?1",
+            "SELECT id, name, scopes, sha256, created_at_ms, expires_at_ms, revoked_at_ms, used_at_ms,
+                    quotas, now_ms
+             FROM keys, clock ORDER BY created_at_ms DESC, id LIMIT ?1",
         );
         Ok(newest.bind(limit).fetch_all(&self.readers).await?)
     }
@@ -149,7 +155,9 @@ impl Keyring for Sqlite {
 
     async fn session(&self, sha256: &str) -> Result<Option<KeyRow>, StoreError> {
         let one = sqlx::query_as(
-            "SELECT keys.*, now_ms FROM sessions JOIN keys ON keys.id = key_id, clock
+            "SELECT id, name, scopes, keys.sha256, created_at_ms, keys.expires_at_ms, revoked_at_ms,
+                    used_at_ms, quotas, now_ms
+             FROM sessions JOIN keys ON keys.id = key_id, clock
              WHERE sessions.sha256 = ?1 AND sessions.expires_at_ms > now_ms",
         );
         Ok(one.bind(sha256).fetch_optional(&self.readers).await?)

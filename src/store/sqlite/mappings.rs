@@ -38,7 +38,8 @@ pub(super) async fn get(
     name: &str,
 ) -> sqlx::Result<Option<MappingRow>> {
     sqlx::query_as(
-        "SELECT * FROM mappings WHERE name = ?1 AND (?2 IS NULL OR owner = ?2)
+        "SELECT name, settings, layout, updated_at_ms FROM mappings
+         WHERE name = ?1 AND (?2 IS NULL OR owner = ?2)
          ORDER BY owner <> ?3, owner LIMIT 1",
     )
     .bind(name)
@@ -55,7 +56,8 @@ pub(super) async fn of_layout(
     layout: &str,
 ) -> sqlx::Result<Option<MappingRow>> {
     sqlx::query_as(
-        "SELECT * FROM mappings WHERE layout = ?1 AND owner = ?2
+        "SELECT name, settings, layout, updated_at_ms FROM mappings
+         WHERE layout = ?1 AND owner = ?2
          ORDER BY updated_at_ms DESC, name LIMIT 1",
     )
     .bind(layout)
@@ -70,7 +72,8 @@ pub(super) async fn list(
     limit: u32,
 ) -> sqlx::Result<Vec<MappingRow>> {
     sqlx::query_as(
-        "SELECT * FROM mappings WHERE (?2 IS NULL OR owner = ?2)
+        "SELECT name, settings, layout, updated_at_ms FROM mappings
+         WHERE (?2 IS NULL OR owner = ?2)
          ORDER BY name, owner <> ?3, owner LIMIT ?1",
     )
     .bind(limit)

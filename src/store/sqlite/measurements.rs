@@ -73,7 +73,9 @@ pub(super) async fn get(
     id: &str,
 ) -> sqlx::Result<Option<MeasurementRow>> {
     sqlx::query_as(
-        "SELECT *,
+        "SELECT id, created_at_ms, name, machine, axis, operator, measured_at, labels, sha256,
+                experiments, highest_harmonic, magnitude_min, magnitude_max, omega_min_rad_s,
+                omega_max_rad_s, notes, quantities, simulation_s, diagnosis_s,
                 (SELECT json_group_array(name ORDER BY position) FROM measurement_files
                  WHERE measurement_id = measurements.id) AS files
          FROM measurements WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)",
@@ -108,7 +110,9 @@ pub(super) async fn list(
     page: &Page,
 ) -> sqlx::Result<Vec<MeasurementRow>> {
     sqlx::query_as(
-        "SELECT *,
+        "SELECT id, created_at_ms, name, machine, axis, operator, measured_at, labels, sha256,
+                experiments, highest_harmonic, magnitude_min, magnitude_max, omega_min_rad_s,
+                omega_max_rad_s, notes, quantities, simulation_s, diagnosis_s,
                 (SELECT json_group_array(name ORDER BY position) FROM measurement_files
                  WHERE measurement_id = measurements.id) AS files
          FROM measurements

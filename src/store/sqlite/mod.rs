@@ -1,4 +1,7 @@
 //! The engine on one SQLite file.
+//!
+//! Statements name their columns: one that reads all of a table is prepared for so many, and fails when
+//! a newer version of the program adds one meanwhile.
 
 mod batches;
 mod boot;
@@ -20,7 +23,7 @@ mod retention;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use async_trait::async_trait;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
@@ -35,6 +38,9 @@ use super::{
 
 /// How long a writer waits for another one before it gives up.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// How often a new file that another process has locked is tried again.
+const LOOK_AGAIN: Duration = Duration::from_millis(20);
 
 /// Name of the database in the data directory.
 const FILE_NAME: &str = "servoscope.sqlite3";
@@ -91,7 +97,16 @@ impl Sqlite {
         if let Some(bytes) = bytes {
             options = options.pragma("max_page_count", (bytes / PAGE_BYTES).max(1).to_string());
         }
-        let store = Self::connect(options).await?;
+        let began = Instant::now();
+        // A new file is locked while its journal is chosen, and SQLite does not wait for that.
+        let store = loop {
+            match Self::connect(options.clone()).await {
+                Err(error) if error.is_locked() && began.elapsed() < BUSY_TIMEOUT => {
+                    tokio::time::sleep(LOOK_AGAIN).await;
+                }
+                connected => break connected?,
+            }
+        };
         migrations::run(&store.writer).await?;
         Ok(store)
     }

@@ -51,14 +51,17 @@ impl Outbox for Sqlite {
 
     async fn webhooks(&self, reach: &Reach) -> Result<Vec<WebhookRow>, StoreError> {
         let all = sqlx::query_as(
-            "SELECT * FROM webhooks WHERE (?1 IS NULL OR owner = ?1) ORDER BY id DESC",
+            "SELECT id, created_at_ms, url, secret, events, disabled, owner FROM webhooks
+             WHERE (?1 IS NULL OR owner = ?1) ORDER BY id DESC",
         );
         Ok(all.bind(reach.read()).fetch_all(&self.readers).await?)
     }
 
     async fn webhook(&self, reach: &Reach, id: &str) -> Result<Option<WebhookRow>, StoreError> {
-        let one =
-            sqlx::query_as("SELECT * FROM webhooks WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)");
+        let one = sqlx::query_as(
+            "SELECT id, created_at_ms, url, secret, events, disabled, owner FROM webhooks
+             WHERE id = ?1 AND (?2 IS NULL OR owner = ?2)",
+        );
         Ok(one.bind(id).bind(reach.read()).fetch_optional(&self.readers).await?)
     }
 

@@ -35,6 +35,7 @@ use super::request::{IdentifyError, IdentifyRequest, no_response};
 use super::search_settings::SearchSettings;
 use super::solve::{Solved, answer, solve};
 use super::summary::Intervals;
+use super::unknown_jump;
 pub use changed::DatumChange;
 use coarse::Coarse;
 pub use left_out::LeavingOut;
@@ -272,6 +273,7 @@ impl<'a> FitSession<'a> {
     pub fn judge(&self, model: &Model, intervals: Intervals) -> Result<ModelFit, IdentifyError> {
         match self.where_answered(model) {
             None => self.judge_whole(model, intervals),
+            Some((rest, _)) if rest.data() == 0 => Err(no_response()),
             Some((rest, model)) => rest.judge_whole(&model, intervals),
         }
     }
@@ -312,6 +314,7 @@ impl<'a> FitSession<'a> {
             components: model_fit::components(&self.problem),
             residuals: -here.residuals / sigma,
             jacobian: here.jacobian.select_columns(&free) / sigma,
+            eliminated: unknown_jump::columns(&self.problem, weights),
             noise: self.noise(),
             contradicts_noise: self.contradicted_noise(model, dof),
         })

@@ -39,6 +39,9 @@ pub struct ModelFit {
     /// (∂Ŷ/∂p)/σ, one column for each parameter that is not held at a bound; p are logarithms or
     /// levels in the problem's units.
     pub jacobian: DMatrix<f64>,
+    /// Directions along which nothing is left of the noise in `residuals`, nor of `jacobian`, one unit
+    /// vector each: those of jumps that are estimated with the model.
+    pub eliminated: DMatrix<f64>,
     /// The distribution of the noise in `residuals`; up to a factor if its size is unknown.
     pub noise: NoiseLaw,
     /// χ² per degree of freedom with the noise that the measurement states, if the fit weights all

@@ -58,7 +58,8 @@ pub(super) fn summarise(
     let held = refine::held(misfit, &fitted.point, &here);
     let fitted_count = held.iter().filter(|held| !**held).count();
     // With fewer data than parameters, no degrees of freedom are left.
-    let dof = problem.data().saturating_sub(fitted_count) as i64;
+    let estimated = fitted_count + problem.unknown_jumps();
+    let dof = problem.data().saturating_sub(estimated) as i64;
     let fit = goodness(problem, fitted, misfit, dof)?;
     let known = fitted.weights.known();
     // Without a degree of freedom the residuals are rounding errors, and say nothing of the noise.

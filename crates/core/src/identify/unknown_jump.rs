@@ -7,6 +7,8 @@
 //! derivatives lose their part along its direction (G. H. Golub, V. Pereyra 1973,
 //! doi:10.1137/0710036).
 
+use nalgebra::DMatrix;
+
 use crate::measurement::Complex;
 
 use super::noise::Weights;
@@ -35,6 +37,16 @@ pub(super) fn directions(problem: &Problem, weights: &Weights) -> Vec<Direction>
         first += count;
     }
     directions
+}
+
+/// The same, one column each over all rows.
+pub(super) fn columns(problem: &Problem, weights: &Weights) -> DMatrix<f64> {
+    let directions = directions(problem, weights);
+    let mut columns = DMatrix::zeros(problem.data(), directions.len());
+    for (i, Direction { first, rows }) in directions.iter().enumerate() {
+        columns.view_mut((*first, i), (rows.len(), 1)).copy_from_slice(rows);
+    }
+    columns
 }
 
 fn unit(experiment: &Prepared, sigma: &[f64]) -> Option<Vec<f64>> {
@@ -78,11 +90,14 @@ pub(super) fn added(experiment: &Prepared, sigma: &[f64], predicted: &[Complex])
 
 #[cfg(test)]
 mod tests {
+    use super::super::model_fit::fit_base;
     use super::super::noise::weights;
+    use super::super::request::IdentifyRequest;
     use super::*;
-    use crate::answers::IdentifyOptions;
+    use crate::answers::{IdentifyOptions, PlantRequest};
     use crate::machines::records::{PeriodicMotion, RecordNoise, Sampling, multisine};
     use crate::measurement::{Experiment, Measurement, Metadata, ResponseKind};
+    use crate::observer::Silent;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
@@ -143,6 +158,22 @@ mod tests {
         let jump = super::added(&problems[1].experiments[0], &weights.sigma[0], &still);
         let expected = 1e-4 / std::f64::consts::PI / after;
         assert!((jump[1].im - expected).abs() < 5e-3 * expected, "{} {expected}", jump[1].im);
+    }
+
+    #[test]
+    fn a_jump_that_is_estimated_takes_a_degree_of_freedom() {
+        let plant = Some(PlantRequest { actuator_order: 0 });
+        let request = IdentifyRequest { plant, ..IdentifyRequest::default() };
+        for (periods, jumps) in [(1, 1), (4, 0)] {
+            let fit = fit_base(&measurement(recorded(periods)), &request, &Silent).unwrap();
+            let estimated = fit.residuals.len() as i64 - fit.identification.fit.dof;
+            assert_eq!(
+                (fit.eliminated.ncols(), estimated),
+                (jumps, (fit.jacobian.ncols() + jumps) as i64)
+            );
+            // Rounding of a sum of 80 products.
+            assert!(fit.eliminated.tr_mul(&fit.residuals).amax() < 1e-9 * fit.residuals.norm());
+        }
     }
 
     #[test]

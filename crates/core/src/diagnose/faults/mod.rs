@@ -100,8 +100,7 @@ pub(super) fn diagnose(
                     .cloned()
                     .partition(|fault| !is_certain(fault) && fault.fault != FaultKind::StdFactor);
                 let observer = Quiet(&part);
-                if is_explained(&answer)
-                    && !asked.is_empty()
+                if !asked.is_empty()
                     && !retest::needs(measurement, &kept, &answer, request, &observer)
                 {
                     if kept.is_empty() {

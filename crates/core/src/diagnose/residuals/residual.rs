@@ -23,10 +23,12 @@ pub(crate) struct Residuals {
     pub values: DVector<f64>,
     /// 1 − hᵢᵢ.
     pub freedom: Vec<f64>,
-    /// What the fit can absorb: the column space of the Jacobian.
+    /// What the fit can absorb: the column space of the Jacobian, and what was eliminated.
     pub fitted: Subspace,
     /// Derivatives by the parameters, one column each.
     pub jacobian: DMatrix<f64>,
+    /// Directions that were eliminated, one column each.
+    eliminated: DMatrix<f64>,
     /// The distribution of e.
     pub law: NoiseLaw,
     /// Whether the size of the noise is known.
@@ -40,7 +42,7 @@ impl Residuals {
         Self::new(
             Layout::of(fit),
             fit.residuals.clone(),
-            fit.jacobian.clone(),
+            [fit.jacobian.clone(), fit.eliminated.clone()],
             fit.noise.clone(),
             known,
         )
@@ -50,21 +52,25 @@ impl Residuals {
     pub fn new(
         layout: Layout,
         values: DVector<f64>,
-        jacobian: DMatrix<f64>,
+        [jacobian, eliminated]: [DMatrix<f64>; 2],
         law: NoiseLaw,
         scale_known: bool,
     ) -> Self {
-        let fitted = Subspace::of(&jacobian);
+        let (own, more) = (jacobian.ncols(), eliminated.ncols());
+        let mut all = jacobian.clone().insert_columns(own, more, 0.0);
+        all.columns_mut(own, more).copy_from(&eliminated);
+        let fitted = Subspace::of(&all);
         let freedom = fitted.leverages().iter().map(|h| (1.0 - h).max(0.0)).collect();
-        let mut residuals = Self { layout, values, freedom, fitted, jacobian, law, scale_known };
+        let mut residuals =
+            Self { layout, values, freedom, fitted, jacobian, eliminated, law, scale_known };
         residuals.values = residuals.in_scale(&residuals.values);
         residuals
     }
 
     /// The same residuals, whatever the size of the noise.
     pub fn of_any_size(self) -> Self {
-        let Self { layout, values, jacobian, law, .. } = self;
-        Self::new(layout, values, jacobian, law, false)
+        let Self { layout, values, jacobian, eliminated, law, .. } = self;
+        Self::new(layout, values, [jacobian, eliminated], law, false)
     }
 
     /// Degrees of freedom: number of residuals less the rank of the Jacobian.

@@ -78,7 +78,7 @@ mod tests {
     use crate::effects::find;
     use crate::identify::fixtures::joined;
     use crate::identify::problem::Scales;
-    use crate::identify::request::IdentifyRequest;
+    use crate::identify::request::{IdentifyRequest, no_response};
     use crate::identify::summary::Intervals;
     use crate::machines::simulator;
     use crate::machines::simulator::{Machine, Settings};
@@ -146,17 +146,16 @@ mod tests {
         joined(periodic.chain(non_periodic).collect())
     }
 
-    // The data has no noise. With the stated deviation noise would give a χ² of 210; where the axis
-    // has a response, hardly any of it is left.
-    #[test]
-    fn an_answer_is_fitted_to_the_experiments_that_its_model_answers_and_lists_the_others() {
-        let measurement = measurement();
+    fn request() -> IdentifyRequest {
         let mut options = IdentifyOptions::default();
         options.network.enabled = false;
         options.colony.enabled = false;
         let plant = Some(PlantRequest { actuator_order: 2 });
-        let request = IdentifyRequest { plant, options, ..IdentifyRequest::default() };
-        let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+        IdentifyRequest { plant, options, ..IdentifyRequest::default() }
+    }
+
+    /// The axis with its backlash.
+    fn truth(session: &FitSession<'_>) -> Model {
         let play = find("backlash").unwrap();
         let mut model = session.extend(session.base(), play);
         let base = model.coordinates.point(&session.problem.in_scale(&axis()));
@@ -166,6 +165,29 @@ mod tests {
             model.set(i, value / parameter.dimension.factor(input, velocity, 1.0 / omega));
         }
         model.cost = session.misfit(&model).cost(&model.point);
+        model
+    }
+
+    #[test]
+    fn a_model_that_answers_no_experiment_is_not_judged() {
+        let experiments = measurement().experiments().to_vec();
+        let measurement = joined(experiments.into_iter().rev().take(1).collect());
+        let request = request();
+        let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+        assert_eq!(
+            session.judge(&truth(&session), Intervals::Curvature).err(),
+            Some(no_response())
+        );
+    }
+
+    // The data has no noise. With the stated deviation noise would give a χ² of 210; where the axis
+    // has a response, hardly any of it is left.
+    #[test]
+    fn an_answer_is_fitted_to_the_experiments_that_its_model_answers_and_lists_the_others() {
+        let measurement = measurement();
+        let request = request();
+        let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+        let model = truth(&session);
         assert!(model.cost.is_finite());
 
         let fit = session.judge(&model, Intervals::Curvature).unwrap();

@@ -15,7 +15,7 @@ use super::effect_draws::{draw_effect, two};
 use super::excess::{DETECTABLE, exact, excess_in, scaled_to_excess};
 use super::instrument::Instrument;
 use super::mismeasurement::{Mistake, Sort};
-use super::mixed_case::{dominant, mixed, recorded, recorded_mixed};
+use super::mixed_case::{dominant, mixed, recorded};
 use super::mixture::{CHI2_PER_DOF, Mixing};
 use super::outsiders;
 use super::rivals::{Nearest, Rivals};
@@ -166,10 +166,7 @@ pub fn build_case(
         let Some(effects) = hidden else { continue };
         machine.effects = effects;
         if let Some(recording) = instrument.recording {
-            let made = match case.kind.dominant() {
-                0 => recorded(&machine, instrument, recording, wanted[0], rng),
-                _ => recorded_mixed(case, &machine, instrument, recording, wanted[0], rng),
-            };
+            let made = recorded(case, &machine, instrument, recording, wanted[0], rng);
             match made {
                 Some(made) => return Ok(Made { attempts: attempt, ..made }),
                 None => continue,

@@ -1,4 +1,4 @@
-//! Accepts the machine of a draw with small effects beside dominant ones, as a table or recorded.
+//! Accepts the machine of a draw that has small effects beside dominant ones, or that is recorded.
 
 use rand_chacha::ChaCha8Rng;
 
@@ -40,51 +40,35 @@ fn hidden_alone(case: &Case, machine: &Draw, instrument: &Instrument) -> Option<
     machine.effects.iter().enumerate().map(hidden).collect()
 }
 
-/// The draw of a machine with one effect or none that is recorded, at the first attempt, with the
-/// noise with which an effect has this excess; `None` if it cannot be recorded.
+/// The draw of a machine that is recorded, at the first attempt. Its noise is that with which its
+/// dominant effects leave `target` of χ² per degree of freedom or, without small effects, its only
+/// effect has that excess. `None` unless it is as wanted.
 pub(super) fn recorded(
-    machine: &Draw,
-    instrument: Instrument,
-    recording: Recording,
-    excess: f64,
-    rng: &mut ChaCha8Rng,
-) -> Option<Made> {
-    let count = machine.effects.len();
-    let wanted = if count == 0 { Wanted::Sound } else { Wanted::Excess(excess) };
-    let Recorded { measurement, dominance, std, level_db } =
-        recording.record(machine, count, wanted, rng)?;
-    let excess = if count == 0 { 0.0 } else { dominance.base };
-    Some(Made {
-        hidden: machine.effects.iter().map(|effect| Hidden::of(effect, excess)).collect(),
-        excess,
-        dominance: None,
-        plant: truth(&machine.plant),
-        machine: machine.clone(),
-        instrument: Instrument { noise: RelativeNoise::decibels(level_db), ..instrument },
-        noise: NoiseLaw::uniform(std),
-        measurement,
-        mistake: None,
-        attempts: 1,
-    })
-}
-
-/// The draw of a machine with small effects that is recorded, at the first attempt; `None` unless it
-/// is as wanted.
-pub(super) fn recorded_mixed(
     case: &Case,
     machine: &Draw,
     instrument: Instrument,
     recording: Recording,
-    chi2_per_dof: f64,
+    target: f64,
     rng: &mut ChaCha8Rng,
 ) -> Option<Made> {
+    let (dominant, wanted) = match (case.kind.dominant(), machine.effects.len()) {
+        (0, 0) => (0, Wanted::Sound),
+        (0, all) => (all, Wanted::Excess(target)),
+        (dominant, _) => (dominant, Wanted::Left(target)),
+    };
     let Recorded { measurement, dominance, std, level_db } =
-        recording.record(machine, case.kind.dominant(), Wanted::Left(chi2_per_dof), rng)?;
-    dominance.is_wanted().then_some(())?;
+        recording.record(machine, dominant, wanted, rng)?;
+    let excess = if machine.effects.is_empty() { 0.0 } else { dominance.base };
+    let (hidden, dominance) = if case.kind.dominant() == 0 {
+        (machine.effects.iter().map(|effect| Hidden::of(effect, excess)).collect(), None)
+    } else {
+        dominance.is_wanted().then_some(())?;
+        (hidden_alone(case, machine, &instrument)?, Some(dominance))
+    };
     Some(Made {
-        hidden: hidden_alone(case, machine, &instrument)?,
-        excess: dominance.base,
-        dominance: Some(dominance),
+        hidden,
+        excess,
+        dominance,
         plant: truth(&machine.plant),
         machine: machine.clone(),
         instrument: Instrument { noise: RelativeNoise::decibels(level_db), ..instrument },

@@ -70,11 +70,6 @@ impl Quotas {
         ]
     }
 
-    /// Whether one is set.
-    pub fn any(&self) -> bool {
-        *self != Self::default()
-    }
-
     /// Checks that each can be one.
     ///
     /// # Errors
@@ -100,7 +95,8 @@ impl Held {
 
     /// Whether what a key has must be counted.
     fn counts(&self) -> bool {
-        let counted = |quotas: Quotas| Quotas { requests_per_minute: None, ..quotas }.any();
+        let counted =
+            |quotas: Quotas| Quotas { requests_per_minute: None, ..quotas } != Quotas::default();
         counted(self.own) || counted(self.server)
     }
 

@@ -15,7 +15,7 @@ const STEPS: &[(i64, &str, &str)] = &[
         "commits and claims",
         include_str!("../../../migrations/postgres/0003_commits_and_claims.sql"),
     ),
-    (5, "quotas of a key", include_str!("../../../migrations/postgres/0005_quotas_of_a_key.sql")),
+    (4, "quotas of a key", include_str!("../../../migrations/postgres/0004_quotas_of_a_key.sql")),
 ];
 
 /// Brings a database of any earlier version to this one. Of several processes that start together

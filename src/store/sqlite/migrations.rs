@@ -31,7 +31,7 @@ const STEPS: &[Step] = &[
     (5, "keys", include_str!("../../../migrations/0005_keys.sql")),
     (6, "limits", include_str!("../../../migrations/0006_limits.sql")),
     (7, "batches", include_str!("../../../migrations/0007_batches.sql")),
-    (9, "quotas of a key", include_str!("../../../migrations/0009_quotas_of_a_key.sql")),
+    (8, "quotas of a key", include_str!("../../../migrations/0008_quotas_of_a_key.sql")),
 ];
 
 /// Brings a database of any earlier version to this one. Of several processes that start together

@@ -158,7 +158,7 @@ impl Default for SearchSettings {
             cosines,
             records,
             grid_points: 24,
-            ripple_angle_step_rad: 1.0,
+            ripple_angle_step_rad: 3.0,
             largest_scale: 1.5,
             smallest_scale: 0.02,
             same_direction: 1e-4,

@@ -18,15 +18,17 @@ pub(super) async fn lease(
     duration: Duration,
 ) -> sqlx::Result<Option<Lease>> {
     let Some(next) = next(connection, worker).await? else { return Ok(None) };
-    sqlx::query(
-        "UPDATE jobs
-         SET turn = (SELECT turn FROM jobs WHERE id = ?1), priority = priority | 1
-         WHERE id = ?2 AND id <> ?1",
-    )
-    .bind(&next.id)
-    .bind(&next.holder)
-    .execute(&mut *connection)
-    .await?;
+    if next.id != next.holder {
+        sqlx::query(
+            "UPDATE jobs
+             SET turn = (SELECT turn FROM jobs WHERE id = ?1), priority = priority | 1
+             WHERE id = ?2",
+        )
+        .bind(&next.id)
+        .bind(&next.holder)
+        .execute(&mut *connection)
+        .await?;
+    }
     sqlx::query_as(
         "UPDATE jobs
          SET status = 'running', attempt = attempt + 1, progress = NULL, worker = ?1,

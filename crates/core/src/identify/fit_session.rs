@@ -206,6 +206,11 @@ impl<'a> FitSession<'a> {
         NoiseLaw::new(&self.problem, &self.fitted.weights)
     }
 
+    /// Half the peak-to-peak position where that is largest, in the problem's units.
+    pub fn widest_travel(&self) -> f64 {
+        self.problem.widest_travel
+    }
+
     /// The scales from which effects derive the ranges of their parameters, in the problem's units.
     fn scope(&self) -> Scope {
         self.problem.scope(&self.base.coordinates.plant(&self.base.point))

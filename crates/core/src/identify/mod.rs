@@ -29,6 +29,7 @@ pub mod network;
 mod noise;
 mod noise_law;
 mod objective;
+mod observed_motion;
 pub mod optimiser;
 mod order;
 mod parameter_names;

@@ -14,6 +14,7 @@ use crate::measurement::{
 use crate::plant::{Actuator, Friction, Plant};
 use crate::simulate::Excitation;
 
+use super::observed_motion::{largest_travel, largest_velocity, widest_travel};
 use super::parameters::Prior;
 use super::request::IdentifyError;
 
@@ -90,6 +91,9 @@ pub(super) struct Problem {
     pub runs_known: bool,
     /// Largest position amplitude of any harmonic, in scale.
     pub largest_travel: f64,
+    /// Half the peak-to-peak position where that is largest, in scale. Of a multisine it is several
+    /// times the amplitude of any harmonic.
+    pub widest_travel: f64,
 }
 
 impl Problem {
@@ -151,6 +155,7 @@ impl Problem {
         let tied_friction = prepared.iter().all(|e| {
             e.excitation.is_pure_cosine() && e.targets.iter().all(|target| target.order % 2 == 1)
         });
+        let per_scale = scales.omega / scales.velocity;
         Ok(Self {
             scales,
             experiments: prepared,
@@ -158,7 +163,8 @@ impl Problem {
             tied_friction,
             response_scale,
             runs_known,
-            largest_travel: largest_travel(experiments, kind) * scales.omega / scales.velocity,
+            largest_travel: largest_travel(experiments, kind) * per_scale,
+            widest_travel: widest_travel(experiments, kind) * per_scale,
         })
     }
 
@@ -250,29 +256,6 @@ pub(super) fn per_velocity(kind: ResponseKind, k: usize, omega: f64) -> Complex 
         ResponseKind::Position => 1.0 / s,
         ResponseKind::Acceleration => s,
     }
-}
-
-/// Largest velocity amplitude of any harmonic of an experiment, velocity units.
-fn largest_velocity(experiment: &Experiment, kind: ResponseKind) -> f64 {
-    experiment
-        .response
-        .iter()
-        .filter(|harmonic| harmonic.order > 0)
-        .map(|h| (h.value / per_velocity(kind, h.order, experiment.omega_rad_s)).norm())
-        .fold(0.0, f64::max)
-}
-
-/// Largest position amplitude of any harmonic, velocity units times second.
-fn largest_travel(experiments: &[Experiment], kind: ResponseKind) -> f64 {
-    let of = |e: &Experiment| {
-        let moving = e.response.iter().filter(|h| h.order > 0);
-        let travel = moving.map(|h| {
-            let turn = Complex::new(0.0, h.order as f64 * e.omega_rad_s);
-            (h.value / per_velocity(kind, h.order, e.omega_rad_s) / turn).norm()
-        });
-        travel.fold(0.0, f64::max)
-    };
-    experiments.iter().map(of).fold(0.0, f64::max)
 }
 
 /// Peak input of an experiment: its magnitude (half its peak-to-peak value) plus the size of its

@@ -59,9 +59,9 @@ pub struct SearchSettings {
     /// Halved: same causes, same time. Doubled: same causes, same time.
     pub grid_points: usize,
     /// Step of the scan over spatial frequencies of a torque ripple, as the change of its angle
-    /// over the longest travel, radians.
+    /// over half the longest travel from end to end, radians.
     ///
-    /// Halved: same causes, +17 % time. Doubled: same causes, same time.
+    /// Halved: not measured. Doubled: same causes, −14 % time.
     pub ripple_angle_step_rad: f64,
     /// Largest factor by which an effect at a grid point is scaled to fit the residuals.
     ///
@@ -158,7 +158,7 @@ impl Default for SearchSettings {
             cosines,
             records,
             grid_points: 24,
-            ripple_angle_step_rad: 1.0,
+            ripple_angle_step_rad: 3.0,
             largest_scale: 1.5,
             smallest_scale: 0.02,
             same_direction: 1e-4,

@@ -92,7 +92,7 @@ pub(super) fn all(layout: &Layout) -> Vec<Candidate> {
 }
 
 /// The magnitudes that can be told from each other, if there are several.
-fn levels(layout: &Layout) -> Vec<f64> {
+pub(super) fn levels(layout: &Layout) -> Vec<f64> {
     let mut experiments: Vec<(usize, f64)> =
         layout.cells.iter().map(|cell| (cell.experiment, cell.input_magnitude)).collect();
     experiments.dedup();

@@ -13,7 +13,7 @@ use crate::measurement::{
 const SAME_MAGNITUDE: f64 = 1e-9;
 
 /// Factor of the standard deviation of a row that is left out of a fit.
-const LEFT_OUT: f64 = 1e100;
+pub(super) const LEFT_OUT: f64 = 1e100;
 
 /// A measurement without its faults.
 pub(super) struct Mended {

@@ -8,8 +8,9 @@
 //! again.
 //!
 //! [`readings`] tries other ways to read the whole file, [`repeats`] compares repeats with each
-//! other, [`course`] tries how an input runs between its samples, [`isolated`] finds rows that stand out where nothing explains the measurement. [`retest`] asks whether faults are still needed beside the effects that are named in the
-//! end. Faults of one row, level or experiment are looked for in tables only.
+//! other, [`one_level_out`] fits without one magnitude, [`course`] tries how an input runs between its
+//! samples, and [`isolated`] finds rows that stand out where nothing explains the measurement.
+//! [`retest`] asks whether faults are still needed beside the effects that are named in the end. Faults of one row, level or experiment are looked for in tables only.
 
 mod candidates;
 mod course;
@@ -18,6 +19,7 @@ mod fault;
 mod isolated;
 mod mending;
 mod noise_size;
+pub(super) mod one_level_out;
 mod projection;
 pub(super) mod readings;
 mod repeats;

@@ -4,6 +4,7 @@ use crate::answers::MeasurementFault;
 use crate::identify::{FitAccuracy, FitSession, Intervals, Model, ModelFit};
 
 use crate::diagnose::residuals::discrepancy;
+use crate::diagnose::residuals::layout::Layout;
 use crate::diagnose::residuals::residual::Residuals;
 use crate::diagnose::selection::models::{Key, Models};
 
@@ -11,6 +12,7 @@ use super::course;
 use super::family::Family;
 use super::fault;
 use super::mending;
+use super::one_level_out;
 use super::scan::Scan;
 
 /// Fewest degrees of freedom that tell a fault from a model.
@@ -40,6 +42,15 @@ pub(crate) struct Suspected {
     pub effects: usize,
 }
 
+/// Where the search for faults beside a model begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Begin {
+    /// At the model fitted to all data.
+    Refit,
+    /// At the model as it is, which a part of the data does not fit.
+    AsItIs,
+}
+
 /// What is searched for faults.
 pub(crate) struct Suspects<'a> {
     /// The session.
@@ -64,36 +75,78 @@ impl Suspects<'_> {
         if !self.session.has_cosines_alone() {
             return course::best(self, wanted);
         }
-        let scan = self.scan(self.base, self.session.base());
-        let family = Family::of(self.base, &scan.candidates(), self.seed);
-        let best_without = self.best_without();
-        let mut linear: Vec<(f64, &Key, &Model)> = Vec::new();
-        for (key, model) in self.models.all().filter(|(key, _)| wanted(key)) {
-            let Ok(fit) = self.session.judge(model, Intervals::Curvature) else { continue };
-            let scan = self.scan(&fit, model);
+        let family = self.family();
+        let fitted = self.models.all().filter(|(key, _)| wanted(key));
+        let fitted = fitted.map(|(key, model)| (key.clone(), model.clone())).collect();
+        let found = self.beside(fitted, Begin::Refit, &family);
+        found.or_else(|| self.beside_one_level_out(wanted))
+    }
+
+    /// The same, where no fit of all levels leaves only noise, from fits without one of them.
+    pub fn beside_one_level_out(&self, wanted: impl Fn(&Key) -> bool) -> Option<Suspected> {
+        if self.leaves_only_noise() {
+            return None;
+        }
+        let models = one_level_out::fitted(self, wanted);
+        if models.is_empty() {
+            return None;
+        }
+        self.beside(models, Begin::AsItIs, &self.family())
+    }
+
+    /// The limits that chance passes seldom.
+    fn family(&self) -> Family {
+        let scan = self.scan(self.base, self.session.base().cost);
+        Family::of(self.base, &scan.candidates(), self.seed)
+    }
+
+    /// The best of these models with faults, if it is better than every model without any.
+    fn beside(
+        &self,
+        models: Vec<(Key, Model)>,
+        begin: Begin,
+        family: &Family,
+    ) -> Option<Suspected> {
+        let mut linear: Vec<(f64, Key, Model)> = Vec::new();
+        for (key, model) in models {
+            let Ok(fit) = self.session.judge(&model, Intervals::Curvature) else { continue };
+            let Some(cost) = self.session.cost(&model) else { continue };
+            let scan = self.scan(&fit, cost);
             let candidates = scan.candidates();
-            let found = scan.select(&candidates, &family);
+            let found = scan.select(&candidates, family);
             if !found.faults.is_empty() || found.std_factor.is_some() {
                 let price: f64 = found.faults.iter().map(|(_, price)| price).sum();
-                linear.push((found.misfit + price + self.models.complexity(key), key, model));
+                let criterion = found.misfit + price + self.models.complexity(&key);
+                linear.push((criterion, key, model));
             }
         }
         // The base model first: its fits are quick, and the linearisation of a large fault is poor.
         linear.sort_by(|a, b| b.1.is_empty().cmp(&a.1.is_empty()).then(a.0.total_cmp(&b.0)));
         let mut best: Option<Suspected> = None;
-        let mut bar = best_without;
+        let mut bar = self.best_without();
         for (criterion, key, model) in linear.into_iter().take(MOST_REFITTED) {
             // A refit gains little beside what the linearisation promises.
             if best.is_some() && criterion > bar {
                 break;
             }
-            let refitted = self.refitted(key, model, &family);
+            let refitted = self.refitted(&key, model, begin, family);
             if let Some(better) = refitted.filter(|refitted| refitted.criterion < bar) {
                 bar = better.criterion;
                 best = Some(better);
             }
         }
         best
+    }
+
+    /// Whether the best model without faults leaves only noise.
+    fn leaves_only_noise(&self) -> bool {
+        let least = self.models.all().map(|(_, model)| model.cost).fold(f64::INFINITY, f64::min);
+        self.models.noise_scale.explains(least)
+    }
+
+    /// How the residuals are laid out.
+    pub(super) fn layout(&self) -> Layout {
+        Residuals::of(self.base).layout
     }
 
     /// −2 ln evidence of the best model without faults.
@@ -112,22 +165,29 @@ impl Suspects<'_> {
         self.models.noise_scale.known
     }
 
-    fn scan<'f>(&self, fit: &'f ModelFit, model: &Model) -> Scan<'f> {
-        Scan::new(fit, model.cost, self.dof(), self.size_known())
+    fn scan<'f>(&self, fit: &'f ModelFit, cost: f64) -> Scan<'f> {
+        Scan::new(fit, cost, self.dof(), self.size_known())
     }
 
     /// The model with its faults, both fitted together; `None` if more than noise is left.
-    fn refitted(&self, key: &Key, model: &Model, family: &Family) -> Option<Suspected> {
+    fn refitted(
+        &self,
+        key: &Key,
+        mut model: Model,
+        begin: Begin,
+        family: &Family,
+    ) -> Option<Suspected> {
         let experiments = self.session.measurement().experiments();
         let (mut faults, mut price) = (Vec::<MeasurementFault>::new(), 0.0);
-        let mut model = model.clone();
-        for _ in 0..MOST_ROUNDS {
+        for round in 0..MOST_ROUNDS {
             let session = self.session.changed(|experiment, order| {
                 mending::change(&faults, experiments, experiment, order)
             });
-            model = session.refine(&model, FitAccuracy::Settle);
+            if round > 0 || begin == Begin::Refit {
+                model = session.refine(&model, FitAccuracy::Settle);
+            }
             let fit = session.judge(&model, Intervals::Curvature).ok()?;
-            let scan = self.scan(&fit, &model).beside(rows_left_out(&faults));
+            let scan = self.scan(&fit, session.cost(&model)?).beside(rows_left_out(&faults));
             let candidates = scan.candidates();
             let found = scan.select(&candidates, family);
             if found.faults.is_empty() {

@@ -104,6 +104,20 @@ fn a_stated_deviation_that_is_wrong_by_a_factor_is_told_from_structure() {
     }
 }
 
+// So far off that the fit of all levels has hardly any friction.
+#[test]
+fn a_level_that_is_far_off_is_told_from_a_fit_of_the_others() {
+    for (index, factor) in [(1, 1.2), (1, std::f64::consts::SQRT_2), (2, 1.2), (0, 0.7)] {
+        let at = level(index);
+        let fault = only_fault(&changed(6, |_, experiment, harmonic| {
+            scaled(harmonic, if experiment.magnitude == at { factor } else { 1.0 });
+        }));
+        assert_eq!((fault.fault, fault.magnitude), (FaultKind::LevelGain, Some(at)), "{factor}");
+        let value = fault.value.unwrap();
+        assert!((value / factor - 1.0).abs() < 0.01, "{value} for {factor}");
+    }
+}
+
 #[test]
 fn another_gain_or_phase_of_one_level_or_experiment_is_told_with_its_size() {
     let middle = level(1);

@@ -30,8 +30,7 @@ pub(crate) fn pitches(
     ranges: &[Range],
 ) -> Vec<Pitch> {
     let [low, high] = ranges[1].likely;
-    let travel = 0.5 / low;
-    let step = session.search().ripple_angle_step_rad / travel;
+    let step = session.search().ripple_angle_step_rad / session.widest_travel();
     let next = |pitch: &f64| Some(pitch + step);
     let grid: Vec<f64> =
         std::iter::successors(Some(low), next).take_while(|pitch| *pitch < high).collect();
@@ -74,4 +73,31 @@ pub(crate) fn peaks(
         Some(Tried { values, change, gain: gain(i) })
     };
     (peaks.into_iter().filter_map(tried).collect(), spans)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::answers::PlantRequest;
+    use crate::diagnose::fixtures::{multisine_record, plant};
+    use crate::identify::IdentifyRequest;
+    use crate::machines::simulator::Effect;
+    use crate::observer::Silent;
+
+    // A multisine travels several times as far as its largest line.
+    #[test]
+    fn a_ripple_is_found_wherever_it_lies_between_two_spatial_frequencies_of_the_grid() {
+        let plant_request = Some(PlantRequest { actuator_order: 1 });
+        let request = IdentifyRequest { plant: plant_request, ..IdentifyRequest::default() };
+        let found = |cycles_per_unit: f64| {
+            let values =
+                [("amplitude", 0.05), ("cycles_per_unit", cycles_per_unit), ("phase", 1.2)];
+            let effect = Effect::new("cogging", values);
+            let measurement = multisine_record(plant(), &[effect], None, 7);
+            let answer = crate::diagnose::diagnose(&measurement, &request, &Silent).unwrap();
+            answer.causes.first().map(|cause| cause.effect.clone())
+        };
+        for cycles_per_unit in [48.0, 60.0] {
+            assert_eq!(found(cycles_per_unit).as_deref(), Some("cogging"), "{cycles_per_unit}");
+        }
+    }
 }

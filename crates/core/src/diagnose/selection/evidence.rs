@@ -34,6 +34,10 @@ const LARGER_VALUES: usize = 4;
 /// reduce by a factor of e².
 pub(crate) const ACTUATOR_ORDER_COST: f64 = EFFECT_COST + 4.0;
 
+/// Parameters of the largest base model. The degrees of freedom are counted with them at every
+/// order, so that misfits are comparable.
+const LARGEST_BASE_PARAMETERS: usize = 6;
+
 /// Turns the cost of a fit (its weighted sum of squares) into a misfit, −2 ln likelihood.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NoiseScale {
@@ -46,6 +50,12 @@ pub(crate) struct NoiseScale {
 }
 
 impl NoiseScale {
+    /// That of a session.
+    pub fn of(session: &FitSession<'_>) -> Self {
+        let dof = session.data().saturating_sub(LARGEST_BASE_PARAMETERS).max(1) as f64;
+        Self { known: session.noise_known(), rounding: session.rounding(), dof }
+    }
+
     /// −2 ln of the likelihood of a cost c, up to a constant: c where the noise is known, else
     /// ν·ln((c + rounding)/ν).
     pub fn misfit(&self, cost: f64) -> f64 {

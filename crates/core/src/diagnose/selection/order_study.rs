@@ -16,10 +16,6 @@ use crate::diagnose::progress::Part;
 use crate::diagnose::residuals::discrepancy;
 use crate::diagnose::search::Search;
 
-/// Parameters of the largest base model. The degrees of freedom are counted with them at every
-/// order, so that misfits are comparable.
-const LARGEST_BASE_PARAMETERS: usize = 6;
-
 /// Shares of the progress of [`OrderStudy::new`]: the tests of residuals, and every effect alone.
 const RESIDUALS_SPAN: [f64; 2] = [0.0, 0.05];
 const SINGLES_SPAN: [f64; 2] = [0.05, 1.0];
@@ -59,11 +55,7 @@ impl<'a> OrderStudy<'a> {
         stage.step();
         let discrepancy = discrepancy::of(&fit, seed, session.observer());
         stage.step();
-        let noise_scale = NoiseScale {
-            known: session.noise_known(),
-            rounding: session.rounding(),
-            dof: session.data().saturating_sub(LARGEST_BASE_PARAMETERS).max(1) as f64,
-        };
+        let noise_scale = NoiseScale::of(session);
         let search = Search::new(session, part.part(SINGLES_SPAN), seed, noise_scale);
         let (chosen, fits) = (Key::new(), discrepancy.noise_like);
         let mut this =

@@ -226,7 +226,7 @@ pub(super) fn next(answer: &Answer, units: Units<'_>) -> Vec<String> {
     let ids = answer.candidates.iter().map(|candidate| candidate.effect.as_str());
     let experiment = match (&answer.next_experiment, answer.verdict) {
         _ if !answer.rival_faults.is_empty() => {
-            "Measure that again: what repeats comes from the machine.".into()
+            "Repeat that part of the measurement: a deviation that appears again comes from the machine.".into()
         }
         (Some(next), _) => {
             let magnitude = quantity(next.magnitude, 4, units.input);

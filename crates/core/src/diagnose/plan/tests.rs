@@ -202,6 +202,16 @@ fn a_stepped_sine_is_read_again_as_the_experiments_of_the_plan() {
 }
 
 #[test]
+fn an_excitation_of_more_samples_than_a_file_may_have_is_refused_before_it_is_made() {
+    let mut plan = usual().clone();
+    plan.request.options.highest_rad_s = plan.request.options.lowest_rad_s.map(|low| 1e6 * low);
+    for kind in [ExcitationKind::SteppedSine, ExcitationKind::Multisine] {
+        let error = excitation(&plan, kind).unwrap_err().to_string();
+        assert!(error.contains("lower the highest frequency or the budget"), "{error}");
+    }
+}
+
+#[test]
 fn a_multisine_is_read_again_with_lines_that_tell_distortion() {
     let text = excitation(usual(), ExcitationKind::Multisine).unwrap();
     let measurement = recorded(&text);

@@ -16,7 +16,7 @@ const RATE: usize = 1000;
 /// Each with its name, its `Content-Encoding` and its bytes.
 pub fn largest() -> [(&'static str, Option<&'static str>, Vec<u8>); 2] {
     let plain = record(64 * MIB, 12);
-    let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
+    let mut packed = GzEncoder::new(Vec::new(), Compression::default());
     packed.write_all(&record(128 * MIB, 27)).expect("memory");
     let packed = packed.finish().expect("memory");
     assert!(packed.len() <= 64 * MIB, "{} bytes", packed.len());

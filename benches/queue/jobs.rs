@@ -4,7 +4,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use futures_util::future::join_all;
-use servoscope::store::{FileRow, Lease, MeasurementRow, NewJobRow, Outcome, Reach, Store};
+use servoscope::store::{
+    FileRow, Lease, MeasurementRow, NewJobRow, Outcome, Priority, Reach, Store,
+};
 
 /// Longer than anything here takes.
 const LEASE: Duration = Duration::from_secs(3600);
@@ -50,6 +52,7 @@ pub async fn queue_one(store: &dyn Store, measurement: &str, submitter: &str) {
         measurement_id: measurement.into(),
         submitter: submitter.into(),
         kind: "identify".into(),
+        priority: Priority::Normal,
         request: "{}".into(),
     };
     store.insert_job(&Reach::everything(), &row, None).await.expect("it is queued");

@@ -15,6 +15,7 @@ use sha2::{Digest, Sha256};
 
 use crate::config::SecretText;
 use crate::service::{MAX_BATCH, hexadecimal};
+use crate::store::Priority;
 
 use super::choice::one_of;
 use super::interrupt::Terminations;
@@ -57,6 +58,9 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAME")]
     #[arg(value_parser = PossibleValuesParser::new(Method::all().map(Method::name)))]
     method: Option<String>,
+    /// Which waiting jobs of the same key its jobs go before [default: normal].
+    #[arg(long, value_name = "NAME", value_parser = Priority::ALL.map(Priority::name))]
+    priority: Option<String>,
     /// Further options as a JSON object, such as '{"seed": 7}': the `options` of a job over HTTP
     /// [default: {}].
     #[arg(long, value_name = "JSON")]
@@ -134,6 +138,9 @@ async fn made(args: &Args, remote: &Remote) -> Result<Seen, Failure> {
     }
     if let Some(method) = &args.method {
         body["method"] = json!(method);
+    }
+    if let Some(priority) = &args.priority {
+        body["priority"] = json!(priority);
     }
     if let Some(text) = &args.options {
         body["options"] = serde_json::from_str(text).map_err(Failure::input)?;

@@ -118,7 +118,7 @@ enum Command {
     /// Tests a stored result on another measurement of the same axis.
     Validate(validate::Args),
     /// Runs jobs for the servers that use the same database; settings about requests have no effect.
-    Worker(Box<config::Args>),
+    Worker(Box<worker::Args>),
 }
 
 /// Does what the arguments of the process ask for. Exit code 0: done; 2: the

@@ -1,14 +1,16 @@
 //! `servoscope worker`: runs jobs of servers that share its database.
 
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
+use tokio::net::TcpListener;
 use tokio::task::JoinHandle;
 use tracing::info;
 
 use crate::config::ServeConfig;
 use crate::service::{BuiltIn, Service, Signals};
-use crate::worker;
+use crate::{http, worker};
 
 use super::interrupt::Terminations;
 use super::place::Place;
@@ -17,32 +19,71 @@ use super::{Failure, config, logging};
 /// Time that the worker has to hand its jobs back.
 const HAND_BACK: Duration = Duration::from_secs(1);
 
+/// Connections for whoever watches.
+const WATCHERS: usize = 16;
+
+/// Arguments of `worker`.
+#[derive(Debug, clap::Args)]
+#[group(skip)]
+pub(super) struct Args {
+    /// Address at which `/metrics`, `/livez` and `/readyz` of this process answer; port 0 takes a
+    /// free one. Where other machines can reach it, `/metrics` needs a key with the scope `metrics`
+    /// [default: none].
+    #[arg(long, value_name = "ADDRESS", env = "SERVOSCOPE_METRICS")]
+    metrics: Option<SocketAddr>,
+    #[command(flatten)]
+    config: config::Args,
+}
+
 /// Takes jobs until the process is asked to stop.
-pub(super) fn run(args: &config::Args, verbose: u8) -> Result<(), Failure> {
-    let config = ServeConfig::check(args.settings()?).map_err(Failure::input)?;
+pub(super) fn run(args: &Args, verbose: u8) -> Result<(), Failure> {
+    let config = ServeConfig::check(args.config.settings()?).map_err(Failure::input)?;
     if config.workers == 0 {
         return Err(Failure::input("workers: 0 leaves a worker nothing to do; give it 1 or more"));
     }
     logging::start("info", verbose, config.log_format);
     let runtime = tokio::runtime::Runtime::new().map_err(Failure::other)?;
-    let worked = runtime.block_on(work(&config));
+    let worked = runtime.block_on(work(&config, args.metrics));
     runtime.shutdown_background();
     worked
 }
 
-async fn work(config: &ServeConfig) -> Result<(), Failure> {
+async fn work(config: &ServeConfig, metrics: Option<SocketAddr>) -> Result<(), Failure> {
     let terminations = Terminations::new().map_err(Failure::other)?;
     let place = Place::of(config);
     let store = place.open().await?;
     let signals = Arc::new(Signals::default());
     let service = Service::new(Arc::clone(&store), Arc::new(BuiltIn), Arc::clone(&signals));
+    let watched = match metrics {
+        Some(address) => Some(watch(address, service.clone(), Arc::clone(&signals)).await?),
+        None => None,
+    };
     let worker = worker::start(Arc::clone(&store), service, Arc::clone(&signals), settings(config));
     tokio::spawn(worker::relay(store, Arc::clone(&signals)));
     stop_when_asked(terminations, Arc::clone(&signals));
     println!("taking jobs from {place}");
+    if let Some(address) = watched {
+        println!("metrics at http://{address}/metrics");
+    }
     signals.stopped().await;
     hand_back(worker).await;
     Ok(())
+}
+
+/// Answers whoever watches, until the process stops; at which address.
+async fn watch(
+    address: SocketAddr,
+    service: Service,
+    signals: Arc<Signals>,
+) -> Result<SocketAddr, Failure> {
+    let listener = TcpListener::bind(address)
+        .await
+        .map_err(|error| Failure::Other(format!("cannot listen on {address}: {error}")))?;
+    let address = listener.local_addr().map_err(Failure::other)?;
+    let counts = service.metrics().connections().clone();
+    let app = http::watched(service, !address.ip().is_loopback());
+    tokio::spawn(http::serve(listener, app, http::Keeping::new(WATCHERS), signals, counts));
+    Ok(address)
 }
 
 /// How jobs are run.

@@ -55,6 +55,7 @@ pub(super) async fn submit(
         kind: asked.kind,
         actuator_order: asked.plant.map(|plant| plant.actuator_order),
         method: asked.method,
+        priority: asked.priority,
         options: asked.options.unwrap_or_default(),
         ..Submission::default()
     };

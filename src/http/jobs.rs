@@ -222,6 +222,7 @@ fn submission(
         actuator_order: job.plant.map(|plant| plant.actuator_order),
         method: job.method,
         validation_measurement_id: job.validation_measurement_id,
+        priority: job.priority,
         options: job.options.unwrap_or_default(),
     })
 }

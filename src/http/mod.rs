@@ -74,6 +74,20 @@ pub struct Limits {
     pub keys_always: bool,
 }
 
+/// What an operator watches of a process that serves nothing else: `/livez`, `/readyz`, `/metrics`.
+pub fn watched(service: Service, keys_always: bool) -> Router {
+    let limits = Limits {
+        sent_bytes: 0,
+        unpacked_bytes: 0,
+        bodies_bytes: 0,
+        pace: Pace::default(),
+        callers: Callers { any_host: keys_always, ..Callers::default() },
+        keys_always,
+    };
+    let (router, _) = routes::watched().split_for_parts();
+    layers::around(router, service, limits)
+}
+
 /// The whole service: every route, and what surrounds them.
 pub fn app(service: Service, limits: Limits) -> Router {
     let (router, _) = routes::list().split_for_parts();

@@ -83,10 +83,16 @@ pub(super) fn list() -> OpenApiRouter {
         .routes(routes!(keys::rotate))
         .routes(routes!(keys::limit))
         .routes(routes!(sessions::sign_in, sessions::get, sessions::sign_out))
+        .merge(watched())
+        .routes(routes!(health::document))
+}
+
+/// The routes that an operator watches.
+pub(super) fn watched() -> OpenApiRouter {
+    OpenApiRouter::new()
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
         .routes(routes!(health::metrics))
-        .routes(routes!(health::document))
 }
 
 /// The pages for people, not for programs: they are not in the document.

@@ -9,7 +9,7 @@ use servoscope_core::answers::{
 use utoipa::ToSchema;
 
 use crate::service::{Job, Listed, Measured, Quantities, Quantity};
-use crate::store::{AxisRow, Millis, Status};
+use crate::store::{AxisRow, Millis, Priority, Status};
 
 /// A page of a list.
 #[derive(Debug, Serialize, ToSchema)]
@@ -166,6 +166,29 @@ impl From<JobStatus> for Status {
     }
 }
 
+/// Which jobs of the same key a job goes before; without keys, of the same address.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+#[serde(rename_all = "lowercase")]
+#[schema(as = Priority)]
+pub(super) enum PriorityView {
+    /// It waits for all others.
+    Low,
+    /// In the order in which they came.
+    Normal,
+    /// It goes before all others.
+    High,
+}
+
+impl From<Priority> for PriorityView {
+    fn from(priority: Priority) -> Self {
+        match priority {
+            Priority::Low => Self::Low,
+            Priority::Normal => Self::Normal,
+            Priority::High => Self::High,
+        }
+    }
+}
+
 /// Why a job failed.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Failure)]
@@ -202,6 +225,8 @@ pub(super) struct JobView {
     method: Method,
     /// The measurement on which a diagnosis measures its gain; null: none.
     validation_measurement_id: Option<String>,
+    /// Which jobs of the same key it goes before.
+    priority: PriorityView,
     /// Every option in effect.
     options: IdentifyOptions,
     /// What it was estimated to take, seconds of one processor, to within a factor of ten; null for a
@@ -234,6 +259,7 @@ impl From<Job> for JobView {
             plant: request.plant,
             method: request.method,
             validation_measurement_id: request.validation_measurement_id,
+            priority: request.priority.into(),
             options: request.options,
             estimated_s: request.estimated_s,
             attempt: row.attempt,
@@ -298,6 +324,10 @@ pub(super) struct SubmitJob {
     /// A second measurement of the same axis, on which a `diagnose` job measures
     /// what its causes gain.
     pub(super) validation_measurement_id: Option<String>,
+    /// Which waiting jobs of the same key it goes before; left out: `normal`. Keys take turns
+    /// whatever the priorities of their jobs.
+    #[schema(value_type = Option<PriorityView>)]
+    pub(super) priority: Option<String>,
     /// Options of the method; each one left out takes its default.
     pub(super) options: Option<IdentifyOptions>,
 }

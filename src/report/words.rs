@@ -145,9 +145,9 @@ const BASE: [&str; 8] = [
 
 /// Every parameter by its id, with what it is called at the beginning of a line.
 pub fn parameter_names() -> impl Iterator<Item = (String, String)> {
-    let of_effects = effects::ALL.iter().flat_map(|effect| {
-        effect.parameters().iter().map(move |parameter| effect.key(parameter))
-    });
+    let of_effects = effects::ALL
+        .iter()
+        .flat_map(|effect| effect.parameters().iter().map(move |parameter| effect.key(parameter)));
     let ids = BASE.iter().map(|id| (*id).to_owned()).chain(of_effects);
     ids.map(|id| {
         let name = sentence(&parameter_name(&id));

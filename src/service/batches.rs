@@ -100,6 +100,7 @@ impl Service {
             name: submission.name.clone(),
             submitter: self.submitter(&submission.each),
             kind: request.kind.name().to_owned(),
+            priority: request.priority,
             jobs: self.jobs_of(&submission.measurement_ids, &request).await?,
             request: text,
         };

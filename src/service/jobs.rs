@@ -59,6 +59,7 @@ impl Service {
         };
         let estimated_s = Some(self.cost(&measurement, second.as_ref(), &request)?);
         let request = JobRequest { estimated_s, ..request };
+        let priority = request.priority;
         let request =
             serde_json::to_string(&request).map_err(|source| corrupt("request", source))?;
         let key = key.map(|key| {
@@ -71,6 +72,7 @@ impl Service {
             measurement_id: measurement.id,
             submitter: self.submitter(submission),
             kind: submission.kind.clone(),
+            priority,
             request,
         };
         match self.store.insert_job(&self.reach, &row, key.as_ref()).await? {

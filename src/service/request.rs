@@ -6,6 +6,8 @@ use servoscope_bench::methods::METHODS;
 use servoscope_core::answers::{IdentifyOptions, JobKind, Method, PlantRequest};
 use servoscope_core::identify::IdentifyRequest;
 
+use crate::store::Priority;
+
 use super::ServiceError;
 
 /// What a caller asks for, unchecked.
@@ -23,6 +25,8 @@ pub struct Submission {
     pub method: Option<String>,
     /// A second measurement, for kinds of job that use one.
     pub validation_measurement_id: Option<String>,
+    /// Name of the priority; `None`: `normal`.
+    pub priority: Option<String>,
     /// Options of the method.
     pub options: IdentifyOptions,
 }
@@ -39,6 +43,9 @@ pub struct JobRequest {
     /// The measurement on which a diagnosis measures its gain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub validation_measurement_id: Option<String>,
+    /// Which jobs of the same submitter it goes before.
+    #[serde(default)]
+    pub priority: Priority,
     /// Its options.
     pub options: IdentifyOptions,
     /// What it is estimated to take, seconds of one processor; `None` for a job that an earlier
@@ -69,9 +76,17 @@ impl JobRequest {
             });
         }
         let validation_measurement_id = second(submission, kind)?;
+        let priority = submission.priority.as_deref().map(priority).transpose()?;
         submission.options.validate()?;
-        let options = submission.options;
-        Ok(Self { kind, plant, method, validation_measurement_id, options, estimated_s: None })
+        Ok(Self {
+            kind,
+            plant,
+            method,
+            validation_measurement_id,
+            priority: priority.unwrap_or_default(),
+            options: submission.options,
+            estimated_s: None,
+        })
     }
 
     /// The same for the numeric core.
@@ -108,6 +123,16 @@ fn kind(name: &str) -> Result<JobKind, ServiceError> {
             reason: format!("`{other}` is not a kind of job; known: identify, diagnose"),
         }),
     }
+}
+
+fn priority(name: &str) -> Result<Priority, ServiceError> {
+    let known = Priority::ALL.map(Priority::name);
+    Priority::ALL.into_iter().find(|priority| priority.name() == name).ok_or_else(|| {
+        ServiceError::Request {
+            member: "priority".into(),
+            reason: format!("`{name}` is not a priority; known: {}", known.join(", ")),
+        }
+    })
 }
 
 fn plant(actuator_order: u8) -> Result<PlantRequest, ServiceError> {
@@ -173,6 +198,15 @@ mod tests {
         assert_eq!(JobRequest::check(&diagnose).unwrap().kind, JobKind::Diagnose);
         let text = refusal(Submission { kind: "divine".into(), ..identify() });
         assert!(text.contains("not a kind of job; known: identify, diagnose"), "{text}");
+    }
+
+    #[test]
+    fn a_priority_is_one_of_three_and_normal_where_none_is_given() {
+        let with = |name: &str| Submission { priority: Some(name.into()), ..identify() };
+        assert_eq!(JobRequest::check(&identify()).unwrap().priority, Priority::Normal);
+        assert_eq!(JobRequest::check(&with("high")).unwrap().priority, Priority::High);
+        let text = refusal(with("urgent"));
+        assert_eq!(text, "priority: `urgent` is not a priority; known: low, normal, high");
     }
 
     #[test]

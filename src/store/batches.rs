@@ -11,7 +11,9 @@
 
 use async_trait::async_trait;
 
-use super::{IdempotencyKey, Inserted, MeasurementRow, Millis, Page, Reach, Status, StoreError};
+use super::{
+    IdempotencyKey, Inserted, MeasurementRow, Millis, Page, Priority, Reach, Status, StoreError,
+};
 
 /// A batch to be stored with its jobs.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +26,8 @@ pub struct NewBatchRow {
     pub submitter: String,
     /// Kind of its jobs.
     pub kind: String,
+    /// Which of its submitter's jobs they go before.
+    pub priority: Priority,
     /// JSON of the request, every option in effect.
     pub request: String,
     /// Its jobs, in the order of their ids.

@@ -3,7 +3,7 @@
 mod backup;
 mod batches;
 #[path = "../../tests/postgres_cluster.rs"]
-mod cluster;
+pub(in crate::store) mod cluster;
 mod kept;
 mod keys;
 mod lists;
@@ -19,8 +19,8 @@ use super::{
     ALONE_AFTER, Beat, CancelledRows, Cancelling, ConvergencePoint, Description, EndedRow,
     FailureRow, FileRow, IdempotencyKey, Inserted, JobFilter, KeyRow, Lease, MAX_ATTEMPTS,
     MappingRow, MeasurementFilter, MeasurementRow, MemberRow, NewBatchRow, NewJobRow, NewMemberRow,
-    Outcome, Page, Postgres, QueueState, Reach, Recovered, RereadRow, Rereading, ResultFilter,
-    Sqlite, Standing, Status, Store, StoreError, Usage, Wake, WebhookRow,
+    Outcome, Page, Postgres, Priority, QueueState, Reach, Recovered, RereadRow, Rereading,
+    ResultFilter, Sqlite, Standing, Status, Store, StoreError, Usage, Wake, WebhookRow,
 };
 use batches::*;
 use keys::*;
@@ -112,6 +112,7 @@ fn new_job(measurement_id: &str) -> NewJobRow {
         measurement_id: measurement_id.to_owned(),
         submitter: String::new(),
         kind: "identify".into(),
+        priority: Priority::Normal,
         request: "{}".into(),
     }
 }
@@ -264,6 +265,7 @@ contract!(
     the_oldest_queued_job_is_leased_once,
     submitters_take_turns_however_much_each_queues,
     jobs_queued_at_once_have_turns_of_their_own,
+    a_higher_priority_goes_first_within_one_submitter_and_takes_no_turn_of_another,
     expired_leases_are_recovered_once,
     a_job_runs_and_succeeds_with_its_history,
     a_failed_job_says_why_and_has_no_result,

@@ -30,6 +30,11 @@
 //! The next turn is the smallest of all that wait, or on Postgres one more than that of the job that
 //! was leased last. So submitters alternate however many jobs each of them queues, and those of one
 //! are leased in the order in which they came.
+//!
+//! A turn is the submitter's: where it has a job of a higher [`Priority`] waiting, that one is leased
+//! in the turn, and the two jobs exchange theirs. The one that gave its turn away has come before its
+//! equals, and goes before them from then on; of several such the oldest. So priorities order the
+//! jobs of one submitter, and take no turn from another.
 
 mod backup;
 mod batches;
@@ -64,7 +69,7 @@ pub use reach::Reach;
 pub use rows::{
     AxisRow, ConvergencePoint, Description, EndedRow, Expired, FileRow, IdempotencyKey, Inserted,
     JobFilter, JobRow, Lease, MappingRow, MeasurementFilter, MeasurementRow, Millis, NewJobRow,
-    Outcome, Page, QueueState, RereadRow, Rereading, ResultFilter, Status, StoredResult,
+    Outcome, Page, Priority, QueueState, RereadRow, Rereading, ResultFilter, Status, StoredResult,
 };
 pub use sqlite::Sqlite;
 pub use usage::Usage;

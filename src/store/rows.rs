@@ -78,6 +78,42 @@ pub enum Status {
     Cancelled,
 }
 
+/// Which jobs of the same submitter a job goes before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Priority {
+    /// After all others.
+    Low,
+    /// In the order in which they came.
+    #[default]
+    Normal,
+    /// Before all others.
+    High,
+}
+
+impl Priority {
+    /// Every priority, the lowest first.
+    pub const ALL: [Self; 3] = [Self::Low, Self::Normal, Self::High];
+
+    /// Its name, for people and on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Low => "low",
+            Self::Normal => "normal",
+            Self::High => "high",
+        }
+    }
+
+    /// As it is stored; one more: it gave its turn to another, and goes before its equals.
+    pub(super) fn rank(self) -> i64 {
+        match self {
+            Self::Low => 0,
+            Self::Normal => 2,
+            Self::High => 4,
+        }
+    }
+}
+
 impl Status {
     /// Every status.
     pub const ALL: [Self; 5] =
@@ -124,6 +160,8 @@ pub struct NewJobRow {
     pub submitter: String,
     /// Kind of job.
     pub kind: String,
+    /// Which of its submitter's jobs it goes before.
+    pub priority: Priority,
     /// JSON of the request, every option in effect.
     pub request: String,
 }

@@ -95,7 +95,9 @@ fn parameters() -> String {
     let names: BTreeMap<String, String> = page::parameter_names().collect();
     // Names are texts, which JSON always holds.
     let object = serde_json::to_string(&names).unwrap_or_default();
-    format!("// What the parameters of a model are called, by id.\n\nexport const PARAMETERS = {object};\n")
+    format!(
+        "// What the parameters of a model are called, by id.\n\nexport const PARAMETERS = {object};\n"
+    )
 }
 
 #[cfg(test)]
@@ -105,7 +107,9 @@ mod tests {
     #[test]
     fn no_parameter_is_shown_by_its_raw_name() {
         let text = parameters();
-        for part in ["\"fc_plus\":\"Dry friction forwards\"", "\"backlash.gap\":\"", "\"pole\":\"Pole\""] {
+        for part in
+            ["\"fc_plus\":\"Dry friction forwards\"", "\"backlash.gap\":\"", "\"pole\":\"Pole\""]
+        {
             assert!(text.contains(part), "{part}: {text}");
         }
     }

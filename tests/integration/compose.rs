@@ -71,7 +71,11 @@ fn the_program_takes_every_command_and_variable() {
     }
     assert!(service("postgres")["healthcheck"]["test"].is_array());
     assert_eq!(service("worker")["deploy"]["replicas"], 2);
-    assert_eq!(service("worker")["healthcheck"]["disable"], true, "it answers nobody");
+    assert_eq!(
+        service("worker")["healthcheck"]["disable"],
+        true,
+        "that of the image asks another port"
+    );
     assert_eq!(service("server")["environment"]["SERVOSCOPE_WORKERS"], "0");
 }
 
@@ -89,6 +93,10 @@ fn ports_and_images_are_those_of_the_dockerfile_and_of_each_other() {
     let scraped = &yaml("deploy/prometheus.yaml")["scrape_configs"][0];
     assert_eq!(scraped["job_name"], "servoscope", "the alarms name it");
     assert_eq!(words(&scraped["static_configs"][0]["targets"]), [format!("server:{port}")]);
+    let workers = &scraped["dns_sd_configs"][0];
+    assert_eq!(words(&workers["names"]), ["worker"]);
+    let listens = words(&service("worker")["command"]).pop().unwrap();
+    assert_eq!(listens, format!("0.0.0.0:{}", workers["port"]));
     let sources = yaml("deploy/grafana/datasources.yaml");
     let [prometheus, infinity] = [&sources["datasources"][0], &sources["datasources"][1]];
     let (_, asked) = prometheus["url"].as_str().unwrap().rsplit_once(':').unwrap();

@@ -74,6 +74,35 @@ fn succeeded(server: &Server, job: &str) -> Value {
 }
 
 #[test]
+fn a_worker_counts_what_it_computed_for_whoever_watches_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), &["--workers", "0"]);
+    let mut command = command();
+    command.args(["worker", "--workers", "1", "--metrics", "127.0.0.1:0", "--data-dir"]);
+    let mut child = command.arg(folder.path()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
+    let _worker = Worker(child);
+    let address = lines.find_map(|line| line.strip_prefix("metrics at ").map(str::to_owned));
+    let address = address.expect("it says where");
+    succeeded(&server, &submit(&server, &json!({"seed": 5})));
+    let ended = "servoscope_jobs_ended_total{kind=\"identify\",outcome=\"succeeded\"} 1";
+    // The job has ended a moment before it is counted.
+    let began = Instant::now();
+    loop {
+        let text = ureq::get(&address).call().unwrap().into_body().read_to_string().unwrap();
+        if text.lines().any(|line| line == ended) {
+            break;
+        }
+        assert!(began.elapsed() < PATIENCE, "it is not counted in\n{text}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(!server.get("/metrics").text.contains(ended), "the server computed nothing");
+    let root = address.trim_end_matches("metrics");
+    assert!(ureq::get(format!("{root}readyz")).call().is_ok());
+    assert!(ureq::get(format!("{root}v1/jobs")).call().is_err(), "it serves nothing else");
+}
+
+#[test]
 fn a_job_is_computed_by_a_worker_and_followed_and_cancelled_from_another_server() {
     let Some(cluster) = Cluster::shared() else { return };
     let (database, folder) = (cluster.database(), tempfile::tempdir().unwrap());

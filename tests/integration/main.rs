@@ -39,6 +39,7 @@ mod openapi;
 mod operations;
 #[path = "../postgres_cluster.rs"]
 mod postgres_cluster;
+mod priorities;
 mod process;
 mod progress;
 mod properties;

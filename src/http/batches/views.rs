@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use servoscope_core::answers::{IdentifyOptions, JobKind, Method, PlantRequest};
 use utoipa::ToSchema;
 
-use crate::http::views::rfc3339;
+use crate::http::views::{PriorityView, rfc3339};
 use crate::service::{Batch, BatchJob, BatchState, Counts};
 use crate::store::{FailureRow, Standing, Status};
 
@@ -28,6 +28,9 @@ pub(super) struct SubmitBatch {
     /// How parameters are estimated; left out: `abc-ann`.
     #[schema(value_type = Option<Method>)]
     pub(super) method: Option<String>,
+    /// Which waiting jobs of the same key its jobs go before; left out: `normal`.
+    #[schema(value_type = Option<PriorityView>)]
+    pub(super) priority: Option<String>,
     /// Options of the method; each one left out takes its default.
     pub(super) options: Option<IdentifyOptions>,
 }
@@ -99,6 +102,8 @@ pub(in crate::http) struct BatchView {
     plant: Option<PlantRequest>,
     /// The method in effect.
     method: Method,
+    /// Which jobs of the same key its jobs go before.
+    priority: PriorityView,
     /// Every option in effect.
     options: IdentifyOptions,
     /// When it was made, RFC 3339.
@@ -130,6 +135,7 @@ impl From<Batch> for BatchView {
             failures: batch.failures.into_iter().map(failure).collect(),
             plant: request.plant,
             method: request.method,
+            priority: request.priority.into(),
             options: request.options,
             created_at: rfc3339(row.created_at_ms),
             started_at: batch.started_ms.and_then(rfc3339),

@@ -17,7 +17,7 @@ use crate::service::{
     ColumnLook, FileLook, Job, JobRequest, Look, Mapping, Measured, Preview, Quantities, Quantity,
     TableLook,
 };
-use crate::store::{AxisRow, JobRow, MeasurementRow, Status};
+use crate::store::{AxisRow, JobRow, MeasurementRow, Priority, Status};
 
 use super::{batches, keys, webhooks};
 
@@ -263,6 +263,7 @@ pub(super) fn asked() -> JobRequest {
         method: Method::AbcAnn,
         options: IdentifyOptions::default(),
         validation_measurement_id: None,
+        priority: Priority::Normal,
         estimated_s: Some(4.5),
     }
 }

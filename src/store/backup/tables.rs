@@ -143,6 +143,7 @@ pub(in crate::store) const TABLES: &[Table] = &[
             text("verdict"),
             text("cause"),
             real("confidence"),
+            integer("priority"),
         ],
     },
     Table {

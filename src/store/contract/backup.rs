@@ -79,6 +79,7 @@ async fn fill(store: &dyn Store) {
         name: Some(odd.into()),
         submitter: "rig".into(),
         kind: "diagnose".into(),
+        priority: Priority::High,
         request: "{}".into(),
         jobs: vec![member],
     };

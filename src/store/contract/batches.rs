@@ -10,7 +10,7 @@ async fn measured(store: &dyn Store, count: usize) -> Vec<String> {
     ids
 }
 
-fn new_batch(measurements: &[String], submitter: &str) -> NewBatchRow {
+pub(super) fn new_batch(measurements: &[String], submitter: &str) -> NewBatchRow {
     let job = |measurement_id: &String| NewMemberRow {
         job_id: id(),
         measurement_id: measurement_id.clone(),
@@ -22,6 +22,7 @@ fn new_batch(measurements: &[String], submitter: &str) -> NewBatchRow {
         name: Some("press hall".into()),
         submitter: submitter.into(),
         kind: "diagnose".into(),
+        priority: Priority::Normal,
         request: "{}".into(),
         jobs: measurements.iter().map(job).collect(),
     }

@@ -108,6 +108,7 @@ pub(super) async fn rows_of_another_owner_are_not_there(store: &dyn Store) {
         submitter: String::new(),
         measurement_id: measured.clone(),
         kind: "identify".into(),
+        priority: Priority::Normal,
         request: "{}".into(),
     };
     store.insert_job(&mine, &job, None).await.unwrap();
@@ -179,6 +180,7 @@ pub(super) async fn a_later_job_of_another_owner_does_not_hide_a_result(store: &
             submitter: String::new(),
             measurement_id: measured.clone(),
             kind: "identify".into(),
+            priority: Priority::Normal,
             request: "{}".into(),
         };
         store.insert_job(&of(owner), &row, None).await.unwrap();

@@ -52,6 +52,36 @@ pub(super) async fn jobs_queued_at_once_have_turns_of_their_own(store: &dyn Stor
     }
 }
 
+pub(super) async fn a_higher_priority_goes_first_within_one_submitter_and_takes_no_turn_of_another(
+    store: &dyn Store,
+) {
+    let measured = stored_measurement(store).await;
+    let queue = async |submitter: &str, priority| {
+        let row = NewJobRow { submitter: submitter.into(), priority, ..new_job(&measured) };
+        assert_eq!(store.insert_job(&all(), &row, None).await.unwrap(), Inserted::Created);
+        row.id
+    };
+    let low = queue("a", Priority::Low).await;
+    let (first, second) = (queue("a", Priority::Normal).await, queue("a", Priority::Normal).await);
+    let mut others = Vec::new();
+    for _ in 0..3 {
+        others.push(queue("b", Priority::Normal).await);
+    }
+    let of_two = [measured.clone(), stored_measurement(store).await];
+    let batch = NewBatchRow { priority: Priority::High, ..new_batch(&of_two, "a") };
+    assert_eq!(store.insert_batch(&all(), &batch, None).await.unwrap(), Inserted::Created);
+    let high: Vec<&String> = batch.jobs.iter().map(|job| &job.job_id).collect();
+    let mut leased = Vec::new();
+    while let Some(lease) = lease(store, LONG).await {
+        leased.push(lease.job_id);
+    }
+    let [one, two, three] = &others[..] else { unreachable!() };
+    assert_eq!(
+        leased.iter().collect::<Vec<_>>(),
+        [high[0], one, high[1], two, &first, three, &second, &low]
+    );
+}
+
 pub(super) async fn expired_leases_are_recovered_once(store: &dyn Store) {
     for _ in 0..20 {
         leased_job(store, EXPIRED).await;

@@ -192,8 +192,8 @@ async fn insert(
     let measurements: Vec<&str> = all().map(|job| job.measurement_id.as_str()).collect();
     sqlx::query(
         "INSERT INTO jobs (id, measurement_id, kind, request, submitter, status, created_at_ms,
-                           turn, owner, batch_id)
-         SELECT id, measurement_id, $4, request, $5, 'queued', now_ms, $6 + place - 1, $7, $8
+                           turn, owner, batch_id, priority)
+         SELECT id, measurement_id, $4, request, $5, 'queued', now_ms, $6 + place - 1, $7, $8, $9
          FROM unnest($1::text[], $2::text[], $3::text[]) WITH ORDINALITY
                   AS job (id, measurement_id, request, place), clock",
     )
@@ -205,6 +205,7 @@ async fn insert(
     .bind(turn)
     .bind(&reach.owner)
     .bind(&row.id)
+    .bind(row.priority.rank())
     .execute(&mut *connection)
     .await?;
     sqlx::query(

@@ -22,12 +22,13 @@ pub(super) async fn insert(
     locks::wait_for(connection, locks::SUBMITTER, &row.submitter).await?;
     sqlx::query(
         "INSERT INTO jobs
-             (id, measurement_id, kind, request, submitter, status, created_at_ms, turn, owner)
+             (id, measurement_id, kind, request, submitter, status, created_at_ms, turn, owner,
+              priority)
          SELECT $1, $2, $3, $4, $5, 'queued', now_ms,
                 greatest(last_value + 1,
                          COALESCE((SELECT max(turn) + 1 FROM jobs
                                    WHERE status = 'queued' AND turn >= last_value
-                                     AND submitter = $5), 0)), $6
+                                     AND submitter = $5), 0)), $6, $7
          FROM clock, lowest_turn",
     )
     .bind(&row.id)
@@ -36,6 +37,7 @@ pub(super) async fn insert(
     .bind(&row.request)
     .bind(&row.submitter)
     .bind(&reach.owner)
+    .bind(row.priority.rank())
     .execute(connection)
     .await?;
     Ok(claim)

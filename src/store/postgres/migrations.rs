@@ -16,6 +16,7 @@ const STEPS: &[(i64, &str, &str)] = &[
         include_str!("../../../migrations/postgres/0003_commits_and_claims.sql"),
     ),
     (4, "quotas of a key", include_str!("../../../migrations/postgres/0004_quotas_of_a_key.sql")),
+    (5, "priorities", include_str!("../../../migrations/postgres/0005_priorities.sql")),
 ];
 
 /// Brings a database of any earlier version to this one. Of several processes that start together
@@ -38,11 +39,16 @@ pub(super) async fn check(pool: &PgPool) -> Result<(), StoreError> {
 
 /// Every step.
 fn all() -> Migrator {
+    first(STEPS.len())
+}
+
+/// The first steps.
+pub(super) fn first(count: usize) -> Migrator {
     let step = |&(version, description, sql): &(i64, &'static str, &'static str)| {
         let simple = MigrationType::Simple;
         Migration::new(version, description.into(), simple, sql.into_sql_str(), false)
     };
-    Migrator::with_migrations(STEPS.iter().map(step).collect())
+    Migrator::with_migrations(STEPS[..count].iter().map(step).collect())
 }
 
 #[cfg(test)]

@@ -20,6 +20,8 @@ mod queue;
 mod recovery;
 mod results;
 mod retention;
+#[cfg(test)]
+mod upgrade;
 mod wakes;
 
 use std::sync::{Mutex, PoisonError};

@@ -31,27 +31,45 @@ pub(super) async fn lease(
     const { assert!(ALONE_AFTER == 2) };
     // A job that was in hand at two deaths of workers runs alone: whatever is next waits for it.
     sqlx::query_as(
-        "WITH next AS MATERIALIZED (
-             SELECT id, shared, turn FROM jobs
+        "WITH holder AS MATERIALIZED (
+             SELECT id, submitter, priority, shared, turn FROM jobs
              WHERE status = 'queued' AND due_ms <= (SELECT now_ms FROM clock)
                AND turn >= CASE WHEN $3 THEN 0 ELSE (SELECT last_value FROM lowest_turn) END
-             ORDER BY turn, id LIMIT 1 FOR UPDATE SKIP LOCKED)
-         UPDATE jobs
-         SET status = 'running', attempt = attempt + 1, progress = NULL, worker = $1,
-             started_at_ms = now_ms, renewed_at_ms = now_ms, lease_until_ms = now_ms + $2
-         FROM next, clock
-         WHERE jobs.id = next.id
-           AND NOT EXISTS (SELECT 1 FROM jobs AS held
-                           WHERE held.status || '' = 'running' AND held.worker = $1
-                             AND held.shared >= 2)
-           AND (next.shared < 2
-                OR NOT EXISTS (SELECT 1 FROM jobs AS held
-                               WHERE held.status = 'running' AND held.worker = $1))
-           AND setval('lowest_turn', greatest(
-                   next.turn, (SELECT last_value FROM lowest_turn))) IS NOT NULL
-         RETURNING jobs.id AS job_id, attempt, measurement_id, kind, request,
+             ORDER BY turn, id LIMIT 1 FOR UPDATE SKIP LOCKED),
+         ahead AS MATERIALIZED (
+             SELECT id, shared, turn FROM jobs
+             WHERE status || '' = 'queued' AND due_ms <= (SELECT now_ms FROM clock)
+               AND submitter = (SELECT submitter FROM holder)
+               AND priority >= (SELECT priority | 1 FROM holder)
+             ORDER BY priority DESC, created_at_ms, id LIMIT 1 FOR UPDATE SKIP LOCKED),
+         next AS MATERIALIZED (
+             SELECT COALESCE(ahead.id, holder.id) AS id, holder.turn,
+                    COALESCE(ahead.shared, holder.shared) AS shared
+             FROM holder LEFT JOIN ahead ON TRUE),
+         taken AS (
+             UPDATE jobs
+             SET status = 'running', attempt = attempt + 1, progress = NULL, worker = $1,
+                 started_at_ms = now_ms, renewed_at_ms = now_ms, lease_until_ms = now_ms + $2,
+                 turn = next.turn
+             FROM next, clock
+             WHERE jobs.id = next.id
+               AND NOT EXISTS (SELECT 1 FROM jobs AS held
+                               WHERE held.status || '' = 'running' AND held.worker = $1
+                                 AND held.shared >= 2)
+               AND (next.shared < 2
+                    OR NOT EXISTS (SELECT 1 FROM jobs AS held
+                                   WHERE held.status = 'running' AND held.worker = $1))
+               AND setval('lowest_turn', greatest(
+                       next.turn, (SELECT last_value FROM lowest_turn))) IS NOT NULL
+             RETURNING jobs.id, attempt, measurement_id, kind, request),
+         moved AS (
+             UPDATE jobs SET turn = ahead.turn, priority = jobs.priority | 1
+             FROM holder, ahead, taken
+             WHERE jobs.id = holder.id AND ahead.id <> holder.id AND taken.id = ahead.id)
+         SELECT taken.id AS job_id, attempt, measurement_id, kind, request,
                    (SELECT COALESCE(max(seq) + 1, 0) FROM convergence
-                    WHERE job_id = jobs.id) AS next_seq",
+                    WHERE job_id = taken.id) AS next_seq
+         FROM taken",
     )
     .bind(worker)
     .bind(millis(duration))

@@ -179,8 +179,9 @@ async fn insert(
     .await?;
     sqlx::query(
         "INSERT INTO jobs (id, measurement_id, kind, request, submitter, status, created_at_ms,
-                           turn, owner, batch_id)
-         SELECT value ->> 0, value ->> 1, ?2, value ->> 2, ?3, 'queued', now_ms, ?4 + key, ?5, ?6
+                           turn, owner, batch_id, priority)
+         SELECT value ->> 0, value ->> 1, ?2, value ->> 2, ?3, 'queued', now_ms, ?4 + key, ?5, ?6,
+                ?7
          FROM json_each(?1), clock",
     )
     .bind(jobs)
@@ -189,6 +190,7 @@ async fn insert(
     .bind(turn)
     .bind(&reach.owner)
     .bind(&row.id)
+    .bind(row.priority.rank())
     .execute(&mut *connection)
     .await?;
     sqlx::query(

@@ -19,11 +19,12 @@ pub(super) async fn insert(
     }
     sqlx::query(
         "INSERT INTO jobs
-             (id, measurement_id, kind, request, submitter, status, created_at_ms, turn, owner)
+             (id, measurement_id, kind, request, submitter, status, created_at_ms, turn, owner,
+              priority)
          VALUES (?1, ?2, ?3, ?4, ?5, 'queued', (SELECT now_ms FROM clock),
                  max(COALESCE((SELECT min(turn) FROM jobs WHERE status = 'queued'), 0),
                      COALESCE((SELECT max(turn) + 1 FROM jobs
-                               WHERE status = 'queued' AND submitter = ?5), 0)), ?6)",
+                               WHERE status = 'queued' AND submitter = ?5), 0)), ?6, ?7)",
     )
     .bind(&row.id)
     .bind(&row.measurement_id)
@@ -31,6 +32,7 @@ pub(super) async fn insert(
     .bind(&row.request)
     .bind(&row.submitter)
     .bind(&reach.owner)
+    .bind(row.priority.rank())
     .execute(connection)
     .await?;
     Ok(claim)

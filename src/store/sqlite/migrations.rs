@@ -32,6 +32,7 @@ const STEPS: &[Step] = &[
     (6, "limits", include_str!("../../../migrations/0006_limits.sql")),
     (7, "batches", include_str!("../../../migrations/0007_batches.sql")),
     (8, "quotas of a key", include_str!("../../../migrations/0008_quotas_of_a_key.sql")),
+    (9, "priorities", include_str!("../../../migrations/0009_priorities.sql")),
 ];
 
 /// Brings a database of any earlier version to this one. Of several processes that start together

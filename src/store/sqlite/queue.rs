@@ -17,30 +17,64 @@ pub(super) async fn lease(
     worker: &str,
     duration: Duration,
 ) -> sqlx::Result<Option<Lease>> {
-    // A job that was in hand at two deaths of workers runs alone: whatever is next waits for it.
+    let Some(next) = next(connection, worker).await? else { return Ok(None) };
+    sqlx::query(
+        "UPDATE jobs
+         SET turn = (SELECT turn FROM jobs WHERE id = ?1), priority = priority | 1
+         WHERE id = ?2 AND id <> ?1",
+    )
+    .bind(&next.id)
+    .bind(&next.holder)
+    .execute(&mut *connection)
+    .await?;
     sqlx::query_as(
         "UPDATE jobs
          SET status = 'running', attempt = attempt + 1, progress = NULL, worker = ?1,
              started_at_ms = (SELECT now_ms FROM clock),
              renewed_at_ms = (SELECT now_ms FROM clock),
-             lease_until_ms = (SELECT now_ms FROM clock) + ?2
-         WHERE id = (
-             SELECT id
-             FROM (SELECT id, shared FROM jobs
-                   WHERE status = 'queued' AND due_ms <= (SELECT now_ms FROM clock)
-                   ORDER BY turn, id LIMIT 1) AS next
-             WHERE NOT EXISTS (SELECT 1 FROM jobs AS held
-                               WHERE held.status = 'running' AND held.worker = ?1
-                                 AND (next.shared >= ?3 OR held.shared >= ?3)))
+             lease_until_ms = (SELECT now_ms FROM clock) + ?2, turn = ?4
+         WHERE id = ?3
          RETURNING id AS job_id, attempt, measurement_id, kind, request,
                    (SELECT COALESCE(max(seq) + 1, 0) FROM convergence
                     WHERE job_id = jobs.id) AS next_seq",
     )
     .bind(boot::worker(worker))
     .bind(millis(duration))
-    .bind(ALONE_AFTER)
+    .bind(next.id)
+    .bind(next.turn)
     .fetch_optional(connection)
     .await
+}
+
+/// The job that is leased next.
+struct Next {
+    id: String,
+    /// The job whose turn it is; another one of the same submitter may go before it.
+    holder: String,
+    turn: i64,
+}
+
+async fn next(connection: &mut SqliteConnection, worker: &str) -> sqlx::Result<Option<Next>> {
+    // A job that was in hand at two deaths of workers runs alone: whatever is next waits for it.
+    let next: Option<(String, String, i64)> = sqlx::query_as(
+        "SELECT next.id, holder.id, holder.turn
+         FROM (SELECT id, turn, submitter, priority FROM jobs
+               WHERE status = 'queued' AND due_ms <= (SELECT now_ms FROM clock)
+               ORDER BY turn, id LIMIT 1) AS holder
+         JOIN jobs AS next ON next.id = COALESCE(
+             (SELECT id FROM jobs
+              WHERE status = 'queued' AND due_ms <= (SELECT now_ms FROM clock)
+                AND submitter = holder.submitter AND priority >= (holder.priority | 1)
+              ORDER BY priority DESC, created_at_ms, id LIMIT 1), holder.id)
+         WHERE NOT EXISTS (SELECT 1 FROM jobs AS held
+                           WHERE held.status = 'running' AND held.worker = ?1
+                             AND (next.shared >= ?2 OR held.shared >= ?2))",
+    )
+    .bind(boot::worker(worker))
+    .bind(ALONE_AFTER)
+    .fetch_optional(connection)
+    .await?;
+    Ok(next.map(|(id, holder, turn)| Next { id, holder, turn }))
 }
 
 pub(super) async fn renew(

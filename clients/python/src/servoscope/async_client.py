@@ -10,7 +10,7 @@ import httpx
 
 from . import batches, calls, jobs
 from .batches import BatchRow, BatchState
-from .calls import Order
+from .calls import Order, Priority
 from .jobs import JobState, Kind
 from .measurements import Measurement
 from .results import Diagnosis, Identification, Result
@@ -62,11 +62,14 @@ class AsyncClient:
         actuator_order: Order | None = None,
         method: str | None = None,
         options: dict[str, Any] | None = None,
+        priority: Priority | None = None,
         validation: Measurement | str | None = None,
         idempotency_key: str | None = None,
     ) -> AsyncJob[Diagnosis]:
         """Ask where the base model is wrong, and why: see ``Client.diagnose``."""
-        body = calls.job_body("diagnose", measurement, actuator_order, method, options, validation)
+        body = calls.job_body(
+            "diagnose", measurement, actuator_order, method, options, priority, validation
+        )
         return await self._submit(body, idempotency_key)
 
     async def identify(
@@ -76,10 +79,11 @@ class AsyncClient:
         actuator_order: Order | None = None,
         method: str | None = None,
         options: dict[str, Any] | None = None,
+        priority: Priority | None = None,
         idempotency_key: str | None = None,
     ) -> AsyncJob[Identification]:
         """Fit the base model: see ``Client.identify``."""
-        body = calls.job_body("identify", measurement, actuator_order, method, options)
+        body = calls.job_body("identify", measurement, actuator_order, method, options, priority)
         return await self._submit(body, idempotency_key)
 
     async def job(self, job_id: str) -> AsyncJob[Result]:
@@ -95,10 +99,13 @@ class AsyncClient:
         actuator_order: Order | None = None,
         method: str | None = None,
         options: dict[str, Any] | None = None,
+        priority: Priority | None = None,
         idempotency_key: str | None = None,
     ) -> AsyncBatch:
         """Compute many measurements in the same way, as one batch: see ``Client.batch``."""
-        body = calls.batch_body(measurements, kind, name, actuator_order, method, options)
+        body = calls.batch_body(
+            measurements, kind, name, actuator_order, method, options, priority
+        )
         steps = batches.submit(body, idempotency_key, self._give_up_after_s)
         return AsyncBatch(self, await self._run(steps))
 

@@ -13,6 +13,7 @@ from .steps import Request, Steps, send
 from .uploads import Source, UploadSettings, form
 
 Order: TypeAlias = Literal[0, 1, 2]
+Priority: TypeAlias = Literal["low", "normal", "high"]
 
 
 def upload(
@@ -37,6 +38,7 @@ def job_body(
     actuator_order: Order | None,
     method: str | None,
     options: dict[str, Any] | None,
+    priority: Priority | None,
     validation: Measurement | str | None = None,
 ) -> dict[str, Any]:
     """Say what a job asks for; what is None is left to the server."""
@@ -47,6 +49,7 @@ def job_body(
         "plant": plant,
         "method": method,
         "options": options,
+        "priority": priority,
         "validation_measurement_id": None if validation is None else _id(validation),
     }
     return {name: value for name, value in body.items() if value is not None}
@@ -59,6 +62,7 @@ def batch_body(
     actuator_order: Order | None,
     method: str | None,
     options: dict[str, Any] | None,
+    priority: Priority | None,
 ) -> dict[str, Any]:
     """Say what a batch asks for; what is None is left to the server."""
     plant = None if actuator_order is None else {"actuator_order": actuator_order}
@@ -69,6 +73,7 @@ def batch_body(
         "plant": plant,
         "method": method,
         "options": options,
+        "priority": priority,
     }
     return {name: value for name, value in body.items() if value is not None}
 

@@ -10,7 +10,7 @@ import httpx
 
 from . import batches, calls, jobs
 from .batches import BatchRow, BatchState
-from .calls import Order
+from .calls import Order, Priority
 from .jobs import JobState, Kind
 from .measurements import Measurement
 from .results import Diagnosis, Identification, Result
@@ -82,6 +82,7 @@ class Client:
         actuator_order: Order | None = None,
         method: str | None = None,
         options: dict[str, Any] | None = None,
+        priority: Priority | None = None,
         validation: Measurement | str | None = None,
         idempotency_key: str | None = None,
     ) -> Job[Diagnosis]:
@@ -92,6 +93,8 @@ class Client:
             actuator_order: 0, 1 or 2; None: chosen from the data.
             method: How parameters are estimated; None: the server's default.
             options: Options such as ``{"seed": 2, "noise_std": 0.01}``.
+            priority: ``"low"``, ``"normal"`` or ``"high"``: which waiting jobs of the same key it
+                goes before; None: normal.
             validation: A second measurement of the axis, on which the gain is measured.
             idempotency_key: The same key with the same request gives the same job. By default
                 each call makes one.
@@ -100,7 +103,9 @@ class Client:
             ProblemError: The server refused; ``member`` says which argument is wrong.
             ServerUnreachable: The server does not answer.
         """
-        body = calls.job_body("diagnose", measurement, actuator_order, method, options, validation)
+        body = calls.job_body(
+            "diagnose", measurement, actuator_order, method, options, priority, validation
+        )
         return self._submit(body, idempotency_key)
 
     def identify(
@@ -110,10 +115,11 @@ class Client:
         actuator_order: Order | None = None,
         method: str | None = None,
         options: dict[str, Any] | None = None,
+        priority: Priority | None = None,
         idempotency_key: str | None = None,
     ) -> Job[Identification]:
         """Fit the base model. Arguments and errors are those of ``diagnose``."""
-        body = calls.job_body("identify", measurement, actuator_order, method, options)
+        body = calls.job_body("identify", measurement, actuator_order, method, options, priority)
         return self._submit(body, idempotency_key)
 
     def job(self, job_id: str) -> Job[Result]:
@@ -129,6 +135,7 @@ class Client:
         actuator_order: Order | None = None,
         method: str | None = None,
         options: dict[str, Any] | None = None,
+        priority: Priority | None = None,
         idempotency_key: str | None = None,
     ) -> Batch:
         """Compute many measurements in the same way, as one batch.
@@ -140,6 +147,8 @@ class Client:
             actuator_order: 0, 1 or 2; None: chosen from the data of each.
             method: How parameters are estimated; None: the server's default.
             options: Options such as ``{"seed": 2}``.
+            priority: ``"low"``, ``"normal"`` or ``"high"``: which waiting jobs of the same key
+                its jobs go before; None: normal.
             idempotency_key: The same key with the same request gives the same batch. By default
                 each call makes one.
 
@@ -148,7 +157,9 @@ class Client:
                 wrong. Nothing is computed then.
             ServerUnreachable: The server does not answer.
         """
-        body = calls.batch_body(measurements, kind, name, actuator_order, method, options)
+        body = calls.batch_body(
+            measurements, kind, name, actuator_order, method, options, priority
+        )
         steps = batches.submit(body, idempotency_key, self._give_up_after_s)
         return Batch(self, self._run(steps))
 

@@ -199,7 +199,7 @@ mod tests {
             let words = match name {
                 "max_store_mib" => "as the disk has room",
                 "max_connections" => "as many as the limit of open files leaves room for",
-                "workers" => "one a core",
+                "workers" => "one per core",
                 "keep_days" => "never",
                 "key_measurements" | "key_mib" | "key_jobs" | "key_compute_minutes" => "no limit",
                 "hosts" => "none; any where other machines can reach it",

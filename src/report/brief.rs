@@ -307,7 +307,9 @@ mod tests {
             said,
             ["The measurement may be wrong instead: line 9 does not belong to the rest."]
         );
-        assert!(next(&answer, Units::default())[0].starts_with("Measure that again"));
+        assert!(
+            next(&answer, Units::default())[0].starts_with("Repeat that part of the measurement")
+        );
     }
 
     #[test]

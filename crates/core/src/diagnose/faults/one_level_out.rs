@@ -4,71 +4,26 @@
 //! its linearisation does not tell which. A fit of the others is right, and against it the level
 //! stands out.
 
-use std::collections::BTreeSet;
-
-use crate::answers::{FaultKind, MeasurementFault, PlantRequest};
-use crate::diagnose::doubt::{Halt, Suspicion};
-use crate::diagnose::selection::evidence::NoiseScale;
+use crate::diagnose::residuals::layout::Layout;
 use crate::diagnose::selection::models::{Key, Models};
-use crate::diagnose::selection::order_selection::HIGHEST_ORDER;
-use crate::identify::{DatumChange, FitAccuracy, FitSession, IdentifyRequest, Intervals, Model};
+use crate::identify::{DatumChange, FitAccuracy, FitSession, Model};
 use crate::measurement::Complex;
-use crate::observer::Observer;
 
 use super::candidates;
 use super::mending::LEFT_OUT;
-use super::readings;
-use super::suspects::{Suspected, Suspects};
 
 /// Fewest levels: of two, neither is more likely to be the right one.
 const FEWEST_LEVELS: usize = 3;
 
-/// Another gain of one level that, beside the base model, leaves only noise. No effect of a machine
-/// does the same to every frequency and harmonic of one level, so none is tried before. Where the
-/// request leaves the actuator's order open, each is tried: one chosen from all levels may be wrong.
-pub(in crate::diagnose) fn wrong_gain(
-    session: &FitSession<'_>,
-    request: &IdentifyRequest,
-    observer: &dyn Observer,
-) -> Option<Halt> {
-    let as_measured = readings::as_measured(session)?;
-    let fits = as_measured.nrmse <= readings::LEAST_LEFT;
-    if fits || !session.has_cosines_alone() || has_few_levels(session) {
-        return None;
-    }
-    let own = session.order();
-    let others = (0..=HIGHEST_ORDER).filter(|order| request.plant.is_none() && *order != own);
-    let of_others = others.filter_map(|actuator_order| {
-        let plant = Some(PlantRequest { actuator_order });
-        let asked = IdentifyRequest { plant, ..*request };
-        let other = session.beside(&asked, observer).ok()?;
-        gain_alone(&other, request.options.seed)
-    });
-    let faults = gain_alone(session, request.options.seed).into_iter().chain(of_others).next()?;
-    Some(Halt::Faults(Box::new(Suspicion { faults, as_measured })))
-}
-
-/// The gain, if that is all which the base model of a session lacks.
-fn gain_alone(session: &FitSession<'_>, seed: u64) -> Option<Vec<MeasurementFault>> {
-    let base = session.judge(session.base(), Intervals::Curvature).ok()?;
-    let models = Models::new(session.base().clone(), NoiseScale::of(session));
-    let suspects = Suspects { session, base: &base, models: &models, combined: false, seed };
-    let Suspected { faults, .. } = suspects.beside_one_level_out(|_| true)?;
-    let is_gain = |fault: &MeasurementFault| fault.fault == FaultKind::LevelGain;
-    (faults.len() == 1 && faults.iter().all(is_gain)).then_some(faults)
-}
-
-fn has_few_levels(session: &FitSession<'_>) -> bool {
-    let experiments = session.measurement().experiments();
-    let levels: BTreeSet<u64> = experiments.iter().map(|one| one.magnitude.to_bits()).collect();
-    levels.len() < FEWEST_LEVELS
-}
-
 /// The base model and those of one effect, fitted to all levels but the one without which the base
 /// model leaves least, with their cost there.
-pub(super) fn fitted(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Vec<(Key, Model)> {
-    let Suspects { session, models, .. } = *suspects;
-    let levels = candidates::levels(&suspects.layout());
+pub(super) fn fitted(
+    session: &FitSession<'_>,
+    models: &Models,
+    layout: &Layout,
+    wanted: impl Fn(&Key) -> bool,
+) -> Vec<(Key, Model)> {
+    let levels = candidates::levels(layout);
     if levels.len() < FEWEST_LEVELS {
         return Vec::new();
     }

@@ -27,7 +27,7 @@ const CLEARLY_BETTER: f64 = 200.0;
 const LARGEST_CLEAR_PRICE: f64 = 50.0;
 
 /// Highest order of an actuator.
-pub(crate) const HIGHEST_ORDER: u8 = 2;
+const HIGHEST_ORDER: u8 = 2;
 
 /// Shares of the progress.
 struct Spans {

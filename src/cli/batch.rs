@@ -90,7 +90,7 @@ async fn done(args: &Args) -> Result<(), Failure> {
                 made = made(args, &remote) => made?,
                 () = terminations.next() => {
                     return Err(Failure::other(
-                        "interrupted; the same command goes on where this one was",
+                        "interrupted; run the same command again to continue",
                     ));
                 }
             };

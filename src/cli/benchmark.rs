@@ -102,7 +102,7 @@ pub(super) struct Args {
     /// VALUE, several joined by `+` together [default: all halved and doubled but those of records].
     #[arg(long, value_name = "NAME[=VALUE],…", value_delimiter = ',', num_args = 0..)]
     ablation: Option<Vec<String>>,
-    /// Draws at once, each with its share of the cores [default: one a core].
+    /// Draws at once, each with its share of the cores [default: one per core].
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
     /// Writes every draw, what was hidden and what was answered, as JSON into this file.

@@ -117,7 +117,7 @@ enum Command {
     Simulate(Box<simulate::Args>),
     /// Tests a stored result on another measurement of the same axis.
     Validate(validate::Args),
-    /// Runs jobs of servers that share its database; settings about requests have no effect.
+    /// Runs jobs for the servers that use the same database; settings about requests have no effect.
     Worker(Box<worker::Args>),
 }
 

@@ -60,7 +60,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     watch.finish();
     let again = again.map_err(Failure::other)?;
     let differences = differences(&answer, &again)?;
-    let same = "SAME: every number has the same bits, times aside\n";
+    let same = "SAME: every number is identical to the last bit, except for computing times\n";
     let printed = match (args.json, differences.is_empty()) {
         (true, _) => computation::json(&again)?,
         (false, true) => same.to_owned(),

@@ -72,7 +72,7 @@ settings! {
     max_unpacked_mib: usize = |given| given.max_upload_mib.unwrap_or(UPLOAD_MIB).max(128),
         in 1..=MAX_UPLOAD_MIB;
 
-    /// Memory for the uploads that are under way together, mebibytes; an upload beyond is told to
+    /// Memory for the uploads that are under way together, mebibytes; further uploads are told to
     /// come again [default: 512, or four times the largest upload once unpacked where that is
     /// more].
     #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_BODIES_MIB")]
@@ -89,7 +89,7 @@ settings! {
     max_connections: usize = |_| files::connections().min(4096), in 1..=files::connections();
 
     /// Jobs that run at once; 0 leaves them to other processes, see `servoscope worker`
-    /// [default: one a core].
+    /// [default: one per core].
     #[arg(long, value_name = "N", env = "SERVOSCOPE_WORKERS")]
     workers: usize = |_| std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
         in 0..=1024;
@@ -199,7 +199,7 @@ mod tests {
             let words = match name {
                 "max_store_mib" => "as the disk has room",
                 "max_connections" => "as many as the limit of open files leaves room for",
-                "workers" => "one a core",
+                "workers" => "one per core",
                 "keep_days" => "never",
                 "key_measurements" | "key_mib" | "key_jobs" | "key_compute_minutes" => "no limit",
                 "hosts" => "none; any where other machines can reach it",

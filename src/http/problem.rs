@@ -192,7 +192,7 @@ impl Problem {
                 text,
             ),
             ServiceError::HasJobs { .. } => {
-                Self::new(StatusCode::CONFLICT, "has-jobs", "There are jobs on it", text)
+                Self::new(StatusCode::CONFLICT, "has-jobs", "Measurement has jobs", text)
             }
             ServiceError::Ended { .. } => {
                 Self::new(StatusCode::CONFLICT, "already-ended", "Already ended", text)
@@ -202,7 +202,7 @@ impl Problem {
             }
             ServiceError::OverQuota { wait_s, .. } => {
                 let status = StatusCode::TOO_MANY_REQUESTS;
-                let problem = Self::new(status, "over-quota", "More than a key may", text);
+                let problem = Self::new(status, "over-quota", "Quota exceeded", text);
                 Self { retry_after_s: wait_s, ..problem }
             }
             ServiceError::KeyReused { .. } => Self::new(

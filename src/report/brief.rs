@@ -226,7 +226,7 @@ pub(super) fn next(answer: &Answer, units: Units<'_>) -> Vec<String> {
     let ids = answer.candidates.iter().map(|candidate| candidate.effect.as_str());
     let experiment = match (&answer.next_experiment, answer.verdict) {
         _ if !answer.rival_faults.is_empty() => {
-            "Measure that again: what repeats comes from the machine.".into()
+            "Repeat that part of the measurement: a deviation that appears again comes from the machine.".into()
         }
         (Some(next), _) => {
             let magnitude = quantity(next.magnitude, 4, units.input);
@@ -307,7 +307,9 @@ mod tests {
             said,
             ["The measurement may be wrong instead: line 9 does not belong to the rest."]
         );
-        assert!(next(&answer, Units::default())[0].starts_with("Measure that again"));
+        assert!(
+            next(&answer, Units::default())[0].starts_with("Repeat that part of the measurement")
+        );
     }
 
     #[test]

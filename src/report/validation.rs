@@ -35,7 +35,10 @@ pub(super) fn of_second(answer: &Diagnosis) -> Option<String> {
     let mut lines = figures(validation);
     let remarks = validation.remarks.iter().filter(|text| !answer.limitations.contains(text));
     lines.extend(remarks.map(|text| format!("- {text}")));
-    let title = format!("Left of the {} of the second measurement", validation.response_quantity);
+    let title = format!(
+        "Unexplained part of the {} of the second measurement",
+        validation.response_quantity
+    );
     Some(section(&title, lines))
 }
 
@@ -129,7 +132,10 @@ mod tests {
         answer.limitations.push(validation.remarks[0].clone());
         answer.validation = Some(validation);
         let text = crate::report::diagnosis(&answer);
-        assert!(text.contains("Left of the velocity of the second measurement"), "{text}");
+        assert!(
+            text.contains("Unexplained part of the velocity of the second measurement"),
+            "{text}"
+        );
         assert_eq!(text.matches("static_friction helps here, too").count(), 1, "{text}");
         assert_eq!(text.matches("- it says little of the mean").count(), 1, "{text}");
     }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 use servoscope_core::answers::Cause;
-use servoscope_core::effects::{find, find_parameter};
+use servoscope_core::effects::{self, find, find_parameter};
 
 use super::figures::superscript;
 
@@ -129,6 +129,30 @@ fn known(id: &str) -> Option<(&'static str, [&'static str; 2])> {
 /// What the parameter of this id is called.
 pub fn parameter_name(id: &str) -> String {
     known(id).map_or_else(|| id.to_owned(), |(name, _)| name.to_owned())
+}
+
+/// Parameters of the base model by id.
+const BASE: [&str; 8] = [
+    "pole",
+    "constant",
+    "dc_gain",
+    "fc_plus",
+    "fc_minus",
+    "actuator_pole",
+    "natural_frequency",
+    "damping_ratio",
+];
+
+/// Every parameter by its id, with what it is called at the beginning of a line.
+pub fn parameter_names() -> impl Iterator<Item = (String, String)> {
+    let of_effects = effects::ALL
+        .iter()
+        .flat_map(|effect| effect.parameters().iter().map(move |parameter| effect.key(parameter)));
+    let ids = BASE.iter().map(|id| (*id).to_owned()).chain(of_effects);
+    ids.map(|id| {
+        let name = sentence(&parameter_name(&id));
+        (id, name.trim_end_matches('.').to_owned())
+    })
 }
 
 /// What a parameter is called, with its symbol, beside its id.

@@ -256,9 +256,9 @@ impl Outcome {
 /// JSON of why a job failed whose workers died too often.
 pub(super) fn gave_up() -> String {
     let reason = format!(
-        "gave up after {MAX_ATTEMPTS} attempts: each time the worker stopped without a word, as a \
-         process does that is killed or runs out of memory, while it had nothing else in hand, or \
-         lost this job alone"
+        "gave up after {MAX_ATTEMPTS} attempts: each time the worker process ended while it ran this \
+         job alone, or lost only this job, as happens when it is killed or runs out of memory; try a \
+         smaller measurement or search, or ask whoever operates the server"
     );
     serde_json::json!({ "reason": reason, "reference": null }).to_string()
 }

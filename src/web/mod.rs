@@ -6,6 +6,7 @@
 //! so that both look and read alike. A new file is one line in the list `FILES`.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use crate::report::{page, script};
 
@@ -79,6 +80,7 @@ pub fn asset(name: &str) -> Option<Asset> {
     match name {
         "shared.css" => return Some(Asset { media_type: CSS, text: page::shared_style().into() }),
         "dark.css" => return Some(Asset { media_type: CSS, text: page::dark_colours().into() }),
+        "parameters.js" => return Some(Asset { media_type: SCRIPT, text: parameters().into() }),
         _ => {}
     }
     if let Some((_, text)) = script::FILES.iter().find(|(known, _)| *known == name) {
@@ -88,9 +90,29 @@ pub fn asset(name: &str) -> Option<Asset> {
     Some(Asset { media_type, text: (*text).into() })
 }
 
+/// What every parameter is called, as a script module.
+fn parameters() -> String {
+    let names: BTreeMap<String, String> = page::parameter_names().collect();
+    // Names are texts, which JSON always holds.
+    let object = serde_json::to_string(&names).unwrap_or_default();
+    format!(
+        "// What the parameters of a model are called, by id.\n\nexport const PARAMETERS = {object};\n"
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_parameter_is_shown_by_its_raw_name() {
+        let text = parameters();
+        for part in
+            ["\"fc_plus\":\"Dry friction forwards\"", "\"backlash.gap\":\"", "\"pole\":\"Pole\""]
+        {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+    }
 
     /// Names that a file asks for: behind `/assets/` and in imports.
     fn asked_for(text: &str) -> Vec<&str> {

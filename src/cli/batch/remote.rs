@@ -135,7 +135,7 @@ impl Remote {
                     // It says when to come back: that is no failure.
                     Some(pause) if answer.status() == StatusCode::TOO_MANY_REQUESTS => {
                         if let Sent::Refused(refusal) = refused(answer).await {
-                            self.say(&format!("the server has enough for now: {}", refusal.detail));
+                            self.say(&format!("the server is busy: {}", refusal.detail));
                         }
                         tokio::time::sleep(pause).await;
                         continue;

@@ -73,7 +73,7 @@ const NOT_FINISHED: Kind = kind(
 const HAS_JOBS: Kind = kind(
     409,
     "has-jobs",
-    "There are jobs on it",
+    "Measurement has jobs",
     "measurement `01a2` has jobs, whose results stand on how its files were read; delete them with \
      `DELETE /v1/jobs/{id}`, or upload the files again with `POST /v1/measurements` for another \
      reading of them",
@@ -122,7 +122,7 @@ const TOO_COSTLY: Kind = kind(
 const OVER_QUOTA: Kind = kind(
     429,
     "over-quota",
-    "More than a key may",
+    "Quota exceeded",
     "the key `rig 7` may have 100 jobs that wait or run (`--key-jobs`), and this would be more; wait \
      until some end",
 );

@@ -53,7 +53,8 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
         }
     }
     if rests {
-        keys.push(Key::new(Look::Beyond, "key", "measured, no motion above the noise"));
+        let rest = Key::new(Look::Beyond, "key", "measured, no motion above the noise");
+        keys.push(rest.toggling("measured"));
     }
     let bands = bands::invalid(subject.valid_band);
     if !bands.is_empty() {

@@ -93,7 +93,12 @@ pub(super) struct Trace<'a> {
     pub hints: bool,
 }
 
-impl Trace<'_> {
+impl<'a> Trace<'a> {
+    /// What the cursor passes by, shown and hidden by these keys.
+    pub fn keyed(keys: &'a str) -> Self {
+        Self { keys, ..Self::default() }
+    }
+
     fn attributes(&self) -> String {
         let parts = [("series", self.series), ("name", self.name), ("keys", self.keys)];
         let given = parts.into_iter().filter(|(_, text)| !text.is_empty());

@@ -82,7 +82,7 @@ pub fn lines(name: &'static str, title: &str, says: &str, plots: &[Plot], theme:
     }
     let mut canvas = Canvas::new(name, title, says, labels.len());
     let key = |(i, (label, stroke)): (usize, &(&str, Stroke))| {
-        Key::new(Look::Line(stroke.class()), format!("s{i}"), *label)
+        Key::new(Look::Line(stroke.class()), format!("s{i}"), *label).toggling(format!("s{i}"))
     };
     let keys: Vec<Key> = labels.iter().enumerate().map(key).collect();
     legend(&mut canvas, &keys);
@@ -111,7 +111,7 @@ pub fn lines(name: &'static str, title: &str, says: &str, plots: &[Plot], theme:
         for line in &plot.lines {
             let index = labels.iter().position(|(label, _)| *label == line.label);
             let class = format!("s{}", index.unwrap_or_default());
-            let trace = Trace { name: &line.label, ..Trace::default() };
+            let trace = Trace { name: &line.label, keys: &class, ..Trace::default() };
             canvas.open_trace(&class, panel.sides(), trace);
             let point =
                 |[x, y]: &[f64; 2]| panel.at(*x, *y).filter(|_| x.is_finite() && y.is_finite());

@@ -55,22 +55,23 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
             } else {
                 format!("best so far, {order}")
             };
-            Key::new(Look::Line("line"), format!("s{i}"), text)
+            Key::new(Look::Line("line"), format!("s{i}"), text).toggling(format!("s{i}"))
         })
         .collect();
     let has_means =
         stages.iter().flat_map(|s| &s.traces).flat_map(|t| &t.rows).any(|row| row.mean.is_some());
     if has_means {
         let text = "mean of the population, training loss of the network";
-        keys.push(Key::new(Look::Line("thin"), "key", text));
+        keys.push(Key::new(Look::Line("thin"), "key", text).toggling("mean"));
     }
     let dof = subject.identification.filter(|_| chi2).map(|a| a.fit.dof as f64);
     if dof.is_some_and(|dof| dof > 0.0) {
-        keys.push(Key::new(Look::Line("floor"), "key", "what noise alone leaves"));
+        let noise = Key::new(Look::Line("floor"), "key", "what noise alone leaves");
+        keys.push(noise.toggling("noise"));
     }
     if let Some(stage) = stages.iter().find(|stage| is_point(stage)) {
         let text = capitalised(stage.name).to_lowercase();
-        keys.push(Key::new(Look::Marker(Marker::Diamond), "key", text));
+        keys.push(Key::new(Look::Marker(Marker::Diamond), "key", text).toggling("start"));
     }
     legend(&mut canvas, &keys);
     let cost = if chi2 { "Cost χ² (–)" } else { "Cost (–)" };
@@ -163,7 +164,7 @@ fn traces(
     position: fn(&ConvergenceRow) -> f64,
     noise: Option<f64>,
 ) {
-    canvas.open_clipped("", panel.sides());
+    canvas.open_trace("", panel.sides(), canvas::Trace::keyed("noise"));
     if let Some(y) = noise.and_then(|noise| panel.y.at(noise)) {
         canvas.line("floor", [panel.left, y], [panel.right, y]);
     }
@@ -174,12 +175,13 @@ fn traces(
         let begins: Vec<bool> =
             (0..rows.len()).map(|i| i > 0 && position(rows[i]) < position(rows[i - 1])).collect();
         let (class, series) = (format!("s{order}"), format!("order {order}"));
-        let named = |name| canvas::Trace { series: &series, name, ..canvas::Trace::default() };
-        canvas.open_trace(&class, panel.sides(), named("mean"));
+        let both = format!("mean {class}");
+        let named = |name, keys| canvas::Trace { series: &series, name, keys, hints: false };
+        canvas.open_trace(&class, panel.sides(), named("mean", &both));
         let mean = rows.iter().map(|row| panel.at(position(row), row.mean?));
         canvas.polyline("thin", mean.zip(&begins).flat_map(broken));
         canvas.close();
-        canvas.open_trace(&class, panel.sides(), named("best"));
+        canvas.open_trace(&class, panel.sides(), named("best", &class));
         let best = rows.iter().map(|row| panel.at(position(row), row.best));
         canvas.polyline("line", best.zip(&begins).flat_map(broken));
         canvas.close();
@@ -188,8 +190,9 @@ fn traces(
         let Some(last) = rows.last() else { continue };
         let Some([x, y]) = panel.at(position(last), last.best) else { continue };
         let inside = [x, y.clamp(panel.top, panel.bottom)];
-        let class = format!("s{order} measured");
-        canvas.open_inside(&class, panel.sides(), canvas::Trace::default());
+        let keys = format!("s{order}");
+        let class = format!("{keys} measured");
+        canvas.open_inside(&class, panel.sides(), canvas::Trace::keyed(&keys));
         let hint = format!("{}: {}", last.stage, number(last.best, 5));
         canvas.marker(Marker::Circle, inside, 3.4, &hint);
         canvas.close();
@@ -205,8 +208,9 @@ fn broken((point, begins): (Option<[f64; 2]>, &bool)) -> impl Iterator<Item = Op
 fn starts(canvas: &mut Canvas, panel: &Panel, points: &[&Stage<'_>]) {
     for Trace { order, rows } in points.iter().flat_map(|stage| &stage.traces) {
         let Some([x, y]) = rows.last().and_then(|row| panel.at(0.0, row.best)) else { continue };
+        let keys = format!("start s{order}");
         let class = format!("s{order} measured");
-        canvas.open_inside(&class, panel.sides(), canvas::Trace::default());
+        canvas.open_inside(&class, panel.sides(), canvas::Trace::keyed(&keys));
         let y = y.clamp(panel.top, panel.bottom);
         canvas.marker(Marker::Diamond, [x, y], 4.0, "closed form");
         canvas.close();

@@ -49,11 +49,13 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let title = format!("{quantity} over velocity");
     let mut canvas = Canvas::new("friction", &title, &says, groups.len());
     let mut keys = vec![
-        Key::new(Look::Line("line"), MODEL, "dry and viscous friction of the model"),
-        Key::new(Look::Area, MODEL, "95 % band"),
+        Key::new(Look::Line("line"), MODEL, "dry and viscous friction of the model")
+            .toggling("model"),
+        Key::new(Look::Area, MODEL, "95 % band").toggling("band"),
     ];
     if sides.iter().any(|side| side.static_level.is_some()) {
-        keys.push(Key::new(Look::Marker(Marker::Diamond), MODEL, "static level"));
+        let level = Key::new(Look::Marker(Marker::Diamond), MODEL, "static level");
+        keys.push(level.toggling("static"));
     }
     legend(&mut canvas, &keys);
     let top = canvas.y + 22.0;
@@ -136,7 +138,7 @@ fn curve(
 ) {
     let area = band(answer, side, viscous, reach);
     let area: Vec<[f64; 2]> = area.iter().filter_map(|[v, t]| panel.at(*v, *t)).collect();
-    canvas.open_clipped(MODEL, panel.sides());
+    canvas.open_trace(MODEL, panel.sides(), Trace::keyed("band"));
     canvas.area("band", &area);
     canvas.close();
     // From rest: whatever value holds the axis, up to the static level.
@@ -144,12 +146,12 @@ fn curve(
     let breakaway = side.static_level.unwrap_or(sliding).max(sliding);
     let rest = [panel.at(0.0, 0.0), panel.at(0.0, side.sign * breakaway), None];
     let moving = side.curve(viscous.slope, reach).map(|[v, torque]| panel.at(v, torque));
-    let trace = Trace { name: "friction", ..Trace::default() };
+    let trace = Trace { name: "friction", keys: "model", ..Trace::default() };
     canvas.open_trace(MODEL, panel.sides(), trace);
     canvas.polyline("line", rest.into_iter().chain(moving));
     canvas.close();
     if let Some(place) = side.static_level.and_then(|level| panel.at(0.0, side.sign * level)) {
-        let trace = Trace { name: "static level", ..Trace::default() };
+        let trace = Trace { name: "static level", keys: "static", ..Trace::default() };
         canvas.open_inside(&format!("{MODEL} measured"), panel.sides(), trace);
         canvas.marker(Marker::Diamond, place, 4.2, "static level");
         canvas.close();
@@ -168,7 +170,7 @@ fn names(canvas: &mut Canvas, panel: &Panel, sides: &[Side], unit: &str) {
         };
         // Clear of the axis, where a level is small.
         let y = y - 4.0 * side.sign;
-        canvas.open_inside(MODEL, panel.sides(), Trace::default());
+        canvas.open_inside(MODEL, panel.sides(), Trace::keyed("model"));
         canvas.text(x, y + 4.0, LABEL, anchor, &label);
         canvas.close();
     }
@@ -191,7 +193,7 @@ fn slope(
         let room = (panel.right - 10.0) - text::width(&label, LABEL.size) - zero;
         let v = reach * room / (end - zero);
         let Some(y) = panel.y.at(side.sign * side.torque(viscous.slope, v)) else { continue };
-        canvas.open_inside(MODEL, panel.sides(), Trace::default());
+        canvas.open_inside(MODEL, panel.sides(), Trace::keyed("model"));
         // On the side of zero, clear of the point of the branch nearest to it.
         match side.sign > 0.0 {
             true => {

@@ -69,12 +69,14 @@ pub(super) fn draw(title: &str, trends: &[Trend]) -> Result<Canvas, NothingToDra
     legend(
         &mut canvas,
         &[
-            Key::new(Look::Marker(Marker::Circle), format!("s{STEADY}"), "value and 95 % interval"),
+            Key::new(Look::Marker(Marker::Circle), format!("s{STEADY}"), "value and 95 % interval")
+                .toggling("steady"),
             Key::new(
                 Look::Marker(Marker::Diamond),
                 format!("s{CHANGED}"),
                 "changed beyond the joint interval",
-            ),
+            )
+            .toggling("changed"),
         ],
     );
     let times = || trends.iter().flat_map(|trend| &trend.points).map(|point| point.at_s);
@@ -104,20 +106,20 @@ pub(super) fn draw(title: &str, trends: &[Trend]) -> Result<Canvas, NothingToDra
 const POINT: Trace<'_> = Trace { series: "", name: "estimate", keys: "", hints: true };
 
 fn points(canvas: &mut Canvas, panel: &Panel, trend: &Trend) {
-    canvas.open_inside(&format!("s{STEADY}"), panel.sides(), Trace::default());
+    canvas.open_inside(&format!("s{STEADY}"), panel.sides(), Trace::keyed("steady"));
     canvas.polyline("faint", trend.points.iter().map(|point| panel.at(point.at_s, point.value)));
     canvas.close();
     for point in &trend.points {
         let Some(at) = panel.at(point.at_s, point.value) else { continue };
-        let class = if point.changed { CHANGED } else { STEADY };
-        canvas.open_inside(&format!("s{class}"), panel.sides(), Trace::default());
+        let (class, keys) = if point.changed { (CHANGED, "changed") } else { (STEADY, "steady") };
+        canvas.open_inside(&format!("s{class}"), panel.sides(), Trace::keyed(keys));
         if let Some([low, high]) = point.interval95
             && let (Some(low), Some(high)) = (panel.y.at(low), panel.y.at(high))
         {
             canvas.line("bar", [at[0], low], [at[0], high]);
         }
         canvas.close();
-        canvas.open_inside(&format!("s{class} measured"), panel.sides(), POINT);
+        canvas.open_inside(&format!("s{class} measured"), panel.sides(), Trace { keys, ..POINT });
         let shape = if point.changed { Marker::Diamond } else { Marker::Circle };
         canvas.marker(shape, at, 4.0, &hint(point, &trend.unit));
         canvas.close();

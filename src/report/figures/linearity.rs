@@ -19,9 +19,12 @@ const MOST_DECADES: f64 = 8.0;
 
 const LEFT: f64 = 64.0;
 
-/// Kinds of line, their classes and names.
-const KINDS: [(&str, &str); 3] =
-    [("s2", "at lines of the input"), ("s1", "odd distortion"), ("s0", "even distortion")];
+/// Kinds of line: their classes, their keys and their names.
+const KINDS: [(&str, &str, &str); 3] = [
+    ("s2", "input", "at lines of the input"),
+    ("s1", "odd", "odd distortion"),
+    ("s0", "even", "even distortion"),
+];
 
 pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let nothing = || NothingToDraw("the data alone tell nothing of noise or distortion".into());
@@ -30,9 +33,11 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let mut canvas = Canvas::new("linearity", title, sentence, KINDS.len());
     let mut keys: Vec<Key> = KINDS
         .iter()
-        .map(|(class, name)| Key::new(Look::Marker(Marker::Circle), *class, *name))
+        .map(|(class, key, name)| {
+            Key::new(Look::Marker(Marker::Circle), *class, *name).toggling(*key)
+        })
         .collect();
-    keys.push(Key::new(Look::Line("floor"), "key", "noise"));
+    keys.push(Key::new(Look::Line("floor"), "key", "noise").toggling("noise"));
     legend(&mut canvas, &keys);
     let units = subject.comparison.map_or(["", ""], |c| [&c.input_unit, &c.response_unit]);
     for index in spread(levels.len(), MOST_PANELS) {
@@ -71,13 +76,13 @@ fn level(canvas: &mut Canvas, level: &LinearityLevel, units: [&str; 2], several:
     let name = text::shorten(&format!("Amplitude ({unit})"), 11.5, 200.0);
     let naming = Naming { heading: &heading, x: "Frequency (Hz)", y: &name, ..Naming::default() };
     panel.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
-    canvas.open_clipped("", panel.sides());
+    canvas.open_trace("", panel.sides(), Trace::keyed("noise"));
     canvas.polyline("floor", noise.iter().map(|[hz, value]| panel.at(*hz, *value)));
     canvas.close();
     let radius = if points.iter().map(Vec::len).sum::<usize>() > 150 { 2.0 } else { 3.2 };
     // The input's lines last: they are what the eye looks for.
-    for ((class, name), points) in KINDS.iter().zip(points).rev() {
-        let trace = Trace { name, ..Trace::default() };
+    for ((class, keys, name), points) in KINDS.iter().zip(points).rev() {
+        let trace = Trace { name, keys, ..Trace::default() };
         canvas.open_trace(&format!("{class} dense data"), panel.sides(), trace);
         for [hz, value] in points {
             let hint = format!("{} Hz, {name}: {}", number(hz, 4), number(value, 4));

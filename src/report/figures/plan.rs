@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use servoscope_core::answers::{Plan, PlannedEffect};
 
-use super::canvas::{AXIS, Anchor, Canvas, MARGIN, Marker, TICK, Trace, WIDTH};
+use super::canvas::{Anchor, Canvas, MARGIN, Marker, TICK, Trace, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, range};
 use super::text::number;
@@ -29,8 +29,10 @@ pub(super) fn draw(plan: &Plan) -> Canvas {
     legend(
         &mut canvas,
         &[
-            Key::new(Look::Marker(Marker::Circle), "s0", "planned; larger with more repeats"),
-            Key::new(Look::Marker(Marker::Diamond), "s1", "logarithmic sweep of the same duration"),
+            Key::new(Look::Marker(Marker::Circle), "s0", "planned; larger with more repeats")
+                .toggling("planned"),
+            Key::new(Look::Marker(Marker::Diamond), "s1", "logarithmic sweep of the same duration")
+                .toggling("sweep"),
         ],
     );
     points(&mut canvas, plan);
@@ -49,11 +51,11 @@ fn points(canvas: &mut Canvas, plan: &Plan) {
     let x = Scale::log([slow / 1.2, fast * 1.2], [LEFT, right]);
     let y = Scale::log([weak / 1.2, strong * 1.2], [bottom, top]);
     let panel = Panel { x, y, left: LEFT, top, right, bottom };
-    let naming = Naming { x: "Frequency (Hz)", y: "Magnitude (input units)", ..Naming::default() };
+    let naming = Naming { x: "Frequency (Hz)", y: "Magnitude of the input", ..Naming::default() };
     panel.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
     let groups = [("s1", "sweep", true), ("s0", "planned", false)];
     for (class, name, is_sweep) in groups {
-        let trace = Trace { name, ..Trace::default() };
+        let trace = Trace { name, keys: name, ..Trace::default() };
         canvas.open_trace(&format!("{class} dense data"), panel.sides(), trace);
         let own: Vec<_> =
             if is_sweep { swept().collect() } else { plan.experiments.iter().collect() };
@@ -88,8 +90,13 @@ fn points(canvas: &mut Canvas, plan: &Plan) {
 fn effects(canvas: &mut Canvas, plan: &Plan) {
     let mut effects: Vec<&PlannedEffect> = plan.effects.iter().collect();
     effects.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let x = Scale::linear([0.0, 1.0], [BARS, WIDTH - MARGIN]);
     let top = canvas.y;
+    let (right, bottom) = (WIDTH - MARGIN, top + ROW * effects.len() as f64);
+    let x = Scale::linear([0.0, 1.0], [BARS, right]);
+    let y = Scale::linear([0.0, effects.len() as f64], [top, bottom]);
+    let panel = Panel { x, y, left: BARS, top, right, bottom };
+    let name = "Probability that an effect of typical size is named";
+    panel.draw(canvas, &[], Naming { x: name, ..Naming::default() });
     for (index, effect) in effects.iter().enumerate() {
         let y = top + ROW * (index as f64 + 0.5);
         canvas.text(BARS - 8.0, y + 4.0, TICK, Anchor::End, &effect.title);
@@ -98,27 +105,20 @@ fn effects(canvas: &mut Canvas, plan: &Plan) {
         }
         let swept = plan.sweeps.last().and_then(|sweep| sweep.probabilities.get(&effect.effect));
         let marks = [
-            ("s1", Marker::Diamond, swept.copied(), "by the sweep"),
-            ("s0", Marker::Circle, Some(effect.probability), "as planned"),
+            ("s1", "sweep", Marker::Diamond, swept.copied(), "by the sweep"),
+            ("s0", "planned", Marker::Circle, Some(effect.probability), "as planned"),
         ];
-        for (class, shape, share, how) in marks {
+        for (class, keys, shape, share, how) in marks {
             let Some((share, px)) = share.and_then(|share| Some((share, x.at(share)?))) else {
                 continue;
             };
-            canvas.open(&format!("{class} measured"));
-            let hint = format!("{}, {how}: {} %", effect.title, number(100.0 * share, 3));
+            let trace = Trace { name: how, keys, hints: true, ..Trace::default() };
+            canvas.open_inside(&format!("{class} measured data"), panel.sides(), trace);
+            let hint = format!("{}: {how} {} %", effect.title, number(100.0 * share, 3));
             canvas.marker(shape, [px, y], 4.0, &hint);
             canvas.close();
         }
     }
-    let bottom = top + ROW * effects.len() as f64;
-    for tick in x.horizontal_ticks(TICK.size) {
-        canvas.line("frame", [tick.px, bottom], [tick.px, bottom + 4.0]);
-        canvas.text(tick.px, bottom + 17.0, TICK, Anchor::Middle, &tick.label);
-    }
-    let middle = 0.5 * (BARS + WIDTH - MARGIN);
-    let name = "Probability that an effect of typical size is named";
-    canvas.text(middle, bottom + 34.0, AXIS, Anchor::Middle, name);
     canvas.y = bottom + 50.0;
 }
 

@@ -50,9 +50,9 @@ fn keys(comparison: &Comparison) -> Vec<Key> {
     let noise =
         if comparison.std_estimated { "std, estimated from the residual" } else { "noise (std)" };
     vec![
-        Key::new(Look::Marker(Marker::Circle), "key", "measured"),
-        Key::new(Look::Line("bar"), "key", "simulated"),
-        Key::new(Look::Line("floor"), "key", noise),
+        Key::new(Look::Marker(Marker::Circle), "key", "measured").toggling("measured"),
+        Key::new(Look::Line("bar"), "key", "simulated").toggling("simulated"),
+        Key::new(Look::Line("floor"), "key", noise).toggling("noise"),
     ]
 }
 
@@ -82,7 +82,8 @@ fn stepped(comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
     let amplitudes = amplitudes(lowest.clone());
     let beyond = lowest.clone().any(|h| size(h.measured) < amplitudes[0]);
     if beyond {
-        keys.push(Key::new(Look::Beyond, "key", "measured, below the axis"));
+        let below = Key::new(Look::Beyond, "key", "measured, below the plotted range");
+        keys.push(below.toggling("below"));
     }
     legend(&mut canvas, &keys);
     let columns = if chosen.len() == 3 { 3 } else { chosen.len().min(2) };
@@ -134,18 +135,23 @@ fn harmonics(canvas: &mut Canvas, panel: &Panel, index: usize, experiment: &Comp
         let k = h.order as f64;
         Some([panel.at(k - half, value)?, panel.at(k + half, value)?])
     };
-    canvas.open_clipped(&format!("s{index}"), panel.sides());
+    let class = format!("s{index}");
+    canvas.open_trace(&class, panel.sides(), Trace::keyed("noise"));
     let floor = experiment.harmonics.iter().flat_map(|h| match span(h, h.std, 0.5) {
         Some(ends) => ends.map(Some),
         None => [None; 2],
     });
     canvas.polyline("floor", floor);
+    canvas.close();
+    canvas.open_trace(&class, panel.sides(), Trace::keyed("measured"));
     for harmonic in &experiment.harmonics {
         let value = size(harmonic.measured);
         if let Some([x, y]) = panel.at(harmonic.order as f64, value).filter(|_| lowest(value)) {
             canvas.line("stem", [x, panel.bottom], [x, y]);
         }
     }
+    canvas.close();
+    canvas.open_trace(&class, panel.sides(), Trace::keyed("simulated"));
     for harmonic in &experiment.harmonics {
         if let Some([from, to]) = span(harmonic, size(harmonic.simulated), half) {
             canvas.line("bar", from, to);
@@ -154,7 +160,7 @@ fn harmonics(canvas: &mut Canvas, panel: &Panel, index: usize, experiment: &Comp
     canvas.close();
     let (above, below): (Vec<&ComparedHarmonic>, Vec<_>) =
         experiment.harmonics.iter().partition(|h| lowest(size(h.measured)));
-    let trace = Trace { name: "measured", hints: true, ..Trace::default() };
+    let trace = Trace { name: "measured", keys: "measured", hints: true, ..Trace::default() };
     canvas.open_inside(&format!("s{index} measured data"), panel.sides(), trace);
     for harmonic in above {
         let value = size(harmonic.measured);
@@ -162,7 +168,7 @@ fn harmonics(canvas: &mut Canvas, panel: &Panel, index: usize, experiment: &Comp
         canvas.marker(Marker::Circle, place, 3.6, &hint(harmonic));
     }
     canvas.close();
-    let trace = Trace { name: "below the axis", ..trace };
+    let trace = Trace { name: "below the plotted range", keys: "below", ..trace };
     canvas.open_inside(&format!("s{index} rest data"), panel.sides(), trace);
     for harmonic in below {
         let Some(x) = panel.x.at(harmonic.order as f64) else { continue };
@@ -211,9 +217,10 @@ fn records(comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
     );
     let mut canvas = Canvas::new("spectrum", "Spectrum of the response", &subtitle, 2);
     let mut keys = vec![
-        Key::new(Look::Marker(Marker::Circle), "s1", "measured at lines of the input"),
-        Key::new(Look::Marker(Marker::Circle), "s0", "at other harmonics"),
-        Key::new(Look::Line("line"), "s1", "simulated"),
+        Key::new(Look::Marker(Marker::Circle), "s1", "measured at lines of the input")
+            .toggling("input"),
+        Key::new(Look::Marker(Marker::Circle), "s0", "at other harmonics").toggling("other"),
+        Key::new(Look::Line("line"), "s1", "simulated").toggling("simulated"),
     ];
     keys.extend(self::keys(comparison).pop());
     legend(&mut canvas, &keys);
@@ -255,15 +262,15 @@ fn record(
     let is_line = |h: &ComparedHarmonic| lines.iter().any(|line| line.order == h.order);
     let (input, other): (Vec<&ComparedHarmonic>, Vec<_>) = shown.iter().partition(|h| is_line(h));
     for (class, look, harmonics) in [("s0", "faint", &other), ("s1", "line", &input)] {
-        let trace = Trace { name: "simulated", ..Trace::default() };
+        let trace = Trace { name: "simulated", keys: "simulated", ..Trace::default() };
         canvas.open_trace(class, panel.sides(), trace);
         let line = with_gaps(harmonics).map(|h| h.and_then(|h| place(h, size(h.simulated))));
         canvas.polyline(look, line);
         canvas.close();
     }
     let radius = if shown.len() > 300 { 1.7 } else { 2.4 };
-    for (class, harmonics) in [("s0", other), ("s1", input)] {
-        let trace = Trace { name: "measured", ..Trace::default() };
+    for (class, keys, harmonics) in [("s0", "other", other), ("s1", "input", input)] {
+        let trace = Trace { name: "measured", keys, ..Trace::default() };
         canvas.open_trace(&format!("{class} dense data"), panel.sides(), trace);
         for harmonic in harmonics {
             if let Some(at) = place(harmonic, size(harmonic.measured)) {
@@ -272,7 +279,7 @@ fn record(
         }
         canvas.close();
     }
-    canvas.open_clipped("", panel.sides());
+    canvas.open_trace("", panel.sides(), Trace::keyed("noise"));
     canvas.polyline("floor", shown.iter().map(|h| place(h, h.std)));
     canvas.close();
     canvas.y = bottom + 44.0;

@@ -51,19 +51,22 @@ fn faults(answer: &Diagnosis) -> Markup {
     card("bad", title, body)
 }
 
-/// What looks wrong with the measurement.
+/// What looks wrong with the measurement, folded: what to do next stays on the first screen.
 fn doubts(answer: &Answer) -> Markup {
     let doubts = &answer.base().doubts;
-    if doubts.is_empty() {
-        return html! {};
-    }
-    let body = html! {
-        @for doubt in doubts {
-            p { (coded(&sentence(&doubt.sentence))) }
-            p.small { "To do: " (coded(&doubt.remedy)) "." }
+    let Some(first) = doubts.first() else { return html! {} };
+    html! {
+        details.card.bad {
+            summary {
+                h2 { "The measurement looks wrong" }
+                span.short { (coded(&sentence(&first.sentence))) }
+            }
+            @for doubt in doubts {
+                p { (coded(&sentence(&doubt.sentence))) }
+                p.small { "To do: " (coded(&doubt.remedy)) "." }
+            }
         }
-    };
-    card("bad", "The measurement looks wrong", body)
+    }
 }
 
 fn causes(answer: &Diagnosis, units: Units<'_>) -> Markup {
@@ -126,7 +129,7 @@ fn gained(gain: &Gain) -> Markup {
     let body = html! {
         p.name { strong { (factor) } span.sure { (brief::interval(gain)) } }
         p { (brief::before_and_after(gain)) " of the response, on data that no fit has seen." }
-        @if !is_sure { p.small { "No more than chance may make of it." } }
+        @if !is_sure { p.small { "This improvement may be due to chance." } }
     };
     card("gain", "What it gains", body)
 }
@@ -142,7 +145,7 @@ fn axis(content: &Content<'_>) -> Markup {
             @for (name, estimate) in PARAMETERS.iter().filter_map(|id| row(id)) {
                 div { dt { (sentence(&name).trim_end_matches('.')) } dd { (size::with_interval(estimate)) } }
             }
-            div { dt { "Left of the response" } dd { (left) } }
+            div { dt { "Unexplained part of the response" } dd { (left) } }
         }
         @if let Some(answer) = content.answer.diagnosis().filter(|a| a.verdict == Verdict::Adequate) {
             p.small { (sentence(&answer.discrepancy.sentence)) }

@@ -32,7 +32,7 @@ use super::figures::{Extended, Subject};
 use super::script;
 use super::words;
 
-pub use super::words::parameter_name;
+pub use super::words::{parameter_name, parameter_names};
 pub(super) use measured::read;
 pub use measured::{DataFile, Measured};
 pub use style::{dark as dark_colours, shared as shared_style};

@@ -102,6 +102,10 @@ details[open]>summary::before{transform:rotate(45deg) translateY(-.1rem)}
 summary:hover{background:var(--tint)}
 summary h2{flex:none;width:13.5rem;padding:0;border:0;font-size:1rem}
 summary .short{color:var(--muted);font-size:.92rem;line-height:1.4;min-width:0}
+.card summary{flex-wrap:wrap;gap:0 .6rem;padding:0}
+.card summary h2{flex:1;width:auto;font-size:.78rem}
+.card summary .short{flex:0 0 100%;white-space:nowrap;overflow:hidden;text-overflow:ellipsis}
+.card[open] summary .short{display:none}
 .whole{padding:.2rem 0 1.75rem 1.6rem;max-width:55rem}
 .whole>:first-child{margin-top:0}
 dl,dd{margin:0}

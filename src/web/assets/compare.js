@@ -54,7 +54,7 @@ function summary({ job, result, measurement, model }) {
     ["Verdict", verdict ? ofVerdict(verdict) : "none asked for"],
     ["Cause", causes.map((cause) => `${effect(cause.effect)} (${confidence(cause.confidence)})`).join(", ")],
     ["On data held out", gain && change(gain.ratio, gain.interval95)],
-    ["Left of the response", percent(model.fit.nrmse)],
+    ["Unexplained part of the response", percent(model.fit.nrmse)],
     ["χ² per degree of freedom", number(model.fit.chi2_per_dof, 3)],
   ];
   return h("section", {},

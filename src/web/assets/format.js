@@ -1,5 +1,7 @@
 // Numbers, times and names as they are read.
 
+import { PARAMETERS } from "./parameters.js";
+
 const POWERS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
 /// At most so many significant digits, a true minus sign, and a power of ten where
@@ -39,9 +41,10 @@ export function range([low, high], unit, factor = 1) {
 }
 
 export function seconds(value) {
-  if (value < 60) return `${value < 10 ? value.toFixed(1) : Math.round(value)} s`;
-  const minutes = Math.floor(value / 60);
-  return minutes < 60 ? `${minutes} min ${Math.round(value % 60)} s` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+  if (value < 59.5) return `${value < 10 ? value.toFixed(1) : Math.round(value)} s`;
+  const whole = Math.round(value);
+  const minutes = Math.floor(whole / 60);
+  return minutes < 60 ? `${minutes} min ${whole % 60} s` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
 }
 
 /// An estimate of a duration, which deserves no more digits.
@@ -84,12 +87,7 @@ export function kind(job) {
   return job.kind === "diagnose" ? "Diagnosis" : "Identification";
 }
 
-const PARAMETERS = {
-  dc_gain: "DC gain", fc_plus: "Dry friction forwards", fc_minus: "Dry friction backwards",
-  "static_friction.fs_plus": "Static friction forwards", "static_friction.fs_minus": "Static friction backwards",
-};
-
-/// The id of a parameter as words: `stribeck.fs_over_fc` is of an effect.
+/// What a parameter is called, by its id: `stribeck.fs_over_fc` is of an effect.
 export function parameter(id) {
   return PARAMETERS[id] ?? capital(id.split(".").map(effect).join(": "));
 }

@@ -2,7 +2,7 @@
 
 import { announce, h, row, table } from "./dom.js";
 import { ask, posted } from "./api.js";
-import { effect, number, seconds, sentence as whole } from "./format.js";
+import { effect, number, parameter, seconds, sentence as whole } from "./format.js";
 import { frame, load } from "./figure.js";
 import { keep } from "./plot-tools.js";
 
@@ -73,8 +73,8 @@ function effects({ effects, sweeps }, units) {
     one.title,
     cell(h("strong", {}, share(one.probability))),
     cell(share(sweep?.probabilities[one.effect])),
-    one.noticed_from ? size(one.noticed_from, units) : "at no size",
-    one.named_from ? size(one.named_from, units) : "at no size",
+    one.noticed_from ? size(one, one.noticed_from, units) : "at no size",
+    one.named_from ? size(one, one.named_from, units) : "at no size",
     one.closest_imitator ? effect(one.closest_imitator) : "",
   ]));
   return scrolled("Effects", "Probability that an effect of typical size is noticed and told from every other one.",
@@ -82,11 +82,11 @@ function effects({ effects, sweeps }, units) {
 }
 
 /// The parameter that sets the size of an effect, in the units of the result that the axis is from.
-function size({ parameters, set_by: [first] }, units) {
+function size({ effect: id }, { parameters, set_by: [first] }, units) {
   const key = first ?? Object.keys(parameters)[0];
   const { value, unit } = parameters[key];
   const known = unit.replace(/input|response/g, (placeholder) => units[placeholder] || placeholder);
-  return `${key.replaceAll("_", " ")} ${number(value, 3)} ${known}`.trim();
+  return `${parameter(`${id}.${key}`)} ${number(value, 3)} ${known}`.trim();
 }
 
 function sweeps({ experiments, duration_s, nameable, score, sweeps }) {

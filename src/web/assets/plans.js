@@ -2,7 +2,7 @@
 
 import { announce, h } from "./dom.js";
 import { json, send } from "./api.js";
-import { kind, named, subject, time } from "./format.js";
+import { kind, named, parameter, subject, time } from "./format.js";
 import { clear, input, refuse, select, typed } from "./form.js";
 import { planned } from "./plan.js";
 
@@ -77,7 +77,7 @@ export async function show({ query, signal }) {
       form.elements[member].value = found == null ? "" : Number(found.toPrecision(5));
     }
     const unknown = AXIS.filter((member) => known(member) == null);
-    if (unknown.length > 0) given.textContent = `Its measurement does not tell ${unknown.join(" and ")}: fill it in.`;
+    if (unknown.length > 0) given.textContent = `Its measurement does not tell ${unknown.map(parameter).join(" and ")}: fill it in.`;
   }
 
   /// What the form asks for; a field that is needed and empty is refused.

@@ -35,7 +35,7 @@ export async function show({ query, signal }) {
   const ids = (query.get("jobs") ?? "").split(",").filter(Boolean);
   const refused = query.getAll("refused");
   const n = (text) => ({ text, class: "n" });
-  const part = table("", ["Measurement", "Status", "Verdict", "Cause", n("Confidence"), n("Error before ÷ after"), n("Left of the response"), "Started"], [], "list");
+  const part = table("", ["Measurement", "Status", "Verdict", "Cause", n("Confidence"), n("Error before ÷ after"), n("Unexplained part of the response"), "Started"], [], "list");
   const summary = h("p", { class: "lead", role: "status" });
   const measurements = new Map();
   const ended = new Map();
@@ -71,7 +71,7 @@ export async function show({ query, signal }) {
     h("section", { "aria-label": "What came of each" }, ids.length > 0 && part),
     refused.length > 0 && h("section", { "aria-labelledby": "refused" },
       h("h2", { id: "refused" }, "Not read"),
-      h("p", {}, "Drop each of these on the overview by itself: there is asked what it lacks."),
+      h("p", {}, "Drop each of these files on the overview on its own: the form there asks for what is missing."),
       h("ul", {}, refused.map((text) => h("li", {}, text)))));
   await refresh();
   if (ids.length > 0) repeatedly(signal, refresh);

@@ -54,7 +54,7 @@ function told({ models, causes, verdict, remarks, response_unit: unit }) {
     name,
     ...[percent(nrmse), number(rms, 3), number(chi2, 3), components].map((content) => ({ content, class: "n" })),
   ]);
-  const titles = ["Left of the response", `rms${unit ? `, ${unit}` : ""}`, "χ² per value", "Values"];
+  const titles = ["Unexplained part of the response", `rms${unit ? `, ${unit}` : ""}`, "χ² per value", "Values"];
   const extended = models.extended && model(`With ${named(causes.map(({ effect }) => effect).join(" "))}`, models.extended);
   const [first, ...rest] = remarks;
   if (first) announce(first);

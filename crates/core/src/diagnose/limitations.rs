@@ -64,7 +64,7 @@ pub(super) fn unanswered(answer: &Identification) -> Option<String> {
     };
     Some(format!(
         "the model has no periodic response from rest in {} of the experiments ({}{more}): they \
-         are in no sum of its fit, and what the axis does there it does not say",
+         are not part of the fit, and the model predicts nothing for them",
         experiments.len(),
         places.join(", "),
     ))

@@ -20,8 +20,9 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
     legend(
         canvas,
         &[
-            Key::new(Look::Marker(Marker::Circle), "s0", "one harmonic"),
-            Key::new(Look::Line("floor"), "key", "one standard deviation: what noise leaves"),
+            Key::new(Look::Marker(Marker::Circle), "s0", "one harmonic").toggling("residual"),
+            Key::new(Look::Line("floor"), "key", "one standard deviation: what noise leaves")
+                .toggling("noise"),
         ],
     );
     let every = || shown.iter().flat_map(|i| lines(experiments[*i]));
@@ -48,7 +49,7 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
         };
         let bands = bands(canvas, &panel, experiment, patterns);
         panel.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
-        canvas.open_clipped("", panel.sides());
+        canvas.open_trace("", panel.sides(), Trace::keyed("noise"));
         canvas.polyline("floor", [panel.at(low / 2.0, 1.0), panel.at(high * 2.0, 1.0)]);
         canvas.close();
         points(canvas, &panel, series, experiment);
@@ -65,7 +66,7 @@ fn lines(experiment: &ComparedExperiment) -> impl Iterator<Item = (f64, f64)> {
 
 fn points(canvas: &mut Canvas, panel: &Panel, series: usize, experiment: &ComparedExperiment) {
     let radius = if experiment.harmonics.len() > 300 { 1.8 } else { 2.6 };
-    let trace = Trace { name: "residual", ..Trace::default() };
+    let trace = Trace { name: "residual", keys: "residual", ..Trace::default() };
     canvas.open_inside(&format!("s{series} dense data"), panel.sides(), trace);
     for (frequency, size) in lines(experiment).filter(|(_, size)| *size > 0.0) {
         let Some(at) = panel.at(frequency, size) else { continue };

@@ -8,7 +8,7 @@
 //! again.
 //!
 //! [`readings`] tries other ways to read the whole file, [`repeats`] compares repeats with each
-//! other, [`one_level_out`] fits without one magnitude, [`course`] tries how an input runs between its
+//! other, [`one_level_out`] and [`wrong_gain`] fit without one magnitude, [`course`] tries how an input runs between its
 //! samples, and [`isolated`] finds rows that stand out where nothing explains the measurement.
 //! [`retest`] asks whether faults are still needed beside the effects that are named in the end. Faults of one row, level or experiment are looked for in tables only.
 
@@ -19,7 +19,7 @@ mod fault;
 mod isolated;
 mod mending;
 mod noise_size;
-pub(super) mod one_level_out;
+mod one_level_out;
 mod projection;
 pub(super) mod readings;
 mod repeats;
@@ -29,6 +29,7 @@ pub(super) mod suspects;
 #[cfg(test)]
 mod tests;
 pub(super) mod words;
+pub(super) mod wrong_gain;
 
 use std::sync::{Mutex, PoisonError};
 

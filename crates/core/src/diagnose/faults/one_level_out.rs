@@ -4,42 +4,26 @@
 //! its linearisation does not tell which. A fit of the others is right, and against it the level
 //! stands out.
 
-use crate::answers::{FaultKind, MeasurementFault};
-use crate::diagnose::doubt::{Halt, Suspicion};
-use crate::diagnose::selection::evidence::NoiseScale;
+use crate::diagnose::residuals::layout::Layout;
 use crate::diagnose::selection::models::{Key, Models};
-use crate::identify::{DatumChange, FitAccuracy, FitSession, Intervals, Model};
+use crate::identify::{DatumChange, FitAccuracy, FitSession, Model};
 use crate::measurement::Complex;
 
 use super::candidates;
 use super::mending::LEFT_OUT;
-use super::readings;
-use super::suspects::{Suspected, Suspects};
 
 /// Fewest levels: of two, neither is more likely to be the right one.
 const FEWEST_LEVELS: usize = 3;
 
-/// Another gain of one level that, beside the base model, leaves only noise. No effect of a machine
-/// does the same to every frequency and harmonic of one level, so none is tried before.
-pub(in crate::diagnose) fn wrong_gain(session: &FitSession<'_>, seed: u64) -> Option<Halt> {
-    if !session.has_cosines_alone() {
-        return None;
-    }
-    let base = session.judge(session.base(), Intervals::Curvature).ok()?;
-    let models = Models::new(session.base().clone(), NoiseScale::of(session));
-    let suspects = Suspects { session, base: &base, models: &models, combined: false, seed };
-    let Suspected { faults, .. } = suspects.beside_one_level_out(|_| true)?;
-    let is_gain = |fault: &MeasurementFault| fault.fault == FaultKind::LevelGain;
-    let alone = faults.len() == 1 && faults.iter().all(is_gain);
-    let as_measured = readings::as_measured(session)?;
-    alone.then(|| Halt::Faults(Box::new(Suspicion { faults, as_measured })))
-}
-
 /// The base model and those of one effect, fitted to all levels but the one without which the base
 /// model leaves least, with their cost there.
-pub(super) fn fitted(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Vec<(Key, Model)> {
-    let Suspects { session, models, .. } = *suspects;
-    let levels = candidates::levels(&suspects.layout());
+pub(super) fn fitted(
+    session: &FitSession<'_>,
+    models: &Models,
+    layout: &Layout,
+    wanted: impl Fn(&Key) -> bool,
+) -> Vec<(Key, Model)> {
+    let levels = candidates::levels(layout);
     if levels.len() < FEWEST_LEVELS {
         return Vec::new();
     }

@@ -87,7 +87,7 @@ impl Suspects<'_> {
         if self.leaves_only_noise() {
             return None;
         }
-        let models = one_level_out::fitted(self, wanted);
+        let models = one_level_out::fitted(self.session, self.models, &self.layout(), wanted);
         if models.is_empty() {
             return None;
         }
@@ -145,7 +145,7 @@ impl Suspects<'_> {
     }
 
     /// How the residuals are laid out.
-    pub(super) fn layout(&self) -> Layout {
+    fn layout(&self) -> Layout {
         Residuals::of(self.base).layout
     }
 

@@ -153,8 +153,10 @@ fn kind_name(measurement: &Measurement) -> &'static str {
 
 fn place(measurement: &Measurement, index: usize) -> String {
     let Some(experiment) = measurement.experiments().get(index) else { return String::new() };
+    let unit = &measurement.metadata().input.unit;
+    let space = if unit.is_empty() { "" } else { " " };
     format!(
-        "at magnitude {} and {} Hz",
+        "at magnitude {}{space}{unit} and {} Hz",
         short(experiment.magnitude),
         short(experiment.omega_rad_s / TAU)
     )
@@ -205,7 +207,7 @@ fn remedy(fault: &MeasurementFault) -> &'static str {
             "reverse the sign of the response: swap the wires of the sensor, \
              or add 180° to the phase"
         }
-        FaultKind::SineReference => "add the line `# reference: sine` above the header",
+        FaultKind::SineReference => "add the line `# reference: sin` above the header",
         FaultKind::ResponseKind => "state what was measured, as in `# response: position rad`",
         FaultKind::AmplitudeConvention => {
             "state what the amplitudes are: `# amplitude: rms`, or `peak-to-peak`"

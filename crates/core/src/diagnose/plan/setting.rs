@@ -228,8 +228,8 @@ fn band(plant: &Plant, request: &PlanRequest) -> Result<[f64; 2], PlanError> {
     let highest = request.options.highest_rad_s.unwrap_or(highest.max(2.0 * lowest));
     if highest < 2.0 * lowest || highest > LARGEST_RATIO * lowest {
         let reason = format!(
-            "the band from {lowest} to {highest} rad/s is none to plan in; give a highest frequency of at \
-             least twice the lowest and at most a million times"
+            "cannot plan in the band from {lowest} to {highest} rad/s: the highest frequency must be 2 \
+             to 1 000 000 times the lowest"
         );
         return Err(PlanError::Invalid { field: "options.highest_rad_s", reason });
     }

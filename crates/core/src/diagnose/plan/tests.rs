@@ -153,7 +153,7 @@ fn what_makes_no_sense_is_refused_with_what_to_do() {
         (|r| r.options.noise_share = 1.0, "share"),
         (|r| r.options.noise_std = Some(-1.0), "options.noise_std"),
         (|r| r.options.largest_magnitude = Some(0.5), "give at least 1.05"),
-        (|r| r.options.highest_rad_s = Some(2.0), "at least twice the lowest"),
+        (|r| r.options.highest_rad_s = Some(2.0), "2 to 1 000 000 times the lowest"),
     ] {
         let found = refused(change);
         assert!(found.contains(words), "{words}: {found}");
@@ -199,6 +199,16 @@ fn a_stepped_sine_is_read_again_as_the_experiments_of_the_plan() {
         .collect();
     assert!(inputs.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 4.0 * TAU / 100.0 * 1.5));
     assert_eq!((inputs[0], inputs.last()), (0.0, Some(&0.0)));
+}
+
+#[test]
+fn an_excitation_of_more_samples_than_a_file_may_have_is_refused_before_it_is_made() {
+    let mut plan = usual().clone();
+    plan.request.options.highest_rad_s = plan.request.options.lowest_rad_s.map(|low| 1e6 * low);
+    for kind in [ExcitationKind::SteppedSine, ExcitationKind::Multisine] {
+        let error = excitation(&plan, kind).unwrap_err().to_string();
+        assert!(error.contains("lower the highest frequency or the budget"), "{error}");
+    }
 }
 
 #[test]

@@ -150,18 +150,22 @@ fn adequate_sentence(residuals: &Residuals, judgement: &Judgement) -> String {
             (sizes.rms_simulated > 0.0).then(|| (departure / sizes.rms_simulated, span))
         })
         .max_by(|a, b| a.0.total_cmp(&b.0));
+    let unit = match layout.units.0.as_str() {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    };
     let mut sentence = "the simulation explains the measurement to within its noise".to_owned();
     if let Some((share, span)) = least.filter(|(share, _)| share.is_finite()) {
         let what = if layout.many_lines { "response" } else { "fundamental" };
         if share > 1.0 {
             return format!(
-                "{sentence}, which is so large that the {what} at magnitude {} might be another \
+                "{sentence}, which is so large that the {what} at magnitude {}{unit} might be another \
                  one altogether",
                 sentence::span(span)
             );
         }
         sentence += &format!(
-            "; a departure of {} % of the {what} (rms) at magnitude {} would have been noticed, \
+            "; a departure of {} % of the {what} (rms) at magnitude {}{unit} would have been noticed, \
              and a smaller one elsewhere",
             sentence::short(100.0 * share),
             sentence::span(span)

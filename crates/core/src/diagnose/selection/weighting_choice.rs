@@ -13,7 +13,7 @@ use crate::measurement::Measurement;
 use super::order_selection;
 use crate::diagnose::doubt::{Data, Halt};
 use crate::diagnose::error::DiagnoseError;
-use crate::diagnose::faults::{one_level_out, readings};
+use crate::diagnose::faults::{readings, wrong_gain};
 use crate::diagnose::holdout::gain;
 use crate::diagnose::holdout::heldout_predictions::predicted;
 use crate::diagnose::progress::Part;
@@ -69,7 +69,7 @@ fn choose_weighting(
     let first = FitSession::new(measurement, request, &fitting)?;
     if data.doubted
         && let Some(halt) = readings::misread(&first, measurement, request, &fitting)
-            .or_else(|| one_level_out::wrong_gain(&first, request.options.seed))
+            .or_else(|| wrong_gain::alone(&first, request.options.seed))
     {
         return Err(halt);
     }

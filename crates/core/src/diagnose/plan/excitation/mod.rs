@@ -12,6 +12,7 @@ use std::fmt::Write as _;
 use crate::answers::Plan;
 use crate::measurement::formats::MAX_ROWS;
 
+use super::design::sample_s;
 use super::error::PlanError;
 use super::setting::Setting;
 
@@ -35,7 +36,7 @@ impl std::str::FromStr for ExcitationKind {
             "stepped-sine" => Ok(Self::SteppedSine),
             "multisine" => Ok(Self::Multisine),
             other => {
-                Err(format!("`{other}` is no excitation; there are stepped-sine and multisine"))
+                Err(format!("`{other}` is not an excitation; there are stepped-sine and multisine"))
             }
         }
     }
@@ -85,6 +86,14 @@ struct Samples {
 /// See [`ExcitationError`].
 pub fn excitation(plan: &Plan, kind: ExcitationKind) -> Result<String, ExcitationError> {
     let setting = Setting::of(&plan.request)?;
+    // Before the samples are made: they take as much memory as there are.
+    let fewest = match kind {
+        ExcitationKind::SteppedSine => plan.duration_s / sample_s(&setting),
+        ExcitationKind::Multisine => multisine::fewest_samples(&setting),
+    };
+    if fewest > MAX_ROWS as f64 {
+        return Err(ExcitationError::TooLong { samples: fewest as usize });
+    }
     let samples = match kind {
         ExcitationKind::SteppedSine => stepped_sine::samples(plan, &setting),
         ExcitationKind::Multisine => multisine::samples(&setting)?,

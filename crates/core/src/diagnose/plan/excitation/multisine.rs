@@ -27,6 +27,16 @@ const FEWEST_PERIODS: usize = 2;
 /// Magnitudes, as shares of the largest.
 const LEVELS: [f64; 3] = [0.25, 0.5, 1.0];
 
+/// How many samples there are at least: those of the shortest multisine, or what fills the budget.
+/// Phases for one of many more are sought for minutes.
+pub(super) fn fewest_samples(setting: &Setting) -> f64 {
+    let period = samples_per_period(setting, setting.band_rad_s[0]) as f64;
+    let settle = setting.periods(setting.band_rad_s[0])[0];
+    let shortest = (settle + FEWEST_PERIODS) as f64 * period;
+    let filled = setting.request.budget_s / sample_s(setting) - LEVELS.len() as f64 * period;
+    shortest.max(filled)
+}
+
 /// The multisine at as many magnitudes as fit, each for as many periods as fit.
 ///
 /// # Errors

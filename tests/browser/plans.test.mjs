@@ -75,7 +75,7 @@ test("the page of a job leads to a plan for its axis", async () => {
   const head = await page.locator("section", { has: page.locator("#experiments") }).locator("thead").textContent();
   assert.match(head, /Magnitude \(N\)/);
   const sizes = await page.locator("section", { has: page.locator("#names") }).textContent();
-  assert.match(sizes, /limit [\d.]+ N/);
+  assert.match(sizes, /Limit of the command [\d.]+ N/);
   assert.ok(!/input|response\b/.test(sizes), "every unit is known");
 });
 

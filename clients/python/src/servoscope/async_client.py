@@ -103,9 +103,7 @@ class AsyncClient:
         idempotency_key: str | None = None,
     ) -> AsyncBatch:
         """Compute many measurements in the same way, as one batch: see ``Client.batch``."""
-        body = calls.batch_body(
-            measurements, kind, name, actuator_order, method, options, priority
-        )
+        body = calls.batch_body(measurements, kind, name, actuator_order, method, options, priority)
         steps = batches.submit(body, idempotency_key, self._give_up_after_s)
         return AsyncBatch(self, await self._run(steps))
 

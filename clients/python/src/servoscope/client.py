@@ -157,9 +157,7 @@ class Client:
                 wrong. Nothing is computed then.
             ServerUnreachable: The server does not answer.
         """
-        body = calls.batch_body(
-            measurements, kind, name, actuator_order, method, options, priority
-        )
+        body = calls.batch_body(measurements, kind, name, actuator_order, method, options, priority)
         steps = batches.submit(body, idempotency_key, self._give_up_after_s)
         return Batch(self, self._run(steps))
 

@@ -62,6 +62,24 @@ pub(super) struct Candidate {
     pub positive: bool,
 }
 
+impl Candidate {
+    /// The magnitude at which it lies, if it is that of a level, input units.
+    pub fn level(&self) -> Option<f64> {
+        match self.place {
+            Place::Level(magnitude) => Some(magnitude),
+            _ => None,
+        }
+    }
+
+    /// Index of the experiment in which it lies, if it is that of one.
+    pub fn run(&self) -> Option<usize> {
+        match self.place {
+            Place::Run(experiment) => Some(experiment),
+            _ => None,
+        }
+    }
+}
+
 /// Every fault that these residuals could show.
 pub(super) fn all(layout: &Layout) -> Vec<Candidate> {
     let cells: Vec<&Cell> = layout.cells.iter().collect();

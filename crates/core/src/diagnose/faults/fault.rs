@@ -38,10 +38,14 @@ pub(super) fn timed(seconds: f64, deviation: f64) -> MeasurementFault {
     MeasurementFault { value: Some(seconds), interval95: Some(ends), ..fault }
 }
 
+/// What a fault is and where: its kind, its magnitude and its experiment.
+pub(super) fn place(fault: &MeasurementFault) -> (FaultKind, Option<f64>, Option<usize>) {
+    (fault.fault, fault.magnitude, fault.experiment)
+}
+
 /// Adds a fault that was found beside others, which are mended. One of the same kind in the same
 /// place is joined with it. Returns whether it is a new one.
 pub(super) fn add(faults: &mut Vec<MeasurementFault>, new: MeasurementFault) -> bool {
-    let place = |fault: &MeasurementFault| (fault.fault, fault.magnitude, fault.experiment);
     let Some(known) = faults.iter_mut().find(|known| place(known) == place(&new)) else {
         faults.push(new);
         return true;

@@ -8,9 +8,11 @@
 //! again.
 //!
 //! [`readings`] tries other ways to read the whole file, [`repeats`] compares repeats with each
-//! other, [`one_level_out`] and [`wrong_gain`] fit without one magnitude, [`course`] tries how an input runs between its
-//! samples, and [`isolated`] finds rows that stand out where nothing explains the measurement.
-//! [`retest`] asks whether faults are still needed beside the effects that are named in the end. Faults of one row, level or experiment are looked for in tables only.
+//! other, [`one_level_out`] fits without one magnitude, which [`wrong_gain`] does before anything else
+//! where a table is far from its noise, [`course`] tries how an input runs between its samples, and
+//! [`isolated`] finds rows that stand out where nothing explains the measurement. [`retest`] asks
+//! whether faults are still needed beside the effects that are named in the end. Faults of one row,
+//! level or experiment are looked for in tables only.
 
 mod candidates;
 mod course;

@@ -1,8 +1,8 @@
 //! Models fitted without one magnitude of the input.
 //!
 //! Where one level was measured with a gain far from the others', a fit of all levels is so wrong that
-//! its linearisation does not tell which. A fit of the others is right, and against it the level
-//! stands out.
+//! its linearisation does not tell which, and may have lost the friction. A search over the others is
+//! right, and against what it finds the level stands out.
 
 use crate::diagnose::residuals::layout::Layout;
 use crate::diagnose::selection::models::{Key, Models};
@@ -27,10 +27,10 @@ pub(super) fn fitted(
     if levels.len() < FEWEST_LEVELS {
         return Vec::new();
     }
-    let left_out = levels.into_iter().map(|level| {
+    let left_out = levels.into_iter().filter_map(|level| {
         let rest = without(session, level);
-        let base = rest.refine(session.base(), FitAccuracy::Settle);
-        (rest, base)
+        let base = rest.searched_anew().ok()?;
+        Some((rest, base))
     });
     let Some((rest, base)) = left_out.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost)) else {
         return Vec::new();

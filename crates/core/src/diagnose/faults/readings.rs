@@ -17,7 +17,7 @@ use crate::diagnose::doubt::{Halt, Suspicion};
 use crate::diagnose::progress::{Part, Quiet};
 
 /// Another reading is tried only where the base model leaves more than this of the response.
-pub(super) const LEAST_LEFT: f64 = 0.01;
+const LEAST_LEFT: f64 = 0.01;
 /// The same where inputs have many lines, so that a fit takes seconds.
 const LEAST_LEFT_OF_RECORD: f64 = 0.9;
 

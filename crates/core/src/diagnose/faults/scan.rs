@@ -135,6 +135,26 @@ impl<'a> Scan<'a> {
         found
     }
 
+    /// What remains of the gains and phases that were found, however little: [`Self::select`] adds
+    /// only what is more than chance, which leaves their sizes up to some standard deviations off.
+    pub fn remainders(
+        mut self,
+        candidates: &[Candidate],
+        known: &[MeasurementFault],
+    ) -> Vec<MeasurementFault> {
+        let is_known = |candidate: &&Candidate| {
+            use FaultKind::{LevelGain, LevelPhase, RunGain, RunPhase};
+            let place = (candidate.kind, candidate.level(), candidate.run());
+            matches!(candidate.kind, LevelGain | LevelPhase | RunGain | RunPhase)
+                && known.iter().any(|fault| fault::place(fault) == place)
+        };
+        let remainder = |candidate: &Candidate| {
+            let outside = Outside::of(candidate, &self.fitted)?;
+            Some(self.take(candidate, &outside))
+        };
+        candidates.iter().filter(is_known).filter_map(remainder).collect()
+    }
+
     /// What a wrong size of the noise would explain, less what it costs.
     fn size_gain(&self, now: f64, family: &Family) -> Option<f64> {
         if !self.size_known || !self.is_given() {

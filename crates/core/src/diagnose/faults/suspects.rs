@@ -26,6 +26,10 @@ const MOST_REFITTED: usize = 4;
 /// were added.
 const MOST_ROUNDS: usize = 12;
 
+/// Rounds in which the sizes of faults that were found settle. The second corrects what the first takes
+/// from one fault of several that show alike.
+const SETTLING_ROUNDS: usize = 2;
+
 /// Most faults beside each other, all rows together counted as one. What needs more is not a
 /// measurement with faults.
 const MOST_FAULTS: usize = 4;
@@ -79,19 +83,25 @@ impl Suspects<'_> {
         let fitted = self.models.all().filter(|(key, _)| wanted(key));
         let fitted = fitted.map(|(key, model)| (key.clone(), model.clone())).collect();
         let found = self.beside(fitted, Begin::Refit, &family);
-        found.or_else(|| self.beside_one_level_out(wanted))
+        if found.is_some() || !self.combined || self.leaves_only_noise() {
+            return found;
+        }
+        self.beside_one_level_out(wanted, &family)
     }
 
-    /// The same, where no fit of all levels leaves only noise, from fits without one of them.
-    pub fn beside_one_level_out(&self, wanted: impl Fn(&Key) -> bool) -> Option<Suspected> {
-        if self.leaves_only_noise() {
-            return None;
-        }
+    /// The same, from fits without one level.
+    fn beside_one_level_out(
+        &self,
+        wanted: impl Fn(&Key) -> bool,
+        family: &Family,
+    ) -> Option<Suspected> {
         let models = one_level_out::fitted(self.session, self.models, &self.layout(), wanted);
-        if models.is_empty() {
-            return None;
-        }
-        self.beside(models, Begin::AsItIs, &self.family())
+        self.beside(models, Begin::AsItIs, family)
+    }
+
+    /// The faults beside the base model, where nothing else was fitted.
+    pub fn beside_the_base_model(&self) -> Option<Suspected> {
+        self.beside_one_level_out(|_| true, &self.family())
     }
 
     /// The limits that chance passes seldom.
@@ -179,6 +189,7 @@ impl Suspects<'_> {
     ) -> Option<Suspected> {
         let experiments = self.session.measurement().experiments();
         let (mut faults, mut price) = (Vec::<MeasurementFault>::new(), 0.0);
+        let mut settling = SETTLING_ROUNDS;
         for round in 0..MOST_ROUNDS {
             let session = self.session.changed(|experiment, order| {
                 mending::change(&faults, experiments, experiment, order)
@@ -187,10 +198,18 @@ impl Suspects<'_> {
                 model = session.refine(&model, FitAccuracy::Settle);
             }
             let fit = session.judge(&model, Intervals::Curvature).ok()?;
-            let scan = self.scan(&fit, session.cost(&model)?).beside(rows_left_out(&faults));
+            let cost = session.cost(&model)?;
+            let scan = self.scan(&fit, cost).beside(rows_left_out(&faults));
             let candidates = scan.candidates();
             let found = scan.select(&candidates, family);
             if found.faults.is_empty() {
+                if settling > 0 && !faults.is_empty() {
+                    settling -= 1;
+                    for remainder in self.scan(&fit, cost).remainders(&candidates, &faults) {
+                        fault::add(&mut faults, remainder);
+                    }
+                    continue;
+                }
                 let before = faults.len();
                 faults.retain(fault::is_sure);
                 if faults.len() < before {

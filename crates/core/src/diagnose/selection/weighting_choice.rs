@@ -69,7 +69,6 @@ fn choose_weighting(
     let first = FitSession::new(measurement, request, &fitting)?;
     if data.doubted
         && let Some(halt) = readings::misread(&first, measurement, request, &fitting)
-            .or_else(|| wrong_gain::alone(&first, request.options.seed))
     {
         return Err(halt);
     }
@@ -98,6 +97,11 @@ fn choose_weighting(
             true => Ok(by_noise),
             false => Ok(smaller_residual(Some(by_noise), equal_weights(SECOND_WEIGHTING_SPAN)?)),
         };
+    }
+    if data.doubted
+        && let Some(halt) = wrong_gain::alone(&first, request.options.seed)
+    {
+        return Err(halt);
     }
     let equal_weights = equal_weights(FIRST_WEIGHTING_SPAN)?;
     let is_near =

@@ -1,9 +1,9 @@
 //! Sessions on the same measurement with weights from elsewhere.
 
-use crate::answers::Identification;
+use crate::answers::{Identification, IdentifyOptions, NetworkOptions};
 use crate::observer::Observer;
 
-use super::FitSession;
+use super::{FitSession, Model};
 use crate::identify::noise::Weights;
 use crate::identify::prediction;
 use crate::identify::request::{IdentifyError, IdentifyRequest};
@@ -60,6 +60,21 @@ impl<'a> FitSession<'a> {
             return Ok(None);
         }
         self.again(self.request, Some(&weights), observer).map(Some)
+    }
+
+    /// The base model, searched for anew by the colony alone, with the weights of this session. The
+    /// network would take as long again, and is no surer.
+    ///
+    /// # Errors
+    /// See [`IdentifyError`].
+    pub fn searched_anew(&self) -> Result<Model, IdentifyError> {
+        let network = NetworkOptions { enabled: false, ..self.request.options.network };
+        let options = IdentifyOptions { network, ..self.request.options };
+        let request = IdentifyRequest { options, ..*self.request };
+        let (weights, problem) = (&self.fitted.weights, self.problem.clone());
+        let from = (Some(weights), &[][..]);
+        let found = FitSession::solved(self.measurement, &request, self.observer, problem, from)?;
+        Ok(found.base)
     }
 
     /// Fits the base model from the fits of this session, with the given weights or, without any,

@@ -13,6 +13,8 @@ mod bode_errors;
 mod canvas;
 pub mod chart;
 mod convergence;
+#[cfg(test)]
+mod fixtures;
 mod friction;
 mod history;
 mod linearity;

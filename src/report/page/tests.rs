@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use roxmltree::{Document, Node, ParsingOptions};
 use servoscope_core::answers::sample;
-use servoscope_core::answers::{Candidate, Diagnosis, Verdict};
+use servoscope_core::answers::{Candidate, Diagnosis, ReadingDoubt, Verdict};
 
 use super::*;
 
@@ -306,4 +306,23 @@ fn a_fault_of_the_measurement_is_told_before_all_else_with_what_mends_it() {
     assert!(position("The measurement has a fault") < position("Fault of the measurement"));
     assert!(position("To correct it: measure these again") < position("What to do next"));
     assert!(!read(&of(&sample::diagnosis())).contains("Fault of the measurement"));
+}
+
+// What to do next stays on the first screen, however much there is to say of the measurement.
+#[test]
+fn doubts_of_a_measurement_are_folded_to_the_first_of_them() {
+    let mut answer = sample::explained();
+    let doubt = |sentence: &str| ReadingDoubt {
+        check: "closed_loop".into(),
+        sentence: sentence.into(),
+        remedy: "add the line `# loop: closed`".into(),
+    };
+    answer.base.doubts = vec![doubt("the input varies"), doubt("the phase rises")];
+    let page = of(&answer);
+    let (start, end) = (page.find("<details class=\"card bad\"").unwrap(), "</details>");
+    let card = &page[start..start + page[start..].find(end).unwrap()];
+    let (summary, folded) = card.split_once("</summary>").unwrap();
+    assert!(!summary.contains(" open") && summary.contains("The input varies"), "{summary}");
+    assert!(!summary.contains("The phase rises") && folded.contains("The phase rises"), "{card}");
+    assert_eq!(folded.matches("# loop: closed").count(), 2);
 }

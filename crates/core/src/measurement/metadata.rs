@@ -23,6 +23,11 @@ pub struct Quantity {
     pub unit: String,
 }
 
+/// A unit as it follows a number, after a space; nothing if it is not stated.
+pub(crate) fn after_number(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!(" {unit}") }
+}
+
 /// Whether the axis was measured under feedback control.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Loop {

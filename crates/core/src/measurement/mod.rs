@@ -33,6 +33,7 @@ use std::sync::Arc;
 
 pub(crate) use doubts::per_cent;
 pub use experiment::{Experiment, Harmonic, Repeat};
+pub(crate) use metadata::after_number;
 pub use metadata::{Loop, Metadata, Quantity, ResponseKind};
 pub use record::{Record, RecordStatement};
 pub use record_error::RecordError;

@@ -2,6 +2,7 @@
 
 use crate::answers::{Discrepancy, NoiseSource, Pattern, ResidualTest};
 use crate::identify::ModelFit;
+use crate::measurement::after_number;
 use crate::observer::Observer;
 
 use super::groups;
@@ -150,10 +151,7 @@ fn adequate_sentence(residuals: &Residuals, judgement: &Judgement) -> String {
             (sizes.rms_simulated > 0.0).then(|| (departure / sizes.rms_simulated, span))
         })
         .max_by(|a, b| a.0.total_cmp(&b.0));
-    let unit = match layout.units.0.as_str() {
-        "" => String::new(),
-        unit => format!(" {unit}"),
-    };
+    let unit = after_number(&layout.units.0);
     let mut sentence = "the simulation explains the measurement to within its noise".to_owned();
     if let Some((share, span)) = least.filter(|(share, _)| share.is_finite()) {
         let what = if layout.many_lines { "response" } else { "fundamental" };

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::answers::NextExperiment;
 use crate::identify::{FitSession, Model};
+use crate::measurement::after_number;
 
 /// Number of frequencies on the grid.
 const FREQUENCIES: usize = 24;
@@ -54,10 +55,7 @@ pub(crate) fn between(
         .zip(points)
         .filter_map(|(chi2, point)| Some((chi2.filter(|chi2| chi2.is_finite())?, point)))
         .max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let unit = match session.measurement().metadata().input.unit.as_str() {
-        "" => String::new(),
-        unit => format!(" {unit}"),
-    };
+    let unit = after_number(&session.measurement().metadata().input.unit);
     let reason = format!(
         "{} and {} explain the data almost equally well; at magnitude {magnitude:.3}{unit} and \
          {:.4} Hz their predictions differ most: by {:.1} standard deviations in all harmonics \

@@ -12,7 +12,7 @@ use crate::answers::{
 };
 use crate::identify;
 use crate::identify::{Begun, Followed, IdentifyError};
-use crate::measurement::{Measurement, ResponseKind};
+use crate::measurement::{Measurement, ResponseKind, after_number};
 use crate::observer::Observer;
 
 use super::Outcome;
@@ -171,10 +171,7 @@ fn heldout(
     let whole_s: f64 = transients().map(|transient| transient.duration_s()).sum();
     let unscored_s: f64 = kept.iter().map(|i| unscored_s[*i]).sum();
     let magnitude = transients().map(|transient| transient.magnitude()).fold(0.0, f64::max);
-    let unit = match measurement.metadata().input.unit.as_str() {
-        "" => String::new(),
-        unit => format!(" {unit}"),
-    };
+    let unit = after_number(&measurement.metadata().input.unit);
     let motions = match kept.len() {
         1 => "one motion that does not repeat".to_owned(),
         count => format!("{count} motions that do not repeat"),

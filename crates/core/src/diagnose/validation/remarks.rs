@@ -9,7 +9,7 @@ use crate::answers::{
     ValidatedModels, ValidatedMotion, Verdict,
 };
 use crate::identify::UnitCompatibility;
-use crate::measurement::{Measurement, ResponseKind};
+use crate::measurement::{Measurement, ResponseKind, after_number};
 
 use super::hurts;
 
@@ -226,10 +226,7 @@ pub(crate) fn heldout(comparison: &Comparison, experiments: &[&ComparedExperimen
     let fundamentals = experiments.iter().map(|e| e.omega_rad_s / TAU);
     let frequencies = range(fundamentals.chain(experiments.iter().map(highest)));
     let plural = if experiments.len() == 1 { "experiment" } else { "experiments" };
-    let unit = match comparison.input_unit.as_str() {
-        "" => String::new(),
-        unit => format!(" {unit}"),
-    };
+    let unit = after_number(&comparison.input_unit);
     format!(
         "a second measurement: {} {plural}, magnitude {magnitudes}{unit}, {frequencies} Hz",
         experiments.len()

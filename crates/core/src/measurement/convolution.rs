@@ -58,8 +58,7 @@ mod tests {
         let h = |d: i32| Complex::new(f64::from(d * d - 3), f64::from(d));
         let of = |d: usize| i32::try_from(d).unwrap();
         for (outputs, inputs) in [(1, 1), (3, 5), (5, 3), (8, 8)] {
-            let convolution =
-                Convolution::with(outputs, inputs, |d| h(of(d)), |d| h(-of(d)));
+            let convolution = Convolution::with(outputs, inputs, |d| h(of(d)), |d| h(-of(d)));
             let values: Vec<Complex> =
                 (0..inputs).map(|n| Complex::new(1.0 + n as f64, -0.5)).collect();
             let found = convolution.apply(values.iter().copied());

@@ -78,9 +78,8 @@ impl Fit {
             let square = m as f64 * m as f64;
             std::f64::consts::PI * (square % (2.0 * samples)) / samples
         };
-        let chirp: Vec<Complex> = (0..window.max(highest + 1))
-            .map(|m| Complex::from_polar(1.0, -angle(m)))
-            .collect();
+        let chirp: Vec<Complex> =
+            (0..window.max(highest + 1)).map(|m| Complex::from_polar(1.0, -angle(m))).collect();
         let turned = |d: usize| chirp[d].conj();
         let step = std::f64::consts::TAU / samples;
         let sum = |d: usize| geometric_sum(window, d as f64 * step);
@@ -170,7 +169,13 @@ mod tests {
             let (step, highest) = (std::f64::consts::TAU / samples, fit.highest);
             let waves = DMatrix::from_fn(fit.window, 2 * highest + 1, |n, column| {
                 let angle = step * n as f64 * column.div_ceil(2) as f64;
-                if column % 2 == 1 { angle.cos() } else if column == 0 { 1.0 } else { -angle.sin() }
+                if column % 2 == 1 {
+                    angle.cos()
+                } else if column == 0 {
+                    1.0
+                } else {
+                    -angle.sin()
+                }
             });
             let squares = waves.clone().svd(true, true);
             let expected = squares.solve(&DVector::from_column_slice(&values), 1e-12).unwrap();

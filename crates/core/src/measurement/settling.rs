@@ -76,7 +76,8 @@ pub(super) fn unsettled_periods(spectra: &[Vec<Complex>]) -> usize {
         return dropped;
     }
     let doubled = std::iter::successors(Some(TRIED_EACH), |dropped| Some(2 * dropped));
-    let Some(mut enough) = doubled.take_while(|dropped| *dropped < end).find(|d| settled(*d)) else {
+    let Some(mut enough) = doubled.take_while(|dropped| *dropped < end).find(|d| settled(*d))
+    else {
         return 0;
     };
     let mut too_few = (enough / 2).max(TRIED_EACH - 1);

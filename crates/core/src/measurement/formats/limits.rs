@@ -6,6 +6,18 @@
 /// Most rows of one table or samples of one file of time records: 13 minutes at 2.5 kHz.
 pub const MAX_ROWS: usize = 2_000_000;
 
+/// Most experiments of one measurement, and most segments of one time record: a fit simulates each
+/// of them thousands of times.
+pub const MAX_EXPERIMENTS: usize = 20_000;
+
+/// Says that there are more experiments than that.
+pub(super) fn too_many_experiments(count: usize) -> String {
+    format!(
+        "{count} experiments are more than the {MAX_EXPERIMENTS} that are taken as one measurement: \
+         upload them as several"
+    )
+}
+
 /// Highest harmonic in a table.
 pub const MAX_HARMONIC: usize = 100_000;
 

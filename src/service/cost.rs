@@ -259,6 +259,6 @@ mod tests {
             let ratio = of(budget_s) / measured;
             assert!((0.3..3.0).contains(&ratio), "{ratio}");
         }
-        assert!(of(1e300) < 1000.0);
+        assert!(of(1e300) < 3600.0);
     }
 }

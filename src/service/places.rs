@@ -12,7 +12,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::{Service, ServiceError, aside};
 
-/// How long a request waits for its place.
+/// How long a request usually waits for its place.
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Places, shared by all callers.
@@ -20,6 +20,8 @@ pub(super) struct Places {
     all: Arc<Semaphore>,
     /// How many of them one caller may have.
     each: usize,
+    /// How long a request waits for its place.
+    patience: Duration,
     /// Of each caller that has or awaits one.
     callers: Mutex<HashMap<String, Arc<Semaphore>>>,
 }
@@ -34,7 +36,8 @@ impl Places {
     /// So many, of which one caller may have all but one.
     pub(super) fn new(count: usize) -> Self {
         let all = Arc::new(Semaphore::new(count));
-        Self { all, each: count.saturating_sub(1).max(1), callers: Mutex::default() }
+        let each = count.saturating_sub(1).max(1);
+        Self { all, each, patience: PATIENCE, callers: Mutex::default() }
     }
 
     /// One for each processor, and two at least.
@@ -52,7 +55,7 @@ impl Places {
             let of_caller = own.acquire_owned().await;
             (of_caller, Arc::clone(&self.all).acquire_owned().await)
         };
-        match tokio::time::timeout(PATIENCE, both).await {
+        match tokio::time::timeout(self.patience, both).await {
             Ok((Ok(of_caller), Ok(of_all))) => Ok(Place { _of_caller: of_caller, _of_all: of_all }),
             // They are never closed.
             Ok(_) | Err(_) => Err(ServiceError::Busy),
@@ -119,9 +122,9 @@ mod tests {
         assert!(places.callers.lock().unwrap().len() <= 1);
     }
 
-    #[tokio::test(start_paused = true)]
+    #[tokio::test]
     async fn whoever_waits_for_too_long_is_told_to_come_again() {
-        let places = Places::new(1);
+        let places = Places { patience: Duration::from_millis(20), ..Places::new(1) };
         let _only = places.take("rig").await.unwrap();
         for caller in ["rig", "other"] {
             assert!(matches!(places.take(caller).await, Err(ServiceError::Busy)));

@@ -42,6 +42,12 @@ pub const MAX_UNPACKED_STRINGS: u64 = 32 << 20;
 /// Most cells in a row of a sheet.
 pub const MAX_CELLS_IN_ROW: usize = 1000;
 
+/// Most bytes of a line of a text in columns.
+pub const MAX_LINE: usize = 1_000_000;
+
+/// Most lines of metadata above a table.
+pub const MAX_METADATA_LINES: usize = 10_000;
+
 /// Most columns of a text.
 pub const MAX_COLUMNS: usize = 10_000;
 

@@ -206,3 +206,11 @@ fn more_experiments_than_a_measurement_has_are_refused_before_they_are_read() {
     let error = read(&[Source { name: "a.json", bytes: json.as_bytes() }]).unwrap_err();
     assert!(error.reason.contains("more than the 20000"), "{error}");
 }
+
+#[test]
+fn a_line_without_an_end_and_metadata_without_one_are_refused_before_they_fill_the_memory() {
+    refused(&format!("re,im\n{}\n", "0,".repeat(500_001)), 2, "", "more than 1000000 bytes");
+    refused(&"0,".repeat(500_001), 1, "", "more than 1000000 bytes");
+    let metadata = "# key: \n".repeat(10_001);
+    refused(&format!("{metadata}{HEADER}1,1,1,1,0\n"), 10_001, "", "10000 lines of metadata");
+}

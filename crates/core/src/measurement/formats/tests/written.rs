@@ -92,3 +92,16 @@ fn assert_same_again(text: &str) {
     let m = ok(text);
     assert_same(&m, &round_trip(&m));
 }
+
+#[test]
+fn metadata_of_several_lines_stays_on_its_own() {
+    let json = r##"{"machine": "press\n# axis: other\r\n9,9,9,9,9", "rows": [{"magnitude": 1,
+        "omega_rad_s": 2, "harmonic": 1, "re": 1, "im": 0}]}"##;
+    let m = read(&[Source { name: "a.json", bytes: json.as_bytes() }]).unwrap();
+    let mut written = Vec::new();
+    write_harmonic_csv(&m, &mut written).unwrap();
+    let again = ok(std::str::from_utf8(&written).unwrap());
+    assert_eq!(again.metadata().machine.as_deref(), Some("press # axis: other  9,9,9,9,9"));
+    assert_eq!(again.metadata().axis, None);
+    assert_eq!(again.experiments().len(), 1);
+}

@@ -122,6 +122,7 @@ impl Follower {
     }
 
     async fn read(&mut self) -> Result<(), ServiceError> {
+        let _place = self.service.asked.follows.take(&self.service.reach.owner).await?;
         // The job first: once it has ended its history is complete.
         let job = self.service.job(&self.id).await?;
         let rows =

@@ -21,14 +21,16 @@ const PLANS: usize = 16;
 /// processors.
 pub(super) struct Asked {
     pub(super) places: Places,
+    /// For those who follow jobs: however many they are, others reach the store.
+    pub(super) follows: Places,
     inspections: Kept<Inspection>,
     pub(super) plans: Kept<Arc<Plan>>,
 }
 
 impl Default for Asked {
     fn default() -> Self {
-        let places = Places::new(1);
-        Self { places, inspections: Kept::new(INSPECTIONS), plans: Kept::new(PLANS) }
+        let (places, follows) = (Places::new(1), Places::on_this_machine());
+        Self { places, follows, inspections: Kept::new(INSPECTIONS), plans: Kept::new(PLANS) }
     }
 }
 

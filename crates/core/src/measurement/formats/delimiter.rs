@@ -1,5 +1,7 @@
 //! What separates the columns of a text.
 
+use super::limits::MAX_LINE;
+
 /// What separates the columns of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Delimiter {
@@ -40,9 +42,13 @@ impl Delimiter {
         }
     }
 
-    /// The cells of one line without the blanks and quotes around them.
+    /// The cells of one line without the blanks and quotes around them; none of a line that is longer
+    /// than any table has.
     pub(super) fn cells(self, line: &str) -> Vec<String> {
         let mut record = csv::StringRecord::new();
+        if line.len() > MAX_LINE {
+            return Vec::new();
+        }
         // A line that is not CSV has no cells; the reader of the whole text says why.
         let _ = self.reader(line.as_bytes()).read_record(&mut record);
         record
@@ -86,6 +92,12 @@ mod tests {
         assert_eq!(Delimiter::stated("sep=,"), Some(Delimiter::Comma));
         assert_eq!(Delimiter::stated("sep=||"), None);
         assert_eq!(Delimiter::stated("separator"), None);
+    }
+
+    #[test]
+    fn a_line_without_an_end_is_not_taken_apart() {
+        assert_eq!(Delimiter::Comma.cells(&"0,".repeat(MAX_LINE / 2)).len(), MAX_LINE / 2 + 1);
+        assert!(Delimiter::Comma.cells(&"0,".repeat(MAX_LINE / 2 + 1)).is_empty());
     }
 
     #[test]

@@ -18,6 +18,9 @@ const MOST_ABOVE: usize = 20;
 /// Lines among which the first row of a table is looked for.
 const MOST_LINES: usize = 1000;
 
+/// Lines that are looked at in all.
+const MOST_SEEN: usize = 100_000;
+
 /// Most characters of a cell that are shown.
 const MOST_CHARACTERS: usize = 80;
 
@@ -58,9 +61,12 @@ struct Found {
 impl Sight {
     /// The table of a text; `None` if there is none. `delimiter` is that of the text if it is known.
     pub(super) fn of_text(text: &str, delimiter: Option<Delimiter>, given: &Given) -> Option<Self> {
-        let lines: Vec<&str> = text.lines().collect();
+        let lines: Vec<&str> = text.lines().take(MOST_SEEN).collect();
         let Found { delimiter: mark, names: at, first } =
             found_by_names(text, delimiter).or_else(|| found_by_numbers(&lines, delimiter))?;
+        if first > lines.len() {
+            return None;
+        }
         let rows = lines[first..].iter().filter(is_content);
         let mut rows: Vec<Vec<String>> = rows.take(ROWS + 1).map(|line| mark.cells(line)).collect();
         let mut units = Vec::new();
@@ -229,6 +235,16 @@ mod tests {
             assert_ne!(layout("1;2,5;3\n"), layout(other), "{other}");
         }
         assert!(Sight::of_text("no table\nhere\n", None, &Given::default()).is_none());
+    }
+
+    #[test]
+    fn a_table_below_more_lines_than_anybody_looks_at_is_not_seen() {
+        let below = |lines: usize| {
+            let text = format!("{}time_s,input,output\n0,1,2\n", "\n".repeat(lines));
+            Sight::of_text(&text, None, &Given::default())
+        };
+        assert_eq!(below(MOST_SEEN - 2).unwrap().rows.len(), 1);
+        assert!(below(MOST_SEEN).is_none());
     }
 
     #[test]

@@ -95,7 +95,10 @@ fn rate(flag: &str, pole: f64) -> Result<f64, Failure> {
         pole if pole > 0.0 => {
             refuse(format!("{flag}: {pole} is positive; a stable pole is negative: {flag} -{pole}"))
         }
-        _ => refuse(format!("{flag}: {pole} is not the pole of a stable axis, a negative number")),
+        _ => refuse(format!(
+            "{flag}: {pole} is not negative, as the pole of a stable axis is: \
+                             {flag} -10, for example"
+        )),
     }
 }
 

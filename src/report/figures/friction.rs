@@ -20,6 +20,9 @@ use velocities::{extents, velocities};
 
 const LEFT: f64 = 64.0;
 const RIGHT: f64 = WIDTH - 92.0;
+
+/// Height of a line of names.
+const LINE: f64 = 16.0;
 const HEIGHT: f64 = 320.0;
 
 /// Magnitudes whose range of velocity is shown.
@@ -158,21 +161,34 @@ fn curve(
     }
 }
 
-/// Names the levels where the curve leaves rest.
+/// Names the levels where the curve leaves rest, and static levels beyond them.
 fn names(canvas: &mut Canvas, panel: &Panel, sides: &[Side], unit: &str) {
     for side in sides {
         let Some([x, y]) = panel.at(0.0, side.sign * side.level) else { continue };
-        let label = format!("{} = {}", side.name, text::quantity(side.level, 3, unit));
         // On the side where the curve is not.
         let (anchor, x) = match side.sign > 0.0 {
             true => (Anchor::End, x - 10.0),
             false => (Anchor::Start, x + 10.0),
         };
+        let mut label = |name: &str, level: f64, y: f64, keys: &'static str| {
+            let label = format!("{name} = {}", text::quantity(level, 3, unit));
+            canvas.open_inside(MODEL, panel.sides(), Trace::keyed(keys));
+            canvas.text(x, y + 4.0, LABEL, anchor, &label);
+            canvas.close();
+        };
         // Clear of the axis, where a level is small.
-        let y = y - 4.0 * side.sign;
-        canvas.open_inside(MODEL, panel.sides(), Trace::keyed("model"));
-        canvas.text(x, y + 4.0, LABEL, anchor, &label);
-        canvas.close();
+        let own = y - 4.0 * side.sign;
+        label(side.name, side.level, own, "model");
+        let fixed = side.static_level.filter(|level| *level > side.level);
+        let place = fixed.and_then(|level| Some((level, panel.at(0.0, side.sign * level)?[1])));
+        if let Some((level, y)) = place {
+            // Above its own level, clear of that one's name.
+            let y = match side.sign > 0.0 {
+                true => y.min(own - LINE),
+                false => y.max(own + LINE),
+            };
+            label(side.static_name(), level, y, "static");
+        }
     }
 }
 

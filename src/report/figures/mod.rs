@@ -153,9 +153,10 @@ pub fn draw_history(
     Ok(history::draw(title, trends)?.finish(format.into(), ""))
 }
 
-/// Draws the experiments of a plan, and what they name beside a sweep of the same duration.
-pub fn draw_plan(subject: &Plan, format: impl Into<Format>) -> String {
-    plan::draw(subject).finish(format.into(), "")
+/// Draws the experiments of a plan, and what they identify beside a sweep of the same duration;
+/// `input_unit` is empty where it is not known.
+pub fn draw_plan(subject: &Plan, input_unit: &str, format: impl Into<Format>) -> String {
+    plan::draw(subject, input_unit).finish(format.into(), "")
 }
 
 /// The same for a page that shows figures of one name of several subjects:

@@ -68,10 +68,10 @@ fn says(comparison: &Comparison) -> String {
     )
 }
 
-/// How much of what is left beyond the noise lies in each pattern.
+/// How much of the excess χ² lies in each pattern.
 fn shares(patterns: &[Pattern]) -> String {
     let share = |(i, pattern): (usize, &Pattern)| {
-        let of = if i == 0 { " of what is left beyond the noise lies in pattern" } else { " in" };
+        let of = if i == 0 { " of the excess χ² lies in pattern" } else { " in" };
         format!("{:.0} %{of} {}", 100.0 * pattern.share, i + 1)
     };
     let shares: Vec<String> = patterns.iter().enumerate().map(share).collect();

@@ -106,8 +106,7 @@ fn stepped(comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
             0 => amplitude_name(comparison),
             _ => String::new(),
         };
-        let naming =
-            Naming { heading: &heading, x: "Harmonic k (–)", y: &name, ..Naming::default() };
+        let naming = Naming { heading: &heading, x: "Harmonic k", y: &name, ..Naming::default() };
         panel.draw_with(&mut canvas, &orders(&x, highest), &y.vertical_ticks(DECIMAL), naming);
         harmonics(&mut canvas, &panel, *index, experiment);
         canvas.y = bottom + 44.0;

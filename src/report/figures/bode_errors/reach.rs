@@ -80,7 +80,7 @@ pub(super) fn beyond(
     }
     let most = number(largest(before).max(largest(after)), 2);
     let unit = if column.per_share == DB_PER_SHARE { " dB" } else { "°" };
-    let text = format!("{hidden} beyond the axis, up to {most}{unit}");
+    let text = format!("{hidden} points off scale, up to {most}{unit}");
     canvas.text(panel.right, panel.top - 8.0, BAND, Anchor::End, &text);
 }
 

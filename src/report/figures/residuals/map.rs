@@ -50,7 +50,7 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
     let rows: usize = orders.iter().map(Vec::len).sum();
     let height = (WANTED_HEIGHT / rows.max(1) as f64).clamp(5.0, 24.0);
     let x = frequencies(&groups);
-    canvas.text(LEFT - 8.0, canvas.y + 10.0, AXIS, Anchor::End, "Harmonic k (–)");
+    canvas.text(LEFT - 8.0, canvas.y + 10.0, AXIS, Anchor::End, "Harmonic k");
     let mut y = canvas.y + 18.0;
     let mut blocks: Vec<Block> = Vec::new();
     // The largest magnitude on top, as in a diagram over magnitude.
@@ -91,11 +91,7 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
 fn axes(canvas: &mut Canvas, x: &Scale, sides: [f64; 4], is_lowest: bool) {
     let [_, top, _, bottom] = sides;
     let rows = format!("rows 0 1 {bottom:.1} {top:.1}");
-    canvas.open_grid(
-        sides,
-        [(x.described(), FREQUENCY), (rows, "Harmonic k (–)")],
-        [is_lowest, false],
-    );
+    canvas.open_grid(sides, [(x.described(), FREQUENCY), (rows, "Harmonic k")], [is_lowest, false]);
     if is_lowest {
         for tick in x.horizontal_ticks(TICK.size) {
             canvas.line("frame", [tick.px, bottom], [tick.px, bottom + 4.0]);
@@ -225,7 +221,7 @@ fn colours(canvas: &mut Canvas) {
         canvas.text(x + 0.5 * WIDTH, y + 28.0, TICK, Anchor::Middle, &label);
         x += WIDTH;
     }
-    canvas.text(x + 14.0, y + 11.0, NOTE, Anchor::Start, "grey: may be noise");
+    canvas.text(x + 14.0, y + 11.0, NOTE, Anchor::Start, "grey: compatible with noise");
     canvas.y = y + 46.0;
 }
 

@@ -90,8 +90,8 @@ impl CvSplits {
             CvSplit { rows }
         };
         let what = match parts {
-            1 => format!("{what}, predicted from the others"),
-            _ => format!("{what}, in {parts} parts, each predicted from all else"),
+            1 => format!("{what}, predicted from the rest"),
+            _ => format!("{what}, in {parts} parts, each predicted from the rest"),
         };
         Some(Self { parts: (0..parts).map(part).collect(), what })
     }

@@ -186,7 +186,10 @@ impl Model<'_> {
     ) -> Option<String> {
         let Unknown { quantity, at_rest, size } = *unknown;
         if (value - at_rest).abs() > size {
-            return Some(format!("it is beyond {size:.4}, what the largest input brings it to"));
+            return Some(format!(
+                "it is larger than {size:.4}, the most that the largest input can \
+                                 cause"
+            ));
         }
         let shown = shown.filter(|_| quantity == Quantity::Velocity)?;
         let FirstVelocity { value: first, std, usual } = shown;

@@ -26,8 +26,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "U", default_value_t = PlanOptions::default().uncertainty)]
     uncertainty: f64,
     /// Standard deviation of the noise in the real and imaginary parts of a harmonic that is
-    /// measured for one second, velocity units [default: such that a middle response, measured for
-    /// 10/a, is known to a thousandth].
+    /// measured for one second, velocity units [default: 0.1 % of the response to a middle magnitude
+    /// at the pole's frequency, when that is measured for 10/a seconds].
     #[arg(long, value_name = "S")]
     noise_std: Option<f64>,
     /// Noise in proportion to the response: standard deviation of a harmonic in one repeat as a

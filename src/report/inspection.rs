@@ -27,10 +27,10 @@ pub fn inspection(measured: &Measured, inspection: &Inspection, width: usize) ->
     if let Some(found) = &inspection.detectability {
         let mut text = vec![noise(found)];
         text.extend(lines(&tables::visible(found)));
-        sections.push(section("What it can show", text));
+        sections.push(section("What it can reveal", text));
         let unseen = tables::unseen(found);
         if !unseen.rows.is_empty() {
-            sections.push(section("What it cannot show", lines(&unseen)));
+            sections.push(section("What it cannot reveal", lines(&unseen)));
         }
     }
     if let Some(obstacle) = &inspection.obstacle {

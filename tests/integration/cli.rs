@@ -146,7 +146,8 @@ fn diagnose_says_where_the_base_model_is_wrong_and_names_the_cause() {
     assert_eq!(code(&servoscope(&["show", &stored, "--report", &page])), Some(2));
     assert_eq!(code(&servoscope(&["show", &stored, &file, "--report", &page])), Some(0));
     assert!(std::fs::read_to_string(page).unwrap().contains("lacks static friction"));
-    let parts = ["1. static_friction", "Where it is wrong", "What is left", "Is it noise?"];
+    let parts =
+        ["1. static_friction", "Where it is wrong", "Residual, part by part", "Is it noise?"];
     for part in parts.into_iter().chain(["The model with static_friction\n\nADEQUATE"]) {
         assert!(report.contains(part), "{report}");
     }

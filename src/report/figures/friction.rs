@@ -16,7 +16,7 @@ use crate::report::units::friction;
 use crate::report::words::typeset;
 
 use model::{Side, Viscous, band, quantile, side, viscous};
-use velocities::{extents, velocities};
+use velocities::{VELOCITIES, extents, velocities};
 
 const LEFT: f64 = 64.0;
 const RIGHT: f64 = WIDTH - 92.0;
@@ -59,6 +59,10 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     if sides.iter().any(|side| side.static_level.is_some()) {
         let level = Key::new(Look::Marker(Marker::Diamond), MODEL, "static level");
         keys.push(level.toggling("static"));
+    }
+    if !ranges.is_empty() {
+        let measured = Key::new(Look::Area, "s0", "velocities measured");
+        keys.push(measured.toggling(VELOCITIES));
     }
     legend(&mut canvas, &keys);
     let top = canvas.y + 22.0;

@@ -35,8 +35,8 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
         (patterns, _) => shares(patterns),
     };
     let series = comparison.experiments.len().min(lines::MOST_PANELS);
-    let title = "Residual, measured less simulated, in standard deviations";
-    let mut canvas = Canvas::new("residuals", title, &says, series);
+    let title = subject.titled("Residual in standard deviations");
+    let mut canvas = Canvas::new("residuals", &title, &says, series);
     if has_many_lines(comparison) {
         lines::draw(&mut canvas, comparison, patterns);
     } else {

@@ -76,13 +76,8 @@ async function leaves({ id, measurement_id }, signal) {
 }
 
 function origin(job, measurement) {
-  const asked = [
-    job.method,
-    job.plant ? `actuator order ${job.plant.actuator_order}` : "actuator order from the data",
-    `seed ${job.options.seed}`,
-  ];
   const measured = measurement.measured_at && `measured ${time(measurement.measured_at)}`;
-  return [measured, measurement.operator && `by ${measurement.operator}`, asked.join(", "), `queued ${time(job.created_at)}`]
+  return [measured, measurement.operator && `by ${measurement.operator}`, `${job.kind === "diagnose" ? "diagnosed" : "identified"} ${time(job.created_at)}`]
     .filter(Boolean).join(" · ");
 }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use servoscope_core::answers::{ComparedExperiment, ComparedHarmonic, Comparison, Pattern};
 
 use super::super::canvas::{AXIS, Anchor, Canvas, HEADING, NOTE, TICK, Trace, WIDTH};
+use super::super::panel::{Key, Look, legend};
 use super::super::scale::Scale;
 use super::super::series::{Group, by_magnitude, frequency_hz, magnitude_label, sigmas};
 use super::super::text::{self, number};
@@ -45,6 +46,10 @@ struct Block {
 
 pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pattern]) {
     let groups = by_magnitude(comparison);
+    if !patterns.is_empty() {
+        let outlined = Key::new(Look::Line("ink"), "key", "patterns, by their numbers below");
+        legend(canvas, &[outlined.toggling("patterns")]);
+    }
     colours(canvas);
     let orders: Vec<Vec<usize>> = groups.iter().map(orders).collect();
     let rows: usize = orders.iter().map(Vec::len).sum();
@@ -250,13 +255,13 @@ fn mark(canvas: &mut Canvas, blocks: &[Block], patterns: &[Pattern]) {
     for class in ["halo", "ink"] {
         for (sides, edges) in outlines.iter().filter(|(_, edges)| !edges.is_empty()) {
             let path = edges.iter().flat_map(|[from, to]| [Some(*from), Some(*to), None]);
-            canvas.open_inside("outlines", *sides, Trace::default());
+            canvas.open_inside("outlines", *sides, Trace::keyed("patterns"));
             canvas.polyline(class, path);
             canvas.close();
         }
     }
     for ((index, place), sides) in badges.into_iter().zip(of_badges) {
-        canvas.open_inside("", sides, Trace::default());
+        canvas.open_inside("", sides, Trace::keyed("patterns"));
         badge(canvas, index, place);
         canvas.close();
     }

@@ -279,7 +279,7 @@ mod tests {
         let answer = answer(3e-6, 3e-3);
         assert_eq!(answer.base.provenance.options.weights, Weighting::Response);
         assert_eq!(answer.base.fit.chi2, None);
-        assert!(answer.limitations[0].starts_with("no model reaches the noise"));
+        assert!(answer.limitations[0].starts_with("no model fits to within the noise"));
     }
 
     #[test]

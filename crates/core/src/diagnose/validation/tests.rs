@@ -88,7 +88,7 @@ fn an_extension_that_hurts_lowers_the_verdict_by_one_step_and_says_so() {
         said.contains("helps on the fitted data and makes the prediction worse here"),
         "{said}"
     );
-    assert!(said.ends_with("the verdict is IMPROVED instead of EXPLAINED"), "{said}");
+    assert!(said.ends_with("the verdict is therefore IMPROVED instead of EXPLAINED"), "{said}");
     let improved = Diagnosis { verdict: Verdict::Improved, ..wrong.clone() };
     assert_eq!(tried(improved, &measurement).verdict, Some(Verdict::Unexplained));
 
@@ -136,7 +136,10 @@ fn the_noise_is_what_the_validation_measurement_states() {
     answer.base.provenance.options.noise_std = Some(STD);
     let found = tried(answer, &measurement(None));
     assert_eq!(found.models.base.chi2_per_dof, None);
-    assert!(found.remarks.iter().any(|text| text.contains("how noisy")), "{found:?}");
+    assert!(
+        found.remarks.iter().any(|text| text.contains("does not state its noise")),
+        "{found:?}"
+    );
     assert_eq!(found.provenance.options.noise_std, Some(STD));
 }
 

@@ -358,7 +358,7 @@ mod tests {
         let velocity = Unknown { quantity: Quantity::Velocity, at_rest: 0.0, size: 1.0 };
         assert_eq!(model.implausible(&velocity, 0.105, shown), None);
         assert!(model.implausible(&velocity, 0.2, shown).unwrap().contains("show 0.1000"));
-        assert!(model.implausible(&velocity, -1.2, shown).unwrap().contains("beyond 1.0000"));
+        assert!(model.implausible(&velocity, -1.2, shown).unwrap().contains("larger than 1.0000"));
         let torque = Unknown { quantity: Quantity::Torque, at_rest: 1.0, size: 2.0 };
         assert_eq!(model.implausible(&torque, 2.9, shown), None);
         assert!(model.implausible(&torque, 3.1, shown).is_some());

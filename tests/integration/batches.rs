@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::{Value, json};
 
-use crate::fleet::{QUICK, Worker, server};
 use crate::postgres_cluster::Cluster;
 use crate::process::{Server, command, simulated};
 use crate::receiver::Receiver;
 use crate::service::endless;
+use crate::worker_process::{QUICK, Worker, server};
 
 /// Ends a test that hangs; far more than anything here takes.
 const PATIENCE: Duration = Duration::from_secs(300);

@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
-use std::process::{Child, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::Signal;
 use serde_json::{Value, json};
 
 use crate::durability::{is_running, until};
@@ -15,57 +14,10 @@ use crate::postgres_cluster::Cluster;
 use crate::process::{Server, command};
 use crate::receiver::Receiver;
 use crate::service::{endless, submit};
+use crate::worker_process::{Worker, server};
 
 /// Ends a test that hangs; far more than anything here takes.
 const PATIENCE: Duration = Duration::from_secs(300);
-
-/// A short wait for what a worker held that is gone.
-pub const QUICK: [&str; 4] = ["--lease-seconds", "2", "--retry-seconds", "0"];
-
-/// A server without workers.
-pub fn server(folder: &Path, database: &str) -> Server {
-    let mut arguments = vec!["--database", database, "--workers", "0"];
-    arguments.extend(["--webhook-allow", "127.0.0.0/8"]);
-    arguments.extend(QUICK);
-    Server::start(folder, &arguments)
-}
-
-/// A worker of one place, killed when it is dropped.
-pub struct Worker(Child);
-
-impl Worker {
-    pub fn start(place: &[&str]) -> Self {
-        Self::start_logging(place, Stdio::null())
-    }
-
-    fn start_logging(place: &[&str], log: impl Into<Stdio>) -> Self {
-        let mut command = command();
-        command.arg("worker").args(place).args(["--workers", "1"]).args(QUICK);
-        let mut child = command.stdout(Stdio::piped()).stderr(log).spawn().unwrap();
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
-        assert!(line.starts_with("taking jobs from "), "{line}");
-        Self(child)
-    }
-
-    pub fn signal(&self, signal: Signal) {
-        kill_process(Pid::from_child(&self.0), signal).unwrap();
-    }
-
-    /// Asks it to stop and waits for its exit code.
-    pub fn terminate(mut self) -> Option<i32> {
-        self.signal(Signal::TERM);
-        self.0.wait().unwrap().code()
-    }
-}
-
-impl Drop for Worker {
-    fn drop(&mut self) {
-        // Fails where it has ended already, which is as good.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
 
 fn succeeded(server: &Server, job: &str) -> Value {
     let ended = server.ended(job);

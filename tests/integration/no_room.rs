@@ -9,11 +9,11 @@ use serde_json::json;
 use sqlx::{AssertSqlSafe, Connection as _};
 
 use crate::durability::{Mounted, count, fill, upload};
-use crate::fleet::{QUICK, Worker};
 use crate::postgres_cluster::Cluster;
 use crate::process::{Server, simulated};
 use crate::service::submit;
 use crate::shared_files::skipped;
+use crate::worker_process::{QUICK, Worker};
 
 /// A measurement of about half a mebibyte that is hardly smaller when it is packed.
 pub fn large(seed: u64) -> Vec<u8> {

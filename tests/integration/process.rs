@@ -128,6 +128,15 @@ impl Server {
         request.header("content-type", content_type).send(body).unwrap().into()
     }
 
+    /// The same with headers of its own.
+    pub fn post_with(&self, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Answer {
+        let mut request = self.agent.post(format!("{}{path}", self.address));
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        request.send(body).unwrap().into()
+    }
+
     /// Status of a `PUT` of whatever it is.
     pub fn put_bytes(&self, path: &str, content_type: &str, body: &[u8]) -> u16 {
         let request = self.agent.put(format!("{}{path}", self.address));

@@ -90,8 +90,8 @@ impl Tried<'_> {
         let Some(gain) = gain else {
             return format!(
                 "whether {names} help{s} here cannot be told: {left}, but there is too little to \
-                 give the ratio an interval (one frequency and one magnitude, or a model that \
-                 leaves nothing)"
+                 give the ratio an interval (one frequency and one magnitude, or a residual of \
+                 nothing)"
             );
         };
         let [ratio, low, high] =

@@ -201,7 +201,7 @@ test("the history of an axis marks what changed, and two jobs stand side by side
   await picture(page, "15-overview", { fullPage: true });
   await page.getByRole("button", { name: "Compare" }).click();
   await page.getByRole("heading", { name: "Two jobs side by side" }).waitFor();
-  assert.match(await page.locator("tr.changed").first().textContent(), /Pole.*beyond the joint interval/);
+  assert.match(await page.locator("tr.changed").first().textContent(), /Pole.*more than the uncertainty of both/);
   await page.locator("server-figure").nth(5).waitFor();
   await page.waitForLoadState("networkidle");
   await picture(page, "16-compare", { fullPage: true });

@@ -185,7 +185,7 @@ fn a_plan_without_an_axis_or_with_a_wrong_one_says_which_option_is_missing_or_wr
     for (axis, budget, told) in [
         (&[][..], "5", "describe the axis with --pole"),
         (&axis[..], "-5", "--budget-s: "),
-        (&wrong[..], "5", "--pole: 3 is not the pole"),
+        (&wrong[..], "5", "--pole: 3 is not negative"),
     ] {
         let output = servoscope(&[&["plan", "--budget-s", budget], axis].concat());
         assert_eq!(code(&output), Some(2), "{told}: {}", error(&output));

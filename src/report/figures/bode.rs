@@ -283,8 +283,8 @@ pub(super) fn says(curves: &[Curve], extended: Option<Extended<'_>>) -> String {
             let half = rounded(departures[departures.len() / 2]);
             let (gain, phase) = (rounded(gain), rounded(phase));
             format!(
-                "Simulated{named}: median error of the gain {half} dB; largest error {gain} dB and \
-                 {phase}°, at {place}."
+                "Simulated{named}: median error of the gain {half} dB, largest {gain} dB and \
+                 {phase}° ({place})."
             )
         }
     }

@@ -232,6 +232,6 @@ mod tests {
         let with_error = lines(&tables::tried(&candidates)).join("\n");
         assert!(line(&with_error, "static_friction").contains("632.2    1.24 %  named"));
         let given_up = line(&text, "cogging").split_whitespace().collect::<Vec<_>>();
-        assert_eq!(given_up[..3], ["cogging", "none", "it"]);
+        assert_eq!(given_up[..3], ["cogging", "none", "the"]);
     }
 }

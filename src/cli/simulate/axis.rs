@@ -132,7 +132,7 @@ mod tests {
         for flag in ["--pole", "--actuator-pole"] {
             let refused = asked(&format!("{flag} 2.5")).unwrap_err();
             assert!(refused.contains(&format!("{flag} -2.5")), "{refused}");
-            assert!(asked(&format!("{flag} 0")).unwrap_err().contains("negative number"));
+            assert!(asked(&format!("{flag} 0")).unwrap_err().contains("not negative"));
         }
     }
 

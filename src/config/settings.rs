@@ -202,7 +202,7 @@ mod tests {
                 "workers" => "one per core",
                 "keep_days" => "never",
                 "key_measurements" | "key_mib" | "key_jobs" | "key_compute_minutes" => "no limit",
-                "hosts" => "none; any where other machines can reach it",
+                "hosts" => "any name if other machines can reach the server, else none",
                 "cors_origins" | "webhook_allow" | "mqtt" | "admin_key" | "admin_key_file"
                 | "database" => "none",
                 _ => default.trim_matches('"'),

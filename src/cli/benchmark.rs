@@ -88,7 +88,8 @@ pub(super) struct Args {
     separate: bool,
     /// Says of every draw of one effect which other effect, refitted without noise, comes nearest to
     /// the hidden one, and counts the first names by how near: what is alike without noise, no
-    /// diagnosis tells apart.
+    /// diagnosis tells apart. Does the same of the faults of `mismeasured`: what the
+    /// machine's own model, refitted, leaves of them.
     #[arg(long)]
     nearest: bool,
     /// Changes a setting of the search for causes; may be repeated.

@@ -88,7 +88,8 @@ pub(super) struct Args {
     separate: bool,
     /// For every draw of one effect, prints which other effect fits the noise-free response best,
     /// and counts how often the hidden one is named first by the excess χ² of that fit: effects
-    /// that fit equally well without noise cannot be told apart.
+    /// that fit equally well without noise cannot be told apart. Does the same for the faults of
+    /// `mismeasured`, with the excess χ² of the machine's own model, refitted.
     #[arg(long)]
     nearest: bool,
     /// Changes a setting of the search for causes; may be repeated.

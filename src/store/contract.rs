@@ -4,6 +4,7 @@ mod backup;
 mod batches;
 #[path = "../../tests/postgres_cluster.rs"]
 pub(in crate::store) mod cluster;
+mod earlier;
 mod kept;
 mod keys;
 mod lists;

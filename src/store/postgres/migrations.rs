@@ -42,8 +42,12 @@ fn all() -> Migrator {
     first(STEPS.len())
 }
 
+/// How many steps there are.
+#[cfg(test)]
+pub(in crate::store) const COUNT: usize = STEPS.len();
+
 /// The first steps.
-pub(super) fn first(count: usize) -> Migrator {
+pub(in crate::store) fn first(count: usize) -> Migrator {
     let step = |&(version, description, sql): &(i64, &'static str, &'static str)| {
         let simple = MigrationType::Simple;
         Migration::new(version, description.into(), simple, sql.into_sql_str(), false)

@@ -13,7 +13,7 @@ mod keys;
 mod locks;
 mod mappings;
 mod measurements;
-mod migrations;
+pub(super) mod migrations;
 mod outbox;
 mod portable;
 mod queue;

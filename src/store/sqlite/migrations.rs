@@ -61,6 +61,16 @@ fn all() -> Migrator {
     of(STEPS)
 }
 
+/// How many steps there are.
+#[cfg(test)]
+pub(in crate::store) const COUNT: usize = STEPS.len();
+
+/// The first steps.
+#[cfg(test)]
+pub(in crate::store) fn first(count: usize) -> Migrator {
+    of(&STEPS[..count])
+}
+
 fn of(steps: &'static [Step]) -> Migrator {
     let step = |&(version, description, sql): &Step| {
         let simple = MigrationType::Simple;

@@ -12,7 +12,7 @@ mod jobs;
 mod keys;
 mod mappings;
 mod measurements;
-mod migrations;
+pub(super) mod migrations;
 mod outbox;
 mod portable;
 mod queue;
@@ -43,7 +43,7 @@ const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 const LOOK_AGAIN: Duration = Duration::from_millis(20);
 
 /// Name of the database in the data directory.
-const FILE_NAME: &str = "servoscope.sqlite3";
+pub(super) const FILE_NAME: &str = "servoscope.sqlite3";
 
 /// Connections that read at the same time.
 const READERS: u32 = 4;

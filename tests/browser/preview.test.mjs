@@ -145,7 +145,7 @@ test("a stored file is read again in other units, until there is a job on it", a
 
   await server.post("/v1/jobs", { measurement_id: id, kind: "identify", plant: { actuator_order: 0 } });
   await page.getByRole("button", { name: "Read it again …" }).click();
-  await page.getByText(/There are jobs on it/).waitFor();
+  await page.getByText(/This measurement has results that depend/).waitFor();
   await page.getByRole("button", { name: "Close" }).click();
-  assert.equal(await page.getByText(/There are jobs on it/).isVisible(), false);
+  assert.equal(await page.getByText(/This measurement has results that depend/).isVisible(), false);
 });

@@ -105,7 +105,8 @@ function sweeps({ experiments, duration_s, nameable, score, sweeps }) {
 
 function figure(asked, { input = "" }, signal) {
   const { node, figure } = frame("", "The planned experiments, and what they identify beside a sweep");
-  load(figure, `/v1/plans/plan.svg?${new URLSearchParams({ input_unit: input })}`, signal, posted(asked))
+  const named = input ? `?${new URLSearchParams({ input_unit: input })}` : "";
+  load(figure, `/v1/plans/plan.svg${named}`, signal, posted(asked))
     .catch((error) => signal.aborted || node.replaceChildren(h("p", { class: "small" }, error.message)));
   return node;
 }

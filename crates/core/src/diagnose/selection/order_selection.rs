@@ -125,7 +125,7 @@ pub(crate) fn diagnose(
     let best = studies.remove(0);
     if best.order() < suited {
         said.push(format!(
-            "without any effect the data asks for an actuator of order {suited}; better is {}",
+            "without any effect an actuator of order {suited} fits best; {} fits better",
             described(&best)
         ));
     }

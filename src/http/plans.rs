@@ -24,6 +24,7 @@ pub(super) struct AskForPlan {
     /// In its place a job that has succeeded, of either kind: the axis is its base model.
     job_id: Option<String>,
     /// Time that the experiments may take in all, settling included, s.
+    #[schema(exclusive_minimum = 0.0)]
     budget_s: f64,
     /// Limits, noise and seed.
     #[serde(default)]
@@ -43,6 +44,7 @@ impl From<AskForPlan> for PlanFor {
 #[into_params(parameter_in = Query)]
 pub(super) struct ExcitationQuery {
     /// `stepped-sine` (if left out) or `multisine`.
+    #[param(pattern = "^(stepped-sine|multisine)$")]
     kind: Option<String>,
 }
 

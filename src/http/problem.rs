@@ -200,6 +200,7 @@ impl Problem {
             ServiceError::TooCostly { .. } => {
                 Self::new(StatusCode::UNPROCESSABLE_ENTITY, "too-costly", "Too costly", text)
             }
+            ServiceError::Busy => *Self::of_status(StatusCode::SERVICE_UNAVAILABLE, text),
             ServiceError::OverQuota { wait_s, .. } => {
                 let status = StatusCode::TOO_MANY_REQUESTS;
                 let problem = Self::new(status, "over-quota", "Quota exceeded", text);

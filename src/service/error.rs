@@ -111,13 +111,10 @@ pub enum ServiceError {
         /// How it ended.
         status: Status,
     },
-    /// A job, or an inspection, that would take too long.
+    /// A job, or what is computed while a request waits, that would take too long.
     #[error(
-        "it would compute about {} on one processor, more than the {} that a job may; the \
-         measurement has {experiments} experiments and harmonics up to {highest_harmonic}: upload \
-         it without harmonics of high order or with fewer experiments, ask for a smaller search \
-         (`options.evaluation_budget`), or have the server started with a larger \
-         `--job-cost-minutes`",
+        "it would compute about {} on one processor, more than the {} that a job may; {less}, or \
+         have the server started with a larger `--job-cost-minutes`",
         in_words(*minutes), in_words(*most_minutes)
     )]
     TooCostly {
@@ -125,11 +122,15 @@ pub enum ServiceError {
         minutes: f64,
         /// What a job may take.
         most_minutes: f64,
-        /// Experiments of the measurement.
-        experiments: i64,
-        /// Its highest harmonic.
-        highest_harmonic: i64,
+        /// How to ask for less.
+        less: String,
     },
+    /// Others have had all places for what is computed while a request waits.
+    #[error(
+        "the server is busy with what it computes for other requests; nothing of this one was \
+         stored; send it again in some seconds, and few at a time"
+    )]
+    Busy,
     /// A key has, or asks, as much as a key may.
     #[error("the key `{name}` {reason}")]
     OverQuota {
@@ -160,7 +161,9 @@ pub enum ServiceError {
 }
 
 fn in_words(minutes: f64) -> String {
-    if minutes < 120.0 {
+    if minutes < 2.0 {
+        format!("{:.0} seconds", 60.0 * minutes)
+    } else if minutes < 120.0 {
         format!("{minutes:.0} minutes")
     } else {
         format!("{:.0} hours", minutes / 60.0)

@@ -122,6 +122,7 @@ impl Follower {
     }
 
     async fn read(&mut self) -> Result<(), ServiceError> {
+        let _place = self.service.asked.follows.take(&self.service.reach.owner).await?;
         // The job first: once it has ended its history is complete.
         let job = self.service.job(&self.id).await?;
         let rows =
@@ -141,5 +142,44 @@ impl Follower {
             self.ready.push_back(JobEvent::Changed(Box::new(job)));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use futures_util::StreamExt;
+
+    use super::*;
+    use crate::service::testing::Scripted;
+    use crate::service::{Signals, Submission, Upload};
+    use crate::store::{FileRow, Sqlite};
+
+    #[tokio::test]
+    async fn whoever_follows_waits_for_a_place_to_read_and_nobody_else_does() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Arc::new(Sqlite::open(folder.path()).await.unwrap());
+        let service = Service::new(store, Arc::new(Scripted), Arc::new(Signals::default()));
+        let (name, content_type) = ("a.csv".to_owned(), "text/csv".to_owned());
+        let files = vec![FileRow { name, content_type, bytes: b"any".to_vec() }];
+        let upload = Upload { files, ..Upload::default() };
+        let measured = service.add_measurement(upload, None).await.unwrap();
+        let measurement_id = measured.resource.row.id;
+        let submission =
+            Submission { measurement_id, kind: "identify".into(), ..Submission::default() };
+        let id = service.submit(&submission, None).await.unwrap().resource.row.id;
+
+        let soon = Duration::from_millis(100);
+        let mut taken = Vec::new();
+        let follows = &service.asked.follows;
+        while let Ok(place) = tokio::time::timeout(soon, follows.take("")).await {
+            taken.push(place.unwrap());
+        }
+        let mut events = Box::pin(service.events(&id, 0).await.unwrap().unwrap());
+        assert!(tokio::time::timeout(soon, events.next()).await.is_err());
+        assert_eq!(service.job(&id).await.unwrap().row.id, id);
+        drop(taken);
+        assert!(matches!(events.next().await, Some(JobEvent::Changed(_))));
     }
 }

@@ -10,7 +10,7 @@ use servoscope_core::measurement::formats::write_harmonic_csv;
 
 use super::descriptions::described;
 use super::measurements::sources;
-use super::{Compared, Service, ServiceError, aside, harmless};
+use super::{Compared, Service, ServiceError, harmless};
 
 /// Keys and values of a JSON object.
 type Members = Map<String, Value>;
@@ -72,7 +72,11 @@ impl Service {
         let stored = self.measurement(id).await?;
         let files = self.store.measurement_files(&self.reach, id).await?;
         let numerics = Arc::clone(&self.numerics);
-        aside(move || Ok(make(described(numerics.read(&sources(&files))?, &stored)))).await
+        let making = move || {
+            let measurement = numerics.read(&sources(&files))?;
+            Ok(make(described(measurement, &stored)))
+        };
+        self.in_place(making).await?
     }
 }
 

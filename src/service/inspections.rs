@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use servoscope_core::answers::{Inspection, Plan};
 use servoscope_core::identify::IdentifyRequest;
 use servoscope_core::observer::Observer;
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::kept::Kept;
 use super::measurements::sources;
+use super::places::Places;
 use super::{Measured, Service, ServiceError, aside, curves};
 
 /// Inspections that are kept: a page that is opened again answers at once.
@@ -20,23 +20,17 @@ const PLANS: usize = 16;
 /// What this process computes while a request waits: one thing at a time, so that jobs keep their
 /// processors.
 pub(super) struct Asked {
-    turn: Arc<Semaphore>,
+    pub(super) places: Places,
+    /// For those who follow jobs: however many they are, others reach the store.
+    pub(super) follows: Places,
     inspections: Kept<Inspection>,
     pub(super) plans: Kept<Arc<Plan>>,
 }
 
 impl Default for Asked {
     fn default() -> Self {
-        let turn = Arc::new(Semaphore::new(1));
-        Self { turn, inspections: Kept::new(INSPECTIONS), plans: Kept::new(PLANS) }
-    }
-}
-
-impl Asked {
-    /// Waits until nothing else is looked at or planned.
-    pub(super) async fn turn(&self) -> Option<OwnedSemaphorePermit> {
-        // It is never closed.
-        Arc::clone(&self.turn).acquire_owned().await.ok()
+        let (places, follows) = (Places::new(1), Places::on_this_machine());
+        Self { places, follows, inspections: Kept::new(INSPECTIONS), plans: Kept::new(PLANS) }
     }
 }
 
@@ -64,20 +58,20 @@ impl Service {
     ///
     /// # Errors
     /// [`ServiceError::Unknown`] when there is none with this id; [`ServiceError::Uninspected`]
-    /// where it cannot be inspected.
+    /// where it cannot be inspected; [`ServiceError::TooCostly`]; [`ServiceError::Busy`].
     pub async fn inspection(&self, id: &str) -> Result<Inspection, ServiceError> {
         let Measured { row, .. } = self.measurement(id).await?;
         self.check_inspection(&row)?;
         let files = self.store.measurement_files(&self.reach, id).await?;
         let flag = Arc::new(AtomicBool::new(false));
         let _gone = Gone(Arc::clone(&flag));
-        let turn = self.asked.turn().await;
+        let place = self.asked.places.take(&self.reach.owner).await?;
         if let Some(known) = self.asked.inspections.get(&row.sha256) {
             return Ok(known);
         }
         let numerics = Arc::clone(&self.numerics);
         let looking = aside(move || {
-            let _turn = turn;
+            let _place = place;
             let measurement = numerics.read(&sources(&files))?;
             let request = IdentifyRequest::default();
             let found = numerics.inspect(&measurement, &request, &WhileWaiting(flag));

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use servoscope_core::measurement::formats::{Given, Source};
+use servoscope_core::measurement::formats::{Given, MAX_EXPERIMENTS, Source};
 use servoscope_core::measurement::{Experiment, Measurement, Transient};
 use sha2::{Digest, Sha256};
 
@@ -17,7 +17,7 @@ pub const MAX_FILES: usize = 64;
 
 /// Most experiments of one measurement: a fit simulates each of them thousands
 /// of times.
-pub const MAX_POINTS: usize = 20_000;
+pub const MAX_POINTS: usize = MAX_EXPERIMENTS;
 
 /// Files to be read as one measurement.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -25,6 +25,7 @@ mod measurements;
 mod metrics;
 mod notices;
 mod numerics;
+mod places;
 mod plans;
 mod plots;
 mod preview;
@@ -63,6 +64,7 @@ pub(crate) use measurements::hexadecimal;
 pub use measurements::{MAX_FILES, MAX_POINTS, Measured, Upload};
 pub use metrics::Metrics;
 pub use numerics::{BuiltIn, Numerics};
+use places::Places;
 pub use plans::PlanFor;
 pub use plots::Plot;
 pub use preview::Preview;
@@ -119,6 +121,7 @@ pub struct Service {
     signals: Arc<Signals>,
     metrics: Arc<Metrics>,
     asked: Arc<Asked>,
+    places: Arc<Places>,
     outlets: Arc<Outlets>,
     caller: Arc<Caller>,
     reach: Reach,
@@ -133,9 +136,22 @@ impl Service {
     /// [`Service::accepting`] and [`Service::within`].
     pub fn new(store: Arc<dyn Store>, numerics: Arc<dyn Numerics>, signals: Arc<Signals>) -> Self {
         let (metrics, asked, outlets) = Default::default();
+        let places = Arc::new(Places::on_this_machine());
         let (caller, reach) = (Arc::new(Caller::Everybody), Reach::everything());
         let (most_cost, quotas) = (Duration::MAX, Quotas::default());
-        Self { store, numerics, signals, metrics, asked, outlets, caller, reach, most_cost, quotas }
+        Self {
+            store,
+            numerics,
+            signals,
+            metrics,
+            asked,
+            places,
+            outlets,
+            caller,
+            reach,
+            most_cost,
+            quotas,
+        }
     }
 
     /// The same for a caller: it finds what it may see, and owns what it makes.

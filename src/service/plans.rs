@@ -28,21 +28,23 @@ impl Service {
     /// same question has the same answer, which is kept for a while in memory; nothing is stored.
     ///
     /// # Errors
-    /// [`ServiceError::Request`] for what cannot be planned; of the job as [`Service::result`].
+    /// [`ServiceError::Request`] for what cannot be planned; [`ServiceError::TooCostly`];
+    /// [`ServiceError::Busy`]; of the job as [`Service::result`].
     pub async fn plan(&self, question: PlanFor) -> Result<Arc<Plan>, ServiceError> {
         let axis = self.axis_of(&question).await?;
         let PlanFor { budget_s, options, .. } = question;
         let request = PlanRequest { axis, budget_s, options };
+        self.check_plan(&request)?;
         let flag = Arc::new(AtomicBool::new(false));
         let _gone = Gone(Arc::clone(&flag));
         let key = format!("{request:?}");
-        let turn = self.asked.turn().await;
+        let place = self.asked.places.take(&self.reach.owner).await?;
         if let Some(known) = self.asked.plans.get(&key) {
             return Ok(known);
         }
         let numerics = Arc::clone(&self.numerics);
         let planning = aside(move || {
-            let _turn = turn;
+            let _place = place;
             numerics.plan(&request, &WhileWaiting(flag)).map_err(refused)
         });
         let plan = Arc::new(planning.await?);

@@ -8,7 +8,7 @@ use crate::report::figures::{self, Format, Subject};
 
 use super::jobs::answer;
 use super::measurements::sources;
-use super::{Compared, Service, ServiceError, aside};
+use super::{Compared, Service, ServiceError};
 
 /// A figure of a job.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,7 +47,7 @@ impl Service {
         let files = self.store.measurement_files(&self.reach, &row.measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);
         let (id, name) = (id.to_owned(), name.to_owned());
-        let drawing = aside(move || {
+        let drawing = self.in_place(move || {
             let measurement = numerics.read(&sources(&files)).map_err(|error| error.to_string());
             let compared = Compared::of(
                 numerics.as_ref(),
@@ -57,7 +57,7 @@ impl Service {
             drawn(&answer, &compared, &convergence, &name, format)
                 .map_err(|(reason, available)| no_plot(&id, &name, &reason, available))
         });
-        Ok(Plot { svg: drawing.await?, settled: true })
+        Ok(Plot { svg: drawing.await??, settled: true })
     }
 }
 

@@ -40,7 +40,7 @@ impl Service {
             }
             Err(error) => Err(error),
         };
-        let look = self.look_at(reading.files).await;
+        let look = self.look_at(reading.files).await?;
         Ok(Preview { look, given: reading.given, mapping: reading.mapping, read })
     }
 }

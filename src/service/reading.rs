@@ -10,7 +10,7 @@ use crate::store::FileRow;
 
 use super::mappings::Mapping;
 use super::measurements::sources;
-use super::{Service, ServiceError, aside};
+use super::{Service, ServiceError};
 
 /// An upload that was read, or that was refused.
 pub(super) struct Reading {
@@ -30,8 +30,8 @@ impl Service {
     /// cannot be read, the one for files of their layout is used, if there is one.
     ///
     /// # Errors
-    /// [`ServiceError::Request`] for a mapping that there is not. Files that cannot be read are no
-    /// error.
+    /// [`ServiceError::Request`] for a mapping that there is not; [`ServiceError::Busy`]. Files that
+    /// cannot be read are no error.
     pub(super) async fn read_upload(
         &self,
         files: Vec<FileRow>,
@@ -40,17 +40,17 @@ impl Service {
     ) -> Result<Reading, ServiceError> {
         if let Some(name) = mapping {
             let mapping = self.mapping(name).await.map_err(|error| unknown(error, name))?;
-            return Ok(self.read_with(files, given, &mapping, "as asked for").await);
+            return self.read_with(files, given, &mapping, "as asked for").await;
         }
-        let reading = self.read_given(files, given.clone()).await;
+        let reading = self.read_given(files, given.clone()).await?;
         if reading.measurement.is_ok() {
             return Ok(reading);
         }
-        let (reading, look) = aside(move || {
+        let looking = self.in_place(move || {
             let look = look(&sources(&reading.files));
             (reading, look)
-        })
-        .await;
+        });
+        let (reading, look) = looking.await?;
         let Some(layout) = &look.layout else { return Ok(reading) };
         let Some(mapping) = self.mapping_of_layout(layout).await? else { return Ok(reading) };
         let files = reading.files.into_iter().filter(|file| file.name != Given::NAME).collect();
@@ -63,12 +63,12 @@ impl Service {
                 "since it is for files of this layout, which is not understood without it".into()
             }
         };
-        Ok(self.read_with(files, given, &mapping, &why).await)
+        self.read_with(files, given, &mapping, &why).await
     }
 
     /// Looks at files that were read.
-    pub(super) async fn look_at(&self, files: Vec<FileRow>) -> Look {
-        aside(move || look(&sources(&files))).await
+    pub(super) async fn look_at(&self, files: Vec<FileRow>) -> Result<Look, ServiceError> {
+        self.in_place(move || look(&sources(&files))).await
     }
 
     async fn read_with(
@@ -77,10 +77,10 @@ impl Service {
         given: BTreeMap<String, String>,
         mapping: &Mapping,
         why: &str,
-    ) -> Reading {
+    ) -> Result<Reading, ServiceError> {
         let mut all = mapping.settings.clone();
         all.extend(given);
-        let reading = self.read_given(files, all).await;
+        let reading = self.read_given(files, all).await?;
         let name = &mapping.name;
         let measurement = reading.measurement.map_err(|mut error| {
             error.reason += &format!(" (read with the stored mapping `{name}`)");
@@ -88,27 +88,30 @@ impl Service {
         });
         let words = mapping.in_words();
         let note = Some(format!("the stored mapping `{name}` is used, {why}: {words}"));
-        Reading { mapping: Some(name.clone()), note, measurement, ..reading }
+        Ok(Reading { mapping: Some(name.clone()), note, measurement, ..reading })
     }
 
     /// Reads files with what is given beside them, and with no mapping.
+    ///
+    /// # Errors
+    /// [`ServiceError::Busy`].
     pub(super) async fn read_given(
         &self,
         mut files: Vec<FileRow>,
         given: BTreeMap<String, String>,
-    ) -> Reading {
+    ) -> Result<Reading, ServiceError> {
         let text = text(&given);
         let numerics = Arc::clone(&self.numerics);
-        let (files, measurement) = aside(move || match text {
+        let reading = self.in_place(move || match text {
             Ok(stated) => {
                 files.extend(stated);
                 let measurement = numerics.read(&sources(&files));
                 (files, measurement)
             }
             Err(error) => (files, Err(error)),
-        })
-        .await;
-        Reading { files, given, mapping: None, note: None, measurement }
+        });
+        let (files, measurement) = reading.await?;
+        Ok(Reading { files, given, mapping: None, note: None, measurement })
     }
 }
 

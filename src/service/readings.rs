@@ -41,7 +41,7 @@ impl Service {
             Err(error) => Err(error),
         };
         let given = statements(reading.given).0;
-        let look = self.look_at(reading.files).await;
+        let look = self.look_at(reading.files).await?;
         Ok(Preview { look, given, mapping: None, read })
     }
 
@@ -91,7 +91,7 @@ impl Service {
             });
         }
         all.extend(description);
-        Ok(self.read_given(files, all).await)
+        self.read_given(files, all).await
     }
 }
 

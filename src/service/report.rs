@@ -10,7 +10,7 @@ use crate::report::page::{Content, DataFile, Measured, page};
 
 use super::descriptions::described;
 use super::measurements::{hexadecimal, sources};
-use super::{Compared, Service, ServiceError, aside};
+use super::{Compared, Service, ServiceError};
 
 /// Magnitudes and frequencies that differ by less than this share are the same:
 /// those of a record are measured.
@@ -29,7 +29,7 @@ impl Service {
         let files = self.store.measurement_files(&self.reach, &row.measurement_id).await?;
         let stored = self.measurement(&row.measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);
-        let writing = aside(move || {
+        let writing = self.in_place(move || {
             let sources = sources(&files);
             let measurement =
                 numerics.read(&sources).map(|measurement| described(measurement, &stored));
@@ -44,7 +44,7 @@ impl Service {
                 convergence: &convergence,
             })
         });
-        Ok(writing.await)
+        writing.await
     }
 }
 

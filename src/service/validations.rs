@@ -7,7 +7,7 @@ use servoscope_core::diagnose::ValidateError;
 use servoscope_core::observer::Silent;
 
 use super::measurements::sources;
-use super::{Service, ServiceError, aside};
+use super::{Measured, Service, ServiceError};
 
 impl Service {
     /// Simulates the models of a job's result on another measurement. Nothing is
@@ -15,22 +15,23 @@ impl Service {
     ///
     /// # Errors
     /// [`ServiceError::Unknown`] for the job or the measurement,
-    /// [`ServiceError::Request`] where the models cannot be tried on it; otherwise
-    /// as [`Service::result`].
+    /// [`ServiceError::Request`] where the models cannot be tried on it,
+    /// [`ServiceError::TooCostly`]; otherwise as [`Service::result`].
     pub async fn validate(
         &self,
         job_id: &str,
         measurement_id: &str,
     ) -> Result<Validation, ServiceError> {
         let answer = self.answer(job_id).await?;
-        self.measurement(measurement_id).await?;
+        let Measured { row, .. } = self.measurement(measurement_id).await?;
+        self.check_validation(&row)?;
         let files = self.store.measurement_files(&self.reach, measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);
-        let trying = aside(move || {
+        let trying = self.in_place(move || {
             let measurement = numerics.read(&sources(&files))?;
             numerics.validate(&answer, &measurement, &Silent).map_err(refused)
         });
-        trying.await
+        trying.await?
     }
 }
 

@@ -275,6 +275,7 @@ contract!(
     a_stale_worker_cannot_spoil_its_successor,
     a_job_that_kills_its_workers_fails_after_the_last_attempt,
     ten_kills_in_company_end_no_job,
+    after_two_kills_all_places_are_filled_at_once,
     a_poisonous_job_ends_and_none_of_its_siblings,
     a_job_that_is_lost_by_a_living_worker_is_charged,
     a_job_waits_longer_with_each_death_but_the_first,

@@ -16,14 +16,17 @@
 //!   with the others.
 //! * It *shares* a death where all jobs in hand of its worker expire together, or, in a folder, where
 //!   the machine has restarted since. That costs nothing;
-//!   but after [`ALONE_AFTER`] such deaths it runs alone, so that the next one would be its own.
+//!   but after [`ALONE_AFTER`] such deaths it runs alone at first, so that the next one would be its
+//!   own: for [`ALONE_FOR`], and four times as long after each further one. So a server that was
+//!   killed from outside soon has all its places filled again.
 //! * After its first charged or shared death it runs again at once; after the second it waits, and
 //!   four times as long after each further one, so that a machine that fails for some minutes ends no
 //!   job.
 //! * It ends as failed after [`MAX_ATTEMPTS`] charges.
 //!
-//! So a job that kills its workers ends after at most [`ALONE_AFTER`] deaths in company and
-//! [`MAX_ATTEMPTS`] alone, and none of its siblings ends with it.
+//! So a job that kills its workers soon after it began ends after at most [`ALONE_AFTER`] deaths in
+//! company and [`MAX_ATTEMPTS`] alone, one that does so later after some more in company, and none of
+//! its siblings ends with it.
 //!
 //! Jobs are leased by turns. A job's turn is the next one, or one more than the largest of those that
 //! the same submitter has waiting, whichever is larger; so are those of a batch, one after the other.
@@ -78,7 +81,10 @@ pub use usage::Usage;
 pub const MAX_ATTEMPTS: u32 = 3;
 
 /// Deaths of workers that a job shares with others before it runs alone.
-pub const ALONE_AFTER: u32 = 2;
+pub const ALONE_AFTER: u32 = 3;
+
+/// How long it runs before others begin beside it; four times as long after each further such death.
+pub const ALONE_FOR: Duration = Duration::from_secs(15);
 
 /// The longest that a job waits after a death of its worker, unless the first wait is longer.
 pub const LONGEST_WAIT: Duration = Duration::from_secs(600);

@@ -1,7 +1,7 @@
 //! Requests to a running server: the first byte chooses the operation, the others are its body, or
 //! its query. None is answered with a fault of the server's, and each error is a problem document.
 //!
-//! Plans are left out: each is computed while its request waits.
+//! A plan is checked and refused: it is computed while its request waits, and costs more than a job may here.
 #![no_main]
 
 use std::sync::{Arc, LazyLock};
@@ -19,11 +19,14 @@ use ureq::{Agent, Body};
 /// What stands for the id of the measurement that the server has.
 const PLACE: &str = "MEASUREMENT";
 
+/// What a job may cost: enough for the one measurement, and less than any plan.
+const MOST_COST: Duration = Duration::from_secs(2);
+
 const JSON: &str = "application/json";
 const FORM: &str = "multipart/form-data; boundary=X";
 
 /// Method, path, and type of the body; where there is none, the bytes are the query.
-const OPERATIONS: [(&str, &str, &str); 24] = [
+const OPERATIONS: [(&str, &str, &str); 27] = [
     ("POST", "/v1/jobs", JSON),
     ("POST", "/v1/batches", JSON),
     ("POST", "/v1/webhooks", JSON),
@@ -48,6 +51,9 @@ const OPERATIONS: [(&str, &str, &str); 24] = [
     ("GET", "/v1/measurements/MEASUREMENT", ""),
     ("GET", "/v1/measurements/MEASUREMENT/inspection", ""),
     ("GET", "/v1/mappings", ""),
+    ("POST", "/v1/plans", JSON),
+    ("POST", "/v1/plans/excitation.csv", JSON),
+    ("PUT", "/v1/measurements/MEASUREMENT/reading", JSON),
 ];
 
 struct Server {
@@ -66,6 +72,7 @@ static SERVER: LazyLock<Server> = LazyLock::new(|| {
     let address = runtime.block_on(async {
         let store = Arc::new(Sqlite::open(&folder).await.expect("an empty folder"));
         let service = Service::new(store, Arc::new(BuiltIn), Arc::clone(&signals));
+        let service = service.accepting(MOST_COST);
         service.import_admin_key(&token).await.expect("it was generated");
         let limits = Limits {
             sent_bytes: 1 << 20,

@@ -179,13 +179,13 @@ const OWN: &[(&str, &[&Kind])] = &[
     ("get_report", &[&NOT_FINISHED, &NO_RESULT]),
     ("cancel_job", &[&ENDED]),
     ("follow_job", &[&BAD_REQUEST]),
-    ("validate", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT, &UNREADABLE]),
+    ("validate", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT, &UNREADABLE, &TOO_COSTLY]),
     ("get_history_figure", &[&UNKNOWN]),
     ("rotate_key", &[&INVALID]),
     ("sign_in", &[&NO_KEY]),
-    ("plan", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT]),
-    ("plan_excitation", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT]),
-    ("plan_figure", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT]),
+    ("plan", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT, &TOO_COSTLY]),
+    ("plan_excitation", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT, &TOO_COSTLY]),
+    ("plan_figure", &[&UNKNOWN, &NOT_FINISHED, &NO_RESULT, &TOO_COSTLY]),
 ];
 
 /// Puts every status of an error, with its types of problem, in place of what the handlers say.

@@ -1,6 +1,7 @@
 //! Experiments planned before anything is measured.
 
 use super::*;
+use crate::service::{PlanFor, ServiceError};
 
 fn asked() -> Value {
     let axis = json!({"pole": -10, "constant": 10, "fc_plus": 0.5, "fc_minus": 0.4});
@@ -43,4 +44,21 @@ fn what_cannot_be_planned_is_refused_by_its_member() {
     assert!(unknown["detail"].as_str().unwrap().contains("largest_magnitude"), "{unknown}");
     let kind = ask(&server, "/v1/plans/excitation.csv?kind=chirp", &asked());
     assert_eq!(problem(kind, 422)["member"], "kind");
+}
+
+#[test]
+fn a_plan_that_would_compute_for_longer_than_a_job_may_is_refused_with_what_to_do() {
+    let server = Server::start();
+    let strict = server.service.clone().accepting(Duration::from_secs(10));
+    let plan = |budget_s: f64| {
+        let axis = serde_json::from_value(asked()["axis"].clone()).unwrap();
+        let options = Default::default();
+        let question = PlanFor { axis: Some(axis), job_id: None, budget_s, options };
+        server.runtime.block_on(strict.plan(question))
+    };
+    assert!(plan(30.0).is_ok());
+    let refused = plan(100_000.0).unwrap_err();
+    assert!(matches!(refused, ServiceError::TooCostly { .. }), "{refused}");
+    let text = refused.to_string();
+    assert!(text.contains("the 10 seconds that a job may") && text.contains("budget_s"), "{text}");
 }

@@ -66,6 +66,18 @@ pub(super) async fn ten_kills_in_company_end_no_job(store: &dyn Store) {
     assert_eq!(store.queue().await.unwrap().queued, 30);
 }
 
+pub(super) async fn after_two_kills_all_places_are_filled_at_once(store: &dyn Store) {
+    let jobs = queued_jobs(store, 4).await;
+    for _ in 0..2 {
+        assert_eq!(dies(store, 4).await.len(), 4);
+        assert_eq!(store.recover_expired(NO_WAIT).await.unwrap().requeued, 4);
+    }
+    let worker = id();
+    for _ in &jobs {
+        store.lease(&worker, LONG).await.unwrap().expect("none waits for another");
+    }
+}
+
 pub(super) async fn a_poisonous_job_ends_and_none_of_its_siblings(store: &dyn Store) {
     let jobs = queued_jobs(store, 6).await;
     let poison = &jobs[1];

@@ -15,7 +15,8 @@ use sqlx::{PgConnection, PgPool};
 use crate::store::decode::millis;
 use crate::store::gist::Gist;
 use crate::store::{
-    ALONE_AFTER, Beat, Cancelling, ConvergencePoint, Lease, Outcome, QueueState, Reach, Status,
+    ALONE_AFTER, ALONE_FOR, Beat, Cancelling, ConvergencePoint, Lease, Outcome, QueueState, Reach,
+    Status,
 };
 
 use super::history;
@@ -27,9 +28,9 @@ pub(super) async fn lease(
     duration: Duration,
     whole: bool,
 ) -> sqlx::Result<Option<Lease>> {
-    // An index has this number, too.
-    const { assert!(ALONE_AFTER == 2) };
-    // A job that was in hand at two deaths of workers runs alone: whatever is next waits for it.
+    // A number in the text lets an index be used, of jobs that share two deaths or more.
+    const { assert!(ALONE_AFTER == 3) };
+    // A job that was in hand at several deaths of workers runs alone at first: whatever is next waits.
     sqlx::query_as(
         "WITH holder AS MATERIALIZED (
              SELECT id, submitter, priority, shared, turn FROM jobs
@@ -55,8 +56,10 @@ pub(super) async fn lease(
              WHERE jobs.id = next.id
                AND NOT EXISTS (SELECT 1 FROM jobs AS held
                                WHERE held.status || '' = 'running' AND held.worker = $1
-                                 AND held.shared >= 2)
-               AND (next.shared < 2
+                                 AND held.shared >= 3
+                                 AND now_ms - held.started_at_ms
+                                     < $4 << least(2 * (held.shared - 3), 20)::integer)
+               AND (next.shared < 3
                     OR NOT EXISTS (SELECT 1 FROM jobs AS held
                                    WHERE held.status = 'running' AND held.worker = $1))
                AND setval('lowest_turn', greatest(
@@ -74,6 +77,7 @@ pub(super) async fn lease(
     .bind(worker)
     .bind(millis(duration))
     .bind(whole)
+    .bind(millis(ALONE_FOR))
     .fetch_optional(pool)
     .await
 }

@@ -7,7 +7,8 @@ use sqlx::{SqliteConnection, SqlitePool};
 use crate::store::decode::millis;
 use crate::store::gist::Gist;
 use crate::store::{
-    ALONE_AFTER, Beat, Cancelling, ConvergencePoint, Lease, Outcome, QueueState, Reach, Status,
+    ALONE_AFTER, ALONE_FOR, Beat, Cancelling, ConvergencePoint, Lease, Outcome, QueueState, Reach,
+    Status,
 };
 
 use super::{boot, history};
@@ -57,7 +58,7 @@ struct Next {
 }
 
 async fn next(connection: &mut SqliteConnection, worker: &str) -> sqlx::Result<Option<Next>> {
-    // A job that was in hand at two deaths of workers runs alone: whatever is next waits for it.
+    // A job that was in hand at several deaths of workers runs alone at first: whatever is next waits.
     let next: Option<(String, String, i64)> = sqlx::query_as(
         "SELECT next.id, holder.id, holder.turn
          FROM (SELECT id, turn, submitter, priority FROM jobs
@@ -70,10 +71,14 @@ async fn next(connection: &mut SqliteConnection, worker: &str) -> sqlx::Result<O
               ORDER BY priority DESC, created_at_ms, id LIMIT 1), holder.id)
          WHERE NOT EXISTS (SELECT 1 FROM jobs AS held
                            WHERE held.status = 'running' AND held.worker = ?1
-                             AND (next.shared >= ?2 OR held.shared >= ?2))",
+                             AND (next.shared >= ?2
+                                  OR (held.shared >= ?2
+                                      AND (SELECT now_ms FROM clock) - held.started_at_ms
+                                          < ?3 << min(2 * (held.shared - ?2), 20))))",
     )
     .bind(boot::worker(worker))
     .bind(ALONE_AFTER)
+    .bind(millis(ALONE_FOR))
     .fetch_optional(connection)
     .await?;
     Ok(next.map(|(id, holder, turn)| Next { id, holder, turn }))

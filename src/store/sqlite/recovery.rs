@@ -81,7 +81,54 @@ mod tests {
     use sqlx::sqlite::SqlitePoolOptions;
 
     use super::*;
-    use crate::store::sqlite::migrations;
+    use crate::store::ALONE_AFTER;
+    use crate::store::sqlite::{migrations, queue};
+
+    #[tokio::test]
+    async fn a_suspect_runs_alone_at_first_and_longer_after_each_further_death() {
+        let pool = SqlitePoolOptions::new().max_connections(1);
+        let pool = pool.connect("sqlite::memory:").await.unwrap();
+        migrations::run(&pool).await.unwrap();
+        sqlx::raw_sql(
+            "PRAGMA foreign_keys = OFF;
+             INSERT INTO jobs (id, measurement_id, kind, request, status, created_at_ms, turn)
+             VALUES ('suspect', 'm', 'identify', '{}', 'queued', 0, 1),
+                    ('other', 'm', 'identify', '{}', 'queued', 0, 2)",
+        )
+        .execute(&pool)
+        .await
+        .unwrap();
+        let mut connection = pool.acquire().await.unwrap();
+        let worker = boot::worker("worker");
+        // Seconds that a suspect of so many deaths has run, and whether another job begins then.
+        for (shared, seconds, begins) in [
+            (ALONE_AFTER - 1, 0, true),
+            (ALONE_AFTER, 14, false),
+            (ALONE_AFTER, 16, true),
+            (ALONE_AFTER + 1, 58, false),
+            (ALONE_AFTER + 1, 62, true),
+            (ALONE_AFTER + 50, 3600, false),
+        ] {
+            sqlx::query(
+                "UPDATE jobs SET status = 'running', worker = ?1, shared = ?2,
+                     lease_until_ms = (SELECT now_ms FROM clock) + 60000,
+                     started_at_ms = (SELECT now_ms FROM clock) - 1000 * ?3
+                 WHERE id = 'suspect'",
+            )
+            .bind(&worker)
+            .bind(shared)
+            .bind(seconds)
+            .execute(&mut *connection)
+            .await
+            .unwrap();
+            sqlx::query("UPDATE jobs SET status = 'queued', worker = NULL WHERE id = 'other'")
+                .execute(&mut *connection)
+                .await
+                .unwrap();
+            let next = queue::lease(&mut connection, "worker", Duration::from_secs(60)).await;
+            assert_eq!(next.unwrap().is_some(), begins, "{shared} {seconds}");
+        }
+    }
 
     #[tokio::test]
     async fn a_job_that_was_alone_is_charged_unless_the_machine_has_restarted() {

@@ -11,21 +11,27 @@ use super::{EffectSize, Identification};
 #[serde(deny_unknown_fields)]
 pub struct RoughAxis {
     /// Pole −a of the mechanics, rad/s; negative.
+    #[cfg_attr(feature = "openapi", schema(exclusive_maximum = 0.0))]
     pub pole: f64,
     /// Constant K, velocity units per input unit and second.
     pub constant: f64,
     /// Dry friction while the velocity is positive, input units.
+    #[cfg_attr(feature = "openapi", schema(minimum = 0.0))]
     pub fc_plus: f64,
     /// Dry friction while the velocity is negative, input units.
+    #[cfg_attr(feature = "openapi", schema(minimum = 0.0))]
     pub fc_minus: f64,
     /// Pole −p of an actuator of first order, rad/s; negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "openapi", schema(exclusive_maximum = 0.0))]
     pub actuator_pole: Option<f64>,
     /// Natural frequency of an actuator of second order, rad/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "openapi", schema(exclusive_minimum = 0.0))]
     pub natural_frequency: Option<f64>,
     /// Damping ratio of that actuator.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "openapi", schema(exclusive_minimum = 0.0))]
     pub damping_ratio: Option<f64>,
 }
 
@@ -37,6 +43,7 @@ pub struct PlanRequest {
     /// A rough idea of the axis.
     pub axis: RoughAxis,
     /// Time that the experiments may take in all, settling included, s.
+    #[cfg_attr(feature = "openapi", schema(exclusive_minimum = 0.0))]
     pub budget_s: f64,
     /// Limits, noise and seed.
     #[serde(default)]
@@ -49,25 +56,33 @@ pub struct PlanRequest {
 #[serde(default, deny_unknown_fields)]
 pub struct PlanOptions {
     /// Relative standard deviation of each parameter of the axis (log-normal), above 0 and at most 1.
+    #[cfg_attr(feature = "openapi", schema(exclusive_minimum = 0.0, maximum = 1.0))]
     pub uncertainty: f64,
     /// Largest magnitude of the input, input units. Default: 8 times the larger friction level.
+    #[cfg_attr(feature = "openapi", schema(exclusive_minimum = 0.0))]
     pub largest_magnitude: Option<f64>,
     /// Lowest frequency, rad/s. Default: 0.15 a.
+    #[cfg_attr(feature = "openapi", schema(exclusive_minimum = 0.0))]
     pub lowest_rad_s: Option<f64>,
     /// Highest frequency, rad/s. Default: 10 a; with an actuator of second order 2.5 times its natural
     /// frequency.
+    #[cfg_attr(feature = "openapi", schema(exclusive_minimum = 0.0))]
     pub highest_rad_s: Option<f64>,
     /// Largest velocity that is allowed, velocity units. Default: any.
+    #[cfg_attr(feature = "openapi", schema(exclusive_minimum = 0.0))]
     pub largest_velocity: Option<f64>,
     /// Largest distance from the middle of the travel that is allowed, velocity units times second.
     /// Default: any.
+    #[cfg_attr(feature = "openapi", schema(exclusive_minimum = 0.0))]
     pub largest_travel: Option<f64>,
     /// Additive noise: the standard deviation of re and im of a harmonic that is measured for one second,
     /// velocity units. It falls as 1/√time. Default: a thousandth of the response to a middle magnitude
     /// at the pole's frequency, when that is measured for 10/a.
+    #[cfg_attr(feature = "openapi", schema(exclusive_minimum = 0.0))]
     pub noise_std: Option<f64>,
     /// Proportional noise: the standard deviation of re and im of a harmonic in one repeat, as a share
     /// of its size.
+    #[cfg_attr(feature = "openapi", schema(minimum = 0.0, exclusive_maximum = 1.0))]
     pub noise_share: f64,
     /// Seed of the axes that are drawn and of the order.
     pub seed: u64,

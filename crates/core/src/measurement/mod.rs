@@ -4,8 +4,10 @@
 //! [`formats`] parses files into a [`Measurement`]. A `Measurement` is always valid: its fields
 //! are private, and its constructors check them.
 
+mod convolution;
 mod doubts;
 mod experiment;
+mod fitted_periods;
 pub mod formats;
 mod intersample;
 mod metadata;

@@ -113,7 +113,21 @@ pub(super) fn changes(signal: &[f64], lags: [f64; 2]) -> [Vec<f64>; 2] {
 /// 1 − r(L) at the integer lags 0 … n/2, by FFT.
 fn similarity(signal: &[f64]) -> Vec<f64> {
     let count = signal.len();
-    let padded = (2 * count).next_power_of_two();
+    let products = products(signal);
+    let mut energy = 2.0 * signal.iter().map(|x| x * x).sum::<f64>();
+    (0..=count / 2)
+        .map(|lag| {
+            if lag > 0 {
+                energy -= signal[lag - 1].powi(2) + signal[count - lag].powi(2);
+            }
+            if energy > 0.0 { 2.0 * products[lag].re / energy } else { 0.0 }
+        })
+        .collect()
+}
+
+/// Σ x(n)·x(n+L) at the integer lags L = 0 … n − 1, in the real part, by FFT.
+pub(super) fn products(signal: &[f64]) -> Vec<Complex> {
+    let padded = (2 * signal.len()).next_power_of_two();
     let mut spectrum = vec![Complex::ZERO; padded];
     for (value, x) in spectrum.iter_mut().zip(signal) {
         value.re = *x;
@@ -124,16 +138,7 @@ fn similarity(signal: &[f64]) -> Vec<f64> {
         *value = Complex::new(value.norm_sqr() / padded as f64, 0.0);
     }
     planner.plan_fft_inverse(padded).process(&mut spectrum);
-
-    let mut energy = 2.0 * signal.iter().map(|x| x * x).sum::<f64>();
-    (0..=count / 2)
-        .map(|lag| {
-            if lag > 0 {
-                energy -= signal[lag - 1].powi(2) + signal[count - lag].powi(2);
-            }
-            if energy > 0.0 { 2.0 * spectrum[lag].re / energy } else { 0.0 }
-        })
-        .collect()
+    spectrum
 }
 
 /// r at a lag that may lie between samples, from at most `most` samples.

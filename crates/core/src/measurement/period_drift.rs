@@ -67,7 +67,7 @@ pub(super) fn contradicting(signal: &[f64], stated: f64) -> Option<f64> {
         let freedom = independent.max(FEWEST_INDEPENDENT);
         FisherSnedecor::new(freedom, freedom).map_or(1.0, |chance| chance.cdf(ratio))
     };
-    // The count of independent samples is costly; most records are decided without it.
+    // Most records are decided without the count of independent samples.
     let contradicted = ratio < 1.0
         && by_chance(after.len() as f64) < FALSE_ALARM
         && by_chance(after.len() as f64 / correlation_time(&after)) < FALSE_ALARM;
@@ -94,15 +94,12 @@ fn without_parabola(values: &[f64]) -> Vec<f64> {
 /// least as large if the noise has its resonance on a line of the signal, the worst case, and for
 /// noise of first order.
 fn correlation_time(values: &[f64]) -> f64 {
-    let power: f64 = values.iter().map(|x| x * x).sum();
-    if power == 0.0 {
+    if values.iter().all(|x| *x == 0.0) {
         return 1.0;
     }
+    let products = period::products(values);
     let highest = (values.len() / 4).min(HIGHEST_LAG);
-    let squares = (1..=highest).map(|lag| {
-        let product: f64 = values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum();
-        (product / power).powi(2)
-    });
+    let squares = products[1..=highest].iter().map(|product| (product.re / products[0].re).powi(2));
     1.0 + 4.0 * squares.sum::<f64>()
 }
 

@@ -12,6 +12,9 @@ const MIN_OTHER_PERIODS: usize = 3;
 /// all lines.
 const UNSETTLED_RATIO: f64 = 2.5;
 
+/// Numbers of unsettled periods that are tried one by one.
+const TRIED_EACH: usize = 16;
+
 /// Change of the response from the first period to the last, as a share of its root mean square,
 /// above which the user is told if it is smooth. A smaller change moves parameters by about as
 /// little.
@@ -63,10 +66,29 @@ impl Beginning {
 
 /// Number of periods at the beginning that have not settled, if at least `MIN_OTHER_PERIODS` + 1
 /// settled ones follow; else 0.
+///
+/// Each number that is tried looks at all periods after it. A response settles once, so beyond
+/// `TRIED_EACH` the number is doubled until the rest has settled, and then found by bisection.
 pub(super) fn unsettled_periods(spectra: &[Vec<Complex>]) -> usize {
-    (0..spectra.len().saturating_sub(MIN_OTHER_PERIODS))
-        .find(|dropped| ratio(&spectra[*dropped..]).is_none())
-        .unwrap_or(0)
+    let end = spectra.len().saturating_sub(MIN_OTHER_PERIODS);
+    let settled = |dropped: usize| ratio(&spectra[dropped..]).is_none();
+    if let Some(dropped) = (0..end.min(TRIED_EACH)).find(|dropped| settled(*dropped)) {
+        return dropped;
+    }
+    let doubled = std::iter::successors(Some(TRIED_EACH), |dropped| Some(2 * dropped));
+    let Some(mut enough) = doubled.take_while(|dropped| *dropped < end).find(|d| settled(*d))
+    else {
+        return 0;
+    };
+    let mut too_few = (enough / 2).max(TRIED_EACH - 1);
+    while enough - too_few > 1 {
+        let middle = too_few + (enough - too_few) / 2;
+        match settled(middle) {
+            true => enough = middle,
+            false => too_few = middle,
+        }
+    }
+    enough
 }
 
 /// Ratio of the first period's deviation from the mean to the others' root mean square deviation;
@@ -79,4 +101,24 @@ fn ratio(spectra: &[Vec<Complex>]) -> Option<f64> {
     let mean = others.iter().sum::<f64>() / others.len() as f64;
     let times = (first / mean).sqrt();
     (times > UNSETTLED_RATIO && *first > largest).then_some(times)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Periods of one line each, the first `unsettled` of which fall to the settled value, less and
+    /// less far from it.
+    fn falling(count: usize, unsettled: usize) -> Vec<Vec<Complex>> {
+        let turn = |n: usize| Complex::from_polar(1e-3, n as f64);
+        let far = |n: usize| 10.0 * unsettled.saturating_sub(n) as f64;
+        (0..count).map(|n| vec![Complex::ZERO, Complex::from(far(n)) + turn(n)]).collect()
+    }
+
+    #[test]
+    fn all_unsettled_periods_are_found_however_many_they_are() {
+        for unsettled in [0, 1, 2, 15, 16, 17, 31, 40, 100, 300] {
+            assert_eq!(unsettled_periods(&falling(20_000, unsettled)), unsettled);
+        }
+    }
 }

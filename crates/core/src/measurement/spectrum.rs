@@ -1,20 +1,9 @@
 //! Fourier coefficients of whole periods, by FFT or, if a period is not a whole number of samples,
 //! by linear least squares.
 
-use nalgebra::{DMatrix, DVector};
 use rustfft::FftPlanner;
 
-use super::Complex;
-
-/// Highest harmonic fitted by least squares.
-///
-/// The cost of the fit grows with its third power. Excitations whose period is not a whole number
-/// of samples are usually sines, and their response disappears in the noise well below it.
-const MOST_FITTED_HARMONICS: usize = 400;
-
-/// Frequency of the highest fitted harmonic as a share of the sampling frequency. Closer to one
-/// half, the fit amplifies noise.
-const HIGHEST_FITTED_SHARE: f64 = 0.4;
+use super::{Complex, fitted_periods};
 
 /// The periods of a record that are used.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +23,7 @@ pub(super) fn of_periods(signal: &[f64], periods: Periods) -> Vec<Vec<Complex>> 
     if periods.samples.fract() == 0.0 {
         transformed(signal, periods)
     } else {
-        fitted(signal, periods)
+        fitted_periods::of_periods(signal, periods)
     }
 }
 
@@ -55,65 +44,6 @@ fn transformed(signal: &[f64], periods: Periods) -> Vec<Vec<Complex>> {
             buffer
         })
         .collect()
-}
-
-fn fitted(signal: &[f64], periods: Periods) -> Vec<Vec<Complex>> {
-    let highest =
-        ((HIGHEST_FITTED_SHARE * periods.samples) as usize).clamp(1, MOST_FITTED_HARMONICS);
-    let window = periods.samples.ceil() as usize;
-    let step = std::f64::consts::TAU / periods.samples;
-    let normal = normal_matrix(window, step, highest)
-        .cholesky()
-        .expect("a full period of samples, more than unknowns, determines them");
-    let begin = signal.len() as f64 - periods.count as f64 * periods.samples;
-    (0..periods.count)
-        .map(|index| {
-            let exact = (begin + index as f64 * periods.samples).max(0.0);
-            // Rounding down keeps the last window inside the signal.
-            let start = (exact.floor() as usize).min(signal.len() - window);
-            let samples = &signal[start..start + window];
-            let mut moments = DVector::zeros(2 * highest + 1);
-            moments[0] = samples.iter().sum();
-            for k in 1..=highest {
-                let turn = Complex::from_polar(1.0, step * k as f64);
-                let sum = samples.iter().rev().fold(Complex::ZERO, |sum, x| sum * turn + x);
-                moments[2 * k - 1] = sum.re;
-                moments[2 * k] = sum.im;
-            }
-            let solved = normal.solve(&moments);
-            let offset = step * (start as f64 - begin);
-            std::iter::once(Complex::new(solved[0], 0.0))
-                .chain((1..=highest).map(|k| {
-                    Complex::new(solved[2 * k - 1], -solved[2 * k])
-                        * Complex::from_polar(1.0, -(k as f64) * offset)
-                }))
-                .collect()
-        })
-        .collect()
-}
-
-/// AᵀA for the columns 1, cos θ, sin θ, cos 2θ, sin 2θ … of A at `count` equal steps of the angle
-/// θ, from the geometric sums of exp(jdθ).
-fn normal_matrix(count: usize, step: f64, highest: usize) -> DMatrix<f64> {
-    let sums: Vec<Complex> = (0..=2 * highest)
-        .map(|d| {
-            let half = 0.5 * d as f64 * step;
-            let size =
-                if half == 0.0 { count as f64 } else { (half * count as f64).sin() / half.sin() };
-            Complex::from_polar(1.0, half * (count as f64 - 1.0)) * size
-        })
-        .collect();
-    DMatrix::from_fn(2 * highest + 1, 2 * highest + 1, |row, column| {
-        let (k, l) = (row.div_ceil(2), column.div_ceil(2));
-        let total = sums[k + l];
-        let difference = if k >= l { sums[k - l] } else { sums[l - k].conj() };
-        match (row > 0 && row % 2 == 0, column > 0 && column % 2 == 0) {
-            (false, false) => 0.5 * (difference.re + total.re),
-            (true, true) => 0.5 * (difference.re - total.re),
-            (true, false) => 0.5 * (total.im + difference.im),
-            (false, true) => 0.5 * (total.im - difference.im),
-        }
-    })
 }
 
 /// Sum of the squared moduli of harmonics.

@@ -10,7 +10,7 @@ use super::given::Given;
 use super::header::Header;
 use super::instruments;
 use super::lack;
-use super::limits::{MAX_COLUMNS, MAX_ROWS};
+use super::limits::{MAX_COLUMNS, MAX_LINE, MAX_ROWS};
 use super::name::{self, Name};
 use super::naming;
 use super::preamble::{self, Preamble};
@@ -56,6 +56,7 @@ impl<'a> CsvText<'a> {
     /// Reads the preamble and the header.
     pub(super) fn open(text: &'a str, given: &Given) -> Result<Self, Fault> {
         refuse_bare_returns(text)?;
+        refuse_long_lines(text)?;
         Self::of(preamble::read(text, None, given)?, false)
     }
 
@@ -223,6 +224,14 @@ fn refuse_bare_returns(text: &str) -> Result<(), Fault> {
     let line = 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count() as u64;
     Err(Fault::new("a carriage return without a line feed: lines end with LF or CRLF")
         .at_line(Some(line)))
+}
+
+/// Refuses a line that is longer than any table has, before its cells are counted.
+fn refuse_long_lines(text: &str) -> Result<(), Fault> {
+    let long = (1..).zip(text.split('\n')).find(|(_, line)| line.len() > MAX_LINE);
+    let Some((number, _)) = long else { return Ok(()) };
+    let reason = format!("the line has more than {MAX_LINE} bytes: each row has a line of its own");
+    Err(Fault::new(reason).at_line(Some(number)))
 }
 
 /// Names of so many columns, as an example: a column that is not used has none.

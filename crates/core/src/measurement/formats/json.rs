@@ -9,6 +9,7 @@ use super::format::Format;
 use super::given::Given;
 use super::header::Header;
 use super::json_table::{element, note_unknown, number, object, of_columns, of_rows};
+use super::limits::{MAX_EXPERIMENTS, too_many_experiments};
 use super::part::Part;
 use super::table::{Table, join_path};
 use super::time_record::Read;
@@ -84,6 +85,9 @@ fn read(text: &str, given: &Given) -> Result<Part, Fault> {
             header,
             notes,
         );
+    }
+    if rows.len() > MAX_EXPERIMENTS {
+        return Err(Fault::new(too_many_experiments(rows.len())).in_column(key));
     }
     let (mut experiments, mut transients) = (Vec::new(), Vec::new());
     for (index, value) in rows.iter().enumerate() {

@@ -6,6 +6,18 @@
 /// Most rows of one table or samples of one file of time records: 13 minutes at 2.5 kHz.
 pub const MAX_ROWS: usize = 2_000_000;
 
+/// Most experiments of one measurement, and most segments of one time record: a fit simulates each
+/// of them thousands of times.
+pub const MAX_EXPERIMENTS: usize = 20_000;
+
+/// Says that there are more experiments than that.
+pub(super) fn too_many_experiments(count: usize) -> String {
+    format!(
+        "{count} experiments are more than the {MAX_EXPERIMENTS} that are taken as one measurement: \
+         upload them as several"
+    )
+}
+
 /// Highest harmonic in a table.
 pub const MAX_HARMONIC: usize = 100_000;
 
@@ -29,6 +41,12 @@ pub const MAX_UNPACKED_STRINGS: u64 = 32 << 20;
 
 /// Most cells in a row of a sheet.
 pub const MAX_CELLS_IN_ROW: usize = 1000;
+
+/// Most bytes of a line of a text in columns.
+pub const MAX_LINE: usize = 1_000_000;
+
+/// Most lines of metadata above a table.
+pub const MAX_METADATA_LINES: usize = 10_000;
 
 /// Most columns of a text.
 pub const MAX_COLUMNS: usize = 10_000;

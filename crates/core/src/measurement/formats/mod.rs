@@ -111,8 +111,8 @@ pub use fault::ParseError;
 pub use given::Given;
 pub use lack::Lack;
 pub use limits::{
-    MAX_CELLS_IN_ROW, MAX_COLUMNS, MAX_HARMONIC, MAX_INDEX, MAX_INPUT_LINES, MAX_NAME,
-    MAX_NAMES_LINE, MAX_ROWS, MAX_SETTLE_PERIODS, MAX_UNPACKED, MAX_UNPACKED_STRINGS,
+    MAX_CELLS_IN_ROW, MAX_COLUMNS, MAX_EXPERIMENTS, MAX_HARMONIC, MAX_INDEX, MAX_INPUT_LINES,
+    MAX_NAME, MAX_NAMES_LINE, MAX_ROWS, MAX_SETTLE_PERIODS, MAX_UNPACKED, MAX_UNPACKED_STRINGS,
 };
 pub use look::{ColumnLook, FileLook, Look, TableLook, look};
 pub use quantities::{QUANTITIES, QuantityChoice};

@@ -6,7 +6,7 @@ use super::fault::Fault;
 use super::given::Given;
 use super::header::Header;
 use super::instruments;
-use super::limits::MAX_NAMES_LINE;
+use super::limits::{MAX_METADATA_LINES, MAX_NAMES_LINE};
 use super::name::{self, Name};
 
 /// Most lines that are neither metadata nor blank above the column names.
@@ -61,6 +61,10 @@ pub(super) fn read<'a>(
         if line.starts_with('#') {
             names = names.or_else(|| column_names(line));
             lines.extend(line.contains(':').then_some((number, line)));
+            if lines.len() > MAX_METADATA_LINES {
+                let reason = format!("more than {MAX_METADATA_LINES} lines of metadata");
+                return Err(Fault::new(reason).at_line(Some(number)));
+            }
         } else if !line.is_empty() && (number > 1 || line_of_delimiter.is_none()) {
             found = match &names {
                 Some(names) => row_delimiter(line, stated, names),

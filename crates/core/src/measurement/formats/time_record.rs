@@ -3,6 +3,7 @@
 use super::columns::{self, Column};
 use super::fault::Fault;
 use super::header::Header;
+use super::limits::{MAX_EXPERIMENTS, too_many_experiments};
 use super::part::{Part, Remarked};
 use super::table::Table;
 use crate::measurement::record::{Record, RecordStatement};
@@ -135,6 +136,10 @@ fn segments(table: &Table, header: &Header) -> Result<Vec<Segment>, Fault> {
         }
         let index = row.required_index(Column::Segment)?;
         if segments.last().is_none_or(|segment| segment.index != index) {
+            if segments.len() == MAX_EXPERIMENTS {
+                let reason = too_many_experiments(segments.len() + 1);
+                return Err(row.fault(Column::Segment, reason));
+            }
             if !ended.insert(index) {
                 return Err(row.fault(
                     Column::Segment,

@@ -133,7 +133,12 @@ fn write_number(out: &mut impl Write, value: Option<f64>) -> io::Result<()> {
 fn write_metadata(measurement: &Measurement, out: &mut impl Write) -> io::Result<()> {
     let metadata = measurement.metadata();
     let mut line = |key: &str, value: &str| {
-        if value.is_empty() { Ok(()) } else { writeln!(out, "# {key}: {value}") }
+        if value.is_empty() {
+            return Ok(());
+        }
+        // A text of several lines would go on as rows of the table, or as other metadata.
+        let [key, value] = [key, value].map(|text| text.replace(char::is_control, " "));
+        writeln!(out, "# {key}: {value}")
     };
     line("name", metadata.name.as_deref().unwrap_or(""))?;
     line("input", &quantity(&metadata.input))?;

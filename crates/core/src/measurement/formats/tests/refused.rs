@@ -193,3 +193,24 @@ fn sums_of_the_largest_numbers_are_refused_not_infinite() {
     let text = "magnitude,omega_rad_s,repeat,re,im\n1,1,0,1.7e308,0\n1,1,1,1.7e308,0\n";
     assert!(of(text).is_err());
 }
+
+#[test]
+fn more_experiments_than_a_measurement_has_are_refused_before_they_are_read() {
+    let count = crate::measurement::formats::MAX_EXPERIMENTS;
+    // One sample each, of which none could be read.
+    let rows: String = (0..=count).map(|n| format!("{n},{n},1,1\n")).collect();
+    let text = format!("segment,time_s,input,output\n{rows}");
+    refused(&text, count as u64 + 2, "segment", "more than the 20000");
+    let experiments = vec!["{}"; count + 1].join(",");
+    let json = format!("{{\"experiments\": [{experiments}]}}");
+    let error = read(&[Source { name: "a.json", bytes: json.as_bytes() }]).unwrap_err();
+    assert!(error.reason.contains("more than the 20000"), "{error}");
+}
+
+#[test]
+fn a_line_without_an_end_and_metadata_without_one_are_refused_before_they_fill_the_memory() {
+    refused(&format!("re,im\n{}\n", "0,".repeat(500_001)), 2, "", "more than 1000000 bytes");
+    refused(&"0,".repeat(500_001), 1, "", "more than 1000000 bytes");
+    let metadata = "# key: \n".repeat(10_001);
+    refused(&format!("{metadata}{HEADER}1,1,1,1,0\n"), 10_001, "", "10000 lines of metadata");
+}

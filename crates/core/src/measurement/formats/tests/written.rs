@@ -1,7 +1,7 @@
 //! Written files read back as the same measurement.
 
 use super::*;
-use crate::measurement::Complex;
+use crate::measurement::{Complex, Metadata};
 
 fn round_trip(measurement: &Measurement) -> Measurement {
     let mut text = Vec::new();
@@ -91,4 +91,16 @@ fn a_record_reads_back() {
 fn assert_same_again(text: &str) {
     let m = ok(text);
     assert_same(&m, &round_trip(&m));
+}
+
+#[test]
+fn metadata_of_several_lines_stays_on_its_own() {
+    let m = ok("magnitude,omega_rad_s,harmonic,re,im\n1,2,1,1,0\n");
+    let name = Some("one\n# axis: other\n9,9,9,9,9".to_owned());
+    let metadata = Metadata { name, ..m.metadata().clone() };
+    let m = Measurement::new(metadata, m.experiments().to_vec(), Vec::new(), String::new());
+    let again = round_trip(&m.unwrap());
+    assert_eq!(again.metadata().name.as_deref(), Some("one # axis: other 9,9,9,9,9"));
+    assert_eq!(again.metadata().axis, None);
+    assert_eq!(again.experiments().len(), 1);
 }

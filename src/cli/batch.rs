@@ -42,7 +42,7 @@ pub(super) struct Args {
     /// Key for the server, with the scopes upload, run and read [default: none].
     #[arg(long, value_name = "KEY", env = "SERVOSCOPE_KEY", hide_env_values = true)]
     key: Option<SecretText>,
-    /// Takes up a batch that was made before, and shows how it goes on.
+    /// Takes up an earlier batch again and shows its progress.
     #[arg(long, value_name = "ID")]
     resume: Option<String>,
     /// Name of the batch, for people [default: the name of the folder].

@@ -86,9 +86,10 @@ pub(super) struct Args {
     /// random one, and counts how often either leaves the hidden effect alone as the cause.
     #[arg(long)]
     separate: bool,
-    /// Says of every draw of one effect which other effect, refitted without noise, comes nearest to
-    /// the hidden one, and counts the first names by how near: what is alike without noise, no
-    /// diagnosis tells apart.
+    /// For every draw of one effect, prints which other effect fits the noise-free response best,
+    /// and counts how often the hidden one is named first by the excess χ² of that fit: effects
+    /// that fit equally well without noise cannot be told apart. Does the same for the faults of
+    /// `mismeasured`, with the excess χ² of the machine's own model, refitted.
     #[arg(long)]
     nearest: bool,
     /// Changes a setting of the search for causes; may be repeated.

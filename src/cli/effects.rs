@@ -49,12 +49,13 @@ fn listed(effect: &Descriptor) -> String {
 
 /// The page that describes all effects.
 fn page<'a>(effects: impl Iterator<Item = &'a Descriptor>) -> String {
-    let begin = "# The effects, one by one\n\n\
-        Written by `servoscope effects --output docs/effects`. The figures show an effect of typical \
-        size on an axis with pole −10 rad/s, constant 10 and dry friction 0.5 and 0.4: one period of \
-        the velocity where the effect shows most, and what it does to gain and phase of the \
-        fundamental. Units are those of the measurement: `input` is the unit of the command, \
-        `velocity` that of the velocity.\n";
+    let begin = "# The effects, one by one\n\nWritten by `servoscope effects --output \
+                 docs/effects`. The figures show an effect of typical size on an axis with pole \
+                 −10 rad/s, constant 10 and dry friction 0.5 and 0.4: one period of the velocity \
+                 where the effect shows most, and what it does to gain and phase of the \
+                 fundamental. Units are those of the measurement: `input` is the unit of the \
+                 input, `velocity` that of the velocity, `position` that of the velocity times \
+                 second.\n";
     effects.fold(begin.to_owned(), |text, effect| text + &section(effect))
 }
 
@@ -95,10 +96,14 @@ fn capital(text: &str) -> String {
         .map_or(String::new(), |first| first.to_uppercase().chain(characters).collect())
 }
 
-/// A dimension in the units of the measurement.
+/// A dimension in the units of the measurement; a velocity times a time is a position.
 fn unit(dimension: Dimension) -> String {
-    let powers =
-        [("input", dimension.input), ("velocity", dimension.velocity), ("s", dimension.time)];
+    let Dimension { input, velocity, time } = dimension;
+    let motion = match velocity * time > 0 {
+        true => [("position", velocity), ("s", time - velocity)],
+        false => [("velocity", velocity), ("s", time)],
+    };
+    let powers = [("input", input), motion[0], motion[1]];
     let side = |sign: i8| {
         let factors = powers.iter().filter(|(_, power)| power * sign > 0);
         let factor = |(name, power): &(&str, i8)| match power.abs() {
@@ -125,7 +130,8 @@ mod tests {
         let cases = [
             (Dimension::NONE, "1"),
             (Dimension::INPUT, "input"),
-            (Dimension::INPUT.per(Dimension::POSITION), "input/(velocity·s)"),
+            (Dimension::INPUT.per(Dimension::POSITION), "input/position"),
+            (Dimension { input: 1, velocity: -3, time: -3 }, "input/position^3"),
             (Dimension::NONE.per(Dimension::TIME), "1/s"),
             (Dimension { input: 1, velocity: -2, time: 0 }, "input/velocity^2"),
         ];

@@ -49,7 +49,7 @@ pub(super) struct Args {
     /// Sheet of a workbook [default: the one that has a table].
     #[arg(long, value_name = "NAME")]
     sheet: Option<String>,
-    /// Whether the response has the opposite sign, as a loop gain at an injection point has
+    /// `yes` if the recorded response is inverted (turned by 180°), as Bode 100 loop gains are
     /// [default: no].
     #[arg(long, value_name = "ANSWER", value_parser = ["yes", "no"])]
     inverted: Option<String>,

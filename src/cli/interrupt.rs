@@ -15,11 +15,11 @@ pub(super) fn flag() -> Arc<AtomicBool> {
     let interrupted = Arc::clone(&flag);
     let watching = std::thread::Builder::new().name("interrupt".into()).spawn(move || {
         if let Err(error) = watch(&interrupted) {
-            warn!(%error, "an interrupt will not be graceful");
+            warn!(%error, "signals cannot be handled: Ctrl-C will stop the process at once");
         }
     });
     if let Err(error) = watching {
-        warn!(%error, "an interrupt will not be graceful");
+        warn!(%error, "signals cannot be handled: Ctrl-C will stop the process at once");
     }
     flag
 }

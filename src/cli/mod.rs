@@ -56,7 +56,7 @@ Examples:
 
 /// Finds out where a simulated servo axis differs from the measured one, and why: identifies its
 /// transfer function and friction from its frequency response, and names the physical effects that
-/// they miss.
+/// the model lacks.
 #[derive(Debug, Parser)]
 #[command(name = "servoscope", version, after_help = EXAMPLES)]
 struct Cli {
@@ -89,7 +89,7 @@ enum Command {
     Effects(effects::Args),
     /// Fits the base model, a linear axis with dry friction, to a measurement.
     Identify(computation::Args),
-    /// Says how a file is understood, what looks wrong with it, and which effects it can show.
+    /// Says how a file is understood, what looks wrong with it, and which effects it can reveal.
     Inspect(inspect::Args),
     /// Makes, lists and revokes the keys of a server.
     #[command(subcommand)]
@@ -98,13 +98,14 @@ enum Command {
     Man(manual::Args),
     /// Prints the OpenAPI document of the service.
     Openapi,
-    /// Plans experiments: where to measure in the time that there is, and what that can show.
+    /// Plans experiments: where to measure within a given time, and what that can identify.
     Plan(Box<plan::Args>),
     /// Repeats the experiments of the paper on the method, and prints both results side by side.
     Reproduce(reproduce::Args),
     /// Computes a stored result again, and compares every number with it.
     Rerun(rerun::Args),
-    /// Fills an empty folder or database from a backup, of the same engine or the other.
+    /// Restores a backup into an empty folder or database; SQLite and Postgres backups are
+    /// interchangeable.
     Restore(restore::Args),
     /// Runs the HTTP service with its dashboard.
     Serve(Box<serve::Args>),

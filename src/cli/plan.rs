@@ -26,8 +26,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "U", default_value_t = PlanOptions::default().uncertainty)]
     uncertainty: f64,
     /// Standard deviation of the noise in the real and imaginary parts of a harmonic that is
-    /// measured for one second, velocity units [default: such that a middle response, measured for
-    /// 10/a, is known to a thousandth].
+    /// measured for one second, velocity units [default: 0.1 % of the response to a middle magnitude
+    /// at the pole's frequency, when that is measured for 10/a seconds].
     #[arg(long, value_name = "S")]
     noise_std: Option<f64>,
     /// Noise in proportion to the response: standard deviation of a harmonic in one repeat as a
@@ -127,8 +127,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     for path in [table, samples, figure].into_iter().flatten() {
         target::file(path)?;
     }
-    let axis = match args.axis.rough() {
-        Some(axis) => axis,
+    let (axis, input_unit) = match args.axis.rough() {
+        Some(axis) => (axis, String::new()),
         None if args.files.is_empty() => {
             return Err(Failure::Input(
                 "give a first measurement, or describe the axis with --pole, --constant and \
@@ -157,7 +157,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         write(path, &excitation(&plan, *excitation_kind).map_err(Failure::input)?)?;
     }
     if let Some(path) = figure {
-        write(path, &report::figures::draw_plan(&plan, Theme::Auto))?;
+        write(path, &report::figures::draw_plan(&plan, &input_unit, Theme::Auto))?;
     }
     match json {
         true => terminal::print_raw(computation::json(&plan)?.as_bytes()),
@@ -204,8 +204,8 @@ impl Axis {
     }
 }
 
-/// The axis of a first measurement.
-fn measured(args: &Args) -> Result<RoughAxis, Failure> {
+/// The axis of a first measurement, and the unit of its input.
+fn measured(args: &Args) -> Result<(RoughAxis, String), Failure> {
     let request =
         JobRequest::check(&Submission { kind: "identify".into(), ..Submission::default() })?;
     let measurement = computation::measurement(&args.files, &args.given)?;
@@ -218,11 +218,12 @@ fn measured(args: &Args) -> Result<RoughAxis, Failure> {
         }
         error => Failure::input(error),
     })?;
-    RoughAxis::of(answer.base()).map_err(|name| {
+    let axis = RoughAxis::of(answer.base()).map_err(|name| {
         Failure::Input(format!(
             "the measurement does not tell `{name}`; give the axis instead: --pole, --constant, --fc-plus"
         ))
-    })
+    })?;
+    Ok((axis, measurement.metadata().input.unit.clone()))
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Failure> {

@@ -72,8 +72,8 @@ settings! {
     max_unpacked_mib: usize = |given| given.max_upload_mib.unwrap_or(UPLOAD_MIB).max(128),
         in 1..=MAX_UPLOAD_MIB;
 
-    /// Memory for the uploads that are under way together, mebibytes; further uploads are told to
-    /// come again [default: 512, or four times the largest upload once unpacked where that is
+    /// Memory for the uploads that are under way together, mebibytes; further uploads are
+    /// refused with 503 and `Retry-After` [default: 512, or four times the largest upload once unpacked where that is
     /// more].
     #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_BODIES_MIB")]
     max_bodies_mib: usize = |given| (4 * given.max_unpacked_mib
@@ -103,7 +103,7 @@ settings! {
     #[arg(long, value_name = "MINUTES", env = "SERVOSCOPE_JOB_COST_MINUTES")]
     job_cost_minutes: usize = |_| 60, in 1..=60 * 24 * 366;
 
-    /// Requests that a key may send a minute, for a while also in a burst [default: 6000].
+    /// Requests per minute for one key; up to one minute's worth may come at once [default: 6000].
     #[arg(long, value_name = "N", env = "SERVOSCOPE_KEY_REQUESTS_PER_MINUTE")]
     key_requests_per_minute: usize = |_| 6000, in 1..=1_000_000_000;
 
@@ -124,7 +124,7 @@ settings! {
     key_compute_minutes: usize, in 1..=1_000_000_000;
 
     // A beat of an overloaded machine may come late by a second.
-    /// How long after its worker was last heard of a job runs again, seconds
+    /// Seconds without a sign of life from a worker after which its job is run again
     /// [default: 10].
     #[arg(long, value_name = "SECONDS", env = "SERVOSCOPE_LEASE_SECONDS")]
     lease_seconds: usize = |_| 10, in 2..=3600;
@@ -141,7 +141,7 @@ settings! {
 
     /// Name by which the service is reached beside `localhost` and the addresses of the
     /// loopback, as behind a proxy; repeated, or separated by commas. Requests for other names
-    /// are refused [default: none; any where other machines can reach it].
+    /// are refused [default: any name if other machines can reach the server, else none].
     #[arg(long = "host", value_name = "NAME", env = "SERVOSCOPE_HOSTS", value_delimiter = ',')]
     hosts: Vec<String> = |_| Vec::new();
 
@@ -202,7 +202,7 @@ mod tests {
                 "workers" => "one per core",
                 "keep_days" => "never",
                 "key_measurements" | "key_mib" | "key_jobs" | "key_compute_minutes" => "no limit",
-                "hosts" => "none; any where other machines can reach it",
+                "hosts" => "any name if other machines can reach the server, else none",
                 "cors_origins" | "webhook_allow" | "mqtt" | "admin_key" | "admin_key_file"
                 | "database" => "none",
                 _ => default.trim_matches('"'),

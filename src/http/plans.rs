@@ -11,7 +11,7 @@ use utoipa::{IntoParams, ToSchema};
 use crate::service::{PlanFor, Service};
 
 use super::body;
-use super::plots::PlotQuery;
+use super::plots::{PlotQuery, PlotTheme};
 use super::problem::Problem;
 use super::query::Query;
 
@@ -46,6 +46,25 @@ pub(super) struct ExcitationQuery {
     /// `stepped-sine` (if left out) or `multisine`.
     #[param(pattern = "^(stepped-sine|multisine)$")]
     kind: Option<String>,
+}
+
+/// How the figure of a plan is drawn.
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct PlanFigureQuery {
+    /// Colours: those the reader prefers (`auto`, if left out), `light` or `dark`.
+    #[param(inline)]
+    theme: Option<PlotTheme>,
+    /// Width, pixels; left out: in proportion to the height, 800 without one.
+    #[param(minimum = 50, maximum = 10000)]
+    width: Option<u32>,
+    /// Height, pixels; left out: in proportion to the width. With both, the figure is as large as
+    /// fits in.
+    #[param(minimum = 50, maximum = 10000)]
+    height: Option<u32>,
+    /// Unit of the input, which the axis of magnitudes names.
+    input_unit: Option<String>,
 }
 
 /// Plans experiments: where to measure, in which order, and which effects that can name.
@@ -93,10 +112,10 @@ pub(super) async fn excitation(
     Ok(([(header::CONTENT_TYPE, "text/csv")], text).into_response())
 }
 
-/// A plan as SVG: its experiments, and what they name beside a sweep.
+/// A plan as SVG: its experiments, and what they identify beside a sweep.
 #[utoipa::path(
     post, path = "/v1/plans/plan.svg", tag = "plans", operation_id = "plan_figure",
-    params(PlotQuery),
+    params(PlanFigureQuery),
     request_body = AskForPlan,
     responses(
         (status = 200, body = String, content_type = "image/svg+xml"),
@@ -105,11 +124,14 @@ pub(super) async fn excitation(
 )]
 pub(super) async fn figure(
     Extension(service): Extension<Service>,
-    Query(query): Query<PlotQuery>,
+    Query(query): Query<PlanFigureQuery>,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Response, Box<Problem>> {
     let asked: AskForPlan = body::json(&headers, &body)?;
-    let svg = service.plan_figure(asked.into(), query.format()?).await?;
+    let PlanFigureQuery { theme, width, height, input_unit } = query;
+    let format = PlotQuery { theme, width, height }.format()?;
+    let unit = input_unit.unwrap_or_default();
+    let svg = service.plan_figure(asked.into(), &unit, format).await?;
     Ok(([(header::CONTENT_TYPE, "image/svg+xml")], svg).into_response())
 }

@@ -20,14 +20,14 @@ use super::{
                        function and friction. Every error is a problem document (RFC 9457)."
     ),
     tags(
-        (name = "measurements", description = "What was measured"),
-        (name = "plans", description = "What is to be measured"),
-        (name = "mappings", description = "How files of a layout are read that do not say it all"),
-        (name = "jobs", description = "What is to be computed from it"),
-        (name = "batches", description = "The same of many measurements"),
-        (name = "axes", description = "What came of it, over the time of measuring"),
-        (name = "webhooks", description = "Who is told what happens"),
-        (name = "keys", description = "Who may do what"),
+        (name = "measurements", description = "Measured data"),
+        (name = "plans", description = "Experiments planned before measuring"),
+        (name = "mappings", description = "Stored settings for reading files of one layout"),
+        (name = "jobs", description = "Identifications and diagnoses"),
+        (name = "batches", description = "Jobs for many measurements"),
+        (name = "axes", description = "Results of an axis over time"),
+        (name = "webhooks", description = "Webhooks"),
+        (name = "keys", description = "API keys"),
         (name = "service", description = "The service itself"),
     )
 )]

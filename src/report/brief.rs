@@ -1,129 +1,19 @@
 //! What an answer comes to, in the sentences that a person takes away. The page and the terminal
 //! begin with them.
 
-use servoscope_core::answers::{
-    Answer, Cause, Diagnosis, Gain, Identification, NoiseSource, ReadingDoubt, Verdict,
-};
+mod next;
+mod verdict;
+
+use servoscope_core::answers::{Answer, Cause, Diagnosis, Gain, Identification, ReadingDoubt};
 use servoscope_core::effects::fit_words;
 
 use super::number::{digits, significant};
-use super::words::{a, joined, list, quantity, sentence, typeset, without_ids};
+use super::words::{list, sentence, typeset};
 
-/// How good an answer is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Mark {
-    Good,
-    Part,
-    Bad,
-    Open,
-}
-
-/// The verdict: its word, and the one sentence that says what it means.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Judgement {
-    pub(super) word: &'static str,
-    pub(super) mark: Mark,
-    pub(super) text: String,
-}
-
-impl Judgement {
-    /// The verdict in one line.
-    pub(super) fn headline(&self) -> String {
-        format!("{}: {}", self.word.to_uppercase(), self.text)
-    }
-}
-
-/// The verdict of an answer.
-pub(super) fn judgement(answer: &Answer) -> Judgement {
-    match answer {
-        Answer::Identification(answer) => of_fit(answer),
-        Answer::Diagnosis(answer) => of_diagnosis(answer),
-    }
-}
-
-/// The verdict of a fit.
-pub(super) fn of_fit(answer: &Identification) -> Judgement {
-    let is_noise = answer.fit.p_value.is_some_and(|p| p >= 0.01);
-    let (word, mark, text) = match answer.fit.adequate {
-        Some(true) => {
-            ("Adequate", Mark::Good, "The model explains the measurement to within its noise.")
-        }
-        Some(false) if is_noise => (
-            "Not adequate",
-            Mark::Bad,
-            "The model leaves more of the measurement than it explains.",
-        ),
-        Some(false) => {
-            ("Not adequate", Mark::Bad, "The model leaves more of the measurement than noise.")
-        }
-        None if answer.noise == NoiseSource::Estimated => (
-            "Adequacy unknown",
-            Mark::Open,
-            "Whether the model explains the measurement cannot be said: its noise is not known.",
-        ),
-        None => (
-            "Adequacy unknown",
-            Mark::Open,
-            "Whether the model explains the measurement cannot be said: it has no more data than \
-             the model has parameters.",
-        ),
-    };
-    Judgement { word, mark, text: text.to_owned() }
-}
-
-/// The verdict of a diagnosis.
-pub(super) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
-    let causes = joined(answer.causes.iter().map(|cause| a(&cause.effect)).collect(), "and");
-    let them = if answer.causes.len() > 1 { "them" } else { "it" };
-    let (word, mark, text) = match answer.verdict {
-        Verdict::Adequate => (
-            "Adequate",
-            Mark::Good,
-            "Nothing in this measurement speaks against the simulation.".into(),
-        ),
-        Verdict::Explained => (
-            "Explained",
-            Mark::Good,
-            format!(
-                "The simulation lacks {causes}; with {them} added, it matches the measurement to \
-                 within the noise."
-            ),
-        ),
-        Verdict::Improved => (
-            "Improved",
-            Mark::Part,
-            format!(
-                "The simulation seems to lack {causes}; with {them} added, it comes closer to the \
-                 measurement, but something remains unexplained."
-            ),
-        ),
-        Verdict::Unexplained => (
-            "Unexplained",
-            Mark::Bad,
-            "The simulation is wrong, and no known effect is the cause.".into(),
-        ),
-    };
-    let (mark, text) = match answer.rival_faults.is_empty() {
-        true => (mark, text),
-        false => (
-            Mark::Open,
-            format!(
-                "The simulation lacks {causes}, or the measurement is wrong: this data does not tell \
-                 which."
-            ),
-        ),
-    };
-    let text = match (answer.measurement.len(), answer.verdict) {
-        (0, _) => text,
-        (1, Verdict::Adequate) => {
-            "The measurement has a fault; with that corrected, nothing speaks against the simulation."
-                .into()
-        }
-        (1, _) => format!("The measurement has a fault, corrected here. {text}"),
-        (count, _) => format!("The measurement has {count} faults, corrected here. {text}"),
-    };
-    Judgement { word, mark, text }
-}
+pub(super) use next::next;
+pub(super) use verdict::{
+    Judgement, Mark, is_candidate, is_untested, judgement, of_diagnosis, of_fit, title,
+};
 
 /// What is wrong with the measurement, and what looks wrong with it.
 pub(super) fn suspicions(answer: &Answer) -> Vec<String> {
@@ -148,7 +38,7 @@ pub(super) fn doubt(doubt: &ReadingDoubt) -> String {
     format!("{} To do: {}.", sentence(&doubt.sentence), doubt.remedy)
 }
 
-/// Units of the command and of the response.
+/// Units of the input and of the response.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Units<'a> {
     pub(super) input: &'a str,
@@ -178,19 +68,23 @@ pub(super) fn signature(cause: &Cause, units: Units<'_>) -> Option<String> {
     Some(sentence(&fit_words(signature, units.input, units.response)))
 }
 
-/// Error before and after on data held out: `0.361 % → 0.181 %`.
+/// Residual before and after on held-out data: `0.361 % → 0.181 %`.
 pub(super) fn before_and_after(gain: &Gain) -> String {
     let [before, after] = [gain.heldout_nrmse_before, gain.heldout_nrmse_after]
         .map(|error| format!("{}\u{a0}%", typeset(&digits(100.0 * error, 3))));
     format!("{before} → {after}")
 }
 
-/// By how much a gain is one, in words, and whether it is beyond chance.
+/// Ratio of residuals above which another digit says nothing.
+const LARGEST_RATIO: f64 = 1000.0;
+
+/// By what the residual is divided, or multiplied, and whether that is beyond chance.
 pub(super) fn factor(gain: &Gain) -> (String, bool) {
     let is_sure = gain.interval95[0] > 1.0;
     let text = match gain.ratio < 1.0 {
-        true => format!("{} times the error", typeset(&significant(1.0 / gain.ratio, 3))),
-        false => format!("{} times less error", typeset(&significant(gain.ratio, 3))),
+        true => format!("residual × {}", typeset(&significant(1.0 / gain.ratio, 3))),
+        false if gain.ratio > LARGEST_RATIO => format!("residual ÷ more than {LARGEST_RATIO}"),
+        false => format!("residual ÷ {}", typeset(&significant(gain.ratio, 3))),
     };
     (text, is_sure)
 }
@@ -198,64 +92,7 @@ pub(super) fn factor(gain: &Gain) -> (String, bool) {
 /// The interval of a gain.
 pub(super) fn interval(gain: &Gain) -> String {
     let [low, high] = gain.interval95.map(|end| typeset(&significant(end, 3)));
-    format!("95\u{a0}%: {low} to {high}")
-}
-
-/// What to do with an answer, most important first.
-pub(super) fn next(answer: &Answer, units: Units<'_>) -> Vec<String> {
-    let Answer::Diagnosis(answer) = answer else {
-        return match answer.base().fit.adequate {
-            Some(false) => vec![
-                "Ask for a diagnosis: it says where the model is wrong, and why. Until then its \
-                 parameters absorb what is missing."
-                    .into(),
-            ],
-            Some(true) => vec!["Use the model at the magnitudes and frequencies measured.".into()],
-            None if answer.base().noise == NoiseSource::Estimated => vec![
-                "Give the noise (a column std, repeats or --noise-std), so that the model can be \
-                 judged."
-                    .into(),
-            ],
-            None => vec![
-                "Measure more magnitudes, frequencies or harmonics, so that the model can be judged."
-                    .into(),
-            ],
-        };
-    };
-    let band = answer.valid_band.as_ref().map(|band| sentence(&band.sentence));
-    let ids = answer.candidates.iter().map(|candidate| candidate.effect.as_str());
-    let experiment = match (&answer.next_experiment, answer.verdict) {
-        _ if !answer.rival_faults.is_empty() => {
-            "Repeat that part of the measurement: a deviation that appears again comes from the machine.".into()
-        }
-        (Some(next), _) => {
-            let magnitude = quantity(next.magnitude, 4, units.input);
-            let hertz = quantity(next.omega_rad_s / std::f64::consts::TAU, 4, "Hz");
-            let reason = sentence(&without_ids(&next.reason, ids));
-            // The reason may begin with where to measure.
-            match reason.contains("Hz") {
-                true => reason,
-                false => format!("Measure at magnitude {magnitude} and {hertz}. {reason}"),
-            }
-        }
-        (None, Verdict::Adequate) => String::new(),
-        (None, Verdict::Explained) => {
-            "Add the cause to your model. No other effect fits nearly as well, so no further \
-             experiment is needed."
-                .into()
-        }
-        (None, Verdict::Improved) => {
-            "Check the cause on the machine: something else is wrong as well, and it may look like \
-             this cause."
-                .into()
-        }
-        (None, Verdict::Unexplained) => {
-            "Measure more magnitudes, frequencies and harmonics where the model is wrong: no single \
-             experiment separates the effects that were tried."
-                .into()
-        }
-    };
-    [experiment].into_iter().chain(band).filter(|text| !text.is_empty()).collect()
+    format!("95\u{a0}% interval {low} to {high}")
 }
 
 /// What cannot be told from a cause, as a sentence; none where nothing is.
@@ -273,10 +110,12 @@ mod tests {
     #[test]
     fn a_gain_is_a_factor_that_may_be_chance() {
         let gain = sample::gain();
-        assert_eq!(factor(&gain), ("3.15 times less error".into(), true));
+        assert_eq!(factor(&gain), ("residual ÷ 3.15".into(), true));
         assert_eq!(before_and_after(&gain), "3.90\u{a0}% → 1.24\u{a0}%");
+        let exact = Gain { ratio: 49_300.0, ..gain.clone() };
+        assert_eq!(factor(&exact), ("residual ÷ more than 1000".into(), true));
         let worse = Gain { ratio: 0.9, interval95: [0.7, 1.1], ..gain };
-        assert_eq!(factor(&worse), ("1.11 times the error".into(), false));
+        assert_eq!(factor(&worse), ("residual × 1.11".into(), false));
     }
 
     #[test]
@@ -296,30 +135,14 @@ mod tests {
     #[test]
     fn a_cause_beside_which_the_measurement_may_be_wrong_is_no_certainty() {
         let mut answer = sample::explained();
-        let row = "line 9 does not belong to the rest".to_owned();
+        let row = "line 9 is an outlier".to_owned();
         answer.rival_faults =
             vec![MeasurementFault { sentence: row, ..MeasurementFault::of(FaultKind::BadRows) }];
         let answer: Answer = answer.into();
         let Judgement { mark, text, .. } = judgement(&answer);
         assert!(mark == Mark::Open && text.contains("or the measurement is wrong"), "{text}");
         let said = suspicions(&answer);
-        assert_eq!(
-            said,
-            ["The measurement may be wrong instead: line 9 does not belong to the rest."]
-        );
-        assert!(
-            next(&answer, Units::default())[0].starts_with("Repeat that part of the measurement")
-        );
-    }
-
-    #[test]
-    fn an_answer_says_what_to_do_with_it() {
-        let units = Units::default();
-        let answer: Answer = sample::diagnosis().into();
-        let said = next(&answer, units).join(" ");
-        assert!(said.starts_with("Measure more") && said.contains("from 0.1 to 8 Hz"), "{said}");
-        let mut fit = sample::identification();
-        fit.fit.adequate = Some(false);
-        assert!(next(&fit.into(), units)[0].starts_with("Ask for a diagnosis"));
+        assert_eq!(said, ["The measurement may be wrong instead: line 9 is an outlier."]);
+        assert!(next(&answer, Units::default())[0].starts_with("Repeat the doubtful part"));
     }
 }

@@ -1,17 +1,15 @@
-//! What the base model misses, as a diagnosis names it.
+//! What the base model lacks, as a diagnosis names it.
 
 use servoscope_core::answers::{Cause, Diagnosis, Gain, Identification};
 use servoscope_core::effects::fit_words;
 
-use super::brief::Units;
+use super::brief::{Units, is_candidate};
 use super::columns::{Side, align_points, table};
 use super::number::significant;
 use super::tables::{self, flags, in_digits};
 use super::text::section;
+use super::words;
 use super::written::lines;
-
-/// Probability above which another digit says nothing.
-const ALL_BUT_CERTAIN: f64 = 0.999;
 
 /// Sections on the causes, what to measure next and what the causes explain;
 /// none where no cause is named.
@@ -19,7 +17,7 @@ pub(super) fn sections(answer: &Diagnosis) -> Vec<String> {
     let Diagnosis { causes, base, extended, next_experiment, .. } = answer;
     let mut sections = Vec::new();
     if !causes.is_empty() {
-        let title = if causes.len() == 1 { "Cause" } else { "Causes" };
+        let title = heading(causes);
         let lines =
             causes.iter().enumerate().flat_map(|(i, cause)| named(i + 1, cause, Units::of(base)));
         sections.push(section(title, lines.collect()));
@@ -33,9 +31,19 @@ pub(super) fn sections(answer: &Diagnosis) -> Vec<String> {
     }
     let gains = gains(answer);
     if !gains.is_empty() {
-        sections.push(section("What it gains on data held out", gained(&gains)));
+        sections.push(section("Improvement on held-out data", gained(&gains)));
     }
     sections
+}
+
+/// What causes are called together.
+pub(super) fn heading(causes: &[Cause]) -> &'static str {
+    match (causes, causes.iter().all(is_candidate)) {
+        ([_], true) => "Candidate",
+        ([_], false) => "Cause",
+        (_, true) => "Candidates",
+        (_, false) => "Causes",
+    }
 }
 
 /// Each model whose gain was measured, and that: with all causes, and with each
@@ -74,13 +82,14 @@ pub(super) fn with_causes(causes: &[Cause]) -> String {
 
 fn named(number: usize, cause: &Cause, units: Units<'_>) -> Vec<String> {
     let Cause { effect, parameters, confidence, explanation, equivalents, margin, .. } = cause;
-    let mut lines = vec![format!("{number}. {effect}, confidence {}", per_cent(*confidence))];
+    let sure = format!("{} ({})", words::probability(*confidence), words::confidence(*confidence));
+    let mut lines = vec![format!("{number}. {effect}, confidence {sure}")];
     let mut rows: Vec<[String; 4]> = parameters
         .iter()
         .map(|(name, estimate)| {
             let write = |number: f64| in_digits(estimate, number);
             let interval = match estimate.interval95 {
-                Some([low, high]) => format!("95 % from {} to {}", write(low), write(high)),
+                Some([low, high]) => format!("95 % interval {} to {}", write(low), write(high)),
                 None => String::new(),
             };
             let value = estimate.value.map_or("unknown".to_owned(), write);
@@ -108,18 +117,10 @@ fn named(number: usize, cause: &Cause, units: Units<'_>) -> Vec<String> {
 pub(super) fn without(margin: Option<f64>) -> Option<String> {
     let margin = margin.filter(|margin| *margin > 1.0)?;
     Some(format!(
-        "without it, the best other model misses {} times as much",
+        "without it and the effects most like it, the best other model has {} times the residual, \
+         beyond the noise",
         significant(margin, 2)
     ))
-}
-
-/// A probability that is never rounded to certainty.
-pub(super) fn per_cent(probability: f64) -> String {
-    if probability > ALL_BUT_CERTAIN {
-        return format!("above {} %", significant(100.0 * ALL_BUT_CERTAIN, 3));
-    }
-    let decimals = usize::from(probability > 0.99);
-    format!("{:.decimals$} %", 100.0 * probability)
 }
 
 /// The misfit of the base model above that with the causes.
@@ -142,12 +143,12 @@ mod tests {
     #[test]
     fn a_cause_has_confidence_meaning_parameters_and_what_it_cannot_be_told_from() {
         let text = sections(&sample::explained()).concat();
-        assert_eq!(line(&text, "1."), "1. static_friction, confidence 93 %");
+        assert_eq!(line(&text, "1."), "1. static_friction, confidence 93 % (very likely)");
         assert!(text.contains("   breakaway takes more torque than sliding"), "{text}");
         let words = |begin: &str| line(&text, begin).split_whitespace().collect::<Vec<_>>();
         assert_eq!(
             words("fs_plus")[1..],
-            ["0.8014", "A", "95", "%", "from", "0.7948", "to", "0.8079"]
+            ["0.8014", "A", "95", "%", "interval", "0.7948", "to", "0.8079"]
         );
         assert_eq!(words("fs_minus")[1..4], ["unknown", "A", "not"]);
         assert_eq!(
@@ -165,12 +166,6 @@ mod tests {
         let text = sections(&answer).concat();
         assert!(text.contains("breakaway takes more force than sliding"), "{text}");
         assert!(!text.contains("torque"), "{text}");
-    }
-
-    #[test]
-    fn no_confidence_is_rounded_to_certainty() {
-        let written = [0.42, 0.93, 0.9943, 0.99996, 1.0].map(per_cent);
-        assert_eq!(written, ["42 %", "93 %", "99.4 %", "above 99.9 %", "above 99.9 %"]);
     }
 
     #[test]
@@ -199,7 +194,7 @@ mod tests {
         answer.causes[0].gain = answer.gain.clone();
         let text = sections(&answer).concat();
         let words = |begin: &str| {
-            let after = text.split("What it gains on data held out").nth(1).unwrap();
+            let after = text.split("Improvement on held-out data").nth(1).unwrap();
             line(after, begin).split_whitespace().collect::<Vec<_>>()
         };
         assert_eq!(
@@ -237,6 +232,6 @@ mod tests {
         let with_error = lines(&tables::tried(&candidates)).join("\n");
         assert!(line(&with_error, "static_friction").contains("632.2    1.24 %  named"));
         let given_up = line(&text, "cogging").split_whitespace().collect::<Vec<_>>();
-        assert_eq!(given_up[..3], ["cogging", "none", "it"]);
+        assert_eq!(given_up[..3], ["cogging", "none", "the"]);
     }
 }

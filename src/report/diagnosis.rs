@@ -11,13 +11,14 @@ use super::text::{identification, section};
 use super::validation;
 use super::written::lines;
 
-/// How to read the table of what is left.
-const LEFT_SAYS: &str = "root mean squares of what the base model leaves: over the noise (sigmas; 1 \
-                         is noise), in units of the response, and as a share of what was measured";
+/// How to read the table of residuals.
+const LEFT_SAYS: &str = "root mean squares of the residual of the base model: over the noise \
+                         (sigmas; 1 is noise), in units of the response, and as a share of what was \
+                         measured";
 
 /// How to read the table of tests.
-const TESTS_SAY: &str =
-    "each test holds what the base model leaves against noise; p is how often noise looks as bad";
+const TESTS_SAY: &str = "each test compares the residual of the base model with noise; p is the probability that noise \
+     alone looks at least as bad";
 
 /// Writes a diagnosis the way it is read: what it comes to and why, where the
 /// simulation is wrong, how both were judged, and the model: with the causes,
@@ -41,7 +42,8 @@ pub fn diagnosis(answer: &Diagnosis) -> String {
     if !discrepancy.patterns.is_empty() {
         sections.push(section("Where it is wrong", patterns(&discrepancy.patterns)));
     }
-    sections.push(section("What is left", said(LEFT_SAYS, &left(discrepancy, base.noise))));
+    sections
+        .push(section("Residual, part by part", said(LEFT_SAYS, &left(discrepancy, base.noise))));
     sections.push(section("Is it noise?", said(TESTS_SAY, &tables::tests(&discrepancy.tests))));
     if !answer.candidates.is_empty() {
         sections.push(section(
@@ -52,8 +54,7 @@ pub fn diagnosis(answer: &Diagnosis) -> String {
     match extended {
         None => sections.push(format!("The base model\n\n{}", identification(base))),
         Some(extended) => {
-            let title =
-                "Parameters of the base model: without the causes they absorb what is missing";
+            let title = "Parameters of the base model: they are biased by the causes that it lacks";
             sections.push(section(title, lines(&tables::parameters(&base.parameters, ""))));
             let title = format!("The model {}", with_causes(&answer.causes));
             sections.push(format!("{title}\n\n{}", identification(extended)));
@@ -104,7 +105,7 @@ mod tests {
         assert!(text.starts_with("UNEXPLAINED: The simulation is wrong"), "{text}");
         let position = |part: &str| text.find(part).unwrap_or_else(|| panic!("{part}: {text}"));
         assert!(position(&answer.discrepancy.sentence) < position("Where it is wrong"));
-        assert!(position("Where it is wrong") < position("What is left"));
+        assert!(position("Where it is wrong") < position("Residual, part by part"));
         assert!(position("Is it noise?") < position("Parameters"));
     }
 
@@ -119,7 +120,7 @@ mod tests {
             "\nWhat to measure next\n",
             "\nWhat the model explains\n",
             "\nWhere it is wrong\n",
-            "\nWhat is left\n",
+            "\nResidual, part by part\n",
             "\nIs it noise?\n",
             "\nWhat was tried\n",
             "\nParameters of the base model",

@@ -27,10 +27,10 @@ pub fn inspection(measured: &Measured, inspection: &Inspection, width: usize) ->
     if let Some(found) = &inspection.detectability {
         let mut text = vec![noise(found)];
         text.extend(lines(&tables::visible(found)));
-        sections.push(section("What it can show", text));
+        sections.push(section("What it can reveal", text));
         let unseen = tables::unseen(found);
         if !unseen.rows.is_empty() {
-            sections.push(section("What it cannot show", lines(&unseen)));
+            sections.push(section("What it cannot reveal", lines(&unseen)));
         }
     }
     if let Some(obstacle) = &inspection.obstacle {
@@ -44,24 +44,23 @@ pub fn inspection(measured: &Measured, inspection: &Inspection, width: usize) ->
     lines.map(|line| line + "\n").collect()
 }
 
-/// By what the sizes are measured.
+/// Beyond what the effects show.
 fn noise(found: &Detectability) -> String {
     let source = match found.noise {
         NoiseSource::Given => "the stated noise",
         NoiseSource::Repeats => "the scatter of the repeats",
         NoiseSource::Periods => "the scatter from period to period",
-        NoiseSource::Estimated => {
-            "noise as large as all that the base model leaves, since the noise is not known"
-        }
+        NoiseSource::Estimated => "the residual of the base model, since the noise is not known",
     };
     let left = significant(100.0 * found.nrmse, 2);
     let hint = match found.chi2_per_dof {
         Some(each) if each > 1.5 => {
             format!(
-                "; the base model leaves {left} % of the response, more than noise: diagnose it"
+                "; the residual of the base model is {left} % of the response, more than noise: run \
+                 diagnose"
             )
         }
-        _ => format!("; the base model leaves {left} % of the response"),
+        _ => format!("; the residual of the base model is {left} % of the response"),
     };
-    format!("measured by {source}{hint}")
+    format!("the smallest size of each effect that shows beyond {source}{hint}")
 }

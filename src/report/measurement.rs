@@ -24,12 +24,9 @@ pub(super) fn without(answer: &Diagnosis) -> Vec<String> {
     let best = answer.extended.as_ref().unwrap_or(&answer.base);
     let causes: Vec<&str> = answer.causes.iter().map(|cause| cause.effect.as_str()).collect();
     vec![
-        format!("as it is, {}", left(as_measured)),
-        format!(
-            "with this corrected, {}",
-            one(&causes, answer.base.fit.nrmse, Some(best.fit.nrmse))
-        ),
-        "--keep-all (the option keep_all) takes the measurement as it is".to_owned(),
+        format!("uncorrected: {}", left(as_measured)),
+        format!("corrected: {}", one(&causes, answer.base.fit.nrmse, Some(best.fit.nrmse))),
+        "to diagnose the measurement uncorrected, add --keep-all (the option keep_all)".to_owned(),
     ]
 }
 
@@ -40,11 +37,11 @@ fn left(as_measured: &AsMeasured) -> String {
 
 fn one(causes: &[&str], base: f64, with: Option<f64>) -> String {
     let per_cent = |share: f64| format!("{} %", significant(100.0 * share, 3));
-    let base_leaves = format!("the base model leaves {} of the response", per_cent(base));
+    let base = format!("the residual of the base model is {} of the response", per_cent(base));
     match (causes, with) {
-        ([], _) | (_, None) => base_leaves,
+        ([], _) | (_, None) => base,
         (causes, Some(with)) => {
-            format!("{base_leaves}, and with {} {}", causes.join(" and "), per_cent(with))
+            format!("{base}, with {} {}", causes.join(" and "), per_cent(with))
         }
     }
 }
@@ -58,10 +55,13 @@ mod tests {
     #[test]
     fn a_fault_is_told_with_what_mends_it_and_the_answer_with_and_without_it() {
         let text = section_of(&sample::mended()).unwrap();
-        assert!(text.contains("line 153 (harmonic 1 at magnitude 2 and 3 Hz) does not belong"));
-        assert!(text.contains("to correct it: measure these again"), "{text}");
-        assert!(text.contains("as it is, the base model leaves 4.1 % of the response"), "{text}");
-        assert!(text.contains("with this corrected, the base model leaves"), "{text}");
+        assert!(text.contains("line 153 (harmonic 1 at magnitude 2 and 3 Hz) is an outlier"));
+        assert!(text.contains("to correct it: measure again what is listed"), "{text}");
+        assert!(
+            text.contains("uncorrected: the residual of the base model is 4.1 % of the response"),
+            "{text}"
+        );
+        assert!(text.contains("\n  corrected: the residual of the base model is"), "{text}");
         assert!(text.contains("--keep-all"), "{text}");
         assert_eq!(section_of(&sample::diagnosis()), None);
     }

@@ -15,7 +15,8 @@ const SHOWN: usize = 8;
 /// Sentences are broken into lines of at most `width` columns; tables are not.
 pub fn plan(plan: &Plan, width: usize) -> String {
     let measured = format!(
-        "{} experiments in {} s of {} s; {} of {} effects named with 90 % or more at a typical size",
+        "{} experiments in {} s of {} s should identify {} of {} effects of typical size (with a \
+         probability of 90 % or more)",
         plan.experiments.len(),
         significant(plan.duration_s, 3),
         significant(plan.request.budget_s, 3),
@@ -32,7 +33,7 @@ pub fn plan(plan: &Plan, width: usize) -> String {
     }
     let sections = [
         section("Plan", said.iter().flat_map(|text| wrapped(text, width - 2)).collect()),
-        section("What it names", lines(&tables::nameable(plan))),
+        section("What it identifies", lines(&tables::nameable(plan))),
         section("Experiments in their order", begins),
     ];
     let notes = plan.notes.iter().flat_map(|note| wrapped(&format!("- {note}"), width));
@@ -45,7 +46,7 @@ fn sweep(sweep: &PlannedSweep) -> String {
         count => format!("at {count} magnitudes"),
     };
     format!(
-        "a logarithmic sweep {magnitudes}: {} points in {} s name {}",
+        "a logarithmic sweep {magnitudes}, of {} points in {} s, should identify {}",
         sweep.experiments.len(),
         significant(sweep.duration_s, 3),
         sweep.nameable

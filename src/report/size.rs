@@ -7,6 +7,9 @@ use servoscope_core::answers::{Cause, Identification, ParameterEstimate};
 use super::number::{Rounding, significant};
 use super::words::{parameter_name, typeset};
 
+/// A ratio above this is said as so many times, and not as per cent above.
+const READ_AS_TIMES: f64 = 3.0;
+
 /// A value with half its 95 % interval, to the digits that this leaves: `10.0003 ± 0.0034`. Where
 /// the interval is not even about the value, its ends: `0.8 (0.7 to 1.2)`.
 pub(super) fn with_interval(estimate: &ParameterEstimate) -> String {
@@ -42,17 +45,22 @@ pub(super) fn in_the_machine(cause: &Cause, model: &Identification) -> Option<St
     let of_model = |name: &str| model.parameters.get(name).and_then(|estimate| estimate.value);
     match cause.effect.as_str() {
         "static_friction" => {
-            let above = |level: &str, sliding: &str| Some(own(level)? / of_model(sliding)? - 1.0);
+            let above = |level: &str, dry: &str| Some(own(level)? / of_model(dry)? - 1.0);
             let ways = [("fs_plus", "fc_plus", "forwards"), ("fs_minus", "fc_minus", "backwards")];
-            let said = ways.into_iter().filter_map(|(level, sliding, way)| {
-                Some(format!("{} {way}", percent(above(level, sliding)?)?))
+            let said = ways.into_iter().filter_map(|(level, dry, way)| {
+                Some(format!("{} {way}", percent(above(level, dry)?)?))
             });
             let said = said.collect::<Vec<_>>().join(", ");
-            (!said.is_empty()).then(|| format!("above sliding friction by {said}"))
+            (!said.is_empty()).then(|| format!("above dry friction by {said}"))
         }
         "stribeck" => {
-            let above = percent(own("fs_over_fc")? - 1.0)?;
-            Some(format!("friction at rest is {above} above that of fast motion"))
+            let ratio = own("fs_over_fc")?;
+            Some(match ratio > READ_AS_TIMES {
+                true => format!("friction at rest is {} times that at speed", short(ratio)),
+                false => {
+                    format!("friction at rest is {} above that at speed", percent(ratio - 1.0)?)
+                }
+            })
         }
         "viscous_asymmetry" => sides(own("alpha")?, "damping"),
         "gain_asymmetry" => sides(own("gamma")?, "the amplifier's gain"),
@@ -80,8 +88,10 @@ pub(super) fn in_the_machine(cause: &Cause, model: &Identification) -> Option<St
             })
         }
         "cogging" => {
-            let period = TAU / own("cycles_per_unit")?;
-            Some(format!("it repeats every {} units of position", short(period)))
+            let frequency = cause.parameters.get("cycles_per_unit")?;
+            let unit = frequency.unit.strip_prefix("1/").filter(|unit| !unit.contains('·'));
+            let unit = unit.unwrap_or("units of position");
+            Some(format!("it repeats every {} {unit}", short(TAU / frequency.value?)))
         }
         _ => None,
     }
@@ -146,7 +156,15 @@ mod tests {
         };
         assert_eq!(
             said("static_friction", &[("fs_plus", 0.8), ("fs_minus", 0.6)]),
-            "above sliding friction by 60 % forwards, 50 % backwards"
+            "above dry friction by 60 % forwards, 50 % backwards"
+        );
+        assert_eq!(
+            said("stribeck", &[("fs_over_fc", 1.6)]),
+            "friction at rest is 60 % above that at speed"
+        );
+        assert_eq!(
+            said("stribeck", &[("fs_over_fc", 12.33)]),
+            "friction at rest is 12 times that at speed"
         );
         assert_eq!(
             said("viscous_asymmetry", &[("alpha", -0.2197)]),
@@ -156,6 +174,12 @@ mod tests {
         // sqrt(40·10/0.25) = 40 rad/s, and that over sqrt(0.75).
         let load = [("load_inertia_fraction", 0.25), ("stiffness", 40.0)];
         assert_eq!(said("flexible_mode", &load), "antiresonance at 6.4 Hz, resonance at 7.4 Hz");
+        let mut cogging = cause("cogging", &[("cycles_per_unit", 20.0)]);
+        for (unit, said) in [("1/rad", "0.31 rad"), ("1/(response·s)", "0.31 units of position")] {
+            cogging.parameters["cycles_per_unit"].unit = unit.into();
+            let text = in_the_machine(&cogging, &model).unwrap();
+            assert_eq!(text, format!("it repeats every {said}"));
+        }
         assert_eq!(said("slew_limit", &[("rate", 3.0)]), "");
     }
 }

@@ -6,9 +6,8 @@ use servoscope_core::answers::{Answer, Diagnosis, Verdict};
 use servoscope_core::effects::fit_words;
 
 use super::brief::{self, Judgement, Mark, Units, judgement};
-use super::causes::per_cent;
 use super::size;
-use super::words::{effect, parameter_name, sentence};
+use super::words::{confidence, effect, parameter_name, probability, sentence};
 
 /// Lines of all, at most.
 const MOST_LINES: usize = 40;
@@ -90,10 +89,11 @@ fn found(answer: &Diagnosis, units: Units<'_>) -> Vec<Part> {
     let model = answer.extended.as_ref().unwrap_or(&answer.base);
     for cause in &answer.causes {
         let mut texts = vec![format!(
-            "{} ({}), confidence {}",
+            "{} ({}), confidence {} ({})",
             effect(&cause.effect),
             cause.effect,
-            per_cent(cause.confidence)
+            probability(cause.confidence),
+            confidence(cause.confidence)
         )];
         let values: Vec<(String, String)> = size::values(cause)
             .into_iter()
@@ -103,22 +103,25 @@ fn found(answer: &Diagnosis, units: Units<'_>) -> Vec<Part> {
         texts.extend(size::in_the_machine(cause, model));
         texts.extend((answer.causes.len() == 1).then(|| brief::meaning(cause, units)));
         texts.extend(brief::equivalents(cause));
-        parts.push(("Cause", texts));
+        parts.push((brief::title(cause), texts));
     }
     if let Some(gain) = &answer.gain {
         let (factor, is_sure) = brief::factor(gain);
         let chance = if is_sure { "" } else { ", which may be chance" };
         parts.push((
-            "Gain",
+            "Improvement",
             vec![format!(
-                "{factor} ({}){chance}: {} of the response, on data that no fit has seen",
+                "{factor} ({}){chance}: {} of the response, on held-out data",
                 brief::interval(gain),
                 brief::before_and_after(gain)
             )],
         ));
     }
-    let name = if answer.verdict == Verdict::Adequate { "Limit" } else { "Where" };
-    parts.push((name, vec![sentence(&answer.discrepancy.sentence)]));
+    let name = if answer.verdict == Verdict::Adequate { "Sensitivity" } else { "Where" };
+    // That nothing could be tested is the verdict itself.
+    if !brief::is_untested(answer) {
+        parts.push((name, vec![sentence(&answer.discrepancy.sentence)]));
+    }
     parts
 }
 
@@ -229,9 +232,9 @@ mod tests {
     fn a_cause_a_fault_and_the_gain_are_told() {
         let text = plain(&summary(&answers()[3], 100));
         for part in [
-            "Cause        static friction (static_friction), confidence 93 %",
+            "Cause        static friction (static_friction), confidence 93 % (very likely)",
             "static friction forwards   0.8014 ± 0.0065 A",
-            "Gain         3.15 times less error (95 %: 2.71 to 3.64)",
+            "Improvement  residual ÷ 3.15 (95 % interval 2.71 to 3.64)",
             "cannot tell it from Stribeck friction or presliding",
             "--full",
         ] {

@@ -58,7 +58,7 @@ fn fit(answer: &Identification) -> Vec<String> {
         NoiseSource::Given => "as given",
         NoiseSource::Repeats => "the scatter of the repeats",
         NoiseSource::Periods => "the scatter from period to period",
-        NoiseSource::Estimated => "estimated from what the model leaves",
+        NoiseSource::Estimated => "estimated from the residual",
     };
     let mut rows = vec![
         [
@@ -69,7 +69,7 @@ fn fit(answer: &Identification) -> Vec<String> {
     ];
     if let (Some(chi2), Some(each)) = (chi2, chi2_per_dof) {
         let (chi2, each) = (significant(chi2, 4), significant(each, 3));
-        let text = format!("{chi2} over {dof} degrees of freedom, {each} each");
+        let text = format!("{chi2} for {dof} degrees of freedom, {each} per degree of freedom");
         rows.insert(1, ["χ²".to_owned(), text]);
     }
     table(&[Side::Left, Side::Left], &rows)
@@ -205,13 +205,9 @@ mod tests {
             (
                 Some(false),
                 Some(1e-6),
-                "NOT ADEQUATE: The model leaves more of the measurement than noise",
+                "NOT ADEQUATE: The residual of the model is larger than the noise",
             ),
-            (
-                Some(false),
-                Some(0.5),
-                "NOT ADEQUATE: The model leaves more of the measurement than it",
-            ),
+            (Some(false), Some(0.5), "NOT ADEQUATE: The residual is larger than the simulated"),
             (None, None, "ADEQUACY UNKNOWN: Whether"),
         ] {
             (answer.fit.adequate, answer.fit.p_value) = (adequate, p_value);

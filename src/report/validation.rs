@@ -12,7 +12,7 @@ pub fn validation(answer: &Validation) -> String {
     let mut remarks = answer.remarks.iter();
     let first = remarks.next().cloned().into_iter().collect();
     let mut sections = vec![section(title(answer), first)];
-    let title = format!("What each model leaves of the {}", answer.response_quantity);
+    let title = format!("Residual of each model on the {}", answer.response_quantity);
     sections.push(section(&title, figures(answer)));
     let minded: Vec<String> = remarks.map(|text| format!("- {text}")).collect();
     if !minded.is_empty() {
@@ -35,21 +35,20 @@ pub(super) fn of_second(answer: &Diagnosis) -> Option<String> {
     let mut lines = figures(validation);
     let remarks = validation.remarks.iter().filter(|text| !answer.limitations.contains(text));
     lines.extend(remarks.map(|text| format!("- {text}")));
-    let title = format!(
-        "Unexplained part of the {} of the second measurement",
-        validation.response_quantity
-    );
+    let title =
+        format!("Residual on the {} of the second measurement", validation.response_quantity);
     Some(section(&title, lines))
 }
 
 fn title(answer: &Validation) -> &'static str {
     match (&answer.gain, answer.models.extended.is_some()) {
-        (_, false) => "TRIED: the base model on another measurement",
+        (_, false) => "TRIED: the base model on another measurement; no cause was named",
         (Some(Gain { interval95: [low, _], .. }), _) if *low > 1.0 => {
             "CONFIRMED: the causes help on another measurement, too"
         }
         (Some(Gain { interval95: [_, high], .. }), _) if *high < 1.0 => {
-            "CONTRADICTED: the causes hurt on another measurement"
+            "CONTRADICTED: on another measurement the model with the causes is worse than the base \
+             model"
         }
         _ => "UNDECIDED: whether the causes help on another measurement cannot be told",
     }
@@ -74,7 +73,7 @@ fn figures(answer: &Validation) -> Vec<String> {
     if let Some(gain) = &answer.gain {
         let [low, high] = gain.interval95.map(|end| digits(end, 3));
         let ratio = digits(gain.ratio, 3);
-        lines.push(format!("gain {ratio}, 95 % from {low} to {high}: {}", gain.heldout));
+        lines.push(format!("residual ÷ {ratio}, 95 % interval {low} to {high}: {}", gain.heldout));
     }
     if let Some(verdict) = answer.verdict {
         lines.push(format!("verdict {}", name(verdict)));
@@ -118,10 +117,16 @@ mod tests {
         let words = |begin: &str| line(begin).split_whitespace().collect::<Vec<_>>();
         assert_eq!(words("base model")[2..], ["2.00", "%", "0.02", "4.10", "96"]);
         assert_eq!(words("with static_friction")[2..], ["0.500", "%", "0.005", "1.02", "96"]);
-        assert!(line("gain").starts_with("gain 4.00, 95 % from 3.10 to 5.20: a second"), "{text}");
+        assert!(
+            line("residual").starts_with("residual ÷ 4.00, 95 % interval 3.10 to 5.20: a second"),
+            "{text}"
+        );
         assert_eq!(line("verdict"), "verdict EXPLAINED");
         assert_eq!(line("- it"), "- it says little of the mean");
-        assert!(text.contains("leaves of the velocity") && text.contains("rms (rad/s)"), "{text}");
+        assert!(
+            text.contains("each model on the velocity") && text.contains("rms (rad/s)"),
+            "{text}"
+        );
     }
 
     #[test]
@@ -132,10 +137,7 @@ mod tests {
         answer.limitations.push(validation.remarks[0].clone());
         answer.validation = Some(validation);
         let text = crate::report::diagnosis(&answer);
-        assert!(
-            text.contains("Unexplained part of the velocity of the second measurement"),
-            "{text}"
-        );
+        assert!(text.contains("Residual on the velocity of the second measurement"), "{text}");
         assert_eq!(text.matches("static_friction helps here, too").count(), 1, "{text}");
         assert_eq!(text.matches("- it says little of the mean").count(), 1, "{text}");
     }

@@ -166,6 +166,21 @@ pub(in crate::report) fn parameter(id: &str) -> Markup {
     }
 }
 
+/// Probability above which another digit says nothing.
+const ALL_BUT_CERTAIN: f64 = 0.999;
+
+/// A probability that is never rounded up, to certainty or to a word beyond its own.
+pub(in crate::report) fn probability(probability: f64) -> String {
+    if probability > ALL_BUT_CERTAIN {
+        return format!("above {} %", number(100.0 * ALL_BUT_CERTAIN, 3));
+    }
+    let decimals = usize::from(probability > 0.99);
+    let shift = 10f64.powi(decimals as i32);
+    // What differs from a whole number by rounding alone is one.
+    let cut = (100.0 * shift * probability + 1e-9).floor() / shift;
+    format!("{cut:.decimals$} %")
+}
+
 /// A probability as a person says it. The limits are those between which the
 /// benchmark counts how often a cause of that confidence is right.
 pub(in crate::report) fn confidence(probability: f64) -> &'static str {
@@ -225,7 +240,7 @@ mod tests {
         let shown = parameter("slew_limit.rate").into_string();
         assert_eq!(
             shown,
-            "limit of the rate of the command <i class=\"symbol\">R</i> <code>slew_limit.rate</code>"
+            "limit of the rate of the input <i class=\"symbol\">R</i> <code>slew_limit.rate</code>"
         );
         assert_eq!(parameter("pole").into_string(), "pole <i class=\"symbol\">−a</i>");
         assert!(parameter("fc_plus").into_string().contains("<sub>c+</sub>"));
@@ -233,5 +248,11 @@ mod tests {
             parameter("of_a_later_version").into_string(),
             "<code>of_a_later_version</code>"
         );
+    }
+
+    #[test]
+    fn no_confidence_is_rounded_to_certainty() {
+        let written = [0.29, 0.898, 0.9946, 0.99996, 1.0].map(probability);
+        assert_eq!(written, ["29 %", "89 %", "99.4 %", "above 99.9 %", "above 99.9 %"]);
     }
 }

@@ -68,17 +68,18 @@ impl Service {
         written.map_err(|error| wrong(error.to_string()))
     }
 
-    /// Draws a plan as an SVG document.
+    /// Draws a plan as an SVG document; `input_unit` is empty where it is not known.
     ///
     /// # Errors
     /// As [`Service::plan`].
     pub async fn plan_figure(
         &self,
         question: PlanFor,
+        input_unit: &str,
         format: Format,
     ) -> Result<String, ServiceError> {
         let plan = self.plan(question).await?;
-        Ok(draw_plan(&plan, format))
+        Ok(draw_plan(&plan, input_unit, format))
     }
 
     async fn axis_of(&self, question: &PlanFor) -> Result<RoughAxis, ServiceError> {

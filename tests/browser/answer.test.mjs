@@ -27,10 +27,10 @@ async function seen(page, locator, name) {
 test("a measurement says what it can show before anything is computed", async () => {
   const page = await visit("/");
   await drop(page, "axis.csv", simulated([]));
-  const shown = page.getByText(/It can show 1\d of 17 effects/);
+  const shown = page.getByText(/This measurement can reveal 1\d of 17 effects/);
   await shown.waitFor({ timeout: PATIENCE });
   await shown.click();
-  await page.getByRole("row", { name: /^static friction fs plus 0\.5/ }).waitFor();
+  await page.getByRole("row", { name: /^static friction Static friction forwards 0\.5/ }).waitFor();
   await page.locator("server-figure").first().waitFor();
   assert.equal(await page.getByText("Looks wrong").count(), 0);
 });
@@ -49,7 +49,7 @@ test("from the drop of a file to its answer nobody scrolls", async () => {
   await seen(page, page.locator(".verdict"), "the verdict");
   await seen(page, page.locator(".first server-figure"), "the response");
   for (const name of ["cause", "gain", "next"]) await seen(page, page.locator(`.card.${name}`), name);
-  assert.match(await page.locator(".card.cause").textContent(), /Static friction.*0\.80.*± .*A.*above sliding friction/i);
+  assert.match(await page.locator(".card.cause").textContent(), /Static friction.*0\.80.*± .*A.*above dry friction/i);
   await picture(page, "30-answer-screen");
 });
 

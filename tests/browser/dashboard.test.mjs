@@ -78,7 +78,7 @@ test("a file is dropped, diagnosed, watched to its end, and the cause is read", 
   assert.match(await verdict.textContent(), /Explained.*static friction/);
   const sections = await page.locator(".answer > details > summary > h2").allTextContents();
   assert.deepEqual(sections, ["How sure?", "What else could it be?", "Where is it wrong?", "Friction", "Harmonics",
-    "Convergence", "Parameters", "Provenance", "Another measurement"]);
+    "Convergence", "Parameters", "Provenance", "Test on another measurement"]);
   const figures = await page.locator("server-figure").evaluateAll((all) => all.map((one) => one.shadowRoot.querySelector("svg").id));
   for (const name of ["bode-errors", "spectrum", "residuals", "residuals-after", "convergence", "friction-after"]) {
     assert.ok(figures.includes(`servoscope-${name}`), `${name} is not among ${figures}`);
@@ -115,10 +115,10 @@ test("a result is tried on another measurement", async () => {
   const choice = page.getByRole("combobox", { name: "Measurement" });
   assert.equal(await choice.inputValue(), other.id, "the same axis comes before what is newer");
   await choice.selectOption(other.id);
-  await page.getByRole("button", { name: "Try it" }).click();
+  await page.getByRole("button", { name: "Test", exact: true }).click();
   const tried = page.locator("#tried");
   await tried.getByText(/^Verdict/).waitFor();
-  assert.match(await tried.textContent(), /static_friction helps here, too[^]*With static friction[^]*Verdict: explained/);
+  assert.match(await tried.textContent(), /Static friction helps here, too[^]*With static friction[^]*Verdict: explained/);
   await tried.scrollIntoViewIfNeeded();
   await picture(page, "09-tried");
   for (const { id } of [other, stranger]) await fetch(`${server.address}/v1/measurements/${id}`, { method: "DELETE" });
@@ -130,7 +130,7 @@ test("a job is cancelled, started again and deleted", async () => {
   await page.getByLabel("Seed").fill("7");
   await page.getByRole("button", { name: "Start", exact: true }).click();
   await page.getByRole("button", { name: "Cancel" }).click();
-  await page.getByRole("heading", { name: "It was cancelled" }).waitFor();
+  await page.getByRole("heading", { name: "Cancelled" }).waitFor();
   await picture(page, "10-cancelled");
   await page.getByRole("link", { name: "Start again …" }).click();
   await page.getByRole("heading", { name: "Start it again" }).waitFor();
@@ -201,7 +201,7 @@ test("the history of an axis marks what changed, and two jobs stand side by side
   await picture(page, "15-overview", { fullPage: true });
   await page.getByRole("button", { name: "Compare" }).click();
   await page.getByRole("heading", { name: "Two jobs side by side" }).waitFor();
-  assert.match(await page.locator("tr.changed").first().textContent(), /Pole.*beyond the joint interval/);
+  assert.match(await page.locator("tr.changed").first().textContent(), /Pole.*more than the uncertainty of both/);
   await page.locator("server-figure").nth(5).waitFor();
   await page.waitForLoadState("networkidle");
   await picture(page, "16-compare", { fullPage: true });

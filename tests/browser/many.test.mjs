@@ -21,9 +21,9 @@ test("several files are diagnosed in one go, and a bad one keeps no other from i
   await page.getByText("3 files:").waitFor();
   await picture(page, "60-several-files");
   await page.getByRole("button", { name: "Diagnose each by itself" }).click();
-  await page.getByRole("heading", { name: "Diagnosed together" }).waitFor({ timeout: PATIENCE });
+  await page.getByRole("heading", { name: "Several files diagnosed" }).waitFor({ timeout: PATIENCE });
   assert.match(await page.locator("section", { has: page.locator("#refused") }).textContent(), /bad\.csv.*two/);
-  await page.getByText("2 of 2 have ended.").waitFor({ timeout: PATIENCE });
+  await page.getByText("2 of 2 finished.").waitFor({ timeout: PATIENCE });
   assert.match(await page.getByRole("row", { name: /^north/ }).textContent(), /explained.*static friction/);
   assert.match(await page.getByRole("row", { name: /^south/ }).textContent(), /adequate/);
   assert.deepEqual(await faults(page), []);

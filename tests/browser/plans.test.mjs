@@ -21,7 +21,7 @@ test("a field that is needed is asked for, and what the server refuses is said a
   await page.getByLabel("Pole of the mechanics").fill("10");
   await page.getByRole("textbox", { name: /^Constant/ }).fill("10");
   await page.getByRole("button", { name: "Plan it" }).click();
-  assert.match(await page.locator(".wrong").textContent(), /Friction forwards: fill it in/);
+  assert.match(await page.locator(".wrong").textContent(), /Friction forwards: enter a value, for example 0.5/);
   await page.getByLabel("Friction forwards").fill("0.5");
   await page.getByLabel("Time for all experiments").fill("20");
   await page.getByRole("button", { name: "Plan it" }).click();
@@ -34,9 +34,9 @@ test("a result fills in the axis, and the plan is shown, compared and downloaded
   const metadata = { machine: "press 4", axis: "Y", input: "current A", response: "velocity rad/s" };
   const job = await server.answered(simulated(["--fc-minus", "0.4"], metadata));
   const page = await visit("/plans");
-  await page.getByLabel("Axis as a result has it").waitFor();
+  await page.getByLabel("Start from a result").waitFor();
   await picture(page, "50-plan-form");
-  await page.getByLabel("Axis as a result has it").selectOption(job.id);
+  await page.getByLabel("Start from a result").selectOption(job.id);
   await page.waitForFunction(() => document.querySelector("[name=pole]").value !== "");
   assert.match(await page.getByLabel("Pole of the mechanics").inputValue(), /^-(9\.9|10)/);
   assert.match(await page.getByLabel("Friction backwards").inputValue(), /^0\.(39|40)/);
@@ -46,10 +46,10 @@ test("a result fills in the axis, and the plan is shown, compared and downloaded
   assert.equal(await page.getByRole("button", { name: "Plan it" }).isEnabled(), false);
   await picture(page, "51-planning");
   await planned(page);
-  assert.match(await page.locator(".lead").first().textContent(), /\d+ experiments in \d+ s of 25 s: of 17 effects, \d+ of a typical size/);
+  assert.match(await page.locator(".lead").first().textContent(), /\d+ experiments in \d+ s of 25 s should identify \d+ of 17 effects of typical size/);
   const head = await page.locator("section", { has: page.locator("#experiments") }).locator("thead").textContent();
-  assert.match(head, /Magnitude \(A\)Frequency \(Hz\)Periods to settlePeriods measuredRepeatsDuration \(s\)/);
-  assert.match(await page.locator("section", { has: page.locator("#names") }).textContent(), /they rank experiments/);
+  assert.match(head, /Magnitude \(A\)Frequency \(Hz\)Settling periodsPeriods measuredRepeatsDuration \(s\)/);
+  assert.match(await page.locator("section", { has: page.locator("#names") }).textContent(), /use them to compare plans/);
   await page.locator("server-figure svg").waitFor({ timeout: PATIENCE });
   await picture(page, "52-plan", { fullPage: true });
   for (const [name, begins] of [["Stepped sine, CSV", /time_s,input,segment\n/], ["Multisine, CSV", /time_s,input,segment\n/], ["Plan, JSON", /"experiments"/]]) {
@@ -65,9 +65,9 @@ test("the page of a job leads to a plan for its axis", async () => {
   const metadata = { input: "force N", response: "velocity m/s" };
   const job = await server.answered(simulated([], metadata));
   const page = await visit(`/jobs/${job.id}`);
-  await page.getByRole("link", { name: "Plan the next experiment" }).click();
+  await page.getByRole("link", { name: "Plan a later measurement" }).click();
   await page.waitForFunction(() => document.querySelector("[name=pole]")?.value);
-  assert.equal(await page.getByLabel("Axis as a result has it").inputValue(), job.id);
+  assert.equal(await page.getByLabel("Start from a result").inputValue(), job.id);
   assert.match(await page.getByLabel("Pole of the mechanics").inputValue(), /^-(9\.9|10)/);
   await page.getByLabel("Time for all experiments").fill("10");
   await page.getByRole("button", { name: "Plan it" }).click();
@@ -75,8 +75,11 @@ test("the page of a job leads to a plan for its axis", async () => {
   const head = await page.locator("section", { has: page.locator("#experiments") }).locator("thead").textContent();
   assert.match(head, /Magnitude \(N\)/);
   const sizes = await page.locator("section", { has: page.locator("#names") }).textContent();
-  assert.match(sizes, /Limit of the command [\d.]+ N/);
-  assert.ok(!/input|response\b/.test(sizes), "every unit is known");
+  assert.match(sizes, /Limit of the input [\d.]+ N/);
+  assert.ok(!/\d\s(1\/\()?(input|response)\b/.test(sizes), "every unit is known");
+  await page.locator("server-figure svg").waitFor({ timeout: PATIENCE });
+  const figure = await page.locator("server-figure").evaluate((all) => all.shadowRoot.textContent);
+  assert.match(figure, /Magnitude of the input \(N\)/);
 });
 
 test("the address asks for the same plan again, also on a phone and in the dark", async () => {

@@ -50,9 +50,9 @@ test("a file of unknown columns is shown, named and kept, and the next one needs
   assert.match(await page.locator(".rows caption").textContent(), /between semicolons; a decimal comma; the table begins at line 3/);
   assert.match(await page.locator(".understood").textContent(), /say below what each column is\.$/);
   await named(page);
-  assert.match(await page.locator(".understood").textContent(), /from current \(A\) to position \(mm\), at 1 A and 20 Hz/);
+  assert.match(await page.locator(".understood").textContent(), /from current \(A\) to position \(mm\), magnitude 1 A, 20 Hz/);
   await page.getByRole("textbox", { name: "Name" }).fill("rig 7");
-  await page.getByRole("button", { name: "Keep it" }).click();
+  await page.getByRole("button", { name: "Save" }).click();
   const waiting = page.waitForEvent("download");
   await page.getByRole("link", { name: "rig 7.toml" }).click();
   assert.equal(await readFile(await (await waiting).path(), "utf8"), 'column_names = "Time (ms); Current (A); ; Position (mm)"\n');
@@ -94,7 +94,7 @@ test("a file that is understood is shown before it is stored where that is asked
   await picture(page, "43-preview-understood");
   assert.equal((await measured()).length, before);
   assert.equal(await page.getByLabel("What omega_rad_s is").inputValue(), "frequency");
-  await page.getByRole("button", { name: "Leave it" }).click();
+  await page.getByRole("button", { name: "Cancel" }).click();
   assert.equal(await page.locator(".preview").count(), 0);
   await drop(page, "sticky.csv", simulated(STICKY));
   await page.getByRole("button", { name: "Store it" }).click();
@@ -145,7 +145,7 @@ test("a stored file is read again in other units, until there is a job on it", a
 
   await server.post("/v1/jobs", { measurement_id: id, kind: "identify", plant: { actuator_order: 0 } });
   await page.getByRole("button", { name: "Read it again …" }).click();
-  await page.getByText(/There are jobs on it/).waitFor();
+  await page.getByText(/This measurement has results that depend/).waitFor();
   await page.getByRole("button", { name: "Close" }).click();
-  assert.equal(await page.getByText(/There are jobs on it/).isVisible(), false);
+  assert.equal(await page.getByText(/This measurement has results that depend/).isVisible(), false);
 });

@@ -146,7 +146,8 @@ fn diagnose_says_where_the_base_model_is_wrong_and_names_the_cause() {
     assert_eq!(code(&servoscope(&["show", &stored, "--report", &page])), Some(2));
     assert_eq!(code(&servoscope(&["show", &stored, &file, "--report", &page])), Some(0));
     assert!(std::fs::read_to_string(page).unwrap().contains("lacks static friction"));
-    let parts = ["1. static_friction", "Where it is wrong", "What is left", "Is it noise?"];
+    let parts =
+        ["1. static_friction", "Where it is wrong", "Residual, part by part", "Is it noise?"];
     for part in parts.into_iter().chain(["The model with static_friction\n\nADEQUATE"]) {
         assert!(report.contains(part), "{report}");
     }
@@ -184,7 +185,7 @@ fn a_plan_without_an_axis_or_with_a_wrong_one_says_which_option_is_missing_or_wr
     for (axis, budget, told) in [
         (&[][..], "5", "describe the axis with --pole"),
         (&axis[..], "-5", "--budget-s: "),
-        (&wrong[..], "5", "--pole: 3 is not the pole"),
+        (&wrong[..], "5", "--pole: 3 is not negative"),
     ] {
         let output = servoscope(&[&["plan", "--budget-s", budget], axis].concat());
         assert_eq!(code(&output), Some(2), "{told}: {}", error(&output));

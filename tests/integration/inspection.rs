@@ -24,7 +24,7 @@ fn a_sound_table_says_what_it_can_show_and_over_http_the_same() {
     std::fs::write(&path, &table).unwrap();
     let path = path.to_str().unwrap();
     let text = printed(&[path]);
-    assert!(text.contains("What it can show") && !text.contains("Looks wrong"), "{text}");
+    assert!(text.contains("What it can reveal") && !text.contains("Looks wrong"), "{text}");
     let printed: Value = serde_json::from_str(&printed(&["--json", path])).unwrap();
     let effects = printed["detectability"]["effects"].as_array().unwrap();
     let seen = effects.iter().filter(|effect| !effect["detected_from"].is_null()).count();

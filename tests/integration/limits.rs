@@ -40,7 +40,7 @@ fn assert_only_the_mean_level_is_known(answer: &Identification) {
     // The mean depends on the difference of the levels, which only its range tells: by about the
     // square of half their relative difference, (0.05/0.45)² = 1 %.
     assert!((mean.value.unwrap() / 0.45 - 1.0).abs() < 0.01, "{mean:?}");
-    assert!(says(answer, "Fc⁺ and Fc⁻ cannot be told apart"));
+    assert!(says(answer, "only the mean of forward and backward friction"));
     assert!(says(answer, "fundamentals alone"));
 }
 

@@ -68,7 +68,11 @@ fn a_diagnosis_is_validated_on_a_record_that_does_not_repeat() {
     assert_eq!(&again, validation);
     let report = printed(&["validate", &stored, &silent]);
     assert!(report.starts_with("CONFIRMED"), "{report}");
-    assert!(report.contains("tell how it begins") && report.contains("at rest"), "{report}");
+    assert!(
+        report.contains("the initial state is estimated from the first")
+            && report.contains("at rest"),
+        "{report}"
+    );
 
     let output = servoscope(&["identify", &silent]);
     let error = String::from_utf8_lossy(&output.stderr);

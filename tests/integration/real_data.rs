@@ -61,7 +61,7 @@ fn is_an_answer_for_the_motor_bench(result: &Value) {
     assert_eq!(fit["unanswered"], json!([]));
     let said = result["limitations"].to_string();
     assert!(said.contains("18 whole periods of 1 s") && said.contains("654 output harmonics"));
-    assert!(said.contains("leaves more than noise"), "{said}");
+    assert!(said.contains("does not fit to within the noise"), "{said}");
     // Two real numbers of each harmonic and the mean; at most six parameters are fitted.
     let dof = fit["dof"].as_i64().unwrap();
     assert!((2 * 654 + 1 - 6..=2 * 654 + 1).contains(&dof), "{dof}");

@@ -53,7 +53,7 @@ fn identify_writes_its_report_and_refuses_a_file_it_cannot_write() {
     let output = servoscope(&["identify", &file, "--actuator-order", "0", "--report", &report]);
     assert!(output.status.success());
     let page = std::fs::read_to_string(&report).unwrap();
-    assert!(page.contains("The model leaves more of the measurement than noise."), "{page}");
+    assert!(page.contains("The residual of the model is larger than the noise."), "{page}");
     let nowhere = path("no/folder/out.html");
     let begun = std::time::Instant::now();
     let output = servoscope(&["diagnose", &file, "--report", &nowhere]);

@@ -194,7 +194,7 @@ fn a_wrong_extension_hurts_is_said_to_and_lowers_the_verdict() {
     let found = tried(&wrong, &sticky(&[2.0, 4.0], 16, 0.5, 2));
     assert!(found.gain.as_ref().unwrap().interval95[1] < 1.0, "{:?}", found.gain);
     assert_eq!((wrong.verdict, found.verdict), (Verdict::Explained, Some(Verdict::Improved)));
-    assert!(found.remarks[0].contains("hurts here"), "{:?}", found.remarks);
+    assert!(found.remarks[0].contains("makes the prediction worse here"), "{:?}", found.remarks);
 }
 
 /// Simulates a file of the same sticky axis.

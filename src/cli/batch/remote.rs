@@ -152,8 +152,8 @@ impl Remote {
             if since.elapsed() > AWAY {
                 let minutes = AWAY.as_secs() / 60;
                 return Err(Sent::Unanswered(format!(
-                    "{} has not answered for {minutes} minutes: {reason}; the same command goes on \
-                     where this one was",
+                    "{} has not answered for {minutes} minutes: {reason}; run the same command \
+                     again to continue",
                     self.address
                 )));
             }

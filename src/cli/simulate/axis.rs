@@ -95,7 +95,10 @@ fn rate(flag: &str, pole: f64) -> Result<f64, Failure> {
         pole if pole > 0.0 => {
             refuse(format!("{flag}: {pole} is positive; a stable pole is negative: {flag} -{pole}"))
         }
-        _ => refuse(format!("{flag}: {pole} is not the pole of a stable axis, a negative number")),
+        _ => refuse(format!(
+            "{flag}: {pole} is not negative, as the pole of a stable axis is: \
+                             {flag} -10, for example"
+        )),
     }
 }
 
@@ -129,7 +132,7 @@ mod tests {
         for flag in ["--pole", "--actuator-pole"] {
             let refused = asked(&format!("{flag} 2.5")).unwrap_err();
             assert!(refused.contains(&format!("{flag} -2.5")), "{refused}");
-            assert!(asked(&format!("{flag} 0")).unwrap_err().contains("negative number"));
+            assert!(asked(&format!("{flag} 0")).unwrap_err().contains("not negative"));
         }
     }
 

@@ -57,7 +57,10 @@ pub(super) struct Bench {
 pub(super) enum BenchError {
     #[error("magnitude {magnitude} at {omega_rad_s} rad/s: {source}")]
     NoResponse { magnitude: f64, omega_rad_s: f64, source: NoResponse },
-    #[error("magnitude {magnitude} at {omega_rad_s} rad/s: no constant input holds the position")]
+    #[error(
+        "magnitude {magnitude} at {omega_rad_s} rad/s: the mean position drifts, and no \
+             constant input can hold it"
+    )]
     NotHeld { magnitude: f64, omega_rad_s: f64 },
     #[error("no experiment has a response of its own period, the first of them: {first}")]
     Nothing { first: Box<BenchError> },

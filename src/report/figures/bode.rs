@@ -53,7 +53,7 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
         }
     }
     if rests {
-        let rest = Key::new(Look::Beyond, "key", "measured, no motion above the noise");
+        let rest = Key::new(Look::Beyond, "key", "measured, below the noise");
         keys.push(rest.toggling("measured"));
     }
     let bands = bands::invalid(subject.valid_band);
@@ -283,8 +283,8 @@ pub(super) fn says(curves: &[Curve], extended: Option<Extended<'_>>) -> String {
             let half = rounded(departures[departures.len() / 2]);
             let (gain, phase) = (rounded(gain), rounded(phase));
             format!(
-                "Half of the gains simulated{named} are within {half} dB; the worst is {gain} dB and \
-                 {phase}° off, at {place}."
+                "Simulated{named}: median error of the gain {half} dB, largest {gain} dB and \
+                 {phase}° ({place})."
             )
         }
     }

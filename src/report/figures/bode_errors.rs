@@ -36,7 +36,7 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let bands = invalid(subject.valid_band);
     let mut keys = models(subject, !bands.is_empty(), is_noise_known(&curves));
     if curves.iter().flat_map(|curve| &curve.points).any(|point| point.measured.is_none()) {
-        let rest = Key::new(Look::Beyond, "key", "measured, no motion above the noise");
+        let rest = Key::new(Look::Beyond, "key", "measured, below the noise");
         keys.push(rest.toggling("measured"));
     }
     legend(&mut canvas, &keys);

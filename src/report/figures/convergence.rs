@@ -66,7 +66,7 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     }
     let dof = subject.identification.filter(|_| chi2).map(|a| a.fit.dof as f64);
     if dof.is_some_and(|dof| dof > 0.0) {
-        let noise = Key::new(Look::Line("floor"), "key", "what noise alone leaves");
+        let noise = Key::new(Look::Line("floor"), "key", "cost of noise alone");
         keys.push(noise.toggling("noise"));
     }
     if let Some(stage) = stages.iter().find(|stage| is_point(stage)) {
@@ -74,7 +74,7 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
         keys.push(Key::new(Look::Marker(Marker::Diamond), "key", text).toggling("start"));
     }
     legend(&mut canvas, &keys);
-    let cost = if chi2 { "Cost χ² (–)" } else { "Cost (–)" };
+    let cost = if chi2 { "Cost χ²" } else { "Cost" };
     panels(&mut canvas, &stages, cost, dof.filter(|dof| *dof > 0.0));
     Ok(canvas)
 }
@@ -143,8 +143,8 @@ fn panels(canvas: &mut Canvas, stages: &[Stage<'_>], cost: &str, noise: Option<f
         let panel = Panel { x, y, left, top, right, bottom };
         let heading = capitalised(stage.name);
         let (x_name, y_name) = match is_network {
-            true => ("Epoch (–)", "Held-out loss (–)"),
-            false => ("Evaluations in the stage (–)", cost),
+            true => ("Epoch", "Held-out loss"),
+            false => ("Simulations in the stage", cost),
         };
         let naming = Naming { heading: &heading, x: x_name, y: y_name, ..Naming::default() };
         panel.draw(canvas, &y.vertical_ticks(DECIMAL), naming);

@@ -52,6 +52,7 @@ impl Known {
                 comparison,
             }),
             convergence: &self.convergence,
+            named: None,
         }
     }
 

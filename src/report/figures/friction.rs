@@ -16,10 +16,13 @@ use crate::report::units::friction;
 use crate::report::words::typeset;
 
 use model::{Side, Viscous, band, quantile, side, viscous};
-use velocities::{extents, velocities};
+use velocities::{VELOCITIES, extents, velocities};
 
 const LEFT: f64 = 64.0;
 const RIGHT: f64 = WIDTH - 92.0;
+
+/// Height of a line of names.
+const LINE: f64 = 16.0;
 const HEIGHT: f64 = 320.0;
 
 /// Magnitudes whose range of velocity is shown.
@@ -56,6 +59,10 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     if sides.iter().any(|side| side.static_level.is_some()) {
         let level = Key::new(Look::Marker(Marker::Diamond), MODEL, "static level");
         keys.push(level.toggling("static"));
+    }
+    if !ranges.is_empty() {
+        let measured = Key::new(Look::Area, "s0", "velocities measured");
+        keys.push(measured.toggling(VELOCITIES));
     }
     legend(&mut canvas, &keys);
     let top = canvas.y + 22.0;
@@ -158,21 +165,34 @@ fn curve(
     }
 }
 
-/// Names the levels where the curve leaves rest.
+/// Names the levels where the curve leaves rest, and static levels beyond them.
 fn names(canvas: &mut Canvas, panel: &Panel, sides: &[Side], unit: &str) {
     for side in sides {
         let Some([x, y]) = panel.at(0.0, side.sign * side.level) else { continue };
-        let label = format!("{} = {}", side.name, text::quantity(side.level, 3, unit));
         // On the side where the curve is not.
         let (anchor, x) = match side.sign > 0.0 {
             true => (Anchor::End, x - 10.0),
             false => (Anchor::Start, x + 10.0),
         };
+        let mut label = |name: &str, level: f64, y: f64, keys: &'static str| {
+            let label = format!("{name} = {}", text::quantity(level, 3, unit));
+            canvas.open_inside(MODEL, panel.sides(), Trace::keyed(keys));
+            canvas.text(x, y + 4.0, LABEL, anchor, &label);
+            canvas.close();
+        };
         // Clear of the axis, where a level is small.
-        let y = y - 4.0 * side.sign;
-        canvas.open_inside(MODEL, panel.sides(), Trace::keyed("model"));
-        canvas.text(x, y + 4.0, LABEL, anchor, &label);
-        canvas.close();
+        let own = y - 4.0 * side.sign;
+        label(side.name, side.level, own, "model");
+        let fixed = side.static_level.filter(|level| *level > side.level);
+        let place = fixed.and_then(|level| Some((level, panel.at(0.0, side.sign * level)?[1])));
+        if let Some((level, y)) = place {
+            // Above its own level, clear of that one's name.
+            let y = match side.sign > 0.0 {
+                true => y.min(own - LINE),
+                false => y.max(own + LINE),
+            };
+            label(side.static_name(), level, y, "static");
+        }
     }
 }
 

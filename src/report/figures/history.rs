@@ -74,7 +74,7 @@ pub(super) fn draw(title: &str, trends: &[Trend]) -> Result<Canvas, NothingToDra
             Key::new(
                 Look::Marker(Marker::Diamond),
                 format!("s{CHANGED}"),
-                "changed beyond the joint interval",
+                "changed beyond the uncertainty of both",
             )
             .toggling("changed"),
         ],

@@ -69,7 +69,7 @@ fn level(canvas: &mut Canvas, level: &LinearityLevel, units: [&str; 2], several:
     let [input_unit, response_unit] = units;
     let heading = match (several, input_unit) {
         (false, _) => String::new(),
-        (true, "") => format!("m = {}", number(level.magnitude, 3)),
+        (true, "") => format!("magnitude {}", number(level.magnitude, 3)),
         (true, unit) => quantity(level.magnitude, 3, &text::shorten(unit, 12.0, 30.0)),
     };
     let unit = unit_or(response_unit, "response units");

@@ -59,9 +59,20 @@ pub struct Subject<'a> {
     pub extended: Option<Extended<'a>>,
     /// How the identification converged.
     pub convergence: &'a [ConvergenceRow],
+    /// What the model with the causes is called, where this is of that one.
+    pub named: Option<&'a str>,
 }
 
 impl<'a> Subject<'a> {
+    /// A title of a figure of one model: with its name, where there are two.
+    fn titled(&self, title: &str) -> String {
+        match (self.named, self.extended) {
+            (Some(name), _) => format!("{title}: {name}"),
+            (None, Some(_)) => format!("{title}: base model"),
+            (None, None) => title.to_owned(),
+        }
+    }
+
     /// What an answer alone shows: no measurement beside it, no history.
     pub fn of(answer: &'a Answer) -> Self {
         let identification = Some(answer.base());
@@ -77,11 +88,11 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// [`NothingToDraw`] where there is none.
     pub fn after(&self) -> Result<Self, NothingToDraw> {
-        let Extended { identification, comparison, .. } = self.extended.ok_or_else(|| {
+        let Extended { name, identification, comparison } = self.extended.ok_or_else(|| {
             NothingToDraw("it shows a model with causes, and there is none".into())
         })?;
         let (identification, comparison) = (Some(identification), Some(comparison));
-        Ok(Self { identification, comparison, ..Self::default() })
+        Ok(Self { identification, comparison, named: Some(name), ..Self::default() })
     }
 }
 
@@ -153,9 +164,10 @@ pub fn draw_history(
     Ok(history::draw(title, trends)?.finish(format.into(), ""))
 }
 
-/// Draws the experiments of a plan, and what they name beside a sweep of the same duration.
-pub fn draw_plan(subject: &Plan, format: impl Into<Format>) -> String {
-    plan::draw(subject).finish(format.into(), "")
+/// Draws the experiments of a plan, and what they identify beside a sweep of the same duration;
+/// `input_unit` is empty where it is not known.
+pub fn draw_plan(subject: &Plan, input_unit: &str, format: impl Into<Format>) -> String {
+    plan::draw(subject, input_unit).finish(format.into(), "")
 }
 
 /// The same for a page that shows figures of one name of several subjects:

@@ -7,7 +7,9 @@ use servoscope_core::answers::{Plan, PlannedEffect};
 use super::canvas::{Anchor, Canvas, MARGIN, Marker, TICK, Trace, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, Scale, range};
-use super::text::number;
+use super::series::unit_or;
+use super::text::{self, number, quantity};
+use crate::report::words;
 
 const LEFT: f64 = 64.0;
 const HEIGHT: f64 = 260.0;
@@ -18,14 +20,14 @@ const ROW: f64 = 20.0;
 const RADIUS: f64 = 3.0;
 const LARGEST_RADIUS: f64 = 9.0;
 
-pub(super) fn draw(plan: &Plan) -> Canvas {
+pub(super) fn draw(plan: &Plan, input_unit: &str) -> Canvas {
     let says = format!(
-        "{} experiments; {} of {} effects are named with a probability of 90 % or more.",
+        "{} experiments; {} of {} effects are identified with a probability of 90 % or more.",
         plan.experiments.len(),
         plan.nameable,
         plan.effects.len()
     );
-    let mut canvas = Canvas::new("plan", "Planned experiments and what they name", &says, 2);
+    let mut canvas = Canvas::new("plan", "Planned experiments and what they identify", &says, 2);
     legend(
         &mut canvas,
         &[
@@ -35,13 +37,13 @@ pub(super) fn draw(plan: &Plan) -> Canvas {
                 .toggling("sweep"),
         ],
     );
-    points(&mut canvas, plan);
+    points(&mut canvas, plan, input_unit);
     effects(&mut canvas, plan);
     canvas
 }
 
 /// The plane of frequency and magnitude.
-fn points(canvas: &mut Canvas, plan: &Plan) {
+fn points(canvas: &mut Canvas, plan: &Plan, input_unit: &str) {
     let swept = || plan.sweeps.last().into_iter().flat_map(|sweep| &sweep.experiments);
     let all = || plan.experiments.iter().chain(swept());
     let [slow, fast] = range(all().map(|experiment| experiment.omega_rad_s / TAU));
@@ -51,7 +53,9 @@ fn points(canvas: &mut Canvas, plan: &Plan) {
     let x = Scale::log([slow / 1.2, fast * 1.2], [LEFT, right]);
     let y = Scale::log([weak / 1.2, strong * 1.2], [bottom, top]);
     let panel = Panel { x, y, left: LEFT, top, right, bottom };
-    let naming = Naming { x: "Frequency (Hz)", y: "Magnitude of the input", ..Naming::default() };
+    let unit = text::shorten(unit_or(input_unit, "input units"), 11.5, 100.0);
+    let name = format!("Magnitude of the input ({unit})");
+    let naming = Naming { x: "Frequency (Hz)", y: &name, ..Naming::default() };
     panel.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
     let groups = [("s1", "sweep", true), ("s0", "planned", false)];
     for (class, name, is_sweep) in groups {
@@ -62,14 +66,13 @@ fn points(canvas: &mut Canvas, plan: &Plan) {
         for experiment in own {
             let hz = experiment.omega_rad_s / TAU;
             let Some(at) = panel.at(hz, experiment.magnitude) else { continue };
-            let serves = experiment
-                .serves
-                .as_deref()
-                .map_or_else(String::new, |effect| format!(", serves {effect} most"));
+            let serves = experiment.serves.as_deref().map_or_else(String::new, |effect| {
+                format!(", mainly for {}", words::effect(effect))
+            });
             let hint = format!(
                 "{name}, run {}: {} at {} Hz, {} repeats{serves}",
                 experiment.run,
-                number(experiment.magnitude, 3),
+                quantity(experiment.magnitude, 3, input_unit),
                 number(hz, 3),
                 experiment.repeats
             );
@@ -95,7 +98,7 @@ fn effects(canvas: &mut Canvas, plan: &Plan) {
     let x = Scale::linear([0.0, 1.0], [BARS, right]);
     let y = Scale::linear([0.0, effects.len() as f64], [top, bottom]);
     let panel = Panel { x, y, left: BARS, top, right, bottom };
-    let name = "Probability that an effect of typical size is named";
+    let name = "Probability that an effect of typical size is identified";
     panel.draw(canvas, &[], Naming { x: name, ..Naming::default() });
     for (index, effect) in effects.iter().enumerate() {
         let y = top + ROW * (index as f64 + 0.5);
@@ -131,7 +134,7 @@ mod tests {
     #[test]
     fn a_plan_shows_every_experiment_and_every_effect() {
         let plan = sample::plan();
-        let svg = draw_plan(&plan, Theme::Light);
+        let svg = draw_plan(&plan, "N m", Theme::Light);
         roxmltree::Document::parse(&svg).unwrap();
         for effect in &plan.effects {
             assert!(svg.contains(&format!(">{}<", effect.title)), "{svg}");
@@ -139,5 +142,8 @@ mod tests {
         let last = plan.experiments.len() - 1;
         assert!(svg.contains(&format!("planned, run {last}: ")), "{svg}");
         assert!(svg.contains("sweep, run 0: "), "{svg}");
+        assert!(svg.contains(">Magnitude of the input (N m)<"), "{svg}");
+        let unknown = draw_plan(&plan, "", Theme::Light);
+        assert!(unknown.contains(">Magnitude of the input (input units)<"), "{unknown}");
     }
 }

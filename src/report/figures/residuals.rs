@@ -35,8 +35,8 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
         (patterns, _) => shares(patterns),
     };
     let series = comparison.experiments.len().min(lines::MOST_PANELS);
-    let title = "Residual, measured less simulated, in standard deviations";
-    let mut canvas = Canvas::new("residuals", title, &says, series);
+    let title = subject.titled("Residual in standard deviations");
+    let mut canvas = Canvas::new("residuals", &title, &says, series);
     if has_many_lines(comparison) {
         lines::draw(&mut canvas, comparison, patterns);
     } else {
@@ -68,10 +68,10 @@ fn says(comparison: &Comparison) -> String {
     )
 }
 
-/// How much of what is left beyond the noise lies in each pattern.
+/// How much of the excess χ² lies in each pattern.
 fn shares(patterns: &[Pattern]) -> String {
     let share = |(i, pattern): (usize, &Pattern)| {
-        let of = if i == 0 { " of what is left beyond the noise lies in pattern" } else { " in" };
+        let of = if i == 0 { " of the excess χ² lies in pattern" } else { " in" };
         format!("{:.0} %{of} {}", 100.0 * pattern.share, i + 1)
     };
     let shares: Vec<String> = patterns.iter().enumerate().map(share).collect();

@@ -114,7 +114,7 @@ pub(super) fn unit_or<'a>(unit: &'a str, words: &'a str) -> &'a str {
 pub(super) fn magnitude_label(magnitude: f64, comparison: &Comparison) -> String {
     match comparison.input_unit.as_str() {
         // A bare number would not say what it is the number of.
-        "" => format!("m = {}", text::number(magnitude, 3)),
+        "" => format!("magnitude {}", text::number(magnitude, 3)),
         unit => text::quantity(magnitude, 3, &text::shorten(unit, 12.0, 30.0)),
     }
 }

@@ -22,7 +22,11 @@ const LEFT: f64 = 64.0;
 
 pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let comparison = comparison(subject)?;
-    if has_many_lines(comparison) { records(comparison) } else { stepped(comparison) }
+    if has_many_lines(comparison) {
+        records(subject, comparison)
+    } else {
+        stepped(subject, comparison)
+    }
 }
 
 /// Amplitudes from the largest down to a third of the noise or of the smallest.
@@ -57,7 +61,7 @@ fn keys(comparison: &Comparison) -> Vec<Key> {
 }
 
 /// One panel a magnitude: the experiment whose harmonics are largest.
-fn stepped(comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
+fn stepped(subject: &Subject<'_>, comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
     let groups = by_magnitude(comparison);
     let distortion = |experiment: &ComparedExperiment| {
         let others = experiment.harmonics.iter().filter(|h| h.order != 1);
@@ -75,8 +79,8 @@ fn stepped(comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
     if highest < 2 {
         return Err(NothingToDraw("only means and fundamentals were measured".into()));
     }
-    let title = "Harmonics of the response";
-    let mut canvas = Canvas::new("spectrum", title, &says(&chosen, comparison), groups.len());
+    let title = subject.titled("Harmonics of the response");
+    let mut canvas = Canvas::new("spectrum", &title, &says(&chosen, comparison), groups.len());
     let mut keys = keys(comparison);
     let lowest = chosen.iter().flat_map(|(_, e)| &e.harmonics);
     let amplitudes = amplitudes(lowest.clone());
@@ -106,8 +110,7 @@ fn stepped(comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
             0 => amplitude_name(comparison),
             _ => String::new(),
         };
-        let naming =
-            Naming { heading: &heading, x: "Harmonic k (–)", y: &name, ..Naming::default() };
+        let naming = Naming { heading: &heading, x: "Harmonic k", y: &name, ..Naming::default() };
         panel.draw_with(&mut canvas, &orders(&x, highest), &y.vertical_ticks(DECIMAL), naming);
         harmonics(&mut canvas, &panel, *index, experiment);
         canvas.y = bottom + 44.0;
@@ -204,7 +207,7 @@ fn says(chosen: &[(usize, &ComparedExperiment)], comparison: &Comparison) -> Str
 }
 
 /// Amplitude over frequency, one panel a record.
-fn records(comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
+fn records(subject: &Subject<'_>, comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
     let mut shown: Vec<&ComparedExperiment> = comparison.experiments.iter().collect();
     shown.sort_by(|a, b| a.magnitude.total_cmp(&b.magnitude));
     let all = shown.len();
@@ -215,7 +218,8 @@ fn records(comparison: &Comparison) -> Result<Canvas, NothingToDraw> {
     let subtitle = format!(
         "{lines} harmonics, {input} of them lines of the input; the others show what is not linear."
     );
-    let mut canvas = Canvas::new("spectrum", "Spectrum of the response", &subtitle, 2);
+    let mut canvas =
+        Canvas::new("spectrum", &subject.titled("Spectrum of the response"), &subtitle, 2);
     let mut keys = vec![
         Key::new(Look::Marker(Marker::Circle), "s1", "measured at lines of the input")
             .toggling("input"),

@@ -1,13 +1,14 @@
-//! Beside the response: what is wrong with the measurement, the cause, what it gains, and what to do.
+//! Beside the response: what is wrong with the measurement, the cause, its improvement, and what to
+//! do.
 
 use maud::{Markup, html};
 use servoscope_core::answers::{Answer, Cause, Diagnosis, Gain, ParameterEstimate, Verdict};
 use servoscope_core::effects::fit_words;
 
 use super::Content;
-use super::words::{coded, confidence, effect, equation, parameter_name, sentence};
+use super::words::{coded, confidence, effect, equation, parameter_name, probability, sentence};
 use crate::report::brief::{self, Units};
-use crate::report::causes::per_cent;
+use crate::report::causes::heading;
 use crate::report::size;
 
 /// Rows of the card on the axis, of a model without a cause and of one with.
@@ -37,13 +38,14 @@ fn card(class: &str, title: &str, body: Markup) -> Markup {
 }
 
 fn faults(answer: &Diagnosis) -> Markup {
-    let title = match answer.measurement.len() {
-        0 => return html! {},
-        1 => "Fault of the measurement",
-        _ => "Faults of the measurement",
+    let (title, faults) = match (answer.measurement.len(), answer.rival_faults.len()) {
+        (0, 0) => return html! {},
+        (0, _) => ("Or a fault of the measurement", &answer.rival_faults),
+        (1, _) => ("Fault of the measurement", &answer.measurement),
+        _ => ("Faults of the measurement", &answer.measurement),
     };
     let body = html! {
-        @for fault in &answer.measurement {
+        @for fault in faults {
             p { (coded(&sentence(&fault.sentence))) }
             p.small { "To correct it: " (coded(&fault.remedy)) "." }
         }
@@ -70,7 +72,7 @@ fn doubts(answer: &Answer) -> Markup {
 }
 
 fn causes(answer: &Diagnosis, units: Units<'_>) -> Markup {
-    let title = if answer.causes.len() > 1 { "Causes" } else { "Cause" };
+    let title = heading(&answer.causes);
     if answer.causes.is_empty() {
         return html! {};
     }
@@ -79,14 +81,14 @@ fn causes(answer: &Diagnosis, units: Units<'_>) -> Markup {
 }
 
 fn cause(cause: &Cause, answer: &Diagnosis, units: Units<'_>) -> Markup {
-    let Cause { effect: id, confidence: probability, .. } = cause;
+    let Cause { effect: id, confidence: sure, .. } = cause;
     let model = answer.extended.as_ref().unwrap_or(&answer.base);
     let rows = size::values(cause);
     html! {
         div.one {
             p.name {
                 strong { (sentence(&effect(id)).trim_end_matches('.')) }
-                span.sure { (per_cent(*probability).replace(" %", "\u{a0}%")) ", " (confidence(*probability)) }
+                span.sure { (probability(*sure).replace(" %", "\u{a0}%")) ", " (confidence(*sure)) }
             }
             dl.values {
                 @for (name, value) in rows {
@@ -127,11 +129,11 @@ fn unexplained(answer: &Diagnosis) -> Markup {
 fn gained(gain: &Gain) -> Markup {
     let (factor, is_sure) = brief::factor(gain);
     let body = html! {
-        p.name { strong { (factor) } span.sure { (brief::interval(gain)) } }
-        p { (brief::before_and_after(gain)) " of the response, on data that no fit has seen." }
+        p.name { strong { (sentence(&factor).trim_end_matches('.')) } span.sure { (brief::interval(gain)) } }
+        p { (brief::before_and_after(gain)) " of the response, on held-out data." }
         @if !is_sure { p.small { "This improvement may be due to chance." } }
     };
-    card("gain", "What it gains", body)
+    card("gain", "Improvement", body)
 }
 
 fn axis(content: &Content<'_>) -> Markup {
@@ -145,9 +147,10 @@ fn axis(content: &Content<'_>) -> Markup {
             @for (name, estimate) in PARAMETERS.iter().filter_map(|id| row(id)) {
                 div { dt { (sentence(&name).trim_end_matches('.')) } dd { (size::with_interval(estimate)) } }
             }
-            div { dt { "Unexplained part of the response" } dd { (left) } }
+            div { dt { "Residual" } dd { (left) " of the response" } }
         }
-        @if let Some(answer) = content.answer.diagnosis().filter(|a| a.verdict == Verdict::Adequate) {
+        @let judged = |answer: &&Diagnosis| answer.verdict == Verdict::Adequate && !brief::is_untested(answer);
+        @if let Some(answer) = content.answer.diagnosis().filter(judged) {
             p.small { (sentence(&answer.discrepancy.sentence)) }
         }
     };
@@ -156,6 +159,6 @@ fn axis(content: &Content<'_>) -> Markup {
 
 fn next(content: &Content<'_>) -> Markup {
     let texts = brief::next(content.answer, content.units());
-    let body = html! { @for text in texts { p { (text) } } };
+    let body = html! { @for text in texts { p { (coded(&text)) } } };
     card("next", "What to do next", body)
 }

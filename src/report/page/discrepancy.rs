@@ -16,17 +16,17 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let name = with_causes(content.answer.causes());
     let subject = content.subject(&name);
     let figures = html! {
-        (figure("residuals", &subject, "", "What the base model leaves of every harmonic, against \
-            its noise."))
-        (figure("residuals-after", &subject, "-after", "What the model with the causes leaves, \
-            drawn as the residuals before."))
+        (figure("residuals", &subject, "", "Residual of the base model in every harmonic, over its \
+            noise."))
+        (figure("residuals-after", &subject, "-after", "Residual of the model with the causes, \
+            drawn in the same way."))
     };
     let Some(answer) = content.answer.diagnosis() else {
         if figures.0.is_empty() {
             return None;
         }
         let left = per_cent(content.answer.base().fit.nrmse, 3);
-        let short = format!("the model leaves {left} of the response");
+        let short = format!("the residual is {left} of the response");
         return Section::new("departure", "Where is it wrong?", short, figures);
     };
     let found = &answer.discrepancy;
@@ -35,7 +35,7 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
         @if content.comparison.is_none() { (patterns(&found.patterns)) }
         (closer(answer, content.units()))
         (figures)
-        h3 { "What is left, part by part" }
+        h3 { "Residual, part by part" }
         (left(found, answer.base.noise))
     };
     Section::new("departure", "Where is it wrong?", short(content, answer), body)
@@ -61,7 +61,7 @@ fn short(content: &Content<'_>, answer: &Diagnosis) -> String {
         _ => None,
     };
     let parts = [magnitudes, frequencies, harmonics].into_iter().flatten().collect::<Vec<_>>();
-    let share = format!("{:.0}\u{a0}% of what the base model misses lies", 100.0 * first.share);
+    let share = format!("{:.0}\u{a0}% of the excess χ² lies", 100.0 * first.share);
     match parts.is_empty() {
         true => format!("{share} in one pattern"),
         false => format!("{share} {}", parts.join(", ")),
@@ -78,7 +78,7 @@ fn patterns(patterns: &[Pattern]) -> Markup {
     };
     let rows: Vec<Vec<Cell>> = patterns.iter().enumerate().map(row).collect();
     let titles = ["", "Where and how", "share, %"];
-    html! { @if !rows.is_empty() { (table("Patterns, largest share of the misfit first", &titles, &rows)) } }
+    html! { @if !rows.is_empty() { (table("Patterns, largest share of the excess χ² first", &titles, &rows)) } }
 }
 
 /// Residuals by what the measurement has several of.
@@ -87,12 +87,12 @@ fn left(found: &Discrepancy, noise: NoiseSource) -> Markup {
         p {
             @match noise {
                 NoiseSource::Estimated => {
-                    "Root mean squares of what the base model leaves: over that of everything it \
-                     leaves, in units of the response, and as a share of what was measured."
+                    "Root mean squares of the residual of the base model: over that of the whole \
+                     residual, in units of the response, and as a share of what was measured."
                 }
                 _ => {
-                    "Root mean squares of what the base model leaves: over the noise (1 is noise), \
-                     in units of the response, and as a share of what was measured."
+                    "Root mean squares of the residual of the base model: over the noise (1 is \
+                     noise), in units of the response, and as a share of what was measured."
                 }
             }
         }

@@ -12,14 +12,15 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let body = html! {
         @if linearity.is_some() {
             p { "A linear axis answers only at the frequencies that the input has. Symmetric \
-                friction, play and saturation answer at odd multiples as well, whatever differs \
-                between the two directions at even ones." }
+                 friction, backlash and saturation add odd multiples; whatever differs between the \
+                 two directions adds even ones." }
             (figure("linearity", &subject, "", "The response at lines of the input, and what \
                 appears beside them: distortion above the noise."))
         }
         (figure("spectrum", &subject, "", "Harmonics of the response, measured and simulated with \
             the base model, above the noise."))
-        (figure("spectrum-after", &subject, "-after", "The same, simulated with the causes."))
+        (figure("spectrum-after", &subject, "-after", "Harmonics of the response, measured and \
+                                                       simulated with the causes, above the noise."))
     };
     if body.0.is_empty() {
         return None;

@@ -192,7 +192,7 @@ fn noise(source: NoiseSource, comparison: Option<&Comparison>) -> String {
         NoiseSource::Given => "as given with the data",
         NoiseSource::Repeats => "from the scatter of the repeats",
         NoiseSource::Periods => "from the scatter from period to period",
-        NoiseSource::Estimated => "not known; estimated from what the model leaves",
+        NoiseSource::Estimated => "not known; estimated from the residual",
     };
     let Some(comparison) = comparison else { return source.to_owned() };
     let stds = || comparison.experiments.iter().flat_map(|e| &e.harmonics).map(|h| h.std);

@@ -54,7 +54,7 @@ pub struct Content<'a> {
 }
 
 impl<'a> Content<'a> {
-    /// Units of the command and of the response, where they are known.
+    /// Units of the input and of the response, where they are known.
     fn units(&self) -> Units<'a> {
         let of = self.comparison;
         Units {

@@ -23,7 +23,7 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
                 h3 { "Parameters " (name) }
                 (estimates(extended))
                 h3 { "Parameters of the base model" }
-                p { "Without the causes these parameters absorb what is missing." }
+                p { "These parameters are biased by the causes that the base model lacks." }
                 (estimates(answer.base()))
             }
         }
@@ -60,7 +60,7 @@ fn transfer_function(answer: &Identification) -> Markup {
             }
         }
         p {
-            "From command to velocity, without friction. Poles: "
+            "From input to velocity, without friction. Poles: "
             (poles.collect::<Vec<_>>().join(", ")) " rad/s."
         }
     }
@@ -103,7 +103,7 @@ pub(super) fn computed(content: &Content<'_>) -> Option<Section> {
             p.small { "The other orders of the actuator took " (evaluations) " evaluations and "
                 (format!("{seconds:.2}")) " s." }
         }
-        (figure("convergence", &subject, "", "How the base model's misfit fell, stage by stage."))
+        (figure("convergence", &subject, "", "How the cost of the base model fell, stage by stage."))
     };
     let all: u64 = evaluations + of_model.iter().map(|(_, stage)| stage.evaluations).sum::<u64>();
     let order = model.order_choice.as_ref().map(|choice| choice.actuator_order);

@@ -36,7 +36,7 @@ fn short(answer: &Diagnosis) -> String {
     let nearest = answer.candidates.iter().find(|candidate| candidate.rejected.is_some());
     match nearest {
         Some(rival) => {
-            format!("{tried} effects were tried; {} comes nearest and loses", effect(&rival.effect))
+            format!("{tried} effects were tried; the runner-up is {}", effect(&rival.effect))
         }
         None => format!("{tried} effects were tried"),
     }

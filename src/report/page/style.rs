@@ -162,7 +162,11 @@ figcaption{margin-top:.25rem;max-width:44rem}
   h1{font-size:1.5rem}
   .verdict .lead{font-size:1.05rem}
   .pairs div{grid-template-columns:1fr;gap:0}
-  .scroll svg{width:44rem}
+  .scroll svg{flex:none;width:44rem}
+  /* A figure that is wider than the screen says so at its edge. */
+  figure .scroll{display:flex}
+  figure .scroll::after{content:"›";position:sticky;right:0;flex:none;display:grid;place-items:center;
+    width:1rem;color:var(--muted);background:var(--back);border-left:1px solid var(--grid)}
   figure .scroll{margin:0 -1rem}
   .w{min-width:14rem}
 }

@@ -1,13 +1,13 @@
-//! How sure an answer is: the gain on data held out, the tests, and what it cannot tell.
+//! How sure an answer is: the improvement on held-out data, the tests, and its limits.
 
 use maud::{Markup, html};
 use servoscope_core::answers::{Answer, Diagnosis, Identification};
 
 use super::described::described;
-use super::words::{coded, number, per_cent, sentence, with_causes};
+use super::words::{coded, number, per_cent, probability, sentence, with_causes};
 use super::{Content, Section};
 use crate::report::brief::{factor, interval};
-use crate::report::causes::{self, gains, held_out, without};
+use crate::report::causes::{gains, held_out, without};
 use crate::report::measurement;
 use crate::report::tables;
 
@@ -20,13 +20,13 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
         @if let Some(answer) = answer.diagnosis() {
             @for text in measurement::without(answer) { p { (sentence(&text)) } }
             @if !answer.discrepancy.tests.is_empty() {
-                h3 { "Is what the base model leaves noise?" }
-                p { "Each test holds it against noise; " i { "p" } " is how often noise alone looks \
-                    as bad." }
+                h3 { "Is the residual of the base model noise?" }
+                p { "Each test compares it with noise; " i { "p" } " is the probability that noise \
+                    alone looks at least as bad." }
                 (described("", &tables::tests(&answer.discrepancy.tests), &[]))
             }
         }
-        h3 { "What this cannot tell" }
+        h3 { "Limits of this answer" }
         (limits(answer))
     };
     Section::new("sure", "How sure?", short(answer), body)
@@ -34,21 +34,21 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
 
 fn short(answer: &Answer) -> String {
     let each = |of: &Identification| match of.fit.chi2_per_dof {
-        Some(each) => format!("χ² {} for each degree of freedom, 1 is noise", number(each, 3)),
+        Some(each) => format!("χ² per degree of freedom {}, 1 is noise", number(each, 3)),
         None => "the noise is not known".to_owned(),
     };
     let Some(diagnosis) = answer.diagnosis() else { return each(answer.base()) };
     let held_out = diagnosis
         .gain
         .as_ref()
-        .map(|gain| format!("{} on data held out ({})", factor(gain).0, interval(gain)));
+        .map(|gain| format!("{} on held-out data ({})", factor(gain).0, interval(gain)));
     let sure: Vec<String> =
-        diagnosis.causes.iter().map(|cause| causes::per_cent(cause.confidence)).collect();
+        diagnosis.causes.iter().map(|cause| probability(cause.confidence)).collect();
     match (sure.is_empty(), held_out) {
         (true, _) => each(answer.base()),
         (false, Some(held_out)) => format!("{}; {held_out}", sure.join(" and ")),
         (false, None) => {
-            format!("{}; the gain on data held out was not measured", sure.join(" and "))
+            format!("{}; the improvement on held-out data was not measured", sure.join(" and "))
         }
     }
     .replace(" %", "\u{a0}%")
@@ -61,12 +61,12 @@ fn gain(answer: &Diagnosis) -> Markup {
             @if let Some(margin) = without(cause.margin) { p { (sentence(&margin)) } }
         }
         @if gains.is_empty() && !answer.causes.is_empty() {
-            p { "What the models leave below is of the data that they were fitted to, which an \
+            p { "The residuals below are of the data that the models were fitted to, which an \
                 additional parameter always lowers." }
         }
         @if !gains.is_empty() {
             (described(
-                "Error (NRMSE) of the base model and with the causes on what was held out",
+                "Residual (NRMSE) of the base model and with the causes on held-out data",
                 &tables::gains(&gains),
                 &[],
             ))
@@ -75,11 +75,11 @@ fn gain(answer: &Diagnosis) -> Markup {
     }
 }
 
-/// What both models leave of the data they were fitted to.
+/// Residual of both models on the data that they were fitted to.
 fn misfit(base: &Identification, extended: Option<&Identification>, name: &str) -> Markup {
     let base = ("base model", &base.fit);
     let models = std::iter::once(base).chain(extended.map(|extended| (name, &extended.fit)));
-    let caption = "What is left of the data the models were fitted to";
+    let caption = "Residual on the data that the models were fitted to";
     described(caption, &tables::misfit(models), &[])
 }
 
@@ -100,7 +100,7 @@ fn limits(answer: &Answer) -> Markup {
         }
         p.small {
             "An answer holds for the magnitudes and frequencies that were measured. Effects outside \
-             the library can be seen, but not named. The fit leaves "
+             the library can be seen, but not named. The residual of the fit is "
             (per_cent(answer.model().fit.nrmse, 3)) " of the response."
         }
     }

@@ -149,7 +149,7 @@ fn each_folded_section_says_its_answer_in_short() {
     let shorts = document.descendants().filter(|node| node.attribute("class") == Some("short"));
     let shorts: Vec<&str> = shorts.filter_map(|node| node.text()).collect();
     assert_eq!(shorts.len(), sections(&page).len());
-    for part in ["3.15 times less error", "Stribeck friction or presliding", "62\u{a0}%", "10.02"] {
+    for part in ["residual ÷ 3.15", "Stribeck friction or presliding", "62\u{a0}%", "10.02"] {
         assert!(shorts.iter().any(|short| short.contains(part)), "{part}: {shorts:?}");
     }
 }
@@ -218,23 +218,22 @@ fn the_gain_is_said_and_where_it_is_not_measured_that_is_said() {
     let text = read(&of(&gained()));
     for part in [
         "3.90\u{a0}% → 1.24\u{a0}% of the response",
-        "3.15 times less error",
-        "95\u{a0}%: 2.71 to 3.64",
+        "Residual ÷ 3.15",
+        "95\u{a0}% interval 2.71 to 3.64",
         "Held out: every third frequency.",
-        "held-out error, %",
+        "held-out residual, %",
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
     let text = read(&of(&sample::explained()));
-    assert!(text.contains("the gain on data held out was not measured"), "{text}");
-    assert!(!text.contains("held-out error, %"), "{text}");
+    assert!(text.contains("the improvement on held-out data was not measured"), "{text}");
+    assert!(!text.contains("held-out residual, %"), "{text}");
     let mut worse = gained();
     let gain = worse.gain.as_mut().unwrap();
     (gain.ratio, gain.interval95) = (0.9, [0.7, 1.1]);
     let text = read(&of(&worse));
     assert!(
-        text.contains("1.11 times the error")
-            && text.contains("This improvement may be due to chance"),
+        text.contains("Residual × 1.11") && text.contains("This improvement may be due to chance"),
         "{text}"
     );
 }
@@ -244,10 +243,9 @@ fn rivals_lose_for_a_reason_in_words() {
     let text = read(&of(&sample::explained()));
     assert!(text.contains("Static friction explains the data better."), "{text}");
     assert!(text.contains("Named as a cause."), "{text}");
-    assert!(
-        text.contains("At magnitude 1.250 and 0.3183 Hz their predictions differ most."),
-        "{text}"
-    );
+    let experiment = "Measure at magnitude 1.25 A and 0.318 Hz: there the predictions of static \
+                      friction and Stribeck friction differ most.";
+    assert!(text.contains(experiment), "{text}");
 }
 
 #[test]
@@ -304,7 +302,7 @@ fn a_fault_of_the_measurement_is_told_before_all_else_with_what_mends_it() {
     let text = read(&page);
     let position = |part: &str| text.find(part).unwrap_or_else(|| panic!("{part}: {text}"));
     assert!(position("The measurement has a fault") < position("Fault of the measurement"));
-    assert!(position("To correct it: measure these again") < position("What to do next"));
+    assert!(position("To correct it: measure again what is listed") < position("What to do next"));
     assert!(!read(&of(&sample::diagnosis())).contains("Fault of the measurement"));
 }
 

@@ -12,11 +12,13 @@ export function tools(svg, overlay, figure, reset, style) {
     return element;
   };
   const help = document.createElement("span");
-  help.textContent = "Click, then wheel or + − to zoom, drag or Shift+arrows to move, arrows to read.";
+  help.textContent = matchMedia("(pointer: coarse)").matches
+    ? "Tap to read values, pinch to zoom, drag to move."
+    : "Click, then wheel or + − to zoom, drag or Shift+arrows to move, arrows to read.";
   const line = document.createElement("div");
   line.className = "tools-of-figure";
   line.append(help,
-    button("Show all", reset),
+    button("Reset zoom", reset),
     button("Save SVG", () => keep(new Blob([seen(svg, overlay, style)], { type: "image/svg+xml" }), `${name}.svg`)),
     button("Save PNG", async () => keep(await pixels(svg, seen(svg, overlay, style)), `${name}.png`)));
   figure.querySelector(".tools-of-figure")?.remove();

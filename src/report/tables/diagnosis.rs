@@ -9,10 +9,10 @@ use crate::report::columns::Side::{Left, Point, Right};
 use super::{Cell, Table};
 
 /// How to read the table of effects that were tried.
-pub(in crate::report) const TRIED_SAYS: &str = "Each effect was fitted together with the whole base model. Δχ² is what it alone takes off the \
-     misfit; the criterion weighs that against its parameters: the smallest wins.";
+pub(in crate::report) const TRIED_SAYS: &str = "Each effect was fitted together with the whole base model. Δχ²: how much it alone lowers χ². \
+     Criterion: χ² plus a penalty for each parameter; the smallest is best.";
 
-/// What models gain on data that neither a fit nor the choice of the causes has seen.
+/// Residuals of models on data that neither a fit nor the choice of the causes has seen.
 pub(in crate::report) fn gains(gains: &[(String, &Gain)]) -> Table {
     let rows = gains.iter().map(|(name, gain)| {
         let [low, high] = gain.interval95.map(|end| Cell::value(end, 3));
@@ -35,14 +35,14 @@ pub(in crate::report) fn gains(gains: &[(String, &Gain)]) -> Table {
         ("ratio", Point, "ratio"),
         ("95 % from", Point, "95 % from"),
         ("to", Point, "to"),
-        ("χ² each before", Point, "χ²/dof before"),
-        ("after", Point, "after"),
+        ("χ²/dof before", Point, "χ²/dof before"),
+        ("χ²/dof after", Point, "χ²/dof after"),
     ];
     Table::new(columns, rows)
 }
 
 /// Every effect that was tried. Where a fit was given up before it came to as
-/// little as the base model leaves, it has gained nothing.
+/// little as the base model's, it has gained nothing.
 pub(in crate::report) fn tried(candidates: &[Candidate]) -> Table {
     let rows = candidates.iter().map(|candidate| {
         let Candidate { effect, delta_chi2, criterion, heldout_error, rejected, .. } = candidate;
@@ -58,7 +58,7 @@ pub(in crate::report) fn tried(candidates: &[Candidate]) -> Table {
         ("effect", Left, "Effect"),
         ("Δχ²", Point, "Δχ²"),
         ("criterion", Right, "criterion"),
-        ("held out", Point, "held-out error, %"),
+        ("held out", Point, "held-out residual, %"),
         ("", Left, "What became of it"),
     ];
     let table = Table::new(columns, rows);
@@ -66,7 +66,7 @@ pub(in crate::report) fn tried(candidates: &[Candidate]) -> Table {
     if measured { table } else { table.arranged(&[0, 1, 2, 4]) }
 }
 
-/// The tests of whether what is left is noise.
+/// The tests of whether the residual is noise.
 pub(in crate::report) fn tests(tests: &[ResidualTest]) -> Table {
     let rows = tests.iter().map(|test| {
         [
@@ -85,13 +85,13 @@ pub(in crate::report) fn tests(tests: &[ResidualTest]) -> Table {
     Table::new(columns, rows)
 }
 
-/// What is left by magnitude, harmonic, frequency and run, a table each, with the
+/// Residuals by magnitude, harmonic, frequency and run, a table each, with the
 /// name of what it goes by.
 pub(in crate::report) fn residuals(
     found: &Discrepancy,
     noise: NoiseSource,
 ) -> [(&'static str, Table); 4] {
-    let unit = if noise == NoiseSource::Estimated { "of the rest" } else { "sigmas" };
+    let unit = if noise == NoiseSource::Estimated { "of the rms residual" } else { "sigmas" };
     let by = |axis: &'static str, on_page, groups: &[ResidualGroup]| {
         let rows = groups.iter().map(|group| {
             [
@@ -104,10 +104,10 @@ pub(in crate::report) fn residuals(
         });
         let columns = [
             ("", Left, on_page),
-            ("count", Right, ""),
+            ("values", Right, ""),
             (unit, Point, unit),
             ("response", Right, "response"),
-            ("relative", Right, "relative, %"),
+            ("of measured", Right, "% of measured"),
         ];
         let mut table = Table::new(columns, rows);
         table.columns[1].on_page = None;

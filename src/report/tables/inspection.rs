@@ -18,19 +18,16 @@ pub(in crate::report) fn visible(found: &Detectability) -> Table {
             Cell::Effect(effect.effect.clone()),
             Cell::words(size(from)),
             Cell::PerCent(from.change, 2),
-            effect
-                .named_from
-                .as_ref()
-                .map_or(Cell::words("no size"), |from| Cell::words(size(from))),
+            effect.named_from.as_ref().map_or(Cell::words("never"), |from| Cell::words(size(from))),
             Cell::of(effect.closest_imitator.clone(), Cell::Effect),
         ]
     });
     let columns = [
         ("effect", Left, "Effect"),
-        ("noticed from", Left, "noticed from"),
+        ("smallest size noticed", Left, "smallest size noticed"),
         ("changes", Right, "changes the response by"),
-        ("told from its imitators from", Left, "told from its imitators from"),
-        ("closest imitator", Left, "closest imitator"),
+        ("smallest size told apart", Left, "smallest size told apart"),
+        ("most similar effect", Left, "most similar effect"),
     ];
     Table::new(columns, rows)
 }

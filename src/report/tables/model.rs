@@ -82,7 +82,7 @@ pub(in crate::report) fn stages(stages: &[(String, &Stage)], fit: &Fit) -> Table
     Table::new(columns, rows)
 }
 
-/// What models leave of the data they were fitted to.
+/// Residuals of models on the data that they were fitted to.
 pub(in crate::report) fn misfit<'a>(models: impl Iterator<Item = (&'a str, &'a Fit)>) -> Table {
     let rows = models.map(|(name, fit)| {
         [
@@ -95,10 +95,10 @@ pub(in crate::report) fn misfit<'a>(models: impl Iterator<Item = (&'a str, &'a F
     });
     let columns = [
         ("", Left, "Model"),
-        ("left of the response (NRMSE)", Right, "left (NRMSE), %"),
+        ("residual (NRMSE)", Right, "residual (NRMSE), %"),
         ("χ²", Point, "χ²"),
         ("degrees of freedom", Right, "degrees of freedom"),
-        ("each", Point, "χ² for each"),
+        ("χ²/dof", Point, "χ²/dof"),
     ];
     Table::new(columns, rows)
 }

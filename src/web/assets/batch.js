@@ -96,7 +96,7 @@ function pause(batch) {
 
 function said({ kind, method, jobs, created_at, started_at, ended_at }) {
   const took = started_at && ended_at && `took ${seconds((new Date(ended_at) - new Date(started_at)) / 1000)}`;
-  return [`${jobs} measurements`, `${kind}, ${method}`, `made ${time(created_at)}`, took].filter(Boolean).join(" · ");
+  return [`${jobs} measurements`, `${kind === "diagnose" ? "diagnosed" : "identified"} with ${method}`, `created ${time(created_at)}`, took].filter(Boolean).join(" · ");
 }
 
 /// Progress and, as far as there are any, verdicts, causes and reasons.

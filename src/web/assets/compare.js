@@ -2,9 +2,9 @@
 
 import { h, row, table } from "./dom.js";
 import { json } from "./api.js";
-import { confidence, decimals, effect, fixed, kind, named, number, parameter, percent, subject, time } from "./format.js";
+import { confidence, decimals, effect, filesOf, fixed, kind, named, number, parameter, percent, subject, time } from "./format.js";
 import { frame, load } from "./figure.js";
-import { change, ofVerdict } from "./status.js";
+import { adequacy, change, ofVerdict } from "./status.js";
 
 const FIGURES = ["bode-errors", "residuals", "spectrum", "friction", "convergence"];
 /// Figures of one model that are shown of the model of the table: that with the causes.
@@ -28,6 +28,8 @@ export async function show({ query, signal, go }) {
     h("div", { class: "halves fields" }, choose("a", a), choose("b", b)),
     !both && h("p", { class: "state" }, items.length < 2 ? "There are not two results yet. Start a job on a measurement first." : "Choose two jobs that have a result."),
     both && [
+      a.job.measurement_id !== b.job.measurement_id
+        && h("p", {}, "Two different measurements: compare their parameters, not their residuals."),
       h("div", { class: "halves" }, [a, b].map(summary)),
       parameters(a, b),
       FIGURES.map((name) => h("section", { "aria-label": name },
@@ -50,15 +52,16 @@ async function loaded(id, signal) {
 function summary({ job, result, measurement, model }) {
   const { verdict, causes = [], gain } = result;
   const said = [
-    ["Measured", time(measurement.measured_at ?? measurement.created_at)],
-    ["Verdict", verdict ? ofVerdict(verdict) : "none asked for"],
+    ["Files", filesOf(measurement)],
+    measurement.measured_at ? ["Measured", time(measurement.measured_at)] : ["Uploaded", time(measurement.created_at)],
+    ["Verdict", verdict ? ofVerdict(verdict) : adequacy(model.fit.adequate)],
     ["Cause", causes.map((cause) => `${effect(cause.effect)} (${confidence(cause.confidence)})`).join(", ")],
-    ["On data held out", gain && change(gain.ratio, gain.interval95)],
-    ["Unexplained part of the response", percent(model.fit.nrmse)],
+    ["Improvement", gain && `${change(gain.ratio, gain.interval95)}, on held-out data`],
+    ["Residual", `${percent(model.fit.nrmse)} of the response`],
     ["χ² per degree of freedom", number(model.fit.chi2_per_dof, 3)],
   ];
   return h("section", {},
-    h("h2", {}, h("a", { href: `/jobs/${job.id}` }, subject(measurement))),
+    h("h2", {}, h("a", { href: `/jobs/${job.id}` }, `${kind(job)} of ${subject(measurement)}`)),
     h("dl", { class: "pairs" }, said.filter(([, value]) => value).map(([name, value]) => h("div", {}, h("dt", {}, name), h("dd", {}, value)))));
 }
 
@@ -82,7 +85,7 @@ function parameters(a, b) {
       ]),
       { content: fixed(change, places), class: "n" },
       (left ?? right).unit,
-      beyond ? h("strong", { class: "beyond" }, "beyond the joint interval") : "",
+      beyond ? h("strong", { class: "beyond" }, "more than the uncertainty of both") : "",
     ], { class: beyond ? "changed" : "" });
   });
   const n = (text) => ({ text, class: "n" });

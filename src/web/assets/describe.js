@@ -15,11 +15,12 @@ export function editor(measurement, done) {
   const lines = h("textarea", { name: "labels", rows: Math.max(2, labels.length + 1) });
   lines.value = labels.join("\n");
   const form = h("form", { novalidate: true, "aria-label": "What it says of itself" },
+    h("h2", {}, "Edit measurement"),
     h("div", { class: "fields" },
       FIELDS.map(([name, title, hint]) => input(name, title, { value: measurement[name] ?? "" }, hint)),
       h("label", {}, h("span", {}, "Labels"), lines, h("span", { class: "small" }, "One a line, as in site: north"))),
     h("p", { class: "small" }, "Units, kind of the response and columns: “Read it again …” on the page of the measurement."),
-    h("p", { class: "actions" }, h("button", { class: "primary" }, "Save"), h("button", { type: "button", onclick: () => dialog.close() }, "Leave it")),
+    h("p", { class: "actions" }, h("button", { class: "primary" }, "Save"), h("button", { type: "button", onclick: () => dialog.close() }, "Cancel")),
     h("p", { class: "wrong", role: "alert" }));
   const dialog = h("dialog", { class: "editor", "aria-label": "Edit the measurement", onclose: () => dialog.remove() }, form);
 

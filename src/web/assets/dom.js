@@ -78,7 +78,7 @@ export function confirmed(question, action) {
         h("p", {}, question),
         h("p", { class: "actions" },
           h("button", { value: "yes", class: "danger" }, action),
-          h("button", { value: "no", autofocus: true }, "Keep it"))));
+          h("button", { value: "no", autofocus: true }, "Go back"))));
     document.body.append(dialog);
     dialog.showModal();
   });

@@ -1,8 +1,8 @@
 // Finding measurements and jobs among many.
 
 import { h } from "./dom.js";
+import { MEANING } from "./status.js";
 
-const VERDICTS = ["adequate", "explained", "improved", "unexplained"];
 /// How long somebody may pause while typing.
 const PAUSE_MS = 250;
 
@@ -11,7 +11,7 @@ const PAUSE_MS = 250;
 export function finder(query, changed) {
   const text = h("input", { name: "text", type: "search", value: query.get("text") ?? "", autocomplete: "off", placeholder: "name, machine, axis, label, file" });
   const verdict = h("select", { name: "verdict" }, h("option", { value: "" }, "any"),
-    VERDICTS.map((value) => h("option", { value, selected: value === query.get("verdict") }, value)));
+    Object.entries(MEANING).map(([value, meaning]) => h("option", { value, selected: value === query.get("verdict") }, `${value}: ${meaning}`)));
   const day = (name) => h("input", { name, type: "date", value: query.get(name) ?? "" });
   const [since, until] = [day("since"), day("until")];
   const said = h("p", { class: "small", role: "status" });

@@ -31,7 +31,10 @@ export function percent(share, digits = 3) {
 
 /// A probability: nothing is certain.
 export function confidence(share) {
-  return share > 0.999 ? "> 99.9 %" : `${Math.floor(1000 * share) / 10} %`;
+  if (share > 0.999) return "above 99.9 %";
+  // Cut, not rounded, to as many digits as a report has.
+  const [shift, digits] = share > 0.99 ? [10, 1] : [1, 0];
+  return `${(Math.floor(100 * shift * share + 1e-9) / shift).toFixed(digits)} %`;
 }
 
 export function range([low, high], unit, factor = 1) {
@@ -44,7 +47,8 @@ export function seconds(value) {
   if (value < 59.5) return `${value < 10 ? value.toFixed(1) : Math.round(value)} s`;
   const whole = Math.round(value);
   const minutes = Math.floor(whole / 60);
-  return minutes < 60 ? `${minutes} min ${whole % 60} s` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+  const rest = whole % 60;
+  return minutes < 60 ? `${minutes} min${rest ? ` ${rest} s` : ""}` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
 }
 
 /// An estimate of a duration, which deserves no more digits.
@@ -115,5 +119,5 @@ export function filesOf({ files: [first, ...more] = [] }) {
 /// A measurement where one is chosen among others.
 export function inList(item) {
   const { name, measured_at, created_at } = item;
-  return [subject(item), name !== subject(item) && name, time(measured_at ?? created_at)].filter(Boolean).join(", ");
+  return [subject(item), name !== subject(item) && name, filesOf(item), time(measured_at ?? created_at)].filter(Boolean).join(", ");
 }

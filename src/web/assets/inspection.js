@@ -4,7 +4,7 @@
 import { h, row, table } from "./dom.js";
 import { json } from "./api.js";
 import { frame, load } from "./figure.js";
-import { number, percent } from "./format.js";
+import { number, parameter, percent } from "./format.js";
 
 /// The curves of a measurement.
 export function curves(path, signal) {
@@ -16,7 +16,7 @@ export function curves(path, signal) {
 /// What looks wrong with a measurement and what it can show, once it is computed.
 export function inspection(path, signal) {
   const found = h("div", { role: "status" },
-    h("p", {}, "Looking for what is wrong with it, and for what it can show …"), h("progress", {}));
+    h("p", {}, "Looking for what is wrong with it, and for what it can reveal …"), h("progress", {}));
   json(`${path}/inspection`, { signal })
     .then((answer) => found.replaceChildren(...sections(answer)))
     .catch((error) => signal.aborted || found.replaceChildren(h("p", {}, error.message)));
@@ -38,17 +38,17 @@ function shown({ effects }) {
   const unseen = effects.filter((effect) => !effect.detected_from);
   const body = seen.map((effect) => row([
     effect.title,
-    size(effect.detected_from),
+    size(effect, effect.detected_from),
     percent(effect.detected_from.change, 2),
-    effect.named_from ? size(effect.named_from) : "at no size",
+    effect.named_from ? size(effect, effect.named_from) : "never",
     name(effects, effect.closest_imitator),
   ]));
   return [
     h("details", {},
-      h("summary", {}, `It can show ${seen.length} of ${effects.length} effects`),
-      table("", ["Effect", "noticed from", "changes the response by", "told from its imitators from", "closest imitator"], body),
+      h("summary", {}, `This measurement can reveal ${seen.length} of ${effects.length} effects`),
+      table("", ["Effect", "Smallest size noticed", "changes the response by", "Smallest size told apart", "Most similar effect"], body),
       unseen.length > 0 && [
-        h("p", {}, "It cannot show:"),
+        h("p", {}, "It cannot reveal:"),
         h("ul", {}, unseen.map((effect) => h("li", {}, `${effect.title}: ${effect.reason}`))),
       ]),
   ];
@@ -60,10 +60,10 @@ function coded(text) {
 }
 
 /// The parameter that sets the size of an effect.
-function size({ parameters, set_by: [first] }) {
+function size({ effect: id }, { parameters, set_by: [first] }) {
   const key = first ?? Object.keys(parameters)[0];
   const { value, unit } = parameters[key];
-  return `${key.replaceAll("_", " ")} ${number(value, 3)} ${unit}`.trim();
+  return `${parameter(`${id}.${key}`)} ${number(value, 3)} ${unit}`.trim();
 }
 
 function name(effects, id) {

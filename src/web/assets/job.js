@@ -41,7 +41,7 @@ export async function show({ argument: id, signal, go }) {
       } }, "Delete")]);
     if (shown) {
       body.replaceChildren(...shown.nodes);
-      body.querySelector(".card.next").append(h("p", {}, h("a", { href: `/plans?job=${job.id}` }, "Plan the next experiment"), " for this axis."));
+      body.querySelector(".card.next").append(h("p", {}, h("a", { href: `/plans?job=${job.id}` }, "Plan a later measurement"), " of this axis."));
       announce(`Ended: ${shown.verdict}`);
     } else {
       body.replaceChildren(without(job));
@@ -72,17 +72,12 @@ export async function show({ argument: id, signal, go }) {
 async function leaves({ id, measurement_id }, signal) {
   const { rows } = await json(`/v1/results.json?measurement_id=${measurement_id}`, { signal });
   const result = rows.find((row) => row.job_id === id);
-  return result?.adequate === false && `The model leaves ${percent(result.nrmse)} of the response, more than its noise.`;
+  return result?.adequate === false && `The residual of the model is ${percent(result.nrmse)} of the response, more than its noise.`;
 }
 
 function origin(job, measurement) {
-  const asked = [
-    job.method,
-    job.plant ? `actuator order ${job.plant.actuator_order}` : "actuator order from the data",
-    `seed ${job.options.seed}`,
-  ];
   const measured = measurement.measured_at && `measured ${time(measurement.measured_at)}`;
-  return [measured, measurement.operator && `by ${measurement.operator}`, asked.join(", "), `queued ${time(job.created_at)}`]
+  return [measured, measurement.operator && `by ${measurement.operator}`, `${job.kind === "diagnose" ? "diagnosed" : "identified"} ${time(job.created_at)}`]
     .filter(Boolean).join(" · ");
 }
 
@@ -108,8 +103,8 @@ function downloads(path, job, figures) {
 function without(job) {
   const { failure } = job;
   return h("section", { class: "state" },
-    h("h2", {}, job.status === "failed" ? "It failed" : "It was cancelled"),
+    h("h2", {}, job.status === "failed" ? "This job failed" : "Cancelled"),
     failure && h("p", {}, failure.reason),
     failure?.reference && h("p", { class: "small" }, "The log of the server says more under ", h("code", {}, failure.reference), "."),
-    h("p", {}, job.status === "failed" ? "Correct what it says, and start again." : "There is no result. To start again takes over what was asked for."));
+    h("p", {}, job.status === "failed" ? "“Start again …” keeps the settings." : "There is no result. “Start again …” keeps the settings."));
 }

@@ -10,11 +10,11 @@ const path = (name) => `/v1/mappings/${encodeURIComponent(name)}`;
 export function keep(made) {
   const field = h("input", { name: "mapping_name", autocomplete: "off", maxlength: 64 });
   const outcome = h("span", { class: "small", role: "status" });
-  const button = h("button", { type: "button", onclick: () => store().catch(refuse) }, "Keep it");
+  const button = h("button", { type: "button", onclick: () => store().catch(refuse) }, "Save");
   // The name says nothing of how the file is read.
   field.addEventListener("change", (event) => event.stopPropagation());
   const node = h("fieldset", { class: "keep" },
-    h("legend", {}, "Keep this for the next file of this layout"),
+    h("legend", {}, "Remember these settings for files of this layout"),
     h("p", { class: "actions" }, h("label", {}, "Name ", field), button, outcome));
 
   function refuse(error) {

@@ -2,7 +2,7 @@
 
 import { confirmed, h, keyed, row, table } from "./dom.js";
 import { json, remove, repeatedly } from "./api.js";
-import { kind, range, sentence, subject, time } from "./format.js";
+import { filesOf, kind, range, sentence, subject, time } from "./format.js";
 import { bar, chip, outcome } from "./status.js";
 import { curves, inspection } from "./inspection.js";
 import { startForm } from "./start.js";
@@ -20,7 +20,7 @@ export async function show({ argument: id, query, signal, go }) {
   const path = `/v1/measurements/${measurement.id}`;
   const { machine, axis } = measurement;
   const erase = h("button", { class: "danger", onclick: async () => {
-    if (!await confirmed(`Delete ${title} with every job on it, for good?`, "Delete")) return;
+    if (!await confirmed(`Delete “${title}” (${filesOf(measurement)}) and every job on it? This cannot be undone.`, "Delete")) return;
     await remove(path);
     go("/");
   } }, "Delete");

@@ -101,9 +101,9 @@ function welcome(go) {
   } }, "Diagnose the example");
   return h("section", { class: "welcome", hidden: true },
     h("h2", {}, "Nothing has been measured yet"),
-    h("p", {}, "Measure the frequency response of an axis at several magnitudes, and drop the file above. servoscope fits ",
-      "a model with friction to it, says where the model is wrong, and which effect is missing."),
-    h("p", { class: "actions" }, button, h("span", { class: "small" }, "A simulated axis that sticks harder than it slides; takes some seconds.")));
+    h("p", {}, "Drop a file above with either time, input and response, or frequency, gain and phase: CSV, Excel, MATLAB, TDMS ",
+      "or universal files. servoscope fits a model with friction to it, and says where the model is wrong and which effect is missing."),
+    h("p", { class: "actions" }, button, h("span", { class: "small" }, "A simulated axis with static friction; takes some seconds.")));
 }
 
 /// Ticks of two jobs that are to stand side by side.
@@ -145,7 +145,7 @@ function measurementRow(item) {
   return row([
     [h("a", { href: `/measurements/${item.id}` }, item.name || "unnamed"), h("span", { class: "small" }, ` ${filesOf(item)}`)],
     [item.machine, item.axis].filter(Boolean).join(", "),
-    { content: time(item.measured_at ?? item.created_at), class: "time" },
+    { content: item.measured_at ? time(item.measured_at) : h("span", { class: "small" }, `uploaded ${time(item.created_at)}`), class: "time" },
     { content: number(item.experiments, 6), class: "n" },
     range(item.magnitude_range, item.input?.unit ?? ""),
     range(item.omega_range_rad_s, "Hz", HERTZ),

@@ -21,12 +21,12 @@ export function planned(plan, asked, units, signal) {
       h("h2", { id: "experiments" }, "Experiments in their order"),
       experiments(plan, units.input)),
     h("section", { "aria-labelledby": "names" },
-      h("h2", { id: "names" }, "What it could name, and how surely"),
-      h("p", {}, "The percentages are those of a linearisation around three sizes of each effect: they rank experiments."),
+      h("h2", { id: "names" }, "What it could identify, and how surely"),
+      h("p", {}, "The percentages are approximate: use them to compare plans, not as a promise."),
       effects(plan, units),
-      figure(asked, signal)),
+      figure(asked, units, signal)),
     h("section", { "aria-labelledby": "sweeps" },
-      h("h2", { id: "sweeps" }, "Beside sweeps that take no longer"),
+      h("h2", { id: "sweeps" }, "Compared with sweeps of the same duration"),
       sweeps(plan)),
     h("section", { "aria-labelledby": "assumed" },
       h("h2", { id: "assumed" }, "What was assumed"),
@@ -36,9 +36,10 @@ export function planned(plan, asked, units, signal) {
 
 function sentence({ experiments, duration_s, request, nameable, effects, sweeps }) {
   const best = Math.max(0, ...sweeps.map((sweep) => sweep.nameable));
-  const swept = sweeps.length > 0 ? `${sweeps.length > 1 ? "the better" : "a"} logarithmic sweep names ${best}` : "no logarithmic sweep fits into that time";
-  return `${experiments.length} experiments in ${seconds(duration_s)} of ${seconds(request.budget_s)}: of ${effects.length} effects, `
-    + `${nameable} of a typical size would be named with 90 % or more; ${swept}.`;
+  const same = best === nameable ? `${best}, too: for these sizes the plan is no better` : `${best}`;
+  const swept = sweeps.length > 0 ? `${sweeps.length > 1 ? "The better" : "A"} logarithmic sweep of the same duration should identify ${same}` : "No logarithmic sweep fits into that time";
+  return `${experiments.length} experiments in ${seconds(duration_s)} of ${seconds(request.budget_s)} should identify ${nameable} of ${effects.length} effects `
+    + `of typical size, with a probability of 90 % or more. ${swept}.`;
 }
 
 function experiments({ experiments }, unit) {
@@ -52,8 +53,8 @@ function experiments({ experiments }, unit) {
     cell(number(one.duration_s, 3)),
     one.serves ? effect(one.serves) : "",
   ]));
-  const part = scrolled("Experiments", "The order is drawn, so that warming does not look like an effect of magnitude or frequency.",
-    [n("Run"), n(unit ? `Magnitude (${unit})` : "Magnitude"), n("Frequency (Hz)"), n("Periods to settle"), n("Periods measured"), n("Repeats"), n("Duration (s)"), "Serves most"],
+  const part = scrolled("Experiments", "The order is random, so that warming does not look like an effect of magnitude or frequency.",
+    [n("Run"), n(unit ? `Magnitude (${unit})` : "Magnitude"), n("Frequency (Hz)"), n("Settling periods"), n("Periods measured"), n("Repeats"), n("Duration (s)"), "Mainly for"],
     rows);
   part.classList.add("long");
   return part;
@@ -73,12 +74,12 @@ function effects({ effects, sweeps }, units) {
     one.title,
     cell(h("strong", {}, share(one.probability))),
     cell(share(sweep?.probabilities[one.effect])),
-    one.noticed_from ? size(one, one.noticed_from, units) : "at no size",
-    one.named_from ? size(one, one.named_from, units) : "at no size",
+    one.noticed_from ? size(one, one.noticed_from, units) : "never",
+    one.named_from ? size(one, one.named_from, units) : "never",
     one.closest_imitator ? effect(one.closest_imitator) : "",
   ]));
-  return scrolled("Effects", "Probability that an effect of typical size is noticed and told from every other one.",
-    ["Effect", n("as planned"), n(sweep ? "by a sweep" : ""), "noticed from", "told from its imitators from", "closest imitator"], rows);
+  return scrolled("Effects", "Probability that an effect of typical size is noticed and told apart from every other one.",
+    ["Effect", n("as planned"), n(sweep ? "by a sweep" : ""), "Smallest size noticed", "Smallest size told apart", "Most similar effect"], rows);
 }
 
 /// The parameter that sets the size of an effect, in the units of the result that the axis is from.
@@ -93,7 +94,7 @@ function sweeps({ experiments, duration_s, nameable, score, sweeps }) {
   const line = (title, points, duration, named, mean) => row([title, cell(points), cell(seconds(duration)), cell(named), cell(number(100 * mean, 3) + " %")]);
   if (sweeps.length === 0) return h("p", {}, "No logarithmic sweep fits into that time.");
   return scrolled("Sweeps", "The mean is over all effects, at sizes up to the typical one.",
-    ["", n("Points"), n("Duration"), n("Named with 90 % or more"), n("Mean probability")],
+    ["", n("Points"), n("Duration"), n("Identified with 90 % or more"), n("Mean probability")],
     [
       line(h("strong", {}, "This plan"), experiments.length, duration_s, nameable, score),
       ...sweeps.map((sweep) => line(
@@ -102,9 +103,10 @@ function sweeps({ experiments, duration_s, nameable, score, sweeps }) {
     ]);
 }
 
-function figure(asked, signal) {
-  const { node, figure } = frame("", "The planned experiments, and what they name beside a sweep");
-  load(figure, "/v1/plans/plan.svg", signal, posted(asked))
+function figure(asked, { input = "" }, signal) {
+  const { node, figure } = frame("", "The planned experiments, and what they identify beside a sweep");
+  const named = input ? `?${new URLSearchParams({ input_unit: input })}` : "";
+  load(figure, `/v1/plans/plan.svg${named}`, signal, posted(asked))
     .catch((error) => signal.aborted || node.replaceChildren(h("p", { class: "small" }, error.message)));
   return node;
 }

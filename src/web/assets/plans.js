@@ -27,12 +27,12 @@ export async function show({ query, signal }) {
   const given = h("p", { class: "small", role: "status" });
   const form = h("form", { class: "plan", novalidate: true, "aria-label": "What is to be planned for" },
     h("div", { class: "fields" },
-      results.length > 0 && select("job", "Axis as a result has it", [["", "none: I fill it in"], ...results.map((result) => [result.job_id, name(result)])],
-        query.get("job") ?? "", "Fills in what is below; change what you know better."),
-      field("pole", "Pole of the mechanics, rad/s", { placeholder: "−10" }, "Negative: 1 over the time constant."),
+      results.length > 0 && select("job", "Start from a result", [["", "no result: enter values"], ...results.map((result) => [result.job_id, name(result)])],
+        query.get("job") ?? "", "Fills in the values below. Change any that you know better."),
+      field("pole", "Pole of the mechanics, rad/s", { placeholder: "−10" }, "Negative: −1 ÷ time constant."),
       field("constant", "Constant", { placeholder: "10" }, "Acceleration per unit of the input."),
       field("fc_plus", "Friction forwards", { placeholder: "0.5" }, "In units of the input."),
-      field("fc_minus", "Friction backwards", { placeholder: "as forwards" }, "In units of the input."),
+      field("fc_minus", "Friction backwards", { placeholder: "same as forwards" }, "In units of the input."),
       select("order", "Actuator", [[0, "none"], [1, "first order"], [2, "second order"]], query.get("order") ?? 0),
       field("actuator_pole", "Pole of the actuator, rad/s", { placeholder: "−300" }),
       field("natural_frequency", "Natural frequency, rad/s", { placeholder: "300" }),
@@ -77,14 +77,14 @@ export async function show({ query, signal }) {
       form.elements[member].value = found == null ? "" : Number(found.toPrecision(5));
     }
     const unknown = AXIS.filter((member) => known(member) == null);
-    if (unknown.length > 0) given.textContent = `Its measurement does not tell ${unknown.map(parameter).join(" and ")}: fill it in.`;
+    if (unknown.length > 0) given.textContent = `Its measurement does not determine ${unknown.map(parameter).join(" and ")}: enter a value.`;
   }
 
   /// What the form asks for; a field that is needed and empty is refused.
   function question() {
     const need = [...AXIS.slice(0, 3), ...ACTUATOR[value("order")], "budget_s"];
     const empty = need.find((member) => value(member) === "");
-    if (empty) throw Object.assign(new Error(`${title(form.elements[empty])}: fill it in.`), { field: empty });
+    if (empty) throw Object.assign(new Error(`${title(form.elements[empty])}: enter a value${form.elements[empty].placeholder ? `, for example ${form.elements[empty].placeholder}` : ""}.`), { field: empty });
     const axis = Object.fromEntries([...AXIS, ...ACTUATOR[value("order")]].map((member) => [member, typed(value(member))]));
     axis.fc_minus ??= axis.fc_plus;
     const options = Object.fromEntries(Object.entries(OPTIONS).map(([member, factor]) => {
@@ -134,7 +134,7 @@ export async function show({ query, signal }) {
   const node = h("div", { class: "wide" },
     h("p", { class: "trail" }, h("a", { href: "/" }, "Overview")),
     h("h1", {}, "Plan experiments"),
-    h("p", {}, "From a rough idea of the axis: where to measure within a given time, so that as many effects as possible can be named."),
+    h("p", {}, "From a rough idea of the axis: where to measure within a given time, so that as many effects as possible can be identified."),
     form, answer);
   return { title: "Plan experiments", node };
 }

@@ -18,7 +18,7 @@ const SETTINGS = {
   sample_s: ["Time between samples, s", "Where there is no column of times"],
   sheet: ["Sheet", "Of a workbook with several tables"],
   decimal: ["Decimal mark", "", ["comma", "point"]],
-  inverted: ["Response has the opposite sign", "As a loop gain at an injection point has", ["yes", "no"]],
+  inverted: ["Response is inverted", "yes if it is turned by 180°, as a Bode 100 loop gain is", ["yes", "no"]],
   amplitude: ["Amplitudes are", "", ["peak", "rms", "peak-to-peak"]],
   period_s: ["Period, s", "Of a time record; none for a motion that does not repeat"],
   loop: ["Loop", "", ["open", "closed"]],
@@ -75,9 +75,9 @@ export function previewForm(source, first, done, stopped) {
     said,
     columns?.node,
     wanted.length > 0 && h("div", { class: "fields" }, wanted.map(field)),
-    h("details", { open: source.asks }, h("summary", {}, "More that can be given"), h("div", { class: "fields" }, others.map(field))),
+    h("details", { open: source.asks }, h("summary", {}, "More settings"), h("div", { class: "fields" }, others.map(field))),
     kept.node,
-    h("p", { class: "actions" }, store, h("button", { type: "button", onclick: stopped }, "Leave it")));
+    h("p", { class: "actions" }, store, h("button", { type: "button", onclick: stopped }, "Cancel")));
 
   /// What is given beside the file: by the stored mapping that was used, and by the form.
   function settings() {
@@ -156,8 +156,8 @@ function summary({ experiments, input, response, response_kind: kind, magnitude_
   const of = experiments === 1 ? "one experiment" : `${number(experiments, 6)} experiments`;
   const from = [input?.name, input?.unit && `(${input.unit})`].filter(Boolean).join(" ") || "the input";
   const to = [kind, response?.unit && `(${response.unit})`].filter(Boolean).join(" ");
-  const magnitudes = [range(magnitude_range, ""), input?.unit].filter(Boolean).join(" ");
-  return `${of}, from ${from} to ${to}, at ${magnitudes} and ${range(omega_range_rad_s, "Hz", HERTZ)}.`;
+  const magnitudes = `${range(magnitude_range, input?.unit ?? "")}${input?.unit ? "" : " (no unit given)"}`;
+  return `${of}, from ${from} to ${to}, magnitude ${magnitudes}, ${range(omega_range_rad_s, "Hz", HERTZ)}.`;
 }
 
 /// Why a file is not understood, without the ways to give something that this form does not need.

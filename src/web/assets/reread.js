@@ -31,8 +31,8 @@ export function rereader(measurement, done) {
 /// Why it cannot be, and what can be done.
 function refused(close) {
   return [
-    h("p", {}, "There are jobs on it, and their results stand on how the file was read. ",
-      "Delete them first, or upload the file once more and tick “Show how it is read before it is stored”."),
+    h("p", {}, "This measurement has results that depend on how the file was read. ",
+      "Delete its jobs first, or upload the file again with “Show how it is read before it is stored” ticked."),
     h("p", { class: "actions" }, h("button", { onclick: close }, "Close")),
   ];
 }

@@ -3,6 +3,16 @@
 import { h } from "./dom.js";
 import { capital, named, number, percent } from "./format.js";
 
+/// What each verdict means.
+export const MEANING = {
+  adequate: "the simulation fits",
+  explained: "cause named",
+  improved: "partly explained",
+  unexplained: "no cause found",
+};
+/// Ratio above which another digit says nothing.
+const LARGEST = 1000;
+
 const VERDICTS = { adequate: "good", explained: "good", improved: "part", unexplained: "bad" };
 
 /// A word in its colour.
@@ -10,9 +20,16 @@ export function chip(word, kind = { failed: "bad" }[word] ?? "open") {
   return h("span", { class: `chip ${kind}` }, word);
 }
 
-/// A verdict in its colour.
+/// A verdict in its colour; what it means is its title.
 export function ofVerdict(verdict) {
-  return chip(verdict, VERDICTS[verdict]);
+  const node = chip(verdict, VERDICTS[verdict]);
+  node.title = MEANING[verdict] ?? "";
+  return node;
+}
+
+/// Whether a model fits, in words.
+export function adequacy(adequate) {
+  return adequate == null ? "adequacy unknown" : adequate ? "adequate" : "not adequate";
 }
 
 /// How far a job has come.
@@ -35,13 +52,14 @@ export function outcome({ status, failure, result }) {
   if (status === "failed") return failure?.reason ?? "";
   if (!result) return "";
   const { verdict, causes, ratio, nrmse, adequate } = result;
-  if (!verdict) return [adequate == null ? "" : adequate ? "adequate, " : "not adequate, ", `leaves ${percent(nrmse)} of the response`];
+  if (!verdict) return [adequate == null ? "" : `${adequacy(adequate)}, `, `residual ${percent(nrmse)} of the response`];
   return [ofVerdict(verdict), " ", h("strong", {}, named(causes)), ratio ? h("span", { class: "small" }, ` ${change(ratio)}`) : ""];
 }
 
-/// What the causes make of the error on data held out, which they divide by a ratio.
+/// What the causes make of the residual on held-out data, which they divide by a ratio.
 export function change(ratio, interval) {
-  const [what, of] = ratio >= 1 ? ["times less error", (value) => value] : ["times the error", (value) => 1 / value];
+  const [sign, of] = ratio >= 1 ? ["÷", (value) => value] : ["×", (value) => 1 / value];
   const [low, high] = (interval ?? []).map(of).sort((a, b) => a - b);
-  return `${number(of(ratio), 3)} ${what}${interval ? ` (95 %: ${number(low, 3)} to ${number(high, 3)})` : ""}`;
+  const size = of(ratio) > LARGEST ? `more than ${LARGEST}` : number(of(ratio), 3);
+  return `residual ${sign} ${size}${interval ? ` (95 % interval ${number(low, 3)} to ${number(high, 3)})` : ""}`;
 }

@@ -35,7 +35,7 @@ export async function show({ query, signal }) {
   const ids = (query.get("jobs") ?? "").split(",").filter(Boolean);
   const refused = query.getAll("refused");
   const n = (text) => ({ text, class: "n" });
-  const part = table("", ["Measurement", "Status", "Verdict", "Cause", n("Confidence"), n("Error before ÷ after"), n("Unexplained part of the response"), "Started"], [], "list");
+  const part = table("", ["Measurement", "Status", "Verdict", "Cause", n("Confidence"), n("Residual ÷"), n("Residual, % of the response"), "Started"], [], "list");
   const summary = h("p", { class: "lead", role: "status" });
   const measurements = new Map();
   const ended = new Map();
@@ -60,13 +60,13 @@ export async function show({ query, signal }) {
   async function refresh() {
     const jobs = (await Promise.all(ids.map(look))).filter(Boolean);
     keyed(part.querySelector("tbody"), jobs, (job) => job.id, jobRow);
-    summary.textContent = jobs.length === 0 ? "None of the files could be read." : `${ended.size} of ${jobs.length} have ended.`;
+    summary.textContent = jobs.length === 0 ? "None of the files could be read." : `${ended.size} of ${jobs.length} finished.`;
     return ended.size < jobs.length ? ACTIVE_MS : QUIET_MS;
   }
 
   const node = h("div", { class: "wide" },
     h("p", { class: "trail" }, h("a", { href: "/" }, "Overview")),
-    h("h1", {}, "Diagnosed together"),
+    h("h1", {}, "Several files diagnosed"),
     summary,
     h("section", { "aria-label": "What came of each" }, ids.length > 0 && part),
     refused.length > 0 && h("section", { "aria-labelledby": "refused" },
@@ -75,7 +75,7 @@ export async function show({ query, signal }) {
       h("ul", {}, refused.map((text) => h("li", {}, text)))));
   await refresh();
   if (ids.length > 0) repeatedly(signal, refresh);
-  return { title: "Diagnosed together", node };
+  return { title: "Several files diagnosed", node };
 }
 
 function jobRow(job) {

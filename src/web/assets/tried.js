@@ -2,7 +2,7 @@
 
 import { announce, h, row, table } from "./dom.js";
 import { json, send } from "./api.js";
-import { inList, named, number, percent } from "./format.js";
+import { inList, named, number, percent, sentence } from "./format.js";
 import { ofVerdict } from "./status.js";
 
 /// A section that tries the result of a job on a measurement of the reader's choice.
@@ -13,12 +13,12 @@ export async function tried(job, signal) {
   const form = h("form", { class: "fields" },
     h("label", {}, h("span", {}, "Measurement"),
       h("select", { name: "measurement_id" }, others.map((item) => h("option", { value: item.id }, inList(item))))),
-    h("p", { class: "actions" }, h("button", {}, "Try it")));
+    h("p", { class: "actions" }, h("button", {}, "Test")));
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
     const button = form.querySelector("button");
     button.disabled = true;
-    body.replaceChildren(h("p", { class: "small" }, "Being simulated …"));
+    body.replaceChildren(h("p", { class: "small" }, "Simulating …"));
     try {
       const request = { job_id: job.id, measurement_id: form.elements.measurement_id.value };
       const validation = await send("/v1/validations", request, { signal });
@@ -31,10 +31,10 @@ export async function tried(job, signal) {
   });
   return {
     id: "tried",
-    title: "Another measurement",
-    short: "does it predict what it has not seen?",
+    title: "Test on another measurement",
+    short: "does it predict data that no fit has seen?",
     body: [
-      h("p", {}, "Its models are simulated on another measurement of the axis; nothing is fitted."),
+      h("p", {}, "Simulates this result on another measurement of the same axis, without fitting again."),
       others.length > 0 ? [form, body]
         : h("p", {}, "There is no other measurement yet. ", h("a", { href: "/" }, "Upload one"), ", then come back."),
     ],
@@ -54,14 +54,16 @@ function told({ models, causes, verdict, remarks, response_unit: unit }) {
     name,
     ...[percent(nrmse), number(rms, 3), number(chi2, 3), components].map((content) => ({ content, class: "n" })),
   ]);
-  const titles = ["Unexplained part of the response", `rms${unit ? `, ${unit}` : ""}`, "χ² per value", "Values"];
-  const extended = models.extended && model(`With ${named(causes.map(({ effect }) => effect).join(" "))}`, models.extended);
+  const titles = ["Residual, % of the response", `rms${unit ? `, ${unit}` : ""}`, "χ² per value", "Values"];
+  const ids = causes.map(({ effect }) => effect);
+  const extended = models.extended && model(`With ${named(ids.join(" "))}`, models.extended);
+  const plain = (text) => sentence(ids.reduce((said, id) => said.replaceAll(id, named(id)), text));
   const [first, ...rest] = remarks;
-  if (first) announce(first);
+  if (first) announce(plain(first));
   return [
-    first && h("p", {}, first),
+    first && h("p", {}, plain(first)),
     table("", ["Model", ...titles.map((text) => ({ text, class: "n" }))], [model("Base model", models.base), extended].filter(Boolean)),
     verdict && h("p", {}, "Verdict: ", ofVerdict(verdict)),
-    rest.length > 0 && h("ul", {}, rest.map((remark) => h("li", {}, remark))),
+    rest.length > 0 && h("ul", {}, rest.map((remark) => h("li", {}, plain(remark)))),
   ].filter(Boolean);
 }

@@ -19,7 +19,7 @@ export function dropZone(done, go) {
     h("p", {},
       h("strong", {}, "Drop a measurement here"), " or ",
       h("label", { class: "button", for: "files" }, "choose files")),
-    h("p", { class: "small" }, "Harmonic table or time record, as instruments and spreadsheets write them: text, JSON, xlsx, universal, MATLAB and TDMS files. Several files are one measurement, or one each. ",
+    h("p", { class: "small" }, "CSV, JSON, Excel, MATLAB, TDMS or universal files with time, input and response, or frequency, gain and phase. With several files you are asked whether they belong together. ",
       h("a", { href: "/assets/example.csv", download: "sticky_axis.csv" }, "An example to look at"), "."),
     h("p", { class: "small" }, h("label", {}, look, " Show how it is read before it is stored")),
     input, outcome, shown);
@@ -31,7 +31,7 @@ export function dropZone(done, go) {
     outcome.replaceChildren(h("div", { class: "actions middle" },
       h("span", {}, `${files.length} files:`), each,
       h("button", { onclick: () => take(files) }, "They are one measurement"),
-      h("button", { onclick: () => outcome.replaceChildren() }, "Leave them")));
+      h("button", { onclick: () => outcome.replaceChildren() }, "Cancel")));
     each.focus();
   }
 
@@ -74,7 +74,7 @@ export function dropZone(done, go) {
     const lacking = seen.refusal?.missing.length > 0;
     if (refused && !lacking) return;
     const reason = seen.refusal && h("div", { class: "refused" },
-      h("h2", {}, "Nothing is stored yet"), h("p", {}, "The file does not say everything. Fill in what is missing, and store it then."));
+      h("h2", {}, "Nothing is stored yet"), h("p", {}, "The file lacks something. Fill it in below, and store it then."));
     outcome.replaceChildren(...(reason ? [reason] : []));
     shown.replaceChildren(previewForm(dropped(files), seen, done, () => {
       shown.replaceChildren();

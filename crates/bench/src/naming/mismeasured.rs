@@ -1,5 +1,6 @@
 //! Whether an answer names the fault of a measurement.
 
+mod absorbed;
 mod score;
 
 use serde::Serialize;
@@ -9,6 +10,10 @@ use super::mismeasurement::{Mismeasurement, Mistake, Sort};
 
 /// Magnitudes whose relative difference is at most this are the same.
 const SAME_MAGNITUDE: f64 = 1e-6;
+
+/// Excess χ² from which a choice by likelihood between the fault and the machine's own model errs in
+/// 2.3 % at most, Φ(−½√excess): see [`super::rivals::Nearest`].
+const DISTINCT: f64 = 16.0;
 
 /// The fault of a measurement, and what the answer says of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -23,6 +28,9 @@ pub struct Mismeasured {
     pub fault: Mismeasurement,
     /// Whether it moves a row by more than five true standard deviations, or misstates these.
     pub shows: bool,
+    /// Excess χ² that the machine's own model leaves of it without noise; null where that was not
+    /// asked for or does not apply, or is far more than counts.
+    pub left_by_own_model: Option<f64>,
     /// Whether it is named, or a fault that comes to the same.
     pub named: bool,
     /// Whether the named level or experiment is the right one; null if the fault is not named or has
@@ -48,6 +56,11 @@ pub struct RowCounts {
 }
 
 impl Mismeasured {
+    /// Whether the machine's own model is known not to predict what was measured as well.
+    pub(super) fn is_distinct(&self) -> bool {
+        self.left_by_own_model.is_some_and(|left| left >= DISTINCT)
+    }
+
     /// Compares the named faults with the true one.
     pub(super) fn of(mistake: &Mistake, found: &[MeasurementFault]) -> Self {
         let Mistake { sort, fault, shows, .. } = mistake;
@@ -59,6 +72,7 @@ impl Mismeasured {
             text: fault.to_string(),
             fault: fault.clone(),
             shows: *shows,
+            left_by_own_model: None,
             named: named > 0,
             in_place: of_kind.filter_map(|one| is_in_place(fault, one)).reduce(|a, b| a || b),
             another_named: named < found.len(),

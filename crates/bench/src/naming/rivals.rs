@@ -36,10 +36,16 @@ impl Rivals {
     /// See [`DiagnoseError`].
     pub fn ask(exact: &Measurement, order: u8) -> Result<Self, DiagnoseError> {
         let plant = Some(PlantRequest { actuator_order: order });
-        let options = IdentifyOptions { most_effects: 1, ..IdentifyOptions::default() };
+        let options =
+            IdentifyOptions { most_effects: 1, keep_all: true, ..IdentifyOptions::default() };
         let request = IdentifyRequest { plant, options, ..IdentifyRequest::default() };
         let answer = diagnose(exact, &request, &Silent)?;
         Ok(Self { base: answer.base.fit.chi2.unwrap_or(f64::NAN), candidates: answer.candidates })
+    }
+
+    /// Excess χ² of the base model; NaN if its errors are not counted in noise.
+    pub fn excess_alone(&self) -> f64 {
+        self.base
     }
 
     /// Excess χ² of the best fit with this effect alone; `None` if it was not tried.

@@ -31,7 +31,8 @@ pub struct Settings {
     pub search: SearchSettings,
     /// Whether to try the proposed next experiment of single draws.
     pub separate: bool,
-    /// Whether to find the nearest rival of a single hidden effect.
+    /// Whether to find the nearest rival of a single hidden effect, and what the machine's own model
+    /// leaves of a fault of its measurement.
     pub nearest: bool,
     /// Number of draws run in parallel; they share `threads` equally.
     pub jobs: usize,
@@ -93,6 +94,11 @@ pub fn run_case(case: &Case, settings: &Settings, observer: &dyn Observer) -> Re
     }
     if settings.nearest && matches!(case.kind, Kind::Single | Kind::Analyser) {
         outcome.nearest = made.nearest_rival().map_err(unmade)?;
+    }
+    if settings.nearest
+        && let Some(found) = &mut outcome.mismeasurement
+    {
+        found.left_by_own_model = made.left_of_fault().map_err(unmade)?;
     }
     Ok(Run { outcome, diagnosis: answer.ok() })
 }

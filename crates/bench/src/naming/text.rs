@@ -146,6 +146,10 @@ pub fn case_text(outcome: &Outcome) -> String {
         let _ = write!(text, "\n    fault {}: {}", mismeasurement.sort.name(), mismeasurement.text);
         let shown = if mismeasurement.shows { "" } else { " (below the noise)" };
         text.push_str(shown);
+        if let Some(left) = mismeasurement.left_by_own_model {
+            let _ =
+                write!(text, ", of which the machine's own model leaves {left:.1} without noise");
+        }
     }
     for hidden in &outcome.hidden {
         let values = hidden.parameters.iter().map(|(name, value)| format!("{name} {value:.4}"));

@@ -255,8 +255,8 @@ pub fn diagnosis() -> Diagnosis {
                 gain_db: -15.0,
                 phase_deg: 157.0,
             }],
-            sentence: "use the model from 0.1 to 8 Hz only: from 8.2 to 20 Hz it is off by up to \
-                       15 dB and 157°"
+            sentence: "use the model from 0.1 to 8 Hz only, where it stays within about 3 dB and \
+                       20° of the measurement; from 8.2 to 20 Hz it is off by up to 15 dB and 157°"
                 .into(),
         }),
         next_experiment: None,
@@ -326,11 +326,11 @@ pub fn mended() -> Diagnosis {
         off: 0.2,
         sigmas: 190.0,
     };
-    let sentence = "line 153 (harmonic 1 at magnitude 2 and 3 Hz) does not belong to the rest: 20 % \
-                    off, 190 standard deviations; left out";
+    let sentence = "line 153 (harmonic 1 at magnitude 2 and 3 Hz) is an outlier: 20 % off the fit, \
+                    190 standard deviations; left out";
     let fault = MeasurementFault {
         sentence: sentence.into(),
-        remedy: "measure these again, or delete their lines".into(),
+        remedy: "measure again what is listed, or delete its lines".into(),
         left_out: vec![row],
         ..MeasurementFault::of(FaultKind::BadRows)
     };
@@ -365,7 +365,7 @@ pub fn explained() -> Diagnosis {
         heldout_error: None,
         rejected: rejected.map(str::to_owned),
     };
-    let chance = "it gains no more than chance would";
+    let chance = "the improvement may be chance";
     Diagnosis {
         verdict: Verdict::Explained,
         causes: vec![Cause {
@@ -386,7 +386,9 @@ pub fn explained() -> Diagnosis {
         next_experiment: Some(NextExperiment {
             magnitude: 1.25,
             omega_rad_s: 2.0,
-            reason: "at magnitude 1.250 and 0.3183 Hz their predictions differ most".into(),
+            reason: "measure at magnitude 1.25 A and 0.318 Hz: there the predictions of \
+                     static_friction and stribeck differ most"
+                .into(),
         }),
         ..answer
     }

@@ -21,7 +21,7 @@ pub enum ValidateError {
     Cancelled,
     /// The second measurement has the same data as the one that is fitted.
     #[error(
-        "it has the same data as the measurement that is fitted: what is gained on them proves \
+        "it has the same data as the measurement that is fitted: an improvement on them proves \
          nothing; give another measurement of the same axis"
     )]
     SameData,
@@ -39,7 +39,7 @@ pub enum ValidateError {
         here: String,
     },
     /// The models cannot be simulated on the measurement.
-    #[error("the models cannot be tried on it: {reason}")]
+    #[error("the models cannot be compared with it: {reason}")]
     Unusable {
         /// Why not.
         reason: String,

@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 
 use crate::answers::{Cause, Identification, Unanswered};
 use crate::identify::FitSession;
-use crate::measurement::Measurement;
+use crate::measurement::{Measurement, after_number};
 
+use super::residuals::sentence::short;
 use super::selection::models::Models;
 
 /// Names the effects that could not be tried because there are too few data.
@@ -19,12 +20,12 @@ pub(super) fn undecided(session: &FitSession<'_>) -> Option<String> {
         .collect();
     let what = match lacking.len() {
         0 => return None,
-        all if all == library.len() => "no effect of the library".to_owned(),
+        all if all == library.len() => "any effect of the library".to_owned(),
         _ => lacking.join(", "),
     };
     Some(format!(
         "{} numbers were measured, and the base model alone has {} parameters: too few data to \
-         decide on {what}; measure more frequencies, magnitudes or harmonics",
+         test {what}; measure more frequencies, magnitudes or harmonics",
         session.data(),
         base.parameters()
     ))
@@ -38,8 +39,8 @@ pub(super) fn incomparable(models: &Models) -> Option<String> {
         fitted.filter(|key| !models.criterion(key).is_finite()).map(|key| key[0]).collect();
     (!without.is_empty()).then(|| {
         format!(
-            "{} could be fitted, but not compared with the others: there its simulation has no \
-             periodic response, or one that jumps with the parameters",
+            "{} could be fitted, but not compared with the others: its simulation does not settle \
+             to a periodic motion, or jumps with the parameters",
             without.join(", ")
         )
     })
@@ -49,13 +50,15 @@ pub(super) fn incomparable(models: &Models) -> Option<String> {
 const MOST_PLACES: usize = 3;
 
 /// Lists the experiments in which a model has no response.
-pub(super) fn unanswered(answer: &Identification) -> Option<String> {
+pub(super) fn unanswered(answer: &Identification, input_unit: &str) -> Option<String> {
     let experiments = &answer.fit.unanswered;
     if experiments.is_empty() {
         return None;
     }
+    let unit = after_number(input_unit);
     let at = |lost: &Unanswered| {
-        Some(format!("magnitude {} at {:.4} rad/s", lost.magnitude?, lost.omega_rad_s?))
+        let hertz = short(lost.omega_rad_s? / TAU);
+        Some(format!("magnitude {}{unit} at {hertz} Hz", short(lost.magnitude?)))
     };
     let places: Vec<String> = experiments.iter().take(MOST_PLACES).filter_map(at).collect();
     let more = match experiments.len() - places.len() {
@@ -63,8 +66,8 @@ pub(super) fn unanswered(answer: &Identification) -> Option<String> {
         more => format!(" and {more} more"),
     };
     Some(format!(
-        "the model has no periodic response from rest in {} of the experiments ({}{more}): they \
-         are not part of the fit, and the model predicts nothing for them",
+        "in {} of the experiments ({}{more}) the simulation does not settle to a periodic motion: \
+         they are not part of the fit, and the model predicts nothing for them",
         experiments.len(),
         places.join(", "),
     ))

@@ -170,7 +170,7 @@ fn noise_is_adequate_and_the_sentence_says_what_would_have_been_noticed() {
         assert!(discrepancy.noise_like, "{:?}", discrepancy.tests);
         assert!(discrepancy.patterns.is_empty());
         let sentence = &discrepancy.sentence;
-        assert!(sentence.contains("to within its noise; a departure of 0."), "{sentence}");
+        assert!(sentence.contains("to within its noise; an error of 0."), "{sentence}");
     }
 }
 
@@ -317,7 +317,7 @@ fn too_little_data_is_reported_and_not_judged() {
     let discrepancy = discrepancy_of(&few);
     let Discrepancy { sentence, tests, .. } = discrepancy;
     assert!(tests.iter().all(|test| test.p_value.is_none() && test.passed));
-    assert!(sentence.contains("too little data"), "{sentence}");
+    assert!(sentence.contains("too few data"), "{sentence}");
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub struct ActuatorSaturation;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "limit",
-    title: "limit of the command",
+    title: "limit of the input",
     symbol: ["u", "max"],
     dimension: Dimension::INPUT,
     domain: Domain::Positive,

@@ -74,8 +74,8 @@ const DESCRIPTOR: Descriptor = Descriptor {
     meaning: "there is play between motor and load: at every reversal the motor crosses a gap \
          alone",
     signature: "impacts after every reversal: harmonics of high order, even ones and a mean where \
-         friction is asymmetric; above the contact's resonance a lighter axis, the more so the \
-         smaller the magnitude",
+         friction is asymmetric; above the resonance of the contact the axis responds as if it \
+         were lighter, most at small magnitudes",
     imitators: &["flexible_mode"],
     slot: Slot::SecondMass,
     parameters: &PARAMETERS,

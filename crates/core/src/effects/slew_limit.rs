@@ -18,7 +18,7 @@ pub struct SlewLimit;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "rate",
-    title: "limit of the rate of the command",
+    title: "limit of the rate of the input",
     symbol: ["R", ""],
     dimension: Dimension::INPUT.per(Dimension::TIME),
     domain: Domain::Positive,

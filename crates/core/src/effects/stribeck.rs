@@ -19,7 +19,7 @@ pub struct Stribeck;
 const PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "fs_over_fc",
-        title: "static over dry friction",
+        title: "ratio of static to dry friction",
         symbol: ["r", ""],
         dimension: Dimension::NONE,
         domain: Domain::AtLeastOne,

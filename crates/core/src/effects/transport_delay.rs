@@ -16,7 +16,7 @@ pub struct TransportDelay;
 
 const PARAMETERS: [Parameter; 1] = [Parameter {
     name: "delay",
-    title: "delay of the command",
+    title: "delay of the input",
     symbol: ["T", ""],
     dimension: Dimension::TIME,
     domain: Domain::NotNegative,

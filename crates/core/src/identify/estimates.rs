@@ -3,8 +3,7 @@
 use indexmap::IndexMap;
 
 use crate::answers::{Correlations, ParameterEstimate};
-use crate::effects::{self, Dimension};
-use crate::measurement::{Measurement, ResponseKind};
+use crate::effects;
 use crate::plant::{Actuator, Plant};
 
 use super::parameter_names;
@@ -12,52 +11,7 @@ use super::parameters::{CONSTANT, Coordinate};
 use super::pipeline::Fitted;
 use super::problem::{Problem, Scales};
 use super::uncertainty::{LARGEST_LOG_STD, Uncertainty, largest_std, unit};
-
-/// The units from which those of the parameters are made.
-#[derive(Debug)]
-pub(crate) struct Units {
-    pub input: String,
-    pub velocity: String,
-}
-
-impl Units {
-    /// The units that the upload states; placeholders for those it does not.
-    pub fn of(measurement: &Measurement) -> Self {
-        let metadata = measurement.metadata();
-        let or =
-            |unit: &str, name: &str| if unit.is_empty() { name.into() } else { unit.to_owned() };
-        let response = or(&metadata.response.unit, "response");
-        let velocity = match metadata.response_kind {
-            ResponseKind::Velocity => response,
-            ResponseKind::Position => format!("{response}/s"),
-            ResponseKind::Acceleration => format!("{response}·s"),
-        };
-        Self { input: or(&metadata.input.unit, "input"), velocity }
-    }
-
-    /// The unit of a quantity, as a product of powers of the units of input, velocity and time.
-    pub fn unit(&self, dimension: Dimension) -> String {
-        let Dimension { input, velocity, time } = dimension;
-        let powers = [(&*self.input, input), (&*self.velocity, velocity), ("s", time)];
-        let join = |sign: i8| -> Vec<String> {
-            let wanted = powers.iter().filter(|(_, power)| power.signum() == sign);
-            wanted
-                .map(|(unit, power)| match power.abs() {
-                    1 => (*unit).to_owned(),
-                    power => format!("{}{}", bracketed(unit), superscript(power)),
-                })
-                .collect()
-        };
-        match (join(1).as_slice(), join(-1).as_slice()) {
-            ([], []) => String::new(),
-            (above, []) => above.join("·"),
-            ([], [below]) => format!("1/{}", bracketed(below)),
-            ([], below) => format!("1/({})", below.join("·")),
-            (above, [below]) => format!("{}/{}", bracketed(&above.join("·")), bracketed(below)),
-            (above, below) => format!("{}/({})", bracketed(&above.join("·")), below.join("·")),
-        }
-    }
-}
+use super::units::{Units, bracketed};
 
 /// A fitted point with its uncertainty, to be reported as named parameters.
 pub(super) struct Estimates<'a> {
@@ -264,13 +218,4 @@ impl Estimates<'_> {
             which.iter().map(|i| parameter_names::name(&self.fitted.coordinates, *i)).collect();
         Correlations { names, matrix }
     }
-}
-
-fn superscript(power: i8) -> &'static str {
-    ["⁰", "¹", "²", "³", "⁴", "⁵"].get(power.unsigned_abs() as usize).unwrap_or(&"ⁿ")
-}
-
-/// A unit, bracketed for use in a quotient if it is a compound.
-pub(super) fn bracketed(unit: &str) -> String {
-    if unit.contains(['/', '·', '*', ' ']) { format!("({unit})") } else { unit.to_owned() }
 }

@@ -29,15 +29,14 @@ pub(super) fn of(
     }
     let mut say = |sentence: String| sentences.push(sentence);
     if method == Method::TwoMagnitude {
-        say("the closed form rests on the describing function of friction and fits nothing: its \
-             parameters are percents off, more with noise and near breakaway, whatever their \
-             intervals say; other methods refine"
+        say("the closed form fits nothing: its parameters may be wrong by several per cent, more \
+             with noise or near breakaway, and their intervals do not say so; other methods refine"
             .into());
     }
     if problem.tied_friction {
-        say("without harmonic 0 or even harmonics Fc⁺ and Fc⁻ cannot be told apart: fc_mean is \
-             their mean, and the fit assumes no more than that one is at most twice the other, and \
-             not which; measure harmonics 0 to 5"
+        say("without harmonic 0 or even harmonics only the mean of forward and backward friction \
+             (fc_mean) can be found; the fit allows either to be up to twice the other; measure \
+             harmonics 0 to 5"
             .into());
     }
     let cosines = problem.experiments.iter().all(|e| e.excitation.is_pure_cosine());
@@ -56,12 +55,12 @@ pub(super) fn of(
             .into());
     }
     if options.weights == Weighting::Response {
-        say("every harmonic weighs alike, whatever its noise (option weights): χ² and adequacy \
-             cannot be stated"
+        say("every harmonic has the same weight, whatever its noise (option weights): χ² and \
+             adequacy cannot be stated"
             .into());
     } else if fitted.weights.source == NoiseSource::Estimated {
         if measurement.experiments().iter().any(|e| e.has_repeats()) {
-            say("the repeats are copies of each other, and say nothing of the noise".into());
+            say("the repeats are copies of each other, and say nothing about the noise".into());
         }
         say("the size of the noise is unknown: χ² and adequacy cannot be stated; give std, \
              repeats or the option noise_std"
@@ -74,16 +73,17 @@ pub(super) fn of(
     }
     if let Some(factor) = excessive_std(fitted.weights.source, &summary.fit) {
         say(format!(
-            "the model leaves {factor:.3} of the stated noise: a std that is {:.1} times too large \
-             hides what the model lacks; correct std, or remove it and let the residuals tell the \
-             noise",
+            "the residual is {factor:.3} times the stated noise: std is probably {:.1} times too \
+             large, which hides what the model lacks; correct it, or remove it and let the \
+             residuals tell the noise",
             1.0 / factor
         ));
     }
     if summary.fit.uncertainty_scale > 1.0 {
         say(format!(
-            "the base model leaves more than noise: every deviation was widened by the factor \
-             {:.3}, and the parameters absorb what is missing",
+            "the base model does not fit to within the noise: the standard deviations of its \
+             parameters were widened by the factor {:.3}, and the parameters are biased by what \
+             the model lacks",
             summary.fit.uncertainty_scale
         ));
     }

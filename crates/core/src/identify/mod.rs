@@ -49,6 +49,7 @@ mod transient_prediction;
 mod uncertainty;
 mod unit_compatibility;
 mod unit_cube_objective;
+mod units;
 mod unknown_jump;
 mod variance_law;
 mod variance_shrinkage;
@@ -57,7 +58,6 @@ use crate::answers::Identification;
 use crate::measurement::Measurement;
 use crate::observer::{Observer, Steady};
 
-pub(crate) use estimates::Units;
 pub use fit_session::{DatumChange, FitAccuracy, FitSession, LeavingOut, Linear, Model};
 pub use methods::{Methods, Steps};
 pub use model_fit::{Component, ModelFit, fit_base};
@@ -69,6 +69,7 @@ pub use search_settings::{SearchBreadth, SearchSettings};
 pub use summary::Intervals;
 pub use transient_prediction::{Begun, Followed, follow, unscored_s};
 pub use unit_compatibility::UnitCompatibility;
+pub(crate) use units::Units;
 
 use objective::Misfit;
 use problem::Problem;

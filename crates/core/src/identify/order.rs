@@ -120,7 +120,7 @@ fn explain(chosen: &OrderCandidate, all: &[OrderCandidate], explained: bool) -> 
     if !higher.is_empty() {
         let joint = if lower.is_empty() { " is enough:" } else { ";" };
         sentence += &format!(
-            "{joint} order {} would not lower the {noun} by what its parameters cost",
+            "{joint} order {} would not lower the {noun} enough to justify its parameters",
             higher.join(" or ")
         );
     }

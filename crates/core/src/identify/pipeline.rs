@@ -331,7 +331,9 @@ impl Run<'_> {
 
 fn no_response() -> IdentifyError {
     IdentifyError::Unusable {
-        reason: "no plant of the search range answers with the period of the input".into(),
+        reason: "no axis in the search range has a periodic response to this input: check the \
+                 units, sign and magnitude of the input, and whether the axis moved"
+            .into(),
     }
 }
 

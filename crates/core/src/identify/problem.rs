@@ -107,9 +107,9 @@ impl Problem {
         let unusable = |reason: &str| IdentifyError::Unusable { reason: reason.into() };
         if !measurement.transients().is_empty() {
             return Err(unusable(
-                "the record does not repeat, and a fit takes periodic data: record whole periods of \
-                 an excitation (where they are not found, period_s says how long one is); a \
-                 validation takes this record",
+                "the record does not repeat, and a fit needs whole periods: record at least two \
+                 periods of a periodic input; if it does repeat, give its period (period_s); as it \
+                 is, it can be used to validate a result",
             ));
         }
         let largest_input = experiments.iter().map(peak_input).fold(0.0, f64::max);

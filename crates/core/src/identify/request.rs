@@ -56,5 +56,7 @@ pub(crate) fn unless_cancelled<T, E: From<IdentifyError>>(
 
 /// The error for a fitted plant that has no periodic response.
 pub(crate) fn no_response() -> IdentifyError {
-    IdentifyError::Unusable { reason: "the fitted plant has no periodic response".into() }
+    IdentifyError::Unusable {
+        reason: "the fitted axis has no periodic response to this input".into(),
+    }
 }

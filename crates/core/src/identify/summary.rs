@@ -7,7 +7,7 @@ use crate::answers::{Correlations, Fit, ParameterEstimate, TransferFunction};
 use crate::measurement::Measurement;
 use crate::plant::{Actuator, Plant};
 
-use super::estimates::{Estimates, Units};
+use super::estimates::Estimates;
 use super::objective::Misfit;
 use super::parameters::Coordinate;
 use super::pipeline::Fitted;
@@ -17,6 +17,7 @@ use super::refine;
 use super::reported_noise::reported;
 use super::search_settings::SearchSettings;
 use super::uncertainty::{Uncertainty, with_prior};
+use super::units::Units;
 use super::unknown_jump;
 
 /// Significance level of the χ² test of adequacy: with a smaller p-value the residuals are more

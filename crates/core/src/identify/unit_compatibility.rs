@@ -4,7 +4,7 @@
 use crate::answers::Identification;
 use crate::measurement::Measurement;
 
-use super::estimates::{Units, bracketed};
+use super::units::{Units, bracketed};
 
 /// How the units of two measurements compare.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -14,7 +14,10 @@ pub enum RecordError {
         before_s: f64,
     },
     /// The time steps are not equal.
-    #[error("sampling is unequal: a step of {step_s:.6e} s where {usual_s:.6e} s is usual")]
+    #[error(
+        "the sampling interval is not constant: a step of {step_s:.6e} s where {usual_s:.6e} s \
+             is usual; resample the record"
+    )]
     UnequalSampling {
         /// The sample at the end of the step that differs most.
         sample: usize,
@@ -31,8 +34,8 @@ pub enum RecordError {
     },
     /// No period was given, and none is found in the input.
     #[error(
-        "no period is found in the input of {duration_s} s, which must hold at least two: \
-         give period_s"
+        "no period is found in the input of {duration_s} s, which must repeat at least twice: \
+         record longer, or give period_s"
     )]
     NoPeriodFound {
         /// Duration of the record, s.
@@ -73,7 +76,7 @@ pub enum RecordError {
     /// The record does not hold one whole period after the dropped ones.
     #[error(
         "no whole period: the record lasts {duration_s:.6} s, its period is {period_s} s, and \
-         {settle_periods} periods are dropped"
+         {settle_periods} periods are dropped; record longer, or drop fewer (settle_periods)"
     )]
     NoWholePeriod {
         /// Duration of the record, s.

@@ -5,6 +5,7 @@ use super::super::bode::Model;
 use super::super::bode::curves::{Curve, Point, Ratio};
 use super::super::canvas::{Anchor, Canvas};
 use super::super::panel::Panel;
+use super::super::series::counted;
 use super::super::text::number;
 
 /// Decibels of a gain that differs from another by a small share of it, per share.
@@ -80,7 +81,8 @@ pub(super) fn beyond(
     }
     let most = number(largest(before).max(largest(after)), 2);
     let unit = if column.per_share == DB_PER_SHARE { " dB" } else { "°" };
-    let text = format!("{hidden} beyond the axis, up to {most}{unit}");
+    let points = counted(hidden, "point", "points");
+    let text = format!("{points} off scale, up to {most}{unit}");
     canvas.text(panel.right, panel.top - 8.0, BAND, Anchor::End, &text);
 }
 

@@ -42,6 +42,11 @@ impl Bend {
 }
 
 impl Side {
+    /// What its static level is called.
+    pub fn static_name(&self) -> &'static str {
+        if self.sign > 0.0 { "Fs⁺" } else { "Fs⁻" }
+    }
+
     /// Size of the torque at this size of the velocity; `slope` is a/K.
     pub fn torque(&self, slope: f64, v: f64) -> f64 {
         let Bend { viscous, excess, stribeck_velocity, drag } = self.bend;

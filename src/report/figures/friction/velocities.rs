@@ -13,6 +13,9 @@ use super::super::text::number;
 /// Samples of a period on which its extremes are looked for, per harmonic.
 const SAMPLES_PER_HARMONIC: usize = 8;
 
+/// What shows and hides the bars.
+pub(super) const VELOCITIES: &str = "velocities";
+
 /// The velocities each magnitude reached, as bars below.
 pub(super) fn extents(
     canvas: &mut Canvas,
@@ -38,7 +41,7 @@ pub(super) fn extents(
         let label = magnitude_label(groups[*index].magnitude, comparison);
         let [lowest, highest] = range.map(|v| number(v, 3));
         let hint = format!("{label}: from {lowest} to {highest} {velocity}");
-        let trace = Trace { name: &label, hints: true, ..Trace::default() };
+        let trace = Trace { name: &label, keys: VELOCITIES, hints: true, ..Trace::default() };
         canvas.open_trace(&format!("s{index}"), below.sides(), trace);
         canvas.rectangle("fill", [from, y - 4.0, to.max(from + 1.0), y + 4.0], &hint);
         canvas.close();

@@ -21,8 +21,7 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
         canvas,
         &[
             Key::new(Look::Marker(Marker::Circle), "s0", "one harmonic").toggling("residual"),
-            Key::new(Look::Line("floor"), "key", "one standard deviation: what noise leaves")
-                .toggling("noise"),
+            Key::new(Look::Line("floor"), "key", "one standard deviation: noise").toggling("noise"),
         ],
     );
     let every = || shown.iter().flat_map(|i| lines(experiments[*i]));

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use servoscope_core::answers::{ComparedExperiment, ComparedHarmonic, Comparison, Pattern};
 
 use super::super::canvas::{AXIS, Anchor, Canvas, HEADING, NOTE, TICK, Trace, WIDTH};
+use super::super::panel::{Key, Look, legend};
 use super::super::scale::Scale;
 use super::super::series::{Group, by_magnitude, frequency_hz, magnitude_label, sigmas};
 use super::super::text::{self, number};
@@ -45,12 +46,16 @@ struct Block {
 
 pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pattern]) {
     let groups = by_magnitude(comparison);
+    if !patterns.is_empty() {
+        let outlined = Key::new(Look::Line("ink"), "key", "patterns, by their numbers below");
+        legend(canvas, &[outlined.toggling("patterns")]);
+    }
     colours(canvas);
     let orders: Vec<Vec<usize>> = groups.iter().map(orders).collect();
     let rows: usize = orders.iter().map(Vec::len).sum();
     let height = (WANTED_HEIGHT / rows.max(1) as f64).clamp(5.0, 24.0);
     let x = frequencies(&groups);
-    canvas.text(LEFT - 8.0, canvas.y + 10.0, AXIS, Anchor::End, "Harmonic k (–)");
+    canvas.text(LEFT - 8.0, canvas.y + 10.0, AXIS, Anchor::End, "Harmonic k");
     let mut y = canvas.y + 18.0;
     let mut blocks: Vec<Block> = Vec::new();
     // The largest magnitude on top, as in a diagram over magnitude.
@@ -91,11 +96,7 @@ pub(super) fn draw(canvas: &mut Canvas, comparison: &Comparison, patterns: &[Pat
 fn axes(canvas: &mut Canvas, x: &Scale, sides: [f64; 4], is_lowest: bool) {
     let [_, top, _, bottom] = sides;
     let rows = format!("rows 0 1 {bottom:.1} {top:.1}");
-    canvas.open_grid(
-        sides,
-        [(x.described(), FREQUENCY), (rows, "Harmonic k (–)")],
-        [is_lowest, false],
-    );
+    canvas.open_grid(sides, [(x.described(), FREQUENCY), (rows, "Harmonic k")], [is_lowest, false]);
     if is_lowest {
         for tick in x.horizontal_ticks(TICK.size) {
             canvas.line("frame", [tick.px, bottom], [tick.px, bottom + 4.0]);
@@ -225,7 +226,7 @@ fn colours(canvas: &mut Canvas) {
         canvas.text(x + 0.5 * WIDTH, y + 28.0, TICK, Anchor::Middle, &label);
         x += WIDTH;
     }
-    canvas.text(x + 14.0, y + 11.0, NOTE, Anchor::Start, "grey: may be noise");
+    canvas.text(x + 14.0, y + 11.0, NOTE, Anchor::Start, "grey: compatible with noise");
     canvas.y = y + 46.0;
 }
 
@@ -254,13 +255,13 @@ fn mark(canvas: &mut Canvas, blocks: &[Block], patterns: &[Pattern]) {
     for class in ["halo", "ink"] {
         for (sides, edges) in outlines.iter().filter(|(_, edges)| !edges.is_empty()) {
             let path = edges.iter().flat_map(|[from, to]| [Some(*from), Some(*to), None]);
-            canvas.open_inside("outlines", *sides, Trace::default());
+            canvas.open_inside("outlines", *sides, Trace::keyed("patterns"));
             canvas.polyline(class, path);
             canvas.close();
         }
     }
     for ((index, place), sides) in badges.into_iter().zip(of_badges) {
-        canvas.open_inside("", sides, Trace::default());
+        canvas.open_inside("", sides, Trace::keyed("patterns"));
         badge(canvas, index, place);
         canvas.close();
     }

@@ -111,6 +111,11 @@ fn lines(outcomes: &[Outcome], drawn: &[Drawn<'_>]) -> Vec<FaultLine> {
             Rate::count(faults().filter(|fault| fault.shows).map(|fault| fault.named)),
         ),
         line(
+            "… that the machine's own model cannot predict as well",
+            nothing,
+            Rate::count(faults().filter(|fault| fault.is_distinct()).map(|fault| fault.named)),
+        ),
+        line(
             "… at the right level or experiment",
             nothing,
             Rate::count(faults().filter_map(|fault| fault.in_place)),

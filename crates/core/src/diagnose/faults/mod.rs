@@ -45,6 +45,7 @@ use crate::observer::Observer;
 use super::doubt::{Data, Halt};
 use super::error::DiagnoseError;
 use super::progress::{Part, Quiet};
+use super::selection::order_selection::CLEARLY_BETTER;
 use super::selection::weighting_choice;
 
 pub use mending::as_understood;
@@ -68,7 +69,7 @@ pub(super) fn diagnose(
     }
     let mut faults: Vec<MeasurementFault> = repeats::odd_rows(measurement).into_iter().collect();
     let mut as_measured = None;
-    let (mut unexplained, mut restored) = (None, false);
+    let (mut unexplained, mut mended_only, mut restored) = (None, None, false);
     for round in 0..=MOST_ROUNDS {
         let Ok(mended) = mending::mended(measurement, &faults) else { break };
         let data = Data { measurement: &mended.measurement, doubted: round < MOST_ROUNDS };
@@ -121,7 +122,10 @@ pub(super) fn diagnose(
                 words::describe(&mut faults, measurement);
                 return Ok(Diagnosis { measurement: faults, as_measured, ..answer });
             }
-            Ok(_) => break,
+            Ok(answer) => {
+                mended_only = Some(answer);
+                break;
+            }
             Err(Halt::Error(error)) => return Err(error),
             Err(Halt::Faults(suspicion)) => {
                 as_measured.get_or_insert(suspicion.as_measured);
@@ -132,7 +136,17 @@ pub(super) fn diagnose(
             }
         }
     }
-    unexplained.map_or_else(as_it_is, Ok)
+    let whole = unexplained.map_or_else(as_it_is, Ok)?;
+    match mended_only {
+        Some(answer)
+            if faults.iter().all(changes_all_alike) && is_clearly_better(&answer, &whole) =>
+        {
+            words::describe(&mut faults, measurement);
+            let as_measured = as_measured.or_else(|| Some(as_answered(&whole)));
+            Ok(Diagnosis { measurement: faults, as_measured, ..answer })
+        }
+        _ => Ok(whole),
+    }
 }
 
 /// The answer to a measurement as it is.
@@ -162,6 +176,25 @@ fn is_certain(fault: &MeasurementFault) -> bool {
 /// Whether a fault stands even where no model beside it leaves only noise.
 fn stands_alone(fault: &MeasurementFault) -> bool {
     is_certain(fault) || matches!(fault.fault, FaultKind::HeldInput | FaultKind::StraightInput)
+}
+
+/// Whether a fault changes all that was measured together by one number, and leaves nothing out.
+fn changes_all_alike(fault: &MeasurementFault) -> bool {
+    fault.left_out.is_empty() && fault.fault != FaultKind::StdFactor
+}
+
+/// Whether an answer to the mended measurement, which leaves more than noise, is still clearly better
+/// than that to the measurement as it is.
+fn is_clearly_better(mended: &Diagnosis, whole: &Diagnosis) -> bool {
+    let fit = |answer: &Diagnosis| {
+        let best = &answer.extended.as_ref().unwrap_or(&answer.base).fit;
+        Some((best.chi2?, best.chi2? / best.chi2_per_dof?))
+    };
+    let (Some((left, dof)), Some((left_of_whole, _))) = (fit(mended), fit(whole)) else {
+        return false;
+    };
+    suspects::misfit(left_of_whole, dof, false) - suspects::misfit(left, dof, false)
+        > CLEARLY_BETTER
 }
 
 /// Whether the answer's best model leaves only noise, and convinces.

@@ -20,7 +20,7 @@ use super::suspects::misfit;
 const LARGEST_SHARE: f64 = 0.1;
 
 /// A fault that explains less than this share of what the first one explains is far smaller.
-const FAR_SMALLER: f64 = 0.05;
+pub(super) const FAR_SMALLER: f64 = 0.05;
 
 /// Prior probability that a row does not belong: one in a hundred, or the share that was found.
 const LEAST_SHARE_OF_ROWS: f64 = 0.01;

@@ -13,7 +13,7 @@ use super::family::Family;
 use super::fault;
 use super::mending;
 use super::one_level_out;
-use super::scan::Scan;
+use super::scan::{FAR_SMALLER, Scan};
 
 /// Fewest degrees of freedom that tell a fault from a model.
 const FEWEST_DOF: f64 = 20.0;
@@ -190,6 +190,7 @@ impl Suspects<'_> {
         let experiments = self.session.measurement().experiments();
         let (mut faults, mut price) = (Vec::<MeasurementFault>::new(), 0.0);
         let mut settling = SETTLING_ROUNDS;
+        let mut course = Vec::<(usize, f64)>::new();
         for round in 0..MOST_ROUNDS {
             let session = self.session.changed(|experiment, order| {
                 mending::change(&faults, experiments, experiment, order)
@@ -199,6 +200,7 @@ impl Suspects<'_> {
             }
             let fit = session.judge(&model, Intervals::Curvature).ok()?;
             let cost = session.cost(&model)?;
+            course.push((faults.len(), cost));
             let scan = self.scan(&fit, cost).beside(rows_left_out(&faults));
             let candidates = scan.candidates();
             let found = scan.select(&candidates, family);
@@ -224,6 +226,9 @@ impl Suspects<'_> {
                 let observer = self.session.observer();
                 let is_noise = discrepancy::is_without_structure(&residuals, self.seed, observer);
                 let effects = key.len();
+                if first_dominates(&course) {
+                    faults.truncate(1);
+                }
                 return is_noise.then_some(Suspected { faults, criterion, price, effects });
             }
             for (new, own_price) in found.faults {
@@ -238,6 +243,14 @@ impl Suspects<'_> {
     }
 }
 
+/// Whether the first fault, found alone, explains nearly all that all of them do: numbers of faults and
+/// what was left beside them, round by round. What is far smaller may be an effect of the machine,
+/// which could not be fitted beside the first fault. It is looked for once that is mended.
+fn first_dominates(course: &[(usize, f64)]) -> bool {
+    let [(0, begin), (1, beside_first), .., (_, end)] = course else { return false };
+    beside_first - end < FAR_SMALLER * (begin - end)
+}
+
 fn rows_left_out(faults: &[MeasurementFault]) -> usize {
     faults.iter().map(|fault| fault.left_out.len()).sum()
 }
@@ -247,5 +260,19 @@ pub(crate) fn misfit(cost: f64, dof: f64, size_known: bool) -> f64 {
     match size_known {
         true => cost,
         false => dof * (1.0 + (cost.max(f64::MIN_POSITIVE) / dof).ln()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_first_fault_dominates_where_the_others_explain_a_twentieth_of_what_it_does() {
+        let rounds = |beside_first| [(0, 1000.0), (1, beside_first), (3, 100.0), (3, 100.0)];
+        assert!(first_dominates(&rounds(140.0)));
+        assert!(!first_dominates(&rounds(150.0)));
+        assert!(!first_dominates(&[(0, 1000.0), (2, 110.0), (3, 100.0)]), "two were found at once");
+        assert!(!first_dominates(&[(1, 100.0)]));
     }
 }

@@ -55,34 +55,40 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
         FaultKind::BadRows => (rows(&fault.left_out, measurement), "; left out"),
         FaultKind::StdFactor => (
             format!(
-                "what is left looks like noise of {} times the stated standard deviation{interval}",
+                "the residual looks like noise of {} times the stated standard deviation{interval}",
                 digits(value)
             ),
-            ": the noise is taken to be that large",
+            "; corrected: the noise is taken to be that large",
         ),
         FaultKind::LevelGain | FaultKind::RunGain => (
             format!(
-                "{place} the response is {} times as large as all else says{interval}",
+                "{place} the response is {} times as large as the rest of the measurement \
+                 predicts{interval}",
                 digits(value)
             ),
-            ": it is divided by that",
+            "; corrected: divided by that",
         ),
         FaultKind::LevelPhase | FaultKind::RunPhase => (
             format!(
-                "{place} the phase of the fundamental differs by {}°{interval} from what all else says",
+                "{place} the phase of the fundamental differs by {}°{interval} from what the rest \
+                 of the measurement predicts",
                 digits(value)
             ),
-            ": it is turned back, harmonic k by k times as much",
+            "; corrected: harmonic k turned back by k times that",
         ),
-        FaultKind::Conjugated => {
-            ("the phase has the wrong sign".into(), ": conjugated, the response is that of an axis")
-        }
-        FaultKind::ReversedSign => {
-            ("the response has the wrong sign".into(), ": reversed, it is that of an axis")
-        }
+        FaultKind::Conjugated => (
+            "the phase has the wrong sign".into(),
+            "; corrected: conjugated, the response is that \
+                                                     of an axis",
+        ),
+        FaultKind::ReversedSign => (
+            "the response has the wrong sign".into(),
+            "; corrected: reversed, it is that of an \
+                                                        axis",
+        ),
         FaultKind::SineReference => (
             "the harmonics refer to a sine, not to a cosine".into(),
-            ": turned by (k − 1)·90°, they are those of an axis",
+            "; corrected: turned by (k − 1)·90°, they are those of an axis",
         ),
         FaultKind::ResponseKind => (
             format!(
@@ -95,9 +101,12 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
         FaultKind::AmplitudeConvention => {
             let is_rms = value > 1.0;
             let convention = if is_rms { "rms" } else { "peak-to-peak" };
-            let mended = if is_rms { ": multiplied by √2" } else { ": halved" };
+            let mended = if is_rms { "; corrected: multiplied by √2" } else { ": halved" };
             (
-                format!("the means do not fit the harmonics unless these are {convention} values"),
+                format!(
+                    "means and harmonics fit together only if the amplitudes are {convention} \
+                         values"
+                ),
                 mended,
             )
         }
@@ -119,7 +128,7 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
                 format!(
                     "the response is ahead of the input by {ahead} ms{interval}, which no machine can be"
                 ),
-                ": it is delayed by that",
+                "; corrected: delayed by that",
             )
         }
     }
@@ -172,11 +181,15 @@ fn rows(left_out: &[LeftOutRow], measurement: &Measurement) -> String {
         }
     };
     let size = |row: &LeftOutRow| {
-        format!("{} % off, {} standard deviations", short(100.0 * row.off), short(row.sigmas))
+        format!(
+            "{} % off the fit, {} standard deviations",
+            short(100.0 * row.off),
+            short(row.sigmas)
+        )
     };
     match left_out {
         [row] => {
-            format!("{} does not belong to the rest: {}", name(row), size(row))
+            format!("{} is an outlier: {}", name(row), size(row))
         }
         rows => {
             let named: Vec<String> = rows
@@ -186,14 +199,14 @@ fn rows(left_out: &[LeftOutRow], measurement: &Measurement) -> String {
                 .collect();
             let more = rows.len().saturating_sub(MOST_NAMED);
             let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
-            format!("{} rows do not belong to the rest: {}{rest}", rows.len(), named.join("; "))
+            format!("{} rows are outliers: {}{rest}", rows.len(), named.join("; "))
         }
     }
 }
 
 fn remedy(fault: &MeasurementFault) -> &'static str {
     match fault.fault {
-        FaultKind::BadRows => "measure these again, or delete their lines",
+        FaultKind::BadRows => "measure again what is listed, or delete its lines",
         FaultKind::StdFactor => "correct the column `std` (or the option noise_std)",
         FaultKind::LevelGain | FaultKind::RunGain => {
             "look for a range or a gain that was switched, correct the values, or measure this again"

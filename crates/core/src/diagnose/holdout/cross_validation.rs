@@ -190,7 +190,7 @@ impl CrossValidation {
         let mut what = self.what.clone();
         if !others.is_empty() {
             what.push_str(&format!(
-                "; without {} of these parts the choice was another: {}",
+                "; with {} of these parts held out, another choice was made: {}",
                 others.len(),
                 others.join(", ")
             ));

@@ -90,8 +90,8 @@ impl CvSplits {
             CvSplit { rows }
         };
         let what = match parts {
-            1 => format!("{what}, predicted from the others"),
-            _ => format!("{what}, in {parts} parts, each predicted from all else"),
+            1 => format!("{what}, predicted from the rest"),
+            _ => format!("{what}, in {parts} parts, each predicted from the rest"),
         };
         Some(Self { parts: (0..parts).map(part).collect(), what })
     }
@@ -269,7 +269,7 @@ mod tests {
             CvSplits::of(&measured(experiments))
         };
         let splits = few(3).unwrap();
-        assert_eq!(splits.what, "1 of 3 magnitudes, predicted from the others");
+        assert_eq!(splits.what, "1 of 3 magnitudes, predicted from the rest");
         let groups: BTreeSet<usize> = splits.parts[0].rows.values().copied().collect();
         assert_eq!(groups.len(), 3);
         // Two frequencies leave two groups at the held-out magnitude: too few.

@@ -140,20 +140,23 @@ fn reason(search: &SizeSearch<'_>, effect: &dyn Effect, unseen: &Unseen) -> Stri
         _ if search.lacks_order(effect) => {
             return "the order of acquisition is not given; add the column `run`".into();
         }
-        Unseen::NoResponse => return "its simulation has no periodic response here".into(),
+        Unseen::NoResponse => {
+            return "it could not be simulated: there is no periodic motion at \
+                                      these magnitudes and frequencies"
+                .into();
+        }
         Unseen::TooSmall(sized) => sized,
     };
     let change = search.relative(sized);
     if change < ROUNDING {
-        return "nothing in this measurement depends on it".into();
+        return "it has no effect at the points measured".into();
     }
     match search.raw_share(sized) {
         share if share < 1.0 => format!(
-            "the largest that a machine would have changes the response by {}, less than the noise \
-             would show",
+            "even a large one changes the response by {} only, less than the noise would show",
             per_cent(change)
         ),
-        _ => "the parameters of the base model take up what it changes; measure more magnitudes, \
+        _ => "other values of pole, constant and friction look the same; measure more magnitudes, \
               frequencies or harmonics"
             .into(),
     }

@@ -19,11 +19,11 @@ pub(super) fn of(
         false => format!("noise is {} of the response", range(&noise)),
     }];
     let shares = [
-        (all(|level| level.odd), "odd distortion"),
-        (all(|level| level.even), "even distortion"),
-        (all(|level| level.stochastic), "distortion that depends on the phases of the input"),
+        (all(|level| level.odd), "odd distortion", " (as of friction, backlash, saturation)"),
+        (all(|level| level.even), "even distortion", " (as of unlike directions)"),
+        (all(|level| level.stochastic), "distortion that depends on the phases of the input", ""),
     ];
-    said.extend(shares.iter().filter_map(|(shares, name)| part(shares, name)));
+    said.extend(shares.iter().filter_map(|(shares, name, of)| part(shares, name, of)));
     if let Some(change) = change {
         said.push(match (change.value > 0.0, change.detectable) {
             (true, _) => format!(
@@ -36,7 +36,7 @@ pub(super) fn of(
             ),
         });
     }
-    let is_hidden = shares.iter().all(|(shares, _)| shares.is_empty());
+    let is_hidden = shares.iter().all(|(shares, ..)| shares.is_empty());
     if is_hidden && measurement.experiments().iter().any(|e| e.pure_cosine().is_none()) {
         said.push(
             "the input excites every line of its band, which hides distortion: leave lines out, \
@@ -47,8 +47,9 @@ pub(super) fn of(
     format!("before any model: {}", said.join("; "))
 }
 
-/// A part at all levels: its range, or that there is none; nothing if it was not measured.
-fn part(shares: &[Share], name: &str) -> Option<String> {
+/// A part at all levels: its range and what it may be of, or that there is none; nothing if it was
+/// not measured.
+fn part(shares: &[Share], name: &str, of: &str) -> Option<String> {
     let values: Vec<f64> = shares.iter().map(|share| share.value).collect();
     let largest = values.iter().copied().reduce(f64::max)?;
     let limits = shares.iter().map(|share| share.detectable);
@@ -58,7 +59,7 @@ fn part(shares: &[Share], name: &str) -> Option<String> {
             let least = limits.iter().copied().fold(0.0, f64::max);
             format!("there is no {name} above {}", percent(least))
         }
-        Some(_) => format!("{name} is {}", range(&values)),
+        Some(_) => format!("{name}{of} is {}", range(&values)),
     })
 }
 

@@ -186,7 +186,8 @@ impl Report<'_> {
     fn notes(&self) -> Vec<String> {
         let request = &self.setting.request;
         let mut notes = vec![format!(
-            "the axis is known to ± {} per parameter; the plan is made for it and {} axes drawn around it",
+            "the plan allows for an error of ± {} in each parameter of the axis ({} random \
+             variants were tried)",
             per_cent(request.options.uncertainty),
             self.scenarios.len() - 1
         )];
@@ -197,14 +198,14 @@ impl Report<'_> {
             per_cent(request.options.noise_share)
         ));
         notes.push(
-            "the percentages are those of a linearisation around three sizes of each effect: they rank \
-             experiments"
+            "the percentages are approximate: use them to compare plans, not as a promise"
                 .to_owned(),
         );
         let out = self.allowed.iter().filter(|allowed| !**allowed).count();
         if out > 0 {
             notes.push(format!(
-                "{out} of {} points are left out: there the axis may exceed the largest velocity or travel",
+                "{out} of {} points are left out: the axis may exceed the largest velocity or \
+                 travel there",
                 self.allowed.len()
             ));
         }

@@ -155,7 +155,9 @@ fn rate(field: &'static str, pole: f64) -> Result<f64, PlanError> {
     if pole < 0.0 && pole.is_finite() {
         return Ok(-pole);
     }
-    let reason = format!("{pole} is not the pole of a stable axis, a negative number (rad/s)");
+    let reason = format!(
+        "{pole} is not negative, as the pole of a stable axis is: -10, for example (rad/s)"
+    );
     Err(PlanError::Invalid { field, reason })
 }
 
@@ -201,7 +203,7 @@ fn plant(axis: &RoughAxis) -> Result<Plant, PlanError> {
 fn magnitudes(plant: &Plant, largest: Option<f64>) -> Result<[f64; 2], PlanError> {
     let level = plant.friction.fc_plus.max(plant.friction.fc_minus);
     let Some(largest) = largest.or((level > 0.0).then_some(LARGEST_OVER_FRICTION * level)) else {
-        let reason = "give it: without friction no magnitude follows from the axis".into();
+        let reason = "give it: without friction it cannot be chosen from the axis".into();
         return Err(PlanError::Invalid { field: "options.largest_magnitude", reason });
     };
     let least = LEAST_OVER_FRICTION * level;

@@ -142,7 +142,7 @@ fn the_axis_stays_within_its_velocity_and_travel() {
 #[test]
 fn what_makes_no_sense_is_refused_with_what_to_do() {
     for (change, words) in [
-        ((|r| r.axis.pole = 10.0) as fn(&mut PlanRequest), "negative number"),
+        ((|r| r.axis.pole = 10.0) as fn(&mut PlanRequest), "not negative"),
         (|r| r.axis.constant = 0.0, "does not move"),
         (|r| r.axis.fc_minus = -0.4, "sizes"),
         (|r| r.axis.natural_frequency = Some(30.0), "`damping_ratio`"),

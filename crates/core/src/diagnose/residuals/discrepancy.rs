@@ -39,11 +39,11 @@ pub(crate) fn of(fit: &ModelFit, seed: u64, observer: &dyn Observer) -> Discrepa
     };
     let sentence = if let Some(sentence) = contradiction.filter(|_| patterns.is_empty()) {
         sentence
-    } else if rounding {
-        "the simulation agrees with the measurement to the last digits: what is left is rounding"
-            .into()
     } else if judgement.tests.iter().all(|test| test.p_value.is_none()) {
-        "there is too little data to say whether the simulation is wrong".into()
+        "there are too few data to test whether the simulation is wrong".into()
+    } else if rounding {
+        "the simulation agrees with the measurement to the last digits: the residual is rounding"
+            .into()
     } else if noise_like {
         adequate_sentence(&residuals, &judgement)
     } else {
@@ -92,14 +92,14 @@ fn contradiction(fit: &ModelFit, residuals: &Residuals) -> Option<String> {
     let sizes = Sizes::of(residuals, &cells)?;
     if sizes.rms_left > sizes.rms_simulated {
         return Some(
-            "the simulation leaves more of the response than it simulates: the response is not \
-             that of an axis to this input, or is lost in noise"
+            "the residual is larger than the simulated response: the response is not that of an \
+             axis to this input, or is lost in noise"
                 .into(),
         );
     }
     let ratio = fit.contradicts_noise?;
     Some(format!(
-        "the simulation is wrong: it leaves {} times the stated noise, in no pattern",
+        "the simulation is wrong: the residual is {} times the stated noise, in no pattern",
         sentence::short(ratio.sqrt())
     ))
 }
@@ -116,7 +116,7 @@ fn wrong_sentence(patterns: &[Pattern], judgement: &Judgement) -> String {
     let failed: Vec<&ResidualTest> = judgement.tests.iter().filter(|test| !test.passed).collect();
     match patterns.first() {
         Some(pattern) => format!(
-            "the simulation is wrong: {}; {:.0} % of what it misses lies there",
+            "the simulation is wrong: {}; {:.0} % of the excess χ² lies there",
             pattern.sentence,
             100.0 * pattern.share
         ),
@@ -157,14 +157,14 @@ fn adequate_sentence(residuals: &Residuals, judgement: &Judgement) -> String {
         let what = if layout.many_lines { "response" } else { "fundamental" };
         if share > 1.0 {
             return format!(
-                "{sentence}, which is so large that the {what} at magnitude {}{unit} might be another \
-                 one altogether",
+                "{sentence}; at magnitude {}{unit} the noise is as large as the {what}, so the \
+                 measurement proves nothing there",
                 sentence::span(span)
             );
         }
         sentence += &format!(
-            "; a departure of {} % of the {what} (rms) at magnitude {}{unit} would have been noticed, \
-             and a smaller one elsewhere",
+            "; an error of {} % of the {what} (rms) at magnitude {}{unit} would have been noticed, \
+             and a smaller one at any other magnitude",
             sentence::short(100.0 * share),
             sentence::span(span)
         );
@@ -187,15 +187,15 @@ pub(crate) fn limitations(fit: &ModelFit, discrepancy: &Discrepancy) -> Vec<Stri
     let mut sentences = Vec::new();
     if fit.identification.noise == NoiseSource::Estimated && fit.contradicts_noise.is_none() {
         sentences.push(
-            "the size of the noise is unknown: only structure in what the simulation leaves can \
-             show that it is wrong; give std, repeats or the option noise_std"
+            "the size of the noise is unknown: only structure in the residual can show that the \
+             simulation is wrong; give std, repeats or the option noise_std"
                 .into(),
         );
     }
     if discrepancy.noise_like && fit.identification.fit.adequate == Some(false) {
         sentences.push(format!(
-            "χ² alone is at the edge (p = {}), but with all tests together such a value is due \
-             to chance often enough",
+            "χ² alone is borderline (p = {}); with this many tests such a value occurs by chance \
+             often enough, so the model is accepted",
             sentence::short(fit.identification.fit.p_value.unwrap_or(0.0))
         ));
     }

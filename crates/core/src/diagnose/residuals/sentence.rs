@@ -182,7 +182,7 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 /// A number with this many significant digits, its whole integer part, and no trailing zeros.
-fn rounded(value: f64, digits: i32) -> String {
+pub(crate) fn rounded(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }

@@ -45,7 +45,8 @@ pub(crate) fn all<'a>(residuals: &'a Residuals, regions: &'a Regions) -> Vec<Sta
     if residuals.dof() < FEWEST_DOF {
         let structure = |statistic: &&mut Statistic<'_>| statistic.name != "size";
         for statistic in statistics.iter_mut().filter(structure) {
-            statistic.evaluate = Err("too few data are left over to show any structure");
+            statistic.evaluate = Err("too few data remain beside the parameters to show any \
+                                      structure");
         }
     }
     statistics
@@ -92,8 +93,8 @@ fn frequency(residuals: &Residuals) -> Statistic<'_> {
             0..8 => Err("there are too few neighbours in frequency"),
             _ => Ok(Box::new(move |r| pairs.iter().map(|(a, b)| r[*a] * r[*b]).sum())),
         },
-        small: "residuals at neighbouring frequencies have nothing to do with each other",
-        large: "residuals at neighbouring frequencies resemble each other",
+        small: "residuals at neighbouring frequencies are independent",
+        large: "residuals at neighbouring frequencies are alike",
     }
 }
 
@@ -107,7 +108,7 @@ fn trend(residuals: &Residuals) -> Statistic<'_> {
         name: "trend",
         evaluate: varying(residuals, &level, "there is one frequency only"),
         small: "the same parameters fit low and high frequencies",
-        large: "low and high frequencies ask for different parameters",
+        large: "low and high frequencies fit different parameters",
     }
 }
 
@@ -118,7 +119,7 @@ fn magnitude(residuals: &Residuals) -> Statistic<'_> {
         name: "magnitude",
         evaluate: varying(residuals, &level, "there is one magnitude only"),
         small: "the same parameters fit every magnitude",
-        large: "small and large magnitudes ask for different parameters",
+        large: "small and large magnitudes fit different parameters",
     }
 }
 
@@ -137,10 +138,11 @@ fn run(residuals: &Residuals) -> Statistic<'_> {
         small: "the same parameters fit from the first run to the last",
         large: match follows_design(residuals) {
             true => {
-                "early and late runs ask for different parameters, but runs followed magnitude or \
-                 frequency: it may be those"
+                "early and late runs fit different parameters; not conclusive, as the runs were \
+                 taken in order of magnitude or frequency, which has the same effect: shuffle the \
+                 runs"
             }
-            false => "early and late runs ask for different parameters",
+            false => "early and late runs fit different parameters",
         },
     }
 }
@@ -194,7 +196,7 @@ fn harmonic(residuals: &Residuals) -> Statistic<'_> {
             })),
         },
         small: "no harmonic stands out, in size or in its mean",
-        large: "some harmonic is off in size or in its mean",
+        large: "some harmonic stands out, in size or in its mean",
     }
 }
 

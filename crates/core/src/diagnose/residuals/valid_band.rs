@@ -95,18 +95,23 @@ fn widest(bands: &[Band]) -> Option<[f64; 2]> {
 
 fn sentence(departures: &[BandDeparture], usable: Option<[f64; 2]>) -> String {
     let Some([from, to]) = usable else {
-        return "the model follows the measurement at no frequency to within 3 dB or 20°".into();
+        return "at no frequency is the model within about 3 dB and 20° of the measurement".into();
     };
-    let band = format!("from {} to {} Hz", short(from), short(to));
+    let [from, to] = [short(from), short(to)];
+    let band = if from == to { format!("at {from} Hz") } else { format!("from {from} to {to} Hz") };
     let Some(worst) = departures.iter().max_by(|a, b| a.severity().total_cmp(&b.severity())) else {
-        return format!("the model may be used {band}, the whole measured band");
+        return format!(
+            "the model stays within about 3 dB and 20° of the measurement {band}, the whole \
+             measured band"
+        );
     };
     let others = match departures.len() {
         1 => String::new(),
         count => format!(" (the worst of {count} such bands)"),
     };
     format!(
-        "use the model {band} only: from {} to {} Hz it is off by up to {:.0} dB and {:.0}°{others}",
+        "use the model {band} only, where it stays within about 3 dB and 20° of the measurement; \
+         from {} to {} Hz it is off by up to {:.0} dB and {:.0}°{others}",
         short(worst.from_hz),
         short(worst.to_hz),
         worst.gain_db.abs(),
@@ -179,8 +184,8 @@ mod tests {
         assert_eq!(widest(&bands), Some([0.1, 8.0]));
         assert_eq!(
             sentence(&departures, widest(&bands)),
-            "use the model from 0.1 to 8 Hz only: from 8.2 to 20 Hz it is off by up to 14 dB and \
-             157°"
+            "use the model from 0.1 to 8 Hz only, where it stays within about 3 dB and 20° of the \
+             measurement; from 8.2 to 20 Hz it is off by up to 14 dB and 157°"
         );
     }
 
@@ -189,8 +194,10 @@ mod tests {
         let bands = [band([0.1, 0.2], 1.0, 0.0, false), band([0.3, 8.0], 1.1, 2.0, false)];
         assert_eq!(
             sentence(&departures(&bands), widest(&bands)),
-            "the model may be used from 0.1 to 8 Hz, the whole measured band"
+            "the model stays within about 3 dB and 20° of the measurement from 0.1 to 8 Hz, the \
+             whole measured band"
         );
+        assert!(sentence(&[], Some([0.5, 0.5])).contains("at 0.5 Hz, the whole"));
         assert!(sentence(&[], None).contains("at no frequency"));
     }
 }

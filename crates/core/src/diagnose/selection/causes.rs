@@ -138,18 +138,18 @@ pub(crate) fn candidates(models: &Models, chosen: &Key, withdrawn: &Key) -> Vec<
 fn rejection(models: &Models, chosen: &Key, withdrawn: &Key, id: &'static str) -> String {
     let single = vec![id];
     if !models.supported(&single) {
-        return "it gains no more than chance would".into();
+        return "the improvement may be chance".into();
     }
     if withdrawn.contains(&id) {
-        return "it predicts data held out no better than the base model".into();
+        return "it predicts held-out data no better than the base model".into();
     }
     if chosen.is_empty() && withdrawn.is_empty() {
-        return "it gains less than its parameters cost".into();
+        return "the improvement does not justify its parameters".into();
     }
     let mut with: Key = chosen.iter().copied().chain([id]).collect();
     with.sort_unstable();
     match models.get(&with).is_some() && !chosen.is_empty() {
-        true => format!("beside {} it gains no more than chance", chosen.join(" and ")),
+        true => format!("beside {} the improvement may be chance", chosen.join(" and ")),
         false => {
             let better = if chosen.is_empty() { withdrawn } else { chosen };
             format!("{} explains the data better", better.join(" with "))
@@ -211,11 +211,11 @@ mod tests {
             |withdrawn: &[&'static str], id| rejection(&models, &Key::new(), &key(withdrawn), id);
         assert_eq!(
             said(&["spring"], "spring"),
-            "it predicts data held out no better than the base model"
+            "it predicts held-out data no better than the base model"
         );
         assert_eq!(said(&["spring"], "transport_delay"), "spring explains the data better");
-        assert_eq!(said(&[], "spring"), "it gains less than its parameters cost");
-        assert!(said(&[], "cogging").contains("no more than chance"));
+        assert_eq!(said(&[], "spring"), "the improvement does not justify its parameters");
+        assert!(said(&[], "cogging").contains("may be chance"));
     }
 
     #[test]

@@ -7,6 +7,7 @@
 use rayon::prelude::*;
 
 use crate::answers::NextExperiment;
+use crate::diagnose::residuals::sentence::{rounded, short};
 use crate::identify::{FitSession, Model};
 use crate::measurement::after_number;
 
@@ -56,14 +57,24 @@ pub(crate) fn between(
         .filter_map(|(chi2, point)| Some((chi2.filter(|chi2| chi2.is_finite())?, point)))
         .max_by(|a, b| a.0.total_cmp(&b.0))?;
     let unit = after_number(&session.measurement().metadata().input.unit);
+    let beyond = match (magnitude < weak, omega_rad_s > fast) {
+        (true, true) => Some("below the magnitudes and above the frequencies"),
+        (true, false) => Some("below the magnitudes"),
+        (false, true) => Some("above the frequencies"),
+        (false, false) => None,
+    };
+    let beyond = beyond.map_or(String::new(), |beyond| {
+        format!("; this is {beyond} measured so far: check that the rig allows it")
+    });
     let reason = format!(
-        "{} and {} explain the data almost equally well; at magnitude {magnitude:.3}{unit} and \
-         {:.4} Hz their predictions differ most: by {:.1} standard deviations in all harmonics \
-         together",
+        "measure at magnitude {}{unit} and {} Hz: there the predictions of {} and {}, which explain \
+         the data almost equally well, differ most, by {} standard deviations of the noise in all \
+         harmonics together{beyond}",
+        rounded(magnitude, 3),
+        rounded(omega_rad_s / std::f64::consts::TAU, 3),
         named.1,
         rival.1,
-        omega_rad_s / std::f64::consts::TAU,
-        chi2.sqrt(),
+        short(chi2.sqrt()),
     );
     Some(NextExperiment { magnitude, omega_rad_s, reason })
 }
@@ -92,6 +103,9 @@ mod tests {
         let measured = measurement.experiments().iter().map(|e| e.omega_rad_s);
         let highest = measured.fold(0.0, f64::max);
         assert!(next.omega_rad_s > highest && next.omega_rad_s < 4.01 * highest, "{next:?}");
-        assert!(next.reason.starts_with("transport_delay and sensor_lag"), "{next:?}");
+        let said = &next.reason;
+        assert!(said.starts_with("measure at magnitude "), "{said}");
+        assert!(said.contains("the predictions of transport_delay and sensor_lag"), "{said}");
+        assert!(said.contains("above the frequencies measured so far"), "{said}");
     }
 }

@@ -20,7 +20,7 @@ use crate::diagnose::progress::{Part, Quiet};
 /// Where faults of the measurement beside one effect at most are better by this, −2 ln evidence, no
 /// combination of effects is tried: it could explain no more than noise, and a second effect of
 /// this size that shows just as a fault does is unlikely. Tuned.
-const CLEARLY_BETTER: f64 = 200.0;
+pub(crate) const CLEARLY_BETTER: f64 = 200.0;
 
 /// What faults beside an effect may cost at most for that: about two rows. A second effect may show
 /// in a few rows alone. Tuned.
@@ -125,7 +125,7 @@ pub(crate) fn diagnose(
     let best = studies.remove(0);
     if best.order() < suited {
         said.push(format!(
-            "without any effect the data asks for an actuator of order {suited}; better is {}",
+            "without any effect an actuator of order {suited} fits best; {} fits better",
             described(&best)
         ));
     }

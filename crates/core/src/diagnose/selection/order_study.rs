@@ -50,7 +50,7 @@ impl<'a> OrderStudy<'a> {
         part: Part<'_>,
         seed: u64,
     ) -> Result<Self, DiagnoseError> {
-        let stage = part.part(RESIDUALS_SPAN).stage("testing what the base model leaves", 2);
+        let stage = part.part(RESIDUALS_SPAN).stage("testing the residual", 2);
         let fit = session.judge(session.base(), Intervals::Profile)?;
         stage.step();
         let discrepancy = discrepancy::of(&fit, seed, session.observer());

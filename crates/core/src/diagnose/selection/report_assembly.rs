@@ -60,9 +60,8 @@ impl ReportAssembly<'_> {
             Err(NoCrossValidation::Cancelled) => return Err(IdentifyError::Cancelled.into()),
             Err(NoCrossValidation::NoCauses) => None,
             Err(NoCrossValidation::Because(reason)) => {
-                limitations.push(format!(
-                    "what the causes gain on data that no fit has seen is not known: {reason}"
-                ));
+                limitations
+                    .push(format!("the improvement on held-out data is not known: {reason}"));
                 None
             }
         };
@@ -86,8 +85,8 @@ impl ReportAssembly<'_> {
         }
         if self.fits && !self.explained {
             limitations.push(format!(
-                "{} together leave nothing but noise, but such a combination may imitate a single \
-                 effect that the library lacks: confirm each by an experiment of its own",
+                "with {} together the residual is noise, but such a combination may imitate a \
+                 single effect that the library lacks: confirm each by an experiment of its own",
                 self.chosen.join(" and ")
             ));
         }
@@ -96,7 +95,9 @@ impl ReportAssembly<'_> {
         let valid_band = valid_band::of(extended.as_ref().unwrap_or(&self.fit));
         let extended = extended.map(|fit| fit.identification);
         stage.step();
-        limitations.extend(extended.as_ref().and_then(crate::diagnose::limitations::unanswered));
+        let unit = &measurement.metadata().input.unit;
+        let unanswered = |answer| crate::diagnose::limitations::unanswered(answer, unit);
+        limitations.extend(extended.as_ref().and_then(unanswered));
         let Self { models, chosen, .. } = &self;
         let named =
             |extended| causes::named(models, chosen, extended, self.fits, measurement.metadata());
@@ -159,7 +160,7 @@ impl ReportAssembly<'_> {
         let cross_validation = CrossValidation::of(self.session, models, &splits, part);
         cross_validation.map_err(|error| match error {
             IdentifyError::Cancelled => NoCrossValidation::Cancelled,
-            error => NoCrossValidation::Because(format!("without a part of it, {error}")),
+            error => NoCrossValidation::Because(format!("when a part was held out, {error}")),
         })
     }
 
@@ -205,13 +206,13 @@ enum NoCrossValidation {
     Because(String),
 }
 
-const TOO_SMALL: &str = "that takes five frequencies, three magnitudes, or a record with twenty \
-                         lines, to hold some out";
+const TOO_SMALL: &str = "to hold data out takes five frequencies, three magnitudes, or a record \
+                         with twenty lines";
 
 fn dropped_sentence(Dropped { id, beside, gain }: &Dropped) -> String {
     format!(
-        "with {id} beside {} the model would fit the data better, but not predict what the fit \
-         has not seen: there {}; so it is not named",
+        "{id} is not named: added to {} it improves the fit, but not the prediction of held-out \
+         data ({})",
         beside.join(" and "),
         error_after(gain),
     )
@@ -219,8 +220,8 @@ fn dropped_sentence(Dropped { id, beside, gain }: &Dropped) -> String {
 
 fn withdrawn_sentence(chosen: &Key, gain: &Gain) -> String {
     format!(
-        "{} would fit the data better, but not predict what the fit has not seen: there {} ({}); so \
-         it is not named",
+        "{} would improve the fit, but not the prediction of held-out data ({}; {}), and is not \
+         named",
         chosen.join(" and "),
         error_after(gain),
         gain.heldout
@@ -231,7 +232,7 @@ fn withdrawn_sentence(chosen: &Key, gain: &Gain) -> String {
 fn error_after(gain: &Gain) -> String {
     let [low, high] = gain.interval95;
     let [from, to] = [1.0 / high, 1.0 / low];
-    format!("the error is {:.2} times as large, 95 % from {from:.2} to {to:.2}", 1.0 / gain.ratio)
+    format!("residual × {:.2}, 95 % interval {from:.2} to {to:.2}", 1.0 / gain.ratio)
 }
 
 #[cfg(test)]
@@ -250,10 +251,7 @@ mod tests {
             heldout: "lines".into(),
         };
         let said = dropped_sentence(&Dropped { id: "spring", beside: vec!["backlash"], gain });
-        assert!(said.starts_with("with spring beside backlash the model would fit"), "{said}");
-        assert!(
-            said.contains("the error is 1.25 times as large, 95 % from 0.77 to 2.00"),
-            "{said}"
-        );
+        assert!(said.starts_with("spring is not named: added to backlash it improves"), "{said}");
+        assert!(said.contains("residual × 1.25, 95 % interval 0.77 to 2.00"), "{said}");
     }
 }

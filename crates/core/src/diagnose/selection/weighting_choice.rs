@@ -153,20 +153,20 @@ fn chi2_of(
 /// limitation says why they were used.
 fn smaller_residual(by_noise: Option<Diagnosis>, mut equal_weights: Diagnosis) -> Diagnosis {
     let left = |answer: &Diagnosis| best(answer).fit.nrmse;
-    let than = match by_noise {
+    let per_cent = |answer: &Diagnosis| format!("{:.3} %", 100.0 * left(answer));
+    let effect = match by_noise {
         Some(answer) if left(&equal_weights) > WORTHWHILE_NRMSE_RATIO * left(&answer) => {
             return answer;
         }
-        Some(answer) => format!(" instead of {:.3} %", 100.0 * left(&answer)),
-        None => String::new(),
+        Some(answer) => format!("lowers the residual from {}", per_cent(&answer)),
+        None => "brings the residual".to_owned(),
     };
     equal_weights.limitations.insert(
         0,
         format!(
-            "no model reaches the noise, so how well a harmonic repeats says nothing of how well \
-             a model can follow it: here all harmonics weigh alike, which leaves {:.3} % of the \
-             response{than}; intervals are as wide as what is left demands",
-            100.0 * left(&equal_weights),
+            "no model fits to within the noise; all harmonics were therefore given the same weight, \
+             which {effect} to {} of the response; the intervals were widened to match the residual",
+            per_cent(&equal_weights),
         ),
     );
     equal_weights
@@ -279,7 +279,7 @@ mod tests {
         let answer = answer(3e-6, 3e-3);
         assert_eq!(answer.base.provenance.options.weights, Weighting::Response);
         assert_eq!(answer.base.fit.chi2, None);
-        assert!(answer.limitations[0].starts_with("no model reaches the noise"));
+        assert!(answer.limitations[0].starts_with("no model fits to within the noise"));
     }
 
     #[test]

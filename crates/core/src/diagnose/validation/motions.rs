@@ -57,7 +57,7 @@ pub(crate) fn tried(
         let mut why =
             reasons.filter_map(|tried| tried.as_ref().err()).map(|lost| lost.reason.clone());
         let reason =
-            format!("they follow none of its motions: {}", why.next_back().unwrap_or_default());
+            format!("they can follow none of its motions: {}", why.next_back().unwrap_or_default());
         return Err(ValidateError::Unusable { reason });
     }
     let block_s = block_s(answer.base(), measurement, &kept, &unscored_s);
@@ -278,7 +278,11 @@ mod tests {
         let found = tried(diagnosis(1.5), &measured(ResponseKind::Velocity, 0, Some(0.0)));
         assert!(hurts(found.gain.as_ref().unwrap()), "{:?}", found.gain);
         assert_eq!(found.verdict, Some(Verdict::Improved));
-        assert!(found.remarks[0].contains("hurts here"), "{:?}", found.remarks);
+        assert!(
+            found.remarks[0].contains("makes the prediction worse here"),
+            "{:?}",
+            found.remarks
+        );
     }
 
     // The measurement begins where the motion is fast. The first stretch holds 247 exact samples:

@@ -8,6 +8,7 @@ use crate::answers::{
     Answer, BeginningValue, Cause, ComparedExperiment, Comparison, Gain, ValidatedModel,
     ValidatedModels, ValidatedMotion, Verdict,
 };
+use crate::diagnose::residuals::sentence::rounded;
 use crate::identify::UnitCompatibility;
 use crate::measurement::{Measurement, ResponseKind, after_number};
 
@@ -33,19 +34,20 @@ impl Tried<'_> {
         let ValidatedModels { base, extended } = self.models;
         let mut said = vec![self.gained()];
         let (richest, name) = match extended {
-            Some(extended) => (extended, "the extended model"),
+            Some(extended) => (extended, "the model with the causes"),
             None => (base, "the base model"),
         };
         if leaves_more_than_noise(richest) {
             let each = richest.chi2_per_dof.unwrap_or_default();
             said.push(format!(
-                "{name} leaves more than the noise of this measurement: χ² is {each:.3} a datum"
+                "the residual of {name} is larger than the noise of this measurement: χ² is \
+                 {each:.3} per value"
             ));
         }
         if !self.noise_known {
             said.push(
-                "this measurement does not say how noisy it is (no deviations, no repeats): \
-                 whether a model leaves more than noise cannot be told"
+                "this measurement does not state its noise (no std, no repeats), so whether a \
+                 residual is noise cannot be told"
                     .into(),
             );
         }
@@ -54,13 +56,13 @@ impl Tried<'_> {
         let who = match lost {
             [0, 0] => None,
             [some, 0] => Some((some, "the base model")),
-            [0, some] => Some((some, "the extended model")),
+            [0, some] => Some((some, "the model with the causes")),
             [one, other] => Some((one.max(other), "a model")),
         };
         if let Some((count, who)) = who {
             let plural = if count == 1 { "experiment" } else { "experiments" };
             said.push(format!(
-                "{who} has no response to {count} {plural}, which count for no model"
+                "{who} has no response to {count} {plural}, which are left out for both models"
             ));
         }
         said
@@ -70,39 +72,48 @@ impl Tried<'_> {
     fn gained(&self) -> String {
         let Self { causes, models, gain, verdicts, .. } = self;
         let per_cent = |nrmse: Option<f64>| {
-            nrmse.map_or("all".to_owned(), |nrmse| format!("{:.3} %", 100.0 * nrmse))
+            nrmse.map_or("all".to_owned(), |nrmse| format!("{} %", rounded(100.0 * nrmse, 3)))
         };
         let before = per_cent(models.base.nrmse);
         let Some(extended) = &models.extended else {
             return format!(
-                "the base model leaves {before} of the response; no cause is named, so there is \
-                 no gain to measure"
+                "the residual of the base model is {before} of the response; no cause is named, so \
+                 there is no improvement to measure"
             );
         };
         let names: Vec<&str> = causes.iter().map(|cause| cause.effect.as_str()).collect();
         let (names, s) = (names.join(" and "), if causes.len() > 1 { "" } else { "s" });
-        let left =
-            format!("{before} of the response is left without, {} with", per_cent(extended.nrmse));
+        let left = format!(
+            "the residual is {before} of the response without, {} with",
+            per_cent(extended.nrmse)
+        );
         let Some(gain) = gain else {
             return format!(
                 "whether {names} help{s} here cannot be told: {left}, but there is too little to \
-                 give the ratio an interval (one frequency and one magnitude, or a model that \
-                 leaves nothing)"
+                 give the ratio an interval (one frequency and one magnitude, or a residual of \
+                 nothing)"
             );
         };
-        let [low, high] = gain.interval95;
-        let ratio = format!("ratio {:.3}, 95 % from {low:.3} to {high:.3}", gain.ratio);
+        let [ratio, low, high] =
+            [gain.ratio, gain.interval95[0], gain.interval95[1]].map(|value| rounded(value, 3));
+        let ratio = format!("ratio {ratio}, 95 % interval {low} to {high}");
         if !hurts(gain) {
-            return match low > 1.0 {
+            return match gain.interval95[0] > 1.0 {
                 true => format!("{names} help{s} here, too: {left} ({ratio})"),
                 false => format!("whether {names} help{s} here cannot be told: {left} ({ratio})"),
             };
         }
-        let text = format!("{names} help{s} on the fitted data and hurt{s} here: {left} ({ratio})");
+        let text = format!(
+            "{names} help{s} on the fitted data and make{s} the prediction worse here: {left} ({ratio})"
+        );
         match verdicts {
             Some((before, after)) if before != after => {
                 let name = |verdict: &Verdict| format!("{verdict:?}").to_uppercase();
-                format!("{text}; so the verdict is {} instead of {}", name(after), name(before))
+                format!(
+                    "{text}; the verdict is therefore {} instead of {}",
+                    name(after),
+                    name(before)
+                )
             }
             _ => text,
         }
@@ -128,7 +139,7 @@ pub(crate) fn of_data(
     let fitted = &answer.base().provenance.data_sha256;
     if !fitted.is_empty() && fitted == measurement.sha256() {
         said.push(
-            "these are the data that the answer was fitted to: what is gained on them proves \
+            "these are the data that the answer was fitted to: an improvement on them proves \
              nothing"
                 .into(),
         );
@@ -144,11 +155,11 @@ pub(crate) fn of_data(
         let mut runs = runs.chain(measurement.transients().iter().map(|t| t.run));
         let known = runs.all(|run| run.is_some());
         said.push(match known {
-            true => "friction_drift is taken from the first to the last run of this measurement, \
-                     as it was of the one that was fitted: it need not have gone on alike"
+            true => "friction_drift is assumed to run the same course in this measurement as in \
+                     the one that was fitted, from its first run to its last; it may not"
                 .into(),
-            false => "this measurement does not say in which order it was acquired: friction is \
-                      taken as in the first run of the one that was fitted"
+            false => "this measurement does not state its order of acquisition: friction is \
+                      assumed to be that of the first run of the one that was fitted"
                 .into(),
         });
     }
@@ -164,8 +175,9 @@ fn implausible(number: usize, model: &str, values: &[BeginningValue]) -> Option<
     let all: Vec<String> = values.iter().filter_map(unlikely).collect();
     (!all.is_empty()).then(|| {
         format!(
-            "motion {number}: what the {model} model is estimated to begin with is implausible: {}; \
-             it makes up for something that the model lacks; say how the motion begins",
+            "motion {number}: the estimated initial state of the {model} is implausible: {}; it \
+             compensates for something that the model lacks; state how the motion begins, as in \
+             the line `# initial_velocity: 0`",
             all.join("; ")
         )
     })
@@ -188,21 +200,21 @@ pub(crate) fn of_motions(
             }
         };
         if motion.beginning_given {
-            said.push(format!("motion {number} begins with the velocity that it gives"));
+            said.push(format!("motion {number} begins with the stated velocity"));
         } else if motion.unscored_s > 0.0 {
             let mut models = begins("base model", &motion.base);
             if extended {
-                models = format!("{models}; {}", begins("extended model", &motion.extended));
+                models = format!("{models}; {}", begins("model with the causes", &motion.extended));
             }
             said.push(format!(
-                "motion {number}: its first {:.4} s tell how it begins, and are not compared \
-                 ({models})",
+                "motion {number}: the initial state is estimated from the first {:.4} s, which are \
+                 not compared ({models})",
                 motion.unscored_s,
             ));
-            said.extend(implausible(number, "base", &motion.base));
-            said.extend(implausible(number, "extended", &motion.extended));
+            said.extend(implausible(number, "base model", &motion.base));
+            said.extend(implausible(number, "model with the causes", &motion.extended));
         } else {
-            said.push(format!("motion {number} is taken to begin at rest"));
+            said.push(format!("motion {number} is assumed to begin at rest"));
         }
     }
     let response = match kind {
@@ -210,9 +222,7 @@ pub(crate) fn of_motions(
         ResponseKind::Position => "position",
         ResponseKind::Acceleration => "acceleration",
     };
-    said.push(format!(
-        "of the {response} what differs from its mean is compared, measured as simulated"
-    ));
+    said.push(format!("the {response} is compared without its mean, measured and simulated"));
     said
 }
 

@@ -84,8 +84,11 @@ fn an_extension_that_hurts_lowers_the_verdict_by_one_step_and_says_so() {
     assert!(hurts(found.gain.as_ref().unwrap()), "{:?}", found.gain);
     assert_eq!(found.verdict, Some(Verdict::Improved));
     let said = &found.remarks[0];
-    assert!(said.contains("helps on the fitted data and hurts here"), "{said}");
-    assert!(said.ends_with("the verdict is IMPROVED instead of EXPLAINED"), "{said}");
+    assert!(
+        said.contains("helps on the fitted data and makes the prediction worse here"),
+        "{said}"
+    );
+    assert!(said.ends_with("the verdict is therefore IMPROVED instead of EXPLAINED"), "{said}");
     let improved = Diagnosis { verdict: Verdict::Improved, ..wrong.clone() };
     assert_eq!(tried(improved, &measurement).verdict, Some(Verdict::Unexplained));
 
@@ -118,7 +121,10 @@ fn an_experiment_in_which_one_model_has_no_response_counts_for_neither() {
     assert_eq!((of_base.components, of_extended.components), (68, 68));
     assert_eq!((of_base.unanswered.len(), of_extended.unanswered.len()), (0, 1));
     let said = found.remarks.iter().find(|text| text.contains("no response")).unwrap();
-    assert!(said.starts_with("the extended model has no response to 1 experiment"), "{said}");
+    assert!(
+        said.starts_with("the model with the causes has no response to 1 experiment"),
+        "{said}"
+    );
     let nothing = Comparison { experiments: Vec::new(), ..base.clone() };
     let error = compared(&answer, &measurement, &same, &base, Some(&nothing)).unwrap_err();
     assert!(error.to_string().contains("no response to any"), "{error}");
@@ -130,7 +136,10 @@ fn the_noise_is_what_the_validation_measurement_states() {
     answer.base.provenance.options.noise_std = Some(STD);
     let found = tried(answer, &measurement(None));
     assert_eq!(found.models.base.chi2_per_dof, None);
-    assert!(found.remarks.iter().any(|text| text.contains("how noisy")), "{found:?}");
+    assert!(
+        found.remarks.iter().any(|text| text.contains("does not state its noise")),
+        "{found:?}"
+    );
     assert_eq!(found.provenance.options.noise_std, Some(STD));
 }
 

@@ -5,8 +5,8 @@ use indexmap::IndexMap;
 use super::FitSession;
 use crate::answers::SizedParameter;
 use crate::effects::{Effect, MachineScales};
-use crate::identify::estimates::Units;
 use crate::identify::problem::Scales;
+use crate::identify::units::Units;
 
 impl FitSession<'_> {
     /// Scales of the fitted machine and of the experiments on it, in the problem's units.

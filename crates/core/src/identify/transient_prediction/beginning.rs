@@ -186,7 +186,10 @@ impl Model<'_> {
     ) -> Option<String> {
         let Unknown { quantity, at_rest, size } = *unknown;
         if (value - at_rest).abs() > size {
-            return Some(format!("it is beyond {size:.4}, what the largest input brings it to"));
+            return Some(format!(
+                "it is larger than {size:.4}, the most that the largest input can \
+                                 cause"
+            ));
         }
         let shown = shown.filter(|_| quantity == Quantity::Velocity)?;
         let FirstVelocity { value: first, std, usual } = shown;
@@ -355,7 +358,7 @@ mod tests {
         let velocity = Unknown { quantity: Quantity::Velocity, at_rest: 0.0, size: 1.0 };
         assert_eq!(model.implausible(&velocity, 0.105, shown), None);
         assert!(model.implausible(&velocity, 0.2, shown).unwrap().contains("show 0.1000"));
-        assert!(model.implausible(&velocity, -1.2, shown).unwrap().contains("beyond 1.0000"));
+        assert!(model.implausible(&velocity, -1.2, shown).unwrap().contains("larger than 1.0000"));
         let torque = Unknown { quantity: Quantity::Torque, at_rest: 1.0, size: 2.0 };
         assert_eq!(model.implausible(&torque, 2.9, shown), None);
         assert!(model.implausible(&torque, 3.1, shown).is_some());

@@ -14,14 +14,15 @@ pub(super) fn check(measurement: &Measurement) -> Option<Finding> {
     let [input, response] = scatters.reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])])?;
     (input > LEAST_RATIO * response).then(|| Finding {
         sentence: format!(
-            "from period to period the input varies by {}, the response by {}: a controller makes the \
-             input, or it is measured with noise",
+            "from period to period the input varies by {}, the response by {}: either a controller \
+             generates the input (closed loop), or the input is measured with noise",
             per_cent(input),
             per_cent(response)
         ),
-        remedy: "if the loop was closed, say so: `--loop closed`, the query parameter `loop`, or the \
+        remedy:
+            "if the loop was closed, say so: `--loop closed`, the query parameter `loop`, or the \
                  line `# loop: closed`"
-            .into(),
+                .into(),
     })
 }
 

@@ -19,8 +19,8 @@ pub(super) fn check(measurement: &Measurement) -> Option<Finding> {
     };
     Some(Finding {
         sentence: format!(
-            "the axis moves in one direction {where_}: its velocity never crosses zero, so that dry \
-             friction acts as a constant there and can hardly be seen"
+            "the axis moves in one direction {where_}: its velocity never crosses zero, so that \
+             dry friction acts as a constant there and can hardly be measured"
         ),
         remedy:
             "to measure friction, leave out the offset or base motion, so that the axis reverses; \

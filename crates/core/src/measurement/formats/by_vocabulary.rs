@@ -110,12 +110,9 @@ impl Vocabulary<'_> {
             (Some(Holds::Coherence | Holds::Averages), "") => "1",
             (_, "") => {
                 let lack = lack::ask("column_names", self.example(&[(field, example)]));
-                return Err(Fault::new(format!(
-                    "the unit of `{}` is not said: {lack}",
-                    name.written
-                ))
-                .lacking(lack)
-                .in_column(name.written.as_str()));
+                return Err(Fault::new(format!("`{}` has no unit: {lack}", name.written))
+                    .lacking(lack)
+                    .in_column(name.written.as_str()));
             }
             (_, unit) => unit,
         };
@@ -275,8 +272,8 @@ impl Vocabulary<'_> {
         let Some(name) = self.names.iter().find(parts) else { return Ok(()) };
         let lack = lack::ask("column_names", "frequency_hz; gain_re; gain_im");
         Err(Fault::new(format!(
-            "`{}` may be of the ratio of response to input or of the response itself: {lack}, with \
-             gain_re and gain_im for the ratio, re and im for the response",
+            "`{}` may be a gain (response over input) or the response itself: {lack}, with gain_re \
+             and gain_im for the ratio, re and im for the response",
             name.written,
         ))
         .lacking(lack)

@@ -188,7 +188,7 @@ pub(super) fn note_unused(names: &[Name], used: &[Used], notes: &mut Vec<String>
 pub(super) fn unknown_kind() -> Fault {
     let lack = lack::ask("response", "velocity rad/s");
     Fault::new(format!(
-        "it is not said whether the response is a velocity, a position or an acceleration: {lack}"
+        "state whether the response is a velocity, a position or an acceleration: {lack}"
     ))
     .lacking(lack)
 }

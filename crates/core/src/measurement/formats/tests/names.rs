@@ -89,7 +89,7 @@ fn what_could_be_two_things_is_refused_and_asked_for() {
     assert_eq!(m.metadata().response_kind, ResponseKind::Position);
     let settings = "# response: velocity m/s\n# magnitude: 1\n";
     for (header, column, word) in [
-        ("Frequency,Gain (dB),Phase (deg)", "Frequency", "unit of `Frequency` is not said"),
+        ("Frequency,Gain (dB),Phase (deg)", "Frequency", "`Frequency` has no unit"),
         ("Frequency (Hz),Mag,Phase (deg)", "Mag", "Mag (dB)"),
         ("Frequency (Hz),Gain (dB),Phase", "Phase", "Phase (deg)"),
         ("Frequency (Hz),Real,Imag", "Real", "gain_re"),

@@ -210,7 +210,7 @@ fn time_that_does_not_run_evenly_is_refused_with_its_line() {
             lines.iter().enumerate().filter(|(i, _)| *i != n).map(|(_, line)| *line).collect();
         kept.join("\n")
     };
-    refused(&without(150), 151, "time_s", "unequal");
+    refused(&without(150), 151, "time_s", "not constant");
     let mut swapped = lines.clone();
     swapped.swap(200, 201);
     refused(&swapped.join("\n"), 202, "time_s", "does not increase");

@@ -40,9 +40,10 @@ impl Places {
         Self { all, each, patience: PATIENCE, callers: Mutex::default() }
     }
 
-    /// One for each processor, and two at least.
+    /// One for each processor, and two more: a page asks for several things at once, and what is quick
+    /// should not wait for what is slow.
     pub(super) fn on_this_machine() -> Self {
-        Self::new(std::thread::available_parallelism().map_or(2, NonZeroUsize::get).max(2))
+        Self::new(std::thread::available_parallelism().map_or(1, NonZeroUsize::get) + 2)
     }
 
     /// Waits for a place for a caller.

@@ -7,8 +7,8 @@
 # What is found ends up in fuzz/found, and inputs that reach something new in fuzz/grown; both stay
 # out of the repository. For each target it says how many inputs were run, how many edges they
 # reached, how long the slowest took in whole seconds, and how many files were found: crashes,
-# inputs that took 120 s or 2 GiB, and those that took 10 s. `keep` puts a small set of inputs that reaches the same edges into
-# fuzz/corpus, with which each run begins.
+# inputs that took 120 s or 2 GiB, and those that took 10 s. `keep` puts a small set of inputs that
+# reaches the same edges into fuzz/corpus, with which each run begins.
 set -eu
 cd "$(dirname "$0")"
 what=${1:-60}

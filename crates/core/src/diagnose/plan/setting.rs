@@ -143,6 +143,9 @@ impl Setting {
     }
 }
 
+/// Largest friction level of a rough axis: magnitudes are multiples of it, and have to be numbers.
+const LARGEST_LEVEL: f64 = 1e100;
+
 fn positive(field: &'static str, value: f64) -> Result<(), PlanError> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
@@ -168,8 +171,10 @@ fn plant(axis: &RoughAxis) -> Result<Plant, PlanError> {
         return Err(PlanError::Invalid { field: "axis.constant", reason });
     }
     for (field, level) in [("axis.fc_plus", axis.fc_plus), ("axis.fc_minus", axis.fc_minus)] {
-        if !(level >= 0.0 && level.is_finite()) {
-            let reason = format!("{level} is not a number ≥ 0; both levels are sizes");
+        if !(0.0..=LARGEST_LEVEL).contains(&level) {
+            let reason = format!(
+                "{level} is not a number from 0 to {LARGEST_LEVEL:e}; both levels are sizes"
+            );
             return Err(PlanError::Invalid { field, reason });
         }
     }

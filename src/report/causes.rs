@@ -3,7 +3,7 @@
 use servoscope_core::answers::{Cause, Diagnosis, Gain, Identification};
 use servoscope_core::effects::fit_words;
 
-use super::brief::{Units, is_candidate};
+use super::brief::{Units, is_candidate, title};
 use super::columns::{Side, align_points, table};
 use super::number::significant;
 use super::tables::{self, flags, in_digits};
@@ -38,11 +38,10 @@ pub(super) fn sections(answer: &Diagnosis) -> Vec<String> {
 
 /// What causes are called together.
 pub(super) fn heading(causes: &[Cause]) -> &'static str {
-    match (causes, causes.iter().all(is_candidate)) {
-        ([_], true) => "Candidate",
-        ([_], false) => "Cause",
-        (_, true) => "Candidates",
-        (_, false) => "Causes",
+    match causes {
+        [cause] => title(cause),
+        causes if causes.iter().all(is_candidate) => "Candidates",
+        _ => "Causes",
     }
 }
 

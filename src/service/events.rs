@@ -122,7 +122,7 @@ impl Follower {
     }
 
     async fn read(&mut self) -> Result<(), ServiceError> {
-        let _place = self.service.asked.follows.take(&self.service.reach.owner).await?;
+        let _place = self.service.places.following.take(&self.service.reach.owner).await?;
         // The job first: once it has ended its history is complete.
         let job = self.service.job(&self.id).await?;
         let rows =
@@ -172,7 +172,7 @@ mod tests {
 
         let soon = Duration::from_millis(100);
         let mut taken = Vec::new();
-        let follows = &service.asked.follows;
+        let follows = &service.places.following;
         while let Ok(place) = tokio::time::timeout(soon, follows.take("")).await {
             taken.push(place.unwrap());
         }

@@ -9,7 +9,6 @@ use servoscope_core::observer::Observer;
 
 use super::kept::Kept;
 use super::measurements::sources;
-use super::places::Places;
 use super::{Measured, Service, ServiceError, aside, curves};
 
 /// Inspections that are kept: a page that is opened again answers at once.
@@ -17,20 +16,15 @@ const INSPECTIONS: usize = 64;
 /// Plans that are kept: a page asks for a plan, its figure and its excitation one after the other.
 const PLANS: usize = 16;
 
-/// What this process computes while a request waits: one thing at a time, so that jobs keep their
-/// processors.
+/// What was computed while a request waited, and may be asked for again.
 pub(super) struct Asked {
-    pub(super) places: Places,
-    /// For those who follow jobs: however many they are, others reach the store.
-    pub(super) follows: Places,
     inspections: Kept<Inspection>,
     pub(super) plans: Kept<Arc<Plan>>,
 }
 
 impl Default for Asked {
     fn default() -> Self {
-        let (places, follows) = (Places::new(1), Places::on_this_machine());
-        Self { places, follows, inspections: Kept::new(INSPECTIONS), plans: Kept::new(PLANS) }
+        Self { inspections: Kept::new(INSPECTIONS), plans: Kept::new(PLANS) }
     }
 }
 
@@ -65,7 +59,7 @@ impl Service {
         let files = self.store.measurement_files(&self.reach, id).await?;
         let flag = Arc::new(AtomicBool::new(false));
         let _gone = Gone(Arc::clone(&flag));
-        let place = self.asked.places.take(&self.reach.owner).await?;
+        let place = self.places.long.take(&self.reach.owner).await?;
         if let Some(known) = self.asked.inspections.get(&row.sha256) {
             return Ok(known);
         }

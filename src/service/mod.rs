@@ -64,7 +64,7 @@ pub(crate) use measurements::hexadecimal;
 pub use measurements::{MAX_FILES, MAX_POINTS, Measured, Upload};
 pub use metrics::Metrics;
 pub use numerics::{BuiltIn, Numerics};
-use places::Places;
+use places::AllPlaces;
 pub use plans::PlanFor;
 pub use plots::Plot;
 pub use preview::Preview;
@@ -121,7 +121,7 @@ pub struct Service {
     signals: Arc<Signals>,
     metrics: Arc<Metrics>,
     asked: Arc<Asked>,
-    places: Arc<Places>,
+    places: Arc<AllPlaces>,
     outlets: Arc<Outlets>,
     caller: Arc<Caller>,
     reach: Reach,
@@ -135,8 +135,7 @@ impl Service {
     /// cost what it will, and a key have what it likes: see [`Service::telling`],
     /// [`Service::accepting`] and [`Service::within`].
     pub fn new(store: Arc<dyn Store>, numerics: Arc<dyn Numerics>, signals: Arc<Signals>) -> Self {
-        let (metrics, asked, outlets) = Default::default();
-        let places = Arc::new(Places::on_this_machine());
+        let (metrics, asked, places, outlets) = Default::default();
         let (caller, reach) = (Arc::new(Caller::Everybody), Reach::everything());
         let (most_cost, quotas) = (Duration::MAX, Quotas::default());
         Self {

@@ -15,6 +15,23 @@ use super::{Service, ServiceError, aside};
 /// How long a request usually waits for its place.
 const PATIENCE: Duration = Duration::from_secs(300);
 
+/// The places of this process.
+pub(super) struct AllPlaces {
+    /// For what is computed in a moment: reading files, drawing.
+    pub short: Places,
+    /// For what takes seconds: inspecting and planning, one thing at a time.
+    pub long: Places,
+    /// For those who follow jobs: however many they are, others reach the store.
+    pub following: Places,
+}
+
+impl Default for AllPlaces {
+    fn default() -> Self {
+        let short = Places::on_this_machine();
+        Self { short, long: Places::new(1), following: Places::on_this_machine() }
+    }
+}
+
 /// Places, shared by all callers.
 pub(super) struct Places {
     all: Arc<Semaphore>,
@@ -34,7 +51,7 @@ pub(super) struct Place {
 
 impl Places {
     /// So many, of which one caller may have all but one.
-    pub(super) fn new(count: usize) -> Self {
+    fn new(count: usize) -> Self {
         let all = Arc::new(Semaphore::new(count));
         let each = count.saturating_sub(1).max(1);
         Self { all, each, patience: PATIENCE, callers: Mutex::default() }
@@ -42,7 +59,7 @@ impl Places {
 
     /// One for each processor, and two more: a page asks for several things at once, and what is quick
     /// should not wait for what is slow.
-    pub(super) fn on_this_machine() -> Self {
+    fn on_this_machine() -> Self {
         Self::new(std::thread::available_parallelism().map_or(1, NonZeroUsize::get) + 2)
     }
 
@@ -80,7 +97,7 @@ impl Service {
         &self,
         compute: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T, ServiceError> {
-        let place = self.places.take(&self.reach.owner).await?;
+        let place = self.places.short.take(&self.reach.owner).await?;
         // The thread keeps the place: it computes on where the request is gone.
         let computing = aside(move || {
             let _place = place;

@@ -38,7 +38,7 @@ impl Service {
         let flag = Arc::new(AtomicBool::new(false));
         let _gone = Gone(Arc::clone(&flag));
         let key = format!("{request:?}");
-        let place = self.asked.places.take(&self.reach.owner).await?;
+        let place = self.places.long.take(&self.reach.owner).await?;
         if let Some(known) = self.asked.plans.get(&key) {
             return Ok(known);
         }

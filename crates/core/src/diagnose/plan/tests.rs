@@ -145,6 +145,7 @@ fn what_makes_no_sense_is_refused_with_what_to_do() {
         ((|r| r.axis.pole = 10.0) as fn(&mut PlanRequest), "not negative"),
         (|r| r.axis.constant = 0.0, "does not move"),
         (|r| r.axis.fc_minus = -0.4, "sizes"),
+        (|r| r.axis.fc_minus = 1.2e308, "from 0 to 1e100"),
         (|r| r.axis.natural_frequency = Some(30.0), "`damping_ratio`"),
         (|r| r.budget_s = f64::NAN, "not a positive number"),
         (|r| r.budget_s = 1e9, "give less"),

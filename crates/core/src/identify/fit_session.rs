@@ -11,6 +11,7 @@ mod predictions;
 mod refit;
 mod scales;
 mod stated_noise;
+mod torque_changes;
 mod weighted;
 
 use nalgebra::{DMatrix, DVector};

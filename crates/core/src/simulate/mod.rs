@@ -36,7 +36,7 @@ mod signal;
 mod transient;
 
 pub use base::switching_times::{Motion, Phase, SwitchingTimes};
-pub use base::torque_sensitivity::{Torque, respond_to_torques};
+pub use base::torque_sensitivity::{Torque, TorqueResponses};
 pub use last_motion::LastMotion;
 pub use response::{Counts, NoResponse, Response};
 pub use signal::excitation::Excitation;
@@ -45,7 +45,7 @@ pub use transient::{InitialState, Quantity, SampledInput, Trajectory, Unknown, f
 use crate::effects::{self, ActiveEffect, Axis, Wide};
 use crate::measurement::Complex;
 use crate::plant::{Plant, Scalar};
-use base::sensitivity::{self, Direction};
+use base::sensitivity::{self, Differentiable, Direction};
 use base::{settle, spectrum};
 use piecewise_linear::stick_slip_periodic;
 use response::check;
@@ -115,11 +115,11 @@ pub fn respond_with_sensitivities(
     let rows = variables + effects.iter().map(|effect| effect.values().len()).sum::<usize>();
     let (mut velocity, mut sensitivities) = if axis.is_base() {
         let settled = settle(&values, excitation)?;
-        let velocity = spectrum::velocity(&settled, highest);
         let directions = sensitivity::parameter_directions(&settled.plant, excitation);
-        let by_number = sensitivity::along(&settled, &velocity, &directions);
-        let rows = sensitivity::by_lane(&axis, &velocity, &by_number, rows);
-        (velocity, rows)
+        let settled = Differentiable::new(settled, highest);
+        let by_number = settled.along(&directions);
+        let rows = sensitivity::by_lane(&axis, &settled.velocity, &by_number, rows);
+        (settled.velocity, rows)
     } else if axis.is_piecewise_linear() {
         stick_slip_periodic::differentiate(&axis, &values, excitation, highest, rows)?
     } else {
@@ -146,12 +146,11 @@ pub fn respond_to_deviations(
     let axis = effects::enter_values(*plant, effects, excitation.run_share());
     check(&axis)?;
     let settled = settle(&axis, excitation)?;
-    let velocity = spectrum::velocity(&settled, highest);
     let directions: Vec<Direction> = deviations
         .iter()
         .map(|deviation| Direction::of_input(&settled.plant, excitation, deviation))
         .collect();
-    let mut changes = sensitivity::along(&settled, &velocity, &directions);
+    let mut changes = Differentiable::new(settled, highest).along(&directions);
     for change in &mut changes {
         sensor::report(&axis, excitation.omega_rad_s(), change, &mut []);
     }

@@ -34,11 +34,13 @@ pub(crate) fn pitches(
     let next = |pitch: &f64| Some(pitch + step);
     let grid: Vec<f64> =
         std::iter::successors(Some(low), next).take_while(|pitch| *pitch < high).collect();
+    let Some(by_torques) = session.torque_changes(&linearization.model) else {
+        return Vec::new();
+    };
     grid.par_iter()
         .filter_map(|pitch| {
             let settings = [0.0, std::f64::consts::FRAC_PI_2].map(|angle| vec![1.0, *pitch, angle]);
-            let changes =
-                session.torque_changes(&linearization.model, effect, &settings, *pitch)?;
+            let changes = by_torques.by(effect, &settings, *pitch)?;
             Some(Pitch { pitch: *pitch, changes: DMatrix::from_columns(&changes) })
         })
         .collect()

@@ -3,20 +3,12 @@
 
 use nalgebra::DVector;
 
-use crate::effects;
-use crate::effects::{ActiveEffect, Axis, Effect};
 use crate::simulate;
-use crate::simulate::Torque;
 
 use super::{FitSession, Linear, Model};
 use crate::identify::objective::Misfit;
-use crate::identify::problem::{Prepared, Scales, per_velocity};
+use crate::identify::problem::{Scales, per_velocity};
 use crate::identify::refine;
-use crate::identify::unknown_jump;
-
-/// Limits the number of samples per period: a periodic torque whose angle changes by more than this
-/// over the travel, rad, is sampled no more finely (tuned).
-const LARGEST_SAMPLED_ANGLE: f64 = 2000.0;
 
 impl FitSession<'_> {
     /// Ŷ/σ of a model while a search looks for the best one, in the order of the residuals; `None`
@@ -52,68 +44,6 @@ impl FitSession<'_> {
             }
         }
         DVector::from_vec(rows)
-    }
-
-    /// Change of Ŷ/σ caused by each of these `settings` of an effect that is a torque, to first
-    /// order. The model's other effects are ignored, and a constant torque keeps the mean velocity
-    /// unchanged. `turns` is the angle of the torque per unit of travel, in the problem's units.
-    /// `None` if the base model has no response, or once the observer cancels.
-    pub fn torque_changes(
-        &self,
-        model: &Model,
-        effect: &'static dyn Effect,
-        settings: &[Vec<f64>],
-        turns: f64,
-    ) -> Option<Vec<DVector<f64>>> {
-        if self.observer.cancelled() {
-            return None;
-        }
-        let plant = model.coordinates.plant(&model.point);
-        let laws: Vec<Axis> = settings
-            .iter()
-            .filter_map(|values| ActiveEffect::new(effect, values.clone()).ok())
-            .map(|active| effects::enter_values(plant, &[active], 0.0))
-            .collect();
-        let torques: Vec<_> = laws
-            .iter()
-            .map(|axis| {
-                move |v: f64, position: f64| -> f64 {
-                    axis.torques.iter().map(|law| law.at(v, position)).sum()
-                }
-            })
-            .collect();
-        let torques: Vec<&Torque<'_>> = torques.iter().map(|torque| torque as _).collect();
-        let mut changes = vec![DVector::zeros(self.data()); settings.len()];
-        let Misfit { problem, weights, .. } = self.search_misfit(model);
-        let mut row = 0;
-        for (experiment, sigma) in problem.experiments.iter().zip(&weights.sigma) {
-            let Prepared { excitation, highest, targets, .. } = experiment;
-            let travel = targets.iter().filter(|target| target.order > 0).map(|target| {
-                let rate = target.order as f64 * excitation.omega_rad_s();
-                (target.value / target.per_velocity).norm() / rate
-            });
-            let angle = turns * travel.fold(0.0, f64::max);
-            let samples = 4 * (angle.min(LARGEST_SAMPLED_ANGLE) as usize + highest + 16);
-            let moved =
-                simulate::respond_to_torques(&plant, excitation, *highest, &torques, samples)
-                    .ok()?;
-            for (change, moved) in changes.iter_mut().zip(&moved) {
-                let mut row = row;
-                for (target, sigma) in targets.iter().zip(sigma) {
-                    let value = moved[target.order] * target.per_velocity / *sigma;
-                    change[row] = value.re;
-                    row += 1;
-                    if !target.real {
-                        change[row] = value.im;
-                        row += 1;
-                    }
-                }
-            }
-            row += targets.iter().map(|target| if target.real { 1 } else { 2 }).sum::<usize>();
-        }
-        let jumps = unknown_jump::directions(problem, weights);
-        changes.iter_mut().for_each(|c| unknown_jump::eliminate(&jumps, c.as_mut_slice()));
-        Some(changes)
     }
 
     /// The residuals of a model and their derivatives while a search looks for the best one; `None`

@@ -11,6 +11,7 @@ pub(super) mod sensitivity;
 pub(super) mod spectrum;
 pub(super) mod switching_times;
 pub(super) mod torque_sensitivity;
+mod turns;
 
 use crate::effects::Axis;
 use crate::measurement::Complex;

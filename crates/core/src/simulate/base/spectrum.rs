@@ -9,23 +9,31 @@ use crate::plant::{Friction, Scalar};
 
 use super::Settled;
 use super::switching_times::{Motion, SwitchingTimes};
+use super::turns;
 
 /// Velocity harmonics V₀ … V_H of a periodic motion.
 pub(crate) fn velocity(settled: &Settled<'_>, highest: usize) -> Vec<Complex> {
+    of_phases(settled, &PhaseIntegrals::new(&settled.orbit, highest), highest)
+}
+
+/// The same, given the integrals over its phases.
+pub(super) fn of_phases(
+    settled: &Settled<'_>,
+    spans: &PhaseIntegrals,
+    highest: usize,
+) -> Vec<Complex> {
     let Settled { plant, lines, orbit, .. } = settled;
-    let zero = Complex::new(0.0, 0.0);
     if settled.rests() {
-        return vec![zero; highest + 1];
+        return vec![Complex::ZERO; highest + 1];
     }
     let omega = std::f64::consts::TAU / orbit.period_s;
-    let spans = PhaseIntegrals::new(orbit, highest);
     let held = settled.held(highest);
     (0..=highest)
         .map(|k| {
             let friction = plant.friction.fc_plus * spans.forward[k]
                 - plant.friction.fc_minus * spans.backward[k]
                 + held[k];
-            let torque = lines.get(k).copied().unwrap_or(zero);
+            let torque = lines.get(k).copied().unwrap_or_default();
             let torque = if k == 0 { Complex::new(torque.re, 0.0) } else { torque };
             (torque - friction * weight(k, orbit.period_s)) * plant.constant
                 / Complex::new(plant.viscous_rate_rad_s, k as f64 * omega)
@@ -60,13 +68,8 @@ pub(crate) struct PhaseIntegrals {
 impl PhaseIntegrals {
     /// For harmonics 0 … `highest`.
     pub fn new(orbit: &SwitchingTimes, highest: usize) -> Self {
-        let omega = std::f64::consts::TAU / orbit.period_s;
-        let zero = Complex::new(0.0, 0.0);
-        let mut these = Self {
-            forward: vec![zero; highest + 1],
-            backward: vec![zero; highest + 1],
-            stuck: vec![zero; highest + 1],
-        };
+        let zero = || vec![Complex::ZERO; highest + 1];
+        let mut these = Self { forward: zero(), backward: zero(), stuck: zero() };
         for i in 0..orbit.phases.len() {
             let (start, end, motion) = orbit.span(i);
             let sums = match motion {
@@ -75,19 +78,25 @@ impl PhaseIntegrals {
                 Motion::Stuck => &mut these.stuck,
             };
             sums[0] += end - start;
-            if !orbit.switches() {
-                continue; // the integral over a whole period is 0 for k > 0
-            }
-            let (start_turn, end_turn) =
-                (Complex::from_polar(1.0, -omega * start), Complex::from_polar(1.0, -omega * end));
-            let (mut at_start, mut at_end) = (start_turn, end_turn);
-            for (k, sum) in sums.iter_mut().enumerate().skip(1) {
-                let difference = at_start - at_end;
-                let scale = 1.0 / (k as f64 * omega);
-                *sum += Complex::new(difference.im * scale, -difference.re * scale);
-                at_start *= start_turn;
-                at_end *= end_turn;
-            }
+        }
+        if !orbit.switches() {
+            return these; // the integral over a whole period is 0 for k > 0
+        }
+        // Each time begins one phase and ends another.
+        let instant = |i: usize| {
+            let [begins, ends] = [i, orbit.before(i)].map(|i| orbit.phases[i].motion);
+            let share = |motion| f64::from(begins == motion) - f64::from(ends == motion);
+            (orbit.phases[i].start_s, [share(Motion::Forward), share(Motion::Backward)])
+        };
+        let instants: Vec<(f64, [f64; 2])> = (0..orbit.phases.len()).map(instant).collect();
+        let omega = std::f64::consts::TAU / orbit.period_s;
+        let sums = turns::sums(&instants, orbit.period_s, highest);
+        for (k, [forward, backward]) in sums.into_iter().enumerate().skip(1) {
+            let by_rate = Complex::new(0.0, -1.0 / (k as f64 * omega));
+            these.forward[k] = forward * by_rate;
+            these.backward[k] = backward * by_rate;
+            // Together they are the integral over a whole period.
+            these.stuck[k] = -(these.forward[k] + these.backward[k]);
         }
         these
     }

@@ -63,13 +63,17 @@ pub(super) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
     for kind in COURSES {
         let faults = vec![MeasurementFault::of(kind)];
         let course = mending::course(&faults)?;
-        let session = session.with_input(|index, k| course.factor(k, samples[index]));
+        let session = session.with_input(|index, k| course.factor(k, samples[index]))?;
         for start in &tried {
-            let model = session.refine(start, FitAccuracy::Settle);
-            let effects = model.effects().len();
+            let fitted = session.refine(start, FitAccuracy::Settle);
+            let effects = fitted.effects().len();
             let saves = effects < best_key.len();
             let price = ONE_OF_THREE + if saves { 0.0 } else { SAVES_NONE };
-            let complexity = evidence::complexity(&session, &model, &models.noise_scale);
+            let complexity = evidence::complexity(&session, &fitted, &models.noise_scale);
+            if misfit(&fitted) + complexity + price >= least {
+                continue;
+            }
+            let model = session.verified(&fitted);
             let criterion = misfit(&model) + complexity + price;
             if criterion >= least {
                 continue;

@@ -34,8 +34,9 @@ impl<'a> FitSession<'a> {
     }
 
     /// The same session with every line of the inputs changed by a factor, given its experiment and
-    /// order. Nothing is fitted again, and models of this session are models of the result.
-    pub fn with_input(&self, factor: impl Fn(usize, usize) -> Complex) -> FitSession<'a> {
+    /// order. Nothing is fitted again, and models of this session are models of the result. `None` if
+    /// the base model has no response to them, or once the observer cancels.
+    pub fn with_input(&self, factor: impl Fn(usize, usize) -> Complex) -> Option<FitSession<'a>> {
         let mut problem = self.problem.clone();
         for (index, experiment) in problem.experiments.iter_mut().enumerate() {
             let before = &experiment.excitation;
@@ -44,7 +45,10 @@ impl<'a> FitSession<'a> {
             experiment.excitation =
                 Excitation::new(before.omega_rad_s(), input).at_run_share(before.run_share());
         }
-        self.of_problem(problem)
+        let mut changed = self.of_problem(problem);
+        changed.stand_in = changed.misfit(&self.base).predict(&self.base.point).ok()?;
+        changed.coarse = changed.coarsened();
+        Some(changed)
     }
 
     fn of_problem(&self, problem: Problem) -> FitSession<'a> {

@@ -28,8 +28,15 @@ const MOST_REWEIGHTINGS: usize = 6;
 /// If no coordinate moves by more than this in a round, the weights have converged.
 const CONVERGED_CHANGE: f64 = 1e-6;
 
-/// Relative decrease of the cost in one step at which a refinement leaves the coarse problem.
-const COARSE_TOLERANCE: f64 = 1e-5;
+/// How far every start is refined, on the coarse problem if there is one.
+const ROUGH: Patience = Patience { cost_tolerance: 1e-5, ..refine::THOROUGH };
+
+/// Two rough refinements have led to the same minimum if no coordinate differs by more than this.
+const SAME_MINIMUM: f64 = 1e-2;
+
+/// A minimum is followed to its end if it is higher than the lowest by no more than this share: a
+/// hundred times what a further step of the rough refinement would gain.
+const ABOUT_AS_LOW: f64 = 1e-3;
 
 /// The base model, fitted with one actuator order.
 #[derive(Clone)]
@@ -233,7 +240,8 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Refines every start, then refines the best one again until its weights have converged.
+    /// Refines every start roughly, then those that lead to different minima about as low as the
+    /// lowest one, then the best again until its weights have converged.
     fn refinement(
         &self,
         coordinates: &Coordinates,
@@ -243,33 +251,29 @@ impl Run<'_> {
         found.starts.extend(self.start_of_lower(coordinates));
         let begun = self.history.begin("refinement", found.starts.len() as u64);
         let (mut evaluations, mut steps) = (0, 0);
-        let mut descend = |weights: &Weights, start: &[f64], bar: f64| {
-            let fine = self.misfit(coordinates, weights);
+        let mut descend = |problem, weights: &Weights, start: &[f64], patience, bar: f64| {
+            let misfit = Misfit { problem, ..self.misfit(coordinates, weights) };
             let mut on_step = |_, used: u64, cost: f64| {
                 begun.row(steps, evaluations + used, cost.min(bar), None);
                 steps += 1;
             };
-            let refined = match self.coarse {
-                // Ends on the fine problem, with the damping that the fit has by then.
-                Some(problem) => {
-                    let coarse = Misfit { problem, ..fine };
-                    let patience =
-                        Patience { cost_tolerance: COARSE_TOLERANCE, ..refine::THOROUGH };
-                    let begun = refine::refine(&coarse, start, patience, &mut on_step);
-                    let patience = Patience { damping: begun.damping, ..refine::THOROUGH };
-                    let refined = refine::refine(&fine, &begun.point, patience, &mut on_step);
-                    Refined { evaluations: begun.evaluations + refined.evaluations, ..refined }
-                }
-                None => refine::refine(&fine, start, refine::THOROUGH, &mut on_step),
-            };
+            let refined = refine::refine(&misfit, start, patience, &mut on_step);
             evaluations += refined.evaluations;
             self.history.check_cancelled().map(|()| refined)
         };
-        let mut best: Option<Refined> = None;
+        let mut rough: Vec<Refined> = Vec::new();
         for (done, start) in found.starts.iter().enumerate() {
             begun.progress(done as u64);
+            let problem = self.coarse.unwrap_or(self.problem);
+            let bar = rough.iter().map(|refined| refined.cost).fold(f64::INFINITY, f64::min);
+            rough.push(descend(problem, weights, start, ROUGH, bar)?);
+        }
+        let mut best: Option<Refined> = None;
+        for start in different_minima(rough) {
             let bar = best.as_ref().map_or(f64::INFINITY, |refined| refined.cost);
-            let refined = descend(weights, start, bar)?;
+            // The damping that the fit has by then.
+            let patience = Patience { damping: start.damping, ..refine::THOROUGH };
+            let refined = descend(self.problem, weights, &start.point, patience, bar)?;
             if refined.cost < bar {
                 best = Some(refined);
             }
@@ -280,7 +284,8 @@ impl Run<'_> {
                 break;
             }
             *weights = self.weights(Some(&coordinates.plant(&best.point)));
-            let refined = descend(weights, &best.point, f64::INFINITY)?;
+            let patience = Patience { damping: best.damping, ..refine::THOROUGH };
+            let refined = descend(self.problem, weights, &best.point, patience, f64::INFINITY)?;
             let moved = refined.point.iter().zip(&best.point).map(|(a, b)| (a - b).abs());
             let converged = moved.fold(0.0, f64::max) < CONVERGED_CHANGE;
             best = refined;
@@ -335,6 +340,25 @@ fn no_response() -> IdentifyError {
                  units, sign and magnitude of the input, and whether the axis moved"
             .into(),
     }
+}
+
+/// The lowest of some minima, and those about as low that differ from it and from each other, the lowest
+/// first.
+fn different_minima(mut rough: Vec<Refined>) -> Vec<Refined> {
+    rough.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let mut different: Vec<Refined> = Vec::new();
+    for refined in rough {
+        let lowest = different.first().map_or(refined.cost, |first| first.cost);
+        let apart = |other: &Refined| {
+            let both = refined.point.iter().zip(&other.point);
+            both.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        let is_low = refined.cost <= lowest * (1.0 + ABOUT_AS_LOW);
+        if is_low && different.iter().all(|other| apart(other) > SAME_MINIMUM) {
+            different.push(refined);
+        }
+    }
+    different
 }
 
 /// The plant with one more actuator pole, too fast to be seen.

@@ -182,8 +182,7 @@ fn additive(cells: &[Cell]) -> Vec<f64> {
     let keys: [fn(&Cell) -> u64; 3] =
         [|cell| cell.magnitude.to_bits(), |cell| cell.order as u64, |cell| cell.experiment as u64];
     let groupings = keys.map(|key| groups(cells, key));
-    // The mean of ln s² is ln σ² + ψ(ν/2) − ln(ν/2); correct for the difference.
-    let log = |cell: &Cell| cell.variance.ln() - digamma(0.5 * cell.dof) + (0.5 * cell.dof).ln();
+    let log = |cell: &Cell| cell.variance.ln() - LogScatter::of(cell.dof).mean;
     let mut left: Vec<f64> =
         cells.iter().map(|cell| if cell.dof > 0.0 { log(cell) } else { 0.0 }).collect();
     let mut fitted = vec![0.0; cells.len()];
@@ -222,19 +221,45 @@ fn groups(cells: &[Cell], key: fn(&Cell) -> u64) -> (usize, Vec<usize>) {
 /// Degrees of freedom of the prior, from the excess of the scatter of ln s² about the prior over
 /// ψ'(ν/2), which the few repeats alone cause. Infinite if there is no significant excess.
 fn prior_dof(cells: &[Cell], prior: &[f64]) -> f64 {
-    let (mut excess, mut count) = (0.0, 0.0);
+    let (mut excess, mut scatter, mut count) = (0.0, 0.0, 0.0);
+    let mut alike = LogScatter::of(0.0);
     for (cell, prior) in cells.iter().zip(prior).filter(|(cell, _)| cell.dof > 0.0) {
-        let half = 0.5 * cell.dof;
-        let deviation = (cell.variance / prior).ln() - digamma(half) + half.ln();
-        excess += deviation * deviation - trigamma(half);
+        // Nearly all cells have as many degrees of freedom as the one before.
+        if alike.dof != cell.dof {
+            alike = LogScatter::of(cell.dof);
+        }
+        let deviation = (cell.variance / prior).ln() - alike.mean;
+        excess += deviation * deviation - alike.variance;
+        scatter += alike.variance;
         count += 1.0;
     }
-    let excess: f64 = if count > 0.0 { excess / count } else { 0.0 };
+    if count == 0.0 {
+        return f64::INFINITY;
+    }
+    let excess: f64 = excess / count;
     // The mean of `count` squares has a relative standard deviation of about √(2/count); allow two.
-    let noise = cells.iter().filter(|c| c.dof > 0.0).map(|c| trigamma(0.5 * c.dof)).sum::<f64>()
-        / f64::max(count, 1.0)
-        * (8.0 / f64::max(count, 1.0)).sqrt();
+    let noise = scatter / count * f64::sqrt(8.0 / count);
     if excess <= noise { f64::INFINITY } else { 2.0 * inverse_trigamma(excess) }
+}
+
+/// ln s² − ln σ² of an estimate with `dof` degrees of freedom.
+struct LogScatter {
+    dof: f64,
+    /// Its mean, ψ(ν/2) − ln(ν/2).
+    mean: f64,
+    /// Its variance, ψ'(ν/2).
+    variance: f64,
+}
+
+impl LogScatter {
+    /// For 0 degrees of freedom nothing is finite.
+    fn of(dof: f64) -> Self {
+        let half = 0.5 * dof;
+        if dof == 0.0 {
+            return Self { dof, mean: f64::NEG_INFINITY, variance: f64::INFINITY };
+        }
+        Self { dof, mean: digamma(half) - half.ln(), variance: trigamma(half) }
+    }
 }
 
 /// ψ'(x) for x > 0, by the recurrence and the asymptotic series (DLMF 5.15.8).

@@ -82,8 +82,8 @@ pub(crate) fn is_without_structure(
 ) -> bool {
     let regions = Regions::new(&residuals.layout, &residuals.freedom);
     let statistics = statistics::all(residuals, &regions);
-    let nulls = Nulls::draw(residuals, &statistics, seed, observer);
-    nulls.judge(&statistics, &residuals.values).noise_like
+    let nulls = Nulls::draw_unless_certain(residuals, &statistics, seed, observer);
+    nulls.is_some_and(|nulls| nulls.judge(&statistics, &residuals.values).noise_like)
 }
 
 /// Why the residuals of a model cannot be noise, whatever their structure; `None` if they can.

@@ -6,6 +6,8 @@
 //! p-value is compared with the smallest p-values of the draws (Westfall and Young 1993, ISBN
 //! 978-0-471-55761-6), which accounts for the dependence among the tests.
 
+use std::ops::Range;
+
 use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -20,6 +22,11 @@ use super::statistics::{Evaluate, Statistic};
 
 /// Number of draws of noise.
 const DRAWS: u64 = 2000;
+
+/// Draws that may show residuals to be no noise, and the p-value below which they do: the tail of so few
+/// draws is uncertain by a third in its logarithm, which leaves far less than [`LEVEL`].
+const FEW_DRAWS: u64 = 200;
+const CERTAIN: f64 = 1e-12;
 
 /// Family-wise error rate: probability that residuals that are noise fail any of the tests.
 const LEVEL: f64 = 0.005;
@@ -51,17 +58,29 @@ impl Nulls {
         seed: u64,
         observer: &dyn Observer,
     ) -> Self {
-        let drawn: Vec<Vec<f64>> = (0..DRAWS)
-            .into_par_iter()
-            .map(|draw| {
-                if observer.cancelled() {
-                    return vec![0.0; computable(statistics).count()];
-                }
-                let mut rng = ChaCha8Rng::seed_from_u64(seed);
-                rng.set_stream(draw + 1);
-                values(statistics, &residuals.left_of(&residuals.law.draw(&mut rng)))
-            })
-            .collect();
+        Self::of(&drawn(residuals, statistics, (seed, 0..DRAWS), observer))
+    }
+
+    /// The same, unless residuals are certainly no noise: a few draws show that they would never
+    /// pass.
+    pub fn draw_unless_certain(
+        residuals: &Residuals,
+        statistics: &[Statistic<'_>],
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Option<Self> {
+        let mut values = drawn(residuals, statistics, (seed, 0..FEW_DRAWS), observer);
+        let few = Self::of(&values);
+        let observed = self::values(statistics, &residuals.values);
+        if few.p_values(&observed).any(|p_value| p_value < CERTAIN) {
+            return None;
+        }
+        values.extend(drawn(residuals, statistics, (seed, FEW_DRAWS..DRAWS), observer));
+        Some(Self::of(&values))
+    }
+
+    /// From the statistics of every draw.
+    fn of(drawn: &[Vec<f64>]) -> Self {
         let tests = drawn.first().map_or(0, Vec::len);
         let column = |test: usize| drawn.iter().map(|values| values[test]).collect();
         let mut nulls = Self {
@@ -106,6 +125,24 @@ impl Nulls {
     fn p_values(&self, values: &[f64]) -> impl Iterator<Item = f64> {
         self.by_test.iter().zip(values).map(|(null, value)| null.p_value(*value))
     }
+}
+
+/// The statistics of so many draws of noise.
+fn drawn(
+    residuals: &Residuals,
+    statistics: &[Statistic<'_>],
+    (seed, draws): (u64, Range<u64>),
+    observer: &dyn Observer,
+) -> Vec<Vec<f64>> {
+    let of = |draw| {
+        if observer.cancelled() {
+            return vec![0.0; computable(statistics).count()];
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(draw + 1);
+        values(statistics, &residuals.left_of(&residuals.law.draw(&mut rng)))
+    };
+    draws.into_par_iter().map(of).collect()
 }
 
 /// The values of all statistics that can be computed.

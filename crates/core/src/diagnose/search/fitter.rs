@@ -24,6 +24,9 @@ const ENDS_BESIDE: [f64; 2] = [0.1, 0.55];
 /// known beforehand.
 const RESTART_SHARE: f64 = 0.5;
 
+/// A displaced parameter has come back if less than this share of its displacement is left (tuned).
+const BACK: f64 = 0.1;
+
 /// Sorts models by cost and drops those without a response.
 fn best_first(mut models: Vec<Model>) -> Vec<Model> {
     models.retain(|model| model.cost.is_finite());
@@ -164,7 +167,14 @@ impl Fitter<'_> {
             stage.step();
             refined
         };
-        let tried = displaced.par_iter().map(glance).collect();
+        let mut tried: Vec<Model> = displaced.par_iter().map(glance).collect();
+        // Where all its parameters have come back, so would the rest of the fit.
+        let is_back = |i: usize, model: &Model| {
+            let shift = model.shift_from(fit, i);
+            shift.abs() < BACK * restart_displacement * fit.prior_std(i)
+        };
+        let own = fit.parameters_of(fit.effects().len() - 1);
+        tried.retain(|model| !own.clone().all(|i| is_back(i, model)));
         let step = stage.begin();
         let settled = self.settled(best_first(tried), followed_restarts, &step);
         step.finish();

@@ -54,6 +54,11 @@ impl Model {
         self.cost = f64::NAN;
     }
 
+    /// By how much a parameter differs from that of a model with the same effects, in its coordinate.
+    pub fn shift_from(&self, other: &Self, parameter: usize) -> f64 {
+        self.point[parameter] - other.point[parameter]
+    }
+
     /// The value of a parameter, in the problem's units.
     pub fn value(&self, parameter: usize) -> f64 {
         self.coordinates.value(parameter, self.point[parameter]).0

@@ -24,6 +24,9 @@ use crate::simulate::signal::piecewise_quintic::{
 };
 use linear_mode::LinearMode;
 
+/// Coefficients of a quintic.
+const QUINTIC: usize = 6;
+
 /// Derivatives of a state vector: a row of N lanes for each state.
 pub(super) type Lanes<const N: usize, const M: usize> = [[f64; N]; M];
 
@@ -105,12 +108,19 @@ impl<'a, 'g, const N: usize, const M: usize> Sensitivity<'a, 'g, N, M> {
     fn add(&mut self, taken: &Taken<'_, M>, reach: f64) {
         let Some(sums) = &mut self.sums else { return };
         let values = taken.step.numbers(VELOCITY);
-        let mut powers = [Dual::constant(0.0); MOST_POWERS];
-        for ((power, value), lanes) in powers.iter_mut().zip(values.all()).zip(&self.powers) {
-            *power = Dual::with_lanes(*value, |lane| lanes[lane]);
+        let values = values.all();
+        let mut add = |powers: &[Dual<N>]| {
+            add_powers(sums, &taken.span, taken.step.length_s(), reach, powers);
+        };
+        let power = |i: usize| match values.get(i) {
+            Some(value) => Dual::with_lanes(*value, |lane| self.powers[i][lane]),
+            None => Dual::constant(0.0),
+        };
+        // Most steps are quintics; arrays for more coefficients are large.
+        match values.len() {
+            ..=QUINTIC => add(&std::array::from_fn::<_, QUINTIC, _>(power)[..values.len()]),
+            _ => add(&std::array::from_fn::<_, MOST_POWERS, _>(power)[..values.len()]),
         }
-        let powers = &powers[..values.all().len()];
-        add_powers(sums, &taken.span, taken.step.length_s(), reach, powers);
     }
 }
 

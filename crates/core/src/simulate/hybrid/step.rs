@@ -34,9 +34,6 @@ pub(super) struct Powers {
 }
 
 impl Powers {
-    /// Placeholder for a state that is not needed.
-    pub const NONE: Self = Self { powers: [0.0; MOST_POWERS], count: 0 };
-
     fn new(some: &[f64]) -> Self {
         let mut powers = [0.0; MOST_POWERS];
         powers[..some.len()].copy_from_slice(some);
@@ -46,6 +43,16 @@ impl Powers {
     #[inline]
     pub fn at(&self, u: f64) -> f64 {
         polynomial(self.all(), u)
+    }
+
+    /// At several positions, side by side.
+    #[inline]
+    pub fn at_each<const P: usize>(&self, positions: &[f64; P]) -> [f64; P] {
+        let mut sums = [0.0; P];
+        for power in self.all().iter().rev() {
+            sums.iter_mut().zip(positions).for_each(|(sum, u)| *sum = *sum * u + power);
+        }
+        sums
     }
 
     /// The coefficients, lowest power first.

@@ -36,44 +36,21 @@ impl<const M: usize> PeriodIntegration<'_, '_, M> {
         width: f64,
         step: &Step<M>,
     ) -> Option<Switch> {
-        let positions: &[f64] = match step {
-            Step::Series(_) => &SIGN_CHECKS_IN_SERIES,
-            _ => &SIGN_CHECKS,
-        };
         let mut first: Option<Switch> = None;
         let mut consider = |event: Event| {
-            let one = self.state_of(event, mode);
-            let needed: [Powers; M] = std::array::from_fn(|i| match one {
-                Some((only, _, _)) if only != i => Powers::NONE,
-                _ => step.numbers(i),
-            });
-            let signal = |u: f64| match one {
-                Some((i, sign, level)) => sign * (needed[i].at(u) - level),
-                None => {
-                    let state: Vector<f64, M> = std::array::from_fn(|i| needed[i].at(u));
-                    let torque = cell.number(from + width * u);
-                    self.mechanics.signal(event, mode, torque, &state)
+            let end = first.as_ref().map_or(1.0, |switch| switch.at);
+            let at = match step {
+                Step::Series(_) => {
+                    let positions = SIGN_CHECKS_IN_SERIES.map(|position| position * end);
+                    self.crossing(event, mode, step, (cell, from, width), positions)
+                }
+                _ => {
+                    let positions = SIGN_CHECKS.map(|position| position * end);
+                    self.crossing(event, mode, step, (cell, from, width), positions)
                 }
             };
-            let rounding_size = self.rounding_size(event);
-            // If this event ended the last step, its signal is zero here and moves away from zero.
-            let starts_at_zero = signal(0.0).abs() <= rounding_size;
-            let threshold = if starts_at_zero { rounding_size } else { 0.0 };
-            let end = first.as_ref().map_or(1.0, |switch| switch.at);
-            let mut low = 0.0;
-            for position in positions.iter().map(|position| position * end) {
-                // At first such a signal is no larger than the polynomial's error.
-                if starts_at_zero && position < end {
-                    continue;
-                }
-                if signal(position) > threshold {
-                    if starts_at_zero && low == 0.0 {
-                        low = departure(&signal, position);
-                    }
-                    first = Some(Switch { at: root(low, position, signal), event });
-                    return;
-                }
-                low = position;
+            if let Some(at) = at {
+                first = Some(Switch { at, event });
             }
         };
         match mode.motion {
@@ -101,6 +78,30 @@ impl<const M: usize> PeriodIntegration<'_, '_, M> {
             _ => {}
         }
         first
+    }
+
+    /// Where within a step an event happens first, up to the last of these positions.
+    #[inline]
+    fn crossing<const P: usize>(
+        &self,
+        event: Event,
+        mode: Mode,
+        step: &Step<M>,
+        (cell, from, width): (&Cell<f64>, f64, f64),
+        positions: [f64; P],
+    ) -> Option<f64> {
+        let rounding = self.rounding_size(event);
+        if let Some((i, sign, level)) = self.state_of(event, mode) {
+            let powers = step.numbers(i);
+            let signals = powers.at_each(&positions).map(|value| sign * (value - level));
+            return located(rounding, &positions, &signals, |u| sign * (powers.at(u) - level));
+        }
+        let powers: [Powers; M] = std::array::from_fn(|i| step.numbers(i));
+        let signal = |u: f64| {
+            let state: Vector<f64, M> = std::array::from_fn(|i| powers[i].at(u));
+            self.mechanics.signal(event, mode, cell.number(from + width * u), &state)
+        };
+        located(rounding, &positions, &positions.map(signal), signal)
     }
 
     /// For an event that depends on one state alone: the index of the state, the direction in which
@@ -257,4 +258,25 @@ impl<const M: usize> PeriodIntegration<'_, '_, M> {
             _ => mode,
         }
     }
+}
+
+/// Where a signal first becomes positive, given its values at some positions, the last of which ends
+/// the search. `rounding`: what counts as zero.
+#[inline]
+fn located(
+    rounding: f64,
+    positions: &[f64],
+    signals: &[f64],
+    signal: impl Fn(f64) -> f64,
+) -> Option<f64> {
+    // If this event ended the last step, its signal is zero here and moves away from zero. At first
+    // it is no larger than the polynomial's error: only the last position tells.
+    let starts_at_zero = signal(0.0).abs() <= rounding;
+    if starts_at_zero {
+        let (end, there) = (*positions.last()?, *signals.last()?);
+        return (there > rounding).then(|| root(departure(&signal, end), end, signal));
+    }
+    let after = signals.iter().position(|there| *there > 0.0)?;
+    let low = if after == 0 { 0.0 } else { positions[after - 1] };
+    Some(root(low, positions[after], signal))
 }

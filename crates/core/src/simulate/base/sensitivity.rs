@@ -43,13 +43,15 @@ impl<'a> Differentiable<'a> {
         }
         let omega = std::f64::consts::TAU / orbit.period_s;
         let highest = velocity.len() - 1;
-        let held = |direction: &Direction| match direction.lines.is_empty() {
+        let sticks = orbit.sticks();
+        let held = |direction: &Direction| match direction.lines.is_empty() || !sticks {
             true => vec![Complex::ZERO; velocity.len()],
             false => settled.held_of(&direction.lines, highest),
         };
         let mut friction: Vec<Vec<Complex>> = directions.iter().map(held).collect();
         instants.add_moves(settled, directions, &mut friction);
-        for (direction, friction) in directions.iter().zip(&mut friction) {
+        let moving = directions.iter().zip(&mut friction);
+        for (direction, friction) in moving.filter(|(direction, _)| direction.moves(sticks)) {
             // The change of the friction becomes that of the velocity.
             for (k, change) in friction.iter_mut().enumerate() {
                 let torque = direction.lines.get(k).copied().unwrap_or_default();

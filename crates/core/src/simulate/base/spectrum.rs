@@ -27,12 +27,12 @@ pub(super) fn of_phases(
         return vec![Complex::ZERO; highest + 1];
     }
     let omega = std::f64::consts::TAU / orbit.period_s;
-    let held = settled.held(highest);
+    let held = if orbit.sticks() { settled.held(highest) } else { Vec::new() };
     (0..=highest)
         .map(|k| {
             let friction = plant.friction.fc_plus * spans.forward[k]
                 - plant.friction.fc_minus * spans.backward[k]
-                + held[k];
+                + held.get(k).copied().unwrap_or_default();
             let torque = lines.get(k).copied().unwrap_or_default();
             let torque = if k == 0 { Complex::new(torque.re, 0.0) } else { torque };
             (torque - friction * weight(k, orbit.period_s)) * plant.constant
@@ -61,7 +61,7 @@ pub(crate) struct PhaseIntegrals {
     pub forward: Vec<Complex>,
     /// Over the backward phases, seconds.
     pub backward: Vec<Complex>,
-    /// Over the phases of rest, seconds.
+    /// Over the phases of rest, seconds; empty if there is none.
     pub stuck: Vec<Complex>,
 }
 
@@ -69,7 +69,8 @@ impl PhaseIntegrals {
     /// For harmonics 0 … `highest`.
     pub fn new(orbit: &SwitchingTimes, highest: usize) -> Self {
         let zero = || vec![Complex::ZERO; highest + 1];
-        let mut these = Self { forward: zero(), backward: zero(), stuck: zero() };
+        let stuck = if orbit.sticks() { zero() } else { Vec::new() };
+        let mut these = Self { forward: zero(), backward: zero(), stuck };
         for i in 0..orbit.phases.len() {
             let (start, end, motion) = orbit.span(i);
             let sums = match motion {
@@ -96,7 +97,9 @@ impl PhaseIntegrals {
             these.forward[k] = forward * by_rate;
             these.backward[k] = backward * by_rate;
             // Together they are the integral over a whole period.
-            these.stuck[k] = -(these.forward[k] + these.backward[k]);
+            if let Some(stuck) = these.stuck.get_mut(k) {
+                *stuck = -(these.forward[k] + these.backward[k]);
+            }
         }
         these
     }

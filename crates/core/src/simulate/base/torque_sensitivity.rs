@@ -52,8 +52,7 @@ impl<'a> TorqueResponses<'a> {
     ) -> Result<Self, NoResponse> {
         let axis = Axis::base(*plant);
         check(&axis)?;
-        let motion =
-            Differentiable::new(settle(&axis, excitation)?, highest.max(FEWEST_HARMONICS));
+        let motion = Differentiable::new(settle(&axis, excitation)?, highest.max(FEWEST_HARMONICS));
         let constant = Direction::of_input(plant, excitation, &[Complex::ONE]);
         let by_offset = motion.along(&[constant]).pop().unwrap_or_default();
         let sampled = Mutex::default();

@@ -36,6 +36,13 @@ impl Direction {
         Self { lines: excitation.through(&plant.actuator, deviation), ..Self::none() }
     }
 
+    /// Whether the motion changes along it; the static levels matter only if the axis `sticks`.
+    pub(super) fn moves(&self, sticks: bool) -> bool {
+        let Self { viscous_rate, fc_plus, fc_minus, fs_plus, fs_minus, lines } = self;
+        let sliding = [viscous_rate, fc_plus, fc_minus].iter().any(|rate| **rate != 0.0);
+        sliding || !lines.is_empty() || sticks && (*fs_plus != 0.0 || *fs_minus != 0.0)
+    }
+
     /// Change of the friction while sliding.
     pub(super) fn sliding(&self, motion: Motion) -> f64 {
         match motion {

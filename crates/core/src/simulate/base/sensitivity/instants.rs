@@ -6,19 +6,40 @@ use crate::plant::Plant;
 use super::Direction;
 use crate::simulate::base::Settled;
 use crate::simulate::base::spectrum::sliding_friction;
+use crate::simulate::base::switching_times::{Motion, Phase};
 use crate::simulate::base::turns;
 
 /// Directions whose moves are summed side by side.
 const SIDE_BY_SIDE: usize = 4;
 
-/// The torque at each switching time, and what follows from it.
-pub(super) struct Instants {
-    torque: Vec<f64>,
-    torque_rate: Vec<f64>,
+/// What is known of each switching time, whatever the direction of differentiation.
+pub(super) struct Instants(Vec<Instant>);
+
+/// A switching time tᵢ, and the phase that ends there.
+struct Instant {
+    torque: f64,
+    torque_rate: f64,
     /// w: steady response of 1/(s + a) to the torque.
-    steady: Vec<f64>,
+    steady: f64,
     /// ∂w/∂a.
-    steady_by_rate: Vec<f64>,
+    steady_by_rate: f64,
+    /// The slide that ends here; `None` at the end of a phase of rest.
+    slide: Option<Slide>,
+}
+
+/// How the end of a slide depends on its beginning and on the parameters.
+struct Slide {
+    motion: Motion,
+    /// E.
+    kept: f64,
+    /// (1 − E)/a.
+    lost: f64,
+    /// ∂g/∂a at fixed w.
+    by_rate: f64,
+    /// A of dtᵢ = A·dtᵢ₋₁ + B.
+    carried: f64,
+    /// ∂g/∂t at the end.
+    slope: f64,
 }
 
 /// The change of τ and of w at each switching time along a direction.
@@ -32,25 +53,43 @@ impl Instants {
         let Settled { plant, lines, orbit, .. } = settled;
         let omega = std::f64::consts::TAU / orbit.period_s;
         let count = if orbit.switches() { orbit.phases.len() } else { 0 };
-        let zero = || vec![0.0; count];
-        let mut these =
-            Self { torque: zero(), torque_rate: zero(), steady: zero(), steady_by_rate: zero() };
-        for i in 0..count {
-            let turn = Complex::from_polar(1.0, omega * orbit.phases[i].start_s);
+        let instant = |phase: &Phase| {
+            let turn = Complex::from_polar(1.0, omega * phase.start_s);
             let mut at = Complex::ONE;
+            let [mut value, mut rate_s, mut steady, mut steady_by_rate] = [0.0; 4];
             for (l, line) in lines.iter().enumerate() {
                 let rate = l as f64 * omega;
                 let torque = line * at;
                 let through = through(plant, rate);
-                let steady = torque * through;
-                these.torque[i] += torque.re;
-                these.torque_rate[i] -= rate * torque.im;
-                these.steady[i] += steady.re;
-                these.steady_by_rate[i] -= (steady * through).re;
+                let response = torque * through;
+                value += torque.re;
+                rate_s -= rate * torque.im;
+                steady += response.re;
+                steady_by_rate -= (response * through).re;
                 at *= turn;
             }
+            Instant { torque: value, torque_rate: rate_s, steady, steady_by_rate, slide: None }
+        };
+        let mut these: Vec<Instant> = orbit.phases.iter().take(count).map(instant).collect();
+        for i in 0..count {
+            let previous = orbit.before(i);
+            let (start, end, motion) = orbit.span(previous);
+            let Some(friction) = sliding_friction(&plant.friction, motion) else { continue };
+            let (a, duration) = (plant.viscous_rate_rad_s, end - start);
+            let lost = -(-a * duration).exp_m1(); // 1 − E
+            let kept = 1.0 - lost;
+            let slope = these[i].torque - friction;
+            these[i].slide = Some(Slide {
+                motion,
+                kept,
+                lost: lost / a,
+                by_rate: these[previous].steady * duration * kept
+                    + friction * (lost / a - duration * kept) / a,
+                carried: kept * (these[previous].torque - friction) / slope,
+                slope,
+            });
         }
-        these
+        Self(these)
     }
 
     /// Adds to ∫ f exp(−jkωt) dt what the moving switching times contribute along each direction:
@@ -65,8 +104,11 @@ impl Instants {
         if !orbit.switches() {
             return;
         }
-        let moves: Vec<Vec<f64>> =
-            directions.iter().map(|direction| self.moves(settled, direction)).collect();
+        let sticks = orbit.sticks();
+        let moving =
+            directions.iter().zip(friction).filter(|(direction, _)| direction.moves(sticks));
+        let (moves, mut friction): (Vec<Vec<f64>>, Vec<&mut Vec<Complex>>) =
+            moving.map(|(direction, friction)| (self.moves(settled, direction), friction)).unzip();
         let groups = moves.chunks(SIDE_BY_SIDE).zip(friction.chunks_mut(SIDE_BY_SIDE));
         for (moves, friction) in groups {
             match moves.len() {
@@ -82,16 +124,17 @@ impl Instants {
         &self,
         settled: &Settled<'_>,
         moves: &[Vec<f64>],
-        friction: &mut [Vec<Complex>],
+        friction: &mut [&mut Vec<Complex>],
     ) {
         let Settled { plant, orbit, .. } = settled;
         let instant = |i: usize| {
             let level = |phase: usize| {
                 sliding_friction(&plant.friction, orbit.phases[phase].motion)
-                    .unwrap_or(self.torque[i])
+                    .unwrap_or(self.0[i].torque)
             };
             let jump = level(orbit.before(i)) - level(i);
-            let weights = std::array::from_fn(|d| moves.get(d).map_or(0.0, |moves| jump * moves[i]));
+            let weights =
+                std::array::from_fn(|d| moves.get(d).map_or(0.0, |moves| jump * moves[i]));
             (orbit.phases[i].start_s, weights)
         };
         let instants: Vec<(f64, [f64; D])> = (0..orbit.phases.len()).map(instant).collect();
@@ -121,10 +164,10 @@ impl Instants {
     fn changes(&self, settled: &Settled<'_>, direction: &Direction) -> Changes {
         let Settled { plant, orbit, .. } = settled;
         let omega = std::f64::consts::TAU / orbit.period_s;
-        let by_rate = |value: &f64| direction.viscous_rate * value;
+        let by_rate = |value: f64| direction.viscous_rate * value;
         let mut these = Changes {
-            torque: vec![0.0; self.torque.len()],
-            steady: self.steady_by_rate.iter().map(by_rate).collect(),
+            torque: vec![0.0; self.0.len()],
+            steady: self.0.iter().map(|instant| by_rate(instant.steady_by_rate)).collect(),
         };
         if direction.lines.is_empty() {
             return these;
@@ -152,25 +195,16 @@ impl Instants {
         changes: &Changes,
         i: usize,
     ) -> (f64, f64) {
-        let Settled { plant, orbit, .. } = settled;
-        let previous = orbit.before(i);
-        let (start, end, motion) = orbit.span(previous);
-        let Some(friction) = sliding_friction(&plant.friction, motion) else {
+        let orbit = &settled.orbit;
+        let Some(slide) = &self.0[i].slide else {
             let level = direction.breakaway(orbit.phases[i].motion);
-            return (0.0, (level - changes.torque[i]) / self.torque_rate[i]);
+            return (0.0, (level - changes.torque[i]) / self.0[i].torque_rate);
         };
-        let a = plant.viscous_rate_rad_s;
-        let duration = end - start;
-        let lost = -(-a * duration).exp_m1(); // 1 − E
-        let kept = 1.0 - lost;
-        let by_rate =
-            self.steady[previous] * duration * kept + friction * (lost / a - duration * kept) / a;
         let change = changes.steady[i]
-            - changes.steady[previous] * kept
-            - direction.sliding(motion) * lost / a
-            + direction.viscous_rate * by_rate;
-        let slope = self.torque[i] - friction;
-        (kept * (self.torque[previous] - friction) / slope, -change / slope)
+            - changes.steady[orbit.before(i)] * slide.kept
+            - direction.sliding(slide.motion) * slide.lost
+            + direction.viscous_rate * slide.by_rate;
+        (slide.carried, -change / slide.slope)
     }
 }
 

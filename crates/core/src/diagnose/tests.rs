@@ -148,6 +148,21 @@ fn white_residuals_fail_at_the_family_wise_error_rate() {
     assert!((1..=15).contains(&failed), "{failed} of 1000");
 }
 
+// Three times the noise in all rows is far beyond 1e-12; 1.05 times as much, a p-value of some 2 %, is
+// not, and noise itself never is.
+#[test]
+fn a_few_draws_say_only_of_what_is_far_from_noise_that_it_is_none() {
+    let mut residuals = residuals(&noisy(&exact(), NoiseStatement::Std, 1));
+    let noise = residuals.values.clone();
+    let mut is_certain = |factor: f64| {
+        residuals.values = &noise * factor;
+        let regions = Regions::new(&residuals.layout, &residuals.freedom);
+        let statistics = statistics::all(&residuals, &regions);
+        Nulls::draw_unless_certain(&residuals, &statistics, 1, &Silent).is_none()
+    };
+    assert_eq!([1.0, 1.05, 3.0].map(&mut is_certain), [false, false, true]);
+}
+
 /// The discrepancy of a measurement whose response was changed before noise was added.
 fn examined(
     statement: NoiseStatement,

@@ -375,3 +375,28 @@ fn with_fast_pole(plant: &Plant, omega_high: f64) -> Plant {
     };
     Plant { actuator, ..*plant }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_starts_that_led_to_the_same_minimum_the_lowest_is_followed_and_high_minima_are_not() {
+        let refined = |cost: f64, at: f64| Refined {
+            point: vec![1.0, at],
+            cost,
+            evaluations: 1,
+            damping: 1.0,
+            stop: "converged",
+        };
+        let rough = vec![
+            refined(100.001, 0.005),
+            refined(100.0, 0.0),
+            refined(100.05, 0.5),
+            refined(100.06, 0.505),
+            refined(100.2, 2.0),
+        ];
+        let followed: Vec<f64> = different_minima(rough).iter().map(|one| one.cost).collect();
+        assert_eq!(followed, [100.0, 100.05]);
+    }
+}

@@ -273,3 +273,33 @@ fn a_triangle_behind_a_slew_limit_is_shifted_with_the_phase_of_the_input() {
         assert!(difference < 1e-6 * unshifted[1].norm(), "phase {phase}: {difference:e}");
     }
 }
+
+// The simulation with a ripple is integrated, with an error of a millionth of the response, which is a
+// thousandth of the ripple; terms of second order are of the order of the ripple beside the friction,
+// 0.2 %.
+#[test]
+fn a_small_torque_changes_the_response_as_the_simulation_with_it_says() {
+    // Alike in both directions, so that a ripple, which forces the mean to zero, changes nothing else.
+    let plant = plant(RESONANT, Friction::coulomb(0.5, 0.5));
+    let multisine = Excitation::new(
+        2.0,
+        [0.0, 3.0, 1.0, 0.5].iter().map(|m| Complex::from_polar(*m, 4.0 * m)).collect(),
+    );
+    for excitation in [Excitation::cosine(3.0, 2.0), multisine] {
+        let ripple = |amplitude: f64| {
+            let ripple = crate::effects::find("cogging").unwrap();
+            let active = ActiveEffect::new(ripple, vec![amplitude, 5.0, 0.7]).unwrap();
+            respond(&plant, &[active], &excitation, 6).unwrap()
+        };
+        let size = 1e-3;
+        let (with, without) = (ripple(size), ripple(0.0));
+        let responses = TorqueResponses::new(&plant, &excitation, 6).unwrap();
+        let torque = |_: f64, position: f64| (5.0 * position + 0.7).sin();
+        let found = &responses.to(&[&torque], 400)[0];
+        let expected: Vec<Complex> =
+            with.iter().zip(&without).map(|(with, without)| (with - without) / size).collect();
+        let largest = expected.iter().map(|change| change.norm()).fold(0.0, f64::max);
+        let apart = largest_difference(found, &expected);
+        assert!(apart < 0.02 * largest, "{apart:e} of {largest}");
+    }
+}

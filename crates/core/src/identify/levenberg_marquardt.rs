@@ -182,8 +182,7 @@ pub(super) fn minimise_from<P: LeastSquares>(
             };
             if trial_cost < cost {
                 accepted = Some((trial, trial_cost, moved, ahead, predicted));
-                // After a rejected trial the next step would be too long again.
-                damping = if rejected == 0 { (damping * 0.1).max(1e-12) } else { damping };
+                damping = (damping * 0.1).max(1e-12);
                 break;
             }
             rejected += 1;

@@ -25,5 +25,6 @@ benches/flame_parts.py <"$data/stacks"
 inferno-flamegraph --no-javascript --title "Diagnosis of $work" --countname ns \
     --width 1200 --minwidth 0.5 --colors orange --hash <"$data/stacks" |
     # What is left of the tool's script would only serve a browser.
-    perl -0pe 's/<script.*?<\/script>//sg; s/ onload="[^"]*"//' >"$drawn"
+    perl -0pe 's/<script.*?<\/script>|<text id="(search|unzoom|matched)".*?<\/text>//sg; s/ onload="[^"]*"//' \
+        >"$drawn"
 echo "$drawn"

@@ -168,13 +168,13 @@ impl Fitter<'_> {
             refined
         };
         let mut tried: Vec<Model> = displaced.par_iter().map(glance).collect();
-        // Where all its parameters have come back, so would the rest of the fit.
+        // Where all its parameters have come back and nothing is gained, so would the rest of the fit.
         let is_back = |i: usize, model: &Model| {
             let shift = model.shift_from(fit, i);
             shift.abs() < BACK * restart_displacement * fit.prior_std(i)
         };
         let own = fit.parameters_of(fit.effects().len() - 1);
-        tried.retain(|model| !own.clone().all(|i| is_back(i, model)));
+        tried.retain(|model| model.cost < fit.cost || !own.clone().all(|i| is_back(i, model)));
         let step = stage.begin();
         let settled = self.settled(best_first(tried), followed_restarts, &step);
         step.finish();

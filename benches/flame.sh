@@ -7,7 +7,7 @@
 # The width of a box is its share of the processor time, what it calls stands above it. Functions of the
 # scheduler and of the standard library are left out, and everything runs in one thread of the pool:
 # what is handed to that thread stands beside what handed it over.
-# It needs `perf` (Debian: linux-perf) and inferno (`cargo install inferno`).
+# It needs `perf` (Debian: linux-perf), inferno (`cargo install inferno`), Python and Perl.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 work=${1:?which piece of work}

@@ -23,6 +23,6 @@ for line in sys.stdin:
     own = [name for i, name in enumerate(own) if i == 0 or name != own[i - 1]]
     if not own or "servoscope_bench::machines" in stack:
         continue
-    if re.match(r"_?_\w+$|\w+$", frames[-1]):
+    if re.match(r"\w+$", frames[-1]):
         own.append(frames[-1])
     print(";".join(own), count, end="")

@@ -53,7 +53,7 @@ pub enum FitAccuracy {
     Glance,
     /// Until χ² changes by far less than 1.
     Settle,
-    /// To the accuracy of the arithmetic.
+    /// Until no step matters any more: see `refine::THOROUGH`.
     Thorough,
 }
 

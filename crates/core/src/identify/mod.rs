@@ -24,6 +24,7 @@ mod limitations;
 mod linear_least_squares;
 mod local_scatter;
 mod methods;
+mod minima;
 mod model_fit;
 pub mod network;
 mod noise;

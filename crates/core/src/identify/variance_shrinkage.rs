@@ -222,7 +222,7 @@ fn groups(cells: &[Cell], key: fn(&Cell) -> u64) -> (usize, Vec<usize>) {
 /// ψ'(ν/2), which the few repeats alone cause. Infinite if there is no significant excess.
 fn prior_dof(cells: &[Cell], prior: &[f64]) -> f64 {
     let (mut excess, mut scatter, mut count) = (0.0, 0.0, 0.0);
-    let mut alike = LogScatter::of(0.0);
+    let mut alike = LogScatter::of(1.0);
     for (cell, prior) in cells.iter().zip(prior).filter(|(cell, _)| cell.dof > 0.0) {
         // Nearly all cells have as many degrees of freedom as the one before.
         if alike.dof != cell.dof {
@@ -242,8 +242,9 @@ fn prior_dof(cells: &[Cell], prior: &[f64]) -> f64 {
     if excess <= noise { f64::INFINITY } else { 2.0 * inverse_trigamma(excess) }
 }
 
-/// ln s² − ln σ² of an estimate with `dof` degrees of freedom.
+/// ln s² − ln σ² of an estimated variance.
 struct LogScatter {
+    /// ν, the degrees of freedom of the estimate.
     dof: f64,
     /// Its mean, ψ(ν/2) − ln(ν/2).
     mean: f64,
@@ -252,12 +253,9 @@ struct LogScatter {
 }
 
 impl LogScatter {
-    /// For 0 degrees of freedom nothing is finite.
+    /// For more than 0 degrees of freedom.
     fn of(dof: f64) -> Self {
         let half = 0.5 * dof;
-        if dof == 0.0 {
-            return Self { dof, mean: f64::NEG_INFINITY, variance: f64::INFINITY };
-        }
         Self { dof, mean: digamma(half) - half.ln(), variance: trigamma(half) }
     }
 }

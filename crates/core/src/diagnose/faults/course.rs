@@ -63,7 +63,9 @@ pub(super) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
     for kind in COURSES {
         let faults = vec![MeasurementFault::of(kind)];
         let course = mending::course(&faults)?;
-        let session = session.with_input(|index, k| course.factor(k, samples[index]))?;
+        let Some(session) = session.with_input(|index, k| course.factor(k, samples[index])) else {
+            continue;
+        };
         for start in &tried {
             let fitted = session.refine(start, FitAccuracy::Settle);
             let effects = fitted.effects().len();

@@ -130,7 +130,7 @@ mod tests {
         [stepped_sine(&axis, 3), multisine(&axis)]
     }
 
-    // A refit from the fit to all data, to the accuracy of the arithmetic, has the least cost. The
+    // A refit from the fit to all data, refined thoroughly, has the least cost. The
     // tolerance is that of the refit.
     #[test]
     fn a_refit_ends_where_a_fit_to_the_rest_ends_and_takes_few_steps() {

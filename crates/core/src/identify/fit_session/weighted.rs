@@ -100,7 +100,7 @@ mod tests {
     use crate::identify::fixtures::{ACTUATORS, axis, stepped_sine};
     use crate::observer::Silent;
 
-    // Both are refined to the accuracy of the arithmetic.
+    // Both are refined thoroughly.
     #[test]
     fn a_fit_with_other_weights_starts_from_the_known_fits_and_is_as_good_as_one_without_them() {
         let measurement = stepped_sine(&axis(ACTUATORS[2]), 3);

@@ -34,6 +34,14 @@ fn best_first(mut models: Vec<Model>) -> Vec<Model> {
     models
 }
 
+/// Whether a fit that started from parameters of the last effect displaced by so many prior standard
+/// deviations has come back without a gain: then it would end where `fit` did.
+fn has_come_back(model: &Model, fit: &Model, displacement: f64) -> bool {
+    let own = fit.parameters_of(fit.effects().len() - 1);
+    let is_back = |i| model.shift_from(fit, i).abs() < BACK * displacement * fit.prior_std(i);
+    model.cost >= fit.cost && own.into_iter().all(is_back)
+}
+
 /// Fits effects added to a model.
 pub(crate) struct Fitter<'a> {
     /// The measurement and its base model.
@@ -168,13 +176,7 @@ impl Fitter<'_> {
             refined
         };
         let mut tried: Vec<Model> = displaced.par_iter().map(glance).collect();
-        // Where all its parameters have come back and nothing is gained, so would the rest of the fit.
-        let is_back = |i: usize, model: &Model| {
-            let shift = model.shift_from(fit, i);
-            shift.abs() < BACK * restart_displacement * fit.prior_std(i)
-        };
-        let own = fit.parameters_of(fit.effects().len() - 1);
-        tried.retain(|model| model.cost < fit.cost || !own.clone().all(|i| is_back(i, model)));
+        tried.retain(|model| !has_come_back(model, fit, restart_displacement));
         let step = stage.begin();
         let settled = self.settled(best_first(tried), followed_restarts, &step);
         step.finish();
@@ -258,6 +260,24 @@ mod tests {
         assert!(found.cost < joint.cost * (1.0 + 1e-5), "{} {}", found.cost, joint.cost);
         assert!(fitter.refit_from_nested(&joint, &[&lost], step).is_none());
         assert!(fitter.refit_from_nested(&costing(f64::MAX, "spring"), &[&joint], step).is_none());
+    }
+
+    #[test]
+    fn a_displaced_start_has_come_back_where_it_is_near_and_fits_no_better() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+        let mut fit = session.extend(session.base(), find("stribeck").unwrap());
+        fit.cost = 100.0;
+        let last = fit.parameters_of(0).end - 1;
+        let displaced = |share: f64, cost: f64| {
+            let mut model = fit.clone();
+            model.shift(std::iter::once((last, share * 0.35 * fit.prior_std(last))), f64::INFINITY);
+            model.cost = cost;
+            has_come_back(&model, &fit, 0.35)
+        };
+        assert!(displaced(0.05, 100.1));
+        assert!(!displaced(0.2, 100.1));
+        assert!(!displaced(0.05, 99.9));
     }
 
     #[test]

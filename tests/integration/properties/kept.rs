@@ -25,6 +25,20 @@ pub fn cases() -> Vec<Case> {
         },
         // Called unexplained with residuals of rounding: no degree of freedom was left.
         Case { magnitudes: vec![1.0], omegas: vec![3.0], harmonics: vec![1], ..ordinary() },
+        // The same with a third of the response left: the fit had missed the minimum that goes through
+        // all data.
+        Case {
+            order: 2,
+            magnitudes: vec![4.510812583921258],
+            omegas: vec![41.35654115273845],
+            harmonics: vec![0, 2, 4, 5],
+            noise: 3.136405215302113e-5,
+            digits: 3,
+            decades: [-11, -1, -3],
+            response: "position",
+            seed: 76,
+            ..ordinary()
+        },
         // Parameters were determined to twelve digits from fewer numbers than there are parameters.
         Case { magnitudes: vec![1.0], omegas: vec![3.0], harmonics: vec![0, 1], ..ordinary() },
         // Panicked: the closed form divided by a friction of exactly 0.

@@ -43,6 +43,7 @@ mod proposal;
 mod refine;
 mod reported_noise;
 mod request;
+mod saturated;
 mod search_settings;
 mod solve;
 mod summary;

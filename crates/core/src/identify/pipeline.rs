@@ -21,6 +21,7 @@ use super::problem::Problem;
 use super::proposal;
 use super::refine::{self, Patience, Refined};
 use super::request::IdentifyError;
+use super::saturated;
 use super::unit_cube_objective::OverCube;
 
 /// Most rounds of refinement in which weights that depend on the model are recomputed.
@@ -273,6 +274,18 @@ impl Run<'_> {
             }
         }
         let mut best = best.ok_or_else(no_response)?;
+        let mut rng = self.stream(3);
+        for _ in 0..saturated::STARTS {
+            let misfit = self.misfit(coordinates, weights);
+            if !saturated::misses(&misfit, best.cost) {
+                break;
+            }
+            let start = saturated::start(&misfit, &mut rng);
+            let refined = descend(self.problem, weights, &start, refine::THOROUGH, best.cost)?;
+            if refined.cost < best.cost {
+                best = refined;
+            }
+        }
         for _ in 0..MOST_REWEIGHTINGS {
             if !weights.depend_on_model {
                 break;

@@ -69,7 +69,7 @@ pub(super) async fn whole(
     if asks && declared.is_some_and(|bytes| bytes > max_bytes) {
         return refusal(max_bytes);
     }
-    let mut held = memory.none();
+    let mut held = memory.none(&parts.extensions);
     match read(body, max_bytes, pace, &mut held).await {
         Ok(Some(bytes)) => next.run(Request::from_parts(parts, Body::from(bytes))).await,
         Ok(None) => refusal(max_bytes),
@@ -189,12 +189,14 @@ async fn read(
 
 #[cfg(test)]
 mod tests {
+    use axum::http::Extensions;
+
     use super::*;
 
     #[tokio::test]
     async fn a_body_is_kept_up_to_the_limit_and_not_beyond() {
         let read = async |length: usize| {
-            let mut held = Memory::new(1 << 20).none();
+            let mut held = Memory::new(1 << 20, 0).none(&Extensions::new());
             read(Body::from(vec![7; length]), 10, Pace::default(), &mut held).await.unwrap()
         };
         assert_eq!(read(10).await.as_deref(), Some(&[7; 10][..]));
@@ -216,7 +218,7 @@ mod tests {
         let read = async |frames, bytes, every, pause| {
             let body = paced(frames, bytes, Duration::from_millis(every));
             let pace = Pace { pause: Duration::from_millis(pause), bytes_per_s: 500 };
-            let mut held = Memory::new(1 << 20).none();
+            let mut held = Memory::new(1 << 20, 0).none(&Extensions::new());
             read(body, 1 << 20, pace, &mut held).await.map(|read| read.map(|bytes| bytes.len()))
         };
         // Longer than one pause may be, but fast enough.

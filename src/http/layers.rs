@@ -59,7 +59,7 @@ pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router
     let (rates, always) = (Arc::new(Rates::default()), limits.keys_always);
     let needs = Arc::new(Needs::of(&routes::openapi()));
     let gate = Gate { service: service.clone(), needs, rates, always };
-    let reading = Memory::new(limits.bodies_bytes);
+    let reading = Memory::new(limits.bodies_bytes, sent_bytes.saturating_add(unpacked_bytes));
     let unpacking = reading.clone();
     let origins = callers.origins.clone();
     let router = router

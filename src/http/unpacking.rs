@@ -63,7 +63,7 @@ pub(super) async fn unpacked(
         Ok(body) => body.to_bytes(),
         Err(error) => return not_gzip(&error),
     };
-    let mut held = memory.none();
+    let mut held = memory.none(&parts.extensions);
     if !held.grow_to(packed.len().saturating_mul(MOST_EXPANDED).min(max_bytes)) {
         return memory::refusal().into_response();
     }
@@ -114,12 +114,13 @@ mod tests {
     #[tokio::test]
     async fn a_body_is_unpacked_where_there_is_memory_for_it_and_not_before() {
         use axum::Router;
+        use axum::http::Extensions;
         use axum::middleware::from_fn;
         use axum::routing::post;
         use tower_service::Service as _;
 
         // Memory is given in pieces: this is one.
-        let memory = Memory::new(1);
+        let memory = Memory::new(1, 1);
         let own = memory.clone();
         let mut router = Router::new().route("/", post(|body: String| async { body })).layer(
             from_fn(move |request: Request, next: Next| {
@@ -132,7 +133,7 @@ mod tests {
             let request = request.body(Body::from(packed(b"one"))).unwrap();
             router.call(request).await.unwrap().status()
         };
-        let mut other = memory.none();
+        let mut other = memory.none(&Extensions::new());
         assert!(other.grow_to(1));
         assert_eq!(status().await, StatusCode::SERVICE_UNAVAILABLE);
         drop(other);

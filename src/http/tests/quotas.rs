@@ -149,3 +149,36 @@ fn a_key_has_quotas_of_its_own_from_its_start_and_later() {
     problem(send("PUT", &path, &json!({"cores": 1})), 422);
     problem(send("PUT", "/v1/keys/nobody/quotas", &json!({})), 404);
 }
+
+#[test]
+fn the_unfinished_bodies_of_a_key_leave_memory_for_those_of_others() {
+    use std::io::Write;
+
+    let server = start(Quotas::default());
+    let [(_, flood), (_, rig)] = [server.key(&SCOPES), server.key(&SCOPES)];
+    let host = server.address.trim_start_matches("http://");
+    let begin = || {
+        let mut stream = std::net::TcpStream::connect(host).unwrap();
+        let head = format!(
+            "POST /v1/measurements HTTP/1.1\r\nhost: localhost\r\ncontent-type: text/csv\r\n\
+             authorization: Bearer {flood}\r\ncontent-length: 9000\r\n\r\n"
+        );
+        stream.write_all(head.as_bytes()).unwrap();
+        stream.write_all(&[b'x'; 8000]).unwrap();
+        stream
+    };
+    // More than half of the memory, which is 64 of the pieces of which each of these takes one.
+    let mut held: Vec<_> = (0..40).map(|_| begin()).collect();
+    let deadline = Instant::now() + Duration::from_secs(30);
+    let refused = loop {
+        let answer = upload(&server, &flood, "a", b"any");
+        if answer.status() == 503 || Instant::now() > deadline {
+            break answer;
+        }
+        // What was just tried may have taken the piece of one that was then refused.
+        held.push(begin());
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    assert!(string(&problem(refused, 503), "detail").contains("one key"));
+    json_of(upload(&server, &rig, "a", b"any"), 201);
+}

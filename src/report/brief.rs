@@ -11,9 +11,7 @@ use super::number::{digits, significant};
 use super::words::{list, sentence, typeset};
 
 pub(super) use next::next;
-pub(super) use verdict::{
-    Judgement, Mark, is_candidate, is_untested, judgement, of_diagnosis, of_fit, title,
-};
+pub(super) use verdict::{Judgement, Mark, is_candidate, judgement, of_diagnosis, of_fit, title};
 
 /// What is wrong with the measurement, and what looks wrong with it.
 pub(super) fn suspicions(answer: &Answer) -> Vec<String> {

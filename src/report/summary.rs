@@ -119,7 +119,7 @@ fn found(answer: &Diagnosis, units: Units<'_>) -> Vec<Part> {
     }
     let name = if answer.verdict == Verdict::Adequate { "Sensitivity" } else { "Where" };
     // That nothing could be tested is the verdict itself.
-    if !brief::is_untested(answer) {
+    if answer.is_tested() {
         parts.push((name, vec![sentence(&answer.discrepancy.sentence)]));
     }
     parts

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use servoscope_core::answers::{Answer, HistoryRow, JobKind, ResultRow};
+use servoscope_core::answers::{Answer, Diagnosis, HistoryRow, JobKind, ResultRow};
 
 use crate::report::figures::{self, Estimated, Format, Trend};
 use crate::report::page::parameter_name;
@@ -170,6 +170,7 @@ fn result_row(stored: StoredResult) -> Result<ResultRow, ServiceError> {
         nrmse: fit.nrmse,
         chi2_per_dof: fit.chi2_per_dof,
         adequate: fit.adequate,
+        tested: answer.diagnosis().map(Diagnosis::is_tested),
     })
 }
 
@@ -290,6 +291,19 @@ mod tests {
     }
 
     #[test]
+    fn a_result_says_whether_the_data_were_enough_for_a_test() {
+        let mut diagnosis = sample::explained();
+        let tested = |diagnosis: &Diagnosis| {
+            result_row(stored(0, &diagnosis.clone().into())).unwrap().tested
+        };
+        assert_eq!(tested(&diagnosis), Some(true));
+        for test in &mut diagnosis.discrepancy.tests {
+            test.p_value = None;
+        }
+        assert_eq!(tested(&diagnosis), Some(false));
+    }
+
+    #[test]
     fn a_result_is_one_row_with_its_causes_and_gain() {
         let row = result_row(stored(0, &sample::explained().into())).unwrap();
         assert_eq!(row.causes.as_deref(), Some("static_friction"));
@@ -297,5 +311,6 @@ mod tests {
         assert!(row.nrmse < row.base_nrmse && row.confidence.is_some());
         let row = result_row(stored(0, &sample::identification().into())).unwrap();
         assert_eq!((row.kind, row.verdict, row.causes), (JobKind::Identify, None, None));
+        assert_eq!(row.tested, None);
     }
 }

@@ -128,6 +128,7 @@ test("a job is cancelled, started again and deleted", async () => {
   const page = await visit("/");
   await page.locator("#measurements").getByRole("link", { name: "Start …" }).first().click();
   await page.getByLabel("Seed").fill("7");
+  await page.getByLabel("Priority").selectOption("high");
   await page.getByRole("button", { name: "Start", exact: true }).click();
   await page.getByRole("button", { name: "Cancel" }).click();
   await page.getByRole("heading", { name: "Cancelled" }).waitFor();
@@ -135,6 +136,7 @@ test("a job is cancelled, started again and deleted", async () => {
   await page.getByRole("link", { name: "Start again …" }).click();
   await page.getByRole("heading", { name: "Start it again" }).waitFor();
   assert.equal(await page.getByLabel("Seed").inputValue(), "7");
+  assert.equal(await page.getByLabel("Priority").inputValue(), "high");
   await page.goBack();
   await page.getByRole("button", { name: "Delete" }).click();
   await picture(page, "11-delete");

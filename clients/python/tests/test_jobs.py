@@ -79,6 +79,14 @@ def test_a_job_is_found_again_by_its_id(client: Client, sticky: Path) -> None:
     assert job.wait(progress=False) == result
 
 
+def test_a_job_takes_the_priority_that_it_is_given(client: Client, sticky: Path) -> None:
+    measurement = client.upload(sticky)
+    low = client.identify(measurement, actuator_order=0, priority="low")
+    high = client.identify(measurement, actuator_order=0, priority="high")
+    unsaid = client.identify(measurement, actuator_order=0)
+    assert [job.state.raw["priority"] for job in (low, high, unsaid)] == ["low", "high", "normal"]
+
+
 def test_a_cancelled_job_has_no_result(client: Client, sticky: Path) -> None:
     job = client.diagnose(client.upload(sticky))
     job.cancel()

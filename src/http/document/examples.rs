@@ -31,7 +31,7 @@ const TABLE: &str = "# input: current A\n# response: velocity rad/s\n\
     magnitude,omega_rad_s,harmonic,re,im,std\n1,2,0,-0.0351,0,0.0007\n\
     1,2,1,0.4416,-0.0415,0.0007\n";
 const RESULTS: &str = "at,job_id,measurement_id,name,machine,axis,kind,verdict,causes,confidence,\
-    ratio,ratio_low95,ratio_high95,base_nrmse,nrmse,chi2_per_dof,adequate\n";
+    ratio,ratio_low95,ratio_high95,base_nrmse,nrmse,chi2_per_dof,adequate,tested\n";
 const HISTORY: &str = "at,parameter,name,value,std,low95,high95,unit,change,changed,causes,machine,\
     axis,measurement_id,job_id\n";
 const COMPARISON: &str = "experiment,magnitude [A],omega [rad/s],run,harmonic,u_re [A],u_im [A],\
@@ -324,6 +324,7 @@ fn result() -> ResultRow {
         nrmse: 0.0007,
         chi2_per_dof: Some(1.01),
         adequate: Some(true),
+        tested: Some(true),
     }
 }
 

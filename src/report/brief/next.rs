@@ -2,7 +2,7 @@
 
 use servoscope_core::answers::{Answer, NoiseSource, Verdict};
 
-use super::{Units, is_untested};
+use super::Units;
 use crate::report::words::{list, quantity, sentence, without_ids};
 
 /// What to do with an answer, most important first.
@@ -27,7 +27,7 @@ pub(in crate::report) fn next(answer: &Answer, units: Units<'_>) -> Vec<String> 
             ],
         };
     };
-    let band = answer.valid_band.as_ref().filter(|_| !is_untested(answer));
+    let band = answer.valid_band.as_ref().filter(|_| answer.is_tested());
     let band = band.map(|band| sentence(&band.sentence));
     let ids = answer.candidates.iter().map(|candidate| candidate.effect.as_str());
     let named = list(answer.causes.iter().map(|cause| cause.effect.as_str()), "and");
@@ -48,7 +48,7 @@ pub(in crate::report) fn next(answer: &Answer, units: Units<'_>) -> Vec<String> 
                 false => format!("Measure at magnitude {magnitude} and {hertz}. {reason}"),
             }
         }
-        (None, Verdict::Adequate) if is_untested(answer) => {
+        (None, Verdict::Adequate) if !answer.is_tested() => {
             "Measure at more magnitudes, frequencies or harmonics, so that the simulation can be \
              tested."
                 .into()

@@ -72,7 +72,7 @@ pub(in crate::report) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
     let causes = joined(answer.causes.iter().map(lacking).collect(), "and");
     let them = if answer.causes.len() > 1 { "them" } else { "it" };
     let (word, mark, text) = match answer.verdict {
-        Verdict::Adequate if is_untested(answer) => (
+        Verdict::Adequate if !answer.is_tested() => (
             "Not tested",
             Mark::Open,
             "There are too few data to test whether the simulation is wrong.".into(),
@@ -117,12 +117,6 @@ pub(in crate::report) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
         (count, _) => format!("The measurement has {count} faults, corrected here. {text}"),
     };
     Judgement { word, mark, text }
-}
-
-/// Whether no test could be made of the base model: then nothing speaks for it, either.
-pub(in crate::report) fn is_untested(answer: &Diagnosis) -> bool {
-    let tests = &answer.discrepancy.tests;
-    !tests.is_empty() && tests.iter().all(|test| test.p_value.is_none())
 }
 
 /// Whether a cause is probably not there.

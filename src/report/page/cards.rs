@@ -149,7 +149,7 @@ fn axis(content: &Content<'_>) -> Markup {
             }
             div { dt { "Residual" } dd { (left) " of the response" } }
         }
-        @let judged = |answer: &&Diagnosis| answer.verdict == Verdict::Adequate && !brief::is_untested(answer);
+        @let judged = |answer: &&Diagnosis| answer.verdict == Verdict::Adequate && answer.is_tested();
         @if let Some(answer) = content.answer.diagnosis().filter(judged) {
             p.small { (sentence(&answer.discrepancy.sentence)) }
         }

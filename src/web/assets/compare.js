@@ -4,7 +4,7 @@ import { h, row, table } from "./dom.js";
 import { json } from "./api.js";
 import { confidence, decimals, effect, filesOf, fixed, kind, named, number, parameter, percent, subject, time } from "./format.js";
 import { frame, load } from "./figure.js";
-import { adequacy, change, ofVerdict } from "./status.js";
+import { adequacy, change, judged } from "./status.js";
 
 const FIGURES = ["bode-errors", "residuals", "spectrum", "friction", "convergence"];
 /// Figures of one model that are shown of the model of the table: that with the causes.
@@ -54,7 +54,7 @@ function summary({ job, result, measurement, model }) {
   const said = [
     ["Files", filesOf(measurement)],
     measurement.measured_at ? ["Measured", time(measurement.measured_at)] : ["Uploaded", time(measurement.created_at)],
-    ["Verdict", verdict ? ofVerdict(verdict) : adequacy(model.fit.adequate)],
+    ["Verdict", verdict ? judged({ verdict, tested: isTested(result) }) : adequacy(model.fit.adequate)],
     ["Cause", causes.map((cause) => `${effect(cause.effect)} (${confidence(cause.confidence)})`).join(", ")],
     ["Improvement", gain && `${change(gain.ratio, gain.interval95)}, on held-out data`],
     ["Residual", `${percent(model.fit.nrmse)} of the response`],
@@ -63,6 +63,11 @@ function summary({ job, result, measurement, model }) {
   return h("section", {},
     h("h2", {}, h("a", { href: `/jobs/${job.id}` }, `${kind(job)} of ${subject(measurement)}`)),
     h("dl", { class: "pairs" }, said.filter(([, value]) => value).map(([name, value]) => h("div", {}, h("dt", {}, name), h("dd", {}, value)))));
+}
+
+/// Whether any test of the base model could be made.
+function isTested({ discrepancy: { tests } }) {
+  return tests.length === 0 || tests.some((test) => test.p_value != null);
 }
 
 /// Parameters of both models in one table; those that differ by more than their

@@ -36,6 +36,7 @@ export async function startForm(measurement, started, { earlier, signal } = {}) 
         "In units of the response; only if the file does not state it."),
       input("seed", "Seed", { inputmode: "numeric", value: options.seed ?? 1 }, "A whole number; the same seed gives the same result."),
       select("weights", "Weight of each harmonic", [["noise", "by its noise"], ["response", "the same for all"]], options.weights),
+      select("priority", "Priority", [["normal", "normal"], ["high", "high: before your other jobs"], ["low", "low: after your other jobs"]], earlier?.priority ?? "normal"),
       select("validation_measurement_id", "Test on", [["", "parts of this measurement"],
         ...others.map((item) => [item.id, inList(item)])],
         earlier?.validation_measurement_id ?? "", "A second measurement of the same axis; for a diagnosis.")));
@@ -74,6 +75,7 @@ function request(form, measurement_id, options) {
     kind: value("kind"),
     plant: order === "" ? undefined : { actuator_order: Number(order) },
     method: value("method"),
+    priority: value("priority"),
     validation_measurement_id: (diagnose && value("validation_measurement_id")) || undefined,
     options: { ...options, seed: typed(value("seed")), noise_std: typed(value("noise_std")), weights: value("weights") },
   };

@@ -27,6 +27,14 @@ export function ofVerdict(verdict) {
   return node;
 }
 
+/// The verdict of a result; of one that could not be tested, that.
+export function judged({ verdict, tested }) {
+  if (verdict !== "adequate" || tested !== false) return ofVerdict(verdict);
+  const node = chip("not tested");
+  node.title = "too few data to test the simulation";
+  return node;
+}
+
 /// Whether a model fits, in words.
 export function adequacy(adequate) {
   return adequate == null ? "adequacy unknown" : adequate ? "adequate" : "not adequate";
@@ -34,9 +42,10 @@ export function adequacy(adequate) {
 
 /// How far a job has come.
 export function bar(job) {
-  const { progress, status, cancel_requested: stopping } = job;
+  const { progress, status, priority, cancel_requested: stopping } = job;
   const share = status === "queued" ? 0 : progress?.fraction ?? 0;
-  const word = stopping ? "being cancelled" : status === "queued" ? "queued" : capital(stage(progress));
+  const waiting = ["low", "high"].includes(priority) ? `queued, ${priority} priority` : "queued";
+  const word = stopping ? "being cancelled" : status === "queued" ? waiting : capital(stage(progress));
   return h("span", { class: "progress" },
     h("progress", { max: 1, value: share, "aria-label": word }),
     h("span", { class: "small" }, status === "queued" ? word : `${word}, ${Math.floor(100 * share)} %`));
@@ -53,7 +62,7 @@ export function outcome({ status, failure, result }) {
   if (!result) return "";
   const { verdict, causes, ratio, nrmse, adequate } = result;
   if (!verdict) return [adequate == null ? "" : `${adequacy(adequate)}, `, `residual ${percent(nrmse)} of the response`];
-  return [ofVerdict(verdict), " ", h("strong", {}, named(causes)), ratio ? h("span", { class: "small" }, ` ${change(ratio)}`) : ""];
+  return [judged(result), " ", h("strong", {}, named(causes)), ratio ? h("span", { class: "small" }, ` ${change(ratio)}`) : ""];
 }
 
 /// What the causes make of the residual on held-out data, which they divide by a ratio.

@@ -3,7 +3,7 @@
 import { h, keyed, row, table } from "./dom.js";
 import { Problem, json, repeatedly, send } from "./api.js";
 import { confidence, filesOf, named, number, percent, subject, time } from "./format.js";
-import { bar, chip, ofVerdict } from "./status.js";
+import { bar, chip, judged } from "./status.js";
 import { upload } from "./files.js";
 
 const ACTIVE_MS = 700;
@@ -84,7 +84,7 @@ function jobRow(job) {
   return row([
     [h("a", { href: `/jobs/${job.id}` }, filesOf(measurement)), h("span", { class: "small" }, ` ${subject(measurement)}`)],
     active ? bar(job) : chip(status),
-    result?.verdict ? ofVerdict(result.verdict) : failure?.reason ?? "",
+    result?.verdict ? judged(result) : failure?.reason ?? "",
     named(result?.causes),
     { content: result?.confidence == null ? "" : confidence(result.confidence), class: "n" },
     { content: number(result?.ratio, 3), class: "n" },

@@ -157,3 +157,12 @@ pub struct Diagnosis {
     /// What is needed to reproduce the answer.
     pub provenance: Provenance,
 }
+
+impl Diagnosis {
+    /// Whether any test could be made of the base model. Without one, nothing speaks for an adequate
+    /// model, either.
+    pub fn is_tested(&self) -> bool {
+        let tests = &self.discrepancy.tests;
+        tests.is_empty() || tests.iter().any(|test| test.p_value.is_some())
+    }
+}

@@ -45,12 +45,13 @@ fn more_connections_than_files_stop_no_answer() {
     // None of these is idle: each has a request whose body does not come.
     let head = "POST /v1/measurements HTTP/1.1\r\nhost: localhost\r\ncontent-type: text/csv\r\n\
                 content-length: 100\r\n\r\nabc";
-    let busy: Vec<_> = (0..2 * FILES).map(|_| connect(&server, head)).collect();
+    let mut busy: Vec<_> = (0..2 * FILES).map(|_| connect(&server, head)).collect();
     for path in ["/livez", "/readyz", "/metrics"] {
         let text = asked(&server, path);
         assert!(text.starts_with("HTTP/1.1 200"), "{path}: {text}");
     }
-    // One whose head is not read yet counts as idle.
+    // One whose head is not read yet counts as idle, and is closed for the next one: others come in
+    // its place.
     let began = Instant::now();
     loop {
         let refused = asked(&server, "/v1/measurements");
@@ -58,6 +59,7 @@ fn more_connections_than_files_stop_no_answer() {
             break;
         }
         assert!(began.elapsed() < PATIENCE, "{refused}");
+        busy.push(connect(&server, head));
     }
     drop(busy);
 }

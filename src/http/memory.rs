@@ -33,8 +33,8 @@ pub(super) struct Held {
 }
 
 impl Memory {
-    /// So many bytes for all requests. One key may hold half of them, or one request of the largest
-    /// size where that is more: with two requests of that size, a key leaves room for others.
+    /// So many bytes for all requests, of which one key may hold half. Where that is less than the
+    /// largest request takes, a key may hold one such request.
     pub(super) fn new(bytes: usize, largest: usize) -> Self {
         let pieces = |bytes: usize| bytes.div_ceil(PIECE).min(Semaphore::MAX_PERMITS);
         Self {

@@ -9,7 +9,7 @@
 # family are others, so they are not compared.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_OPT_LEVEL=3
+export CARGO_INCREMENTAL=0
 recorded=benches/instructions.txt
 program=${CARGO_TARGET_DIR:-target}/debug/examples/instructions
 

@@ -6,6 +6,7 @@ use serde::Serialize;
 use servoscope_core::answers::{IdentifyOptions, Inspection};
 use servoscope_core::diagnose::DiagnoseError;
 use servoscope_core::identify::IdentifyError;
+use servoscope_core::measurement::Measurement;
 
 use crate::report;
 use crate::service::{BuiltIn, JobRequest, Numerics, Submission, measured};
@@ -39,6 +40,9 @@ pub(super) struct Args {
 struct Printed<'a> {
     /// How the files were understood, in sentences.
     notes: &'a [String],
+    /// Standard deviation of the noise in each of re and im of a harmonic (rms), response units; null
+    /// if it is not known.
+    noise_std: Option<f64>,
     #[serde(flatten)]
     inspection: &'a Inspection,
 }
@@ -65,12 +69,27 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     })?;
     match args.json {
         true => {
-            let printed = Printed { notes: measurement.notes(), inspection: &inspection };
+            let noise_std = measurement.noise_std().or(args.noise_std);
+            let printed =
+                Printed { notes: measurement.notes(), noise_std, inspection: &inspection };
             terminal::print_raw(computation::json(&printed)?.as_bytes())
         }
         false => {
-            let measured = measured(Some(&measurement), &sources);
+            let mut measured = measured(Some(&measurement), &sources);
+            measured.notes.extend(noise(&measurement));
             terminal::print(&report::inspection(&measured, &inspection, terminal::width()))
         }
     }
+}
+
+/// How large the noise is, if the measurement tells it.
+fn noise(measurement: &Measurement) -> Option<String> {
+    let (std, decibels) = (measurement.noise_std()?, measurement.noise_db()?);
+    let unit = &measurement.metadata().response.unit;
+    let std = format!("{std:.2e} {unit}");
+    Some(format!(
+        "the noise has a standard deviation of {} in each of re and im of a harmonic (rms), {decibels:.0} \
+         dB below the median fundamental",
+        std.trim()
+    ))
 }

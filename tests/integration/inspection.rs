@@ -25,8 +25,11 @@ fn a_sound_table_says_what_it_can_show_and_over_http_the_same() {
     let path = path.to_str().unwrap();
     let text = printed(&[path]);
     assert!(text.contains("What it can reveal") && !text.contains("Looks wrong"), "{text}");
+    let joined = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(joined.contains("(rms), 60 dB below"), "{text}");
     let printed: Value = serde_json::from_str(&printed(&["--json", path])).unwrap();
     let effects = printed["detectability"]["effects"].as_array().unwrap();
+    assert!(printed["noise_std"].as_f64().is_some_and(|std| std > 0.0));
     let seen = effects.iter().filter(|effect| !effect["detected_from"].is_null()).count();
     assert_eq!(seen, effects.len());
 

@@ -11,6 +11,7 @@ mod fitted_periods;
 pub mod formats;
 mod intersample;
 mod metadata;
+mod noise_size;
 mod notes;
 mod period;
 mod period_drift;

@@ -43,6 +43,8 @@ const UNITS: &[Unit] = &[
             "revs",
             "revolution",
             "revolutions",
+            "umdrehung",
+            "umdrehungen",
             "turn",
             "turns",
             "count",
@@ -127,6 +129,8 @@ fn in_one_spelling(unit: &str) -> String {
 /// `m s-2`, `m·s⁻²`, `m*s**-2`, `m/(s*s)`, `metres per second`.
 pub(super) fn kind_of(unit: &str) -> Option<ResponseKind> {
     let unit = in_one_spelling(unit);
+    // Revolutions per minute in German. Alone, U is no unit of a motion.
+    let unit = unit.strip_prefix("U/").map_or(unit.clone(), |time| format!("rev/{time}"));
     // Only what is in brackets may be a product below the line: `m/s*s` could mean two things.
     let (above, below) = unit.split_once('/').unwrap_or((&unit, ""));
     let below = match below.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')) {
@@ -172,7 +176,7 @@ mod tests {
             ),
             (
                 Velocity,
-                "m/s,deg / s,rpm,RPM,rev/min,rad/sec,deg/sec,m s-1,m*s^-1,m*s**-1,rad·s⁻¹,rad s^-1,\
+                "m/s,deg / s,rpm,RPM,rev/min,U/min,U / s,Umdrehungen/min,rad/sec,deg/sec,m s-1,m*s^-1,m*s**-1,rad·s⁻¹,rad s^-1,\
                  km/h,ft/s,Hz,kHz,1/min,min-1,min⁻¹,1/s,s^-1,mm/ms,metres per second,\
                  degrees/minute,m*s^(-1),m/(s),µm/s,counts/s,mm / min",
             ),
@@ -191,7 +195,7 @@ mod tests {
     #[test]
     fn a_unit_that_is_unknown_or_of_no_motion_tells_nothing() {
         for unit in
-            ",V,A,N·m,Nm,N m,V/s,s,g,%,m/s*s,m^2,kg m/s,m/s^3,rad/V,/,//,^,m^,m^x,-,m/s^,(,)*"
+            ",U,V,A,N·m,Nm,N m,V/s,s,g,%,m/s*s,m^2,kg m/s,m/s^3,rad/V,/,//,^,m^,m^x,-,m/s^,(,)*"
                 .split(',')
         {
             assert_eq!(kind_of(unit), None, "{unit}");

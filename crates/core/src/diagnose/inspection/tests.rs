@@ -136,6 +136,24 @@ fn an_axis_that_moves_in_one_direction_is_doubted() {
 }
 
 #[test]
+fn a_position_that_moves_on_faster_than_it_oscillates_is_doubted() {
+    let doubted = |mean_velocity: f64| -> Vec<String> {
+        let positions = each(|e| {
+            let omega = e.omega_rad_s;
+            e.response.retain(|h| h.order > 0);
+            e.response
+                .iter_mut()
+                .for_each(|h| h.value /= Complex::new(0.0, h.order as f64 * omega));
+            e.mean_velocity = mean_velocity;
+        });
+        let found = called(positions, ResponseKind::Position).doubts();
+        found.into_iter().map(|doubt| doubt.check).collect()
+    };
+    assert_eq!(doubted(-1e4), ["one_direction"]);
+    assert!(doubted(0.0).is_empty());
+}
+
+#[test]
 fn a_conjugated_response_is_doubted() {
     let turned = each(|e| e.response.iter_mut().for_each(|h| h.value = h.value.conj()));
     assert_eq!(doubted(turned), ["rising_phase"]);

@@ -9,7 +9,7 @@ use super::naming::{
     Naming, ROW_NUMBER, Used, check_unit, driven_by, note_unused, response, unknown_kind,
 };
 use super::vocabulary::{Holds, Measures};
-use crate::measurement::units;
+use crate::measurement::{ResponseKind, units};
 
 /// The columns where names of the vocabulary fill in what those of the contract lack.
 ///
@@ -17,7 +17,57 @@ use crate::measurement::units;
 /// If two columns could be the same thing, a unit is unknown or missing, the kind of the response is
 /// not said, or it or the unit contradicts the metadata.
 pub(super) fn resolve(names: &[Name], header: &mut Header) -> Result<Naming, Fault> {
-    Vocabulary { names, used: Vec::new() }.resolve(header)
+    let (timed, names) = in_context(names, header);
+    Vocabulary { names: &names, used: Vec::new() }.resolve(timed, header)
+}
+
+/// Whether the columns are those of a time record, and what their names mean there.
+pub(super) fn in_context(names: &[Name], header: &Header) -> (bool, Vec<Name>) {
+    let timed = is_timed(names, header);
+    (timed, if timed { of_record(names) } else { names.to_vec() })
+}
+
+/// Whether the columns are those of a time record: they have times and no frequency. Beside times, ω is
+/// a frequency only where there is a ratio of response to input.
+fn is_timed(names: &[Name], header: &Header) -> bool {
+    let contract =
+        |columns: &[Column]| names.iter().any(|n| n.contract.is_some_and(|c| columns.contains(&c)));
+    let holds = |wanted: fn(Holds) -> bool| names.iter().any(|n| n.holds.is_some_and(wanted));
+    let time = contract(&[Column::TimeS])
+        || holds(|holds| holds == Holds::Time)
+        || header.sample_s.is_some();
+    let frequency = contract(&[Column::FrequencyHz]) || holds(|holds| holds == Holds::Frequency);
+    let omega = contract(&[Column::OmegaRadS]) || holds(|holds| holds == Holds::AngularFrequency);
+    let ratio = contract(columns::RESPONSE_FORMS)
+        || holds(|holds| {
+            matches!(
+                holds,
+                Holds::Gain
+                    | Holds::LinearGain
+                    | Holds::GainRe
+                    | Holds::GainIm
+                    | Holds::RealPart
+                    | Holds::ImaginaryPart
+            )
+        });
+    time && !frequency && !(omega && ratio)
+}
+
+/// The columns of a time record: ω is a velocity there, and φ or θ a position.
+fn of_record(names: &[Name]) -> Vec<Name> {
+    let motion = |name: &Name| {
+        let is_omega =
+            name.contract == Some(Column::OmegaRadS) || name.holds == Some(Holds::AngularFrequency);
+        let (kind, unit) = match name.holds {
+            _ if is_omega => (ResponseKind::Velocity, "rad/s"),
+            Some(Holds::Phase) if name.is_symbol => (ResponseKind::Position, ""),
+            _ => return name.clone(),
+        };
+        let unit = if name.unit.is_empty() { unit } else { &name.unit };
+        let (holds, unit) = (Some(Holds::Motion(kind)), unit.to_owned());
+        Name { contract: None, holds, unit, ..name.clone() }
+    };
+    names.iter().map(motion).collect()
 }
 
 /// Names of which some are to be resolved by the vocabulary, and the columns that are.
@@ -27,19 +77,7 @@ struct Vocabulary<'a> {
 }
 
 impl Vocabulary<'_> {
-    fn resolve(mut self, header: &mut Header) -> Result<Naming, Fault> {
-        let holds = |wanted: fn(Holds) -> bool| {
-            self.names.iter().any(|name| name.holds.is_some_and(wanted))
-        };
-        let is_contract = |columns: &[Column]| {
-            self.names.iter().any(|name| name.contract.is_some_and(|c| columns.contains(&c)))
-        };
-        let frequency = is_contract(&[Column::FrequencyHz, Column::OmegaRadS])
-            || holds(|holds| matches!(holds, Holds::Frequency | Holds::AngularFrequency));
-        let time = is_contract(&[Column::TimeS])
-            || holds(|holds| holds == Holds::Time)
-            || header.sample_s.is_some();
-        let timed = time && !frequency;
+    fn resolve(mut self, timed: bool, header: &mut Header) -> Result<Naming, Fault> {
         if timed {
             self.record(header)?;
         } else {

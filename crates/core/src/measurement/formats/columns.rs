@@ -61,6 +61,10 @@ pub(super) const HARMONIC_TABLE: &[Column] = &[
     Column::UIm,
 ];
 
+/// Columns in one of the forms of which a harmonic table has its response.
+pub(super) const RESPONSE_FORMS: &[Column] =
+    &[Column::Re, Column::Amplitude, Column::Gain, Column::GainDb, Column::GainRe];
+
 /// Columns of a time record.
 pub(super) const TIME_RECORD: &[Column] =
     &[Column::TimeS, Column::Input, Column::Output, Column::Segment];

@@ -104,7 +104,7 @@ pub(super) fn is_number(cell: &str) -> bool {
 
 /// Whether the comma of a number can only be a decimal comma: thousands have one to three digits
 /// before the comma, the first not 0, and three after it.
-fn is_decimal(number: &str) -> bool {
+pub(super) fn is_decimal(number: &str) -> bool {
     let Some((before, after)) = number.split_once(',') else { return false };
     let before = before.trim_start_matches(['+', '-']);
     let thousands = (1..=3).contains(&before.len())

@@ -47,7 +47,10 @@ mod tests {
     fn channel_2_is_the_ratio_of_response_to_input() {
         let of = |text: &str| read(&[Source { name: "x", bytes: text.as_bytes() }]);
         let plain = of("magnitude,frequency_hz,gain_db,phase_deg\n0.5,1,-6,-45\n0.5,10,-26,-90\n");
-        assert_eq!(of(TEXT).unwrap().experiments(), plain.unwrap().experiments());
+        let plain = plain.unwrap();
+        assert_eq!(of(TEXT).unwrap().experiments(), plain.experiments());
+        let driven = TEXT.replace("#Settle: 10 ms", "#Amplitude: 1 V");
+        assert_eq!(of(&driven).unwrap().experiments(), plain.experiments());
         let absolute = of(&TEXT.replace("yes", "no")).unwrap_err();
         assert!(absolute.reason.contains("relative to channel 1"), "{absolute}");
     }

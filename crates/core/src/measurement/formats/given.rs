@@ -27,7 +27,7 @@ impl Given {
 
     /// Whether a key is one of the metadata.
     pub fn knows(key: &str) -> bool {
-        Header::knows(key)
+        Header::has_exactly(key)
     }
 
     /// States a value.
@@ -37,7 +37,7 @@ impl Given {
     pub fn set(&mut self, key: &str, value: &str) -> Result<(), ParseError> {
         let fault = |fault: Fault| fault.in_column(key).in_file(Self::NAME);
         let value = value.split_whitespace().collect::<Vec<_>>().join(" ");
-        if !Header::default().set(None, key, &value).map_err(fault)? {
+        if !Header::has_exactly(key) || !Header::default().set(None, key, &value).map_err(fault)? {
             return Err(fault(Fault::new("there is no metadata of this name")));
         }
         match self.entries.insert(key.to_owned(), value.clone()) {
@@ -126,7 +126,9 @@ mod tests {
     #[test]
     fn a_value_that_means_nothing_is_refused_by_its_key() {
         let mut given = Given::default();
-        for (key, value) in [("colour", "red"), ("response", "red"), ("decimal", "red")] {
+        for (key, value) in
+            [("colour", "red"), ("Axis", "X"), ("response", "red"), ("decimal", "red")]
+        {
             let error = given.set(key, value).unwrap_err();
             assert_eq!((error.file.as_str(), error.column.as_deref()), (Given::NAME, Some(key)));
         }

@@ -47,11 +47,17 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Reads one `key: value`; returns `false` if the key is unknown.
+    /// Reads one `key: value`; returns `false` if the key is unknown. Upper and lower case do not
+    /// matter.
     pub(super) fn set(&mut self, line: Option<u64>, key: &str, value: &str) -> Result<bool, Fault> {
         // A JSON string may hold line breaks, which would corrupt a CSV preamble written from it.
         let value = value.split_whitespace().collect::<Vec<_>>().join(" ");
         let fault = |reason: String| Fault::new(reason).at_line(line).in_column(key);
+        let folded = folded(key);
+        if is_of_instrument(key, &folded, &value) {
+            return Ok(false);
+        }
+        let key = folded.as_str();
         if !self.apply(key, &value).map_err(fault)? {
             return Ok(false);
         }
@@ -120,7 +126,7 @@ impl Header {
             && stated.unit != told_quantity.unit;
         if kinds_differ || units_differ {
             return Err(Fault::new(format!(
-                "the column is `{}`, but the {key} is said to be `{} {}`: correct the one or the \
+                "the column is `{}`, but the {key} is stated as `{} {}`: correct the one or the \
                  other",
                 [told_quantity.name, told_quantity.unit].join(" ").trim(),
                 stated.name,
@@ -148,7 +154,12 @@ impl Header {
 
     /// Whether the key is known.
     pub(super) fn knows(key: &str) -> bool {
-        !matches!(Self::default().apply(key, ""), Ok(false))
+        !matches!(Self::default().apply(&folded(key), ""), Ok(false))
+    }
+
+    /// Whether the key is known and in its own spelling.
+    pub(super) fn has_exactly(key: &str) -> bool {
+        Self::knows(key) && folded(key) == key
     }
 
     /// Line of the file in which a key was given.
@@ -159,6 +170,7 @@ impl Header {
     fn apply(&mut self, key: &str, value: &str) -> Result<bool, String> {
         let metadata = &mut self.metadata;
         let text = || (!value.is_empty()).then(|| value.to_owned());
+        let word = value.to_ascii_lowercase();
         match key {
             "name" => metadata.name = text(),
             "machine" => metadata.machine = text(),
@@ -171,7 +183,7 @@ impl Header {
                 check_unit(metadata)?;
             }
             "loop" => {
-                metadata.feedback = Some(match value {
+                metadata.feedback = Some(match word.as_str() {
                     "open" => Loop::Open,
                     "closed" => Loop::Closed,
                     _ => return Err(format!("`{value}` is neither open nor closed")),
@@ -183,24 +195,24 @@ impl Header {
                 })?);
             }
             "reference" => {
-                self.convention.reference = match value {
+                self.convention.reference = match word.as_str() {
                     "cos" => Reference::Cosine,
                     "sin" => Reference::Sine,
                     _ => return Err(format!("`{value}` is neither cos nor sin")),
                 };
             }
             "amplitude" => {
-                self.convention.amplitude = match value {
+                self.convention.amplitude = match word.as_str() {
                     "peak" => AmplitudeUnit::Peak,
                     "rms" => AmplitudeUnit::Rms,
                     "peak-to-peak" => AmplitudeUnit::PeakToPeak,
                     _ => return Err(format!("`{value}` is not peak, rms or peak-to-peak")),
                 };
             }
-            "period_s" if value == "none" => (self.period_s, self.aperiodic) = (None, true),
+            "period_s" if word == "none" => (self.period_s, self.aperiodic) = (None, true),
             "period_s" => (self.period_s, self.aperiodic) = (Some(period(value)?), false),
             "intersample" => {
-                self.intersample = match value {
+                self.intersample = match word.as_str() {
                     "linear" => Some(Intersample::Linear),
                     "hold" => Some(Intersample::Hold),
                     _ => return Err(format!("`{value}` is neither linear nor hold")),
@@ -216,21 +228,21 @@ impl Header {
             "averages" => self.averages = Some(averages(value)?),
             "magnitude" => self.magnitude = Some(magnitude(value)?),
             "decimal" => {
-                self.decimal = match value {
+                self.decimal = match word.as_str() {
                     "comma" => Some(Mark::Comma),
                     "point" => Some(Mark::Point),
                     _ => return Err(format!("`{value}` is neither comma nor point")),
                 };
             }
             "inverted" => {
-                self.inverted = match value {
+                self.inverted = match word.as_str() {
                     "yes" => true,
                     "no" => false,
                     _ => return Err(format!("`{value}` is neither yes nor no")),
                 };
             }
             "blank_segments" => {
-                self.blank_segments_unused = match value {
+                self.blank_segments_unused = match word.as_str() {
                     "unused" => true,
                     "refused" => false,
                     _ => return Err(format!("`{value}` is neither unused nor refused")),
@@ -242,7 +254,7 @@ impl Header {
             "sheet" if value.is_empty() => return Err("the name of a sheet is needed".into()),
             "sheet" => {}
             "repeats" => {
-                self.repeats_are_periods = match value {
+                self.repeats_are_periods = match word.as_str() {
                     "periods" => true,
                     "measurements" => false,
                     _ => return Err(format!("`{value}` is neither periods nor measurements")),
@@ -260,6 +272,35 @@ impl Header {
         }
         Ok(true)
     }
+}
+
+/// Keys whose value is one of a few words.
+const WORDED: &[&str] = &[
+    "loop",
+    "reference",
+    "amplitude",
+    "intersample",
+    "decimal",
+    "inverted",
+    "blank_segments",
+    "repeats",
+];
+
+/// A key in lower case, but for the name of a label.
+fn folded(key: &str) -> String {
+    const LABEL: &str = "label.";
+    let (start, rest) = key.split_at_checked(LABEL.len()).unwrap_or((key, ""));
+    match start.eq_ignore_ascii_case(LABEL) {
+        true => format!("{LABEL}{rest}"),
+        false => key.to_ascii_lowercase(),
+    }
+}
+
+/// Whether a line states a setting of an instrument, such as `#Amplitude: 1 V`: a number where the
+/// key in lower case has a word.
+fn is_of_instrument(key: &str, folded: &str, value: &str) -> bool {
+    let number = value.starts_with(|c: char| c.is_ascii_digit() || ['+', '-', '.'].contains(&c));
+    key != folded && number && WORDED.contains(&folded)
 }
 
 /// Splits `force N` into the first word as name and the rest as unit, and `motor current [A]` at
@@ -300,151 +341,4 @@ fn check_unit(metadata: &Metadata) -> Result<(), String> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn header(key: &str, value: &str) -> Header {
-        let mut header = Header::default();
-        assert_eq!(header.set(Some(1), key, value), Ok(true));
-        header
-    }
-
-    #[test]
-    fn a_quantity_is_a_name_and_a_unit() {
-        let of = |text| {
-            let Quantity { name, unit } = quantity(text);
-            (name, unit)
-        };
-        assert_eq!(of("current A"), ("current".into(), "A".into()));
-        assert_eq!(of("torque N m"), ("torque".into(), "N m".into()));
-        assert_eq!(of("motor current [A]"), ("motor current".into(), "A".into()));
-        assert_eq!(of("force (N)"), ("force".into(), "N".into()));
-        assert_eq!(of("voltage"), ("voltage".into(), String::new()));
-    }
-
-    #[test]
-    fn every_header_key_sets_its_own_field() {
-        assert_eq!(header("name", "axis test").metadata.name.as_deref(), Some("axis test"));
-        assert_eq!(header("machine", "mill 3").metadata.machine.as_deref(), Some("mill 3"));
-        assert_eq!(header("axis", "X").metadata.axis.as_deref(), Some("X"));
-        assert_eq!(header("operator", "Ada").metadata.operator.as_deref(), Some("Ada"));
-        assert_eq!(header("label.shift", "night").metadata.labels["shift"], "night");
-        assert_eq!(header("loop", "closed").metadata.feedback, Some(Loop::Closed));
-        assert_eq!(header("settle_periods", "2").settle_periods, Some(2));
-        assert_eq!(header("averages", "16").averages, Some(16.0));
-        assert_eq!(header("magnitude", "0.5").magnitude, Some(0.5));
-        assert!(header("inverted", "yes").inverted && !header("inverted", "no").inverted);
-        assert_eq!(header("sample_s", "0.001").sample_s, Some(0.001));
-        assert_eq!(header("decimal", "comma").decimal, Some(Mark::Comma));
-        assert_eq!(header("column_names", "a, b c,").column_names.unwrap(), ["a", "b c", ""]);
-        assert_eq!(
-            header("column_names", "Gain, dB;;b").column_names.unwrap(),
-            ["Gain, dB", "", "b"]
-        );
-        assert_eq!(header("period_s", "6.24").period_s, Some(6.24));
-        assert!(header("period_s", "none").aperiodic);
-        assert_eq!(header("intersample", "hold").intersample, Some(Intersample::Hold));
-        assert_eq!(header("initial_velocity", "-0.5").beginning.velocity, Some(-0.5));
-        assert_eq!(header("initial_position", "2").beginning.position, Some(2.0));
-        assert_eq!(header("settle_s", "0").beginning.settle_s, Some(0.0));
-        assert_eq!(header("response", "Position m").metadata.response_kind, ResponseKind::Position);
-        let measured_at = header("measured_at", "2024-05-31T13:45:00+02:00").metadata.measured_at;
-        assert_eq!(measured_at, Some("2024-05-31T11:45:00Z".parse().unwrap()));
-    }
-
-    #[test]
-    fn a_value_that_means_nothing_is_refused_with_its_line_and_key() {
-        for (key, value) in [
-            ("response", "temperature K"),
-            ("response", "velocity rad"),
-            ("response", "position [m/s]"),
-            ("measured_at", "yesterday"),
-            ("loop", "half"),
-            ("reference", "tan"),
-            ("amplitude", "loud"),
-            ("period_s", "-1"),
-            ("period_s", "NaN"),
-            ("settle_periods", "1.5"),
-            ("averages", "0"),
-            ("averages", "inf"),
-            ("averages", "many"),
-            ("settle_periods", "1e300"),
-            ("settle_s", "-1"),
-            ("initial_velocity", "fast"),
-            ("initial_position", "inf"),
-            ("intersample", "cubic"),
-            ("magnitude", "0"),
-            ("decimal", "dot"),
-            ("inverted", "half"),
-            ("sample_s", "0"),
-            ("sheet", ""),
-            ("column_names", "a"),
-        ] {
-            let fault = Header::default().set(Some(7), key, value).unwrap_err().in_file("f.csv");
-            assert_eq!((fault.line, fault.column.as_deref()), (Some(7), Some(key)), "{fault}");
-        }
-    }
-
-    #[test]
-    fn a_key_given_twice_with_two_values_is_refused() {
-        let mut header = header("axis", "X");
-        assert_eq!(header.set(Some(2), "axis", "X"), Ok(true));
-        assert!(header.set(Some(3), "axis", "Y").is_err());
-    }
-
-    #[test]
-    fn what_is_given_beside_the_file_holds_and_a_note_says_so() {
-        let mut given = Given::default();
-        given.set("axis", "Y").unwrap();
-        given.set("loop", "open").unwrap();
-        let (mut header, mut notes) = (header("axis", "X"), Vec::new());
-        header.take(&given, &mut notes).unwrap();
-        assert_eq!(header.metadata.axis.as_deref(), Some("Y"));
-        assert_eq!(header.metadata.feedback, Some(Loop::Open));
-        assert!(notes.len() == 1 && notes[0].contains("not `X`"), "{notes:?}");
-    }
-
-    #[test]
-    fn metadata_has_a_size_and_what_is_unknown_is_only_passed_over() {
-        let mut header = Header::default();
-        let long = "x".repeat(MAX_METADATA + 1);
-        assert!(header.set(Some(3), "machine", &long).is_err());
-        assert!(header.set(None, "machine", &long[1..]).unwrap());
-        assert!(header.set(None, &format!("label.{long}"), "north").is_err());
-        assert!(header.set(None, "machine", "press\0").is_err());
-        assert!(header.set(None, "label.site\0", "north").is_err());
-        assert!(!header.set(None, "remark", &long).unwrap());
-        let mut header = Header::default();
-        for label in 0..MAX_LABELS {
-            header.set(None, &format!("label.{label}"), "a").unwrap();
-        }
-        assert!(header.set(None, "label.more", "a").is_err());
-    }
-
-    #[test]
-    fn a_column_tells_what_the_metadata_does_not_and_may_not_contradict_it() {
-        let mut silent = Header::default();
-        silent.infer("response", "position mm", "Lage (mm)").unwrap();
-        assert_eq!(silent.metadata.response_kind, ResponseKind::Position);
-        assert_eq!(silent.metadata.response.unit, "mm");
-        let mut without_unit = header("input", "force");
-        without_unit.infer("input", "current [A]", "I (A)").unwrap();
-        assert_eq!(
-            without_unit.metadata.input,
-            Quantity { name: "force".into(), unit: "A".into() }
-        );
-        for (key, stated, told) in [
-            ("response", "velocity rad/s", "position rad"),
-            ("response", "position m", "position mm"),
-            ("input", "current A", "current [mA]"),
-        ] {
-            let error = header(key, stated).infer(key, told, "c").unwrap_err().in_file("f");
-            assert!(error.reason.contains(stated), "{error}");
-        }
-    }
-
-    #[test]
-    fn an_unknown_key_is_said_to_be_unknown() {
-        assert_eq!(Header::default().set(Some(1), "temperature", "25"), Ok(false));
-    }
-}
+mod tests;

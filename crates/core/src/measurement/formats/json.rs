@@ -236,10 +236,13 @@ fn set(
         }
         return Ok(());
     }
-    if !Header::knows(key) {
+    if Header::knows(key) && value.is_null() {
+        return Ok(());
+    }
+    let known = Header::knows(key)
+        && header.set(None, key, &scalar(value, path)?).map_err(|fault| fault.in_column(path))?;
+    if !known {
         note_unknown(path, notes);
-    } else if !value.is_null() {
-        header.set(None, key, &scalar(value, path)?).map_err(|fault| fault.in_column(path))?;
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use super::delimiter::Delimiter;
 use super::given::Given;
 use super::sight::Sight;
 use super::source::Source;
-use super::{known_formats, naming, quantities, sight};
+use super::{by_vocabulary, known_formats, naming, quantities, sight};
 
 /// What is seen of an upload.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -113,6 +113,7 @@ fn table(mut sight: Sight) -> TableLook {
     let ahead = usize::from(sight.timed);
     let used = naming::resolve(&names, &mut sight.header).map(|naming| naming.used);
     let used = used.unwrap_or_default();
+    let (_, names) = by_vocabulary::in_context(&names, &sight.header);
     let columns = sight.names.iter().zip(&names[ahead..]).enumerate();
     let columns = columns.map(|(field, (written, name))| {
         let (quantity, unit) = quantities::of(name).unzip();

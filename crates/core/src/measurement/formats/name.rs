@@ -2,7 +2,9 @@
 
 use super::columns::{self, Column};
 use super::limits::MAX_NAME;
-use super::vocabulary::{Holds, Measures, NAMES, NOT_MEASURED, SUFFIXES, UNITS, Unit, WORDS};
+use super::vocabulary::{
+    Holds, Measures, NAMES, NOT_MEASURED, PARTS_NOT_MEASURED, SUFFIXES, SYMBOLS, UNITS, Unit, WORDS,
+};
 use crate::measurement::units;
 
 /// The name of a column, understood as far as it is known.
@@ -16,6 +18,8 @@ pub(super) struct Name {
     pub(super) holds: Option<Holds>,
     /// The unit; empty if it is not said.
     pub(super) unit: String,
+    /// Whether it is the symbol of a physical quantity.
+    pub(super) is_symbol: bool,
 }
 
 impl Name {
@@ -23,7 +27,7 @@ impl Name {
     pub(super) fn of(written: &str, unit_below: Option<&str>) -> Self {
         if written.len() > MAX_NAME {
             let (written, unit) = (written.to_owned(), String::new());
-            return Self { written, contract: None, holds: None, unit };
+            return Self { written, contract: None, holds: None, unit, is_symbol: false };
         }
         let contract = contract(written);
         let (name, unit) = match contract.is_some() || whole(written).is_some() {
@@ -40,11 +44,12 @@ impl Name {
         let decibel = self::unit(&unit).is_some_and(|unit| unit.measures == Measures::Decibel);
         let ratio = [Column::Magnitude, Column::Amplitude, Column::Gain];
         let contract = contract.filter(|column| !(decibel && ratio.contains(column)));
-        let holds = holds(&name).or_else(|| match quantity(&name) {
+        let holds = holds_in(&name, &unit).or_else(|| match quantity(&name) {
             Some(_) => None,
-            None => by_unit(&unit),
+            None => by_unit(&unit).filter(|holds| is_measured(&name, *holds)),
         });
-        Self { written: written.to_owned(), contract, holds, unit }
+        let is_symbol = is_symbol(&name);
+        Self { written: written.to_owned(), contract, holds, unit, is_symbol }
     }
 
     /// Whether the name is known.
@@ -98,11 +103,13 @@ fn split(written: &str) -> (String, String) {
             return (name.trim().to_owned(), unit.trim().to_owned());
         }
     }
-    for between in [" in ", "/", ",", " "] {
-        // The first place where it fits: a unit may have a blank or a stroke of its own.
+    // A unit may have a blank or a stroke of its own: `Speed rad/s`, `t / ms`.
+    for between in [" in ", " ", "/", ","] {
         let mut places = text.match_indices(between).map(|(at, _)| at);
-        let fits =
-            |at: &usize| holds(&text[..*at]).is_some() && is_unit(&text[at + between.len()..]);
+        let fits = |at: &usize| {
+            let unit = text[at + between.len()..].trim_start();
+            !unit.starts_with('/') && holds(&text[..*at]).is_some() && is_unit(unit)
+        };
         if let Some(at) = places.find(fits) {
             let unit = text[at + between.len()..].trim();
             return (text[..at].trim().to_owned(), unit.to_owned());
@@ -111,7 +118,7 @@ fn split(written: &str) -> (String, String) {
     let lower = text.to_lowercase();
     let suffixes = SUFFIXES.iter().filter_map(|(suffix, unit)| {
         let name = lower.strip_suffix(suffix)?.strip_suffix('_')?;
-        holds(name).map(|_| (name.len(), *unit))
+        holds_in(name, unit).map(|_| (name.len(), *unit))
     });
     // The longest suffix: `_rad_s` is not `_s`.
     match suffixes.min_by_key(|(length, _)| *length) {
@@ -141,6 +148,37 @@ fn holds(name: &str) -> Option<Holds> {
     quantity(name)?.ok()
 }
 
+/// What a name holds where this is its unit, if its words tell. A symbol beside a unit of another
+/// quantity tells nothing.
+fn holds_in(name: &str, unit: &str) -> Option<Holds> {
+    let holds = holds(name)?;
+    let measures = self::unit(unit).map(|unit| unit.measures);
+    let frequency = [Some(Measures::Frequency), Some(Measures::AngularFrequency)];
+    let fits = match holds {
+        Holds::Time => measures == Some(Measures::Time),
+        Holds::Frequency | Holds::AngularFrequency => frequency.contains(&measures),
+        Holds::Phase => measures == Some(Measures::Angle),
+        _ => true,
+    };
+    (unit.is_empty() || fits || !is_symbol(name)).then_some(holds)
+}
+
+/// Whether a name is the symbol of a physical quantity.
+fn is_symbol(name: &str) -> bool {
+    SYMBOLS.contains(&in_one_spelling(name).as_str())
+}
+
+/// Whether a name is not that of the set point, a limit or an error of a motion. The set point of an
+/// input is what drives the axis.
+fn is_measured(name: &str, holds: Holds) -> bool {
+    if !matches!(holds, Holds::Motion(_)) {
+        return true;
+    }
+    let name = in_one_spelling(name);
+    !name.split(' ').any(|word| NOT_MEASURED.contains(&word))
+        && !PARTS_NOT_MEASURED.iter().any(|part| name.contains(part))
+}
+
 /// A name has several quantities, or is that of a set point, a limit or an error.
 struct NotOneQuantity;
 
@@ -150,9 +188,7 @@ fn quantity(name: &str) -> Option<Result<Holds, NotOneQuantity>> {
     let words: Vec<&str> = name.split(' ').collect();
     let mut known = WORDS.iter().filter(|(_, of)| words.iter().any(|word| of.contains(word)));
     let (holds, _) = known.next()?;
-    let measured = !words.iter().any(|word| NOT_MEASURED.contains(word));
-    let input = matches!(holds, Holds::Input(_));
-    Some(match known.next().is_none() && (measured || input) {
+    Some(match known.next().is_none() && is_measured(&name, *holds) {
         true => Ok(*holds),
         false => Err(NotOneQuantity),
     })
@@ -169,78 +205,4 @@ fn by_unit(name: &str) -> Option<Holds> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::measurement::ResponseKind::{Acceleration, Position, Velocity};
-
-    #[track_caller]
-    fn means(written: &str, holds: Holds, unit: &str) {
-        let name = Name::of(written, None);
-        assert_eq!((name.holds, name.unit.as_str()), (Some(holds), unit), "{written}");
-    }
-
-    #[test]
-    fn names_are_understood_with_their_units() {
-        means("Frequency (Hz)", Holds::Frequency, "Hz");
-        means("f [kHz]", Holds::Frequency, "kHz");
-        means("f/Hz", Holds::Frequency, "Hz");
-        means("Frequenz in Hz", Holds::Frequency, "Hz");
-        means("ω", Holds::AngularFrequency, "");
-        means("Magnitude (dB)", Holds::Gain, "dB");
-        means("Gain, dB", Holds::Gain, "dB");
-        means("Betrag (dB)", Holds::Gain, "dB");
-        means("|H|", Holds::LinearGain, "");
-        means("abs(H)", Holds::LinearGain, "");
-        means("Phase (°)", Holds::Phase, "°");
-        means("phase_rad", Holds::Phase, "rad");
-        means("Time [ms]", Holds::Time, "ms");
-        means("time_ms", Holds::Time, "ms");
-        means("Zeit / s", Holds::Time, "s");
-        means("Current (A)", Holds::Input("current"), "A");
-        means("motor_current_a", Holds::Input("current"), "A");
-        means("Drehmoment [Nm]", Holds::Input("torque"), "Nm");
-        means("Torque N m", Holds::Input("torque"), "N m");
-        means("Pos. actual value", Holds::Motion(Position), "");
-        means("Lage (mm)", Holds::Motion(Position), "mm");
-        means("Geschwindigkeit [rad/s]", Holds::Motion(Velocity), "rad/s");
-        means("vel_rad_s", Holds::Motion(Velocity), "rad/s");
-        means("Beschleunigung in m/s²", Holds::Motion(Acceleration), "m/s²");
-        means("Channel 3 (N)", Holds::Input("force"), "N");
-        means("Channel 4 [mm]", Holds::Motion(Position), "mm");
-    }
-
-    #[test]
-    fn set_points_and_errors_are_not_taken_for_what_was_measured() {
-        for written in ["Position set point", "Position error (mm)", "Sollwert Lage", "Colour", ""]
-        {
-            assert_eq!(Name::of(written, None).holds, None, "{written}");
-        }
-        // The set point of the current is what drives the axis.
-        means("Current set point (A)", Holds::Input("current"), "A");
-        // Two quantities in one name.
-        assert_eq!(Name::of("Position / Velocity", None).holds, None);
-    }
-
-    #[test]
-    fn a_unit_in_a_row_below_is_the_unit() {
-        let name = Name::of("Zeit", Some("[ms]"));
-        assert_eq!((name.holds, name.unit.as_str()), (Some(Holds::Time), "ms"));
-        assert!(is_unit("(mm/s)") && is_unit("°") && is_unit("dB") && !is_unit("Zeit"));
-    }
-
-    #[test]
-    fn every_name_and_unit_of_the_vocabulary_is_in_its_spelling_and_given_once() {
-        let mut seen = std::collections::HashSet::new();
-        for name in NAMES.iter().chain(WORDS).flat_map(|(_, names)| *names) {
-            assert_eq!(in_one_spelling(name), *name);
-            assert!(seen.insert(*name), "{name} is given twice");
-        }
-        let mut seen = std::collections::HashSet::new();
-        for name in UNITS.iter().flat_map(|unit| unit.names) {
-            assert!(seen.insert(*name), "{name} is given twice");
-        }
-        for (_, unit) in SUFFIXES {
-            assert!(is_unit(unit), "{unit}");
-        }
-    }
-}
+mod tests;

@@ -76,9 +76,8 @@ fn by_contract(names: &[Name], header: &mut Header) -> Result<Option<Naming>, Fa
     let complete = if timed {
         has(Column::Input) && has(Column::Output)
     } else {
-        let forms = [Column::Re, Column::Amplitude, Column::Gain, Column::GainDb, Column::GainRe];
         (has(Column::OmegaRadS) || has(Column::FrequencyHz))
-            && forms.into_iter().any(has)
+            && columns::RESPONSE_FORMS.iter().any(|form| has(*form))
             && (has(Column::Magnitude) || has(Column::URe) || header.magnitude.is_some())
     };
     if !complete {
@@ -176,11 +175,11 @@ pub(super) fn note_unused(names: &[Name], used: &[Used], notes: &mut Vec<String>
         if used.iter().any(|used| used.field == field) {
             continue;
         }
-        if name.written.is_empty() {
-            notes.push(format!("column {} has no name and is not used", field + 1));
-        } else {
-            notes.push(format!("column {} is unknown and not used", name.written));
-        }
+        notes.push(match name.written.as_str() {
+            "" => format!("column {} has no name and is not used", field + 1),
+            written if name.is_known() => format!("column {written} is not used"),
+            written => format!("column {written} is unknown and not used"),
+        });
     }
 }
 

@@ -1,5 +1,7 @@
 //! Finds where the table of a text begins, and reads the metadata above it.
 
+use std::borrow::Cow;
+
 use super::decimal::is_number;
 use super::delimiter::Delimiter;
 use super::fault::Fault;
@@ -58,8 +60,8 @@ pub(super) fn read<'a>(
     while !rest.is_empty() && foreign < MOST_LINES {
         let end = rest.find('\n').map_or(rest.len(), |end| end + 1);
         let line = rest[..end].trim();
-        if line.starts_with('#') {
-            names = names.or_else(|| column_names(line));
+        if let Some(line) = comment(line) {
+            names = names.or_else(|| column_names(&line));
             lines.extend(line.contains(':').then_some((number, line)));
             if lines.len() > MAX_METADATA_LINES {
                 let reason = format!("more than {MAX_METADATA_LINES} lines of metadata");
@@ -85,7 +87,7 @@ pub(super) fn read<'a>(
         // A spreadsheet fills the cells behind the metadata with nothing.
         let line = match delimiter {
             Delimiter::Semicolon => line.trim_end_matches(';'),
-            _ => line,
+            _ => &line,
         };
         metadata(&mut header, &mut comments, line, number)?;
     }
@@ -125,6 +127,18 @@ pub(super) fn read<'a>(
         return Err(Fault::new(reason).in_column("column_names"));
     }
     Ok(Preamble { header, notes, comments, delimiter, rest: from, line: from_line, found: false })
+}
+
+/// A line of metadata or of a remark, if it is one. One that would be taken apart where it is read as
+/// CSV stands in quotes as one cell, behind which a spreadsheet may have put cells with nothing.
+fn comment(line: &str) -> Option<Cow<'_, str>> {
+    if line.starts_with('#') {
+        return Some(line.into());
+    }
+    let cell = line.strip_prefix('"').filter(|cell| cell.starts_with('#') && cell.contains(':'))?;
+    let cell = cell.trim_end_matches([',', ';', '\t']).strip_suffix('"')?;
+    let is_one = !cell.replace("\"\"", "").contains('"');
+    is_one.then(|| cell.replace("\"\"", "\"").into())
 }
 
 /// The names of the columns, if a line of metadata gives them.
@@ -210,4 +224,24 @@ fn guess(line: &str) -> Delimiter {
     }
     let mut marks = [Delimiter::Comma, Delimiter::Semicolon, Delimiter::Tab].into_iter();
     marks.find(|mark| line.as_bytes().contains(&mark.byte())).unwrap_or(Delimiter::Comma)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn metadata_may_stand_in_quotes_and_a_row_that_begins_with_a_number_sign_is_none() {
+        for (line, said) in [
+            ("# name: a, b", "# name: a, b"),
+            ("\"# name: a, b\"", "# name: a, b"),
+            ("\"# name: a \"\"b\"\"\",,,", "# name: a \"b\""),
+            ("\"#name: a\";;", "#name: a"),
+        ] {
+            assert_eq!(comment(line).as_deref(), Some(said));
+        }
+        for line in ["\"#\",\"a: b\"", "\"#\"", "\"# a: b", "\"a: b\"", "1,2", "", "\""] {
+            assert_eq!(comment(line), None, "{line}");
+        }
+    }
 }

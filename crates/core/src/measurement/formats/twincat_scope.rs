@@ -4,7 +4,8 @@
 //! `Starttime of export` begin the file. Then come lines that have a key and a value for every
 //! channel (`Name`, `Unit`, `SampleTime[ms]`, …), a blank line, and the numbers. Where the line
 //! `Name` has the word itself again, the column holds the times (ms) of the channels up to the next;
-//! an export with one time for all channels has it once.
+//! an export with one time for all channels has it once. The number behind `Starttime of export` is
+//! the time of the measurement.
 
 use super::column_table::ColumnTable;
 use super::decimal::{Decimals, Mark};
@@ -30,11 +31,16 @@ pub(super) const FORMAT: Format = Format {
 
 const KEY_OF_TIME: &str = "Name";
 
+const KEY_OF_START: &str = "Starttime of export";
+
+/// From 1601, where the count of 100 ns begins, to 1970, in units of 100 ns.
+const UNIX_EPOCH: i128 = 116_444_736_000_000_000;
+
 /// The mark between the cells; `None` if the text is not of this format.
 fn delimiter(text: &str) -> Option<char> {
     let mut lines = text.lines();
     let mark = lines.next()?.strip_prefix(KEY_OF_TIME)?.chars().next()?;
-    let second = lines.next()?.strip_prefix("Starttime of export")?;
+    let second = lines.next()?.strip_prefix(KEY_OF_START)?;
     (['\t', ';', ':'].contains(&mark) && second.starts_with(mark)).then_some(mark)
 }
 
@@ -57,8 +63,22 @@ fn read(text: &str, given: &Given) -> Result<Part, Fault> {
             .map_or("colons", Delimiter::name)
     )];
     let mut header = Header::default();
+    if let Some((line, time)) = measured_at(text, mark) {
+        header.set(Some(line), "measured_at", &time.to_string())?;
+    }
     header.take(given, &mut notes)?;
     table(text, mark, header.decimal)?.read(header, notes)
+}
+
+/// The time at which the measurement began, and its line; `None` where it is no count of 100 ns since
+/// 1601, or one that ends before 1970.
+fn measured_at(text: &str, mark: char) -> Option<(u64, jiff::Timestamp)> {
+    let mut lines = (1..).zip(text.lines());
+    let (line, start) = lines.find(|(_, line)| line.starts_with(KEY_OF_START))?;
+    let count: i128 = unquote(start.split(mark).nth(1)?.trim()).parse().ok()?;
+    let nanoseconds = count.checked_sub(UNIX_EPOCH)?.checked_mul(100)?;
+    let time = jiff::Timestamp::from_nanosecond(nanoseconds).ok()?;
+    (time > jiff::Timestamp::UNIX_EPOCH).then_some((line, time))
 }
 
 /// The channels and their times.
@@ -182,6 +202,57 @@ pub(super) mod tests {
         assert!((omega_rad_s / (std::f64::consts::TAU / 0.025) - 1.0).abs() < 1e-9);
         for other in [export(";", true, ","), export(":", false, "."), export("\t", false, ",")] {
             assert_eq!(of(&other).unwrap().experiments(), plain.experiments());
+        }
+    }
+
+    /// The lines of keys and values that an export has for each channel, with sample times of 0.2 ms
+    /// and of another.
+    fn documented(sample: &str, other_step_ms: f64) -> String {
+        let mut text = format!(
+            "Name\taxis_test\n\
+             Starttime of export\t132959733843760000\tMontag, 2. Mai 2022\t15:56:24.376\n\n\n\
+             Name\tActTorque\tName\tActPos\n\
+             Data-Type\tREAL32\tData-Type\tREAL64\n\
+             SampleTime[ms]\t0,2\tSampleTime[ms]\t{sample}\n\
+             ScaleFactor\t1\tScaleFactor\t1\n\
+             Unit\tNm\tUnit\tmm\n\
+             Unit ScaleFactor\t1\tUnit ScaleFactor\t1\n\
+             Unit Offset\t0\tUnit Offset\t0\n\n"
+        );
+        for n in 0..200 {
+            let angle = std::f64::consts::TAU * f64::from(n) / 50.0;
+            let (u, y) = (angle.cos(), (angle - 0.5).cos());
+            let [time, other] = [0.2, other_step_ms].map(|step| f64::from(n) * step);
+            text += &format!("{time:.1}\t{u:.9}\t{other:.1}\t{y:.9}\n").replace('.', ",");
+        }
+        text
+    }
+
+    #[test]
+    fn the_documented_lines_of_keys_and_values_are_understood() {
+        let read = of(&documented("0,2", 0.2)).unwrap();
+        let metadata = read.metadata();
+        assert_eq!((metadata.input.name.as_str(), metadata.input.unit.as_str()), ("torque", "Nm"));
+        assert_eq!(
+            (metadata.response_kind, metadata.response.unit.as_str()),
+            (ResponseKind::Position, "mm")
+        );
+        let omega_rad_s = read.experiments()[0].omega_rad_s;
+        assert!((omega_rad_s / (std::f64::consts::TAU / 0.01) - 1.0).abs() < 1e-9);
+        let slower = of(&documented("1", 1.0)).unwrap_err();
+        assert!(slower.contains("same times"), "{slower}");
+    }
+
+    #[test]
+    fn the_start_of_the_export_is_the_time_of_the_measurement() {
+        let text = documented("0,2", 0.2);
+        let read = of(&text).unwrap();
+        // Local time of the line is two hours ahead of UTC.
+        let began = "2022-05-02T13:56:24.376Z".parse().unwrap();
+        assert_eq!(read.metadata().measured_at, Some(began));
+        for other in ["soon", "-1", "99999999999999999999999999999999999999999"] {
+            let read = of(&text.replace("132959733843760000", other)).unwrap();
+            assert_eq!(read.metadata().measured_at, None, "{other}");
         }
     }
 

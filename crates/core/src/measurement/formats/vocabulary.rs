@@ -178,33 +178,37 @@ pub(super) const WORDS: &[(Holds, &[&str])] = &[
     ),
 ];
 
-/// Words beside which a word of [`WORDS`] means a set point, a limit or an error: not what was
-/// measured.
+/// Words beside which a motion is a set point, a limit or an error: not what was measured.
 pub(super) const NOT_MEASURED: &[&str] = &[
-    "set",
+    "set", "setpos", "setvelo", "setacc", "posdiff", "ref", "cmd", "goal", "err", "lag", "max",
+    "min",
+];
+
+/// Parts of words that mean the same, wherever in a name they stand: `Schleppfehler`, `Lagesollwert`,
+/// `TargetPosition`.
+pub(super) const PARTS_NOT_MEASURED: &[&str] = &[
     "setpoint",
     "soll",
-    "sollwert",
+    "vorgabe",
     "target",
-    "goal",
     "command",
-    "commanded",
-    "cmd",
     "reference",
-    "ref",
     "demand",
-    "demanded",
+    "desired",
+    "nominal",
+    "planned",
     "error",
-    "err",
     "deviation",
     "abweichung",
     "fehler",
-    "lag",
+    "schleppabstand",
     "limit",
-    "max",
-    "min",
-    "grenze",
+    "grenz",
 ];
+
+/// Whole names that stand for a physical quantity, which their unit tells: `F [N]` is a force, `T
+/// [Nm]` a torque.
+pub(super) const SYMBOLS: &[&str] = &["t", "f", "w", "ω", "omega", "phi", "φ", "θ", "theta"];
 
 /// What a unit measures, as far as it tells one column from another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -251,7 +255,12 @@ pub(super) const UNITS: &[Unit] = &[
     unit(Measures::Frequency, &["mHz"], 1.0, 1e3),
     unit(Measures::Frequency, &["kHz", "KHz", "khz"], 1e3, 1.0),
     unit(Measures::Frequency, &["MHz"], 1e6, 1.0),
-    unit(Measures::Frequency, &["rpm", "1/min", "min-1", "min^-1", "min⁻¹", "rev/min"], 1.0, 60.0),
+    unit(
+        Measures::Frequency,
+        &["rpm", "1/min", "min-1", "min^-1", "min⁻¹", "rev/min", "U/min"],
+        1.0,
+        60.0,
+    ),
     unit(
         Measures::AngularFrequency,
         &["rad/s", "rad/sec", "rad s-1", "rad·s⁻¹", "1/s", "s^-1"],

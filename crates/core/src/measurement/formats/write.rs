@@ -138,7 +138,7 @@ fn write_metadata(measurement: &Measurement, out: &mut impl Write) -> io::Result
         }
         // A text of several lines would go on as rows of the table, or as other metadata.
         let [key, value] = [key, value].map(|text| text.replace(char::is_control, " "));
-        writeln!(out, "# {key}: {value}")
+        writeln!(out, "{}", one_cell(format!("# {key}: {value}")))
     };
     line("name", metadata.name.as_deref().unwrap_or(""))?;
     line("input", &quantity(&metadata.input))?;
@@ -157,6 +157,15 @@ fn write_metadata(measurement: &Measurement, out: &mut impl Write) -> io::Result
     }
     let from_record = measurement.experiments().iter().all(|experiment| experiment.from_record);
     if from_record { line("repeats", "periods") } else { Ok(()) }
+}
+
+/// A line as one cell, however a spreadsheet separates them: the text of a stranger behind a comma
+/// would be a cell of its own, and with `=` in front a formula.
+fn one_cell(line: String) -> String {
+    match line.contains([',', ';', '"']) {
+        true => format!("\"{}\"", line.replace('"', "\"\"")),
+        false => line,
+    }
 }
 
 fn quantity(quantity: &Quantity) -> String {

@@ -5,6 +5,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
 use proptest::test_runner::{Config, RngAlgorithm, TestError, TestRng, TestRunner};
+use rayon::prelude::*;
 
 use super::super::{matlab, sysid, tdms, twincat_scope};
 use super::mutation::{Mutation, NUMBERS, mutation};
@@ -155,7 +156,7 @@ fn arbitrary_bytes(cases: Cases) {
 }
 
 fn mutated_files_of_every_format(cases: Cases) {
-    for Valid { name, content, file } in valid() {
+    valid().into_par_iter().for_each(|Valid { name, content, file }| {
         let mutated = |mutations: Vec<Mutation>| {
             let mut content = content.clone();
             mutations.iter().for_each(|mutation| mutation.apply(&mut content));
@@ -163,7 +164,7 @@ fn mutated_files_of_every_format(cases: Cases) {
         };
         let result = cases.tried(vec(mutation(), 1..5), mutated);
         assert!(result.is_ok(), "{name}: {}", result.unwrap_err());
-    }
+    });
 }
 
 #[test]

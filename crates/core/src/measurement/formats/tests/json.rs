@@ -37,6 +37,13 @@ fn metadata_stands_at_the_top_or_beside() {
 }
 
 #[test]
+fn a_key_in_upper_case_is_metadata_in_json_too() {
+    let m = ok(&format!(r#"{{"Response":"position m","Amplitude":1,"rows":[{ROW}]}}"#));
+    assert_eq!(m.metadata().response_kind, ResponseKind::Position);
+    assert_eq!(m.notes(), ["Amplitude is unknown and not used"]);
+}
+
+#[test]
 fn records_and_tables_stand_side_by_side_in_their_order() {
     let csv = record(100, 3);
     let column = |index: usize| {

@@ -41,6 +41,56 @@ fn a_record_with_other_names_and_units_is_the_record_of_the_contract() {
 }
 
 #[test]
+fn the_symbols_of_a_force_and_a_torque_are_inputs_by_their_units() {
+    let plain = ok(&samples("time_s,input,output", |t, u, y| format!("{t:.3},{u},{y}")));
+    for (header, input, unit) in [
+        ("t [s];F [N];x [mm]", "force", "N"),
+        ("t [s];T [Nm];x [mm]", "torque", "Nm"),
+        ("t / s;T / Nm;x [mm]", "torque", "Nm"),
+    ] {
+        let m = ok(&samples(header, |t, u, y| format!("{t:.3};{u};{y}")));
+        assert_eq!(m.experiments(), plain.experiments(), "{header}");
+        let read = &m.metadata().input;
+        assert_eq!((read.name.as_str(), read.unit.as_str()), (input, unit));
+    }
+    // A temperature is no second time.
+    let m = ok(&samples("t [s];T [°C];I [A];x [mm]", |t, u, y| format!("{t:.3};20;{u};{y}")));
+    assert!(m.notes().iter().any(|note| note.contains("column T [°C] is unknown")));
+}
+
+#[test]
+fn omega_beside_a_time_is_a_velocity_and_beside_a_gain_a_frequency() {
+    let plain = ok(&samples("time_s,input,output", |t, u, y| format!("{t:.3},{u},{y}")));
+    for header in ["Time (s),Torque (Nm),omega (rad/s)", "time_s,Torque (Nm),omega_rad_s"] {
+        let m = ok(&samples(header, |t, u, y| format!("{t:.3},{u},{y}")));
+        assert_eq!(m.experiments(), plain.experiments(), "{header}");
+        assert_eq!(m.metadata().response_kind, ResponseKind::Velocity);
+        assert_eq!(m.metadata().response.unit, "rad/s");
+    }
+    let both = |t: f64, u: f64, y: f64| format!("{t:.3},{u},{y},{y}");
+    let two = samples("Time (s),Torque (Nm),theta (rad),omega (rad/s)", both);
+    refused(&two, 1, "omega (rad/s)", "may both be the response");
+    let m = given(&[("response", "position")], &two).unwrap();
+    assert_eq!(m.metadata().response.unit, "rad");
+    let table = "# response: velocity rad/s\n# magnitude: 1\n\
+        Time (s),omega (rad/s),Gain (dB),Phase (deg)\n0,2,-6,-45\n9,20,-26,-90\n";
+    assert_eq!(ok(table).experiments()[1].omega_rad_s, 20.0);
+}
+
+#[test]
+fn a_set_point_or_an_error_is_not_the_response() {
+    for name in ["Following error (mm)", "Schleppfehler [mm]", "Lagesollwert [mm]", "Setpoint (mm)"]
+    {
+        let with = |t: f64, u: f64, y: f64| format!("{t:.3},{u},{y},{y}");
+        let m = ok(&samples(&format!("Time (s),Current (A),{name},Ist-Position (mm)"), with));
+        assert!(m.notes().iter().any(|note| note.contains(&format!("column {name} is unknown"))));
+        let alone =
+            samples(&format!("Time (s),Current (A),{name}"), |t, u, y| format!("{t:.3},{u},{y}"));
+        refused(&alone, 1, "output", "none is known as the response");
+    }
+}
+
+#[test]
 fn a_bode_table_asks_for_the_response_and_the_magnitude_at_once() {
     let text = "\"Frequency (Hz)\",\"Magnitude (dB)\",\"Phase (deg)\"\n0.5,0,-90\n5,-20,-180\n";
     let error = of(text).unwrap_err();
@@ -119,7 +169,7 @@ fn a_name_that_contradicts_its_unit_or_the_metadata_is_refused() {
 fn a_file_in_the_form_of_the_contract_is_read_by_its_names_alone() {
     let m = ok("magnitude,omega_rad_s,re,im,Phase (deg),Frequency (Hz)\n1,2,3,4,5,6\n");
     assert_eq!((m.experiments()[0].omega_rad_s, y(&m, 0, 1)), (2.0, Complex::new(3.0, 4.0)));
-    assert_eq!(m.notes().len(), 2);
+    assert_eq!(m.notes(), ["column Phase (deg) is not used", "column Frequency (Hz) is not used"]);
 }
 
 #[test]

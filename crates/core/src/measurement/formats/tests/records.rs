@@ -293,3 +293,13 @@ fn rows_without_a_segment_are_left_out_where_the_file_says_so() {
     assert!(measurement.notes().iter().any(|note| note.contains("150 samples without a segment")));
     refused(&text.replace("unused", "perhaps"), 1, "blank_segments", "neither unused nor refused");
 }
+
+#[test]
+fn a_key_in_upper_case_is_metadata_all_the_same() {
+    let m = ok(&format!("# Response: position mm\n# PERIOD_S: 0,1\n{}", record(100, 4)));
+    assert_eq!(m.metadata().response_kind, ResponseKind::Position);
+    assert_eq!(m.metadata().response.unit, "mm");
+    assert!(!m.notes().iter().any(|note| note.contains("unknown")), "{:?}", m.notes());
+    let plain = ok(&format!("# response: position mm\n# period_s: 0.1\n{}", record(100, 4)));
+    assert_eq!(m.experiments(), plain.experiments());
+}

@@ -104,3 +104,39 @@ fn metadata_of_several_lines_stays_on_its_own() {
     assert_eq!(again.metadata().axis, None);
     assert_eq!(again.experiments().len(), 1);
 }
+
+#[test]
+fn metadata_with_separators_or_quotes_is_one_cell_and_reads_back() {
+    let m = ok("magnitude,omega_rad_s,harmonic,re,im\n1,2,1,1,0\n");
+    for text in [
+        "x,=HYPERLINK(\"http://evil.example\")",
+        "x;=1+1",
+        "a \"b\" c",
+        "\"=1\"",
+        "\"",
+        "Doe, Jane",
+        "a: b, \"\"c",
+    ] {
+        let labels = [("site".to_owned(), text.to_owned())].into();
+        let metadata = Metadata { name: Some(text.into()), labels, ..m.metadata().clone() };
+        let m = Measurement::new(metadata, m.experiments().to_vec(), Vec::new(), String::new());
+        let m = m.unwrap();
+        let mut table = Vec::new();
+        write_harmonic_csv(&m, &mut table).unwrap();
+        let table = String::from_utf8(table).unwrap();
+        for delimiter in [b',', b';'] {
+            let mut cells = csv::ReaderBuilder::new();
+            let cells = cells.has_headers(false).flexible(true).delimiter(delimiter);
+            for record in cells.from_reader(table.as_bytes()).records() {
+                let record = record.unwrap();
+                let is_metadata = record[0].starts_with('#');
+                assert!(!is_metadata || record.len() == 1, "{table}");
+                assert!(record.iter().all(|cell| !cell.starts_with('=')), "{table}");
+            }
+        }
+        assert_eq!(round_trip(&m).metadata(), m.metadata(), "{table}");
+        // A spreadsheet that stores it puts nothing into the cells behind.
+        let stored = table.replace("\"\n", "\",,,,,\n");
+        assert_eq!(ok(&stored).metadata(), m.metadata(), "{stored}");
+    }
+}

@@ -7,8 +7,8 @@
 //!
 //! With `--ended N` there are so many ended jobs before, and with `--held SECONDS` a transaction that
 //! sees the database as it was is held open meanwhile, which keeps Postgres from forgetting rows:
-//! then jobs are queued and taken for so long, `--rate` a second, and the time to take one is
-//! measured as the minutes pass.
+//! then jobs are queued and taken for so long, `--rate` a second, expired leases are looked for, ends
+//! announced and the queue counted beside them, and the time of each is measured as the minutes pass.
 
 mod held;
 mod jobs;
@@ -35,7 +35,7 @@ struct Args {
     /// Workers that take them at the same time.
     #[arg(long, default_value_t = 4)]
     workers: usize,
-    /// Jobs that have ended before; Postgres only.
+    /// Jobs that have ended before.
     #[arg(long, default_value_t = 0)]
     ended: i64,
     /// Seconds for which a transaction is held open; Postgres only.
@@ -54,13 +54,15 @@ async fn main() {
     let args = Args::parse();
     let load = std::fs::read_to_string("/proc/loadavg").expect("Linux");
     println!("machine: load average {}", load.trim());
-    let (stores, _folder) = stores(&args).await;
+    let (stores, folder) = stores(&args).await;
     let measurement = jobs::measurement(stores[0].as_ref()).await;
-    if let Some(address) = &args.database
-        && args.ended > 0
-    {
+    if args.ended > 0 {
         let began = Instant::now();
-        held::end_many(address, &measurement, args.ended).await;
+        if let Some(address) = &args.database {
+            held::end_many(address, &measurement, args.ended).await;
+        } else if let Some(folder) = &folder {
+            held::end_many_in(folder.path(), &measurement, args.ended).await;
+        }
         println!("{} ended jobs, made in {:.0} s", args.ended, began.elapsed().as_secs_f64());
     }
     let per_second = |count: usize, began: Instant| count as f64 / began.elapsed().as_secs_f64();

@@ -1,12 +1,10 @@
 //! Submitting, watching, cancelling and removing jobs.
 
-use std::pin::pin;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use servoscope_core::answers::{Answer, ConvergenceRow, Progress};
 use sha2::{Digest, Sha256};
-use tokio::time::Instant;
 
 use crate::store::{
     Cancelling, ConvergencePoint, IdempotencyKey, Inserted, JobFilter, JobRow, NewJobRow, Status,
@@ -14,9 +12,6 @@ use crate::store::{
 
 use super::measurements::hexadecimal;
 use super::{Added, JobRequest, Listed, Service, ServiceError, Submission, page, paged};
-
-/// How often a waiting caller looks at the store: jobs may end in another process.
-const LOOK_AGAIN: Duration = Duration::from_secs(1);
 
 /// Why a job failed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -111,22 +106,21 @@ impl Service {
     /// # Errors
     /// As [`Service::job`].
     pub async fn job_when_ended(&self, id: &str, patience: Duration) -> Result<Job, ServiceError> {
-        let deadline = Instant::now() + patience;
-        loop {
-            let mut ended = pin!(self.signals.ended());
-            // Before looking: a job that ends in between is not missed.
-            ended.as_mut().enable();
-            let job = self.job(id).await?;
-            let now = Instant::now();
-            if job.row.status.is_final() || now >= deadline {
-                return Ok(job);
-            }
-            tokio::select! {
-                () = ended => {}
-                () = tokio::time::sleep_until(deadline.min(now + LOOK_AGAIN)) => {}
-                () = self.signals.stopped() => return self.job(id).await,
-            }
+        if patience.is_zero() {
+            return self.job(id).await;
         }
+        // Before looking: a job that ends in between is not missed.
+        let ended = self.ends.of(id, &self.store, &self.signals);
+        let job = self.job(id).await?;
+        if job.row.status.is_final() {
+            return Ok(job);
+        }
+        tokio::select! {
+            _ = ended => {}
+            () = tokio::time::sleep(patience) => {}
+            () = self.signals.stopped() => {}
+        }
+        self.job(id).await
     }
 
     /// Jobs, newest first.

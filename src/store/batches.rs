@@ -71,7 +71,7 @@ pub struct TallyRow {
     pub batch_id: String,
     /// Where they stand.
     pub status: Status,
-    /// The verdict of each.
+    /// The verdict of each, or [`NOT_TESTED`](super::NOT_TESTED).
     pub verdict: Option<String>,
     /// The strongest cause that each names.
     pub cause: Option<String>,
@@ -103,7 +103,7 @@ pub struct MemberRow {
     pub job_id: String,
     /// Where it stands; `None`: it was deleted.
     pub status: Option<Status>,
-    /// Its verdict.
+    /// Its verdict, or [`NOT_TESTED`](super::NOT_TESTED).
     pub verdict: Option<String>,
     /// The strongest cause that it names.
     pub cause: Option<String>,

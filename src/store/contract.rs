@@ -8,11 +8,13 @@ mod earlier;
 mod kept;
 mod keys;
 mod lists;
+mod live;
 mod mappings;
 mod outbox;
 mod processes;
 mod queue;
 mod recovery;
+mod restarts;
 
 use std::time::Duration;
 
@@ -149,6 +151,19 @@ async fn a_measurement_comes_back_as_it_was_stored(store: &dyn Store) {
     assert_eq!(store.measurement(&all(), "nobody").await.unwrap(), None);
 }
 
+async fn a_text_with_the_character_nul_is_kept_or_refused_as_such(store: &dyn Store) {
+    let id = id();
+    let named = MeasurementRow { name: Some("a\0b".into()), ..measurement(&id) };
+    let stored = store.insert_measurement(&all(), &named, &[file(b"x")], None).await;
+    assert!(matches!(stored, Ok(_) | Err(StoreError::Unkeepable(_))), "{stored:?}");
+    let kept = store.measurement(&all(), &id).await.unwrap();
+    assert_eq!(kept.is_some(), stored.is_ok());
+    assert!(kept.is_none_or(|row| row.name == named.name), "whole, or not at all");
+    let asked = store.job(&all(), "\0").await;
+    assert!(matches!(asked, Ok(None) | Err(StoreError::Unkeepable(_))), "{asked:?}");
+    stored_measurement(store).await;
+}
+
 async fn an_idempotency_key_answers_the_same_request_only(store: &dyn Store) {
     let (first, second) = (id(), id());
     let insert = async |id: &str, key: &IdempotencyKey| {
@@ -234,6 +249,26 @@ async fn what_is_old_is_deleted_and_what_is_wanted_is_not(store: &dyn Store) {
     assert!(store.measurement(&all(), &kept.measurement_id).await.unwrap().is_some());
 }
 
+async fn what_is_old_takes_all_its_keys_with_it(store: &dyn Store) {
+    let (measured, promise) = (id(), key("k", "body"));
+    let measure = async |id: &str| {
+        store.insert_measurement(&all(), &measurement(id), &[], Some(&promise)).await.unwrap()
+    };
+    let submit = async |measured: &str| {
+        store.insert_job(&all(), &new_job(measured), Some(&promise)).await.unwrap()
+    };
+    assert_eq!(measure(&measured).await, Inserted::Created);
+    assert_eq!(submit(&measured).await, Inserted::Created);
+    let ended = lease(store, LONG).await.expect("it is queued");
+    store.finish(&ended, &Outcome::Succeeded("{}".into())).await.unwrap();
+    tokio::time::sleep(Duration::from_millis(5)).await;
+    let old = store.delete_older(Duration::from_millis(1), 1).await.unwrap();
+    assert_eq!((old.jobs, old.measurements), (1, 1));
+    let again = id();
+    assert_eq!(measure(&again).await, Inserted::Created);
+    assert_eq!(submit(&again).await, Inserted::Created);
+}
+
 /// Runs every test of the contract on a fresh store of each engine.
 macro_rules! contract {
     ($($test:ident),* $(,)?) => {
@@ -257,8 +292,10 @@ macro_rules! contract {
 
 contract!(
     a_measurement_comes_back_as_it_was_stored,
+    a_text_with_the_character_nul_is_kept_or_refused_as_such,
     lists_are_paged_newest_first_and_filtered,
     a_mapping_is_found_by_its_name_and_by_the_latest_of_its_layout,
+    an_owner_has_so_many_mappings_and_may_still_replace_them,
     an_idempotency_key_answers_the_same_request_only,
     requests_with_one_key_at_once_make_one_measurement,
     a_deleted_job_takes_its_key_with_it,
@@ -270,6 +307,7 @@ contract!(
     expired_leases_are_recovered_once,
     a_job_runs_and_succeeds_with_its_history,
     a_failed_job_says_why_and_has_no_result,
+    jobs_that_have_ended_or_are_gone_are_told_from_the_others,
     nothing_is_written_after_the_end,
     an_expired_lease_writes_nothing_even_before_it_is_recovered,
     a_stale_worker_cannot_spoil_its_successor,
@@ -287,6 +325,7 @@ contract!(
     history_goes_on_where_the_attempt_before_left_it,
     a_deleted_measurement_takes_its_jobs_and_keys_with_it,
     what_is_old_is_deleted_and_what_is_wanted_is_not,
+    what_is_old_takes_all_its_keys_with_it,
     a_measurement_says_something_else_of_itself,
     files_are_read_again_until_there_is_a_job,
     results_are_listed_by_when_they_were_measured,
@@ -302,10 +341,12 @@ contract!(
     a_key_is_valid_until_it_expires_or_is_revoked,
     a_key_has_quotas_of_its_own_from_its_start_or_later,
     a_session_is_of_its_key_until_either_ends,
+    of_more_sessions_than_a_key_may_have_the_oldest_end,
     rows_of_another_owner_are_not_there,
     a_later_job_of_another_owner_does_not_hide_a_result,
     each_owner_has_mappings_of_its_own,
     the_usage_of_a_key_is_what_it_has_stored_queued_and_computed,
+    what_a_key_computed_counts_in_every_attempt_and_after_its_jobs_are_gone,
     the_jobs_of_a_batch_are_ordinary_jobs_in_its_order,
     a_batch_is_stored_whole_or_not_at_all,
     a_batch_delays_the_job_of_another_by_one_job,

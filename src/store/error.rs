@@ -17,6 +17,8 @@ mod sqlite_code {
 mod postgres_code {
     pub(super) const DISK_FULL: &str = "53100";
     pub(super) const READ_ONLY: &str = "25006";
+    pub(super) const NOT_IN_ENCODING: &str = "22021";
+    pub(super) const UNTRANSLATABLE: &str = "22P05";
 }
 
 /// The store could not do what was asked, and nothing of it was done.
@@ -28,9 +30,15 @@ pub enum StoreError {
     /// The database can be read and not written.
     #[error("read-only: {0}")]
     ReadOnly(sqlx::Error),
+    /// A text has a character that the database cannot keep in one: NUL.
+    #[error("no text for the database: {0}")]
+    Unkeepable(sqlx::Error),
     /// The database refused or is out of reach.
     #[error("database: {0}")]
     Database(sqlx::Error),
+    /// The database has not answered in time; whether it did what was asked is not known.
+    #[error("database: no answer in time")]
+    Silent,
     /// The file of the database is not as it was written.
     #[error(
         "its database is damaged ({0}); it is left as it is. Keep a copy of the folder, and restore \
@@ -72,6 +80,7 @@ impl From<sqlx::Error> for StoreError {
             Some(Lacking::Room) => Self::Full(error),
             Some(Lacking::Permission) => Self::ReadOnly(error),
             Some(Lacking::Soundness) => Self::Damaged(error.to_string()),
+            Some(Lacking::Character) => Self::Unkeepable(error),
             None => Self::Database(error),
         }
     }
@@ -91,6 +100,7 @@ enum Lacking {
     Room,
     Permission,
     Soundness,
+    Character,
 }
 
 fn lacking(error: &dyn DatabaseError) -> Option<Lacking> {
@@ -98,6 +108,9 @@ fn lacking(error: &dyn DatabaseError) -> Option<Lacking> {
         return match error.code() {
             postgres_code::DISK_FULL => Some(Lacking::Room),
             postgres_code::READ_ONLY => Some(Lacking::Permission),
+            postgres_code::NOT_IN_ENCODING | postgres_code::UNTRANSLATABLE => {
+                Some(Lacking::Character)
+            }
             _ => None,
         };
     }

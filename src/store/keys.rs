@@ -76,7 +76,7 @@ pub trait Keyring {
     async fn key_used(&self, id: &str) -> Result<(), StoreError>;
 
     /// What the key with this id has stored and has waiting, and what its jobs computed within the
-    /// `last` time.
+    /// `last` time, at most seven days: in every attempt, and whether or not they are still there.
     async fn usage(&self, id: &str, last: Duration) -> Result<Usage, StoreError>;
 
     /// Signs in: stores the digest of a session with a key until a time, and removes sessions that
@@ -87,6 +87,9 @@ pub trait Keyring {
         key_id: &str,
         expires_at_ms: Millis,
     ) -> Result<(), StoreError>;
+
+    /// Ends the sessions of a key that expire first, but for `most`.
+    async fn end_oldest_sessions(&self, key_id: &str, most: u32) -> Result<(), StoreError>;
 
     /// The key of the session with this digest, if there is one that has not ended.
     async fn session(&self, sha256: &str) -> Result<Option<KeyRow>, StoreError>;

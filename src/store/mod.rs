@@ -15,7 +15,7 @@
 //! * It is *charged* where it was the only job in hand of its worker, or where the worker goes on
 //!   with the others.
 //! * It *shares* a death where all jobs in hand of its worker expire together, or, in a folder, where
-//!   the machine has restarted since. That costs nothing;
+//!   the machine has restarted since, or Postgres where the jobs are in one. That costs nothing;
 //!   but after [`ALONE_AFTER`] such deaths it runs alone at first, so that the next one would be its
 //!   own: for [`ALONE_FOR`], and four times as long after each further one. So a server that was
 //!   killed from outside soon has all its places filled again.
@@ -65,6 +65,7 @@ pub use batches::{
     TallyRow,
 };
 pub use error::StoreError;
+pub use gist::NOT_TESTED;
 pub use keys::{KeyRow, Keyring};
 pub use outbox::{DeliveryRow, DueRow, EventRow, NewDeliveryRow, Outbox, Settled, WebhookRow};
 pub use postgres::Postgres;
@@ -212,8 +213,14 @@ pub trait Store: Outbox + Keyring + Batches + Portable + Send + Sync + 'static {
     /// status: the worker of a running one loses its lease. `false`: there is none.
     async fn delete_measurement(&self, reach: &Reach, id: &str) -> Result<bool, StoreError>;
 
-    /// Stores a mapping under its name; `false`: in place of another.
-    async fn put_mapping(&self, reach: &Reach, row: &MappingRow) -> Result<bool, StoreError>;
+    /// Stores a mapping under its name; `false`: in place of another. `None`: it would be a new one,
+    /// and its owner has `most` of them already.
+    async fn put_mapping(
+        &self,
+        reach: &Reach,
+        row: &MappingRow,
+        most: u32,
+    ) -> Result<Option<bool>, StoreError>;
 
     /// The mapping, if there is one of this name.
     async fn mapping(&self, reach: &Reach, name: &str) -> Result<Option<MappingRow>, StoreError>;
@@ -241,6 +248,9 @@ pub trait Store: Outbox + Keyring + Batches + Portable + Send + Sync + 'static {
 
     /// The job, if there is one with this id.
     async fn job(&self, reach: &Reach, id: &str) -> Result<Option<JobRow>, StoreError>;
+
+    /// Those of these jobs that wait or run: the others have ended, or are gone.
+    async fn unended(&self, ids: &[String]) -> Result<Vec<String>, StoreError>;
 
     /// Jobs, newest first.
     async fn jobs(
@@ -327,6 +337,6 @@ pub trait Store: Outbox + Keyring + Batches + Portable + Send + Sync + 'static {
     /// Requeues jobs whose lease has expired, or ends them: as cancelled where
     /// that was asked for, as failed after [`MAX_ATTEMPTS`] charges. `wait` is how long a job is
     /// kept from the queue after the second death of its worker; each further wait is four times
-    /// as long.
+    /// as long. On Postgres a process that found none looks again after a second.
     async fn recover_expired(&self, wait: Duration) -> Result<Recovered, StoreError>;
 }

@@ -137,8 +137,12 @@ pub trait Outbox {
         most: u32,
     ) -> Result<bool, StoreError>;
 
-    /// Every webhook, newest first.
-    async fn webhooks(&self, reach: &Reach) -> Result<Vec<WebhookRow>, StoreError>;
+    /// At most `limit` webhooks, newest first; `None`: every one.
+    async fn webhooks(
+        &self,
+        reach: &Reach,
+        limit: Option<u32>,
+    ) -> Result<Vec<WebhookRow>, StoreError>;
 
     /// The webhook, if there is one with this id.
     async fn webhook(&self, reach: &Reach, id: &str) -> Result<Option<WebhookRow>, StoreError>;

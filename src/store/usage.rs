@@ -9,6 +9,7 @@ pub struct Usage {
     pub bytes: i64,
     /// Jobs that wait or run.
     pub unfinished: i64,
-    /// How long its jobs have run within the time that was asked for, milliseconds.
+    /// How long its jobs have run within the time that was asked for, milliseconds. Each attempt
+    /// counts, and so do those of jobs that were deleted.
     pub computed_ms: i64,
 }

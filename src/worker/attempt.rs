@@ -8,27 +8,26 @@ use tokio::time::MissedTickBehavior;
 use tracing::{error, info, warn};
 
 use crate::service::{Failure, RunError};
-use crate::store::{Beat, ConvergencePoint, Lease, Outcome, StoreError};
+use crate::store::{Beat, ConvergencePoint, Lease, Outcome};
 
 use super::Shared;
 use super::threads::{self, Ended};
 use super::watch::Watch;
 
-/// How often storing an outcome is tried while the database does not answer.
-const TRIES: u32 = 5;
-
 /// How long a job whose files cannot be read is kept from the queue.
 const PAUSE: Duration = Duration::from_secs(1);
 
 /// A job in the hands of this worker.
-struct Attempt {
-    shared: Arc<Shared>,
-    lease: Lease,
-    watch: Arc<Watch>,
+pub(super) struct Attempt {
+    pub(super) shared: Arc<Shared>,
+    pub(super) lease: Lease,
+    pub(super) watch: Arc<Watch>,
     /// Rows that no heartbeat has stored yet.
-    unsent: Vec<ConvergencePoint>,
+    pub(super) unsent: Vec<ConvergencePoint>,
     /// Progress that no heartbeat has stored yet.
-    unsent_progress: Option<Progress>,
+    pub(super) unsent_progress: Option<Progress>,
+    /// Storing the outcome has failed, and may have been done all the same: its answer was lost.
+    pub(super) tried: bool,
     /// The computation took longer than it may.
     timed_out: bool,
 }
@@ -36,15 +35,7 @@ struct Attempt {
 /// Runs a leased job to its end, or until it is no longer this worker's.
 pub(super) async fn run(shared: Arc<Shared>, lease: Lease) {
     info!("job begins");
-    let watch = Arc::new(Watch::new(lease.next_seq));
-    let attempt = Attempt {
-        shared,
-        lease,
-        watch,
-        unsent: Vec::new(),
-        unsent_progress: None,
-        timed_out: false,
-    };
+    let attempt = Attempt::new(shared, lease);
     attempt.shared.signals.job_changed();
     let Lease { measurement_id, request, .. } = &attempt.lease;
     let files = match attempt.shared.service.job_files(measurement_id, request).await {
@@ -64,6 +55,12 @@ pub(super) async fn run(shared: Arc<Shared>, lease: Lease) {
 }
 
 impl Attempt {
+    pub(super) fn new(shared: Arc<Shared>, lease: Lease) -> Self {
+        let watch = Arc::new(Watch::new(lease.next_seq));
+        let (unsent, unsent_progress) = (Vec::new(), None);
+        Self { shared, lease, watch, unsent, unsent_progress, tried: false, timed_out: false }
+    }
+
     /// Looks after the computation until it ends, is lost, or the process stops.
     async fn follow(
         mut self,
@@ -105,25 +102,6 @@ impl Attempt {
         }
     }
 
-    async fn beat(&mut self) -> Result<Beat, StoreError> {
-        let (progress, rows) = self.watch.take();
-        self.unsent.extend(rows);
-        self.unsent_progress = progress.or(self.unsent_progress.take());
-        // Numbers and text only; should it fail all the same, the job goes on.
-        let json = self.unsent_progress.as_ref().map(serde_json::to_string);
-        let json = json.and_then(Result::ok);
-        let lease = self.shared.settings.lease;
-        let store = &self.shared.store;
-        let beat = store.heartbeat(&self.lease, lease, json.as_deref(), &self.unsent).await?;
-        let told = !self.unsent.is_empty() || self.unsent_progress.is_some();
-        self.unsent.clear();
-        self.unsent_progress = None;
-        if told {
-            self.shared.signals.job_changed();
-        }
-        Ok(beat)
-    }
-
     fn outcome(&self, ended: Ended<Result<String, RunError>>) -> Outcome {
         let failed = |reason: String, reference: Option<String>| {
             let failure = serde_json::json!(Failure { reason, reference });
@@ -148,40 +126,11 @@ impl Attempt {
         }
     }
 
-    async fn finish(mut self, outcome: Outcome) {
-        for _ in 0..TRIES {
-            let finished = match self.beat().await {
-                Ok(_) => self.shared.store.finish(&self.lease, &outcome).await,
-                Err(error) => Err(error),
-            };
-            match finished {
-                Ok(true) => {
-                    let (status, ran) = (outcome.status(), self.watch.elapsed());
-                    info!(outcome = status.name(), seconds = ran.as_secs_f64(), "job ends");
-                    let metrics = self.shared.service.metrics();
-                    metrics.job_ended(&self.lease.kind, status, Some(ran));
-                    return self.shared.signals.job_ended();
-                }
-                Ok(false) => return warn!("lease lost; its result is given up"),
-                Err(error) => warn!(%error, "the outcome cannot be stored"),
-            }
-            tokio::time::sleep(Duration::from_secs(1)).await;
-        }
-        error!("the outcome is given up; the job is queued again when its lease expires");
-    }
-
     /// Handed back at once it would be taken again at once, for as long as the store fails or no
     /// thread can be started.
     async fn hand_back_later(self, reason: &(dyn std::fmt::Display + Sync)) {
         let stopped = self.shared.signals.stopped();
         let _ = tokio::time::timeout(PAUSE, stopped).await;
         self.hand_back(reason).await;
-    }
-
-    async fn hand_back(self, reason: &(dyn std::fmt::Display + Sync)) {
-        match self.shared.store.hand_back(&self.lease).await {
-            Ok(_) => info!(%reason, "job handed back"),
-            Err(error) => warn!(%error, %reason, "job not handed back; its lease expires"),
-        }
     }
 }

@@ -19,6 +19,7 @@ mod retention;
 mod tests;
 mod threads;
 mod watch;
+mod writing;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -27,7 +28,7 @@ use tokio::task::{JoinHandle, JoinSet};
 use tracing::{Instrument, error, info_span, warn};
 
 use crate::service::{Service, Signals};
-use crate::store::{Recovered, Store};
+use crate::store::{Recovered, Store, StoreError};
 
 pub use messages::tell;
 pub use relay::relay;
@@ -36,6 +37,10 @@ pub use retention::forget;
 /// How often the queue is looked at without a signal: other processes may have
 /// filled it, or left an expired lease behind.
 const LOOK_AGAIN: Duration = Duration::from_secs(2);
+
+/// How long the queue may take to answer. A job that it gives away after that has no worker, and runs
+/// again when its lease expires: far more than a database needs that is not cut off.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// How jobs are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,6 +84,24 @@ struct Shared {
     settings: Settings,
 }
 
+impl Shared {
+    /// What the store says of a job in hand. A connection that is cut off without a word would keep its
+    /// caller waiting for a quarter of an hour: after a third of a lease there is still time to try again.
+    async fn answer<T>(
+        &self,
+        asked: impl Future<Output = Result<T, StoreError>>,
+    ) -> Result<T, StoreError> {
+        within(self.settings.lease / 3, asked).await
+    }
+}
+
+async fn within<T>(
+    patience: Duration,
+    asked: impl Future<Output = Result<T, StoreError>>,
+) -> Result<T, StoreError> {
+    tokio::time::timeout(patience, asked).await.unwrap_or(Err(StoreError::Silent))
+}
+
 /// Starts to run jobs until `signals` say that the process stops; then hands the
 /// running ones back and ends.
 pub fn start(
@@ -99,7 +122,8 @@ async fn run(shared: Arc<Shared>) {
     while !shared.signals.is_stopping() {
         recover(&shared).await;
         while running.len() < shared.settings.slots && !shared.signals.is_stopping() {
-            match shared.store.lease(&shared.id, shared.settings.lease).await {
+            let lease = shared.store.lease(&shared.id, shared.settings.lease);
+            match within(PATIENCE, lease).await {
                 Ok(Some(lease)) => {
                     let span = info_span!("job", job = lease.job_id, attempt = lease.attempt);
                     running.spawn(attempt::run(Arc::clone(&shared), lease).instrument(span));
@@ -124,7 +148,7 @@ async fn run(shared: Arc<Shared>) {
 }
 
 async fn recover(shared: &Shared) {
-    match shared.store.recover_expired(shared.settings.wait).await {
+    match within(PATIENCE, shared.store.recover_expired(shared.settings.wait)).await {
         Ok(Recovered { requeued: 0, ended }) if ended.is_empty() => {}
         Ok(Recovered { requeued, ended }) => {
             let metrics = shared.service.metrics();

@@ -3,28 +3,38 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use sqlx::Connection as _;
+use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
+use tempfile::TempDir;
 use tokio::task::JoinHandle;
 
-use super::{Settings, start};
+use super::attempt::Attempt;
+use super::{Settings, Shared, start};
 use crate::service::testing::{PANIC, RUN_UNTIL_CANCELLED, SUCCEED, Scripted, UNUSABLE};
 use crate::service::{Job, Service, ServiceError, Signals, Submission, Upload};
 use crate::store::{FileRow, Reach, Sqlite, Status, Store};
 
 /// Far more than anything here takes: it ends a test that hangs.
-const PATIENCE: Duration = Duration::from_secs(60);
+pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 
-struct Bench {
-    _directory: tempfile::TempDir,
-    store: Arc<dyn Store>,
-    service: Service,
-    signals: Arc<Signals>,
+pub(super) struct Bench {
+    directory: TempDir,
+    pub(super) store: Arc<dyn Store>,
+    pub(super) service: Service,
+    pub(super) signals: Arc<Signals>,
     measurement: String,
 }
 
 impl Bench {
-    async fn new() -> Self {
+    pub(super) async fn new() -> Self {
+        Self::limited(None).await
+    }
+
+    /// One whose database may not grow beyond so many bytes.
+    pub(super) async fn limited(bytes: Option<u64>) -> Self {
         let directory = tempfile::tempdir().unwrap();
-        let store: Arc<dyn Store> = Arc::new(Sqlite::open(directory.path()).await.unwrap());
+        let store = Sqlite::open_limited(directory.path(), bytes).await.unwrap();
+        let store: Arc<dyn Store> = Arc::new(store);
         let signals = Arc::new(Signals::default());
         let service = Service::new(Arc::clone(&store), Arc::new(Scripted), Arc::clone(&signals));
         let file = FileRow {
@@ -34,7 +44,7 @@ impl Bench {
         };
         let upload = Upload { files: vec![file], ..Upload::default() };
         let measurement = service.add_measurement(upload, None).await.unwrap().resource.row.id;
-        Self { _directory: directory, store, service, signals, measurement }
+        Self { directory, store, service, signals, measurement }
     }
 
     fn work(&self) -> JoinHandle<()> {
@@ -42,11 +52,38 @@ impl Bench {
     }
 
     fn work_for(&self, limit: Duration) -> JoinHandle<()> {
-        let settings = Settings { beat: Duration::from_millis(10), limit, ..Settings::new(2) };
+        self.work_with(Settings { limit, ..Settings::new(2) })
+    }
+
+    pub(super) fn work_with(&self, settings: Settings) -> JoinHandle<()> {
+        let settings = Settings { beat: Duration::from_millis(10), ..settings };
         start(Arc::clone(&self.store), self.service.clone(), Arc::clone(&self.signals), settings)
     }
 
-    async fn submit(&self, seed: u64) -> String {
+    /// The next job, in the hands of nobody else.
+    pub(super) async fn attempt(&self, lease: Duration) -> Attempt {
+        let Self { store, service, signals, .. } = self;
+        let shared = Shared {
+            id: "one".into(),
+            store: Arc::clone(store),
+            service: service.clone(),
+            signals: Arc::clone(signals),
+            settings: Settings { lease, ..Settings::new(1) },
+        };
+        let lease = store.lease("one", lease).await.unwrap().expect("a job is queued");
+        Attempt::new(Arc::new(shared), lease)
+    }
+
+    /// Does something to the database that the program does not do.
+    pub(super) async fn execute(&self, statement: &'static str) {
+        let file = self.directory.path().join("servoscope.sqlite3");
+        let options = SqliteConnectOptions::new().filename(file);
+        let mut connection = SqliteConnection::connect_with(&options).await.unwrap();
+        sqlx::query(statement).execute(&mut connection).await.unwrap();
+        connection.close().await.unwrap();
+    }
+
+    pub(super) async fn submit(&self, seed: u64) -> String {
         let mut submission = Submission {
             measurement_id: self.measurement.clone(),
             kind: "identify".into(),
@@ -56,14 +93,14 @@ impl Bench {
         self.service.submit(&submission, None).await.unwrap().resource.row.id
     }
 
-    async fn ended(&self, id: &str) -> Job {
+    pub(super) async fn ended(&self, id: &str) -> Job {
         let job = self.service.job_when_ended(id, PATIENCE).await.unwrap();
         assert!(job.row.status.is_final(), "{:?} after {PATIENCE:?}", job.row.status);
         job
     }
 
     /// Waits until the computation of a job has reported something.
-    async fn running(&self, id: &str) {
+    pub(super) async fn running(&self, id: &str) {
         while self.service.convergence(id).await.unwrap().is_empty() {
             tokio::time::sleep(Duration::from_millis(5)).await;
         }

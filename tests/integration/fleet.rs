@@ -85,6 +85,36 @@ fn a_job_is_computed_by_a_worker_and_followed_and_cancelled_from_another_server(
 }
 
 #[test]
+fn whoever_waits_for_a_job_hears_of_its_end_elsewhere_and_reads_nothing_at_the_ends_of_others() {
+    let Some(cluster) = Cluster::shared() else { return };
+    let (database, folder) = (cluster.database(), tempfile::tempdir().unwrap());
+    let place = ["--database", database.as_str()];
+    let log = folder.path().join("log");
+    let arguments = [&place[..], &["--workers", "0", "-vv"]].concat();
+    let asked = Server::start_logging(folder.path(), &arguments, &log);
+    let other = server(folder.path(), &database);
+    let _workers = [Worker::start(&place), Worker::start(&place)];
+    let long = submit(&other, &endless());
+    until(&other, &long, is_running);
+    let reads = || {
+        let log = std::fs::read_to_string(&log).unwrap();
+        let read = "summary=\"SELECT id, measurement_id, kind,";
+        log.lines().filter(|line| line.contains(read)).count()
+    };
+    std::thread::scope(|scope| {
+        let waiting = scope.spawn(|| asked.get(&format!("{long}?wait=60")).json());
+        for seed in 0..8 {
+            succeeded(&other, &submit(&other, &json!({ "seed": seed })));
+        }
+        std::thread::sleep(Duration::from_secs(2));
+        assert_eq!(reads(), 1, "it is read when it is asked for");
+        assert_eq!(other.post(&format!("{long}/cancel"), "text/plain", b"").status, 202);
+        assert_eq!(waiting.join().unwrap()["status"], "cancelled");
+    });
+    assert_eq!(reads(), 2, "and when it has ended");
+}
+
+#[test]
 fn jobs_of_a_killed_worker_end_once_in_the_hands_of_another() {
     let Some(cluster) = Cluster::shared() else { return };
     let (database, folder) = (cluster.database(), tempfile::tempdir().unwrap());

@@ -55,7 +55,7 @@ const fn flag(name: &'static str) -> Column {
     Column { name, kind: Kind::Flag }
 }
 
-/// Every table, after those that its rows refer to.
+/// Every table, after those that its rows refer to. `queue` of Postgres follows from `jobs`.
 pub(in crate::store) const TABLES: &[Table] = &[
     Table {
         name: "measurements",
@@ -144,6 +144,17 @@ pub(in crate::store) const TABLES: &[Table] = &[
             text("cause"),
             real("confidence"),
             integer("priority"),
+        ],
+    },
+    Table {
+        name: "runs",
+        key: "job_id, attempt",
+        columns: &[
+            text("job_id"),
+            integer("attempt"),
+            text("owner"),
+            integer("started_at_ms"),
+            integer("ended_at_ms"),
         ],
     },
     Table {

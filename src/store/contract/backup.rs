@@ -87,7 +87,7 @@ async fn fill(store: &dyn Store) {
 
     let mapping =
         MappingRow { name: odd.into(), settings: odd.into(), layout: None, updated_at_ms: 0 };
-    store.put_mapping(&owner, &mapping).await.unwrap();
+    store.put_mapping(&owner, &mapping, 10).await.unwrap();
     store.insert_key(&keys::key_row("rig", Some(1))).await.unwrap();
     store.insert_session("digest", "rig", 5).await.unwrap();
     store.ping().await.unwrap();

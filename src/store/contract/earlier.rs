@@ -32,7 +32,8 @@ const OF_SQLITE: [&str; 5] = [
      VALUES ('msg', 'hook', 'job.finished', 't', '{}', 'waiting', 1, 1);",
     "INSERT INTO mappings (name, settings, layout, updated_at_ms) VALUES ('map', '{}', 'l', 1);",
     "INSERT INTO keys (id, name, scopes, sha256, created_at_ms) VALUES ('rig', 'r', '[]', '00', 1);
-     INSERT INTO sessions (sha256, key_id, expires_at_ms) VALUES ('cookie', 'rig', 9000000000000);",
+     INSERT INTO sessions (sha256, key_id, expires_at_ms) VALUES ('cookie', 'rig', 9000000000000);
+     UPDATE jobs SET owner = 'rig', finished_at_ms = 8 WHERE id = 'done';",
 ];
 
 /// The same of the first step of Postgres.
@@ -45,7 +46,7 @@ const OF_POSTGRES: &str =
      VALUES ('m', 0, 'a.csv', 'text/csv', 'bytes');
      INSERT INTO jobs (id, measurement_id, owner, submitter, turn, kind, request, status, attempt,
          created_at_ms, started_at_ms, finished_at_ms, result)
-     VALUES ('done', 'm', '', '', 0, 'identify', '{}', 'succeeded', 1, 2, 3, 4, '{\"a\":1}'),
+     VALUES ('done', 'm', 'rig', '', 0, 'identify', '{}', 'succeeded', 1, 2, 3, 8, '{\"a\":1}'),
             ('waits', 'm', '', '', 0, 'diagnose', '{}', 'queued', 0, 5, NULL, NULL, NULL);
      INSERT INTO convergence (job_id, attempt, seq, stage, cycle, evaluations, best, elapsed_s)
      VALUES ('done', 1, 0, 'colony', 0, 20, 0.5, 0.1);
@@ -71,7 +72,7 @@ async fn holds(store: &dyn Store, sqlite_steps: usize) {
     let again = store.insert_measurement(&all(), &measurement(&id()), &[], Some(&key)).await;
     assert_eq!(again.unwrap(), Inserted::Replayed("m".into()));
     if sqlite_steps >= 3 {
-        assert_eq!(store.webhooks(&all()).await.unwrap().len(), 1);
+        assert_eq!(store.webhooks(&all(), None).await.unwrap().len(), 1);
         assert_eq!(store.waiting().await.unwrap(), 1);
     }
     if sqlite_steps >= 4 {
@@ -80,6 +81,8 @@ async fn holds(store: &dyn Store, sqlite_steps: usize) {
     if sqlite_steps >= 5 {
         assert_eq!(store.key("rig").await.unwrap().map(|key| key.quotas), Some("{}".into()));
         assert!(store.session("cookie").await.unwrap().is_some());
+        let ever = Duration::from_secs(9_000_000_000);
+        assert_eq!(store.usage("rig", ever).await.unwrap().computed_ms, 5);
     }
     let lease = lease(store, LONG).await.expect("a job waits");
     assert_eq!(lease.job_id, "waits");

@@ -8,8 +8,8 @@ use sqlx::{AssertSqlSafe, Column as _, Connection as _, TypeInfo as _};
 use super::cluster::Cluster;
 use super::{Postgres, Sqlite, Store};
 
-/// Tables that hold nothing of value, and what only one engine has.
-const LEFT_OUT: [&str; 2] = ["_sqlx_migrations", "probe"];
+/// Tables that hold nothing of value or follow from others, and what only one engine has.
+const LEFT_OUT: [&str; 3] = ["_sqlx_migrations", "probe", "queue"];
 const DERIVED: &str = "measured_at_ms";
 
 /// Rows by table, each with its values by column.

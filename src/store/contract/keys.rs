@@ -85,6 +85,30 @@ pub(super) async fn a_session_is_of_its_key_until_either_ends(store: &dyn Store)
     assert_eq!(store.session("three").await.unwrap(), None);
 }
 
+pub(super) async fn of_more_sessions_than_a_key_may_have_the_oldest_end(store: &dyn Store) {
+    store.insert_key(&key_row("a", None)).await.unwrap();
+    store.insert_key(&key_row("b", None)).await.unwrap();
+    let end = store.key("a").await.unwrap().unwrap().now_ms + 600_000;
+    // Of another key, and older than all.
+    store.insert_session("other", "b", end - 1).await.unwrap();
+    for (session, later) in [("one", 0), ("three", 2), ("two", 1)] {
+        store.insert_session(session, "a", end + later).await.unwrap();
+    }
+    let left = async || {
+        let mut left = Vec::new();
+        for session in ["one", "two", "three", "other"] {
+            if store.session(session).await.unwrap().is_some() {
+                left.push(session);
+            }
+        }
+        left
+    };
+    store.end_oldest_sessions("a", 3).await.unwrap();
+    assert_eq!(left().await, ["one", "two", "three", "other"]);
+    store.end_oldest_sessions("a", 1).await.unwrap();
+    assert_eq!(left().await, ["three", "other"]);
+}
+
 fn of(owner: &str) -> Reach {
     Reach { owner: owner.into(), reads_all: false, changes_all: false }
 }
@@ -144,7 +168,7 @@ pub(super) async fn rows_of_another_owner_are_not_there(store: &dyn Store) {
             store.axes(reach, None, 10).await.unwrap().len(),
             store.convergence(reach, &job.id).await.unwrap().len(),
             store.history(reach, &job.id, 0, 10).await.unwrap().len(),
-            store.webhooks(reach).await.unwrap().len(),
+            store.webhooks(reach, None).await.unwrap().len(),
             store.webhook(reach, &hook.id).await.unwrap().iter().count(),
         ]
     };
@@ -205,9 +229,12 @@ pub(super) async fn each_owner_has_mappings_of_its_own(store: &dyn Store) {
     };
     let (first, second) = (of("a"), of("b"));
     let admin = Reach { owner: "c".into(), ..all() };
-    assert!(store.put_mapping(&first, &row("one")).await.unwrap());
-    assert!(store.put_mapping(&second, &row("two")).await.unwrap());
-    assert!(!store.put_mapping(&first, &row("three")).await.unwrap());
+    let put = async |reach: &Reach, settings: &str| {
+        store.put_mapping(reach, &row(settings), 10).await.unwrap()
+    };
+    assert_eq!(put(&first, "one").await, Some(true));
+    assert_eq!(put(&second, "two").await, Some(true));
+    assert_eq!(put(&first, "three").await, Some(false));
     let settings = async |reach: &Reach| {
         let by_name = store.mapping(reach, "rig").await.unwrap();
         let by_layout = store.mapping_of_layout(reach, "layout").await.unwrap();
@@ -218,7 +245,7 @@ pub(super) async fn each_owner_has_mappings_of_its_own(store: &dyn Store) {
     assert_eq!(settings(&second).await, both("two"));
     // An admin finds one by its name, but it changes nothing by itself.
     assert_eq!(settings(&admin).await, [Some("three".into()), None]);
-    store.put_mapping(&admin, &row("own")).await.unwrap();
+    put(&admin, "own").await;
     assert_eq!(settings(&admin).await, both("own"));
     let counts = async |reach: &Reach| store.mappings(reach, 10).await.unwrap().len();
     assert_eq!((counts(&first).await, counts(&admin).await), (1, 3));
@@ -253,4 +280,49 @@ pub(super) async fn the_usage_of_a_key_is_what_it_has_stored_queued_and_computed
     assert_eq!(usage("a", LONG).await, ended, "it runs no longer");
     let of_late = usage("a", Duration::from_millis(20)).await;
     assert_eq!(of_late.computed_ms, 0, "it ended before");
+}
+
+pub(super) async fn what_a_key_computed_counts_in_every_attempt_and_after_its_jobs_are_gone(
+    store: &dyn Store,
+) {
+    let mine = of("a");
+    let computed = async |owner: &str| store.usage(owner, LONG).await.unwrap().computed_ms;
+    let submit = async || {
+        let (id, files) = (id(), [file(b"x")]);
+        store.insert_measurement(&mine, &measurement(&id), &files, None).await.unwrap();
+        store.insert_job(&mine, &new_job(&id), None).await.unwrap();
+        id
+    };
+    // One that runs for a while.
+    let run = async |duration| {
+        let lease = lease(store, duration).await.unwrap();
+        tokio::time::sleep(Duration::from_millis(60)).await;
+        lease
+    };
+    submit().await;
+    let ended = run(LONG).await;
+    assert!(store.finish(&ended, &Outcome::Succeeded("{}".into())).await.unwrap());
+    let of_one = computed("a").await;
+    assert!(of_one >= 50, "{of_one}");
+    assert!(store.delete_job(&mine, &ended.job_id).await.unwrap());
+    assert_eq!(computed("a").await, of_one, "it is gone, and has been computed");
+
+    let measured = submit().await;
+    assert!(store.hand_back(&run(LONG).await).await.unwrap());
+    let of_two = computed("a").await;
+    assert!(of_two >= of_one + 50, "an attempt that was handed back counts: {of_two}");
+    let running = run(LONG).await;
+    assert!(store.delete_measurement(&mine, &measured).await.unwrap());
+    assert_eq!(store.job(&all(), &running.job_id).await.unwrap(), None);
+    let of_three = computed("a").await;
+    assert!(of_three >= of_two + 50, "what ran when it was deleted counts: {of_three}");
+
+    // A worker that is heard of no more computes for as long as its lease at most.
+    submit().await;
+    let lost = run(EXPIRED).await;
+    assert!(computed("a").await < of_three + 50);
+    store.recover_expired(NO_WAIT).await.unwrap();
+    store.cancel(&mine, &lost.job_id).await.unwrap();
+    assert!(computed("a").await < of_three + 50);
+    assert_eq!(computed("b").await, 0);
 }

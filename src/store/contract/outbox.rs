@@ -161,7 +161,11 @@ pub(super) async fn a_receiver_that_wants_no_more_is_told_no_more(store: &dyn St
 pub(super) async fn webhooks_are_listed_counted_and_deleted_with_their_messages(store: &dyn Store) {
     let [first, second] = [stored_webhook(store).await, stored_webhook(store).await];
     assert!(!store.insert_webhook(&all(), &webhook(&id()), 2).await.unwrap());
-    let listed = store.webhooks(&all()).await.unwrap();
+    assert_eq!(
+        store.webhooks(&all(), Some(1)).await.unwrap()[..],
+        [store.webhook(&all(), &second).await.unwrap().unwrap()]
+    );
+    let listed = store.webhooks(&all(), None).await.unwrap();
     assert_eq!(listed.iter().map(|row| &row.id).collect::<Vec<_>>(), [&second, &first]);
     let created_at_ms = listed[1].created_at_ms;
     assert_eq!(listed[1], WebhookRow { created_at_ms, ..webhook(&first) });

@@ -223,3 +223,18 @@ pub(super) async fn the_queue_says_what_waits_and_how_long(store: &dyn Store) {
     assert_eq!((queued, running), (2, 1));
     assert!((5..60_000).contains(&oldest_wait_ms), "{oldest_wait_ms}");
 }
+
+pub(super) async fn jobs_that_have_ended_or_are_gone_are_told_from_the_others(store: &dyn Store) {
+    let finished = leased_job(store, LONG).await;
+    assert!(store.finish(&finished, &Outcome::Succeeded("{}".into())).await.unwrap());
+    let running = leased_job(store, LONG).await.job_id;
+    let [cancelled, deleted, queued] =
+        [queued_job(store).await, queued_job(store).await, queued_job(store).await];
+    assert_eq!(store.cancel(&all(), &cancelled).await.unwrap(), Cancelling::Cancelled);
+    assert!(store.delete_job(&all(), &deleted).await.unwrap());
+    let asked = [finished.job_id, running.clone(), cancelled, deleted, queued.clone(), id()];
+    let mut open = store.unended(&asked).await.unwrap();
+    open.sort();
+    assert_eq!(open, [running, queued]);
+    assert!(store.unended(&[]).await.unwrap().is_empty());
+}

@@ -179,8 +179,8 @@ async fn insert(
     // The turns are those that the jobs would have if they came one by one.
     let turn: i64 = sqlx::query_scalar(
         "SELECT greatest(last_value + 1,
-                         COALESCE((SELECT max(turn) + 1 FROM jobs
-                                   WHERE status = 'queued' AND turn >= last_value
+                         COALESCE((SELECT max(turn) + 1 FROM queue
+                                   WHERE NOT running AND turn >= last_value
                                      AND submitter = $1), 0))
          FROM lowest_turn",
     )

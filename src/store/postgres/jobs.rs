@@ -26,8 +26,8 @@ pub(super) async fn insert(
               priority)
          SELECT $1, $2, $3, $4, $5, 'queued', now_ms,
                 greatest(last_value + 1,
-                         COALESCE((SELECT max(turn) + 1 FROM jobs
-                                   WHERE status = 'queued' AND turn >= last_value
+                         COALESCE((SELECT max(turn) + 1 FROM queue
+                                   WHERE NOT running AND turn >= last_value
                                      AND submitter = $5), 0)), $6, $7
          FROM clock, lowest_turn",
     )

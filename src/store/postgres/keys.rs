@@ -113,10 +113,14 @@ impl Keyring for Postgres {
                      WHERE owner = $1),
                     (SELECT count(*) FROM jobs
                      WHERE owner = $1 AND status IN ('queued', 'running')),
-                    (SELECT COALESCE(sum(greatest(0, COALESCE(finished_at_ms, now_ms)
-                                               - greatest(started_at_ms, now_ms - $2))), 0)::bigint
-                     FROM jobs
-                     WHERE owner = $1 AND status <> 'queued' AND started_at_ms IS NOT NULL)
+                    (SELECT COALESCE(sum(greatest(0, ended_at_ms
+                                                     - greatest(started_at_ms, now_ms - $2))), 0)::bigint
+                     FROM runs
+                     WHERE owner = $1 AND ended_at_ms > now_ms - $2)
+                    + (SELECT COALESCE(sum(greatest(0, least(now_ms, lease_until_ms)
+                                                 - greatest(started_at_ms, now_ms - $2))), 0)::bigint
+                       FROM jobs
+                       WHERE owner = $1 AND status = 'running' AND started_at_ms IS NOT NULL)
              FROM clock",
         );
         let one = one.bind(id).bind(millis(last)).fetch_one(&self.pool).await?;
@@ -135,6 +139,16 @@ impl Keyring for Postgres {
         let insert = "INSERT INTO sessions (sha256, key_id, expires_at_ms) VALUES ($1, $2, $3)";
         let insert = sqlx::query(insert).bind(sha256).bind(key_id).bind(expires_at_ms);
         insert.execute(&self.pool).await?;
+        Ok(())
+    }
+
+    async fn end_oldest_sessions(&self, key_id: &str, most: u32) -> Result<(), StoreError> {
+        let delete = sqlx::query(
+            "DELETE FROM sessions WHERE key_id = $1 AND sha256 NOT IN (
+                 SELECT sha256 FROM sessions WHERE key_id = $1
+                 ORDER BY expires_at_ms DESC, sha256 LIMIT $2)",
+        );
+        delete.bind(key_id).bind(i64::from(most)).execute(&self.pool).await?;
         Ok(())
     }
 

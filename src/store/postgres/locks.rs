@@ -4,6 +4,8 @@ use sqlx::PgConnection;
 
 /// Jobs of one submitter are queued one after the other.
 pub(super) const SUBMITTER: &str = "submitter";
+/// Mappings of one owner are counted and stored one after the other.
+pub(super) const MAPPINGS: &str = "mappings";
 /// Webhooks of one owner are counted and stored one after the other.
 pub(super) const WEBHOOKS: &str = "webhooks";
 /// Messages are taken one after the other.

@@ -5,12 +5,24 @@ use sqlx::PgPool;
 
 use crate::store::{MappingRow, Reach};
 
-/// Stores a mapping; `false`: in place of one of its owner's with its name.
-pub(super) async fn put(pool: &PgPool, reach: &Reach, row: &MappingRow) -> sqlx::Result<bool> {
+use super::locks;
+
+/// Stores a mapping; `false`: in place of one of its owner's with its name. `None`: it would be a new
+/// one beyond `most`.
+pub(super) async fn put(
+    pool: &PgPool,
+    reach: &Reach,
+    row: &MappingRow,
+    most: u32,
+) -> sqlx::Result<Option<bool>> {
+    let mut transaction = pool.begin().await?;
+    locks::wait_for(&mut transaction, locks::MAPPINGS, &reach.owner).await?;
     // A row that was updated has a transaction in `xmax`.
-    sqlx::query_scalar(
+    let created = sqlx::query_scalar(
         "INSERT INTO mappings (name, settings, layout, updated_at_ms, owner)
-         VALUES ($1, $2, $3, (SELECT now_ms FROM clock), $4)
+         SELECT $1, $2, $3, (SELECT now_ms FROM clock), $4
+         WHERE EXISTS (SELECT 1 FROM mappings WHERE name = $1 AND owner = $4)
+            OR (SELECT count(*) FROM mappings WHERE owner = $4) < $5
          ON CONFLICT (owner, name) DO UPDATE SET settings = excluded.settings,
              layout = excluded.layout, updated_at_ms = excluded.updated_at_ms
          RETURNING xmax = 0",
@@ -19,8 +31,11 @@ pub(super) async fn put(pool: &PgPool, reach: &Reach, row: &MappingRow) -> sqlx:
     .bind(&row.settings)
     .bind(&row.layout)
     .bind(&reach.owner)
-    .fetch_one(pool)
-    .await
+    .bind(i64::from(most))
+    .fetch_optional(&mut *transaction)
+    .await?;
+    transaction.commit().await?;
+    Ok(created)
 }
 
 pub(super) async fn get(

@@ -6,6 +6,7 @@
 //! transaction after [`IDLE`].
 
 mod batches;
+mod connections;
 mod history;
 mod idempotency;
 mod jobs;
@@ -15,6 +16,7 @@ mod mappings;
 mod measurements;
 pub(super) mod migrations;
 mod outbox;
+mod pace;
 mod portable;
 mod queue;
 mod recovery;
@@ -24,12 +26,11 @@ mod retention;
 mod upgrade;
 mod wakes;
 
-use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use async_trait::async_trait;
 use sqlx::PgPool;
-use sqlx::postgres::{PgConnectOptions, PgPoolOptions};
+use sqlx::postgres::PgConnectOptions;
 
 use super::{
     AxisRow, Beat, Cancelling, ConvergencePoint, Description, Expired, FileRow, IdempotencyKey,
@@ -37,28 +38,27 @@ use super::{
     Outcome, Page, QueueState, Reach, Recovered, RereadRow, Rereading, ResultFilter, Store,
     StoreError, StoredResult, Wake,
 };
+use pace::{Lowest, Pace};
 use wakes::Speaker;
 
-/// Connections of one process, beside the one that tells others what it did.
-const CONNECTIONS: u32 = 10;
-
-/// How long a request waits for a connection, as while the database restarts.
-const PATIENCE: Duration = Duration::from_secs(10);
+/// Connections of one process, beside the two that tell others what it did and hear what they did.
+const CONNECTIONS: u32 = 9;
 
 /// After how long the database ends a transaction of a process that says nothing, and a wait for
 /// another transaction.
 const IDLE: &str = "30s";
-
-/// How often the whole queue is looked at for a job.
-const LOOK_AGAIN: Duration = Duration::from_secs(1);
 
 /// Store on one Postgres database, which any number of processes share.
 #[derive(Debug)]
 pub struct Postgres {
     pool: PgPool,
     speaker: Speaker,
-    /// When it last looked at the whole queue.
-    looked: Mutex<Option<Instant>>,
+    /// Looks at the whole queue.
+    whole: Pace,
+    /// Looks for expired leases where there were none.
+    recovery: Pace,
+    /// Where events are looked for.
+    events: Lowest,
 }
 
 impl Postgres {
@@ -91,20 +91,14 @@ impl Postgres {
             // That a table is there already is no news for a log.
             ("client_min_messages", "warning"),
         ]);
-        let pool = PgPoolOptions::new().max_connections(CONNECTIONS).acquire_timeout(PATIENCE);
-        let pool = pool.connect_with(options.clone()).await?;
-        Ok(Self { pool, speaker: Speaker::new(options), looked: Mutex::default() })
-    }
-
-    /// Whether the whole queue is to be looked at this time.
-    fn looks_again(&self) -> bool {
-        // A panic cannot leave it half-written.
-        let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);
-        let again = looked.is_none_or(|looked| looked.elapsed() > LOOK_AGAIN);
-        if again {
-            *looked = Some(Instant::now());
-        }
-        again
+        let pool = connections::pool(CONNECTIONS).connect_with(options.clone()).await?;
+        Ok(Self {
+            pool,
+            speaker: Speaker::new(options),
+            whole: Pace::default(),
+            recovery: Pace::default(),
+            events: Lowest::default(),
+        })
     }
 }
 
@@ -189,8 +183,13 @@ impl Store for Postgres {
         Ok(deleted)
     }
 
-    async fn put_mapping(&self, reach: &Reach, row: &MappingRow) -> Result<bool, StoreError> {
-        Ok(mappings::put(&self.pool, reach, row).await?)
+    async fn put_mapping(
+        &self,
+        reach: &Reach,
+        row: &MappingRow,
+        most: u32,
+    ) -> Result<Option<bool>, StoreError> {
+        Ok(mappings::put(&self.pool, reach, row, most).await?)
     }
 
     async fn mapping(&self, reach: &Reach, name: &str) -> Result<Option<MappingRow>, StoreError> {
@@ -230,6 +229,12 @@ impl Store for Postgres {
 
     async fn job(&self, reach: &Reach, id: &str) -> Result<Option<JobRow>, StoreError> {
         Ok(jobs::get(&self.pool, reach, id).await?)
+    }
+
+    async fn unended(&self, ids: &[String]) -> Result<Vec<String>, StoreError> {
+        let those = "SELECT id FROM jobs WHERE id = ANY($1) AND status IN ('queued', 'running')";
+        let those = sqlx::query_scalar(those).bind(ids);
+        Ok(those.fetch_all(&self.pool).await?)
     }
 
     async fn jobs(
@@ -318,7 +323,7 @@ impl Store for Postgres {
     }
 
     async fn lease(&self, worker: &str, duration: Duration) -> Result<Option<Lease>, StoreError> {
-        let lease = queue::lease(&self.pool, worker, duration, self.looks_again()).await?;
+        let lease = queue::lease(&self.pool, worker, duration, self.whole.is_due()).await?;
         if lease.is_some() {
             self.speaker.say(&[Wake::Changed]);
         }
@@ -359,9 +364,14 @@ impl Store for Postgres {
     }
 
     async fn recover_expired(&self, wait: Duration) -> Result<Recovered, StoreError> {
+        if !self.recovery.is_due() {
+            return Ok(Recovered::default());
+        }
         let mut transaction = self.pool.begin().await?;
         let recovered = recovery::recover_expired(&mut transaction, wait).await?;
         transaction.commit().await?;
+        let Some(recovered) = recovered else { return Ok(Recovered::default()) };
+        self.recovery.make_due();
         if recovered.requeued > 0 {
             self.speaker.say(&[Wake::Queued]);
         }

@@ -51,12 +51,18 @@ impl Outbox for Postgres {
         Ok(done.rows_affected() == 1)
     }
 
-    async fn webhooks(&self, reach: &Reach) -> Result<Vec<WebhookRow>, StoreError> {
+    async fn webhooks(
+        &self,
+        reach: &Reach,
+        limit: Option<u32>,
+    ) -> Result<Vec<WebhookRow>, StoreError> {
+        // A limit that is null is none.
+        let limit = limit.map(i64::from);
         let all = sqlx::query_as(
             "SELECT id, created_at_ms, url, secret, events, disabled, owner FROM webhooks
-             WHERE ($1 IS NULL OR owner = $1) ORDER BY id DESC",
+             WHERE ($1 IS NULL OR owner = $1) ORDER BY id DESC LIMIT $2",
         );
-        Ok(all.bind(reach.read()).fetch_all(&self.pool).await?)
+        Ok(all.bind(reach.read()).bind(limit).fetch_all(&self.pool).await?)
     }
 
     async fn webhook(&self, reach: &Reach, id: &str) -> Result<Option<WebhookRow>, StoreError> {
@@ -75,8 +81,15 @@ impl Outbox for Postgres {
     }
 
     async fn events(&self, limit: u32) -> Result<Vec<EventRow>, StoreError> {
-        let oldest = sqlx::query_as("SELECT id, job_id, at_ms FROM events ORDER BY id LIMIT $1");
-        Ok(oldest.bind(i64::from(limit)).fetch_all(&self.pool).await?)
+        let oldest = sqlx::query_as::<_, EventRow>(
+            "SELECT id, job_id, at_ms FROM events WHERE id >= $2 ORDER BY id LIMIT $1",
+        );
+        let oldest = oldest.bind(i64::from(limit)).bind(self.events.from());
+        let oldest = oldest.fetch_all(&self.pool).await?;
+        if let Some(first) = oldest.first() {
+            self.events.saw(first.id);
+        }
+        Ok(oldest)
     }
 
     async fn announce(&self, event: i64, rows: &[NewDeliveryRow]) -> Result<bool, StoreError> {

@@ -7,6 +7,10 @@
 //! Jobs are looked for from the lowest turn on, a sequence: taking a job raises it, and putting one
 //! back lowers it. Several processes do so at once, and a job that waited for its time is below it;
 //! so every process looks at the whole queue now and then.
+//!
+//! They are looked for in the table `queue`, which holds no job that has ended and follows `jobs` by
+//! triggers. The row of a job in `jobs` decides, and is locked first: that in `queue` is written by
+//! whoever holds it, and never locked before.
 
 use std::time::Duration;
 
@@ -28,21 +32,37 @@ pub(super) async fn lease(
     duration: Duration,
     whole: bool,
 ) -> sqlx::Result<Option<Lease>> {
-    // A number in the text lets an index be used, of jobs that share two deaths or more.
+    // A number in the text lets an index be used, of jobs that share three deaths or more.
     const { assert!(ALONE_AFTER == 3) };
     // A job that was in hand at several deaths of workers runs alone at first: whatever is next waits.
+    // Jobs are locked one by one in the order of the queue, until one is held and still waits. Others
+    // never hold as many as the limits say, which let the first be read without sorting all.
     sqlx::query_as(
         "WITH holder AS MATERIALIZED (
-             SELECT id, submitter, priority, shared, turn FROM jobs
-             WHERE status = 'queued' AND due_ms <= (SELECT now_ms FROM clock)
-               AND turn >= CASE WHEN $3 THEN 0 ELSE (SELECT last_value FROM lowest_turn) END
-             ORDER BY turn, id LIMIT 1 FOR UPDATE SKIP LOCKED),
+             SELECT job.id, job.submitter, job.priority, job.shared, job.turn
+             FROM (SELECT job_id, turn FROM queue
+                   WHERE NOT running AND due_ms <= (SELECT now_ms FROM clock)
+                     AND turn >= CASE WHEN $3 THEN 0 ELSE (SELECT last_value FROM lowest_turn) END
+                   ORDER BY turn, job_id LIMIT 10000) AS waiting
+             CROSS JOIN LATERAL (
+                 SELECT id, submitter, priority, shared, turn FROM jobs
+                 WHERE id = waiting.job_id AND status = 'queued' AND turn = waiting.turn
+                   AND due_ms <= (SELECT now_ms FROM clock)
+                 FOR UPDATE SKIP LOCKED) AS job
+             LIMIT 1),
          ahead AS MATERIALIZED (
-             SELECT id, shared, turn FROM jobs
-             WHERE status || '' = 'queued' AND due_ms <= (SELECT now_ms FROM clock)
-               AND submitter = (SELECT submitter FROM holder)
-               AND priority >= (SELECT priority | 1 FROM holder)
-             ORDER BY priority DESC, created_at_ms, id LIMIT 1 FOR UPDATE SKIP LOCKED),
+             SELECT job.id, job.shared, job.turn
+             FROM (SELECT job_id FROM queue
+                   WHERE running::integer = 0 AND due_ms <= (SELECT now_ms FROM clock)
+                     AND submitter = (SELECT submitter FROM holder)
+                     AND priority >= (SELECT priority | 1 FROM holder)
+                   ORDER BY priority DESC, created_at_ms, job_id LIMIT 10000) AS waiting
+             CROSS JOIN LATERAL (
+                 SELECT id, shared, turn FROM jobs
+                 WHERE id = waiting.job_id AND status = 'queued'
+                   AND due_ms <= (SELECT now_ms FROM clock)
+                 FOR UPDATE SKIP LOCKED) AS job
+             LIMIT 1),
          next AS MATERIALIZED (
              SELECT COALESCE(ahead.id, holder.id) AS id, holder.turn,
                     COALESCE(ahead.shared, holder.shared) AS shared
@@ -54,14 +74,14 @@ pub(super) async fn lease(
                  turn = next.turn
              FROM next, clock
              WHERE jobs.id = next.id
-               AND NOT EXISTS (SELECT 1 FROM jobs AS held
-                               WHERE held.status || '' = 'running' AND held.worker = $1
+               AND NOT EXISTS (SELECT 1 FROM queue AS held
+                               WHERE held.running::integer = 1 AND held.worker = $1
                                  AND held.shared >= 3
                                  AND now_ms - held.started_at_ms
                                      < $4 << least(2 * (held.shared - 3), 20)::integer)
                AND (next.shared < 3
-                    OR NOT EXISTS (SELECT 1 FROM jobs AS held
-                                   WHERE held.status = 'running' AND held.worker = $1))
+                    OR NOT EXISTS (SELECT 1 FROM queue AS held
+                                   WHERE held.running AND held.worker = $1))
                AND setval('lowest_turn', greatest(
                        next.turn, (SELECT last_value FROM lowest_turn))) IS NOT NULL
              RETURNING jobs.id, attempt, measurement_id, kind, request),
@@ -94,7 +114,7 @@ pub(super) async fn renew(
          SET lease_until_ms = (SELECT now_ms FROM clock) + $3,
              renewed_at_ms = (SELECT now_ms FROM clock), progress = COALESCE($4, progress)
          WHERE id = $1 AND attempt = $2 AND status = 'running'
-           AND lease_until_ms > (SELECT now_ms FROM clock)
+           AND lease_ends_ms(lease_until_ms, renewed_at_ms) > (SELECT now_ms FROM clock)
          RETURNING cancel_requested",
     )
     .bind(&lease.job_id)
@@ -117,7 +137,7 @@ pub(super) async fn finish(pool: &PgPool, lease: &Lease, outcome: &Outcome) -> s
              verdict = $6, cause = $7, confidence = $8,
              finished_at_ms = (SELECT now_ms FROM clock)
          WHERE id = $1 AND attempt = $2 AND status = 'running'
-           AND lease_until_ms > (SELECT now_ms FROM clock)",
+           AND lease_ends_ms(lease_until_ms, renewed_at_ms) > (SELECT now_ms FROM clock)",
     )
     .bind(&lease.job_id)
     .bind(lease.attempt)
@@ -141,7 +161,7 @@ pub(super) async fn hand_back(pool: &PgPool, lease: &Lease) -> sqlx::Result<bool
                      CASE WHEN cancel_requested THEN (SELECT now_ms FROM clock) ELSE NULL END,
                  handed_back = handed_back + 1, lease_until_ms = NULL, progress = NULL
              WHERE id = $1 AND attempt = $2 AND status = 'running'
-               AND lease_until_ms > (SELECT now_ms FROM clock)
+               AND lease_ends_ms(lease_until_ms, renewed_at_ms) > (SELECT now_ms FROM clock)
              RETURNING turn)
          SELECT setval('lowest_turn', least(turn, last_value)) FROM back, lowest_turn",
     )
@@ -184,10 +204,10 @@ pub(super) async fn cancel(
 
 pub(super) async fn state(pool: &PgPool) -> sqlx::Result<QueueState> {
     sqlx::query_as(
-        "SELECT (SELECT count(*) FROM jobs WHERE status = 'queued') AS queued,
-                (SELECT count(*) FROM jobs WHERE status = 'running') AS running,
-                COALESCE((SELECT greatest(0, (SELECT now_ms FROM clock) - created_at_ms) FROM jobs
-                          WHERE status = 'queued' ORDER BY id LIMIT 1), 0) AS oldest_wait_ms",
+        "SELECT queued, (SELECT count(*) FROM queue WHERE running) AS running,
+                greatest(0, (SELECT now_ms FROM clock) - oldest_ms) AS oldest_wait_ms
+         FROM (SELECT count(*) AS queued, min(created_at_ms) AS oldest_ms
+               FROM queue WHERE NOT running) AS waiting",
     )
     .fetch_one(pool)
     .await

@@ -1,4 +1,8 @@
 //! What becomes of jobs whose worker stopped without a word.
+//!
+//! A lease that was last renewed before Postgres started is good for its whole length once more:
+//! meanwhile a worker that lives renews it. Where none does, that proves nothing against the job: the
+//! worker may have stopped with the database.
 
 use std::time::Duration;
 
@@ -10,16 +14,17 @@ use crate::store::{EndedRow, LONGEST_WAIT, MAX_ATTEMPTS, Recovered};
 
 use super::locks;
 
-/// Requeues jobs whose lease has expired, or ends them, by the rule of [`crate::store`].
+/// Requeues jobs whose lease has expired, or ends them, by the rule of [`crate::store`]. `None`: no
+/// lease has expired.
 pub(super) async fn recover_expired(
     connection: &mut PgConnection,
     wait: Duration,
-) -> sqlx::Result<Recovered> {
+) -> sqlx::Result<Option<Recovered>> {
+    if !any_expired(connection).await? {
+        return Ok(None);
+    }
     let mut recovered = Recovered::default();
     let expired = expired(connection).await?;
-    if expired.is_empty() {
-        return Ok(recovered);
-    }
     for (id, alone) in judged(connection, &expired).await? {
         let left: EndedRow = sqlx::query_as(
             "WITH lost AS (
@@ -49,23 +54,33 @@ pub(super) async fn recover_expired(
         .await?;
         recovered.count(left);
     }
-    Ok(recovered)
+    Ok(Some(recovered))
+}
+
+/// Whether a lease has expired. Mostly none has, and no lock is needed to know.
+async fn any_expired(connection: &mut PgConnection) -> sqlx::Result<bool> {
+    sqlx::query_scalar(
+        "SELECT EXISTS (
+             SELECT 1 FROM queue JOIN jobs ON jobs.id = queue.job_id
+             WHERE queue.running
+               AND lease_ends_ms(lease_until_ms, renewed_at_ms) <= (SELECT now_ms FROM clock))",
+    )
+    .fetch_one(connection)
+    .await
 }
 
 /// The jobs whose lease has expired, held until the transaction ends. One that a heartbeat holds at
 /// this moment is left for the next time; nobody looks twice at once.
 async fn expired(connection: &mut PgConnection) -> sqlx::Result<Vec<String>> {
-    const EXPIRED: &str = "SELECT id FROM jobs
-         WHERE status = 'running' AND lease_until_ms <= (SELECT now_ms FROM clock)";
-    // Mostly there is none, and the lock is not needed.
-    let any: Vec<String> = sqlx::query_scalar(EXPIRED).fetch_all(&mut *connection).await?;
-    if any.is_empty() || !locks::recovery(connection).await? {
+    if !locks::recovery(connection).await? {
         return Ok(Vec::new());
     }
+    // Whoever ends a lease leaves no time in its row: that of a job which runs no more is passed over.
     sqlx::query_scalar(
-        "SELECT id FROM jobs
-         WHERE status = 'running' AND lease_until_ms <= (SELECT now_ms FROM clock)
-         ORDER BY id FOR UPDATE SKIP LOCKED",
+        "SELECT jobs.id FROM queue JOIN jobs ON jobs.id = queue.job_id
+         WHERE queue.running
+           AND lease_ends_ms(lease_until_ms, renewed_at_ms) <= (SELECT now_ms FROM clock)
+         ORDER BY jobs.id FOR UPDATE OF jobs SKIP LOCKED",
     )
     .fetch_all(connection)
     .await
@@ -79,18 +94,21 @@ async fn judged(
 ) -> sqlx::Result<Vec<(String, bool)>> {
     // A sibling that was heard of after the lease had expired lives. One that was not, but whose
     // own lease is good for a little longer, must be waited for: it may have died at the same time.
+    // A lease that is good for longer than it says was last heard of before Postgres started.
     sqlx::query_as(
-        "SELECT id, lives OR NOT siblings
+        "SELECT id, (lives OR NOT siblings) AND heard
          FROM (SELECT id,
-                      EXISTS (SELECT 1 FROM jobs AS sibling
-                              WHERE sibling.status = 'running' AND sibling.worker = jobs.worker
-                                AND sibling.id <> jobs.id) AS siblings,
-                      EXISTS (SELECT 1 FROM jobs AS sibling
-                              WHERE sibling.status = 'running' AND sibling.worker = jobs.worker
+                      lease_ends_ms(lease_until_ms, renewed_at_ms) = lease_until_ms AS heard,
+                      EXISTS (SELECT 1 FROM queue AS sibling
+                              WHERE sibling.running AND sibling.worker = jobs.worker
+                                AND sibling.job_id <> jobs.id) AS siblings,
+                      EXISTS (SELECT 1 FROM queue JOIN jobs AS sibling ON sibling.id = job_id
+                              WHERE queue.running AND queue.worker = jobs.worker
                                 AND sibling.renewed_at_ms > jobs.lease_until_ms) AS lives,
-                      EXISTS (SELECT 1 FROM jobs AS sibling
-                              WHERE sibling.status = 'running' AND sibling.worker = jobs.worker
-                                AND sibling.lease_until_ms > (SELECT now_ms FROM clock)) AS open
+                      EXISTS (SELECT 1 FROM queue JOIN jobs AS sibling ON sibling.id = job_id
+                              WHERE queue.running AND queue.worker = jobs.worker
+                                AND lease_ends_ms(sibling.lease_until_ms, sibling.renewed_at_ms)
+                                    > (SELECT now_ms FROM clock)) AS open
                FROM jobs
                WHERE id = ANY($1)) AS judged
          WHERE lives OR NOT open

@@ -122,11 +122,14 @@ impl Keyring for Sqlite {
                      WHERE owner = ?1) AS bytes,
                     (SELECT count(*) FROM jobs
                      WHERE owner = ?1 AND status IN ('queued', 'running')) AS unfinished,
-                    (SELECT COALESCE(sum(max(0, COALESCE(finished_at_ms, now_ms)
-                                               - max(started_at_ms, now_ms - ?2))), 0)
-                     FROM jobs
-                     WHERE owner = ?1 AND status <> 'queued'
-                       AND started_at_ms IS NOT NULL) AS computed_ms
+                    (SELECT COALESCE(sum(max(0, ended_at_ms - max(started_at_ms, now_ms - ?2))), 0)
+                     FROM runs
+                     WHERE owner = ?1 AND ended_at_ms > now_ms - ?2)
+                    + (SELECT COALESCE(sum(max(0, min(now_ms, COALESCE(lease_until_ms, now_ms))
+                                                  - max(started_at_ms, now_ms - ?2))), 0)
+                       FROM jobs
+                       WHERE owner = ?1 AND status = 'running'
+                         AND started_at_ms IS NOT NULL) AS computed_ms
              FROM clock",
         );
         let one = one.bind(id).bind(millis(last)).fetch_one(&self.readers).await?;
@@ -149,6 +152,18 @@ impl Keyring for Sqlite {
             insert.execute(&mut *transaction).await
         }
         .await;
+        self.end(transaction, written).await?;
+        Ok(())
+    }
+
+    async fn end_oldest_sessions(&self, key_id: &str, most: u32) -> Result<(), StoreError> {
+        let mut transaction = self.begin().await?;
+        let delete = sqlx::query(
+            "DELETE FROM sessions WHERE key_id = ?1 AND sha256 NOT IN (
+                 SELECT sha256 FROM sessions WHERE key_id = ?1
+                 ORDER BY expires_at_ms DESC, sha256 LIMIT ?2)",
+        );
+        let written = delete.bind(key_id).bind(most).execute(&mut *transaction).await;
         self.end(transaction, written).await?;
         Ok(())
     }

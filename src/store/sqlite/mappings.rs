@@ -5,18 +5,25 @@ use sqlx::{SqliteConnection, SqlitePool};
 
 use crate::store::{MappingRow, Reach};
 
-/// Stores a mapping; `false`: in place of one of its owner's with its name.
+/// Stores a mapping; `false`: in place of one of its owner's with its name. `None`: it would be a new
+/// one beyond `most`.
 pub(super) async fn put(
     connection: &mut SqliteConnection,
     reach: &Reach,
     row: &MappingRow,
-) -> sqlx::Result<bool> {
+    most: u32,
+) -> sqlx::Result<Option<bool>> {
     let known: bool =
         sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM mappings WHERE name = ?1 AND owner = ?2)")
             .bind(&row.name)
             .bind(&reach.owner)
             .fetch_one(&mut *connection)
             .await?;
+    let count = sqlx::query_scalar::<_, i64>("SELECT count(*) FROM mappings WHERE owner = ?1");
+    let count = count.bind(&reach.owner).fetch_one(&mut *connection).await?;
+    if !known && count >= i64::from(most) {
+        return Ok(None);
+    }
     sqlx::query(
         "INSERT INTO mappings (name, settings, layout, updated_at_ms, owner)
          VALUES (?1, ?2, ?3, (SELECT now_ms FROM clock), ?4)
@@ -29,7 +36,7 @@ pub(super) async fn put(
     .bind(&reach.owner)
     .execute(connection)
     .await?;
-    Ok(!known)
+    Ok(Some(!known))
 }
 
 pub(super) async fn get(

@@ -33,6 +33,8 @@ const STEPS: &[Step] = &[
     (7, "batches", include_str!("../../../migrations/0007_batches.sql")),
     (8, "quotas of a key", include_str!("../../../migrations/0008_quotas_of_a_key.sql")),
     (9, "priorities", include_str!("../../../migrations/0009_priorities.sql")),
+    (10, "runs", include_str!("../../../migrations/0010_runs.sql")),
+    (11, "keys by age", include_str!("../../../migrations/0011_keys_by_age.sql")),
 ];
 
 /// Brings a database of any earlier version to this one. Of several processes that start together

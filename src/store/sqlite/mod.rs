@@ -259,9 +259,14 @@ impl Store for Sqlite {
         self.end(transaction, deleted).await
     }
 
-    async fn put_mapping(&self, reach: &Reach, row: &MappingRow) -> Result<bool, StoreError> {
+    async fn put_mapping(
+        &self,
+        reach: &Reach,
+        row: &MappingRow,
+        most: u32,
+    ) -> Result<Option<bool>, StoreError> {
         let mut transaction = self.begin().await?;
-        let created = mappings::put(&mut transaction, reach, row).await;
+        let created = mappings::put(&mut transaction, reach, row, most).await;
         self.end(transaction, created).await
     }
 
@@ -300,6 +305,13 @@ impl Store for Sqlite {
 
     async fn job(&self, reach: &Reach, id: &str) -> Result<Option<JobRow>, StoreError> {
         Ok(jobs::get(&self.readers, reach, id).await?)
+    }
+
+    async fn unended(&self, ids: &[String]) -> Result<Vec<String>, StoreError> {
+        let those = "SELECT id FROM jobs
+             WHERE id IN (SELECT value FROM json_each(?1)) AND status IN ('queued', 'running')";
+        let those = sqlx::query_scalar(those).bind(serde_json::json!(ids).to_string());
+        Ok(those.fetch_all(&self.readers).await?)
     }
 
     async fn jobs(

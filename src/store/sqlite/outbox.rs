@@ -49,12 +49,18 @@ impl Outbox for Sqlite {
         Ok(self.end(transaction, written).await?.rows_affected() == 1)
     }
 
-    async fn webhooks(&self, reach: &Reach) -> Result<Vec<WebhookRow>, StoreError> {
+    async fn webhooks(
+        &self,
+        reach: &Reach,
+        limit: Option<u32>,
+    ) -> Result<Vec<WebhookRow>, StoreError> {
+        // A limit below zero is none.
+        let limit = limit.map_or(-1, i64::from);
         let all = sqlx::query_as(
             "SELECT id, created_at_ms, url, secret, events, disabled, owner FROM webhooks
-             WHERE (?1 IS NULL OR owner = ?1) ORDER BY id DESC",
+             WHERE (?1 IS NULL OR owner = ?1) ORDER BY id DESC LIMIT ?2",
         );
-        Ok(all.bind(reach.read()).fetch_all(&self.readers).await?)
+        Ok(all.bind(reach.read()).bind(limit).fetch_all(&self.readers).await?)
     }
 
     async fn webhook(&self, reach: &Reach, id: &str) -> Result<Option<WebhookRow>, StoreError> {

@@ -2,13 +2,15 @@ function result = servoscope_result(job)
 %SERVOSCOPE_RESULT  Gives the result of a job that has ended.
 %   R = servoscope_result(J) gives the result of the job J, a struct or an id.
 %
+%   Of both kinds of job:
+%     R.headline             the verdict in one sentence
 %   Of a diagnosis:
 %     R.verdict              adequate, explained, improved or unexplained
 %     R.discrepancy.sentence where the base model is wrong
 %     R.causes               what it lacks, strongest first: effect, confidence,
 %                            parameters, explanation, equivalents, gain
-%     R.gain.ratio           by how much the causes divide the error on data
-%                            that no fit has seen; R.gain.interval95
+%     R.gain.ratio           residual of the base model over that with the
+%                            causes, on held-out data; R.gain.interval95
 %     R.base, R.extended     identifications without and with the causes
 %     R.measurement          faults of the measurement that were found
 %   Of an identification:

@@ -58,7 +58,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAME")]
     #[arg(value_parser = PossibleValuesParser::new(Method::all().map(Method::name)))]
     method: Option<String>,
-    /// Which waiting jobs of the same key its jobs go before [default: normal].
+    /// Priority among your waiting jobs [default: normal].
     #[arg(long, value_name = "NAME", value_parser = Priority::ALL.map(Priority::name))]
     priority: Option<String>,
     /// Further options as a JSON object, such as '{"seed": 7}': the `options` of a job over HTTP

@@ -179,7 +179,7 @@ fn made((key, token): &(Key, Token), place: &Place) -> Result<(), Failure> {
     let Key { id, name, .. } = key;
     let end = key.expires_at_ms.map_or("never".to_owned(), time);
     eprintln!("key {id} ({name}) in {place}: {}; expires: {end}", scopes(key));
-    eprintln!("It is shown this once:");
+    eprintln!("It is shown only once:");
     terminal::print(&format!("{}\n", token.text()))
 }
 

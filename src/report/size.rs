@@ -76,7 +76,7 @@ pub(super) fn in_the_machine(cause: &Cause, model: &Identification) -> Option<St
         }
         "spring" => {
             let hertz = (own("stiffness")? * of_model("constant")?).sqrt() / TAU;
-            hertz.is_finite().then(|| format!("with it the axis swings at {} Hz", short(hertz)))
+            hertz.is_finite().then(|| format!("resonance with this spring: {} Hz", short(hertz)))
         }
         "flexible_mode" => {
             let share = own("load_inertia_fraction")?;

@@ -42,7 +42,7 @@ pub(super) fn of_second(answer: &Diagnosis) -> Option<String> {
 
 fn title(answer: &Validation) -> &'static str {
     match (&answer.gain, answer.models.extended.is_some()) {
-        (_, false) => "TRIED: the base model on another measurement; no cause was named",
+        (_, false) => "TESTED: the base model on another measurement; no cause was named",
         (Some(Gain { interval95: [low, _], .. }), _) if *low > 1.0 => {
             "CONFIRMED: the causes help on another measurement, too"
         }
@@ -154,6 +154,6 @@ mod tests {
         answer.gain = None;
         assert!(title(&answer).starts_with("UNDECIDED"));
         answer.models.extended = None;
-        assert!(title(&answer).starts_with("TRIED"));
+        assert!(title(&answer).starts_with("TESTED"));
     }
 }

@@ -204,9 +204,23 @@ test("the history of an axis marks what changed, and two jobs stand side by side
   await page.getByRole("button", { name: "Compare" }).click();
   await page.getByRole("heading", { name: "Two jobs side by side" }).waitFor();
   assert.match(await page.locator("tr.changed").first().textContent(), /Pole.*more than the uncertainty of both/);
+  const both = page.locator("section", { has: page.getByRole("heading", { name: "Both in one diagram" }) });
+  for (const side of ["left", "right"]) await both.locator(`[data-series^="${side} "]`).first().waitFor({ state: "attached" });
   await page.locator("server-figure").nth(5).waitFor();
   await page.waitForLoadState("networkidle");
   await picture(page, "16-compare", { fullPage: true });
+});
+
+test("numbers of different units are not compared", async () => {
+  const ids = [];
+  for (const input of ["current A", "voltage V"]) {
+    ids.push((await server.answered(simulated([], { input, response: "velocity rad/s" }))).id);
+  }
+  const page = await visit(`/compare?a=${ids[0]}&b=${ids[1]}`);
+  await page.getByText("Their gains have different units: velocity (rad/s) over input (A) on the left").waitFor();
+  assert.match(await page.locator("tr", { hasText: "Dry friction forwards" }).textContent(), /A, V.*different units: not compared/);
+  assert.doesNotMatch(await page.locator("tr", { hasText: "Pole" }).first().textContent(), /not compared/);
+  await page.waitForLoadState("networkidle");
 });
 
 test("both colour schemes are the system's or the reader's choice", async () => {

@@ -140,7 +140,7 @@ test("a stored file is read again in other units, until there is a job on it", a
   await page.locator(".understood", { hasText: /from force \(N\) to position \(mm\)/ }).waitFor();
   await picture(page, "44-read-again");
   assert.deepEqual(await faults(page), []);
-  await page.getByRole("button", { name: "Read it like this" }).click();
+  await page.getByRole("button", { name: "Apply these settings" }).click();
   await page.locator("#what + dl", { hasText: /Responseposition, mm/ }).waitFor();
 
   await server.post("/v1/jobs", { measurement_id: id, kind: "identify", plant: { actuator_order: 0 } });

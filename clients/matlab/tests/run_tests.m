@@ -37,6 +37,7 @@ function a_diagnosis_names_static_friction_and_is_drawn()
     assert(measurement.machine, 'press 4');
     result = servoscope_wait(servoscope_diagnose(measurement, 'actuator_order', 0));
     assert(result.verdict, 'explained');
+    assert(strncmp(result.headline, 'EXPLAINED: The simulation lacks', 31));
     assert(numel(result.causes), 1);
     assert(result.causes(1).effect, 'static_friction');
     assert(result.causes(1).parameters.fs_plus.value, 0.8, 0.05);

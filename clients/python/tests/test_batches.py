@@ -22,6 +22,7 @@ def test_a_batch_says_what_came_of_each_measurement(client: Client, sticky: Path
     assert {(row.file, row.state, row.verdict, row.cause) for row in rows} == {
         ("sticky.csv", "succeeded", "explained", "static_friction")
     }
+    assert all(row.tested for row in rows)
     assert batch.state.causes == {"static_friction": 2}
     assert client.job(rows[0].job_id).wait(progress=False).raw["verdict"] == "explained"
     assert client.find_batch(batch.id).state == batch.state

@@ -46,7 +46,7 @@ def test_static_friction_is_named(diagnosis: Diagnosis) -> None:
     assert diagnosis.extended
     assert diagnosis.extended.fit.adequate
     assert diagnosis.model is diagnosis.extended
-    assert "simulat" in diagnosis.headline
+    assert diagnosis.headline.startswith("EXPLAINED: The simulation lacks static friction")
     assert diagnosis.raw["provenance"]["software_version"]
 
 

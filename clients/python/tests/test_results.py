@@ -9,8 +9,10 @@ import pytest
 from test_uploads import multisine
 
 from servoscope import Client, Diagnosis, Quantities, ServoscopeError
+from servoscope.answers import Gain
 from servoscope.figures.friction import torque
 from servoscope.figures.parts import levels
+from servoscope.notebook import change
 from servoscope.results import Frame, Plot
 
 
@@ -57,7 +59,9 @@ def test_pages_escape_what_comes_from_files(
     assert "<b>" not in page
     assert "&lt;b&gt;" in page
     assert "static_friction" in page
-    assert "EXPLAINED" in page
+    assert "<h3>EXPLAINED: The simulation lacks static friction" in page
+    assert "<p>Residual on held-out data: " in page
+    assert " times smaller (95 % interval " in page
     measurement = client.upload(sticky, name="<script>alert(1)</script>", machine="<img src=x>")
     page = measurement._repr_html_()
     assert "&lt;script&gt;" in page
@@ -95,6 +99,27 @@ def test_units_of_the_velocity_follow_from_the_response() -> None:
         )
     ]
     assert units == ["mm/s", "mm/s", "(m/s²)·s", ""]
+
+
+def test_what_moves_an_axis_follows_from_its_units() -> None:
+    units = {
+        ("N", "m/s"): "force",
+        ("N m", "rad/s"): "torque",
+        ("Nm", ""): "torque",
+        ("A", "mm/s"): "force",
+        ("V", "(rad/s)"): "torque",
+        ("A", ""): "force or torque",
+    }
+    for (source, response), effort in units.items():
+        assert Quantities(source, "velocity", response).effort == effort, source
+
+
+def test_a_residual_that_grows_is_not_called_smaller() -> None:
+    raw = {"heldout_nrmse_before": 0.02, "heldout_nrmse_after": 0.01, "heldout": "lines"}
+    better = Gain.of({**raw, "ratio": 4.2, "interval95": [3.5, 5.0]})
+    assert change(better) == "4.2 times smaller (95 % interval 3.5 to 5)"
+    worse = Gain.of({**raw, "ratio": 0.5, "interval95": [0.4, 0.8]})
+    assert change(worse) == "2 times larger (95 % interval 1.25 to 2.5)"
 
 
 def test_magnitudes_that_were_measured_form_levels() -> None:

@@ -30,6 +30,7 @@ pub(super) struct Row {
     file: Option<String>,
     state: String,
     verdict: Option<String>,
+    tested: Option<bool>,
     cause: Option<String>,
     confidence: Option<f64>,
     problem: Option<String>,
@@ -74,7 +75,10 @@ pub(super) fn text(seen: &Seen, rows: &[Row]) -> String {
         [
             printable(row.file.as_deref().unwrap_or(&row.measurement_id)),
             printable(&row.state),
-            or_nothing(&row.verdict),
+            match row.tested {
+                Some(false) => "not tested".to_owned(),
+                _ => or_nothing(&row.verdict),
+            },
             or_nothing(&row.cause),
             row.confidence.map(confidence).unwrap_or_default(),
             or_nothing(&row.problem),
@@ -90,7 +94,9 @@ pub(super) fn text(seen: &Seen, rows: &[Row]) -> String {
         let _ = writeln!(text, "{}", line.trim_end());
     }
     let _ = writeln!(text, "\n{}", seen.progress());
-    for (what, among) in [("verdicts", &seen.verdicts), ("first causes", &seen.causes)] {
+    let verdicts: BTreeMap<String, i64> =
+        seen.verdicts.iter().map(|(name, count)| (name.replace('_', " "), *count)).collect();
+    for (what, among) in [("verdicts", &verdicts), ("first causes", &seen.causes)] {
         if !among.is_empty() {
             let mut most: Vec<_> = among.iter().collect();
             most.sort_by_key(|(_, count)| -**count);
@@ -128,28 +134,32 @@ mod tests {
     #[test]
     fn a_table_says_what_came_of_each_and_of_all() {
         let seen: Seen = serde_json::from_value(json!({
-            "id": "a", "name": null, "jobs": 3, "state": "ended",
-            "counts": {"queued": 0, "running": 0, "succeeded": 2, "failed": 1},
-            "verdicts": {"adequate": 1, "explained": 1}, "causes": {"backlash": 1},
+            "id": "a", "name": null, "jobs": 4, "state": "ended",
+            "counts": {"queued": 0, "running": 0, "succeeded": 3, "failed": 1},
+            "verdicts": {"adequate": 1, "explained": 1, "not_tested": 1}, "causes": {"backlash": 1},
             "failures": [{"reason": "too few experiments", "jobs": 1}],
         }))
         .unwrap();
         let rows: Vec<Row> = serde_json::from_value(json!([
             {"measurement_id": "1", "file": "x axis.csv", "state": "succeeded",
              "verdict": "explained", "cause": "backlash", "confidence": 0.9876},
-            {"measurement_id": "2", "file": "y.csv", "state": "succeeded", "verdict": "adequate"},
+            {"measurement_id": "2", "file": "y.csv", "state": "succeeded", "verdict": "adequate",
+             "tested": true},
+            {"measurement_id": "4", "file": "few.csv", "state": "succeeded", "verdict": "adequate",
+             "tested": false},
             {"measurement_id": "3", "file": "z\u{1b}[2J.csv", "state": "failed",
              "problem": "too few experiments"},
         ]))
         .unwrap();
         let expected = "\
-file        state      verdict    cause     confidence  problem
-x axis.csv  succeeded  explained  backlash  98.7 %
+file        state      verdict     cause     confidence  problem
+x axis.csv  succeeded  explained   backlash  98.7 %
 y.csv       succeeded  adequate
-z [2J.csv   failed                                      too few experiments
+few.csv     succeeded  not tested
+z [2J.csv   failed                                       too few experiments
 
-3 of 3 ended: 2 succeeded, 1 failed
-verdicts: 1 adequate, 1 explained
+4 of 4 ended: 3 succeeded, 1 failed
+verdicts: 1 adequate, 1 explained, 1 not tested
 first causes: 1 backlash
 1 failed: too few experiments
 ";

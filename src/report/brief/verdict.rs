@@ -60,8 +60,8 @@ pub(in crate::report) fn of_fit(answer: &Identification) -> Judgement {
         None => (
             "Adequacy unknown",
             Mark::Open,
-            "Whether the model explains the measurement cannot be told: it has no more data than \
-             the model has parameters.",
+            "Whether the model explains the measurement cannot be told: too few data for the \
+             number of parameters.",
         ),
     };
     Judgement { word, mark, text: text.to_owned() }

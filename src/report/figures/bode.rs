@@ -68,7 +68,13 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     Ok(canvas)
 }
 
-fn panels(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], bands: &[[f64; 2]]) {
+/// Gain and phase of curves, over each other.
+pub(super) fn panels(
+    canvas: &mut Canvas,
+    comparison: &Comparison,
+    curves: &[Curve],
+    bands: &[[f64; 2]],
+) {
     let every = || curves.iter().flat_map(|curve| &curve.points);
     let [low, high] = range(every().map(|point| point.frequency_hz));
     let x = Scale::log([low / 1.12, high * 1.12], [LEFT, RIGHT]);

@@ -9,6 +9,7 @@
 
 mod bands;
 mod bode;
+mod bode_both;
 mod bode_errors;
 mod canvas;
 pub mod chart;
@@ -150,6 +151,18 @@ pub fn draw(
     format: impl Into<Format>,
 ) -> Result<String, NothingToDraw> {
     draw_beside(name, subject, format.into(), "")
+}
+
+/// Draws the frequency responses of two subjects, left and right, in one diagram.
+///
+/// # Errors
+/// [`NothingToDraw`] where one of them is not compared with a model, or their gains have different
+/// units.
+pub fn draw_both(
+    both: [&Subject<'_>; 2],
+    format: impl Into<Format>,
+) -> Result<String, NothingToDraw> {
+    Ok(bode_both::draw(both)?.finish(format.into(), ""))
 }
 
 /// Draws parameters of an axis over the time of measuring.

@@ -59,7 +59,7 @@ pub(in crate::report) fn tried(candidates: &[Candidate]) -> Table {
         ("Δχ²", Point, "Δχ²"),
         ("criterion", Right, "criterion"),
         ("held out", Point, "held-out residual, %"),
-        ("", Left, "What became of it"),
+        ("", Left, "Result"),
     ];
     let table = Table::new(columns, rows);
     let measured = candidates.iter().any(|candidate| candidate.heldout_error.is_some());

@@ -116,9 +116,9 @@ pub(in crate::report) fn in_digits(estimate: &ParameterEstimate, number: f64) ->
 pub(in crate::report) fn flags(estimate: &ParameterEstimate) -> &'static str {
     match (estimate.identifiable, estimate.at_bound) {
         (true, false) => "",
-        (true, true) => "at the bound of what is possible",
+        (true, true) => "at the limit of the search range",
         (false, false) => "not determined by this data",
-        (false, true) => "not determined by this data, at the bound of what is possible",
+        (false, true) => "not determined by this data, at the limit of the search range",
     }
 }
 

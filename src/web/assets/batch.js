@@ -4,7 +4,7 @@ import { announce, confirmed, h, keyed, row, table } from "./dom.js";
 import { json, remove, repeatedly, send } from "./api.js";
 import { confidence, effect, seconds, time } from "./format.js";
 import { causes, progress, title, verdicts } from "./batches.js";
-import { chip, ofVerdict } from "./status.js";
+import { chip, judged } from "./status.js";
 
 const ACTIVE_MS = 1500;
 const QUIET_MS = 6000;
@@ -117,7 +117,7 @@ function resultRow(item) {
   return row([
     gone ? name : h("a", { href: `/jobs/${item.job_id}` }, name),
     chip(item.state),
-    item.verdict ? ofVerdict(item.verdict) : "",
+    item.verdict ? judged(item) : "",
     item.cause ? effect(item.cause) : "",
     { content: item.confidence == null ? "" : confidence(item.confidence), class: "n" },
     item.problem ?? "",

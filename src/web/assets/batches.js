@@ -3,7 +3,7 @@
 import { h, keyed, row, table } from "./dom.js";
 import { json, repeatedly } from "./api.js";
 import { effect, kind, time } from "./format.js";
-import { chip, ofVerdict } from "./status.js";
+import { chip, counted } from "./status.js";
 
 const ACTIVE_MS = 2000;
 const QUIET_MS = 6000;
@@ -60,7 +60,7 @@ export function progress(batch) {
 /// How often each verdict was found, and how often each cause was named first; the most frequent ones
 /// ahead.
 export function verdicts(batch) {
-  return often(batch.verdicts).map(([name, count]) => [ofVerdict(name), ` ${count} `]);
+  return often(batch.verdicts).map(([name, count]) => [counted(name), ` ${count} `]);
 }
 
 export function causes(batch) {

@@ -31,6 +31,7 @@ export async function show({ query, signal, go }) {
       a.job.measurement_id !== b.job.measurement_id
         && h("p", {}, "Two different measurements: compare their parameters, not their residuals."),
       h("div", { class: "halves" }, [a, b].map(summary)),
+      together(a, b, signal),
       parameters(a, b),
       FIGURES.map((name) => h("section", { "aria-label": name },
         h("div", { class: "halves" }, [a, b].map((side) => plot(side, name, signal))))),
@@ -70,27 +71,39 @@ function isTested({ discrepancy: { tests } }) {
   return tests.length === 0 || tests.some((test) => test.p_value != null);
 }
 
+/// The frequency responses of both over each other, if their gains are of one unit.
+function together(a, b, signal) {
+  const [left, right] = [a, b].map(({ measurement: { input, response, response_kind: kind } }) =>
+    `${kind ?? "response"} (${response?.unit || "no unit"}) over input (${input?.unit || "no unit"})`);
+  return h("section", { "aria-labelledby": "together" },
+    h("h2", { id: "together" }, "Both in one diagram"),
+    left === right
+      ? plot(a, `bode-against-${b.job.id}`, signal, "Frequency response of both")
+      : h("p", {}, `Their gains have different units: ${left} on the left, ${right} on the right.`));
+}
+
 /// Parameters of both models in one table; those that differ by more than their
-/// joint interval are marked.
+/// joint interval are marked, and those of different units are not compared.
 function parameters(a, b) {
   const names = [...new Set([...Object.keys(a.model.parameters), ...Object.keys(b.model.parameters)])];
   const rows = names.map((name) => {
     const [left, right] = [a, b].map((side) => side.model.parameters[name]);
-    const [low, high] = [left, right].map((estimate) => estimate?.std);
-    const places = decimals(Math.min(...[low, high].filter((std) => std > 0)));
-    const change = left?.value != null && right?.value != null ? right.value - left.value : null;
+    const isComparable = !left || !right || left.unit === right.unit;
+    const least = Math.min(...[left, right].map((estimate) => estimate?.std).filter((std) => std > 0));
+    const places = (estimate) => decimals(isComparable ? least : estimate?.std);
+    const difference = isComparable && left?.value != null && right?.value != null ? right.value - left.value : null;
     const joint = left?.interval95 && right?.interval95
       && Math.hypot(...[left, right].map(({ interval95: [from, to] }) => (to - from) / 2));
-    const beyond = change != null && joint && Math.abs(change) > joint;
+    const beyond = difference != null && joint && Math.abs(difference) > joint;
     return row([
       parameter(name),
       ...[left, right].flatMap((estimate) => [
-        { content: fixed(estimate?.value, places), class: "n" },
-        { content: estimate?.std ? `± ${fixed(1.96 * estimate.std, places)}` : "", class: "n small" },
+        { content: fixed(estimate?.value, places(estimate)), class: "n" },
+        { content: estimate?.std ? `± ${fixed(1.96 * estimate.std, places(estimate))}` : "", class: "n small" },
       ]),
-      { content: fixed(change, places), class: "n" },
-      (left ?? right).unit,
-      beyond ? h("strong", { class: "beyond" }, "more than the uncertainty of both") : "",
+      { content: fixed(difference, places(left)), class: "n" },
+      isComparable ? (left ?? right).unit : `${left.unit || "no unit"}, ${right.unit || "no unit"}`,
+      beyond ? h("strong", { class: "beyond" }, "more than the uncertainty of both") : isComparable ? "" : "different units: not compared",
     ], { class: beyond ? "changed" : "" });
   });
   const n = (text) => ({ text, class: "n" });
@@ -98,8 +111,8 @@ function parameters(a, b) {
     table("", ["Parameter", n("left"), n("95 %"), n("right"), n("95 %"), n("change"), "unit", ""], rows));
 }
 
-function plot({ job, result }, name, signal) {
-  const { node, figure } = frame("", `${name} of ${job.id}`);
+function plot({ job, result }, name, signal, label = `${name} of ${job.id}`) {
+  const { node, figure } = frame("", label);
   const of = result.extended && OF_MODEL.includes(name) ? `${name}-after` : name;
   load(figure, `/v1/jobs/${job.id}/plots/${of}.svg`, signal)
     .catch((error) => signal.aborted || node.replaceChildren(h("p", { class: "small" }, error.message)));

@@ -3,9 +3,13 @@
 import { h } from "./dom.js";
 import { Problem } from "./api.js";
 
-/// A number as it was typed. What is none is sent as it is: the server says what it should be.
+/// A number as it was typed, with a decimal point or a decimal comma. What is none, or has a comma that may stand between
+/// thousands, is sent as it is: the server says what it should be.
 export function typed(text) {
-  return text === "" ? undefined : Number.isNaN(Number(text)) ? text : Number(text);
+  if (text === "") return undefined;
+  const thousands = /^[+-]?[1-9]\d{0,2},\d{3}$/.test(text);
+  const number = Number(thousands ? text : text.replace(",", "."));
+  return Number.isNaN(number) ? text : number;
 }
 
 /// Takes away what was said of the last attempt.

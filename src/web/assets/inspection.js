@@ -16,7 +16,7 @@ export function curves(path, signal) {
 /// What looks wrong with a measurement and what it can show, once it is computed.
 export function inspection(path, signal) {
   const found = h("div", { role: "status" },
-    h("p", {}, "Looking for what is wrong with it, and for what it can reveal …"), h("progress", {}));
+    h("p", {}, "Checking for faults and for detectable effects …"), h("progress", {}));
   json(`${path}/inspection`, { signal })
     .then((answer) => found.replaceChildren(...sections(answer)))
     .catch((error) => signal.aborted || found.replaceChildren(h("p", {}, error.message)));

@@ -31,8 +31,8 @@ export function keep(made) {
     const { layout, settings } = made();
     await send(path(name), { layout, settings }, { method: "PUT" });
     outcome.className = "small";
-    outcome.replaceChildren("Kept as ", toml(name), layout ? "; used by itself for the next file of this layout." : "; files of this kind cannot be recognised, so name the mapping when you upload one.");
-    announce(`The mapping ${name} is kept.`);
+    outcome.replaceChildren("Saved as ", toml(name), layout ? "; used by itself for the next file of this layout." : "; files of this kind cannot be recognised, so name the mapping when you upload one.");
+    announce(`The mapping ${name} is saved.`);
   }
   return { node, store };
 }
@@ -43,7 +43,7 @@ function toml(name) {
 
 /// The mappings that are kept; hidden where there are none.
 export function mappings(signal) {
-  const part = table("", ["Name", "What is given", "Kept", { text: "", class: "end" }], [], "list");
+  const part = table("", ["Name", "Settings", "Saved", { text: "", class: "end" }], [], "list");
   const node = h("section", { hidden: true, id: "mappings", "aria-labelledby": "mappings-title" },
     h("div", { class: "tools" }, h("h2", { id: "mappings-title" }, "Mappings")), part);
 

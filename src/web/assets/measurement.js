@@ -91,7 +91,7 @@ function facts(item) {
 
 function jobsOf(measurement, signal) {
   const part = table("", ["Job", "Status", "Outcome", "Started"], [], "list");
-  const node = h("section", { hidden: true, "aria-labelledby": "jobs" }, h("h2", { id: "jobs" }, "Jobs on it"), part);
+  const node = h("section", { hidden: true, "aria-labelledby": "jobs" }, h("h2", { id: "jobs" }, "Jobs for this measurement"), part);
   let results = new Map();
   let settled = "";
   repeatedly(signal, async () => {

@@ -53,7 +53,7 @@ export function stored({ id }) {
     store: (given) => send(`${path}/reading`, { given }, { method: "PUT" }),
     // Whoever reads it again wants another unit, mostly.
     asks: true,
-    action: "Read it like this",
+    action: "Apply these settings",
     stored: "The measurement was read again.",
   };
 }

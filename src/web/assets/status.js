@@ -35,6 +35,11 @@ export function judged({ verdict, tested }) {
   return node;
 }
 
+/// The same by the name under which batches count it.
+export function counted(name) {
+  return name === "not_tested" ? judged({ verdict: "adequate", tested: false }) : ofVerdict(name);
+}
+
 /// Whether a model fits, in words.
 export function adequacy(adequate) {
   return adequate == null ? "adequacy unknown" : adequate ? "adequate" : "not adequate";

@@ -35,7 +35,8 @@ class BatchState:
         state: ``"queued"``, ``"running"`` or ``"ended"``.
         jobs: How many jobs it had at first.
         counts: How many of them stand where: see ``BatchRow.state``.
-        verdicts: How many results have which verdict.
+        verdicts: How many results have which verdict; ``"not_tested"``: adequate, as the data
+            were too few for any test.
         causes: How many results name which cause first.
         raw: The whole answer of the server.
     """
@@ -75,6 +76,8 @@ class BatchRow:
         cause: Id of the strongest cause that is named; None where none is.
         confidence: Confidence in this cause.
         problem: Why there is no result; None where there is one, or may be.
+        tested: Whether the data were enough to test the base model: without a test, the verdict
+            ``"adequate"`` says nothing. None where there is no verdict.
     """
 
     measurement_id: str
@@ -85,11 +88,12 @@ class BatchRow:
     cause: str | None
     confidence: float | None
     problem: str | None
+    tested: bool | None = None
 
     @classmethod
     def of(cls, raw: dict[str, Any]) -> BatchRow:
         """Read the server's answer."""
-        return cls(**{name: raw[name] for name in cls.__dataclass_fields__})
+        return cls(**{name: raw.get(name) for name in cls.__dataclass_fields__})
 
 
 def submit(body: dict[str, Any], key: str | None, give_up_after_s: float) -> Steps[BatchState]:

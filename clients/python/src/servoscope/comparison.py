@@ -15,6 +15,29 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
+#: What units of the input begin with where it is a force or a torque, and units of the response
+#: where the axis is linear or turns: as the server tells them apart.
+_FORCES = frozenset(["N", "mN", "kN", "MN", "lbf", "kgf", "dyn"])
+_TORQUES = frozenset(["Nm", "mNm", "kNm", "cNm", "ozin", "lbin", "lbft", "kgfcm"])
+_LENGTHS = frozenset(["m", "mm", "cm", "dm", "um", "µm", "μm", "nm", "in", "inch", "ft"])
+_ANGLES = frozenset(
+    [
+        "rad",
+        "mrad",
+        "urad",
+        "µrad",
+        "deg",
+        "°",
+        "rev",
+        "r",
+        "turn",
+        "turns",
+        "rpm",
+        "arcsec",
+        "arcmin",
+    ]
+)
+
 #: Share of the power of an input that its excited lines carry.
 _EXCITED_POWER = 0.99
 
@@ -48,6 +71,27 @@ class Quantities:
         suffix = {"position": "/s", "acceleration": "·s"}.get(self.response_kind, "")
         compound = suffix and re.search(r"[/ ·*]", self.response_unit)
         return f"({self.response_unit}){suffix}" if compound else self.response_unit + suffix
+
+    @property
+    def effort(self) -> str:
+        """What moves the axis, by its units: force, torque or, where none says it, either."""
+        source, response = _factors(self.input_unit), _factors(self.response_unit)[:1]
+        if source[:1] and source[0] in _FORCES:
+            if len(source) == 1:
+                return "force"
+            if len(source) == 2 and source[1] in _LENGTHS:
+                return "torque"
+        if len(source) == 1 and source[0] in _TORQUES:
+            return "torque"
+        if response and response[0] in _ANGLES:
+            return "torque"
+        return "force" if response and response[0] in _LENGTHS else "force or torque"
+
+
+def _factors(unit: str) -> list[str]:
+    """Give the factors of the numerator of a unit: ``N·m/rad`` has N and m."""
+    numerator = re.split(r"[/)]", unit.lstrip("("), maxsplit=1)[0]
+    return [part for part in re.split(r"[ ·*.⋅]", numerator) if part]
 
 
 @dataclass(frozen=True, eq=False)

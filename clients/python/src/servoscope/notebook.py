@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from .html import paragraph, table
 
 if TYPE_CHECKING:
-    from .answers import Parameter
+    from .answers import Gain, Parameter
     from .results import Result
 
 
@@ -16,9 +16,9 @@ def page(result: Result) -> str:
     """Write what a reader wants to know first."""
     from .results import Diagnosis
 
-    parts = [paragraph(result.headline)]
+    parts = [paragraph(result.headline, "h3")]
     if isinstance(result, Diagnosis):
-        parts.insert(0, paragraph(result.verdict.upper(), "h3"))
+        parts.append(paragraph(_sentence(result.raw["discrepancy"]["sentence"])))
         parts += [
             paragraph(f"Measurement: {fault.sentence}. {fault.remedy}") for fault in result.faults
         ]
@@ -28,12 +28,7 @@ def page(result: Result) -> str:
             if cause.equivalents:
                 parts.append(paragraph(f"Cannot be told from {', '.join(cause.equivalents)}."))
         if gain := result.gain:
-            parts.append(
-                paragraph(
-                    f"On data held out the causes divide the error by {gain.ratio:.3g}, "
-                    f"95 % from {gain.interval95[0]:.3g} to {gain.interval95[1]:.3g}."
-                )
-            )
+            parts.append(paragraph(f"Residual on held-out data: {change(gain)}."))
         if following := result.next_experiment:
             parts.append(
                 paragraph(
@@ -43,6 +38,17 @@ def page(result: Result) -> str:
             )
     parts.append(_parameters(result.model.parameters.values()))
     return "".join(parts)
+
+
+def change(gain: Gain) -> str:
+    """Write how much smaller or larger the causes make the residual, with its 95 % interval."""
+    is_smaller = gain.ratio >= 1
+    ratio, *interval = (
+        value if is_smaller else 1 / value for value in (gain.ratio, *gain.interval95)
+    )
+    low, high = sorted(interval)
+    word = "smaller" if is_smaller else "larger"
+    return f"{ratio:.3g} times {word} (95 % interval {low:.3g} to {high:.3g})"
 
 
 def percent(confidence: float) -> str:
@@ -57,6 +63,10 @@ def _parameters(parameters: Iterable[Parameter]) -> str:
         cells = [parameter.name, *map(_number, (parameter.value, low, high)), parameter.unit]
         rows.append([*cells, "" if parameter.identifiable else "not determined by this data"])
     return table(("parameter", "value", "95 % from", "to", "unit", ""), rows)
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}."
 
 
 def _number(value: float | None) -> str:

@@ -117,7 +117,9 @@ class Identification(Result):
 
     @property
     def headline(self) -> str:
-        """The result in one sentence."""
+        """The result in one sentence: the server's own, where it gave one."""
+        if headline := self.raw.get("headline"):
+            return str(headline)
         rest = {True: "which is noise", False: "more than noise", None: "the noise is unknown"}
         return f"the model leaves {self.fit.nrmse:.3%} of the response, {rest[self.fit.adequate]}"
 
@@ -172,8 +174,11 @@ class Diagnosis(Result):
 
     @property
     def headline(self) -> str:
-        """Where the base model is wrong, in one sentence."""
-        return str(self.raw["discrepancy"]["sentence"])
+        """The verdict in one sentence; of an older server, its word and the causes."""
+        if headline := self.raw.get("headline"):
+            return str(headline)
+        named = ", ".join(cause.effect for cause in self.causes)
+        return f"{self.verdict.upper()}: {named}" if named else self.verdict.upper()
 
     @property
     def models(self) -> dict[str, Identification]:

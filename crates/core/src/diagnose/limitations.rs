@@ -40,7 +40,7 @@ pub(super) fn incomparable(models: &Models) -> Option<String> {
     (!without.is_empty()).then(|| {
         format!(
             "{} could be fitted, but not compared with the others: its simulation does not settle \
-             to a periodic motion, or jumps with the parameters",
+             to a periodic motion, or changes abruptly with the parameters",
             without.join(", ")
         )
     })

@@ -55,21 +55,23 @@ pub(super) fn of(
             .into());
     }
     if options.weights == Weighting::Response {
-        say("every harmonic has the same weight, whatever its noise (option weights): χ² and \
-             adequacy cannot be stated"
+        say("every harmonic has the same weight, whatever its noise (option weights): the fit \
+             cannot be judged"
             .into());
     } else if fitted.weights.source == NoiseSource::Estimated {
         if measurement.experiments().iter().any(|e| e.has_repeats()) {
             say("the repeats are copies of each other, and say nothing about the noise".into());
         }
-        say("the size of the noise is unknown: χ² and adequacy cannot be stated; give std, \
-             repeats or the option noise_std"
-            .into());
+        say(
+            "the size of the noise is unknown: the fit cannot be judged; give std, repeats or the \
+             option noise_std"
+                .into(),
+        );
     } else if options.noise_std.is_some()
         && (fitted.weights.scale_dof.is_finite()
             || measurement.experiments().iter().flat_map(|e| &e.response).any(|h| h.std.is_some()))
     {
-        say("noise_std was not used: the upload carries its own deviations".into());
+        say("noise_std was not used: the file states its own noise".into());
     }
     if let Some(factor) = excessive_std(fitted.weights.source, &summary.fit) {
         say(format!(

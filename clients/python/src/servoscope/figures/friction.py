@@ -1,4 +1,4 @@
-"""Friction torque over velocity, as the models have it."""
+"""Friction over velocity, as the models have it."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..comparison import Quantities
 from ..errors import ServoscopeError
 from .parts import NAMES, Canvas, with_unit
 
@@ -17,7 +18,7 @@ _STYLES = {"base": ("--", "C7"), "extended": ("-", "C0")}
 
 
 def draw(canvas: Canvas, result: Result) -> None:
-    """Draw the torque that each model needs to move at a constant velocity."""
+    """Draw the force or torque that each model needs to move at a constant velocity."""
     axes = canvas.subplots()
     comparison = result.comparison
     reach = comparison.fastest() if comparison else 0.0
@@ -33,15 +34,15 @@ def draw(canvas: Canvas, result: Result) -> None:
     axes.axhline(0.0, color="black", linewidth=0.8)
     axes.axvline(0.0, color="black", linewidth=0.8)
     axes.grid(alpha=0.3)
-    quantities = comparison.quantities if comparison else None
-    axes.set_xlabel(with_unit("velocity", quantities.velocity_unit if quantities else ""))
-    axes.set_ylabel(with_unit("torque", quantities.input_unit if quantities else ""))
+    quantities = comparison.quantities if comparison else Quantities()
+    axes.set_xlabel(with_unit("velocity", quantities.velocity_unit))
+    axes.set_ylabel(with_unit(quantities.effort, quantities.input_unit))
     axes.set_title("Dry and viscous friction")
     axes.legend(fontsize="small", loc="upper left")
 
 
 def torque(model: Identification, sign: int, speed: Floats) -> Floats:
-    """Torque at a constant velocity ``sign``·``speed``, in input units.
+    """Force or torque at a constant velocity ``sign``·``speed``, in input units.
 
     It is the sum of dry friction, with a Stribeck curve if that is a cause; viscous friction
     a/K·(1 ± alpha)·v; and quadratic drag c·v·|v|.

@@ -74,21 +74,19 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
                  of the measurement predicts",
                 digits(value)
             ),
-            "; corrected: harmonic k turned back by k times that",
+            "; corrected: phase of harmonic k shifted by −k times this angle",
         ),
         FaultKind::Conjugated => (
             "the phase has the wrong sign".into(),
-            "; corrected: conjugated, the response is that \
-                                                     of an axis",
+            "; corrected: the sign of the phase was reversed; the response then fits an axis",
         ),
         FaultKind::ReversedSign => (
             "the response has the wrong sign".into(),
-            "; corrected: reversed, it is that of an \
-                                                        axis",
+            "; corrected: the sign of the response was reversed; it then fits an axis",
         ),
         FaultKind::SineReference => (
             "the harmonics refer to a sine, not to a cosine".into(),
-            "; corrected: turned by (k − 1)·90°, they are those of an axis",
+            "; corrected: harmonic k turned by (k − 1)·90°; the response then fits an axis",
         ),
         FaultKind::ResponseKind => (
             format!(
@@ -96,12 +94,13 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
                 with_article(kind_name(measurement)),
                 with_article(fault.response.as_deref().unwrap_or_default())
             ),
-            ": taken as that",
+            "; treated as such",
         ),
         FaultKind::AmplitudeConvention => {
             let is_rms = value > 1.0;
             let convention = if is_rms { "rms" } else { "peak-to-peak" };
-            let mended = if is_rms { "; corrected: multiplied by √2" } else { ": halved" };
+            let mended =
+                if is_rms { "; corrected: multiplied by √2" } else { "; corrected: halved" };
             (
                 format!(
                     "means and harmonics fit together only if the amplitudes are {convention} \
@@ -113,10 +112,10 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
         FaultKind::HeldInput => (
             "between its samples the input is held: it acts half a sample later than it was read"
                 .into(),
-            ": taken as that",
+            "; treated as such",
         ),
         FaultKind::StraightInput => {
-            ("between its samples the input runs straight".into(), ": taken as that")
+            ("between its samples the input is interpolated linearly".into(), "; treated as such")
         }
         FaultKind::ChannelSkew => {
             let ends = fault.interval95.map(|ends| ends.map(|end| 1e3 * end));
@@ -126,7 +125,7 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
             let ahead = rounded(1e3 * value, ends);
             (
                 format!(
-                    "the response is ahead of the input by {ahead} ms{interval}, which no machine can be"
+                    "the response leads the input by {ahead} ms{interval}, which is impossible"
                 ),
                 "; corrected: delayed by that",
             )

@@ -20,7 +20,7 @@ pub(super) fn of(
     }];
     let shares = [
         (all(|level| level.odd), "odd distortion", " (as of friction, backlash, saturation)"),
-        (all(|level| level.even), "even distortion", " (as of unlike directions)"),
+        (all(|level| level.even), "even distortion", " (from differences between the directions)"),
         (all(|level| level.stochastic), "distortion that depends on the phases of the input", ""),
     ];
     said.extend(shares.iter().filter_map(|(shares, name, of)| part(shares, name, of)));

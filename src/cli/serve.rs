@@ -100,7 +100,7 @@ async fn serve(config: ServeConfig, demo: bool) -> Result<(), Failure> {
             hosts: config.hosts.clone(),
             origins: origins.collect::<Result<_, _>>().map_err(Failure::input)?,
         },
-        keys_always: !config.listen.ip().is_loopback(),
+        keys_always: reached(&config).is_some(),
     };
     let counts = service.metrics().connections().clone();
     let app = http::app(service, limits);
@@ -118,15 +118,51 @@ async fn lock(service: &Service, config: &ServeConfig) -> Result<(), Failure> {
     {
         info!("the first admin key was stored");
     }
-    if config.listen.ip().is_loopback() || service.has_valid_key().await? {
+    let place = Place::of(config);
+    match reached(config) {
+        Some(Reached { how, else_do }) => needs_key(service, &place, &how, else_do).await,
+        None => Ok(()),
+    }
+}
+
+/// How other machines reach a server, and what to do if they are not to.
+struct Reached {
+    how: String,
+    else_do: &'static str,
+}
+
+/// Whether other machines reach a server: by its address, or by a name that something in front of it
+/// passes on.
+fn reached(config: &ServeConfig) -> Option<Reached> {
+    let listen = config.listen;
+    if !listen.ip().is_loopback() {
+        let how = format!("other machines can reach {listen}");
+        return Some(Reached { how, else_do: "listen on 127.0.0.1" });
+    }
+    let mut names = config.hosts.iter().filter(|name| !name.is_empty());
+    let name = names.find(|name| !http::is_of_loopback(name))?;
+    let how = format!("with `--host {name}` other machines can reach the server through a proxy");
+    Some(Reached { how, else_do: "leave that name out" })
+}
+
+/// Refuses to begin where other machines would meet no lock.
+///
+/// # Errors
+/// [`Failure::Input`] while no valid key is stored, with how to make one, or what else to do.
+pub(super) async fn needs_key(
+    service: &Service,
+    place: &Place,
+    how: &str,
+    else_do: &str,
+) -> Result<(), Failure> {
+    if service.has_valid_key().await? {
         return Ok(());
     }
-    let (listen, place) = (config.listen, Place::of(config));
     let flag = place.flag();
     Err(Failure::Input(format!(
-        "other machines can reach {listen}, and {place} has no valid key that would keep strangers \
-         out; make one with `servoscope keys add --name first --scope admin {flag}`, \
-         or give one in the variable SERVOSCOPE_ADMIN_KEY or in a file that \
-         SERVOSCOPE_ADMIN_KEY_FILE names, or listen on 127.0.0.1"
+        "{how}, and {place} has no valid key that would keep strangers out; make one with \
+         `servoscope keys add --name first --scope admin {flag}`, or give one to `servoscope serve` \
+         in the variable SERVOSCOPE_ADMIN_KEY or in a file that SERVOSCOPE_ADMIN_KEY_FILE names, or \
+         {else_do}"
     )))
 }

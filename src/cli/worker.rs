@@ -14,6 +14,7 @@ use crate::{http, worker};
 
 use super::interrupt::Terminations;
 use super::place::Place;
+use super::serve::needs_key;
 use super::{Failure, config, logging};
 
 /// Time that the worker has to hand its jobs back.
@@ -27,8 +28,8 @@ const WATCHERS: usize = 16;
 #[group(skip)]
 pub(super) struct Args {
     /// Address at which `/metrics`, `/livez` and `/readyz` of this process answer; port 0 takes a
-    /// free one. Where other machines can reach it, `/metrics` needs a key with the scope `metrics`
-    /// [default: none].
+    /// free one. Where other machines can reach it, `/metrics` needs a key with the scope `metrics`,
+    /// and a valid key must be stored at the start [default: none].
     #[arg(long, value_name = "ADDRESS", env = "SERVOSCOPE_METRICS")]
     metrics: Option<SocketAddr>,
     #[command(flatten)]
@@ -54,6 +55,10 @@ async fn work(config: &ServeConfig, metrics: Option<SocketAddr>) -> Result<(), F
     let store = place.open().await?;
     let signals = Arc::new(Signals::default());
     let service = Service::new(Arc::clone(&store), Arc::new(BuiltIn), Arc::clone(&signals));
+    if let Some(address) = metrics.filter(|address| !address.ip().is_loopback()) {
+        let how = format!("other machines can reach {address}");
+        needs_key(&service, &place, &how, "give `--metrics` an address of the loopback").await?;
+    }
     let watched = match metrics {
         Some(address) => Some(watch(address, service.clone(), Arc::clone(&signals)).await?),
         None => None,

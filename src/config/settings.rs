@@ -140,7 +140,8 @@ settings! {
     keep_days: usize, in 1..=36_600;
 
     /// Name by which the service is reached beside `localhost` and the addresses of the
-    /// loopback, as behind a proxy; repeated, or separated by commas. Requests for other names
+    /// loopback, as behind a proxy, with its port if that is not the usual one; repeated, or
+    /// separated by commas. A key is needed then: see `servoscope keys`. Requests for other names
     /// are refused [default: any name if other machines can reach the server, else none].
     #[arg(long = "host", value_name = "NAME", env = "SERVOSCOPE_HOSTS", value_delimiter = ',')]
     hosts: Vec<String> = |_| Vec::new();

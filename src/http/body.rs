@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use axum::body::{Body, Bytes};
 use axum::extract::Request;
-use axum::http::{HeaderMap, StatusCode, header};
+use axum::http::{Extensions, HeaderMap, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use http_body_util::BodyExt;
@@ -13,6 +13,7 @@ use tokio::time::{Instant, timeout_at};
 
 use super::measurements::media_type;
 use super::memory::{self, Held, Memory};
+use super::nul;
 use super::problem::Problem;
 
 /// How many times the largest body is read before the connection is given up.
@@ -35,6 +36,17 @@ impl Default for Pace {
     fn default() -> Self {
         // Half of a telephone modem of 1990: no link of today is slower.
         Self { pause: Duration::from_secs(30), bytes_per_s: 500 }
+    }
+}
+
+/// Marks a request whose body may have so many bytes at most, fewer than those of others.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Most(pub(super) usize);
+
+impl Most {
+    /// What the body of a request may have, where it is `usual` for others.
+    pub(super) fn of(request: &Extensions, usual: usize) -> usize {
+        request.get::<Self>().map_or(usual, |Self(most)| usual.min(*most))
     }
 }
 
@@ -62,6 +74,7 @@ pub(super) async fn whole(
     memory: &Memory,
 ) -> Response {
     let (parts, body) = request.into_parts();
+    let max_bytes = Most::of(&parts.extensions, max_bytes);
     let header_number = |name| parts.headers.get(name)?.to_str().ok()?.parse::<usize>().ok();
     let declared: Option<usize> = header_number(header::CONTENT_LENGTH);
     // The client asks before it sends: there is nothing to throw away.
@@ -99,10 +112,30 @@ pub(super) async fn whole(
 /// under a client that still sends, and the client may lose the answer. Whoever asks before it sends
 /// is not told to.
 pub(super) async fn read_on(request: Request) {
-    if request.headers().contains_key(header::EXPECT) {
+    let (parts, body) = request.into_parts();
+    throw_away(&parts.headers, body).await;
+}
+
+/// The same where the request is answered, but nobody wants its body: the request without it.
+pub(super) async fn left_out(request: Request) -> Request {
+    let (parts, body) = request.into_parts();
+    throw_away(&parts.headers, body).await;
+    without(Request::from_parts(parts, Body::empty()))
+}
+
+/// A request without its body, of which nothing is read.
+pub(super) fn without(mut request: Request) -> Request {
+    *request.body_mut() = Body::empty();
+    for name in [header::CONTENT_LENGTH, header::CONTENT_ENCODING, header::TRANSFER_ENCODING] {
+        request.headers_mut().remove(name);
+    }
+    request
+}
+
+async fn throw_away(headers: &HeaderMap, mut body: Body) {
+    if headers.contains_key(header::EXPECT) {
         return;
     }
-    let mut body = request.into_body();
     let all = async {
         let mut seen = 0;
         while seen < LEFT_BYTES
@@ -125,6 +158,7 @@ pub(super) fn json<T: DeserializeOwned>(
         return Err(not_read(&content_type, "application/json"));
     }
     serde_json::from_slice::<IgnoredAny>(body).map_err(|error| Problem::malformed_json(&error))?;
+    nul::check_json(body)?;
     // A list would be taken for the members in the order of this program's type.
     if !body.trim_ascii_start().starts_with(b"{") {
         let detail = "the body is JSON, but not an object";
@@ -189,8 +223,6 @@ async fn read(
 
 #[cfg(test)]
 mod tests {
-    use axum::http::Extensions;
-
     use super::*;
 
     #[tokio::test]

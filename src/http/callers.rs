@@ -26,7 +26,8 @@ pub(super) const SEC_FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch
 /// Who may send requests.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Callers {
-    /// Names of the server beside those of the loopback.
+    /// Names of the server beside those of the loopback, each with a port where its pages are not at
+    /// the usual one.
     pub hosts: Vec<String>,
     /// Whether every name is the server's: others than it look after that.
     pub any_host: bool,
@@ -73,10 +74,8 @@ impl Callers {
 
     /// Whether a name is one of the server's: of the loopback, or one that it was told.
     fn is_own(&self, host: &str) -> bool {
-        let bare = host.trim_start_matches('[').trim_end_matches(']');
-        let loopback = bare.parse::<IpAddr>().is_ok_and(|address| address.is_loopback());
-        let told = || self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host));
-        loopback || bare.eq_ignore_ascii_case("localhost") || told()
+        let told = || self.hosts.iter().any(|own| split(own).0.eq_ignore_ascii_case(host));
+        is_of_loopback(host) || told()
     }
 
     /// Whether a request comes from a page of this server, from a page that was let in, or from no
@@ -92,12 +91,40 @@ impl Callers {
         // Browsers send no `Sec-Fetch-Site` to a plain HTTP address that is not on the loopback.
         let Some(origin) = origin else { return true };
         let page = origin.to_str().ok().and_then(|origin| origin.parse::<Uri>().ok());
-        let page = page.as_ref().and_then(Uri::authority);
-        page.is_some_and(|page| {
-            let told = self.hosts.iter().any(|own| own.eq_ignore_ascii_case(page.host()));
-            told || host.is_some_and(|host| page.as_str().eq_ignore_ascii_case(host.as_str()))
-        })
+        page.is_some_and(|page| self.is_own_page(host, &page))
     }
+
+    /// Whether an origin has the name and the port of the server. A port that is not said is that of
+    /// the origin's scheme: what ends TLS in front of the server passes the name alone.
+    fn is_own_page(&self, host: Option<&Authority>, origin: &Uri) -> bool {
+        let usual = match origin.scheme_str() {
+            Some("https") => 443,
+            Some("http") => 80,
+            _ => return false,
+        };
+        let Some(page) = origin.authority() else { return false };
+        let is_page = |name: &str, port: Option<u16>| {
+            let same = page.port_u16().unwrap_or(usual) == port.unwrap_or(usual);
+            same && page.host().eq_ignore_ascii_case(name)
+        };
+        let told = self.hosts.iter().map(|own| split(own)).any(|(name, port)| is_page(name, port));
+        told || host.is_some_and(|host| is_page(host.host(), host.port_u16()))
+    }
+}
+
+/// Whether a name, with a port or without, is one by which only this machine is reached.
+pub fn is_of_loopback(host: &str) -> bool {
+    let bare = split(host).0.trim_start_matches('[').trim_end_matches(']');
+    let address = bare.parse::<IpAddr>().is_ok_and(|address| address.is_loopback());
+    address || bare.eq_ignore_ascii_case("localhost")
+}
+
+/// The name and the port of a host; an address of IPv6 that has a port stands in brackets.
+fn split(host: &str) -> (&str, Option<u16>) {
+    let parts = host.rsplit_once(':');
+    let parts = parts.filter(|(name, _)| !name.contains(':') || name.ends_with(']'));
+    let port = parts.and_then(|(name, port)| Some((name, port.parse().ok()?)));
+    port.map_or((host, None), |(name, port)| (name, Some(port)))
 }
 
 /// The name that a request was sent to, with its port. Requests of HTTP 1.0 have none; no browser
@@ -119,7 +146,7 @@ mod tests {
 
     fn callers() -> Callers {
         Callers {
-            hosts: vec!["rig.example".into()],
+            hosts: vec!["rig.example".into(), "lab.example:8443".into()],
             any_host: false,
             origins: vec![HeaderValue::from_static("https://bench.example")],
         }
@@ -140,6 +167,8 @@ mod tests {
         for own in ["127.0.0.1:8080", "localhost", "[::1]:9", "127.8.0.1", "Rig.Example:443"] {
             assert_eq!(get(own), 200, "{own}");
         }
+        // What passes the name on may leave the port out.
+        assert_eq!((get("lab.example"), get("lab.example:8443")), (200, 200));
         for foreign in ["evil.example", "127.0.0.1.evil.example:8080", "10.0.0.1", "localhost.x"] {
             assert_eq!(get(foreign), 421, "{foreign}");
         }
@@ -183,5 +212,47 @@ mod tests {
         );
         // Behind a proxy that rewrites `Host`, over plain HTTP.
         assert_eq!(post(&[("origin", "http://rig.example")]), 200);
+    }
+
+    #[test]
+    fn a_page_at_another_port_of_a_name_is_another_programs() {
+        let post = |host: &str, origin: &str| {
+            status(&callers(), Method::POST, &[("host", host), ("origin", origin)])
+        };
+        for (host, origin) in [
+            ("127.0.0.1:8080", "https://rig.example"),
+            ("127.0.0.1:8080", "https://rig.example:443"),
+            ("127.0.0.1:8080", "https://Lab.Example:8443"),
+            ("rig.example", "https://rig.example"),
+            ("rig.example:9000", "http://rig.example:9000"),
+            ("[::1]:8080", "http://[::1]:8080"),
+            ("localhost", "http://localhost:80"),
+        ] {
+            assert_eq!(post(host, origin), 200, "{origin} to {host}");
+        }
+        for (host, origin) in [
+            ("127.0.0.1:8080", "https://rig.example:3000"),
+            ("127.0.0.1:8080", "https://lab.example"),
+            ("rig.example", "https://rig.example:8443"),
+            ("rig.example:9000", "ftp://rig.example:9000"),
+            ("127.0.0.1:8080", "http://127.0.0.1"),
+            ("[::1]:8080", "http://[::1]:3000"),
+        ] {
+            assert_eq!(post(host, origin), 403, "{origin} to {host}");
+        }
+    }
+
+    #[test]
+    fn only_addresses_and_the_name_of_the_loopback_are_of_this_machine_alone() {
+        for own in
+            ["localhost", "LOCALHOST:80", "127.0.0.1", "127.8.0.1:1", "[::1]", "[::1]:9", "::1"]
+        {
+            assert!(is_of_loopback(own), "{own}");
+        }
+        for foreign in
+            ["bench.example", "10.0.0.1", "localhost.example", "[fe80::1]:9", "127.0.0.1.x"]
+        {
+            assert!(!is_of_loopback(foreign), "{foreign}");
+        }
     }
 }

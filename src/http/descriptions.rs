@@ -9,6 +9,7 @@ use axum::extract::Path;
 use axum::http::HeaderMap;
 use serde::Deserialize;
 use utoipa::ToSchema;
+use utoipa::openapi::schema::{ObjectBuilder, Schema, SchemaType, Type};
 
 use crate::service::{Redescribed, Service};
 
@@ -21,17 +22,30 @@ use super::views::MeasurementView;
 #[serde(deny_unknown_fields)]
 pub(super) struct DescribeMeasurement {
     /// Its name.
+    #[schema(max_length = 1000)]
     name: Option<String>,
     /// The machine.
+    #[schema(max_length = 1000)]
     machine: Option<String>,
     /// The axis of the machine.
+    #[schema(max_length = 1000)]
     axis: Option<String>,
     /// Who measured.
+    #[schema(max_length = 1000)]
     operator: Option<String>,
     /// When it was measured, RFC 3339.
     measured_at: Option<String>,
-    /// All labels: those that are not among them go.
+    #[schema(schema_with = labels)]
     labels: Option<BTreeMap<String, String>>,
+}
+
+/// All labels of a measurement.
+fn labels() -> Schema {
+    let labels = ObjectBuilder::new()
+        .schema_type(SchemaType::from_iter([Type::Object, Type::Null]))
+        .description(Some("All labels: those that are not among them go."));
+    let text = ObjectBuilder::new().schema_type(Type::String).max_length(Some(1000));
+    labels.additional_properties(Some(text)).max_properties(Some(100)).build().into()
 }
 
 /// Changes what a measurement says of itself.

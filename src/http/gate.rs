@@ -3,8 +3,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use axum::body::Body;
 use axum::extract::{MatchedPath, Request, State};
-use axum::http::{HeaderMap, Method, StatusCode, header};
+use axum::http::{Extensions, HeaderMap, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use tracing::Span;
@@ -12,13 +13,26 @@ use tracing::Span;
 use crate::service::{Caller, Key, Service, ServiceError};
 
 use super::access::{Need, Needs};
-use super::body;
+use super::answer::Answer;
+use super::body::{self, Most};
 use super::callers::SEC_FETCH_SITE;
+use super::layers::WATCHED;
 use super::problem::Problem;
 use super::rates::Rates;
+use super::server::Peer;
+use super::shares::{Share, Shares, Who};
 
 /// Name of the cookie that holds a session.
 pub(super) const COOKIE: &str = "servoscope_session";
+
+/// Where browsers sign in: of what needs nothing, the only thing that has a body.
+const SIGN_IN: &str = "/v1/session";
+
+/// Most bytes of the body of a sign-in: a key and what is around it.
+const SIGN_IN_BYTES: usize = 4 << 10;
+
+/// How often browsers at one address may sign in within a minute.
+const SIGN_INS: usize = 60;
 
 /// What lets requests pass.
 #[derive(Clone)]
@@ -27,7 +41,7 @@ pub(super) struct Gate {
     pub(super) service: Service,
     /// What each request needs.
     pub(super) needs: Arc<Needs>,
-    /// How often a key may ask.
+    /// How often keys ask, and browsers sign in.
     pub(super) rates: Arc<Rates>,
     /// Whether a key is needed also while none is stored.
     pub(super) always: bool,
@@ -41,25 +55,73 @@ enum Credential<'a> {
 }
 
 /// Lets a request through with the service for its caller, or refuses it.
-pub(super) async fn admit(State(gate): State<Gate>, mut request: Request, next: Next) -> Response {
-    let route = request.extensions().get::<MatchedPath>();
-    let need = gate.needs.of_request(request.method(), route.map(MatchedPath::as_str));
-    match gate.caller(need, request.method(), request.headers()).await {
-        Ok(caller) => {
-            if let Some(key) = caller.key() {
-                Span::current().record("key", &key.id);
-            }
-            request.extensions_mut().insert(gate.service.on_behalf_of(caller));
-            next.run(request).await
-        }
-        Err(problem) => {
-            body::read_on(request).await;
-            problem.into_response()
-        }
+///
+/// It counts as under way until all of its answer is sent.
+pub(super) async fn admit(State(gate): State<Gate>, request: Request, next: Next) -> Response {
+    let route = request.extensions().get::<MatchedPath>().map(MatchedPath::as_str);
+    let need = gate.needs.of_request(request.method(), route);
+    let signs_in = need == Need::Nothing && route == Some(SIGN_IN);
+    let mut caller = gate.caller(need, request.method(), request.headers()).await;
+    if signs_in && let Err(problem) = gate.count_sign_in(request.extensions()) {
+        caller = Err(problem);
     }
+    if WATCHED.contains(&request.uri().path()) {
+        // Answered at once, however many are under way.
+        return gate.pass(caller, body::without(request), next).await;
+    }
+    let share = match share(request.extensions(), caller.as_ref().ok().and_then(Caller::key)) {
+        Ok(share) => share,
+        // The connection is for others: what comes of the body is not waited for.
+        Err(problem) => return ([(header::CONNECTION, "close")], problem).into_response(),
+    };
+    let request = match need {
+        Need::Nothing if signs_in => {
+            let (mut parts, body) = request.into_parts();
+            parts.extensions.insert(Most(SIGN_IN_BYTES));
+            Request::from_parts(parts, body)
+        }
+        Need::Nothing => body::left_out(request).await,
+        Need::Key | Need::Scope(_) => request,
+    };
+    let answer = gate.pass(caller, request, next).await;
+    answer.map(|body| Body::new(Answer::new(body, share)))
+}
+
+/// A request of a key, or of an address, counts as under way while this is kept. `None`: nobody keeps
+/// connections.
+///
+/// # Errors
+/// The caller has as many as one may have.
+fn share(request: &Extensions, key: Option<&Key>) -> Result<Option<Share>, Box<Problem>> {
+    let Some(shares) = request.get::<Arc<Shares>>() else { return Ok(None) };
+    let peer = request.get::<Peer>().map(|Peer(address)| Who::at(*address));
+    let who = key.map(|key| Who::Key(key.id.clone())).or(peer);
+    who.map(|who| shares.take(who)).transpose()
 }
 
 impl Gate {
+    /// Passes a request on for its caller, or says why it is refused.
+    async fn pass(
+        &self,
+        caller: Result<Caller, Box<Problem>>,
+        mut request: Request,
+        next: Next,
+    ) -> Response {
+        match caller {
+            Ok(caller) => {
+                if let Some(key) = caller.key() {
+                    Span::current().record("key", &key.id);
+                }
+                request.extensions_mut().insert(self.service.on_behalf_of(caller));
+                next.run(request).await
+            }
+            Err(problem) => {
+                body::read_on(request).await;
+                problem.into_response()
+            }
+        }
+    }
+
     async fn caller(
         &self,
         need: Need,
@@ -88,29 +150,38 @@ impl Gate {
                 return Err(ServiceError::Unrecognised { reason }.into());
             }
         };
+        self.count(&key)?;
         match need {
             Need::Scope(scope) if !key.may(scope) => {
                 let Key { name, scopes, .. } = key;
                 Err(ServiceError::Lacking { name, scope, scopes }.into())
             }
-            _ => {
-                self.count(&key)?;
-                Ok(Caller::Holder(Box::new(key)))
-            }
+            _ => Ok(Caller::Holder(Box::new(key))),
         }
     }
-}
 
-impl Gate {
     /// Counts a request of a key.
     fn count(&self, key: &Key) -> Result<(), Box<Problem>> {
         let Some((most, by)) = self.service.quotas_of(key).requests_per_minute() else {
             return Ok(());
         };
-        let Err(wait_s) = self.rates.take(&key.id, most, Instant::now()) else { return Ok(()) };
+        let who = Who::Key(key.id.clone());
+        let Err(wait_s) = self.rates.take(who, most, Instant::now()) else { return Ok(()) };
         let reason = format!("may ask {most} times a minute ({by}) and has; wait {wait_s} s");
         let (name, wait_s) = (key.name.clone(), Some(wait_s));
         Err(ServiceError::OverQuota { name, reason, wait_s }.into())
+    }
+
+    /// Counts a sign-in, of whoever sends from its address.
+    fn count_sign_in(&self, request: &Extensions) -> Result<(), Box<Problem>> {
+        let Some(Peer(address)) = request.get::<Peer>() else { return Ok(()) };
+        let taken = self.rates.take(Who::at(*address), SIGN_INS, Instant::now());
+        taken.map_err(|wait_s| {
+            let detail = format!(
+                "your address may sign in {SIGN_INS} times a minute and has; wait {wait_s} s"
+            );
+            Box::new(Problem::over_quota(detail, Some(wait_s)))
+        })
     }
 }
 

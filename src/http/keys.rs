@@ -34,7 +34,11 @@ impl ToSchema for Scope {}
 #[serde(deny_unknown_fields)]
 pub(super) struct AddKey {
     /// Its name, for people.
-    #[schema(min_length = 1, max_length = 64)]
+    #[schema(
+        min_length = 1,
+        max_length = 64,
+        pattern = r"^[^\s\x00-\x1f\x7f-\x9f]([^\x00-\x1f\x7f-\x9f]*[^\s\x00-\x1f\x7f-\x9f])?$"
+    )]
     name: String,
     /// What it may do.
     #[schema(min_items = 1)]

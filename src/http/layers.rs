@@ -26,7 +26,7 @@ use super::memory::Memory;
 use super::problem::{MEDIA_TYPE, Problem};
 use super::rates::Rates;
 use super::server::Reserved;
-use super::{Limits, body, dashboard, routes, unpacking};
+use super::{Limits, body, dashboard, nul, routes, unpacking};
 
 /// The longest text of a foreign error that is taken into a problem document.
 const DETAIL_BYTES: usize = 4096;
@@ -34,13 +34,13 @@ const DETAIL_BYTES: usize = 4096;
 /// What data may do in a browser: nothing.
 const DATA_POLICY: &str = "default-src 'none'; frame-ancestors 'none'";
 
-/// What the page of the interface needs: its own files, and styles that its script writes.
-const DOCS_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
+/// What the page of the interface needs: its own files, and pictures that are in its style sheet.
+const DOCS_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; \
                            img-src 'self' data:; connect-src 'self'; base-uri 'none'; \
                            form-action 'none'; frame-ancestors 'none'";
 
 /// Routes that answer however full the server is.
-const WATCHED: [&str; 3] = ["/livez", "/readyz", "/metrics"];
+pub(super) const WATCHED: [&str; 3] = ["/livez", "/readyz", "/metrics"];
 
 /// The methods that are counted by their names.
 const METHODS: [Method; 7] = [
@@ -76,6 +76,7 @@ pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router
         .layer(from_fn(move |request: Request, next: Next| {
             problems_only(request, next, [sent_bytes, unpacked_bytes])
         }))
+        .layer(from_fn(nul::refused))
         // Before a body is read: a stranger's is not, but for what has been sent by then.
         .layer(from_fn_with_state(gate, gate::admit))
         .layer(from_fn(room))
@@ -96,8 +97,9 @@ pub(super) fn around(router: Router, service: Service, limits: Limits) -> Router
 
 /// What a browser may make of an answer, unless its route says it.
 ///
-/// Answers are data: no page may be made of them, nor around them, and nobody learns from a link in
-/// one where it was. The page at `/docs` is another program's and styles itself.
+/// Answers are data: no page may be made of them, nor around them, no page of another origin may
+/// embed them, and nobody learns from a link in one where it was. The page at `/docs` is another
+/// program's.
 async fn guarded(request: Request, next: Next) -> Response {
     let policy = if request.uri().path().starts_with("/docs") { DOCS_POLICY } else { DATA_POLICY };
     let mut response = next.run(request).await;
@@ -107,6 +109,7 @@ async fn guarded(request: Request, next: Next) -> Response {
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
         (header::X_FRAME_OPTIONS, "DENY"),
         (header::REFERRER_POLICY, "no-referrer"),
+        (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
     ] {
         headers.entry(name).or_insert(HeaderValue::from_static(value));
     }

@@ -9,6 +9,7 @@ use axum::response::{IntoResponse, Response};
 use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
+use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
 
 use crate::service::{Listed, Mapping, Service};
 
@@ -22,12 +23,21 @@ const TOML: &str = "application/toml";
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PutMapping {
-    /// What is given beside a file, by the names of the fields of an upload: `column_names`,
-    /// `response`, `magnitude` …
+    #[schema(schema_with = settings)]
     settings: BTreeMap<String, String>,
     /// `layout` of a preview: files of this layout are read with the mapping by itself where they
     /// cannot be read without it. Left out: it is used by its name alone.
     layout: Option<String>,
+}
+
+/// The settings of a mapping to be stored.
+fn settings() -> Schema {
+    let settings = ObjectBuilder::new().description(Some(
+        "What is given beside a file, by the names of the fields of an upload: `column_names`, \
+         `response`, `magnitude` …",
+    ));
+    let text = ObjectBuilder::new().schema_type(Type::String);
+    settings.additional_properties(Some(text)).min_properties(Some(1)).build().into()
 }
 
 /// A stored mapping.
@@ -53,8 +63,9 @@ impl From<Mapping> for MappingView {
 /// Stores a mapping under a name, in place of one that has it.
 #[utoipa::path(
     put, path = "/v1/mappings/{name}", tag = "mappings", operation_id = "put_mapping",
-    params(("name" = String, Path,
-            description = "1 to 64 letters, digits, blanks, `-`, `_` and `.`")),
+    params(("name" = String, Path, min_length = 1, max_length = 64, pattern = r"^[^\W_][\w .-]*$",
+            description = "1 to 64 letters (of any script), digits, blanks, `-`, `_` and `.` that \
+                           begin with a letter or a digit")),
     request_body = PutMapping,
     responses(
         (status = 200, body = MappingView, description = "It has taken the place of another"),

@@ -4,6 +4,7 @@
 //! OpenAPI document. A handler extracts, calls the service and maps to a view.
 
 mod access;
+mod answer;
 mod axes;
 mod batches;
 mod body;
@@ -17,6 +18,7 @@ mod events;
 mod exports;
 mod flat;
 mod gate;
+mod given;
 mod health;
 mod inspections;
 mod jobs;
@@ -26,6 +28,7 @@ mod lists;
 mod mappings;
 mod measurements;
 mod memory;
+mod nul;
 mod plans;
 mod plots;
 mod previews;
@@ -38,6 +41,7 @@ mod results;
 mod routes;
 mod server;
 mod sessions;
+mod shares;
 #[cfg(test)]
 mod tests;
 mod unpacking;
@@ -52,7 +56,7 @@ use utoipa_swagger_ui::{Config, SwaggerUi};
 use crate::service::Service;
 
 pub use body::Pace;
-pub use callers::Callers;
+pub use callers::{Callers, is_of_loopback};
 pub use routes::openapi;
 pub use server::{Keeping, serve};
 

@@ -68,7 +68,8 @@ impl PlotQuery {
         ("file" = String, Path,
          description = "`bode.svg`, `linearity.svg`, `spectrum.svg`, `residuals.svg`, \
                         `convergence.svg` or `friction.svg`; with the causes of a diagnosis \
-                        `spectrum-after.svg`, `residuals-after.svg` or `friction-after.svg`"),
+                        `spectrum-after.svg`, `residuals-after.svg` or `friction-after.svg`; \
+                        `bode-against-{job}.svg` with the id of another job: both in one"),
         PlotQuery,
         ("If-None-Match" = Option<String>, Header, description = "`ETag` of an earlier answer"),
     ),

@@ -15,6 +15,9 @@ const NO_ROOM: &str = "the disk is full, or the database as large as it may be; 
 const READ_ONLY: &str = "the database cannot be written; nothing of this request was stored; send \
                          it again when it can be";
 
+const UNKEEPABLE: &str =
+    "a text of the request has the character NUL, which is not kept; leave it out";
+
 /// Seconds after which a request that met a sick database may be sent again.
 const RETRY_AFTER_S: HeaderValue = HeaderValue::from_static("5");
 
@@ -119,6 +122,14 @@ impl Problem {
         Box::new(Self { member: Some(member), ..problem })
     }
 
+    /// The caller has, or asks, as much as it may. `wait_s`: after how many seconds to try again;
+    /// `None`: waiting alone does not help.
+    pub(super) fn over_quota(detail: impl Into<String>, wait_s: Option<u64>) -> Self {
+        let status = StatusCode::TOO_MANY_REQUESTS;
+        let problem = Self::new(status, "over-quota", "Quota exceeded", detail);
+        Self { retry_after_s: wait_s, ..problem }
+    }
+
     fn invalid_request(member: String, detail: String) -> Self {
         let status = StatusCode::UNPROCESSABLE_ENTITY;
         let problem = Self::new(status, "invalid-request", "Invalid request", detail);
@@ -201,17 +212,16 @@ impl Problem {
                 Self::new(StatusCode::UNPROCESSABLE_ENTITY, "too-costly", "Too costly", text)
             }
             ServiceError::Busy => *Self::of_status(StatusCode::SERVICE_UNAVAILABLE, text),
-            ServiceError::OverQuota { wait_s, .. } => {
-                let status = StatusCode::TOO_MANY_REQUESTS;
-                let problem = Self::new(status, "over-quota", "Quota exceeded", text);
-                Self { retry_after_s: wait_s, ..problem }
-            }
+            ServiceError::OverQuota { wait_s, .. } => Self::over_quota(text, wait_s),
             ServiceError::KeyReused { .. } => Self::new(
                 StatusCode::UNPROCESSABLE_ENTITY,
                 "idempotency-key-reused",
                 "Idempotency key reused",
                 text,
             ),
+            ServiceError::Store(StoreError::Unkeepable(_)) => {
+                *Self::of_status(StatusCode::UNPROCESSABLE_ENTITY, UNKEEPABLE)
+            }
             ServiceError::Store(source) => {
                 let (status, text) = match &source {
                     StoreError::Full(_) => (StatusCode::INSUFFICIENT_STORAGE, NO_ROOM),

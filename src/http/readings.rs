@@ -36,7 +36,7 @@ pub(super) struct PreviewAgain {
 /// Reads the stored files of a measurement again: in other units, as another kind of response, with
 /// other columns.
 ///
-/// It is possible until a job is queued on the measurement: results stand on how its files were
+/// It is possible until a job is queued on the measurement: results depend on how its files were
 /// read. Name, machine, axis, operator, time and labels stay as they are. Files that cannot be read
 /// like that change nothing.
 #[utoipa::path(

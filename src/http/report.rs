@@ -7,25 +7,24 @@ use axum::response::Response;
 
 use std::sync::LazyLock;
 
-use base64::Engine as _;
-use base64::prelude::BASE64_STANDARD;
-use sha2::{Digest, Sha256};
-
 use crate::service::{Service, page_script};
 
 use super::cached::{self, Kept, SETTLED};
 use super::problem::Problem;
 
-/// What the page may do: style itself, run the one script that it carries, and keep pictures of
-/// its figures. It asks nobody for anything, and is nobody of this server's origin.
-static POLICY: LazyLock<String> = LazyLock::new(|| {
-    let digest = BASE64_STANDARD.encode(Sha256::digest(page_script()));
+/// The one script that the page carries.
+static SCRIPT: LazyLock<String> = LazyLock::new(|| cached::digest(page_script()));
+
+/// What a page may do: style itself, run its script, and keep pictures of its figures. It asks
+/// nobody for anything, and is nobody of this server's origin.
+fn policy(page: &str) -> String {
     format!(
-        "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'; img-src data:; \
-         base-uri 'none'; form-action 'none'; frame-ancestors 'none'; \
-         sandbox allow-scripts allow-downloads"
+        "default-src 'none'; style-src {}; script-src {}; img-src data:; base-uri 'none'; \
+         form-action 'none'; frame-ancestors 'none'; sandbox allow-scripts allow-downloads",
+        cached::styles(page),
+        *SCRIPT
     )
-});
+}
 
 /// The answer to a job as one page for a person: verdict, causes, figures,
 /// model and provenance, without another file.
@@ -50,6 +49,7 @@ pub(super) async fn get(
     headers: HeaderMap,
 ) -> Result<Response, Box<Problem>> {
     let page = service.report(&id).await?;
-    let media_type = "text/html; charset=utf-8";
-    Ok(cached::keep(&headers, Kept { media_type, policy: &POLICY, caching: SETTLED }, page.into()))
+    let (media_type, policy) = ("text/html; charset=utf-8", policy(&page));
+    let kept = Kept { media_type, policy: &policy, caching: SETTLED };
+    Ok(cached::keep(&headers, kept, page.into()))
 }

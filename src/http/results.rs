@@ -14,6 +14,30 @@ use super::flat;
 use super::problem::Problem;
 use super::views::Convergence;
 
+/// An identification as it is sent.
+#[derive(Debug, ToSchema)]
+#[schema(as = IdentificationResult)]
+#[expect(dead_code, reason = "describes the JSON that is sent; nothing is made of it here")]
+pub(super) struct IdentificationView {
+    #[serde(flatten)]
+    answer: Identification,
+    /// What it comes to, in one sentence: `ADEQUATE: …`. Left out where another version stored the
+    /// result and this one cannot read it.
+    headline: Option<String>,
+}
+
+/// A diagnosis as it is sent.
+#[derive(Debug, ToSchema)]
+#[schema(as = DiagnosisResult)]
+#[expect(dead_code, reason = "describes the JSON that is sent; nothing is made of it here")]
+pub(super) struct DiagnosisView {
+    #[serde(flatten)]
+    answer: Diagnosis,
+    /// The verdict in one sentence: `EXPLAINED: The simulation lacks …`. Left out where another
+    /// version stored the result and this one cannot read it.
+    headline: Option<String>,
+}
+
 /// The result of a job, by its kind.
 #[derive(Debug, ToSchema)]
 #[schema(as = JobResult)]
@@ -21,9 +45,9 @@ use super::views::Convergence;
 #[serde(untagged)]
 pub(super) enum ResultView {
     /// Of a job of kind `identify`.
-    Identification(Box<Identification>),
+    Identification(Box<IdentificationView>),
     /// Of a job of kind `diagnose`.
-    Diagnosis(Box<Diagnosis>),
+    Diagnosis(Box<DiagnosisView>),
 }
 
 /// The result of a job that has succeeded.
@@ -48,7 +72,7 @@ pub(super) async fn get(
     headers: HeaderMap,
 ) -> Result<Response, Box<Problem>> {
     // The JSON as it was stored: every digit, and whatever version wrote it.
-    let result = service.result(&id).await?;
+    let result = service.result_with_headline(&id).await?;
     Ok(cached::answer(&headers, "application/json", result, true))
 }
 

@@ -4,16 +4,15 @@ use std::convert::Infallible;
 use std::error::Error as _;
 use std::io::{self, ErrorKind};
 use std::net::IpAddr;
-use std::pin::{Pin, pin};
+use std::pin::pin;
 use std::sync::Arc;
-use std::task::{Context, Poll};
 use std::time::Duration;
 
 use axum::Router;
-use axum::body::{Body, Bytes, HttpBody};
+use axum::body::Body;
 use axum::extract::Request;
 use axum::http::Response;
-use hyper::body::{Frame, Incoming, SizeHint};
+use hyper::body::Incoming;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -25,7 +24,9 @@ use tracing::{debug, warn};
 
 use crate::service::{Closed, ConnectionCounts, Signals};
 
-use super::connections::{Busy, Connections, Place};
+use super::answer::Answer;
+use super::connections::{Connections, Place};
+use super::shares::Shares;
 
 /// The largest head of a request, bytes.
 const HEAD_BYTES: usize = 64 << 10;
@@ -76,6 +77,7 @@ pub async fn serve(
     counts: ConnectionCounts,
 ) {
     let connections = Connections::new(keeping.connections);
+    let shares = Shares::new(keeping.connections);
     let mut open = JoinSet::new();
     let mut stopped = pin!(signals.stopped());
     loop {
@@ -100,9 +102,10 @@ pub async fn serve(
             place = connections.admit() => place,
         };
         let (app, signals, counts) = (app.clone(), Arc::clone(&signals), counts.clone());
+        let of = (peer, Arc::clone(&shares));
         open.spawn(async move {
             let _open = counts.opened(place.reserved);
-            if let Some(why) = answer((stream, peer), app, keeping, place, signals).await {
+            if let Some(why) = answer(stream, of, app, keeping, place, signals).await {
                 counts.closed(why);
             }
         });
@@ -115,7 +118,8 @@ pub async fn serve(
 /// Answers the requests of one connection until it ends or has to make room; gives the reason where
 /// it was the server that closed it.
 async fn answer(
-    (stream, peer): (TcpStream, Peer),
+    stream: TcpStream,
+    (peer, shares): (Peer, Arc<Shares>),
     app: Router,
     keeping: Keeping,
     place: Place,
@@ -131,6 +135,7 @@ async fn answer(
         let busy = requests_of.busy();
         let mut request: Request = request.map(Body::new);
         request.extensions_mut().insert(peer);
+        request.extensions_mut().insert(Arc::clone(&shares));
         if requests_of.reserved {
             request.extensions_mut().insert(Reserved);
         }
@@ -138,7 +143,8 @@ async fn answer(
         let answer = app.clone().call(request);
         async move {
             let answer: Result<Response<Body>, Infallible> = answer.await;
-            answer.map(|answer| answer.map(|body| Answer { body, _busy: busy }))
+            // Its connection is busy until all of it is sent.
+            answer.map(|answer| answer.map(|body| Answer::new(body, busy)))
         }
     });
     let connection = http1::Builder::new()
@@ -173,30 +179,4 @@ fn timed_out(error: &hyper::Error) -> Option<Closed> {
     }
     let source = error.source().and_then(|source| source.downcast_ref::<io::Error>())?;
     (source.kind() == ErrorKind::TimedOut).then_some(Closed::Unread)
-}
-
-/// The body of an answer; its connection is busy until all of it is sent.
-struct Answer {
-    body: Body,
-    _busy: Busy,
-}
-
-impl HttpBody for Answer {
-    type Data = Bytes;
-    type Error = axum::Error;
-
-    fn poll_frame(
-        mut self: Pin<&mut Self>,
-        context: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        Pin::new(&mut self.body).poll_frame(context)
-    }
-
-    fn is_end_stream(&self) -> bool {
-        self.body.is_end_stream()
-    }
-
-    fn size_hint(&self) -> SizeHint {
-        self.body.size_hint()
-    }
 }

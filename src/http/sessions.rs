@@ -31,6 +31,9 @@ pub(super) struct SessionView {
 
 /// Signs a browser in: from then on its cookie stands for the key, for 12 hours at most.
 ///
+/// One that is signed in already is signed out first. Of more than 20 browsers that are signed in with
+/// one key, the first is signed out.
+///
 /// Scripts cannot read the cookie, and pages of other sites cannot make a browser send it. A change
 /// that comes with it must name its page in `Origin` or `Sec-Fetch-Site`, as browsers do.
 #[utoipa::path(
@@ -48,7 +51,7 @@ pub(super) async fn sign_in(
     body: Bytes,
 ) -> Result<Response, Box<Problem>> {
     let SignIn { key } = body::json(&headers, &body)?;
-    let session = service.sign_in(key.trim()).await?;
+    let session = service.sign_in(key.trim(), gate::session(&headers)).await?;
     let cookie = gate::cookie(&session.secret, session.lifetime.as_secs(), &headers);
     let view = SessionView { key: Some(session.key.into()) };
     Ok(([(header::SET_COOKIE, cookie)], Json(view)).into_response())

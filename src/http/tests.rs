@@ -29,9 +29,11 @@ mod failures;
 mod inspections;
 mod jobs;
 mod keys;
+mod lists;
 mod operations;
 mod plans;
 mod quotas;
+mod rules;
 mod scopes;
 mod sessions;
 
@@ -48,7 +50,7 @@ struct Server {
     service: Service,
     store: Arc<dyn Store>,
     runtime: Runtime,
-    _directory: tempfile::TempDir,
+    directory: tempfile::TempDir,
 }
 
 impl Server {
@@ -103,7 +105,7 @@ impl Server {
             .timeout_global(Some(Duration::from_secs(60)))
             .build()
             .into();
-        Self { address, agent, signals, service, store, runtime, _directory: directory }
+        Self { address, agent, signals, service, store, runtime, directory }
     }
 
     /// A new key with these scopes: its id, and the whole of it.
@@ -116,6 +118,18 @@ impl Server {
         };
         let (key, token) = self.runtime.block_on(self.service.add_key(new)).unwrap();
         (key.id, token.text())
+    }
+
+    /// Changes the database behind the server's back.
+    fn database(&self, statement: &'static str) {
+        use sqlx::Connection as _;
+
+        let file = self.directory.path().join("servoscope.sqlite3");
+        self.runtime.block_on(async {
+            let options = sqlx::sqlite::SqliteConnectOptions::new().filename(file);
+            let mut connection = sqlx::SqliteConnection::connect_with(&options).await.unwrap();
+            sqlx::raw_sql(statement).execute(&mut connection).await.unwrap();
+        });
     }
 
     /// Sends a request as it stands.

@@ -10,6 +10,7 @@ use axum::response::{IntoResponse, Response};
 use flate2::bufread::MultiGzDecoder;
 use http_body_util::BodyExt;
 
+use super::body::Most;
 use super::memory::{self, Memory};
 use super::problem::Problem;
 
@@ -63,6 +64,7 @@ pub(super) async fn unpacked(
         Ok(body) => body.to_bytes(),
         Err(error) => return not_gzip(&error),
     };
+    let max_bytes = Most::of(&parts.extensions, max_bytes);
     let mut held = memory.none(&parts.extensions);
     if !held.grow_to(packed.len().saturating_mul(MOST_EXPANDED).min(max_bytes)) {
         return memory::refusal().into_response();
@@ -70,7 +72,10 @@ pub(super) async fn unpacked(
     let unpacking = tokio::task::spawn_blocking(move || members(&packed, max_bytes));
     let body = match unpacking.await.unwrap_or_else(|error| Err(io::Error::other(error))) {
         Ok(Some(body)) => body,
-        Ok(None) => return StatusCode::PAYLOAD_TOO_LARGE.into_response(),
+        Ok(None) => {
+            let detail = format!("the body is larger than {max_bytes} bytes once unpacked");
+            return Problem::of_status(StatusCode::PAYLOAD_TOO_LARGE, detail).into_response();
+        }
         Err(error) => return not_gzip(&error),
     };
     held.shrink_to(body.len());

@@ -7,10 +7,11 @@ use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
-use crate::service::Upload;
+use crate::service::{MAX_NAME_BYTES, Upload};
 use crate::store::FileRow;
 
 use super::body;
+use super::given::{AmplitudeName, DecimalName, LoopName, YesOrNo};
 use super::measurements::media_type;
 use super::problem::Problem;
 
@@ -31,12 +32,15 @@ pub(super) struct UploadQuery {
     /// What the response is: `velocity rad/s`, `position mm`, `acceleration m/s²`.
     response: Option<String>,
     /// Whether the axis was measured in an `open` or a `closed` loop.
+    #[param(inline, value_type = Option<LoopName>)]
     r#loop: Option<String>,
     /// What amplitudes are: `peak`, `rms` or `peak-to-peak`.
+    #[param(inline, value_type = Option<AmplitudeName>)]
     amplitude: Option<String>,
     /// Period of a time record, seconds, or `none`.
     period_s: Option<String>,
     /// Decimal mark of the numbers in a text: `comma` or `point`.
+    #[param(inline, value_type = Option<DecimalName>)]
     decimal: Option<String>,
     /// Names of the columns in their order, with units in brackets, between semicolons; empty for
     /// a column that is not to be used.
@@ -47,6 +51,7 @@ pub(super) struct UploadQuery {
     sheet: Option<String>,
     /// Whether the response has the opposite sign, as a loop gain at an injection point has: `yes`
     /// or `no`.
+    #[param(inline, value_type = Option<YesOrNo>)]
     inverted: Option<String>,
     /// Stored mapping that is used where the upload says nothing itself.
     mapping: Option<String>,
@@ -103,12 +108,15 @@ pub(super) struct UploadForm {
     /// What the response is: `velocity rad/s`, `position mm`, `acceleration m/s²`.
     response: Option<String>,
     /// Whether the axis was measured in an `open` or a `closed` loop.
+    #[schema(inline, value_type = Option<LoopName>)]
     r#loop: Option<String>,
     /// What amplitudes are: `peak`, `rms` or `peak-to-peak`.
+    #[schema(inline, value_type = Option<AmplitudeName>)]
     amplitude: Option<String>,
     /// Period of a time record, seconds, or `none`.
     period_s: Option<String>,
     /// Decimal mark of the numbers in a text: `comma` or `point`.
+    #[schema(inline, value_type = Option<DecimalName>)]
     decimal: Option<String>,
     /// Names of the columns in their order, with units in brackets, between semicolons; empty for
     /// a column that is not to be used.
@@ -119,6 +127,7 @@ pub(super) struct UploadForm {
     sheet: Option<String>,
     /// Whether the response has the opposite sign, as a loop gain at an injection point has: `yes`
     /// or `no`.
+    #[schema(inline, value_type = Option<YesOrNo>)]
     inverted: Option<String>,
     /// Stored mapping that is used where the upload says nothing itself.
     mapping: Option<String>,
@@ -137,8 +146,10 @@ pub(super) async fn read(query: UploadQuery, request: Request) -> Result<Upload,
         return Err(body::not_read(&content_type, &readable).into_response());
     };
     let bytes = Bytes::from_request(request, &()).await.map_err(IntoResponse::into_response)?;
-    let stem = upload.name.as_deref().unwrap_or("upload");
     let suffix = format!(".{extension}");
+    // A name may be as long as that of a file, which has this at its end.
+    let fits = |name: &&str| name.len() + suffix.len() <= MAX_NAME_BYTES;
+    let stem = upload.name.as_deref().filter(fits).unwrap_or("upload");
     let name = if stem.ends_with(&suffix) { stem.to_owned() } else { format!("{stem}{suffix}") };
     upload.files.push(FileRow { name, content_type, bytes: bytes.into() });
     Ok(upload)

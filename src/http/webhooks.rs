@@ -52,8 +52,10 @@ impl From<EventName> for EventType {
 pub(super) struct AddWebhook {
     /// Where messages go, http or https. Its name must lead to public addresses, or to ones
     /// that the operator allows.
+    #[schema(max_length = 2000)]
     url: String,
     /// What it is told of; left out: everything.
+    #[schema(min_items = 1)]
     events: Option<Vec<EventName>>,
     /// What messages are signed with: `whsec_` and 24 to 64 bytes in base64; left out: a new one.
     #[schema(
@@ -180,7 +182,8 @@ pub(super) async fn add(
     Ok((StatusCode::CREATED, location, Json(view)).into_response())
 }
 
-/// Webhooks, newest first. A key has at most 100; all are on one page.
+/// Webhooks, newest first. A key has at most 100, which are on one page; of those of all keys it shows
+/// 1000 at most.
 #[utoipa::path(
     get, path = "/v1/webhooks", tag = "webhooks", operation_id = "list_webhooks",
     responses(

@@ -35,10 +35,11 @@ pub enum SendError {
         /// What is wrong with it.
         reason: &'static str,
     },
-    /// The name leads into a network that is not public.
+    /// The name leads into a network that is not public. The text does not say where: whoever may
+    /// add a webhook would learn the addresses of a network that only the server sees.
     #[error(
-        "`{host}` is at {address}, which is not a public address; the operator of this server can \
-         allow it with --webhook-allow"
+        "`{host}` leads to what is not a public address; the operator of this server can allow it \
+         with --webhook-allow"
     )]
     Forbidden {
         /// The host of the URL.

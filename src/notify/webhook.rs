@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use reqwest::dns::{Addrs, Name, Resolve, Resolving};
 use reqwest::{Client, Response, Url, header, redirect};
+use tracing::info;
 
 use super::{Allowed, PATIENCE, Secret, SendError, tls};
 
@@ -128,7 +129,11 @@ async fn resolved(host: &str, allowed: &Allowed) -> Result<Vec<SocketAddr>, Send
     };
     let addresses: Vec<SocketAddr> = found.collect();
     match addresses.iter().find(|address| !allowed.permits(address.ip())) {
-        Some(wrong) => Err(SendError::Forbidden { host: host.to_owned(), address: wrong.ip() }),
+        Some(wrong) => {
+            let address = wrong.ip();
+            info!(host, %address, "the name of a webhook leads to an address that is not allowed");
+            Err(SendError::Forbidden { host: host.to_owned(), address })
+        }
         None if addresses.is_empty() => Err(unresolved("it has no address".into())),
         None => Ok(addresses),
     }
@@ -208,6 +213,17 @@ mod tests {
             assert!(matches!(checked, Err(SendError::Forbidden { .. })), "{url}: {checked:?}");
             let sent = sent(&webhooks, url).await;
             assert!(matches!(sent, Err(SendError::Forbidden { .. })), "{url}: {sent:?}");
+        }
+    }
+
+    #[tokio::test]
+    async fn where_a_name_leads_is_not_told() {
+        let webhooks = Webhooks::default();
+        let checked = webhooks.check("http://localhost:9/").await.unwrap_err().to_string();
+        let sent = sent(&webhooks, "http://localhost:9/").await.unwrap_err().to_string();
+        for said in [checked, sent] {
+            assert!(said.contains("`localhost` leads to what is not a public address"), "{said}");
+            assert!(!said.contains("127.") && !said.contains("::1"), "{said}");
         }
     }
 

@@ -95,7 +95,7 @@ pub enum ServiceError {
     },
     /// Reading the files of a measurement again, on which there is a job.
     #[error(
-        "measurement `{id}` has jobs, whose results stand on how its files were read; delete them \
+        "measurement `{id}` has jobs, whose results depend on how its files were read; delete them \
          with `DELETE /v1/jobs/{{id}}`, or upload the files again with `POST /v1/measurements` for \
          another reading of them"
     )]

@@ -70,13 +70,13 @@ impl Service {
         make: impl FnOnce(Measurement) -> T + Send + 'static,
     ) -> Result<T, ServiceError> {
         let stored = self.measurement(id).await?;
-        let files = self.store.measurement_files(&self.reach, id).await?;
+        let (place, files) = self.place_with_files(id).await?;
         let numerics = Arc::clone(&self.numerics);
-        let making = move || {
+        let making = place.compute(move || {
             let measurement = numerics.read(&sources(&files))?;
             Ok(make(described(measurement, &stored)))
-        };
-        self.in_place(making).await?
+        });
+        making.await
     }
 }
 

@@ -18,6 +18,9 @@ const USED_WITHIN_MS: Millis = 60_000;
 /// How long a browser stays signed in.
 const SESSION: Duration = Duration::from_secs(12 * 3600);
 
+/// Most browsers that are signed in with one key.
+const MOST_SESSIONS: u32 = 20;
+
 /// A browser that has just been signed in.
 pub struct Session {
     /// What its cookie holds; only a digest of it is stored.
@@ -52,15 +55,20 @@ impl Service {
         self.used(row.ok_or(ended)?).await
     }
 
-    /// Signs a browser in with a key.
+    /// Signs a browser in with a key. Its session of `before` ends, and so does the oldest of a key
+    /// that has more than 20.
     ///
     /// # Errors
     /// As [`Service::holder_of`].
-    pub async fn sign_in(&self, text: &str) -> Result<Session, ServiceError> {
+    pub async fn sign_in(&self, text: &str, before: Option<&str>) -> Result<Session, ServiceError> {
         let key = self.holder_of(text).await?;
+        if let Some(secret) = before {
+            self.sign_out(secret).await?;
+        }
         let secret = random::<32>().ok_or_else(no_random_numbers)?;
         let lifetime_ms = i64::try_from(SESSION.as_millis()).unwrap_or(i64::MAX);
         self.store.insert_session(&digest(&secret), &key.id, now_ms() + lifetime_ms).await?;
+        self.store.end_oldest_sessions(&key.id, MOST_SESSIONS).await?;
         Ok(Session { secret, lifetime: SESSION, key })
     }
 

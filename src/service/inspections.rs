@@ -9,7 +9,7 @@ use servoscope_core::observer::Observer;
 
 use super::kept::Kept;
 use super::measurements::sources;
-use super::{Measured, Service, ServiceError, aside, curves};
+use super::{Measured, Service, ServiceError, curves};
 
 /// Inspections that are kept: a page that is opened again answers at once.
 const INSPECTIONS: usize = 64;
@@ -56,16 +56,19 @@ impl Service {
     pub async fn inspection(&self, id: &str) -> Result<Inspection, ServiceError> {
         let Measured { row, .. } = self.measurement(id).await?;
         self.check_inspection(&row)?;
-        let files = self.store.measurement_files(&self.reach, id).await?;
-        let flag = Arc::new(AtomicBool::new(false));
-        let _gone = Gone(Arc::clone(&flag));
-        let place = self.places.long.take(&self.reach.owner).await?;
         if let Some(known) = self.asked.inspections.get(&row.sha256) {
             return Ok(known);
         }
+        let flag = Arc::new(AtomicBool::new(false));
+        let _gone = Gone(Arc::clone(&flag));
+        let place = self.places.long.take(&self.reach.owner).await?;
+        // Whoever had the place before may have looked at the same.
+        if let Some(known) = self.asked.inspections.get(&row.sha256) {
+            return Ok(known);
+        }
+        let files = self.files_of(id).await?;
         let numerics = Arc::clone(&self.numerics);
-        let looking = aside(move || {
-            let _place = place;
+        let looking = place.compute(move || {
             let measurement = numerics.read(&sources(&files))?;
             let request = IdentifyRequest::default();
             let found = numerics.inspect(&measurement, &request, &WhileWaiting(flag));

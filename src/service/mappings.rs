@@ -6,7 +6,10 @@ use servoscope_core::measurement::formats::Given;
 
 use crate::store::{MappingRow, Millis};
 
-use super::{Added, PAGE_BYTES, Service, ServiceError};
+use super::{Added, Service, ServiceError, fitting};
+
+/// Most mappings of one owner.
+const MOST_MAPPINGS: u32 = 1000;
 
 /// Most mappings that are listed.
 const MOST_LISTED: u32 = 1000;
@@ -49,8 +52,8 @@ impl Service {
     /// Stores a mapping under a name, in place of one that has it.
     ///
     /// # Errors
-    /// [`ServiceError::Request`] for a name that cannot be one, no setting at all, and a setting
-    /// that means nothing.
+    /// [`ServiceError::Request`] for a name that cannot be one, no setting at all, a setting that
+    /// means nothing, and a new mapping where there are 1000 already.
     pub async fn put_mapping(
         &self,
         name: &str,
@@ -76,7 +79,11 @@ impl Service {
             return Err(refused("settings".into(), reason));
         }
         let row = MappingRow { name: name.to_owned(), settings, layout, updated_at_ms: 0 };
-        let created = self.store.put_mapping(&self.reach, &row).await?;
+        let created = self.store.put_mapping(&self.reach, &row, MOST_MAPPINGS).await?;
+        let Some(created) = created else {
+            let reason = format!("there are {MOST_MAPPINGS} mappings already; delete one");
+            return Err(refused("name".into(), reason));
+        };
         Ok(Added { resource: self.mapping(name).await?, replayed: !created })
     }
 
@@ -94,14 +101,10 @@ impl Service {
     /// # Errors
     /// When the database does not answer.
     pub async fn mappings(&self) -> Result<Vec<Mapping>, ServiceError> {
-        let mut left = PAGE_BYTES;
-        let listed =
-            self.store.mappings(&self.reach, MOST_LISTED).await?.into_iter().take_while(|row| {
-                let fits = left > 0;
-                left = left.saturating_sub(row.settings.len());
-                fits
-            });
-        listed.map(mapping).collect()
+        let mut rows = self.store.mappings(&self.reach, MOST_LISTED).await?;
+        let layout = |row: &MappingRow| row.layout.as_ref().map_or(0, String::len);
+        rows.truncate(fitting(&rows, |row| row.name.len() + row.settings.len() + layout(row)));
+        rows.into_iter().map(mapping).collect()
     }
 
     /// Removes a mapping. Measurements that were read with it stay as they are.

@@ -19,6 +19,9 @@ pub const MAX_FILES: usize = 64;
 /// of times.
 pub const MAX_POINTS: usize = MAX_EXPERIMENTS;
 
+/// Most bytes of the name of a measurement or of a file, and of the type of a file.
+pub const MAX_NAME_BYTES: usize = 1000;
+
 /// Files to be read as one measurement.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Upload {
@@ -78,7 +81,8 @@ impl Service {
     /// Reads and stores a measurement; nothing is stored when it cannot be read.
     ///
     /// # Errors
-    /// [`ServiceError::Upload`] says where the data is wrong; [`ServiceError::OverQuota`].
+    /// [`ServiceError::Upload`] says where the data is wrong; [`ServiceError::Request`] for too many
+    /// files and names that are too long; [`ServiceError::OverQuota`].
     pub async fn add_measurement(
         &self,
         upload: Upload,
@@ -141,13 +145,32 @@ impl Service {
         cursor: Option<String>,
     ) -> Result<Listed<Measured>, ServiceError> {
         let rows = self.store.measurements(&self.reach, filter, &page(limit, cursor)?).await?;
-        let bytes = |row: &MeasurementRow| row.notes.len() + row.labels.len();
+        let bytes = |row: &MeasurementRow| row.notes.len() + row.labels.len() + row.files.len();
         paged(rows, limit, |row| &row.id, bytes, measured)
     }
 }
 
+/// Checks how many files an upload has, and how long what it calls things is.
 pub(super) fn check_files(upload: &Upload) -> Result<(), ServiceError> {
-    at_most("files", upload.files.len(), MAX_FILES)
+    let Upload { name, mapping, files, .. } = upload;
+    at_most("files", files.len(), MAX_FILES)?;
+    for (member, text) in [("name", name), ("mapping", mapping)] {
+        short(member, "it", text.as_deref().unwrap_or_default())?;
+    }
+    for (file, number) in files.iter().zip(1..) {
+        short("files", &format!("the name of file {number}"), &file.name)?;
+        short("files", &format!("the content type of file {number}"), &file.content_type)?;
+    }
+    Ok(())
+}
+
+/// Checks that a text can be a name.
+fn short(member: &str, what: &str, text: &str) -> Result<(), ServiceError> {
+    if text.len() <= MAX_NAME_BYTES {
+        return Ok(());
+    }
+    let reason = format!("{what} has {} bytes, more than {MAX_NAME_BYTES}", text.len());
+    Err(ServiceError::Request { member: member.into(), reason })
 }
 
 pub(super) fn check_points(measurement: &Measurement) -> Result<(), ServiceError> {

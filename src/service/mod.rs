@@ -5,6 +5,7 @@
 
 mod axes;
 mod batches;
+mod both;
 mod caller;
 mod compared;
 mod connection_counts;
@@ -12,6 +13,7 @@ mod cost;
 mod curves;
 mod deliveries;
 mod descriptions;
+mod ends;
 mod error;
 mod events;
 mod exports;
@@ -35,6 +37,7 @@ mod reading;
 mod readings;
 mod report;
 mod request;
+mod results;
 mod running;
 mod signals;
 mod spreadsheet;
@@ -53,6 +56,7 @@ pub use caller::{Caller, Key, Scope};
 pub use compared::Compared;
 pub use connection_counts::{Closed, ConnectionCounts};
 pub use descriptions::Redescribed;
+use ends::Ends;
 pub use error::ServiceError;
 pub use events::JobEvent;
 pub use holders::Session;
@@ -61,7 +65,7 @@ pub use jobs::{Failure, Job};
 pub use keys::NewKey;
 pub use mappings::Mapping;
 pub(crate) use measurements::hexadecimal;
-pub use measurements::{MAX_FILES, MAX_POINTS, Measured, Upload};
+pub use measurements::{MAX_FILES, MAX_NAME_BYTES, MAX_POINTS, Measured, Upload};
 pub use metrics::Metrics;
 pub use numerics::{BuiltIn, Numerics};
 use places::AllPlaces;
@@ -123,6 +127,7 @@ pub struct Service {
     asked: Arc<Asked>,
     places: Arc<AllPlaces>,
     outlets: Arc<Outlets>,
+    ends: Arc<Ends>,
     caller: Arc<Caller>,
     reach: Reach,
     most_cost: Duration,
@@ -135,7 +140,7 @@ impl Service {
     /// cost what it will, and a key have what it likes: see [`Service::telling`],
     /// [`Service::accepting`] and [`Service::within`].
     pub fn new(store: Arc<dyn Store>, numerics: Arc<dyn Numerics>, signals: Arc<Signals>) -> Self {
-        let (metrics, asked, places, outlets) = Default::default();
+        let (metrics, asked, places, outlets, ends) = Default::default();
         let (caller, reach) = (Arc::new(Caller::Everybody), Reach::everything());
         let (most_cost, quotas) = (Duration::MAX, Quotas::default());
         Self {
@@ -146,6 +151,7 @@ impl Service {
             asked,
             places,
             outlets,
+            ends,
             caller,
             reach,
             most_cost,
@@ -219,17 +225,22 @@ fn paged<R, T>(
     bytes: impl Fn(&R) -> usize,
     view: impl Fn(R) -> Result<T, ServiceError>,
 ) -> Result<Listed<T>, ServiceError> {
-    let mut left = PAGE_BYTES;
-    let fit = rows.iter().take(limit as usize).take_while(|row| {
-        let fits = left > 0;
-        left = left.saturating_sub(bytes(row));
-        fits
-    });
-    let fit = fit.count();
+    let fit = fitting(rows.iter().take(limit as usize), bytes);
     let more = rows.len() > fit;
     rows.truncate(fit);
     let next = rows.last().filter(|_| more).map(|row| id(row).to_owned());
     Ok(Listed { items: rows.into_iter().map(view).collect::<Result<_, _>>()?, next })
+}
+
+/// How many of these rows fit on a page, one at least. `bytes` is the size of what is shown of a row.
+fn fitting<'r, R: 'r>(rows: impl IntoIterator<Item = &'r R>, bytes: impl Fn(&R) -> usize) -> usize {
+    let mut left = PAGE_BYTES;
+    let fit = rows.into_iter().take_while(|row| {
+        let fits = left > 0;
+        left = left.saturating_sub(bytes(row));
+        fits
+    });
+    fit.count()
 }
 
 /// Checks a page asked for, and asks the store for one row more.

@@ -120,7 +120,7 @@ impl Service {
 
     async fn messages(&self, event: &EventRow) -> Result<Vec<NewDeliveryRow>, ServiceError> {
         let mut receivers: Vec<(Option<String>, Vec<EventType>, Caller)> = Vec::new();
-        for row in self.store.webhooks(&self.reach).await? {
+        for row in self.store.webhooks(&self.reach, None).await? {
             let owner = self.owner_of(&row).await?;
             let webhook = webhook(row)?;
             if webhook.disabled.is_none() {

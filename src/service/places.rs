@@ -10,6 +10,8 @@ use std::time::Duration;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
+use crate::store::FileRow;
+
 use super::{Service, ServiceError, aside};
 
 /// How long a request usually waits for its place.
@@ -43,10 +45,10 @@ pub(super) struct Places {
     callers: Mutex<HashMap<String, Arc<Semaphore>>>,
 }
 
-/// A place that is taken; it is free again when this is dropped.
+/// A place that is taken; it is free again when this and all its copies are dropped.
+#[derive(Clone)]
 pub(super) struct Place {
-    _of_caller: OwnedSemaphorePermit,
-    _of_all: OwnedSemaphorePermit,
+    _of_caller_and_of_all: Arc<[OwnedSemaphorePermit; 2]>,
 }
 
 impl Places {
@@ -74,7 +76,9 @@ impl Places {
             (of_caller, Arc::clone(&self.all).acquire_owned().await)
         };
         match tokio::time::timeout(self.patience, both).await {
-            Ok((Ok(of_caller), Ok(of_all))) => Ok(Place { _of_caller: of_caller, _of_all: of_all }),
+            Ok((Ok(of_caller), Ok(of_all))) => {
+                Ok(Place { _of_caller_and_of_all: Arc::new([of_caller, of_all]) })
+            }
             // They are never closed.
             Ok(_) | Err(_) => Err(ServiceError::Busy),
         }
@@ -88,28 +92,63 @@ impl Places {
     }
 }
 
-impl Service {
-    /// Computes off the threads that answer requests, once the caller has a place.
-    ///
-    /// # Errors
-    /// [`ServiceError::Busy`] if there is none for long.
-    pub(super) async fn in_place<T: Send + 'static>(
+impl Place {
+    /// Computes in this place, off the threads that answer requests.
+    pub(super) async fn compute<T: Send + 'static>(
         &self,
         compute: impl FnOnce() -> T + Send + 'static,
-    ) -> Result<T, ServiceError> {
-        let place = self.places.short.take(&self.reach.owner).await?;
+    ) -> T {
         // The thread keeps the place: it computes on where the request is gone.
+        let place = self.clone();
         let computing = aside(move || {
             let _place = place;
             compute()
         });
-        Ok(computing.await)
+        computing.await
+    }
+}
+
+impl Service {
+    /// A place for what is computed in a moment, as soon as the caller has one.
+    ///
+    /// # Errors
+    /// [`ServiceError::Busy`] if there is none for long.
+    pub(super) async fn place(&self) -> Result<Place, ServiceError> {
+        self.places.short.take(&self.reach.owner).await
+    }
+
+    /// The same with the files of a measurement. They are read once there is a place: however many
+    /// wait, none of them holds files in memory.
+    ///
+    /// # Errors
+    /// [`ServiceError::Busy`]; [`ServiceError::Unknown`] where the measurement is gone by then.
+    pub(super) async fn place_with_files(
+        &self,
+        measurement: &str,
+    ) -> Result<(Place, Vec<FileRow>), ServiceError> {
+        let place = self.place().await?;
+        Ok((place, self.files_of(measurement).await?))
+    }
+
+    /// The files of a measurement, for whoever has a place.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unknown`] where there is none with this id.
+    pub(super) async fn files_of(&self, measurement: &str) -> Result<Vec<FileRow>, ServiceError> {
+        let files = self.store.measurement_files(&self.reach, measurement).await?;
+        match files.is_empty() {
+            false => Ok(files),
+            true => Err(ServiceError::Unknown { what: "measurement", id: measurement.into() }),
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::service::testing::Scripted;
+    use crate::service::{Signals, Upload};
+    use crate::store::Sqlite;
 
     /// Whether there is a place at once.
     async fn taken(places: &Places, caller: &str) -> Option<Place> {
@@ -138,6 +177,64 @@ mod tests {
             drop(places.take(&caller.to_string()).await.unwrap());
         }
         assert!(places.callers.lock().unwrap().len() <= 1);
+    }
+
+    /// A service over an empty store, and a measurement in it.
+    async fn with_measurement(folder: &tempfile::TempDir) -> (Service, String) {
+        let store = Arc::new(Sqlite::open(folder.path()).await.unwrap());
+        let service = Service::new(store, Arc::new(Scripted), Arc::new(Signals::default()));
+        let (name, content_type) = ("a.csv".to_owned(), "text/csv".to_owned());
+        let files = vec![FileRow { name, content_type, bytes: b"any".to_vec() }];
+        let upload = Upload { files, ..Upload::default() };
+        let id = service.add_measurement(upload, None).await.unwrap().resource.row.id;
+        (service, id)
+    }
+
+    #[tokio::test]
+    async fn files_are_read_by_whoever_has_a_place_and_not_by_those_who_wait() {
+        let folder = tempfile::tempdir().unwrap();
+        let (service, id) = with_measurement(&folder).await;
+        let soon = Duration::from_millis(100);
+        let mut all = Vec::new();
+        for places in [&service.places.short, &service.places.long] {
+            while let Ok(place) = tokio::time::timeout(soon, places.take("")).await {
+                all.push(place.unwrap());
+            }
+        }
+        let mut waiting = [
+            tokio::spawn({
+                let (service, id) = (service.clone(), id.clone());
+                async move { service.measurement_csv(&id).await.err() }
+            }),
+            tokio::spawn({
+                let (service, id) = (service.clone(), id.clone());
+                async move { service.preview_reading(&id, None).await.err() }
+            }),
+            tokio::spawn({
+                let (service, id) = (service.clone(), id.clone());
+                async move { service.inspection(&id).await.err() }
+            }),
+        ];
+        for waiting in &mut waiting {
+            assert!(tokio::time::timeout(soon, waiting).await.is_err(), "there is no place");
+        }
+        // Had they read its files by now, they would not notice.
+        service.delete_measurement(&id).await.unwrap();
+        drop(all);
+        for waiting in waiting {
+            let error = waiting.await.unwrap();
+            assert!(matches!(error, Some(ServiceError::Unknown { .. })), "{error:?}");
+        }
+    }
+
+    #[tokio::test]
+    async fn an_inspection_that_is_kept_needs_no_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let (service, id) = with_measurement(&folder).await;
+        let found = service.inspection(&id).await.unwrap();
+        let _only = service.places.long.take("rig").await.unwrap();
+        let again = tokio::time::timeout(Duration::from_secs(10), service.inspection(&id)).await;
+        assert_eq!(again.expect("it does not wait").unwrap(), found);
     }
 
     #[tokio::test]

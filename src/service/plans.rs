@@ -43,10 +43,8 @@ impl Service {
             return Ok(known);
         }
         let numerics = Arc::clone(&self.numerics);
-        let planning = aside(move || {
-            let _place = place;
-            numerics.plan(&request, &WhileWaiting(flag)).map_err(refused)
-        });
+        let planning =
+            place.compute(move || numerics.plan(&request, &WhileWaiting(flag)).map_err(refused));
         let plan = Arc::new(planning.await?);
         self.asked.plans.keep(&key, Arc::clone(&plan));
         Ok(plan)

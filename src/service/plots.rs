@@ -6,6 +6,7 @@ use servoscope_core::answers::{Answer, ConvergenceRow};
 
 use crate::report::figures::{self, Format, Subject};
 
+use super::both::AGAINST;
 use super::jobs::answer;
 use super::measurements::sources;
 use super::{Compared, Service, ServiceError};
@@ -21,12 +22,16 @@ pub struct Plot {
 
 impl Service {
     /// Draws the figure of this name: of the result, or, where it shows nothing
-    /// but convergence, of a job that still runs.
+    /// but convergence, of a job that still runs. `bode-against-` with the id of another job behind
+    /// it is the figure of both.
     ///
     /// # Errors
     /// [`ServiceError::NoPlot`] lists the figures there are where this is none;
     /// otherwise as [`Service::result`].
     pub async fn plot(&self, id: &str, name: &str, format: Format) -> Result<Plot, ServiceError> {
+        if let Some(other) = name.strip_prefix(AGAINST) {
+            return self.plot_against(id, other, format).await;
+        }
         let row = self.job(id).await?.row;
         if !figures::names().any(|known| known == name) {
             let available = figures::names().collect();
@@ -44,10 +49,10 @@ impl Service {
             };
         };
         let answer = answer(&result)?;
-        let files = self.store.measurement_files(&self.reach, &row.measurement_id).await?;
+        let (place, files) = self.place_with_files(&row.measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);
         let (id, name) = (id.to_owned(), name.to_owned());
-        let drawing = self.in_place(move || {
+        let drawing = place.compute(move || {
             let measurement = numerics.read(&sources(&files)).map_err(|error| error.to_string());
             let compared = Compared::of(
                 numerics.as_ref(),
@@ -57,7 +62,7 @@ impl Service {
             drawn(&answer, &compared, &convergence, &name, format)
                 .map_err(|(reason, available)| no_plot(&id, &name, &reason, available))
         });
-        Ok(Plot { svg: drawing.await??, settled: true })
+        Ok(Plot { svg: drawing.await?, settled: true })
     }
 }
 
@@ -77,7 +82,12 @@ fn drawn(
     })
 }
 
-fn no_plot(id: &str, name: &str, reason: &str, available: Vec<&'static str>) -> ServiceError {
+pub(super) fn no_plot(
+    id: &str,
+    name: &str,
+    reason: &str,
+    available: Vec<&'static str>,
+) -> ServiceError {
     let (id, name, reason) = (id.to_owned(), name.to_owned(), reason.to_owned());
     ServiceError::NoPlot { id, name, reason, available }
 }

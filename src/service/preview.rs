@@ -7,6 +7,7 @@ use servoscope_core::measurement::formats::{Look, ParseError};
 use crate::store::MeasurementRow;
 
 use super::measurements::{Measured, Upload, check_files, check_points, measured, row};
+use super::reading::look_at;
 use super::{Service, ServiceError};
 
 /// What would be understood of an upload.
@@ -26,8 +27,8 @@ impl Service {
     /// Reads an upload without storing it, and says how.
     ///
     /// # Errors
-    /// [`ServiceError::Request`] for too many files, too many experiments or a mapping that there
-    /// is not. Files that cannot be read are no error.
+    /// [`ServiceError::Request`] for too many files, a name that is too long, too many experiments
+    /// or a mapping that there is not. Files that cannot be read are no error.
     pub async fn preview(&self, upload: Upload) -> Result<Preview, ServiceError> {
         check_files(&upload)?;
         let Upload { name, given, mapping, files } = upload;
@@ -40,7 +41,7 @@ impl Service {
             }
             Err(error) => Err(error),
         };
-        let look = self.look_at(reading.files).await?;
+        let look = look_at(&self.place().await?, reading.files).await;
         Ok(Preview { look, given: reading.given, mapping: reading.mapping, read })
     }
 }

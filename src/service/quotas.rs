@@ -111,7 +111,7 @@ impl Held {
             let measurements = if most == 1 { "measurement" } else { "measurements" };
             return Some((
                 format!(
-                    "may keep {most} {measurements} ({by}) and has as many; delete what is not needed"
+                    "has reached its limit of {most} {measurements} ({by}); delete what is not needed"
                 ),
                 None,
             ));
@@ -135,7 +135,7 @@ impl Held {
             let jobs = if most == 1 { "job that waits or runs" } else { "jobs that wait or run" };
             return Some((
                 format!(
-                    "may have {most} {jobs} ({by}), and this would be more; wait until some end"
+                    "may have {most} {jobs} ({by}), and this job would exceed it; wait for others to finish"
                 ),
                 Some(QUEUE_WAIT_S),
             ));
@@ -143,9 +143,10 @@ impl Held {
         let minutes = usage.computed_ms / 60_000;
         let computed = self.most(|quotas| quotas.compute_minutes, "compute-minutes");
         let (most, by) = computed.filter(|(most, _)| minutes >= *most as i64)?;
+        let unit = if most == 1 { "minute" } else { "minutes" };
         Some((
             format!(
-                "may compute {most} minutes in 24 hours ({by}), and its jobs have run for {minutes}; \
+                "may compute {most} {unit} in 24 hours ({by}), and its jobs have run for {minutes}; \
                  wait until those of a day ago no longer count"
             ),
             Some(COMPUTE_WAIT_S),
@@ -291,7 +292,10 @@ mod tests {
         assert!(text.contains("(`--key-jobs`)"), "{text}");
         let less = Held { own: Quotas { measurements: Some(1), ..NONE }, server };
         let (text, _) = less.exceeded_by_upload(&USAGE).unwrap();
-        assert!(text.contains("may keep 1 measurement (set for this key)"), "{text}");
+        assert!(
+            text.contains("has reached its limit of 1 measurement (set for this key)"),
+            "{text}"
+        );
         assert!(held.counts() && less.counts());
         assert!(!of_server(Quotas { requests_per_minute: Some(1), ..NONE }).counts());
     }

@@ -10,6 +10,7 @@ use crate::store::FileRow;
 
 use super::mappings::Mapping;
 use super::measurements::sources;
+use super::places::Place;
 use super::{Service, ServiceError};
 
 /// An upload that was read, or that was refused.
@@ -40,17 +41,19 @@ impl Service {
     ) -> Result<Reading, ServiceError> {
         if let Some(name) = mapping {
             let mapping = self.mapping(name).await.map_err(|error| unknown(error, name))?;
-            return self.read_with(files, given, &mapping, "as asked for").await;
+            let place = self.place().await?;
+            return Ok(self.read_with(&place, files, given, &mapping, "as asked for").await);
         }
-        let reading = self.read_given(files, given.clone()).await?;
+        let place = self.place().await?;
+        let reading = self.read_given(&place, files, given.clone()).await;
         if reading.measurement.is_ok() {
             return Ok(reading);
         }
-        let looking = self.in_place(move || {
+        let looking = place.compute(move || {
             let look = look(&sources(&reading.files));
             (reading, look)
         });
-        let (reading, look) = looking.await?;
+        let (reading, look) = looking.await;
         let Some(layout) = &look.layout else { return Ok(reading) };
         let Some(mapping) = self.mapping_of_layout(layout).await? else { return Ok(reading) };
         let files = reading.files.into_iter().filter(|file| file.name != Given::NAME).collect();
@@ -63,24 +66,20 @@ impl Service {
                 "since it is for files of this layout, which is not understood without it".into()
             }
         };
-        self.read_with(files, given, &mapping, &why).await
-    }
-
-    /// Looks at files that were read.
-    pub(super) async fn look_at(&self, files: Vec<FileRow>) -> Result<Look, ServiceError> {
-        self.in_place(move || look(&sources(&files))).await
+        Ok(self.read_with(&place, files, given, &mapping, &why).await)
     }
 
     async fn read_with(
         &self,
+        place: &Place,
         files: Vec<FileRow>,
         given: BTreeMap<String, String>,
         mapping: &Mapping,
         why: &str,
-    ) -> Result<Reading, ServiceError> {
+    ) -> Reading {
         let mut all = mapping.settings.clone();
         all.extend(given);
-        let reading = self.read_given(files, all).await?;
+        let reading = self.read_given(place, files, all).await;
         let name = &mapping.name;
         let measurement = reading.measurement.map_err(|mut error| {
             error.reason += &format!(" (read with the stored mapping `{name}`)");
@@ -88,21 +87,19 @@ impl Service {
         });
         let words = mapping.in_words();
         let note = Some(format!("the stored mapping `{name}` is used, {why}: {words}"));
-        Ok(Reading { mapping: Some(name.clone()), note, measurement, ..reading })
+        Reading { mapping: Some(name.clone()), note, measurement, ..reading }
     }
 
     /// Reads files with what is given beside them, and with no mapping.
-    ///
-    /// # Errors
-    /// [`ServiceError::Busy`].
     pub(super) async fn read_given(
         &self,
+        place: &Place,
         mut files: Vec<FileRow>,
         given: BTreeMap<String, String>,
-    ) -> Result<Reading, ServiceError> {
+    ) -> Reading {
         let text = text(&given);
         let numerics = Arc::clone(&self.numerics);
-        let reading = self.in_place(move || match text {
+        let reading = place.compute(move || match text {
             Ok(stated) => {
                 files.extend(stated);
                 let measurement = numerics.read(&sources(&files));
@@ -110,9 +107,14 @@ impl Service {
             }
             Err(error) => (files, Err(error)),
         });
-        let (files, measurement) = reading.await?;
-        Ok(Reading { files, given, mapping: None, note: None, measurement })
+        let (files, measurement) = reading.await;
+        Reading { files, given, mapping: None, note: None, measurement }
     }
+}
+
+/// Looks at files that were read.
+pub(super) async fn look_at(place: &Place, files: Vec<FileRow>) -> Look {
+    place.compute(move || look(&sources(&files))).await
 }
 
 /// What is given, as one more file.

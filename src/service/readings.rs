@@ -10,8 +10,9 @@ use servoscope_core::measurement::formats::{Given, ParseError, Source};
 use crate::store::{FileRow, RereadRow, Rereading};
 
 use super::measurements::{Measured, check_points, measured, row};
+use super::places::Place;
 use super::preview::Preview;
-use super::reading::Reading;
+use super::reading::{Reading, look_at};
 use super::{Service, ServiceError};
 
 /// Keys of what a measurement says of itself, which does not change how its files are read.
@@ -32,7 +33,7 @@ impl Service {
         id: &str,
         given: Option<Statements>,
     ) -> Result<Preview, ServiceError> {
-        let reading = self.stored_reading(id, given).await?;
+        let (place, reading) = self.stored_reading(id, given).await?;
         let read = match reading.measurement {
             Ok(measurement) => {
                 check_points(&measurement)?;
@@ -41,7 +42,7 @@ impl Service {
             Err(error) => Err(error),
         };
         let given = statements(reading.given).0;
-        let look = self.look_at(reading.files).await?;
+        let look = look_at(&place, reading.files).await;
         Ok(Preview { look, given, mapping: None, read })
     }
 
@@ -53,7 +54,7 @@ impl Service {
     /// that, and [`ServiceError::HasJobs`] where there is a job on the measurement. Then nothing is
     /// changed.
     pub async fn read_again(&self, id: &str, given: Statements) -> Result<Measured, ServiceError> {
-        let reading = self.stored_reading(id, Some(given)).await?;
+        let (_, reading) = self.stored_reading(id, Some(given)).await?;
         let measurement = reading.measurement?;
         check_points(&measurement)?;
         let row = row(None, None, &measurement);
@@ -66,17 +67,18 @@ impl Service {
         }
     }
 
+    /// The stored files as they are read with these statements, and the place they are read in.
     async fn stored_reading(
         &self,
         id: &str,
         given: Option<Statements>,
-    ) -> Result<Reading, ServiceError> {
+    ) -> Result<(Place, Reading), ServiceError> {
         // Whoever may only read it does not read it in another way.
         let reach = self.reach.for_changes();
         if self.store.measurement(&reach, id).await?.is_none() {
             return Err(ServiceError::Unknown { what: "measurement", id: id.into() });
         }
-        let files = self.store.measurement_files(&reach, id).await?;
+        let (place, files) = self.place_with_files(id).await?;
         let (beside, files): (Vec<FileRow>, Vec<FileRow>) =
             files.into_iter().partition(|file| file.name == Given::NAME);
         let (stored, description) = statements(stated(&beside)?);
@@ -91,7 +93,8 @@ impl Service {
             });
         }
         all.extend(description);
-        self.read_given(files, all).await
+        let reading = self.read_given(&place, files, all).await;
+        Ok((place, reading))
     }
 }
 

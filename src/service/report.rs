@@ -26,10 +26,10 @@ impl Service {
         let answer = self.answer(id).await?;
         let row = self.job(id).await?.row;
         let convergence = self.convergence(id).await?;
-        let files = self.store.measurement_files(&self.reach, &row.measurement_id).await?;
         let stored = self.measurement(&row.measurement_id).await?;
+        let (place, files) = self.place_with_files(&row.measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);
-        let writing = self.in_place(move || {
+        let writing = place.compute(move || {
             let sources = sources(&files);
             let measurement =
                 numerics.read(&sources).map(|measurement| described(measurement, &stored));
@@ -44,7 +44,7 @@ impl Service {
                 convergence: &convergence,
             })
         });
-        writing.await
+        Ok(writing.await)
     }
 }
 

@@ -25,13 +25,13 @@ impl Service {
         let answer = self.answer(job_id).await?;
         let Measured { row, .. } = self.measurement(measurement_id).await?;
         self.check_validation(&row)?;
-        let files = self.store.measurement_files(&self.reach, measurement_id).await?;
+        let (place, files) = self.place_with_files(measurement_id).await?;
         let numerics = Arc::clone(&self.numerics);
-        let trying = self.in_place(move || {
+        let trying = place.compute(move || {
             let measurement = numerics.read(&sources(&files))?;
             numerics.validate(&answer, &measurement, &Silent).map_err(refused)
         });
-        trying.await?
+        trying.await
     }
 }
 

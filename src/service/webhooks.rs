@@ -8,13 +8,13 @@ use crate::notify::{Broker, Secret, SendError, Webhooks};
 use crate::store::{DeliveryRow, Millis, WebhookRow};
 
 use super::deliveries::answered;
-use super::{Service, ServiceError, notices};
+use super::{Service, ServiceError, fitting, notices};
 
 /// Most webhooks of a key.
 const MOST_WEBHOOKS: u32 = 100;
 
-/// Most bytes of an address: what servers take at least (RFC 9110, section 4.1).
-const MOST_URL_BYTES: usize = 8000;
+/// Most webhooks that are listed.
+const MOST_LISTED: u32 = 1000;
 
 /// Most deliveries of a webhook that are listed.
 const MOST_DELIVERIES: u32 = 200;
@@ -121,10 +121,6 @@ impl Service {
         if events.is_empty() {
             return wrong("events", "name at least one, or leave it out for all".into());
         }
-        if new.url.len() > MOST_URL_BYTES {
-            let reason = format!("it has {} bytes, more than {MOST_URL_BYTES}", new.url.len());
-            return wrong("url", reason);
-        }
         match self.outlets.webhooks.check(&new.url).await {
             // A name that cannot be resolved now may be later.
             Ok(()) | Err(SendError::Unresolved { .. } | SendError::TimedOut) => {}
@@ -146,12 +142,15 @@ impl Service {
         Ok((self.webhook(&row.id).await?, secret))
     }
 
-    /// Every webhook, newest first.
+    /// Webhooks, newest first, at most 1000, and no more than there is room for on a page.
     ///
     /// # Errors
     /// When the database does not answer.
     pub async fn webhooks(&self) -> Result<Vec<Webhook>, ServiceError> {
-        self.store.webhooks(&self.reach).await?.into_iter().map(webhook).collect()
+        let mut rows = self.store.webhooks(&self.reach, Some(MOST_LISTED)).await?;
+        let said = |row: &WebhookRow| row.disabled.as_ref().map_or(0, String::len);
+        rows.truncate(fitting(&rows, |row| row.url.len() + row.events.len() + said(row)));
+        rows.into_iter().map(webhook).collect()
     }
 
     /// One webhook.

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Child, Command, Output};
 use std::time::Duration;
 
-use crate::process::{Server, repository, simulated};
+use crate::process::{Server, repository, servoscope, simulated};
 use crate::shared_files::skipped;
 
 /// A proxy, ended when it is dropped.
@@ -63,7 +63,14 @@ fn the_proxy_of_the_page_answers_over_tls_for_its_name_alone() {
         .output()
         .unwrap();
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-    let server = Server::start(&folder.join("store"), &["--host", "bench.example"]);
+    let store = folder.join("store");
+    let place = ["--data-dir", store.to_str().unwrap()];
+    let first = ["keys", "add", "--name", "first", "--scope", "admin"];
+    let first = servoscope(&[&first[..], &place].concat());
+    assert!(first.status.success(), "{}", String::from_utf8_lossy(&first.stderr));
+    let first = String::from_utf8(first.stdout).unwrap().trim().to_owned();
+    let authorization = format!("authorization: Bearer {first}");
+    let server = Server::start(&store, &["--host", "bench.example"]);
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let _proxy = start(folder, port, &server);
     let curl = |arguments: &[&str], path: &str| -> Output {
@@ -91,12 +98,52 @@ fn the_proxy_of_the_page_answers_over_tls_for_its_name_alone() {
     std::fs::write(folder.join("table.csv"), table).unwrap();
     let file = format!("@{}", folder.join("table.csv").display());
     let upload = ["-H", "content-type: text/csv", "-H", "expect:", "--data-binary", &file];
-    let stored = text(&curl(&upload, "/v1/measurements"));
+    let refused = text(&curl(&upload, "/v1/measurements"));
+    assert!(refused.contains(" 401 "), "the network has no key: {refused}");
+    let stored = text(&curl(&[&upload[..], &["-H", &authorization]].concat(), "/v1/measurements"));
     assert!(stored.contains(" 201 "), "{stored}");
-    // A page of the proxy's own name may change things, one of another name may not.
-    for (name, status) in [("bench.example", " 404 "), ("evil.example", " 403 ")] {
-        let origin = format!("origin: https://{name}");
-        let answer = text(&curl(&["-X", "DELETE", "-H", &origin], "/v1/jobs/none"));
-        assert!(answer.contains(status), "{name}: {answer}");
+    // A page of the proxy's own name and port may change things, another one may not.
+    for (page, status) in
+        [("bench.example", " 404 "), ("bench.example:8443", " 403 "), ("evil.example", " 403 ")]
+    {
+        let origin = format!("origin: https://{page}");
+        let change = ["-X", "DELETE", "-H", &origin, "-H", &authorization];
+        let answer = text(&curl(&change, "/v1/jobs/none"));
+        assert!(answer.contains(status), "{page}: {answer}");
+    }
+
+    // The browser keeps the session from plain HTTP: the proxy says how the page came.
+    let signed_in = format!("{{\"key\": \"{first}\"}}");
+    let sign_in = ["-H", "content-type: application/json", "--data-binary", &signed_in];
+    let answer = text(&curl(&sign_in, "/v1/session"));
+    let cookie = answer.lines().find(|line| line.to_lowercase().starts_with("set-cookie:"));
+    assert!(cookie.is_some_and(|cookie| cookie.contains("; Secure")), "{answer}");
+}
+
+#[test]
+fn a_name_that_a_proxy_passes_on_needs_a_valid_key() {
+    let directory = tempfile::tempdir().unwrap();
+    let place = ["--data-dir", directory.path().to_str().unwrap()];
+    let serve = ["serve", "--listen", "127.0.0.1:0", "--host", "localhost", "--host"];
+    let refused = servoscope(&[&serve[..], &["bench.example:8443"], &place].concat());
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    for part in ["`--host bench.example:8443`", "servoscope keys add --name first --scope admin"] {
+        assert!(said.contains(part), "{said}");
+    }
+    // A name of the machine itself needs none.
+    let server = Server::start(directory.path(), &["--host", "localhost:9000"]);
+    assert_eq!(server.get("/v1/jobs").status, 200);
+}
+
+#[test]
+fn a_worker_that_others_can_watch_needs_a_valid_key() {
+    let directory = tempfile::tempdir().unwrap();
+    let place = ["--data-dir", directory.path().to_str().unwrap()];
+    let refused = servoscope(&[&["worker", "--metrics", "0.0.0.0:0"][..], &place].concat());
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    for part in ["other machines can reach 0.0.0.0:0", "servoscope keys add", "`--metrics`"] {
+        assert!(said.contains(part), "{said}");
     }
 }

@@ -92,7 +92,8 @@ pub(in crate::http) struct BatchView {
     jobs: i64,
     /// How many of them stand where.
     counts: CountsView,
-    /// How many results have which verdict.
+    /// How many results have which verdict; `not_tested`: `adequate`, as the data were too few for
+    /// any test.
     verdicts: BTreeMap<String, i64>,
     /// How many results name which cause first.
     causes: BTreeMap<String, i64>,
@@ -209,14 +210,26 @@ pub(in crate::http) struct BatchJobView {
     confidence: Option<f64>,
     /// Why there is no result; null where there is one, or may be.
     problem: Option<String>,
+    /// Whether the data were enough to test the base model: without a test, `adequate` says nothing.
+    /// Null where there is no verdict.
+    tested: Option<bool>,
 }
 
 /// Names of the columns.
-pub(super) const COLUMNS: [&str; 8] =
-    ["measurement_id", "file", "job_id", "state", "verdict", "cause", "confidence", "problem"];
+pub(super) const COLUMNS: [&str; 9] = [
+    "measurement_id",
+    "file",
+    "job_id",
+    "state",
+    "verdict",
+    "cause",
+    "confidence",
+    "problem",
+    "tested",
+];
 
 impl From<BatchJob> for BatchJobView {
-    fn from(BatchJob { row, problem }: BatchJob) -> Self {
+    fn from(BatchJob { row, tested, problem }: BatchJob) -> Self {
         Self {
             measurement_id: row.measurement_id,
             file: row.file,
@@ -226,6 +239,7 @@ impl From<BatchJob> for BatchJobView {
             cause: row.cause,
             confidence: row.confidence,
             problem,
+            tested,
         }
     }
 }

@@ -10,7 +10,7 @@ use super::examples::{AT_MS, JOB, MEASUREMENT, asked, shown};
 
 const ID: &str = "019a9c1e-9c42-7e17-9b5f-3a0d7e8f2c66";
 const OTHER_MEASUREMENT: &str = "019a9c1e-7d21-7b66-8c4b-6f1e4c2d3b55";
-const TABLE: &str = "measurement_id,file,job_id,state,verdict,cause,confidence,problem\n";
+const TABLE: &str = "measurement_id,file,job_id,state,verdict,cause,confidence,problem,tested\n";
 
 /// What a request may send; `None` for operations that have nothing to do with batches.
 pub(super) fn request(operation: &str) -> Option<Value> {
@@ -35,7 +35,7 @@ pub(super) fn answer(operation: &str) -> Option<Value> {
         "list_batches" => list(batch(BatchState::Running, half)),
         "list_batch_results" => list(shown(BatchJobView::from(row()))),
         "list_batch_results_csv" => json!(format!(
-            "{TABLE}{MEASUREMENT},press-4-y.csv,{JOB},succeeded,explained,static_friction,0.99,\n"
+            "{TABLE}{MEASUREMENT},press-4-y.csv,{JOB},succeeded,explained,static_friction,0.99,,true\n"
         )),
         _ => return None,
     })
@@ -75,5 +75,5 @@ fn row() -> BatchJob {
         confidence: Some(0.99),
         failure: None,
     };
-    BatchJob { row, problem: None }
+    BatchJob { row, tested: Some(true), problem: None }
 }

@@ -28,6 +28,12 @@ const BAD_REQUEST: Kind =
     kind(400, "", "Bad Request", "the body ends early: the connection was closed");
 const BAD_QUERY: Kind =
     kind(400, "invalid-request", "Invalid request", "limit: it is not a whole number from 0 on");
+const NUL: Kind = kind(
+    400,
+    "",
+    "Bad Request",
+    "the address has the character NUL (`%00`), which no name or text here has; leave it out",
+);
 const MALFORMED: Kind =
     kind(400, "malformed-json", "Malformed JSON", "the body is not JSON: expected value");
 const NO_KEY: Kind = kind(
@@ -74,7 +80,7 @@ const HAS_JOBS: Kind = kind(
     409,
     "has-jobs",
     "Measurement has jobs",
-    "measurement `01a2` has jobs, whose results stand on how its files were read; delete them with \
+    "measurement `01a2` has jobs, whose results depend on how its files were read; delete them with \
      `DELETE /v1/jobs/{id}`, or upload the files again with `POST /v1/measurements` for another \
      reading of them",
 );
@@ -123,8 +129,8 @@ const OVER_QUOTA: Kind = kind(
     429,
     "over-quota",
     "Quota exceeded",
-    "the key `rig 7` may have 100 jobs that wait or run (`--key-jobs`), and this would be more; wait \
-     until some end",
+    "the key `rig 7` may have 100 jobs that wait or run (`--key-jobs`), and this job would exceed it; wait \
+     for others to finish",
 );
 const UNINSPECTED: Kind = kind(
     422,
@@ -221,6 +227,7 @@ fn kinds(path: &str, effect: &Effect, operation: &Operation) -> Vec<&'static Kin
     let mut kinds: Vec<&Kind> = match need(id) {
         Some(Need::Scope(_)) => vec![&NO_KEY, &MISSING_SCOPE, &OVER_QUOTA],
         Some(Need::Key) => vec![&NO_KEY, &OVER_QUOTA],
+        Some(Need::Nothing) if matches!(id, "sign_in" | "openapi_document") => vec![&OVER_QUOTA],
         Some(Need::Nothing) | None => Vec::new(),
     };
     if matches!(id, "ready" | "metrics") {
@@ -243,6 +250,9 @@ fn kinds(path: &str, effect: &Effect, operation: &Operation) -> Vec<&'static Kin
     }
     if has(ParameterIn::Query) {
         kinds.push(&BAD_QUERY);
+    }
+    if has(ParameterIn::Path) || has(ParameterIn::Query) {
+        kinds.push(&NUL);
     }
     if let Some(RefOr::T(body)) = &operation.request_body {
         kinds.extend([&BAD_REQUEST, &TOO_SLOW, &TOO_LARGE, &NOT_READ]);

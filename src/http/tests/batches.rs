@@ -78,7 +78,7 @@ fn a_batch_goes_from_measurements_to_a_table_of_what_came_of_each() {
         );
         let result =
             json_of(server.get(&format!("/v1/jobs/{}/result", string(row, "job_id"))), 200);
-        assert_eq!(row["verdict"], result["verdict"]);
+        assert_eq!((&row["verdict"], &row["tested"]), (&result["verdict"], &json!(true)));
         assert_eq!(row["cause"], result["causes"][0]["effect"]);
         assert_eq!(row["confidence"], result["causes"][0]["confidence"]);
     }
@@ -104,7 +104,10 @@ fn a_table_for_a_spreadsheet_has_every_row_and_no_formula() {
     assert_eq!(header(&answer, "content-type"), "text/csv; charset=utf-8");
     let text = answer.body_mut().read_to_string().unwrap();
     let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(lines[0], "measurement_id,file,job_id,state,verdict,cause,confidence,problem");
+    assert_eq!(
+        lines[0],
+        "measurement_id,file,job_id,state,verdict,cause,confidence,problem,tested"
+    );
     assert_eq!(lines.len(), 3);
     assert!(lines[1].contains(",run 0.csv,") && lines[1].contains(",failed,,,,"), "{text}");
     assert!(lines[2].contains(",'=HYPERLINK(1).csv,"), "{text}");

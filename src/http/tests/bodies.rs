@@ -1,5 +1,8 @@
 //! Bodies that are too large, packed, cut short or no form.
 
+use crate::service::Upload;
+use crate::store::FileRow;
+
 use super::*;
 
 /// 20 000 times `a`, in 55 bytes.
@@ -100,7 +103,8 @@ fn a_form_that_is_cut_short_or_has_another_boundary_is_the_callers_fault() {
 fn bodies_that_take_all_memory_together_are_refused_until_some_are_gone() {
     use std::io::Write;
 
-    let server = Server::start();
+    // Of so many connections one address may have more busy than there is memory for.
+    let server = Server::start_keeping(Vec::new(), Keeping::new(1000));
     let head = "POST /v1/measurements HTTP/1.1\r\nhost: localhost\r\ncontent-type: text/csv\r\n\
                 content-length: 9000\r\n\r\n";
     // A piece of memory is larger than the largest body here: each takes one of 64.
@@ -129,4 +133,62 @@ fn bodies_that_take_all_memory_together_are_refused_until_some_are_gone() {
     assert!(string(&problem(refused, 503), "detail").contains("memory"));
     drop(held);
     json_of(status_becomes(201, &mut || ()), 201);
+}
+
+#[test]
+fn a_name_that_is_too_long_is_refused_wherever_it_comes_in() {
+    let server = Server::start();
+    let long = "x".repeat(1001);
+    let form = [("content-type", "multipart/form-data; boundary=x")];
+    let named = |from: &str, to: &str| FORM.replace(from, to);
+    let part = format!("name=\"{long}\"");
+    let mapping =
+        format!("--x\r\ncontent-disposition: form-data; name=\"mapping\"\r\n\r\n{long}\r\n{FORM}");
+    for path in ["/v1/measurements", "/v1/preview"] {
+        for (body, member, words) in [
+            (named("a.csv", &long), "files", "the name of file 1 has 1001 bytes"),
+            (named("text/csv", &format!("text/{long}")), "files", "the content type of file 1"),
+            (named("name=\"a\"; filename=\"a.csv\"", &part), "files", "the name of file 1"),
+            (mapping.clone(), "mapping", "1001 bytes, more than 1000"),
+        ] {
+            let refused = problem(server.post(path, &form, body.as_bytes()), 422);
+            assert_eq!(refused["member"], member, "{path}: {refused}");
+            assert!(string(&refused, "detail").contains(words), "{path}: {refused}");
+        }
+        let query = format!("{path}?name={long}");
+        let refused = problem(server.post(&query, &[("content-type", "text/csv")], b"any"), 422);
+        assert_eq!(refused["member"], "name", "{path}: {refused}");
+    }
+    assert_eq!(json_of(server.get("/v1/measurements"), 200)["items"], json!([]));
+
+    let longest = "x".repeat(1000);
+    let query = format!("/v1/measurements?name={longest}");
+    let stored = json_of(server.post(&query, &[("content-type", "text/csv")], b"any"), 201);
+    assert_eq!((&stored["name"], &stored["files"]), (&json!(longest), &json!(["upload.csv"])));
+}
+
+#[test]
+fn a_page_of_a_list_is_small_also_where_the_names_of_files_are_not() {
+    let server = Server::start();
+    for upload in 0..40 {
+        let file = |number: usize| FileRow {
+            name: format!("{upload:0>500}{number:0>500}"),
+            content_type: "text/csv".into(),
+            bytes: b"any".to_vec(),
+        };
+        let files = (0..64).map(file).collect();
+        let upload = Upload { files, ..Upload::default() };
+        server.runtime.block_on(server.service.add_measurement(upload, None)).unwrap();
+    }
+    let (mut query, mut seen) = (String::from("?limit=200"), 0);
+    loop {
+        let mut answer = server.get(&format!("/v1/measurements{query}"));
+        let text = answer.body_mut().read_to_string().unwrap();
+        assert!(text.len() < 3 << 20, "{} bytes", text.len());
+        let page: Value = serde_json::from_str(&text).unwrap();
+        seen += page["items"].as_array().unwrap().len();
+        let Some(next) = page["next"].as_str() else { break };
+        query = format!("?limit=200&cursor={next}");
+    }
+    assert_eq!((seen, query.contains("cursor")), (40, true));
 }

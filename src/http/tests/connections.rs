@@ -27,16 +27,34 @@ fn answered(mut stream: TcpStream) -> String {
     text
 }
 
-/// A request whose body is asked for and does not come.
-fn unfinished(server: &Server) -> TcpStream {
-    let head = "POST /v1/measurements HTTP/1.1\r\nhost: localhost\r\nexpect: 100-continue\r\n\
-                content-type: text/csv\r\ncontent-length: 100\r\n\r\n";
-    let mut stream = connect(server, head);
+/// A request of a key whose body is asked for and does not come.
+fn unfinished(server: &Server, key: &str) -> TcpStream {
+    let head = format!(
+        "POST /v1/measurements HTTP/1.1\r\nhost: localhost\r\nexpect: 100-continue\r\n\
+         authorization: Bearer {key}\r\ncontent-type: text/csv\r\ncontent-length: 100\r\n\r\n"
+    );
+    let mut stream = connect(server, &head);
     let mut asked = [0; 25];
     stream.read_exact(&mut asked).unwrap();
     assert_eq!(&asked, b"HTTP/1.1 100 Continue\r\n\r\n");
     stream
 }
+
+/// Such requests on every connection: one key has half of them.
+fn all_busy(server: &Server, keys: [&str; 2]) -> Vec<TcpStream> {
+    (0..KEPT).map(|index| unfinished(server, keys[index % 2])).collect()
+}
+
+/// What is answered to a request on a connection of its own.
+fn asked(server: &Server, path: &str, key: &str) -> String {
+    let head = format!(
+        "GET {path} HTTP/1.1\r\nhost: localhost\r\nauthorization: Bearer {key}\r\n\
+         connection: close\r\n\r\n"
+    );
+    answered(connect(server, &head))
+}
+
+const SCOPES: [Scope; 4] = [Scope::Upload, Scope::Run, Scope::Read, Scope::Metrics];
 
 #[test]
 fn idle_connections_and_half_heads_make_room_for_those_who_ask() {
@@ -57,21 +75,86 @@ fn idle_connections_and_half_heads_make_room_for_those_who_ask() {
 #[test]
 fn where_every_connection_is_busy_an_operator_is_answered_and_others_are_told() {
     let server = server(Duration::from_secs(75));
-    let busy: Vec<TcpStream> = (0..KEPT).map(|_| unfinished(&server)).collect();
-    let asked = |path: &str| {
-        let head = format!("GET {path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n");
-        answered(connect(&server, &head))
-    };
-    let refused = asked("/v1/jobs").to_ascii_lowercase();
+    let [(_, one), (_, other)] = [server.key(&SCOPES), server.key(&SCOPES)];
+    let busy = all_busy(&server, [&one, &other]);
+    let refused = asked(&server, "/v1/jobs", &one).to_ascii_lowercase();
     assert!(refused.starts_with("http/1.1 503"), "{refused}");
     assert!(refused.contains("retry-after: ") && refused.contains("problem+json"), "{refused}");
     for path in ["/livez", "/readyz", "/metrics"] {
-        let text = asked(path);
+        let text = asked(&server, path, &one);
         assert!(text.starts_with("HTTP/1.1 200"), "{path}: {text}");
     }
     drop(busy);
-    while !asked("/v1/jobs").starts_with("HTTP/1.1 200") {
+    while !asked(&server, "/v1/jobs", &one).starts_with("HTTP/1.1 200") {
         std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn a_key_has_half_of_the_connections_busy_and_leaves_the_others() {
+    let server = server(Duration::from_secs(75));
+    let [(_, flood), (_, rig)] = [server.key(&SCOPES), server.key(&SCOPES)];
+    let busy: Vec<TcpStream> = (0..KEPT / 2).map(|_| unfinished(&server, &flood)).collect();
+    let refused = asked(&server, "/v1/jobs", &flood).to_ascii_lowercase();
+    assert!(refused.starts_with("http/1.1 429"), "{refused}");
+    assert!(refused.contains("retry-after: 5\r\n"), "{refused}");
+    assert!(refused.contains("this key has 4 requests under way"), "{refused}");
+    for path in ["/livez", "/readyz", "/metrics"] {
+        let text = asked(&server, path, &flood);
+        assert!(text.starts_with("HTTP/1.1 200"), "{path}: {text}");
+    }
+    assert!(asked(&server, "/v1/jobs", &rig).starts_with("HTTP/1.1 200"));
+    drop(busy);
+    while !asked(&server, "/v1/jobs", &flood).starts_with("HTTP/1.1 200") {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn whoever_follows_events_is_under_way_until_they_end() {
+    let server = server(Duration::from_secs(75));
+    let job = server.job(RUN_UNTIL_CANCELLED);
+    let request = format!("GET /v1/jobs/{job}/events HTTP/1.1\r\nhost: localhost\r\n\r\n");
+    let streams: Vec<TcpStream> = (0..KEPT / 2)
+        .map(|_| {
+            let mut stream = connect(&server, &request);
+            stream.read_exact(&mut [0; 16]).unwrap();
+            stream
+        })
+        .collect();
+    // Without a key it is the address that counts.
+    let refused = asked(&server, "/v1/jobs", "none");
+    assert!(refused.starts_with("HTTP/1.1 429"), "{refused}");
+    assert!(refused.contains("from your address"), "{refused}");
+    server.runtime.block_on(server.service.cancel(&job)).unwrap();
+    // Their connections stay, and are idle.
+    while !asked(&server, "/v1/jobs", "none").starts_with("HTTP/1.1 200") {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    drop(streams);
+}
+
+#[test]
+fn a_body_that_nobody_wants_is_not_waited_for() {
+    let server = server(Duration::from_secs(75));
+    let (_, key) = server.key(&SCOPES);
+    for (line, status) in [
+        ("GET /livez", "200"),
+        ("GET /metrics", "200"),
+        ("POST /nothing/here", "404"),
+        ("GET /v1/session", "401"),
+    ] {
+        let authorization = match line {
+            "GET /metrics" => format!("authorization: Bearer {key}\r\n"),
+            _ => String::new(),
+        };
+        let began = Instant::now();
+        let head = format!(
+            "{line} HTTP/1.1\r\nhost: localhost\r\n{authorization}content-length: 9000\r\n\r\nabc"
+        );
+        let text = answered(connect(&server, &head));
+        assert!(text.starts_with(&format!("HTTP/1.1 {status}")), "{line}: {text}");
+        assert!(began.elapsed() < Duration::from_secs(20), "{line}: {:?}", began.elapsed());
     }
 }
 
@@ -98,8 +181,10 @@ fn a_connection_without_a_request_is_closed_after_a_while_and_a_stream_is_not() 
 }
 
 /// The value of a sample of the metrics.
-fn counted(server: &Server, sample: &str) -> i64 {
-    let text = server.get("/metrics").into_body().read_to_string().unwrap();
+fn counted(server: &Server, key: &str, sample: &str) -> i64 {
+    let authorization = format!("Bearer {key}");
+    let answer = server.send("GET", "/metrics", &[("authorization", &authorization)], b"");
+    let text = answer.into_body().read_to_string().unwrap();
     let line = text.lines().find_map(|line| line.strip_prefix(sample)?.strip_prefix(' '));
     line.unwrap_or_else(|| panic!("no {sample} in\n{text}")).parse().unwrap()
 }
@@ -107,22 +192,23 @@ fn counted(server: &Server, sample: &str) -> i64 {
 #[test]
 fn connections_that_are_open_refused_and_closed_are_counted() {
     let server = server(Duration::from_millis(300));
+    let [(_, one), (_, other)] = [server.key(&SCOPES), server.key(&SCOPES)];
     // The one that asks for the metrics is kept.
-    assert_eq!(counted(&server, "servoscope_connections_open"), 1);
+    assert_eq!(counted(&server, &one, "servoscope_connections_open"), 1);
     answered(connect(&server, "GET /livez HTT"));
     let closed = |why: &str| format!("servoscope_connections_closed_total{{why=\"{why}\"}}");
-    while counted(&server, &closed("idle")) == 0 {
+    while counted(&server, &one, &closed("idle")) == 0 {
         std::thread::sleep(Duration::from_millis(10));
     }
-    assert_eq!(counted(&server, "servoscope_connections_refused_total"), 0);
+    assert_eq!(counted(&server, &one, "servoscope_connections_refused_total"), 0);
     // Every place is taken by a request that is under way; only what is idle makes room.
-    let busy: Vec<TcpStream> = (0..KEPT).map(|_| unfinished(&server)).collect();
-    assert!(counted(&server, &closed("room")) <= 1);
-    let refused = counted(&server, "servoscope_connections_refused_total");
+    let busy = all_busy(&server, [&one, &other]);
+    assert!(counted(&server, &one, &closed("room")) <= 1);
+    let refused = counted(&server, &one, "servoscope_connections_refused_total");
     assert!(refused >= 1, "the one that asks");
-    assert!(counted(&server, "servoscope_connections_open") > KEPT as i64);
+    assert!(counted(&server, &one, "servoscope_connections_open") > KEPT as i64);
     drop(busy);
-    while counted(&server, "servoscope_connections_open") > 1 {
+    while counted(&server, &one, "servoscope_connections_open") > 1 {
         std::thread::sleep(Duration::from_millis(10));
     }
 }

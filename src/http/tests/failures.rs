@@ -18,6 +18,64 @@ fn neither_a_foreign_name_nor_a_foreign_page_gets_through() {
 }
 
 #[test]
+fn the_character_nul_is_refused_wherever_it_comes_and_not_the_words_for_it() {
+    let server = Server::start();
+    let measurement = format!("/v1/measurements/{}", server.measurement());
+    for path in ["/v1/jobs/%00", "/v1/jobs?text=%00", "/v1/mappings/a%00b", "/v1/axes?machine=a%00"]
+    {
+        let refused = problem(server.get(path), 400);
+        assert!(string(&refused, "detail").contains("the character NUL"), "{path}: {refused}");
+    }
+    let csv = [("content-type", "text/csv")];
+    problem(server.post("/v1/measurements?name=%00", &csv, b"any"), 400);
+    for nul in [json!({"name": "a\0b"}), json!({"labels": {"site\0": "north"}})] {
+        let refused = problem(server.patch(&measurement, &nul), 422);
+        assert!(string(&refused, "detail").contains("the character NUL"), "{refused}");
+    }
+    // A percent sign with two noughts behind it, and the escape as a text.
+    problem(server.get("/v1/jobs/%2500"), 404);
+    let named = json_of(server.patch(&measurement, &json!({"name": "\\u0000 %00"})), 200);
+    assert_eq!(named["name"], "\\u0000 %00");
+}
+
+#[test]
+fn an_error_of_the_database_says_nothing_of_what_is_in_it() {
+    let server = Server::start();
+    let measurement = server.measurement();
+    let folder = server.directory.path().to_str().unwrap().to_lowercase();
+    server.database("PRAGMA foreign_keys = OFF; DROP TABLE measurement_files; DROP TABLE jobs");
+    let body = json!({"measurement_id": measurement, "kind": "identify"}).to_string();
+    let headers = [("content-type", "application/json")];
+    let table = [("content-type", "text/csv")];
+    for answer in [
+        server.get("/v1/jobs"),
+        server.get(&format!("/v1/measurements/{measurement}")),
+        server.get(&format!("/v1/measurements/{measurement}/data.csv")),
+        server.get("/v1/results.json"),
+        server.post("/v1/jobs", &headers, body.as_bytes()),
+        server.post("/v1/measurements", &table, b"any"),
+        server.send("DELETE", &format!("/v1/measurements/{measurement}"), &[], b""),
+    ] {
+        let said = problem(answer, 503);
+        assert_eq!(said["title"], "Internal error");
+        assert!(uuid::Uuid::try_parse(&string(&said, "reference")).is_ok(), "{said}");
+        let text = said.to_string().to_lowercase();
+        for inner in [
+            "measurement_files",
+            "jobs",
+            "no such table",
+            "select",
+            "insert",
+            "sql",
+            "code",
+            &folder,
+        ] {
+            assert!(!text.contains(inner), "{inner}: {text}");
+        }
+    }
+}
+
+#[test]
 fn a_panic_in_a_fit_fails_that_job_with_a_reference_and_nothing_else() {
     let server = Server::start();
     let beside = server.job(RUN_UNTIL_CANCELLED);

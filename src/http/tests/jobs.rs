@@ -46,6 +46,8 @@ fn a_diagnosis_is_a_job_of_its_own_kind_and_result() {
     assert_eq!(result["verdict"], "unexplained");
     assert_eq!((&result["causes"], &result["extended"]), (&json!([]), &Value::Null));
     assert_eq!(result["base"]["seed"], SUCCEED);
+    let headline = string(&result, "headline");
+    assert!(headline.starts_with("UNEXPLAINED: The simulation is wrong"), "{headline}");
     let failed = server.ended(&submit(UNUSABLE));
     assert!(string(&failed["failure"], "reason").contains("one frequency only"));
 }

@@ -84,6 +84,36 @@ fn a_key_has_so_many_jobs_that_wait_or_run() {
 }
 
 #[test]
+fn a_key_computes_so_long_a_day_and_deleting_what_was_computed_gives_nothing_back() {
+    let server = start(Quotas { compute_minutes: Some(1), ..Quotas::default() });
+    let [(_, one), (_, other)] = [server.key(&SCOPES), server.key(&SCOPES)];
+    let measured = |key: &str| string(&json_of(upload(&server, key, "a", b"any"), 201), "id");
+    let (measurement, of_other) = (measured(&one), measured(&other));
+    let job = string(&json_of(submit(&server, &one, &measurement), 202), "id");
+    let path = format!("/v1/jobs/{job}");
+    let authorization = format!("Bearer {one}");
+    let send = |method: &str| {
+        server.send(method, &path, &[("authorization", authorization.as_str())], b"")
+    };
+    let patience = Instant::now() + Duration::from_secs(60);
+    while json_of(send("GET"), 200)["status"] != "running" {
+        assert!(Instant::now() < patience, "it never ran");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    server.database("UPDATE jobs SET started_at_ms = started_at_ms - 61000");
+    for _ in 0..2 {
+        let refused = submit(&server, &one, &measurement);
+        assert_eq!(header(&refused, "retry-after"), "1800");
+        let text = detail(refused);
+        assert!(text.contains("1 minute in 24 hours (`--key-compute-minutes`)"), "{text}");
+        // It ends, and is gone.
+        send("DELETE");
+    }
+    assert_eq!(send("GET").status(), 404);
+    json_of(submit(&server, &other, &of_other), 202);
+}
+
+#[test]
 fn a_key_asks_so_often_and_another_is_not_kept_waiting() {
     let server = start(Quotas { requests_per_minute: Some(3), ..Quotas::default() });
     let [(_, one), (_, other)] = [server.key(&SCOPES), server.key(&SCOPES)];
@@ -99,6 +129,16 @@ fn a_key_asks_so_often_and_another_is_not_kept_waiting() {
     assert!((1..=20).contains(&wait_s), "a token comes back in 20 s: {wait_s}");
     assert!(detail(refused).contains("3 times a minute"));
     json_of(ask(&other), 200);
+}
+
+#[test]
+fn what_a_key_may_not_do_counts_as_asked_too() {
+    let server = start(Quotas { requests_per_minute: Some(3), ..Quotas::default() });
+    let (_, key) = server.key(&[Scope::Read]);
+    for _ in 0..3 {
+        problem(upload(&server, &key, "a", b"any"), 403);
+    }
+    assert!(detail(upload(&server, &key, "a", b"any")).contains("3 times a minute"));
 }
 
 #[test]

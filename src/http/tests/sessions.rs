@@ -104,3 +104,53 @@ fn a_signed_in_browser_follows_a_job() {
     assert_eq!(stream.status(), 200);
     assert!(stream.body_mut().read_to_string().unwrap().contains("event: end"));
 }
+
+#[test]
+fn a_browser_that_signs_in_again_ends_its_session_and_a_key_has_twenty() {
+    let server = Server::start();
+    let (_, key) = server.key(&[Scope::Read]);
+    let signed_in = |headers: &[(&str, &str)]| cookie(&sign_in(&server, &key, headers));
+    let status = |session: &str| {
+        let answer = server.send("GET", "/v1/jobs", &[("cookie", session)], b"");
+        answer.status().as_u16()
+    };
+    let first = signed_in(&[]);
+    let again = signed_in(&[("cookie", &first)]);
+    assert_eq!((status(&first), status(&again)), (401, 200));
+    // A key that is not known ends nothing.
+    let own = [("cookie", again.as_str())];
+    problem(sign_in(&server, "sk_servoscope_wrong", &own), 401);
+    assert_eq!(status(&again), 200);
+
+    let mut sessions = vec![again];
+    while sessions.len() < 20 {
+        sessions.push(signed_in(&[]));
+        // Times are kept in milliseconds, and the one that was first ends first.
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert!(sessions.iter().all(|session| status(session) == 200));
+    sessions.push(signed_in(&[]));
+    let valid = sessions.iter().map(|session| status(session)).collect::<Vec<_>>();
+    assert_eq!((valid[0], &valid[1..]), (401, &[200; 20][..]));
+}
+
+#[test]
+fn a_browser_signs_in_with_a_small_body_and_not_all_the_time() {
+    let server = Server::start();
+    let large = sign_in(&server, &"k".repeat(5000), &[]);
+    assert!(string(&problem(large, 413), "detail").contains("4096 bytes"));
+    let mut answered = 0;
+    let refused = loop {
+        let answer = sign_in(&server, "sk_servoscope_wrong", &[]);
+        if answer.status() != 401 || answered > 1000 {
+            break answer;
+        }
+        answered += 1;
+    };
+    let wait_s: u64 = header(&refused, "retry-after").parse().unwrap();
+    assert_eq!(wait_s, 1);
+    let text = string(&problem(refused, 429), "detail");
+    assert!(text.contains("sign in 60 times a minute"), "{text}");
+    // The large one was counted, too.
+    assert!(answered >= 59, "{answered}");
+}

@@ -2,7 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::store::{BatchRow, FailureRow, MemberRow, Millis, Standing, Status, TallyRow};
+use servoscope_core::answers::Verdict;
+
+use crate::store::{
+    BatchRow, FailureRow, MemberRow, Millis, NOT_TESTED, Standing, Status, TallyRow,
+};
 
 use super::super::jobs::Failure;
 use super::super::{JobRequest, Listed, Service, ServiceError, page, paged};
@@ -80,7 +84,7 @@ pub struct Batch {
     pub started_ms: Option<Millis>,
     /// When the last of its jobs ended; `None` until all have.
     pub ended_ms: Option<Millis>,
-    /// How many results have which verdict.
+    /// How many results have which verdict; those without any test are `not_tested`.
     pub verdicts: BTreeMap<String, i64>,
     /// How many results name which cause first.
     pub causes: BTreeMap<String, i64>,
@@ -117,14 +121,16 @@ impl Batch {
 /// One measurement of a batch, and what came of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BatchJob {
-    /// What the store keeps of it.
+    /// What the store keeps of it, with the verdict as results have it.
     pub row: MemberRow,
+    /// Whether the data were enough to test the base model; `None` where there is no verdict.
+    pub tested: Option<bool>,
     /// Why there is no result.
     pub problem: Option<String>,
 }
 
 impl BatchJob {
-    fn of(row: MemberRow) -> Result<Self, ServiceError> {
+    fn of(mut row: MemberRow) -> Result<Self, ServiceError> {
         let failure = row.failure.as_deref().map(serde_json::from_str::<Failure>).transpose();
         let failure =
             failure.map_err(|source| ServiceError::Corrupt { what: "failure", source })?;
@@ -132,7 +138,11 @@ impl BatchJob {
             None => Some(DELETED.to_owned()),
             Some(_) => failure.map(|failure| failure.reason),
         };
-        Ok(Self { row, problem })
+        let tested = row.verdict.as_ref().map(|verdict| verdict != NOT_TESTED);
+        if tested == Some(false) {
+            row.verdict = Some(Verdict::Adequate.name().to_owned());
+        }
+        Ok(Self { row, tested, problem })
     }
 }
 
@@ -248,6 +258,27 @@ mod tests {
         // Of another batch.
         all.push(TallyRow { batch_id: "b".into(), ..tally(&(Status::Failed, 7)) });
         Batch::of(row, &all).unwrap()
+    }
+
+    #[test]
+    fn a_verdict_without_any_test_is_adequate_and_told_apart() {
+        let shown = |verdict: Option<&str>| {
+            let row = MemberRow {
+                measurement_id: "m".into(),
+                file: None,
+                job_id: "j".into(),
+                status: Some(Status::Succeeded),
+                verdict: verdict.map(Into::into),
+                cause: None,
+                confidence: None,
+                failure: None,
+            };
+            let BatchJob { row, tested, .. } = BatchJob::of(row).unwrap();
+            (row.verdict, tested)
+        };
+        assert_eq!(shown(Some(NOT_TESTED)), (Some("adequate".into()), Some(false)));
+        assert_eq!(shown(Some("adequate")), (Some("adequate".into()), Some(true)));
+        assert_eq!(shown(None), (None, None));
     }
 
     #[test]

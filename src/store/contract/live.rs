@@ -192,5 +192,14 @@ async fn jobs_that_exchange_turns_while_many_are_taken_are_not_passed_over() {
     }
     let take = async |_| while lease(&store, LONG).await.is_some() {};
     join_all((0..8).map(take)).await;
+    // One whose turn another exchanges at this moment is passed over by those who look for the next.
+    let left: i64 = sqlx::query_scalar("SELECT count(*) FROM queue WHERE NOT running")
+        .fetch_one(&pool)
+        .await
+        .unwrap();
+    assert!(left <= 8, "{left} were passed over by eight");
+    // It is found by the look at the whole queue, which comes once a second.
+    tokio::time::sleep(Duration::from_millis(1100)).await;
+    take(0).await;
     holds(&pool, 0, 300).await;
 }

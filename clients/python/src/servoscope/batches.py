@@ -93,7 +93,7 @@ class BatchRow:
     @classmethod
     def of(cls, raw: dict[str, Any]) -> BatchRow:
         """Read the server's answer."""
-        return cls(**{name: raw.get(name) for name in cls.__dataclass_fields__})
+        return cls(**{name: raw[name] for name in cls.__dataclass_fields__ if name in raw})
 
 
 def submit(body: dict[str, Any], key: str | None, give_up_after_s: float) -> Steps[BatchState]:

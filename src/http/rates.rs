@@ -1,7 +1,7 @@
 //! How often somebody may ask.
 //!
-//! Each key, and each address from which somebody signs in, has a bucket of tokens: a request takes one, and they come back at a steady pace. A
-//! full bucket holds those of a minute.
+//! Each key, and each address from which somebody signs in, has a bucket of tokens: a request takes
+//! one, and they come back at a steady pace. A full bucket holds those of a minute.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};

@@ -181,7 +181,7 @@ async fn jobs_are_taken_cancelled_and_deleted_at_once_and_nobody_waits_for_ever(
 
 // One that lets another go before it changes its place, maybe after somebody has read where it was.
 #[tokio::test]
-async fn jobs_that_exchange_turns_while_many_are_taken_are_not_passed_over() {
+async fn jobs_that_exchange_turns_while_many_are_taken_are_found_within_a_second() {
     let Some((pool, store)) = opened().await else { return };
     let measured = stored_measurement(&store).await;
     let priorities = [Priority::Low, Priority::Normal, Priority::High];
@@ -192,16 +192,9 @@ async fn jobs_that_exchange_turns_while_many_are_taken_are_not_passed_over() {
     }
     let take = async |_| while lease(&store, LONG).await.is_some() {};
     join_all((0..8).map(take)).await;
-    // One whose turn another exchanges at this moment is passed over by those who look for the next.
-    let left: i64 = sqlx::query_scalar("SELECT count(*) FROM queue WHERE NOT running")
-        .fetch_one(&pool)
-        .await
-        .unwrap();
-    assert!(left <= 8, "{left} were passed over by eight");
-    // Each is found by a look at the whole queue, which comes once a second.
-    for _ in 0..left {
-        tokio::time::sleep(Duration::from_millis(1100)).await;
-        take(0).await;
-    }
+    // One that exchanges its turn at this moment may be passed over by those who look for the next. The
+    // look at the whole queue, once a second, leads to all of them.
+    tokio::time::sleep(Duration::from_millis(1100)).await;
+    take(0).await;
     holds(&pool, 0, 300).await;
 }

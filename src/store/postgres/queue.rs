@@ -5,8 +5,9 @@
 //! applies, so that of two writes that exclude each other one finds the other's.
 //!
 //! Jobs are looked for from the lowest turn on, a sequence: taking a job raises it, and putting one
-//! back lowers it. Several processes do so at once, and a job that waited for its time is below it;
-//! so every process looks at the whole queue now and then.
+//! back lowers it. Several processes do so at once, jobs exchange turns meanwhile, and a job that waited
+//! for its time is below it; so every process looks at the whole queue once a second, and sets the
+//! lowest turn to what it finds.
 //!
 //! They are looked for in the table `queue`, which holds no job that has ended and follows `jobs` by
 //! triggers. The row of a job in `jobs` decides, and is locked first: that in `queue` is written by
@@ -82,8 +83,8 @@ pub(super) async fn lease(
                AND (next.shared < 3
                     OR NOT EXISTS (SELECT 1 FROM queue AS held
                                    WHERE held.running AND held.worker = $1))
-               AND setval('lowest_turn', greatest(
-                       next.turn, (SELECT last_value FROM lowest_turn))) IS NOT NULL
+               AND setval('lowest_turn', CASE WHEN $3 THEN next.turn ELSE greatest(
+                       next.turn, (SELECT last_value FROM lowest_turn)) END) IS NOT NULL
              RETURNING jobs.id, attempt, measurement_id, kind, request),
          moved AS (
              UPDATE jobs SET turn = ahead.turn, priority = jobs.priority | 1

@@ -77,11 +77,17 @@ impl Connections {
 
     fn room(self: &Arc<Self>) -> Option<Place> {
         let mut table = self.table();
-        let full = table.open.len() >= self.most;
-        let makes_room = full && table.send_away();
+        // Those told to leave are as good as gone.
+        let staying = table.staying();
+        let full = staying >= self.most;
         if table.open.len() >= self.most + RESERVE {
+            // Where one leaves already, its place is the next; another would leave for nothing.
+            if staying == table.open.len() {
+                table.send_away();
+            }
             return None;
         }
+        let makes_room = full && table.send_away();
         let id = table.tick();
         let leave = Arc::new(Notify::new());
         let entry = Entry { idle_since: Some(id), leaving: false, leave: Arc::clone(&leave) };
@@ -100,6 +106,11 @@ impl Table {
     fn tick(&mut self) -> u64 {
         self.now += 1;
         self.now
+    }
+
+    /// How many have not been told to make room.
+    fn staying(&self) -> usize {
+        self.open.values().filter(|entry| !entry.leaving).count()
     }
 
     /// Tells the connection that has been idle longest to make room; `false`: none is idle.
@@ -171,6 +182,30 @@ mod tests {
         drop(busy);
         connections.room().expect("another makes room");
         assert!(is_needed(&second).await && !is_needed(&first).await);
+    }
+
+    #[tokio::test]
+    async fn connections_that_come_faster_than_others_leave_are_served_all_the_same() {
+        let connections = Connections::new(2);
+        let mut places: Vec<Arc<Place>> = Vec::new();
+        for _ in 0..2 + RESERVE {
+            let place = connections.room().expect("there is room");
+            assert!(!place.reserved, "others make room for it");
+            places.push(Arc::new(place));
+        }
+        for _ in 0..3 {
+            assert!(connections.room().is_none());
+        }
+        // The last two stay, however often it was looked for room.
+        let staying = places.split_off(RESERVE);
+        for place in &places {
+            assert!(is_needed(place).await);
+        }
+        for place in &staying {
+            assert!(!is_needed(place).await);
+        }
+        drop(places);
+        assert!(!connections.room().expect("there is room").reserved);
     }
 
     #[tokio::test]

@@ -64,12 +64,6 @@ fn a_few_measurements_of_every_kind_are_diagnosed_soundly() {
 }
 
 #[test]
-#[ignore = "slow: a hundred diagnoses, some of which take a minute"]
-fn a_hundred_measurements_of_every_kind_are_diagnosed_soundly() {
-    assert_tables_sound(&drawn(100, cases(3, 4), 5), Depth::Diagnose);
-}
-
-#[test]
 fn cases_that_once_had_wrong_answers_have_sound_ones() {
     assert_tables_sound(&kept::cases(), Depth::Diagnose);
 }
@@ -80,9 +74,20 @@ fn a_few_records_of_every_kind_are_identified_soundly() {
     assert_sound(&drawn(40, records(), 6), |case| examine_record(case, Depth::Identify));
 }
 
-#[test]
-#[ignore = "slow: five hundred identifications of records, and forty diagnoses"]
-fn five_hundred_records_of_every_kind_are_identified_soundly_and_forty_diagnosed() {
-    assert_sound(&drawn(500, records(), 7), |case| examine_record(case, Depth::Identify));
-    assert_sound(&drawn(40, records(), 8), |case| examine_record(case, Depth::Diagnose));
+/// See `.ci/long`.
+mod long {
+    use super::*;
+
+    #[test]
+    #[ignore = "slow: a hundred diagnoses, some of which take a minute"]
+    fn a_hundred_measurements_of_every_kind_are_diagnosed_soundly() {
+        assert_tables_sound(&drawn(100, cases(3, 4), 5), Depth::Diagnose);
+    }
+
+    #[test]
+    #[ignore = "slow: five hundred identifications of records, and forty diagnoses"]
+    fn five_hundred_records_of_every_kind_are_identified_soundly_and_forty_diagnosed() {
+        assert_sound(&drawn(500, records(), 7), |case| examine_record(case, Depth::Identify));
+        assert_sound(&drawn(40, records(), 8), |case| examine_record(case, Depth::Diagnose));
+    }
 }

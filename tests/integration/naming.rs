@@ -186,22 +186,6 @@ fn are_explained(settings: Settings, keys: &[&str]) {
     }
 }
 
-// √(k·K/ρ) is 112 and 107 rad/s there, the actuator's own frequency 128 and 105 rad/s.
-#[test]
-#[ignore = "slow: 2 diagnoses"]
-fn a_joint_that_swings_near_the_actuators_own_frequency_is_found() {
-    let settings = Settings { seed: 41032, ..settings() };
-    are_explained(settings, &["single-60-flexible_mode-o2-13", "single-60-backlash-o2-6"]);
-}
-
-// Of the second the damping ratio is 0.02, between two frequencies that are measured.
-#[test]
-#[ignore = "slow: 2 diagnoses"]
-fn neither_impacts_nor_a_sharp_resonance_hold_a_fit_in_the_wrong_valley() {
-    let settings = Settings { seed: 41034, ..settings() };
-    are_explained(settings, &["single-60-backlash-o2-11", "single-50-flexible_mode-o2-8"]);
-}
-
 #[test]
 #[ignore = "slow: 2 diagnoses"]
 fn nothing_is_named_where_nothing_is_hidden() {
@@ -273,5 +257,21 @@ mod long {
         assert!(outcome.named_first(), "{:?}", outcome.causes());
         let found = outcome.mismeasurement.unwrap();
         assert_eq!((found.rows.detectable, found.rows.found, found.rows.falsely), (9, 9, 0));
+    }
+
+    // √(k·K/ρ) is 112 and 107 rad/s there, the actuator's own frequency 128 and 105 rad/s.
+    #[test]
+    #[ignore = "slow: 2 diagnoses"]
+    fn a_joint_that_swings_near_the_actuators_own_frequency_is_found() {
+        let settings = Settings { seed: 41032, ..settings() };
+        are_explained(settings, &["single-60-flexible_mode-o2-13", "single-60-backlash-o2-6"]);
+    }
+
+    // Of the second the damping ratio is 0.02, between two frequencies that are measured.
+    #[test]
+    #[ignore = "slow: 2 diagnoses"]
+    fn neither_impacts_nor_a_sharp_resonance_hold_a_fit_in_the_wrong_valley() {
+        let settings = Settings { seed: 41034, ..settings() };
+        are_explained(settings, &["single-60-backlash-o2-11", "single-50-flexible_mode-o2-8"]);
     }
 }

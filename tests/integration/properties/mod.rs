@@ -53,12 +53,6 @@ fn a_few_measurements_of_every_kind_are_identified_soundly() {
 }
 
 #[test]
-#[ignore = "slow: three thousand identifications"]
-fn three_thousand_measurements_of_every_kind_are_identified_soundly() {
-    assert_tables_sound(&drawn(3000, cases(3, 5), 2), Depth::Identify);
-}
-
-#[test]
 fn a_few_measurements_of_every_kind_are_diagnosed_soundly() {
     assert_tables_sound(&drawn(12, cases(2, 2), 4), Depth::Diagnose);
 }
@@ -89,5 +83,11 @@ mod long {
     fn five_hundred_records_of_every_kind_are_identified_soundly_and_forty_diagnosed() {
         assert_sound(&drawn(500, records(), 7), |case| examine_record(case, Depth::Identify));
         assert_sound(&drawn(40, records(), 8), |case| examine_record(case, Depth::Diagnose));
+    }
+
+    #[test]
+    #[ignore = "slow: three thousand identifications"]
+    fn three_thousand_measurements_of_every_kind_are_identified_soundly() {
+        assert_tables_sound(&drawn(3000, cases(3, 5), 2), Depth::Identify);
     }
 }

@@ -196,7 +196,7 @@ mod tests {
         for _ in 0..3 {
             assert!(connections.room().is_none());
         }
-        // The last two stay, however often it was looked for room.
+        // The last two stay, however often a place was asked for.
         let staying = places.split_off(RESERVE);
         for place in &places {
             assert!(is_needed(place).await);
@@ -213,7 +213,7 @@ mod tests {
         let connections = Connections::new(2);
         let places = [(); 2].map(|()| Arc::new(connections.room().expect("there is room")));
         let _busy = places.each_ref().map(Place::busy);
-        let reserve: Vec<_> = (0..RESERVE)
+        let mut reserve: Vec<_> = (0..RESERVE)
             .map(|_| {
                 let place = Arc::new(connections.room().expect("the reserve"));
                 assert!(place.reserved);
@@ -221,9 +221,12 @@ mod tests {
             })
             .collect();
         assert!(connections.room().is_none());
+        let (busy, idle) = reserve.pop().expect("one of them");
+        drop(busy);
+        assert!(connections.room().is_none() && is_needed(&idle).await, "it has to leave first");
         let waiting = Arc::clone(&connections);
         let waiting = tokio::spawn(async move { waiting.admit().await.reserved });
-        drop(reserve);
+        drop((reserve, idle));
         assert!(waiting.await.unwrap(), "its place is still beyond the limit");
         drop((_busy, places));
         assert!(!connections.room().expect("there is room").reserved);

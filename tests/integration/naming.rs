@@ -196,23 +196,6 @@ fn nothing_is_named_where_nothing_is_hidden() {
     }
 }
 
-/// The actuator's order left to the data, and nothing said of the noise.
-#[test]
-#[ignore = "slow: 21 diagnoses"]
-fn every_reference_response_is_named_as_it_stands() {
-    for file in reference::names() {
-        let measurement = reference::measurement(&file);
-        let name = file.trim_end_matches(".csv");
-        let answer = diagnose(&measurement, &IdentifyRequest::default(), &Silent).unwrap();
-        let named: Vec<&str> = answer.causes.iter().map(|cause| cause.effect.as_str()).collect();
-        let hidden: Vec<&str> =
-            name.split_once('_').map(|(_, effect)| effect).into_iter().collect();
-        assert_eq!(named, hidden, "{name}");
-        let verdict = if hidden.is_empty() { Verdict::Adequate } else { Verdict::Explained };
-        assert_eq!(answer.verdict, verdict, "{name}");
-    }
-}
-
 /// See `.ci/long`.
 mod long {
     use super::*;
@@ -273,5 +256,23 @@ mod long {
     fn neither_impacts_nor_a_sharp_resonance_hold_a_fit_in_the_wrong_valley() {
         let settings = Settings { seed: 41034, ..settings() };
         are_explained(settings, &["single-60-backlash-o2-11", "single-50-flexible_mode-o2-8"]);
+    }
+
+    /// The actuator's order left to the data, and nothing said of the noise.
+    #[test]
+    #[ignore = "slow: 21 diagnoses"]
+    fn every_reference_response_is_named_as_it_stands() {
+        for file in reference::names() {
+            let measurement = reference::measurement(&file);
+            let name = file.trim_end_matches(".csv");
+            let answer = diagnose(&measurement, &IdentifyRequest::default(), &Silent).unwrap();
+            let named: Vec<&str> =
+                answer.causes.iter().map(|cause| cause.effect.as_str()).collect();
+            let hidden: Vec<&str> =
+                name.split_once('_').map(|(_, effect)| effect).into_iter().collect();
+            assert_eq!(named, hidden, "{name}");
+            let verdict = if hidden.is_empty() { Verdict::Adequate } else { Verdict::Explained };
+            assert_eq!(answer.verdict, verdict, "{name}");
+        }
     }
 }

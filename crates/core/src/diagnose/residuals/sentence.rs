@@ -1,8 +1,14 @@
 //! Describes departures in words that a test engineer uses.
 
+mod numbers;
+mod places;
+
 use super::groups::Sizes;
-use super::layout::{LAST_HARMONIC, Layout, Span};
+use super::layout::Layout;
 use super::regions::Region;
+use numbers::percent;
+pub(crate) use numbers::{rounded, short, span};
+use places::{frequencies, harmonics, magnitudes};
 
 /// How the measurement departs from the simulation in a region.
 pub(crate) struct Departure<'a> {
@@ -57,79 +63,6 @@ pub(crate) fn of_drift(change: &Change) -> String {
     )
 }
 
-fn magnitudes(layout: &Layout, region: &Region) -> Option<String> {
-    let (first, last) = region.magnitudes;
-    let top = layout.magnitudes.len() - 1;
-    let unit =
-        if layout.units.0.is_empty() { String::new() } else { format!(" {}", layout.units.0) };
-    let (low, high) = (layout.magnitudes[first][0], layout.magnitudes[last][1]);
-    let single = short(low) == short(high);
-    let range = match single {
-        true => format!("{}{unit}", short(low)),
-        false => format!("{} to {}{unit}", short(low), short(high)),
-    };
-    match (first == 0, last == top) {
-        _ if top == 0 => None,
-        (true, true) => Some("at every magnitude".into()),
-        (true, false) if first == last => Some(format!("at the lowest magnitude ({range})")),
-        (false, true) if first == last => Some(format!("at the highest magnitude ({range})")),
-        (true, false) => Some(format!("at magnitudes up to {}{unit}", short(high))),
-        (false, true) => Some(format!("at magnitudes from {}{unit} up", short(low))),
-        (false, false) if single => Some(format!("at magnitude {range}")),
-        (false, false) => Some(format!("at magnitudes {range}")),
-    }
-}
-
-fn frequencies(layout: &Layout, region: &Region) -> Option<String> {
-    let (first, last) = region.bands;
-    let top = layout.bands.len() - 1;
-    let (low, high) = (layout.bands[first][0], layout.bands[last][1]);
-    // A boundary lies between a frequency inside and one outside.
-    let below = || between(layout.bands[last][1], layout.bands[last + 1][0]);
-    let above = || between(layout.bands[first - 1][1], layout.bands[first][0]);
-    match (first == 0, last == top) {
-        _ if top == 0 => None,
-        (true, true) => Some("at every frequency".into()),
-        _ if high - low <= 1e-6 * high => Some(match (first, last) {
-            (0, _) => format!("at the lowest frequency ({} Hz)", short(low)),
-            (_, last) if last == top => format!("at the highest frequency ({} Hz)", short(low)),
-            _ => format!("at {} Hz", short(low)),
-        }),
-        (true, false) => Some(format!("below {} Hz", below())),
-        (false, true) => Some(format!("above {} Hz", above())),
-        (false, false) => Some(format!("between {} and {} Hz", above(), below())),
-    }
-}
-
-/// The harmonics of a region, and whether the noun is plural.
-fn harmonics(layout: &Layout, region: &Region) -> (String, bool) {
-    let set = &region.harmonics;
-    let all_of =
-        |keep: &dyn Fn(usize) -> bool| layout.harmonics.iter().filter(|h| keep(**h)).eq(set.iter());
-    match set.as_slice() {
-        [] => match layout.harmonics.as_slice() {
-            [] | [_] => ("the response".into(), false),
-            _ => ("the response with all its harmonics".into(), false),
-        },
-        [single] => (harmonic_name(*single), *single >= LAST_HARMONIC),
-        _ if all_of(&|h| h >= 2) => ("the harmonics above the fundamental".into(), true),
-        _ if all_of(&|h| h % 2 == 0) => ("the mean and the even harmonics".into(), true),
-        _ if all_of(&|h| h % 2 == 0 && h > 0) => ("the even harmonics".into(), true),
-        _ => ("the odd harmonics above the fundamental".into(), true),
-    }
-}
-
-fn harmonic_name(harmonic: usize) -> String {
-    const ORDINALS: [&str; 9] =
-        ["second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"];
-    match harmonic {
-        0 => "the mean".into(),
-        1 => "the fundamental".into(),
-        2..=10 => format!("the {} harmonic", ORDINALS[harmonic - 2]),
-        _ => format!("the harmonics from {harmonic} up"),
-    }
-}
-
 fn departure_phrase(layout: &Layout, departure: &Departure<'_>, plural: bool) -> String {
     let is = if plural { "are" } else { "is" };
     let sizes = departure.sizes;
@@ -163,47 +96,6 @@ fn departure_phrase(layout: &Layout, departure: &Departure<'_>, plural: bool) ->
         return format!("{verb} from the simulation by {} (rms)", percent(left));
     }
     words.join(" and ")
-}
-
-/// A number of one digit between two others or, if there is none, of two digits near them.
-fn between(low: f64, high: f64) -> String {
-    let middle = (low.max(0.25 * high) * high).sqrt();
-    let inside = |text: &String| text.parse::<f64>().is_ok_and(|v| v > low && v < high);
-    Some(rounded(middle, 1)).filter(inside).unwrap_or_else(|| rounded(middle, 2))
-}
-
-fn percent(share: f64) -> String {
-    format!("{} %", short(100.0 * share))
-}
-
-/// A number with two significant digits, or all of its integer part.
-pub(crate) fn short(value: f64) -> String {
-    rounded(value, 2)
-}
-
-/// A number with this many significant digits, its whole integer part, and no trailing zeros.
-pub(crate) fn rounded(value: f64, digits: i32) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let exponent = value.abs().log10().floor() as i32;
-    if !(-4..6).contains(&exponent) {
-        return format!("{value:.*e}", (digits - 1).max(0) as usize);
-    }
-    let decimals = (digits - 1 - exponent).max(0) as usize;
-    let text = format!("{value:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
-}
-
-/// A class of magnitudes: one number, or the smallest and the largest.
-pub(crate) fn span(span: Span) -> String {
-    match short(span[0]) == short(span[1]) {
-        true => short(span[0]),
-        false => format!("{} to {}", short(span[0]), short(span[1])),
-    }
 }
 
 #[cfg(test)]
@@ -309,14 +201,5 @@ mod tests {
             "the response falls during the acquisition: its fundamental goes from 2 % above the \
              simulated one in the first third of the runs to 3.1 % below it in the last"
         );
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        let values = [0.0, 0.0123, 0.5, 1.0, 9.96, 12.3, 1234.5, 1.5e-7];
-        let said = values.map(short);
-        assert_eq!(said, ["0", "0.012", "0.5", "1", "10", "12", "1234", "1.5e-7"]);
-        // No number of two digits lies between 52.0 and 52.3.
-        assert_eq!([between(0.8, 1.6), between(52.0, 52.3)], ["1", "52"]);
     }
 }

@@ -5,6 +5,8 @@
 //! anew, and their predictions of the part are kept. A model is penalised as it is with all data.
 //! The errors of models that are certainly not chosen are computed to first order, without a refit.
 
+mod backward_elimination;
+
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
@@ -19,6 +21,7 @@ use crate::diagnose::progress::{Part, Stage};
 use crate::diagnose::selection::evidence::NoiseScale;
 use crate::diagnose::selection::models::{Key, Models, ScoredModel};
 use crate::observer::Observer as _;
+pub(crate) use backward_elimination::Dropped;
 
 /// Models whose −2 ln evidence exceeds the best by more than this are not refitted: no part of the
 /// data makes up for it. Tuned.
@@ -52,17 +55,6 @@ pub(crate) struct CrossValidation {
     groups: BTreeMap<Row, usize>,
     noise_known: bool,
     what: String,
-}
-
-/// An effect that does not improve the predictions of the other effects.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Dropped {
-    /// Its id.
-    pub id: &'static str,
-    /// The other effects of the model.
-    pub beside: Key,
-    /// Its gain beside them.
-    pub gain: Gain,
 }
 
 impl CrossValidation {
@@ -211,34 +203,6 @@ impl CrossValidation {
         self.between(without?, self.by_effects.get(effects)?)
     }
 
-    /// Backward elimination by held-out error: drops effects that do not certainly help the others
-    /// predict, the one of smallest gain first, until one is left. That one was the best beside
-    /// others and need not be the best alone: it gives way to a better supported single effect of
-    /// `models` that was not dropped.
-    pub fn prune(&self, models: &Models, effects: &mut Key) -> Vec<Dropped> {
-        let mut dropped: Vec<Dropped> = Vec::new();
-        while effects.len() > 1 {
-            let beside = |id: &&'static str| {
-                let others = effects.iter().copied().filter(|other| other != id).collect();
-                Some(Dropped { id, beside: others, gain: self.gain_beside(effects, id)? })
-            };
-            let useless = effects.iter().filter_map(beside);
-            let useless = useless.filter(|dropped| dropped.gain.interval95[0] <= 1.0);
-            let least = useless.min_by(|a, b| a.gain.ratio.total_cmp(&b.gain.ratio));
-            let Some(least) = least else { break };
-            effects.clone_from(&least.beside);
-            dropped.push(least);
-        }
-        if effects.len() == 1 && !dropped.is_empty() {
-            let stays = |key: &Key| dropped.iter().all(|dropped| !key.contains(&dropped.id));
-            let was_fitted = |key: &Key| self.by_effects.contains_key(key);
-            let mut singles = models.ranked(1).into_iter();
-            let best = singles.find(|key| stays(key) && was_fitted(key) && models.supported(key));
-            *effects = best.unwrap_or_else(|| effects.clone());
-        }
-        dropped
-    }
-
     fn between(&self, before: &Predicted, after: &Predicted) -> Option<Gain> {
         gain::gain(before, after, &self.groups, self.noise_known, self.what.clone())
     }
@@ -254,89 +218,4 @@ fn refitted(models: &Models) -> Vec<&ScoredModel> {
     let near = models.within(REFIT_MARGIN);
     let is_near = |(key, _): &(&Key, &ScoredModel)| !key.is_empty() && near.contains(*key);
     models.scored().filter(is_near).map(|(_, scored)| scored).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::answers::ComparedHarmonic;
-    use crate::diagnose::selection::familywise_threshold::FamilywiseThreshold;
-    use crate::diagnose::tests::fitted_to;
-
-    /// Predictions of twelve groups of one row each, wrong by about `by`.
-    fn off(by: f64) -> Predicted {
-        let harmonic = |group: usize| ComparedHarmonic {
-            order: 1,
-            input: [1.0, 0.0],
-            measured: [1.0, 0.0],
-            simulated: [1.0 - by * (1.0 + 0.05 * (group as f64).sin()), 0.0],
-            std: 0.1,
-        };
-        (0..12).map(|group| ((group, 1), harmonic(group))).collect()
-    }
-
-    fn cross_validation(by_effects: &[(&[&'static str], f64)]) -> CrossValidation {
-        CrossValidation {
-            base: off(0.5),
-            chosen: Predicted::new(),
-            by_effects: by_effects.iter().map(|(key, by)| (key.to_vec(), off(*by))).collect(),
-            errors: BTreeMap::new(),
-            choices: Vec::new(),
-            groups: (0..12).map(|group| ((group, 1), group)).collect(),
-            noise_known: false,
-            what: String::new(),
-        }
-    }
-
-    #[test]
-    fn an_effect_that_adds_nothing_to_the_others_is_dropped() {
-        let cross_validation = cross_validation(&[
-            (&["cogging"], 0.3),
-            (&["spring"], 0.2),
-            (&["stribeck"], 0.4),
-            (&["cogging", "spring"], 0.1),
-            (&["cogging", "stribeck"], 0.29),
-            (&["spring", "stribeck"], 0.21),
-            (&["cogging", "spring", "stribeck"], 0.11),
-        ]);
-        let mut effects = vec!["cogging", "spring", "stribeck"];
-        let dropped = cross_validation.prune(&fitted_to(&[]), &mut effects);
-        assert_eq!(effects, ["cogging", "spring"]);
-        assert_eq!(dropped.len(), 1);
-        assert_eq!((dropped[0].id, &dropped[0].beside), ("stribeck", &effects));
-        // The errors are 0.11 with it and 0.1 without.
-        assert!((dropped[0].gain.ratio - 1.0 / 1.1).abs() < 1e-12, "{dropped:?}");
-    }
-
-    // Beside a spring, backlash fits better than the flexible mode does; alone it fits worse.
-    #[test]
-    fn a_single_remaining_effect_is_replaced_by_a_better_single_one() {
-        let cross_validation = cross_validation(&[
-            (&["backlash"], 0.2),
-            (&["flexible_mode"], 0.2),
-            (&["spring"], 0.4),
-            (&["backlash", "spring"], 0.2),
-        ]);
-        let mut models = fitted_to(&[
-            (&["backlash"], 200.0),
-            (&["flexible_mode"], 190.0),
-            (&["backlash", "spring"], 150.0),
-        ]);
-        models.family = Some(FamilywiseThreshold::with_low_limits(&["backlash", "flexible_mode"]));
-        let mut effects = vec!["backlash", "spring"];
-        let dropped = cross_validation.prune(&models, &mut effects);
-        assert_eq!((dropped[0].id, effects), ("spring", vec!["flexible_mode"]));
-        assert_eq!(dropped[0].beside, ["backlash"]);
-    }
-
-    #[test]
-    fn the_last_effect_is_never_dropped_nor_one_whose_gain_is_unknown() {
-        let models = fitted_to(&[]);
-        let mut effects = vec!["spring"];
-        assert!(cross_validation(&[(&["spring"], 0.9)]).prune(&models, &mut effects).is_empty());
-        let mut effects = vec!["cogging", "spring"];
-        let unfitted = cross_validation(&[(&["cogging", "spring"], 0.9)]);
-        assert!(unfitted.prune(&models, &mut effects).is_empty());
-        assert_eq!(effects.len(), 2);
-    }
 }

@@ -2,67 +2,17 @@
 //!
 //! The interval of the ratio comes from how the errors vary between groups of data: [`Sample`].
 
+mod residual_sums;
+mod variance_estimation;
+
 use std::collections::BTreeMap;
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
-
-use crate::answers::{ComparedHarmonic, Gain, ValidatedModel};
+use crate::answers::{Gain, ValidatedModel};
 
 use super::heldout_predictions::{Predicted, Row};
-
-/// Sums of squares of a model's residuals on some data.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct ResidualSums {
-    /// Σ|Y − Ŷ|².
-    error: f64,
-    /// Σ|Y|².
-    size: f64,
-    /// Σ|Y − Ŷ|²/σ².
-    chi2: f64,
-    /// Number of real numbers compared.
-    data: f64,
-}
-
-impl ResidualSums {
-    fn add(&mut self, harmonic: &ComparedHarmonic) {
-        let [re, im] = harmonic.measured;
-        let error = (re - harmonic.simulated[0]).powi(2) + (im - harmonic.simulated[1]).powi(2);
-        self.error += error;
-        self.size += re * re + im * im;
-        self.chi2 += error / harmonic.std.powi(2);
-        self.data += if harmonic.order == 0 { 1.0 } else { 2.0 };
-    }
-
-    /// Adds one real sample of unknown noise.
-    pub fn add_sample(&mut self, measured: f64, simulated: f64) {
-        self.error += (measured - simulated).powi(2);
-        self.size += measured * measured;
-        self.data += 1.0;
-    }
-
-    /// The total of several sums.
-    pub fn sum<'l>(all: impl IntoIterator<Item = &'l Self>) -> Self {
-        all.into_iter().fold(Self::default(), Self::plus)
-    }
-
-    fn plus(mut self, other: &Self) -> Self {
-        self.error += other.error;
-        self.size += other.size;
-        self.chi2 += other.chi2;
-        self.data += other.data;
-        self
-    }
-
-    fn of<'h>(harmonics: impl Iterator<Item = &'h ComparedHarmonic>) -> Self {
-        let mut left = Self::default();
-        harmonics.for_each(|harmonic| left.add(harmonic));
-        left
-    }
-
-    fn nrmse(&self) -> f64 {
-        (self.error / self.size).sqrt()
-    }
-}
+pub(crate) use residual_sums::ResidualSums;
+pub(crate) use variance_estimation::Sample;
+use variance_estimation::{jackknife_std, smooth_std, student};
 
 /// Summary of a model's predictions; `unanswered` is left empty.
 pub(crate) fn summary(predicted: &Predicted, noise_known: bool) -> ValidatedModel {
@@ -82,30 +32,6 @@ pub(crate) fn summary_of(
         components,
         unanswered: Vec::new(),
     }
-}
-
-/// How groups of data are related, which decides how the variance of ln ratio is estimated. With
-/// b_g and a_g the Σ|Y − Ŷ|² of both models in group g of n, Student's t has n − 1 degrees of
-/// freedom.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Sample {
-    /// Errors vary smoothly from group to group, so only differences of neighbours count as chance:
-    /// the successive-difference estimator. With x_g = b_g/mean(b) − a_g/mean(a),
-    ///
-    /// ```text
-    ///   Var(ln ratio) = ¼ · Σ(x_{g+1} − x_g)² / (2n(n − 1))
-    /// ```
-    ///
-    /// where the ¼ is due to the root in the NRMSE (Wolter 2007, Introduction to Variance
-    /// Estimation, doi:10.1007/978-0-387-35099-8, section 8.2).
-    Smooth,
-    /// Groups are independent: the delete-one jackknife. With r_g the ln ratio of all groups but g
-    /// (Efron and Stein 1981, doi:10.1214/aos/1176345462),
-    ///
-    /// ```text
-    ///   Var(ln ratio) = (n − 1)/n · Σ(r_g − mean(r))²
-    /// ```
-    Independent,
 }
 
 /// The gain of the predictions `after` over those `before`, with its interval by [`Sample::Smooth`]
@@ -171,35 +97,6 @@ pub(crate) fn error(predicted: &Predicted) -> Option<f64> {
     Some(ResidualSums::of(predicted.values()).nrmse()).filter(|error| error.is_finite())
 }
 
-/// Standard deviation of ln ratio by [`Sample::Smooth`], for two groups or more.
-fn smooth_std(groups: &[[ResidualSums; 2]]) -> f64 {
-    let count = groups.len() as f64;
-    let mean = |model: usize| groups.iter().map(|group| group[model].error).sum::<f64>() / count;
-    let (before, after) = (mean(0), mean(1));
-    let share = |group: &[ResidualSums; 2]| group[0].error / before - group[1].error / after;
-    let steps = groups.windows(2).map(|pair| (share(&pair[1]) - share(&pair[0])).powi(2));
-    0.5 * (steps.sum::<f64>() / (2.0 * count * (count - 1.0))).sqrt()
-}
-
-/// The same by [`Sample::Independent`]; not finite if one group holds the whole error of a model.
-fn jackknife_std(groups: &[[ResidualSums; 2]], total: &[ResidualSums; 2]) -> f64 {
-    let count = groups.len() as f64;
-    let without = |group: &[ResidualSums; 2]| {
-        let [before, after] = [0, 1].map(|model| total[model].error - group[model].error);
-        0.5 * (before / after).ln()
-    };
-    let ratios: Vec<f64> = groups.iter().map(without).collect();
-    let mean = ratios.iter().sum::<f64>() / count;
-    let squares = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>();
-    ((count - 1.0) / count * squares).sqrt()
-}
-
-/// 97.5 % quantile of Student's t with `groups` − 1 degrees of freedom.
-fn student(groups: usize) -> Option<f64> {
-    let law = StudentsT::new(0.0, 1.0, groups as f64 - 1.0).ok()?;
-    Some(law.inverse_cdf(0.975))
-}
-
 #[cfg(test)]
 mod tests {
     use rand::{RngExt, SeedableRng};
@@ -207,6 +104,7 @@ mod tests {
     use rand_distr::StandardNormal;
 
     use super::*;
+    use crate::answers::ComparedHarmonic;
 
     /// A group of `rows` rows for each error: 1 is measured, the simulated value wrong by the
     /// error.

@@ -1,54 +1,28 @@
-//! The mechanics behind the actuator: states, modes, and the conditions under which the mode
-//! changes. The equations of motion themselves are in `dynamics`, the events in `events`.
+//! The mechanics behind the actuator: its parameters, its states, and properties of its motion.
+//!
+//! The equations of motion are in `dynamics`, the modes in which they differ in `mode`, the events
+//! that end a mode in `events`.
 
 mod bristles;
 mod dynamics;
 mod events;
 mod initial_state;
+mod mode;
+mod nonlinear_torques;
 
-use crate::effects::{Axis, Law, SecondMass, TaylorSeries};
+use crate::effects::{Axis, Law, SecondMass};
 use crate::plant::Scalar;
 
 use super::runge_kutta::Vector;
 use crate::simulate::base::switching_times::Motion;
 pub(super) use events::Event;
+pub(super) use mode::{Contact, Mode};
+use nonlinear_torques::NonlinearTorque;
 
 pub(super) use crate::simulate::last_motion::MOST_STATES;
 
 /// Index of v in every state vector.
 pub(super) const VELOCITY: usize = 0;
-
-/// Contact in the joint to a second mass.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Contact {
-    /// Always in contact, as there is no gap; or no second mass.
-    Linked,
-    /// Inside the gap.
-    Open,
-    /// At its upper end, φ ≥ gap/2.
-    Upper,
-    /// At its lower end, φ ≤ −gap/2.
-    Lower,
-}
-
-/// Once the oscillations on the bristles are left out, the axis counts as at rest while the torque
-/// stays below this share of the Coulomb level. Tuned.
-const BRISTLE_HOLDING_SHARE: f64 = 0.9;
-
-/// Which of the equations of motion hold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Mode {
-    pub motion: Motion,
-    pub contact: Contact,
-    /// Whether the bristle is fully deflected: its force is then constant until v reverses.
-    pub yields: bool,
-}
-
-/// A nonlinear torque, and the index of the state that it depends on.
-struct NonlinearTorque<S> {
-    law: Law<S>,
-    argument: usize,
-}
 
 /// The mechanics of an axis. Arrays of two hold the values forward and backward; levels are signed.
 pub(super) struct Mechanics<S> {
@@ -152,28 +126,6 @@ impl<S: Scalar> Mechanics<S> {
         self.linear.iter().chain(self.nonlinear.iter().map(|nonlinear| &nonlinear.law))
     }
 
-    /// Empty Taylor series of the nonlinear torques, with or without derivatives by their
-    /// parameters.
-    pub fn series(&self, parameters_vary: bool) -> Vec<TaylorSeries> {
-        self.nonlinear.iter().map(|_| TaylorSeries::new(parameters_vary)).collect()
-    }
-
-    /// The derivatives of Taylor term `m` of the nonlinear torques, as a number of value 0.
-    /// `lanes(i, state)` has the derivatives of term i of a state.
-    #[inline]
-    pub fn nonlinear_derivative(
-        &self,
-        series: &[TaylorSeries],
-        lanes: impl Fn(usize, usize) -> S,
-        m: usize,
-    ) -> S {
-        let mut sum = S::constant(0.0);
-        for (NonlinearTorque { law, argument }, series) in self.nonlinear.iter().zip(series) {
-            sum += law.term_derivative(series, |i| lanes(i, *argument), m);
-        }
-        sum
-    }
-
     /// An upper estimate of the fastest rate of the motion between switches, rad/s, from the linear
     /// torques alone.
     pub fn fastest_rate(&self) -> f64 {
@@ -223,40 +175,6 @@ impl<S: Scalar> Mechanics<S> {
         0.5 * (self.coulomb[0].value() + self.coulomb[1].value())
     }
 
-    /// The mode in a state, if the mode before is not known.
-    pub fn mode_at<const M: usize>(&self, torque: S, state: &Vector<S, M>) -> Mode {
-        let contact = match self.half_gap() {
-            None => Contact::Linked,
-            Some(half) => match state[self.twist].value() {
-                twist if twist > half => Contact::Upper,
-                twist if twist < -half => Contact::Lower,
-                _ => Contact::Open,
-            },
-        };
-        let motion = match state[VELOCITY].value() {
-            v if v > 0.0 => Motion::Forward,
-            v if v < 0.0 => Motion::Backward,
-            _ => self.motion_at_rest(contact, torque, state),
-        };
-        Mode { motion, contact, yields: false }
-    }
-
-    /// The motion that follows v = 0.
-    pub fn motion_at_rest<const M: usize>(
-        &self,
-        contact: Contact,
-        torque: S,
-        state: &Vector<S, M>,
-    ) -> Motion {
-        let Some(sigma) = self.bristle else { return self.motion_if_stuck(contact, torque, state) };
-        // A bristle does not hold the axis: the net force accelerates it one way or the other.
-        let bristle_force = sigma * state[self.bristle_at];
-        match self.net(contact, torque, state).value() < bristle_force.value() {
-            true => Motion::Backward,
-            false => Motion::Forward,
-        }
-    }
-
     /// Coulomb friction in the direction of motion, signed.
     fn level(&self, mode: Mode) -> S {
         self.coulomb[usize::from(mode.motion == Motion::Backward)]
@@ -277,48 +195,5 @@ impl<S: Scalar> Mechanics<S> {
         let gap = self.second_mass.map_or(S::constant(0.0), |mass| mass.gap);
         let twist = state[self.twist];
         if upper { gap * 0.5 - twist } else { gap * 0.5 + twist }
-    }
-
-    /// Net torques up to which friction holds the axis at rest: forward, backward.
-    fn holding_levels(&self) -> [S; 2] {
-        match self.bristle {
-            Some(_) => self.coulomb.map(|level| level * BRISTLE_HOLDING_SHARE),
-            None => self.breakaway,
-        }
-    }
-
-    /// The motion of an axis that friction has held at rest so far.
-    pub fn motion_if_stuck<const M: usize>(
-        &self,
-        contact: Contact,
-        torque: S,
-        state: &Vector<S, M>,
-    ) -> Motion {
-        let net = self.net(contact, torque, state).value();
-        match self.holding_levels().map(S::value) {
-            [forward, _] if net > forward => Motion::Forward,
-            [_, backward] if net < backward => Motion::Backward,
-            _ => Motion::Stuck,
-        }
-    }
-}
-
-impl Mechanics<f64> {
-    /// The sum of the next Taylor terms of the nonlinear torques, from the terms of the states.
-    #[inline]
-    pub fn nonlinear_term<const M: usize>(
-        &self,
-        mode: Mode,
-        series: &mut [TaylorSeries],
-        terms: &[Vector<f64, M>],
-    ) -> f64 {
-        let direction = if mode.motion == Motion::Backward { -1.0 } else { 1.0 };
-        let m = terms.len() - 1;
-        let mut sum = 0.0;
-        for (NonlinearTorque { law, argument }, series) in self.nonlinear.iter().zip(series) {
-            series.direction = direction;
-            sum += law.term(series, terms[m][*argument], m);
-        }
-        sum
     }
 }

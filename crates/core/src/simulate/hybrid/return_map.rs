@@ -1,11 +1,13 @@
 //! The periodic motion as a fixed point of the return map (the state after a period as a function
 //! of the state before it), by Newton's method in dual numbers.
 //!
-//! `periodic_orbit` searches for the motion reached from rest with a loose tolerance,
+//! `one_period` integrates a period. `periodic_orbit` searches for the motion reached from rest with a loose tolerance,
 //! `continuation` for that of a balanced axis. [`Periodic::velocity`] then finishes Newton's method
 //! at full precision.
 
 mod continuation;
+mod effort;
+mod one_period;
 mod periodic_orbit;
 mod trust_region;
 
@@ -13,20 +15,18 @@ use crate::effects::Axis;
 use crate::plant::{Dual, Scalar as _};
 
 use super::super::shooting;
-use super::integrate_period::{LOOSE_TOLERANCE, PeriodIntegration, Precision, TIGHT_TOLERANCE};
+use super::integrate_period::{LOOSE_TOLERANCE, Precision, TIGHT_TOLERANCE};
 use super::mechanics::{self, MOST_STATES, Mechanics};
 use super::runge_kutta::Vector;
-use super::sensitivity::Sensitivity;
-use crate::simulate::base::spectrum;
-use crate::simulate::base::switching_times::Motion;
 use crate::simulate::last_motion::Beginning;
 use crate::simulate::piecewise_linear::drive::{self, TorqueDerivatives};
 use crate::simulate::response::{Counts, NoResponse};
-use crate::simulate::signal::complex_dual::ComplexDual;
 use crate::simulate::signal::excitation::Excitation;
 use crate::simulate::signal::fourier::Fourier;
 use crate::simulate::signal::grid::Grid;
 use crate::simulate::signal::piecewise_quintic::PiecewiseQuintic;
+use effort::effort;
+pub(super) use one_period::PeriodResult;
 use periodic_orbit::Convergence;
 use trust_region::TrustRegion;
 
@@ -41,24 +41,9 @@ const LOOSE_CELLS: usize = 8;
 /// Most Newton steps; after them the motion counts as not periodic.
 const MOST_ITERATIONS: usize = 60;
 
-/// Most effort for one point, as a number of exact steps; beyond it the point counts as not
-/// periodic. `BASE_EFFORT` is the same for every input. Each cell of the input adds to it: the
-/// first `FEW_CELLS` cells `EFFORT_PER_CELL[0]` each, the others `EFFORT_PER_CELL[1]`. One pass
-/// over a long record takes more steps than all passes over a cosine. Tuned: most motions that
-/// settle take a fiftieth of this (a fifth for a record), and those that take more hardly ever
-/// settle. A cosine takes a few milliseconds at most.
-const BASE_EFFORT: usize = 40_000;
-const FEW_CELLS: usize = 256;
-const EFFORT_PER_CELL: [usize; 2] = [500, 50];
-
 /// Initial radius of the trust region, as a share of the states' sizes: if several periodic motions
 /// may exist, and if there is only one. Tuned.
 const INITIAL_TRUST_RADIUS: [f64; 2] = [0.2, 4.0];
-
-fn effort(cells: usize) -> usize {
-    let few = cells.min(FEW_CELLS);
-    BASE_EFFORT + EFFORT_PER_CELL[0] * few + EFFORT_PER_CELL[1] * (cells - few)
-}
 
 /// The loose search ends at a Newton step below this share of the states' sizes.
 const LOOSE_STEP_TOLERANCE: f64 = 1e-2;
@@ -88,12 +73,6 @@ pub(super) struct Periodic<const M: usize> {
     sizes: [f64; M],
     /// Remaining effort, in exact steps.
     effort: usize,
-}
-
-/// Result of one period: the harmonics of v, and the residuals, which vanish for a periodic motion.
-pub(super) struct PeriodResult<const N: usize, const M: usize> {
-    pub velocity: Vec<ComplexDual<Dual<N>>>,
-    pub residuals: Vector<Dual<N>, M>,
 }
 
 /// The torque over a period, its derivatives by the lanes of the axis, and the grid of its cells.
@@ -180,35 +159,6 @@ impl<const M: usize> Periodic<M> {
         last.remember(Beginning { states: M, state: known(&self.state), sizes });
     }
 
-    /// Integrates one period from the present state, without derivatives. Returns the state after
-    /// it and the largest absolute values of the states.
-    fn integrate_plain(
-        &mut self,
-        mechanics: &Mechanics<f64>,
-        forcing: &PiecewiseQuintic<f64>,
-    ) -> Option<(Vector<f64, M>, [f64; M])> {
-        let mut pass = PeriodIntegration {
-            mechanics,
-            forcing,
-            precision: &self.precision,
-            sums: None,
-            companion: None,
-            trace: None,
-            largest: [0.0; M],
-            swings: 0,
-            effort: &mut self.effort,
-        };
-        let mut start = self.state;
-        if let Some(i) = mechanics.position_integral {
-            start[i] = 0.0;
-        }
-        let mut end = pass.run(&start)?;
-        if let Some(i) = mechanics.position_integral {
-            end[i] = self.state[i];
-        }
-        Some((end, pass.largest))
-    }
-
     /// Size of a Newton step: its largest entry as a share of the unknowns' sizes.
     fn step_size(&self, step: &[f64]) -> f64 {
         largest_share(step.iter().copied(), &self.sizes)
@@ -235,60 +185,6 @@ impl<const M: usize> Periodic<M> {
         if v.abs() < ZERO_VELOCITY_SHARE * self.sizes[mechanics::VELOCITY] {
             *v = 0.0;
         }
-    }
-
-    /// Integrates one period with derivatives. The first `parameters` lanes are those of the axis,
-    /// the next ones the unknowns. Sums the Fourier integrals of v if `sums` is given.
-    fn follow<const N: usize>(
-        &mut self,
-        axis: &Axis<Dual<N>>,
-        (forcing, torque): (&PiecewiseQuintic<f64>, &TorqueDerivatives),
-        sums: Option<Fourier<'_, Dual<N>>>,
-        parameters: usize,
-    ) -> Option<PeriodResult<N, M>> {
-        let mut mechanics = Mechanics::new(&axis.map(Dual::value));
-        let mut lifted = Mechanics::new(axis);
-        let unknown = |value: f64, lane: usize| {
-            Dual::with_lanes(value, |l| f64::from(u8::from(l == parameters + lane)))
-        };
-        let mut start = self.state;
-        let mut lanes: [[f64; N]; M] =
-            std::array::from_fn(|i| std::array::from_fn(|lane| unknown(0.0, i).lane(lane)));
-        if let Some(i) = mechanics.position_integral {
-            mechanics.balance = self.state[i];
-            lifted.balance = unknown(self.state[i], i);
-            (start[i], lanes[i]) = (0.0, [0.0; N]);
-        }
-        let at_rest = mechanics.mode_at(forcing.cells[0].fixed(0.0), &start);
-        if at_rest.motion == Motion::Stuck {
-            (start[mechanics::VELOCITY], lanes[mechanics::VELOCITY]) = (0.0, [0.0; N]);
-        }
-        let mut sensitivity = Sensitivity::new(&lifted, (forcing, torque), sums, lanes);
-        let mut pass = PeriodIntegration {
-            mechanics: &mechanics,
-            forcing,
-            precision: &self.precision,
-            sums: None,
-            companion: Some(&mut sensitivity),
-            trace: None,
-            largest: [0.0; M],
-            swings: 0,
-            effort: &mut self.effort,
-        };
-        let end = pass.run(&start)?;
-        let end = |i: usize| Dual::with_lanes(end[i], |lane| sensitivity.lanes[i][lane]);
-        let residual = |i: usize| match mechanics.position_integral {
-            Some(integral) if integral == i => end(i),
-            _ => end(i) - unknown(self.state[i], i),
-        };
-        let residuals = std::array::from_fn(residual);
-        let weighted = |(k, sum): (usize, ComplexDual<Dual<N>>)| {
-            let scaled = sum.scaled(Dual::constant(spectrum::weight(k, forcing.period_s)));
-            if k == 0 { ComplexDual::real(scaled.re) } else { scaled }
-        };
-        let sums = sensitivity.sums;
-        let sums = sums.map(|sums| sums.finish().into_iter().enumerate().map(weighted).collect());
-        Some(PeriodResult { velocity: sums.unwrap_or_default(), residuals })
     }
 
     /// Harmonics of v at full precision, with derivatives by `parameters` lanes of the axis and, in

@@ -7,8 +7,9 @@ use nalgebra::{Complex, DMatrix, Schur};
 use crate::effects::Axis;
 use crate::plant::{Dual, Scalar as _};
 
+use super::effort::effort;
 use super::trust_region::TrustRegion;
-use super::{LOOSE_STEP_TOLERANCE, MOST_ITERATIONS, Periodic, effort, largest_share};
+use super::{LOOSE_STEP_TOLERANCE, MOST_ITERATIONS, Periodic, largest_share};
 use crate::simulate::hybrid::mechanics::Mechanics;
 use crate::simulate::hybrid::runge_kutta::Vector;
 use crate::simulate::piecewise_linear::drive::TorqueDerivatives;

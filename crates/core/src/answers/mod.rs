@@ -12,10 +12,12 @@ mod identification;
 mod inspection;
 mod linearity;
 mod measurement_fault;
+mod method;
 mod plan;
 mod progress;
 mod request;
 pub mod sample;
+mod search_options;
 mod valid_band;
 mod validation;
 
@@ -33,14 +35,13 @@ pub use inspection::{
 };
 pub use linearity::{DistortionLine, LinearLine, Linearity, LinearityLevel, Parity, Share};
 pub use measurement_fault::{AsMeasured, FaultKind, LeftOutRow, MeasurementFault};
+pub use method::Method;
 pub use plan::{
     Plan, PlanOptions, PlanRequest, PlannedEffect, PlannedExperiment, PlannedSweep, RoughAxis,
 };
 pub use progress::{ConvergenceRow, Progress};
-pub use request::{
-    ColonyOptions, ColonyVariant, IdentifyOptions, InvalidOptions, JobKind, Method, NetworkOptions,
-    PlantRequest, Weighting,
-};
+pub use request::{IdentifyOptions, InvalidOptions, JobKind, PlantRequest, Weighting};
+pub use search_options::{ColonyOptions, ColonyVariant, NetworkOptions};
 pub use valid_band::{BandDeparture, ValidBand};
 pub use validation::{
     BeginningValue, ValidatedCause, ValidatedModel, ValidatedModels, ValidatedMotion, Validation,

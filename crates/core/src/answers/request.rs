@@ -1,6 +1,8 @@
-//! Kinds of job, methods and options of a request.
+//! Kinds of job and options of a request.
 
 use serde::{Deserialize, Serialize};
+
+use super::search_options::{ColonyOptions, NetworkOptions};
 
 /// Kind of job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -24,68 +26,6 @@ impl JobKind {
     }
 }
 
-/// How parameters are estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// A neural network proposes starting points, an artificial bee colony searches, and
-    /// Levenberg–Marquardt refines.
-    #[default]
-    AbcAnn,
-    /// As `abc-ann` with a particle swarm in place of the colony.
-    PsoAnn,
-    /// As `abc-ann` with a genetic algorithm whose rates follow the spread of the fitness.
-    AgaAnn,
-    /// As `abc-ann` with a genetic algorithm of fixed rates.
-    GaAnn,
-    /// Closed form from the describing function of friction at two magnitudes, without refinement.
-    /// Describing functions are approximate, so it is wrong by some percent even without noise.
-    TwoMagnitude,
-    /// Levenberg–Marquardt from several starts.
-    LeastSquares,
-    /// Covariance matrix adaptation evolution strategy, then Levenberg–Marquardt.
-    CmaEs,
-}
-
-/// Every method and its name, in the order in which they are listed for the user.
-const METHODS: &[(Method, &str)] = &[
-    (Method::AbcAnn, "abc-ann"),
-    (Method::PsoAnn, "pso-ann"),
-    (Method::AgaAnn, "aga-ann"),
-    (Method::GaAnn, "ga-ann"),
-    (Method::TwoMagnitude, "two-magnitude"),
-    (Method::LeastSquares, "least-squares"),
-    (Method::CmaEs, "cma-es"),
-];
-
-impl Method {
-    /// Every method, in the order in which they are listed for the user.
-    pub fn all() -> impl Iterator<Item = Method> {
-        METHODS.iter().map(|(method, _)| *method)
-    }
-
-    /// The name used on the wire and on the command line.
-    pub fn name(self) -> &'static str {
-        let found = METHODS.iter().find(|(method, _)| *method == self);
-        found.expect("every method is listed: a test compares with the wire").1
-    }
-}
-
-impl std::str::FromStr for Method {
-    type Err = InvalidOptions;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Method::all().find(|method| method.name() == text).ok_or_else(|| InvalidOptions {
-            option: "method",
-            reason: format!(
-                "`{text}` is not a method; known: {}",
-                Method::all().map(Method::name).collect::<Vec<_>>().join(", ")
-            ),
-        })
-    }
-}
-
 /// Prior knowledge of the plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
@@ -94,78 +34,6 @@ pub struct PlantRequest {
     /// Order of the actuator in front of the mechanics: 0, 1 or 2.
     #[cfg_attr(feature = "openapi", schema(minimum = 0, maximum = 2))]
     pub actuator_order: u8,
-}
-
-/// Variant of the bee colony.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum ColonyVariant {
-    /// Changes several dimensions per step (modification rate 0.5), with a pull towards the best
-    /// source.
-    #[default]
-    GlobalBest,
-    /// Changes one dimension per step, as printed in the paper.
-    Literal,
-}
-
-/// Options of the network that proposes parameters from measured features.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct NetworkOptions {
-    /// Whether it is used at all.
-    pub enabled: bool,
-    /// Neurons in the hidden layer.
-    #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 200))]
-    pub hidden_neurons: usize,
-    /// Number of simulated plants it is trained on.
-    #[cfg_attr(feature = "openapi", schema(minimum = 10, maximum = 20_000))]
-    pub training_plants: usize,
-    /// Passes of back-propagation over the training plants.
-    #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 5_000))]
-    pub epochs: usize,
-}
-
-impl Default for NetworkOptions {
-    fn default() -> Self {
-        // 20 hidden neurons: the paper, Table I.
-        Self { enabled: true, hidden_neurons: 20, training_plants: 800, epochs: 60 }
-    }
-}
-
-/// Options of the artificial bee colony.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct ColonyOptions {
-    /// Whether it is used at all.
-    pub enabled: bool,
-    /// Which variant.
-    pub variant: ColonyVariant,
-    /// Number of food sources, of employed bees and of onlookers.
-    #[cfg_attr(feature = "openapi", schema(minimum = 2, maximum = 1_000))]
-    pub food_sources: usize,
-    /// Number of cycles, each an employed, an onlooker and a scout phase.
-    #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 10_000))]
-    pub cycles: usize,
-    /// Failed trials after which a source is abandoned; null: food sources × parameters, the usual
-    /// choice.
-    #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 1_000_000))]
-    pub abandonment_limit: Option<usize>,
-}
-
-impl Default for ColonyOptions {
-    fn default() -> Self {
-        // 10 sources and 50 cycles: the paper, Table I.
-        Self {
-            enabled: true,
-            variant: ColonyVariant::GlobalBest,
-            food_sources: 10,
-            cycles: 50,
-            abandonment_limit: None,
-        }
-    }
 }
 
 /// Weights of the errors of the harmonics in a fit.
@@ -304,17 +172,6 @@ impl IdentifyOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_method_has_the_same_name_on_the_wire_and_on_the_command_line() {
-        for method in Method::all() {
-            assert_eq!(serde_json::to_value(method).unwrap(), method.name());
-            assert_eq!(method.name().parse(), Ok(method));
-        }
-        // Deserialising an unknown name lists all that serde accepts; `all` must list as many.
-        let known = serde_json::from_str::<Method>("\"magic\"").unwrap_err().to_string();
-        assert_eq!(known.matches('`').count() / 2 - 1, Method::all().count(), "{known}");
-    }
 
     #[test]
     fn a_budget_that_does_not_pay_for_the_food_sources_is_refused() {

@@ -28,7 +28,7 @@
 //! several words needs its unit in brackets: `motor current [A]`.
 //!
 //! Text that spreadsheets and instruments write has other delimiters, decimal marks, encodings and
-//! names. A file with the names above is read by these alone; otherwise those of `vocabulary.rs` fill
+//! names. A file with the names above is read by these alone; otherwise those of `vocabulary` fill
 //! in what is missing. What was understood is said in the notes of the measurement. What could be
 //! read in two ways is refused, and the message names the metadata that decides: `magnitude`,
 //! `decimal`, `column_names`, `sample_s`, `sheet`, `inverted`. Metadata may also be given beside the

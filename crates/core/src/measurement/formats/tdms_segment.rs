@@ -5,10 +5,13 @@
 //! chunks, one channel after the other or interleaved. What a segment does not say of its channels is
 //! as in the segment before. Every length is checked against what is there before it is used.
 
+mod bytes;
+
 use std::collections::HashMap;
 
 use super::fault::Fault;
 use super::limits::{MAX_CELLS_IN_ROW, MAX_ROWS};
+use bytes::{Bytes, Property, STRING, cut_off, width};
 
 /// Bits of the table of contents.
 const HAS_META_DATA: u32 = 1 << 1;
@@ -25,8 +28,6 @@ const AS_BEFORE: u32 = 0;
 const UNSCALED: [u32; 2] = [0x1269, 0x1369];
 
 const LEAD_IN: usize = 28;
-const STRING: u32 = 0x20;
-const TIMESTAMP: u32 = 0x44;
 
 /// A channel with what its properties say.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -55,10 +56,6 @@ pub(super) fn channels(file: &[u8]) -> Result<Vec<Channel>, Fault> {
         rest = reader.segment(rest)?;
     }
     Ok(reader.channels.into_iter().filter(|channel| !channel.values.is_empty()).collect())
-}
-
-fn cut_off() -> Fault {
-    Fault::new("the TDMS file is cut off or damaged: save it again")
 }
 
 #[derive(Default)]
@@ -228,83 +225,4 @@ fn no_number(channel: &str) -> Fault {
 
 fn size(length: u64) -> Result<usize, Fault> {
     usize::try_from(length).map_err(|_| cut_off())
-}
-
-/// Bytes of a number of this type; `None` for anything else.
-fn width(kind: u32) -> Option<usize> {
-    match kind {
-        1 | 5 | 0x21 => Some(1),
-        2 | 6 => Some(2),
-        3 | 7 | 9 | 0x19 => Some(4),
-        4 | 8 | 10 | 0x1a => Some(8),
-        _ => None,
-    }
-}
-
-/// The value of a property.
-enum Property {
-    Number(f64),
-    Text(String),
-    Other,
-}
-
-/// Bytes from which numbers and texts are taken.
-struct Bytes<'a> {
-    rest: &'a [u8],
-    big: bool,
-}
-
-impl<'a> Bytes<'a> {
-    fn take(&mut self, length: usize) -> Result<&'a [u8], Fault> {
-        let (taken, rest) = self.rest.split_at_checked(length).ok_or_else(cut_off)?;
-        self.rest = rest;
-        Ok(taken)
-    }
-
-    /// The next bytes, lowest first, and zeros behind them.
-    fn little(&mut self, width: usize) -> Result<[u8; 8], Fault> {
-        let mut little = [0; 8];
-        little[..width].copy_from_slice(self.take(width)?);
-        if self.big {
-            little[..width].reverse();
-        }
-        Ok(little)
-    }
-
-    fn u32(&mut self) -> Result<u32, Fault> {
-        Ok(u64::from_le_bytes(self.little(4)?) as u32)
-    }
-
-    fn u64(&mut self) -> Result<u64, Fault> {
-        Ok(u64::from_le_bytes(self.little(8)?))
-    }
-
-    fn string(&mut self) -> Result<String, Fault> {
-        let length = self.u32()? as usize;
-        Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
-    }
-
-    fn property(&mut self) -> Result<Property, Fault> {
-        match self.u32()? {
-            STRING => Ok(Property::Text(self.string()?)),
-            TIMESTAMP => self.take(16).map(|_| Property::Other),
-            kind if width(kind).is_some() => self.number(kind).map(Property::Number),
-            _ => Err(cut_off()),
-        }
-    }
-
-    fn number(&mut self, kind: u32) -> Result<f64, Fault> {
-        let little = self.little(width(kind).ok_or_else(cut_off)?)?;
-        let [a, b, c, d, ..] = little;
-        Ok(match kind {
-            1 => f64::from(a as i8),
-            2 => f64::from(i16::from_le_bytes([a, b])),
-            3 => f64::from(i32::from_le_bytes([a, b, c, d])),
-            4 => i64::from_le_bytes(little) as f64,
-            9 | 0x19 => f64::from(f32::from_le_bytes([a, b, c, d])),
-            10 | 0x1a => f64::from_le_bytes(little),
-            // The others are not negative, and have zeros behind them.
-            _ => u64::from_le_bytes(little) as f64,
-        })
-    }
 }

@@ -1,6 +1,8 @@
 //! Metadata: their keys and values.
 
+use super::keys::quantity;
 use super::*;
+use crate::measurement::{Loop, Quantity, ResponseKind};
 
 fn header(key: &str, value: &str) -> Header {
     let mut header = Header::default();

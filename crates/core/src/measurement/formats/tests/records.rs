@@ -3,6 +3,9 @@
 use super::*;
 use crate::measurement::Complex;
 
+mod motions;
+mod settling;
+
 #[test]
 fn a_record_gives_harmonics_of_its_last_periods() {
     let m = ok(&format!("# period_s: 0.1\n# settle_periods: 1\n{}", record(100, 4)));
@@ -144,50 +147,6 @@ fn an_input_that_contradicts_its_period_is_refused_and_one_of_noise_is_said() {
     assert!(ok(&noisy).notes().iter().any(|note| note.contains("the input changes by 20 %")));
 }
 
-/// `periods` periods of 0.1 s of a response that settles with the time constant `settling_s`.
-fn settling(periods: usize, settling_s: f64) -> String {
-    let mut text = String::from("# period_s: 0.1\ntime_s,input,output\n");
-    for n in 0..100 * periods {
-        let (time, angle) = (n as f64 * 1e-3, std::f64::consts::TAU * n as f64 / 100.0);
-        let noise = 0.01 * (((n * 7919) % 101) as f64 - 50.0) / 50.0;
-        let output = angle.cos() + (-time / settling_s).exp() + noise;
-        text += &format!("{time:.3},{:.6},{output:.6}\n", angle.sin());
-    }
-    text
-}
-
-fn notes(text: &str) -> String {
-    ok(text).notes().join("; ")
-}
-
-#[test]
-fn periods_that_have_not_settled_are_left_out_unless_their_number_is_stated() {
-    let text = settling(6, 0.03);
-    assert!(notes(&text).contains("in the first period the response"), "{}", notes(&text));
-    assert_eq!(ok(&text).experiments()[0].repeats.len(), 5);
-    let stated = format!("# settle_periods: 0\n{text}");
-    assert!(notes(&stated).contains("has not settled; give more settle_periods"));
-    assert_eq!(ok(&stated).experiments()[0].repeats.len(), 6);
-    assert!(!notes(&format!("# settle_periods: 1\n{text}")).contains("settled"));
-    // Two periods each divide what remains by e: after ten, it is below the noise.
-    let slow = ok(&settling(20, 0.2));
-    assert!((8..=14).contains(&slow.experiments()[0].repeats.len()), "{:?}", slow.notes());
-    assert!(y(&slow, 0, 0).norm() < 0.02, "{}", y(&slow, 0, 0));
-}
-
-#[test]
-fn periods_that_change_smoothly_are_said() {
-    for periods in [2, 3] {
-        let said = notes(&settling(periods, 0.2));
-        assert!(said.contains("the response changes smoothly by"), "{said}");
-        let said = notes(&settling(periods, 1e-9));
-        assert!(!said.contains("settled"), "{said}");
-    }
-    // Of five periods each deviates from the mean about as much as the next.
-    let said = notes(&settling(5, 0.2));
-    assert!(said.contains("the response changes smoothly by"), "{said}");
-}
-
 #[test]
 fn less_than_a_whole_period_is_refused() {
     let text = format!("# period_s: 0.5\n{}", record(100, 4));
@@ -226,54 +185,6 @@ fn a_segment_that_goes_on_after_another_is_refused() {
     refused("time_s,input,output,segment\n0,1,1,\n", 2, "segment", "missing");
     refused("time_s,input,output\n0,1,x\n", 2, "output", "`x`");
     refused("time_s,input,output\n0,,1\n", 2, "input", "missing");
-}
-
-/// A chirp that begins at rest.
-fn chirp() -> String {
-    let row = |n: i32| {
-        let t = f64::from(n) * 1e-3;
-        format!("{t:.3},{:.6},{:.6}\n", (t * (5.0 + 40.0 * t)).sin(), 0.1 * t)
-    };
-    String::from("time_s,input,output\n") + &(0..800).map(row).collect::<String>()
-}
-
-#[test]
-fn a_record_without_a_period_is_one_motion() {
-    let m = ok(&chirp());
-    assert!(m.experiments().is_empty());
-    let [motion] = m.transients() else { panic!("one motion") };
-    assert_eq!((motion.input.len(), motion.output[799]), (800, 0.0799));
-    assert!((motion.duration_s() - 0.799).abs() < 1e-12);
-    assert_eq!(motion.beginning, crate::measurement::Beginning::default());
-    assert!(m.notes().iter().any(|note| note.contains("no period is found")), "{:?}", m.notes());
-}
-
-#[test]
-fn a_record_that_says_so_has_no_period_and_its_header_says_how_it_begins() {
-    let header = "# period_s: none\n# initial_velocity: 0.2\n# initial_position: -1\n\
-                  # settle_s: 0.05\n# intersample: hold\n";
-    let m = ok(&format!("{header}{}", record(100, 4)));
-    let [motion] = m.transients() else { panic!("one motion") };
-    let beginning = motion.beginning;
-    assert_eq!((beginning.velocity, beginning.position), (Some(0.2), Some(-1.0)));
-    assert_eq!(beginning.settle_s, Some(0.05));
-    assert_eq!(motion.intersample, crate::measurement::Intersample::Hold);
-    assert_eq!(motion.input.len(), 400);
-    let text = format!("# period_s: none\n# settle_s: 9\n{}", record(100, 4));
-    let error = read(&[Source { name: "f.csv", bytes: text.as_bytes() }]).unwrap_err();
-    assert!(error.reason.contains("settle_s of 9 s leaves nothing"), "{error}");
-}
-
-#[test]
-fn motions_and_experiments_are_not_one_measurement() {
-    let (periodic, motion) = (format!("# period_s: 0.1\n{}", record(100, 4)), chirp());
-    let sources = [("a.csv", &periodic), ("b.csv", &motion)]
-        .map(|(name, text)| Source { name, bytes: text.as_bytes() });
-    let error = read(&sources).unwrap_err();
-    assert!(error.reason.contains("1 of 2 experiments have a period"), "{error}");
-    let both = [("b.csv", &motion), ("c.csv", &motion)];
-    let both = both.map(|(name, text)| Source { name, bytes: text.as_bytes() });
-    assert_eq!(read(&both).unwrap().transients().len(), 2);
 }
 
 #[test]

@@ -3,7 +3,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rand::SeedableRng;
 
+use super::colony::draw_rank;
 use super::*;
+use crate::answers::ColonyVariant;
 
 struct Function<F> {
     dimension: usize,

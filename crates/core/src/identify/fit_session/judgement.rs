@@ -1,0 +1,95 @@
+//! The judgement of a fitted model: all that is reported of it.
+
+use super::{FitSession, Model};
+use crate::answers::Stage;
+use crate::identify::model_fit::{self, ModelFit};
+use crate::identify::parameter_names;
+use crate::identify::pipeline::Fitted;
+use crate::identify::prediction;
+use crate::identify::refine;
+use crate::identify::request::{IdentifyError, no_response};
+use crate::identify::solve::answer;
+use crate::identify::summary::Intervals;
+use crate::identify::unknown_jump;
+
+impl FitSession<'_> {
+    /// Everything needed to judge a fitted model. If it has no response from rest in some
+    /// experiments, it is fitted again to the others and judged by them.
+    ///
+    /// # Errors
+    /// When it has no response at all.
+    pub fn judge(&self, model: &Model, intervals: Intervals) -> Result<ModelFit, IdentifyError> {
+        match self.where_answered(model) {
+            None => self.judge_whole(model, intervals),
+            Some((rest, _)) if rest.data() == 0 => Err(no_response()),
+            Some((rest, model)) => rest.judge_whole(&model, intervals),
+        }
+    }
+
+    fn judge_whole(&self, model: &Model, intervals: Intervals) -> Result<ModelFit, IdentifyError> {
+        let fitted = self.fitted(model);
+        let (coordinates, weights) = (&fitted.coordinates, &fitted.weights);
+        let misfit = self.misfit(model);
+        let choice = self.order_choice.clone();
+        let (measurement, request) = (self.measurement, self.request);
+        let mut identification = answer(measurement, &misfit, request, &fitted, choice, intervals)?;
+        let here = misfit.linearise(&model.point).map_err(|_| no_response())?;
+        let held = refine::held(&misfit, &model.point, &here);
+        let free: Vec<usize> = (0..held.len()).filter(|i| !held[*i]).collect();
+        let plant = coordinates.plant(&model.point);
+        let effects = coordinates.effects_at(&model.point);
+        if self.observer.cancelled() {
+            return Err(IdentifyError::Cancelled);
+        }
+        let dof = identification.fit.dof;
+        let all = |_| true;
+        let comparison = prediction::beside(
+            self.measurement,
+            (&self.problem, &[]),
+            (&plant, &effects),
+            weights,
+            dof,
+            all,
+        );
+        identification.fit.unanswered.clone_from(&comparison.unanswered);
+        let sigma = match weights.known() {
+            true => 1.0,
+            false => (model.cost / dof.max(1) as f64).sqrt().max(f64::MIN_POSITIVE),
+        };
+        Ok(ModelFit {
+            identification,
+            comparison,
+            components: model_fit::components(&self.problem),
+            residuals: -here.residuals / sigma,
+            jacobian: here.jacobian.select_columns(&free) / sigma,
+            eliminated: unknown_jump::columns(&self.problem, weights),
+            noise: self.noise(),
+            contradicts_noise: self.contradicted_noise(model, dof),
+        })
+    }
+
+    fn fitted(&self, model: &Model) -> Fitted {
+        let mut stages = self.fitted.stages.clone();
+        if !model.effects().is_empty() {
+            stages.push(Stage {
+                name: "extension".into(),
+                evaluations: model.evaluations,
+                budget: None,
+                seconds: 0.0,
+                cost: model.cost,
+                parameters: parameter_names::values(
+                    &self.problem.in_units(&model.coordinates.plant(&model.point)),
+                ),
+                stop_reason: "converged".into(),
+            });
+        }
+        Fitted {
+            order: self.fitted.order,
+            coordinates: model.coordinates.clone(),
+            point: model.point.clone(),
+            weights: self.fitted.weights.clone(),
+            cost: model.cost,
+            stages,
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! Runs the stages of a method in order: closed form, network, search, refinement.
 
-use std::ops::ControlFlow;
+mod refinement;
+mod starts;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -9,29 +10,13 @@ use crate::answers::{IdentifyOptions, Stage};
 use crate::measurement::Measurement;
 use crate::plant::{Actuator, Plant};
 
-use super::closed_form;
 use super::history::History;
 use super::methods::Steps;
-use super::minima::different_minima;
 use super::noise::{self, Beside, Weights};
 use super::objective::Misfit;
-use super::optimiser::{self, Optimiser, Search};
 use super::parameters::Coordinates;
 use super::problem::Problem;
-use super::proposal;
-use super::refine::{self, Patience, Refined};
 use super::request::IdentifyError;
-use super::saturated;
-use super::unit_cube_objective::OverCube;
-
-/// Most rounds of refinement in which weights that depend on the model are recomputed.
-const MOST_REWEIGHTINGS: usize = 6;
-
-/// If no coordinate moves by more than this in a round, the weights have converged.
-const CONVERGED_CHANGE: f64 = 1e-6;
-
-/// How far every start is refined, on the coarse problem if there is one.
-const ROUGH: Patience = Patience { cost_tolerance: 1e-5, ..refine::THOROUGH };
 
 /// The base model, fitted with one actuator order.
 #[derive(Clone)]
@@ -112,198 +97,6 @@ impl Run<'_> {
         }
         let order = self.history.order;
         Ok(Fitted { order, coordinates, point, weights, cost, stages: found.stages })
-    }
-
-    /// The points to refine: those of every stage that the method has and the options enable.
-    fn starts(&self, misfit: &Misfit<'_>, found: &mut StageResults) -> Result<(), IdentifyError> {
-        let Steps { closed_form, network, search, .. } = self.steps;
-        if search.is_none() {
-            self.closed_form_alone(misfit, found)?;
-        } else if *closed_form && self.options.closed_form_start {
-            self.closed_form(misfit, found);
-        }
-        if let Some(known) = self.known {
-            found.sources.push(misfit.coordinates.share_of_search(&known.point));
-            found.starts.push(known.point.clone());
-        } else if *network && self.options.network.enabled {
-            self.network(misfit, found)?;
-        }
-        if let Some(optimiser) = search.filter(|search| search.is_enabled(self.options)) {
-            self.search(optimiser, misfit, found)?;
-        }
-        if found.starts.is_empty() {
-            let coordinates = misfit.coordinates;
-            let mut middle = coordinates.within_search(&vec![0.5; coordinates.len() - 1]);
-            misfit.solve_for_constant(&mut middle);
-            found.starts.push(middle);
-        }
-        Ok(())
-    }
-
-    fn closed_form(&self, misfit: &Misfit<'_>, found: &mut StageResults) {
-        let begun = self.history.begin("closed_form", 1);
-        if let Some(plant) = closed_form::start(self.problem, self.history.order) {
-            let mut point = misfit.coordinates.point(&plant);
-            let cost = misfit.solve_for_constant(&mut point);
-            begun.row(0, 1, cost, None);
-            found.stages.push(begun.end(1, cost, &self.in_units(misfit, &point), "solved"));
-            found.sources.push(misfit.coordinates.share_of_search(&point));
-            found.starts.push(point);
-        }
-    }
-
-    fn network(&self, misfit: &Misfit<'_>, found: &mut StageResults) -> Result<(), IdentifyError> {
-        let options = &self.options.network;
-        let begun = self.history.begin("network", options.epochs as u64);
-        let plants = options.training_plants as u64;
-        let mut rng = self.stream(1);
-        let proposal =
-            proposal::propose(misfit, options, &mut rng, &mut |epoch, training, held_out| {
-                begun.row(epoch as u64, plants, held_out, Some(training));
-                begun.progress(epoch as u64);
-            });
-        self.history.check_cancelled()?;
-        if let Some(proposal) = proposal {
-            let point = proposal.point(misfit.coordinates);
-            let cost = misfit.cost(&point);
-            let plant = self.in_units(misfit, &point);
-            let used = proposal.evaluations + 1;
-            found.stages.push(begun.end(used, cost, &plant, "every epoch trained"));
-            found.starts.push(point);
-            let wanted = self.options.colony.food_sources.saturating_sub(found.sources.len());
-            found.sources.extend(proposal.food_sources(wanted.max(1), &mut rng));
-        }
-        Ok(())
-    }
-
-    /// The closed form as the answer of the method. It requires two magnitudes at one frequency. If
-    /// these show no actuator of this order, the plant of the next lower order is taken, with an
-    /// additional pole too fast to be seen.
-    fn closed_form_alone(
-        &self,
-        misfit: &Misfit<'_>,
-        found: &mut StageResults,
-    ) -> Result<(), IdentifyError> {
-        let unusable = |reason: &str| IdentifyError::Unusable { reason: reason.into() };
-        if !closed_form::has_two_magnitudes(self.problem) {
-            return Err(unusable(
-                "two-magnitude needs single sines at two magnitudes of one frequency, both of \
-                 which move the axis; other methods need less",
-            ));
-        }
-        self.closed_form(misfit, found);
-        if found.starts.is_empty() {
-            found.starts.extend(self.start_of_lower(misfit.coordinates));
-        }
-        if found.starts.is_empty() {
-            return Err(unusable(
-                "the closed form finds no axis of this order in the describing functions; leave \
-                 the order to the data or take another method",
-            ));
-        }
-        Ok(())
-    }
-
-    fn search(
-        &self,
-        optimiser: &dyn Optimiser,
-        misfit: &Misfit<'_>,
-        found: &mut StageResults,
-    ) -> Result<(), IdentifyError> {
-        let budget = optimiser.budget(self.options);
-        let begun = self.history.begin(optimiser.stage(), budget as u64).within(budget as u64);
-        let objective = OverCube { misfit };
-        let mut watch = |generation: &optimiser::Generation| {
-            let optimiser::Generation { index, evaluations, best, mean } = *generation;
-            begun.row(index as u64, evaluations as u64, best, mean);
-            begun.progress(evaluations as u64);
-            match self.history.observer.cancelled() {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
-            }
-        };
-        let mut search = Search::new(&objective, &found.sources, self.options, budget, &mut watch);
-        let Err(stop) = optimiser.search(&mut search, &mut self.stream(2));
-        self.history.check_cancelled()?;
-        let used = search.used() as u64;
-        let Some((best, _)) = search.best() else { return Ok(()) };
-        let mut point = misfit.coordinates.within_search(best);
-        let cost = misfit.solve_for_constant(&mut point);
-        let plant = self.in_units(misfit, &point);
-        found.stages.push(begun.end(used, cost, &plant, stop.reason()));
-        found.starts.push(point);
-        Ok(())
-    }
-
-    /// Refines every start roughly, then those that lead to different minima about as low as the
-    /// lowest one, then the best again until its weights have converged.
-    fn refinement(
-        &self,
-        coordinates: &Coordinates,
-        weights: &mut Weights,
-        found: &mut StageResults,
-    ) -> Result<Vec<f64>, IdentifyError> {
-        found.starts.extend(self.start_of_lower(coordinates));
-        let begun = self.history.begin("refinement", found.starts.len() as u64);
-        let (mut evaluations, mut steps) = (0, 0);
-        let mut descend = |problem, weights: &Weights, start: &[f64], patience, bar: f64| {
-            let misfit = Misfit { problem, ..self.misfit(coordinates, weights) };
-            let mut on_step = |_, used: u64, cost: f64| {
-                begun.row(steps, evaluations + used, cost.min(bar), None);
-                steps += 1;
-            };
-            let refined = refine::refine(&misfit, start, patience, &mut on_step);
-            evaluations += refined.evaluations;
-            self.history.check_cancelled().map(|()| refined)
-        };
-        let mut rough: Vec<Refined> = Vec::new();
-        for (done, start) in found.starts.iter().enumerate() {
-            begun.progress(done as u64);
-            let problem = self.coarse.unwrap_or(self.problem);
-            let bar = rough.iter().map(|refined| refined.cost).fold(f64::INFINITY, f64::min);
-            rough.push(descend(problem, weights, start, ROUGH, bar)?);
-        }
-        let mut best: Option<Refined> = None;
-        for start in different_minima(rough) {
-            let bar = best.as_ref().map_or(f64::INFINITY, |refined| refined.cost);
-            // The damping that the fit has by then.
-            let patience = Patience { damping: start.damping, ..refine::THOROUGH };
-            let refined = descend(self.problem, weights, &start.point, patience, bar)?;
-            if refined.cost < bar {
-                best = Some(refined);
-            }
-        }
-        let mut best = best.ok_or_else(no_response)?;
-        let mut rng = self.stream(3);
-        for _ in 0..saturated::STARTS {
-            let misfit = self.misfit(coordinates, weights);
-            if !saturated::misses(&misfit, best.cost) {
-                break;
-            }
-            let start = saturated::start(&misfit, &mut rng);
-            let refined = descend(self.problem, weights, &start, refine::THOROUGH, best.cost)?;
-            if refined.cost < best.cost {
-                best = refined;
-            }
-        }
-        for _ in 0..MOST_REWEIGHTINGS {
-            if !weights.depend_on_model {
-                break;
-            }
-            *weights = self.weights(Some(&coordinates.plant(&best.point)));
-            let patience = Patience { damping: best.damping, ..refine::THOROUGH };
-            let refined = descend(self.problem, weights, &best.point, patience, f64::INFINITY)?;
-            let moved = refined.point.iter().zip(&best.point).map(|(a, b)| (a - b).abs());
-            let converged = moved.fold(0.0, f64::max) < CONVERGED_CHANGE;
-            best = refined;
-            if converged {
-                break;
-            }
-        }
-        begun.progress(found.starts.len() as u64);
-        let plant = self.problem.in_units(&coordinates.plant(&best.point));
-        found.stages.push(begun.end(evaluations, best.cost, &plant, best.stop));
-        Ok(best.point)
     }
 
     /// The fit of the next lower order as a point of this order.

@@ -1,46 +1,20 @@
 //! Pools variances, or shrinks them towards a law or a trend by empirical Bayes (Smyth 2004,
 //! doi:10.2202/1544-6115.1027).
 
+mod cell;
+mod prior_dof;
+mod trend;
+
 use statrs::distribution::{ChiSquared, ContinuousCDF};
-use statrs::function::gamma::digamma;
 
 use super::variance_law::{SumOfSquares, VarianceLaw};
-
-/// The estimated variance of one datum.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Cell {
-    /// Experiment it belongs to.
-    pub experiment: usize,
-    /// Harmonic.
-    pub order: usize,
-    /// Magnitude of the experiment.
-    pub magnitude: f64,
-    /// Size |Y| of the datum, in units of the problem.
-    pub size: f64,
-    /// Whether it comes from the periods of a record.
-    pub from_record: bool,
-    /// The estimate, in squared units of the problem.
-    pub variance: f64,
-    /// Its degrees of freedom; 0 if nothing was repeated.
-    pub dof: f64,
-}
-
-impl Cell {
-    /// Number of repeats that it was estimated from.
-    pub fn repeats(&self) -> f64 {
-        1.0 + self.dof / if self.order == 0 { 1.0 } else { 2.0 }
-    }
-}
+pub(super) use cell::Cell;
+use cell::pooled;
+use prior_dof::prior_dof;
+use trend::trend;
 
 /// Variances below this share of the largest one are rounding, and are raised to it.
 const ROUNDING_SHARE: f64 = 1e-16;
-
-/// A record needs this many lines for its noise to be smoothed along frequency (tuned).
-const FEWEST_LINES: usize = 24;
-
-/// Degrees of freedom over which the noise of a record is smoothed: a neighbourhood has as many
-/// lines as that takes (tuned).
-const NEIGHBOURHOOD_DOF: f64 = 60.0;
 
 /// Significance level of the test that all variances are equal.
 const EQUALITY_LEVEL: f64 = 0.01;
@@ -130,13 +104,6 @@ fn shrink(
     rows.iter().map(|row| moderated.by_ref().take(row.len()).collect()).collect()
 }
 
-/// Mean of the variances, weighted by their degrees of freedom.
-fn pooled(cells: &[Cell]) -> Option<f64> {
-    let dof: f64 = cells.iter().map(|cell| cell.dof).sum();
-    let sum: f64 = cells.iter().map(|cell| cell.dof * cell.variance).sum();
-    (dof > 0.0).then(|| sum / dof)
-}
-
 /// Bartlett's test (1937, doi:10.1098/rspa.1937.0109) that all variances are equal.
 fn equal(cells: &[Cell], pooled: f64) -> bool {
     let estimated: Vec<&Cell> = cells.iter().filter(|cell| cell.dof > 0.0).collect();
@@ -149,138 +116,6 @@ fn equal(cells: &[Cell], pooled: f64) -> bool {
     let reciprocal: f64 = estimated.iter().map(|cell| 1.0 / cell.dof).sum();
     let correction = 1.0 + (reciprocal - 1.0 / dof) / (3.0 * (groups - 1.0));
     ChiSquared::new(groups - 1.0).is_ok_and(|chi2| chi2.sf(spread / correction) > EQUALITY_LEVEL)
-}
-
-/// The prior variance of each cell, from its neighbours: the lines nearby in a record; cells of the
-/// same magnitude, harmonic or experiment in a table.
-fn trend(rows: &[Vec<Cell>], flat: &[Cell]) -> Vec<f64> {
-    let follows_frequency = |row: &Vec<Cell>| {
-        row.len() >= FEWEST_LINES && row.iter().all(|cell| cell.from_record && cell.dof > 0.0)
-    };
-    let mut prior = match rows.iter().all(follows_frequency) {
-        true => vec![0.0; flat.len()],
-        false => additive(flat),
-    };
-    let mut start = 0;
-    for row in rows {
-        let cells = &flat[start..start + row.len()];
-        if follows_frequency(row) {
-            for (i, variance) in prior[start..start + row.len()].iter_mut().enumerate() {
-                let reach = (0.5 * NEIGHBOURHOOD_DOF / cells[i].dof).ceil() as usize;
-                let near = &cells[i.saturating_sub(reach)..(i + reach + 1).min(cells.len())];
-                *variance = pooled(near).unwrap_or(*variance);
-            }
-        }
-        start += row.len();
-    }
-    prior
-}
-
-/// Fits the additive model ln σ² = magnitude effect + harmonic effect + experiment effect, by
-/// repeatedly removing group means (backfitting).
-fn additive(cells: &[Cell]) -> Vec<f64> {
-    let keys: [fn(&Cell) -> u64; 3] =
-        [|cell| cell.magnitude.to_bits(), |cell| cell.order as u64, |cell| cell.experiment as u64];
-    let groupings = keys.map(|key| groups(cells, key));
-    let log = |cell: &Cell| cell.variance.ln() - LogScatter::of(cell.dof).mean;
-    let mut left: Vec<f64> =
-        cells.iter().map(|cell| if cell.dof > 0.0 { log(cell) } else { 0.0 }).collect();
-    let mut fitted = vec![0.0; cells.len()];
-    for _ in 0..20 {
-        for (count, group_of) in &groupings {
-            let mut sums = vec![(0.0, 0.0); *count];
-            for ((cell, rest), group) in cells.iter().zip(&left).zip(group_of) {
-                if cell.dof > 0.0 {
-                    sums[*group].0 += rest * cell.dof;
-                    sums[*group].1 += cell.dof;
-                }
-            }
-            for (i, group) in group_of.iter().enumerate() {
-                let (sum, dof) = sums[*group];
-                if dof > 0.0 {
-                    fitted[i] += sum / dof;
-                    left[i] -= sum / dof;
-                }
-            }
-        }
-    }
-    fitted.into_iter().map(f64::exp).collect()
-}
-
-/// Number of groups of cells with the same key, and the group of every cell.
-fn groups(cells: &[Cell], key: fn(&Cell) -> u64) -> (usize, Vec<usize>) {
-    let mut known = std::collections::BTreeMap::<u64, usize>::new();
-    let mut group_of = Vec::with_capacity(cells.len());
-    for cell in cells {
-        let next = known.len();
-        group_of.push(*known.entry(key(cell)).or_insert(next));
-    }
-    (known.len(), group_of)
-}
-
-/// Degrees of freedom of the prior, from the excess of the scatter of ln s² about the prior over
-/// ψ'(ν/2), which the few repeats alone cause. Infinite if there is no significant excess.
-fn prior_dof(cells: &[Cell], prior: &[f64]) -> f64 {
-    let (mut excess, mut scatter, mut count) = (0.0, 0.0, 0.0);
-    let mut alike = LogScatter::of(1.0);
-    for (cell, prior) in cells.iter().zip(prior).filter(|(cell, _)| cell.dof > 0.0) {
-        // Nearly all cells have as many degrees of freedom as the one before.
-        if alike.dof != cell.dof {
-            alike = LogScatter::of(cell.dof);
-        }
-        let deviation = (cell.variance / prior).ln() - alike.mean;
-        excess += deviation * deviation - alike.variance;
-        scatter += alike.variance;
-        count += 1.0;
-    }
-    if count == 0.0 {
-        return f64::INFINITY;
-    }
-    let excess: f64 = excess / count;
-    // The mean of `count` squares has a relative standard deviation of about √(2/count); allow two.
-    let noise = scatter / count * f64::sqrt(8.0 / count);
-    if excess <= noise { f64::INFINITY } else { 2.0 * inverse_trigamma(excess) }
-}
-
-/// ln s² − ln σ² of an estimated variance.
-struct LogScatter {
-    /// ν, the degrees of freedom of the estimate.
-    dof: f64,
-    /// Its mean, ψ(ν/2) − ln(ν/2).
-    mean: f64,
-    /// Its variance, ψ'(ν/2).
-    variance: f64,
-}
-
-impl LogScatter {
-    /// For more than 0 degrees of freedom.
-    fn of(dof: f64) -> Self {
-        let half = 0.5 * dof;
-        Self { dof, mean: digamma(half) - half.ln(), variance: trigamma(half) }
-    }
-}
-
-/// ψ'(x) for x > 0, by the recurrence and the asymptotic series (DLMF 5.15.8).
-fn trigamma(mut x: f64) -> f64 {
-    let mut sum = 0.0;
-    while x < 10.0 {
-        sum += 1.0 / (x * x);
-        x += 1.0;
-    }
-    let inverse = 1.0 / x;
-    let square = inverse * inverse;
-    sum + inverse
-        * (1.0 + 0.5 * inverse + square * (1.0 / 6.0 - square * (1.0 / 30.0 - square / 42.0)))
-}
-
-/// The x with ψ'(x) = y > 0, by bisection in ln x.
-fn inverse_trigamma(y: f64) -> f64 {
-    let (mut low, mut high) = (-20.0_f64, 20.0_f64);
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if trigamma(middle.exp()) > y { low = middle } else { high = middle }
-    }
-    (0.5 * (low + high)).exp()
 }
 
 #[cfg(test)]
@@ -370,13 +205,5 @@ mod tests {
             // 60 degrees of freedom give 18 %, plus the slope over the neighbourhood.
             assert!((0.4..1.9).contains(&ratio), "{k}: {ratio}");
         }
-    }
-
-    #[test]
-    fn trigamma_agrees_with_known_values() {
-        let pi2 = std::f64::consts::PI.powi(2);
-        assert!((trigamma(1.0) - pi2 / 6.0).abs() < 1e-10);
-        assert!((trigamma(0.5) - pi2 / 2.0).abs() < 1e-10);
-        assert!((inverse_trigamma(trigamma(3.7)) - 3.7).abs() < 1e-9);
     }
 }

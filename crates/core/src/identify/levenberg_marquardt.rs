@@ -4,48 +4,14 @@
 //! curvature so far (Moré 1978, doi:10.1007/BFb0067700). Coordinates on a bound that the gradient
 //! pushes outwards are held; steps are cut at the bounds.
 
-use nalgebra::{DMatrix, DVector};
+mod damped_step;
+mod least_squares;
 
-/// Residuals and their Jacobian.
-#[derive(Debug, Clone)]
-pub(super) struct Linearisation {
-    /// Residuals; of a misfit (Ŷ − Y)/σ: real and imaginary part of each datum in turn, harmonic 0
-    /// with its real part alone.
-    pub residuals: DVector<f64>,
-    /// One row for each residual, one column for each coordinate.
-    pub jacobian: DMatrix<f64>,
-}
+use nalgebra::DVector;
 
-/// A sum of squares to be minimised. Its coordinates are scaled so that 1 is the longest sensible
-/// step.
-pub(super) trait LeastSquares {
-    /// Why a point has no residuals.
-    type Error;
-
-    /// The sum of squares at a point; infinite where it has no residuals.
-    fn cost(&self, point: &[f64]) -> f64;
-
-    /// Residuals and their derivatives at a point.
-    fn linearise(&self, point: &[f64]) -> Result<Linearisation, Self::Error>;
-
-    /// Lower and upper bound of a coordinate.
-    fn bounds(&self, _coordinate: usize) -> [f64; 2] {
-        [f64::NEG_INFINITY, f64::INFINITY]
-    }
-
-    /// Moves a point onto the bounds it exceeds.
-    fn clamp(&self, point: &mut [f64]) {
-        for (i, value) in point.iter_mut().enumerate() {
-            let [least, most] = self.bounds(i);
-            *value = value.clamp(least, most);
-        }
-    }
-
-    /// Whether to stop before the next step.
-    fn cancelled(&self) -> bool {
-        false
-    }
-}
+use damped_step::damped_step;
+pub(super) use damped_step::held;
+pub(super) use least_squares::{LeastSquares, Linearisation};
 
 /// When a refinement ends.
 #[derive(Debug, Clone, Copy)]
@@ -72,9 +38,6 @@ pub(super) const FIRST_DAMPING: f64 = 1e-3;
 
 /// Converged if no coordinate moves by more than this.
 const STEP_TOLERANCE: f64 = 1e-11;
-
-/// Longest step of any coordinate.
-const LONGEST_STEP: f64 = 1.0;
 
 /// A rejected trial whose cost exceeds that of the point by more than this factor lies where the
 /// linearised residuals say nothing, so that their prediction for the next, shorter step is not
@@ -222,203 +185,5 @@ pub(super) fn minimise_from<P: LeastSquares>(
     Refined { point, cost, evaluations, damping, stop: "step limit" }
 }
 
-/// The damped step within the bounds, with no coordinate moved by more than [`LONGEST_STEP`]. The
-/// coordinate that exceeds its limit most is set to the limit, and the others are solved for again.
-/// A coordinate that the data does not determine thus does not shorten the step of the others.
-fn damped_step(
-    problem: &impl LeastSquares,
-    point: &[f64],
-    gradient: &DVector<f64>,
-    curvature: &DMatrix<f64>,
-    scaling: &DVector<f64>,
-    damping: f64,
-) -> Vec<f64> {
-    let limits = |i: usize| {
-        let [lower, upper] = problem.bounds(i);
-        [(lower - point[i]).max(-LONGEST_STEP), (upper - point[i]).min(LONGEST_STEP)]
-    };
-    let mut free = free_coordinates(problem, point, gradient);
-    let mut step = DVector::zeros(point.len());
-    while !free.is_empty() {
-        let pushed = gradient + curvature * &step;
-        let right = DVector::from_fn(free.len(), |r, _| -pushed[free[r]]);
-        let mut system = curvature.select_rows(&free).select_columns(&free);
-        for (r, i) in free.iter().enumerate() {
-            system[(r, r)] += damping * scaling[*i];
-        }
-        let Some(factor) = system.cholesky() else { return point.to_vec() };
-        let found = factor.solve(&right);
-        let beyond = |r: usize| {
-            let [least, most] = limits(free[r]);
-            (least - found[r]).max(found[r] - most)
-        };
-        let worst = (0..free.len()).max_by(|a, b| beyond(*a).total_cmp(&beyond(*b)));
-        match worst.filter(|r| beyond(*r) > 0.0) {
-            Some(r) => {
-                let i = free.remove(r);
-                let [least, most] = limits(i);
-                step[i] = found[r].clamp(least, most);
-            }
-            None => {
-                free.iter().enumerate().for_each(|(r, i)| step[*i] = found[r]);
-                break;
-            }
-        }
-    }
-    let mut trial: Vec<f64> = point.iter().zip(&step).map(|(p, s)| p + s).collect();
-    problem.clamp(&mut trial);
-    trial
-}
-
-/// Coordinates that are not held by a bound the cost pushes them against.
-fn free_coordinates(
-    problem: &impl LeastSquares,
-    point: &[f64],
-    gradient: &DVector<f64>,
-) -> Vec<usize> {
-    (0..point.len())
-        .filter(|i| {
-            let [lower, upper] = problem.bounds(*i);
-            let held_below = point[*i] <= lower && gradient[*i] > 0.0;
-            let held_above = point[*i] >= upper && gradient[*i] < 0.0;
-            !(held_below || held_above)
-        })
-        .collect()
-}
-
-/// Which coordinates are held by a bound at a point.
-pub(super) fn held(problem: &impl LeastSquares, point: &[f64], here: &Linearisation) -> Vec<bool> {
-    let gradient = here.jacobian.tr_mul(&here.residuals);
-    let free = free_coordinates(problem, point, &gradient);
-    let on_bound = |i: usize| {
-        let [lower, upper] = problem.bounds(i);
-        point[i] <= lower || point[i] >= upper
-    };
-    (0..point.len()).map(|i| !free.contains(&i) || on_bound(i)).collect()
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const PATIENCE: Patience = Patience {
-        steps: 100,
-        evaluations: u64::MAX,
-        cost_tolerance: 1e-14,
-        negligible: 0.0,
-        damping: FIRST_DAMPING,
-        linear_within: 0.0,
-    };
-
-    /// Rosenbrock's function as a sum of squares, 10(y − x²) and 1 − x: least at (1, 1). Its x
-    /// has an upper bound.
-    struct Rosenbrock(f64);
-
-    impl LeastSquares for Rosenbrock {
-        type Error = ();
-
-        fn cost(&self, point: &[f64]) -> f64 {
-            self.linearise(point).map_or(f64::INFINITY, |here| here.residuals.norm_squared())
-        }
-
-        fn linearise(&self, point: &[f64]) -> Result<Linearisation, ()> {
-            let [x, y] = [point[0], point[1]];
-            let residuals = DVector::from_vec(vec![10.0 * (y - x * x), 1.0 - x]);
-            let jacobian = DMatrix::from_row_slice(2, 2, &[-20.0 * x, 10.0, -1.0, 0.0]);
-            if x.is_finite() { Ok(Linearisation { residuals, jacobian }) } else { Err(()) }
-        }
-
-        fn bounds(&self, coordinate: usize) -> [f64; 2] {
-            [f64::NEG_INFINITY, if coordinate == 0 { self.0 } else { f64::INFINITY }]
-        }
-    }
-
-    fn minimum(problem: &Rosenbrock, start: [f64; 2]) -> Refined {
-        minimise(problem, &start, PATIENCE, &mut |_, _, _| ())
-    }
-
-    #[test]
-    fn a_curved_valley_is_followed_to_its_end() {
-        let found = minimum(&Rosenbrock(f64::INFINITY), [-1.2, 1.0]);
-        assert!(found.point.iter().all(|x| (x - 1.0).abs() < 1e-9), "{found:?}");
-    }
-
-    #[test]
-    fn a_bound_holds_its_coordinate_and_lets_the_others_go() {
-        let problem = Rosenbrock(0.5);
-        let found = minimum(&problem, [-1.2, 1.0]);
-        assert!(found.point[0] == 0.5 && (found.point[1] - 0.25).abs() < 1e-9, "{found:?}");
-        let here = problem.linearise(&found.point).unwrap();
-        assert_eq!(held(&problem, &found.point, &here), [true, false]);
-    }
-
-    /// Residuals 3 and r(x) of one coordinate x.
-    struct Curve {
-        value: fn(f64) -> f64,
-        slope: fn(f64) -> f64,
-    }
-
-    impl LeastSquares for Curve {
-        type Error = ();
-
-        fn cost(&self, point: &[f64]) -> f64 {
-            9.0 + (self.value)(point[0]).powi(2)
-        }
-
-        fn linearise(&self, point: &[f64]) -> Result<Linearisation, ()> {
-            let residuals = DVector::from_vec(vec![3.0, (self.value)(point[0])]);
-            let jacobian = DMatrix::from_column_slice(2, 1, &[0.0, (self.slope)(point[0])]);
-            Ok(Linearisation { residuals, jacobian })
-        }
-    }
-
-    fn coarse_minimum(problem: &Curve, start: f64, cost_tolerance: f64) -> Refined {
-        let patience = Patience { cost_tolerance, ..PATIENCE };
-        minimise(problem, &[start], patience, &mut |_, _, _| ())
-    }
-
-    // The least cost is 9; at x = 0.05 it is larger by 0.0025, less than a thousandth.
-    #[test]
-    fn no_trial_is_made_for_a_decrease_that_does_not_matter() {
-        let line = Curve { value: |x| x, slope: |_| 1.0 };
-        let found = coarse_minimum(&line, 0.05, 1e-3);
-        assert_eq!((found.stop, found.evaluations, found.point[0]), ("converged", 1, 0.05));
-        assert!(coarse_minimum(&line, 0.05, 1e-4).point[0].abs() < 1e-3);
-    }
-
-    #[test]
-    fn a_fit_that_trusts_its_prediction_ends_after_one_trial_where_the_residuals_are_linear() {
-        let trusting = |problem: &Curve| {
-            let patience = Patience { linear_within: 0.05, damping: 0.0, ..PATIENCE };
-            minimise(problem, &[1.0], patience, &mut |_, _, _| ())
-        };
-        let line = Curve { value: |x| x, slope: |_| 1.0 };
-        let found = trusting(&line);
-        assert_eq!((found.stop, found.evaluations, found.cost), ("converged", 2, 9.0));
-        // From 1 a step to ½ is predicted to reach 0 and leaves a quarter.
-        let parabola = Curve { value: |x| x * x, slope: |x| 2.0 * x };
-        let found = trusting(&parabola);
-        assert!(found.evaluations > 4 && found.point[0].abs() < 1e-2, "{found:?}");
-    }
-
-    // At 0 the slope promises little, and the longest step ends on the wall beyond the valley,
-    // whose ground is at √0.15 = 0.387.
-    #[test]
-    fn a_trial_far_up_does_not_end_the_search_for_a_shorter_step() {
-        let valley = Curve {
-            value: |x| 5.0 - 0.06 * x - 15.0 * x.powi(2) + 50.0 * x.powi(4),
-            slope: |x| -0.06 - 30.0 * x + 200.0 * x.powi(3),
-        };
-        let [predicted, matters] = [2.0 * 5.0 * 0.06, 0.01 * (9.0 + 25.0)];
-        assert!(predicted > matters && 0.387 * predicted < matters);
-        let found = coarse_minimum(&valley, 0.0, 0.01);
-        assert!((found.point[0] - 0.387).abs() < 0.05, "{found:?}");
-    }
-
-    #[test]
-    fn a_start_without_residuals_has_no_cost() {
-        let found = minimum(&Rosenbrock(f64::INFINITY), [f64::INFINITY, 0.0]);
-        assert_eq!((found.stop, found.evaluations), ("no response", 1));
-        assert_eq!(found.cost, f64::INFINITY);
-    }
-}
+mod tests;

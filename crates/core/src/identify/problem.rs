@@ -5,73 +5,24 @@
 //! problem, and its parameters differ by exactly the change of units. Comments call these units "in
 //! scale".
 
+mod coarser;
+mod levels;
+mod prepared;
+mod scales;
 mod subset;
 
 use crate::effects::Scope;
-use crate::measurement::{
-    Complex, EXCITED_SHARE, Experiment, Loop, Measurement, Metadata, ResponseKind,
-};
-use crate::plant::{Actuator, Friction, Plant};
-use crate::simulate::Excitation;
+use crate::measurement::{Measurement, ResponseKind};
+use crate::plant::Plant;
 
 use super::observed_motion::{largest_travel, largest_velocity, widest_travel};
 use super::parameters::Prior;
 use super::request::IdentifyError;
-
-/// Fewest samples of a coarse grid for each cycle of the highest line that is both excited and
-/// compared. Quintics interpolate that line with a relative error of 2e-3: (2π/3)⁶/46080.
-const FEWEST_SAMPLES_PER_CYCLE: usize = 3;
-
-/// The units of the problem, expressed in units of the upload.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Scales {
-    /// ω_ref, rad/s.
-    pub omega: f64,
-    /// u_ref, input units.
-    pub input: f64,
-    /// v_ref, velocity units.
-    pub velocity: f64,
-}
-
-/// One datum: a harmonic of the response.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Target {
-    /// Harmonic k.
-    pub order: usize,
-    /// Measured value, in scale.
-    pub value: Complex,
-    /// Factor from velocity to response: 1 (velocity), 1/(jkω) (position) or jkω (acceleration), in
-    /// scale.
-    pub per_velocity: Complex,
-    /// Whether only the real part is compared (harmonic 0).
-    pub real: bool,
-    /// Whether this is not a datum but the constraint of the mean velocity of a position.
-    pub constraint: bool,
-}
-
-/// One experiment, ready for simulation.
-#[derive(Debug, Clone)]
-pub(super) struct Prepared {
-    /// The input, in scale.
-    pub excitation: Excitation,
-    /// Highest harmonic that is compared.
-    pub highest: usize,
-    /// The harmonics that are compared.
-    pub targets: Vec<Target>,
-    /// Whether it is not known exactly how far a position ends its period from where it began.
-    pub unknown_jump: bool,
-}
-
-impl Prepared {
-    /// The highest line of the input that is excited and compared; 0 if there is none.
-    fn highest_excited(&self) -> usize {
-        let lines = || self.excitation.input().iter().enumerate().skip(1);
-        let largest = lines().map(|(_, u)| u.norm()).fold(0.0, f64::max);
-        let is_excited =
-            |(k, u): &(usize, &Complex)| *k <= self.highest && u.norm() > EXCITED_SHARE * largest;
-        lines().rfind(is_excited).map_or(0, |(k, _)| k)
-    }
-}
+use levels::{excited_band, levels, peak_input};
+pub(super) use prepared::{Prepared, Target, per_velocity};
+use prepared::{has_unknown_jump, prepare};
+pub(super) use scales::Scales;
+use scales::rescaled;
 
 /// A measurement ready for fitting.
 #[derive(Debug, Clone)]
@@ -168,21 +119,6 @@ impl Problem {
         })
     }
 
-    /// The same problem on coarser grids, which interpolate inputs to this error, relative to
-    /// their rms without the mean; `None` if no experiment has one.
-    pub fn coarser(&self, error: f64) -> Option<Self> {
-        let mut coarse = self.clone();
-        let mut any = false;
-        for experiment in &mut coarse.experiments {
-            let fewest = FEWEST_SAMPLES_PER_CYCLE * experiment.highest_excited();
-            if let Some(excitation) = experiment.excitation.coarser(error, fewest) {
-                experiment.excitation = excitation;
-                any = true;
-            }
-        }
-        any.then_some(coarse)
-    }
-
     /// Number of real data, constraints included.
     pub fn data(&self) -> usize {
         let components = |target: &Target| if target.real { 1 } else { 2 };
@@ -221,140 +157,9 @@ impl Problem {
     }
 }
 
-/// The plant with its rates, torques and velocities multiplied by these factors.
-fn rescaled(plant: &Plant, Scales { omega, input, velocity }: Scales) -> Plant {
-    let friction = plant.friction;
-    Plant {
-        viscous_rate_rad_s: plant.viscous_rate_rad_s * omega,
-        constant: plant.constant * velocity * omega / input,
-        actuator: match plant.actuator {
-            Actuator::Direct => Actuator::Direct,
-            Actuator::FirstOrder { corner_rad_s } => {
-                Actuator::FirstOrder { corner_rad_s: corner_rad_s * omega }
-            }
-            Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
-                Actuator::SecondOrder {
-                    natural_frequency_rad_s: natural_frequency_rad_s * omega,
-                    damping_ratio,
-                }
-            }
-        },
-        friction: Friction {
-            fc_plus: friction.fc_plus * input,
-            fc_minus: friction.fc_minus * input,
-            fs_plus: friction.fs_plus * input,
-            fs_minus: friction.fs_minus * input,
-        },
-    }
-}
-
-/// Factor from velocity to response at harmonic k of the fundamental frequency `omega`.
-pub(super) fn per_velocity(kind: ResponseKind, k: usize, omega: f64) -> Complex {
-    let s = Complex::new(0.0, k as f64 * omega);
-    match kind {
-        ResponseKind::Velocity => Complex::new(1.0, 0.0),
-        ResponseKind::Position => 1.0 / s,
-        ResponseKind::Acceleration => s,
-    }
-}
-
-/// Peak input of an experiment: its magnitude (half its peak-to-peak value) plus the size of its
-/// mean.
-fn peak_input(experiment: &Experiment) -> f64 {
-    let mean = experiment.input.first().map_or(0.0, |u| u.re.abs());
-    experiment.magnitude.max(experiment.pure_cosine().map_or(0.0, |u| u.norm())) + mean
-}
-
-/// Lowest and highest frequency (rad/s) that is both excited and observed.
-fn excited_band(experiment: &Experiment) -> (f64, f64) {
-    let lines = experiment.input.iter().enumerate().skip(1);
-    let largest = lines.clone().map(|(_, u)| u.norm()).fold(0.0, f64::max);
-    let highest = experiment.highest_harmonic().max(1);
-    let mut excited = lines
-        .filter(|(k, u)| *k <= highest && u.norm() > EXCITED_SHARE * largest)
-        .map(|(k, _)| k as f64 * experiment.omega_rad_s);
-    let first = excited.next().unwrap_or(experiment.omega_rad_s);
-    (first, excited.next_back().unwrap_or(first))
-}
-
-fn prepare(
-    experiment: &Experiment,
-    kind: ResponseKind,
-    scales: &Scales,
-    response_scale: f64,
-    run_share: f64,
-) -> Prepared {
-    let omega = experiment.omega_rad_s / scales.omega;
-    let input = experiment.input.iter().map(|u| u / scales.input).collect();
-    let mut targets: Vec<Target> = experiment
-        .response
-        .iter()
-        .filter(|harmonic| harmonic.order > 0 || kind == ResponseKind::Velocity)
-        .map(|harmonic| Target {
-            order: harmonic.order,
-            value: harmonic.value / response_scale,
-            per_velocity: per_velocity(kind, harmonic.order, omega),
-            real: harmonic.order == 0,
-            constraint: false,
-        })
-        .collect();
-    if kind == ResponseKind::Position && experiment.input_mean_measured {
-        // The mean velocity is known, mostly 0. That constrains the friction only if the mean of
-        // the input was measured; otherwise the offset that balanced the friction is unknown.
-        let value = Complex::new(experiment.mean_velocity / scales.velocity, 0.0);
-        let one = Complex::new(1.0, 0.0);
-        targets
-            .insert(0, Target { order: 0, value, per_velocity: one, real: true, constraint: true });
-    }
-    let highest = targets.last().map_or(0, |target| target.order);
-    let excitation = Excitation::new(omega, input).at_run_share(run_share);
-    Prepared { excitation, highest, targets, unknown_jump: false }
-}
-
-/// Whether a single period of a position was recorded of an axis that no loop holds.
-fn has_unknown_jump(experiment: &Experiment, metadata: &Metadata) -> bool {
-    experiment.from_record
-        && experiment.repeats.is_empty()
-        && metadata.response_kind == ResponseKind::Position
-        && metadata.feedback != Some(Loop::Closed)
-}
-
-/// Frequency band and torque levels of the experiments, in scale.
-fn levels(
-    experiments: &[Experiment],
-    kind: ResponseKind,
-    scales: &Scales,
-    (low, high): (f64, f64),
-) -> Prior {
-    let mut prior = Prior {
-        omega_low: low / scales.omega,
-        omega_high: high / scales.omega,
-        moving_level: f64::INFINITY,
-        largest_level: 0.0,
-    };
-    // Noise gives even a resting axis some velocity. An experiment therefore counts as moving only
-    // if its mobility, velocity per torque, is at least 0.02 of the largest one (tuned). The factor
-    // 1 + ω/ω_ref makes mobilities comparable over frequency: it undoes the roll-off of a
-    // first-order lag with its corner in the middle of the band.
-    let mobility = |e: &Experiment| {
-        largest_velocity(e, kind) / scales.velocity * (1.0 + e.omega_rad_s / scales.omega)
-            / (peak_input(e) / scales.input).max(f64::MIN_POSITIVE)
-    };
-    let largest_mobility = experiments.iter().map(mobility).fold(0.0, f64::max);
-    for experiment in experiments {
-        let level = peak_input(experiment) / scales.input;
-        prior.largest_level = prior.largest_level.max(level);
-        if mobility(experiment) > 0.02 * largest_mobility {
-            prior.moving_level = prior.moving_level.min(level);
-        }
-    }
-    prior.moving_level = prior.moving_level.min(prior.largest_level);
-    prior
-}
-
 #[cfg(test)]
 mod tests {
-    use crate::measurement::Metadata;
+    use crate::measurement::{Experiment, Metadata};
 
     use super::super::fixtures::{ACTUATORS, axis, joined, multisine, stepped_sine};
     use super::*;

@@ -1,11 +1,44 @@
 //! Stored mappings. Each owner has names of its own; a caller who reads those of others finds its
 //! own first.
 
+use async_trait::async_trait;
 use sqlx::PgPool;
 
-use crate::store::{MappingRow, Reach};
+use crate::store::{MappingRow, Mappings, Reach, StoreError};
 
-use super::locks;
+use super::{Postgres, locks};
+
+#[async_trait]
+impl Mappings for Postgres {
+    async fn put_mapping(
+        &self,
+        reach: &Reach,
+        row: &MappingRow,
+        most: u32,
+    ) -> Result<Option<bool>, StoreError> {
+        Ok(put(&self.pool, reach, row, most).await?)
+    }
+
+    async fn mapping(&self, reach: &Reach, name: &str) -> Result<Option<MappingRow>, StoreError> {
+        Ok(get(&self.pool, reach, name).await?)
+    }
+
+    async fn mapping_of_layout(
+        &self,
+        reach: &Reach,
+        layout: &str,
+    ) -> Result<Option<MappingRow>, StoreError> {
+        Ok(of_layout(&self.pool, reach, layout).await?)
+    }
+
+    async fn mappings(&self, reach: &Reach, limit: u32) -> Result<Vec<MappingRow>, StoreError> {
+        Ok(list(&self.pool, reach, limit).await?)
+    }
+
+    async fn delete_mapping(&self, reach: &Reach, name: &str) -> Result<bool, StoreError> {
+        Ok(delete(&self.pool, reach, name).await?)
+    }
+}
 
 /// Stores a mapping; `false`: in place of one of its owner's with its name. `None`: it would be a new
 /// one beyond `most`.

@@ -9,7 +9,7 @@ use std::time::Duration;
 use sqlx::PgConnection;
 
 use crate::store::decode::millis;
-use crate::store::rows::gave_up;
+use crate::store::queue::gave_up;
 use crate::store::{EndedRow, LONGEST_WAIT, MAX_ATTEMPTS, Recovered};
 
 use super::locks;

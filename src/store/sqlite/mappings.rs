@@ -1,9 +1,48 @@
 //! Stored mappings. Each owner has names of its own; a caller who reads those of others finds its
 //! own first.
 
+use async_trait::async_trait;
 use sqlx::{SqliteConnection, SqlitePool};
 
-use crate::store::{MappingRow, Reach};
+use crate::store::{MappingRow, Mappings, Reach, StoreError};
+
+use super::Sqlite;
+
+#[async_trait]
+impl Mappings for Sqlite {
+    async fn put_mapping(
+        &self,
+        reach: &Reach,
+        row: &MappingRow,
+        most: u32,
+    ) -> Result<Option<bool>, StoreError> {
+        let mut transaction = self.begin().await?;
+        let created = put(&mut transaction, reach, row, most).await;
+        self.end(transaction, created).await
+    }
+
+    async fn mapping(&self, reach: &Reach, name: &str) -> Result<Option<MappingRow>, StoreError> {
+        Ok(get(&self.readers, reach, name).await?)
+    }
+
+    async fn mapping_of_layout(
+        &self,
+        reach: &Reach,
+        layout: &str,
+    ) -> Result<Option<MappingRow>, StoreError> {
+        Ok(of_layout(&self.readers, reach, layout).await?)
+    }
+
+    async fn mappings(&self, reach: &Reach, limit: u32) -> Result<Vec<MappingRow>, StoreError> {
+        Ok(list(&self.readers, reach, limit).await?)
+    }
+
+    async fn delete_mapping(&self, reach: &Reach, name: &str) -> Result<bool, StoreError> {
+        let mut transaction = self.begin().await?;
+        let deleted = delete(&mut transaction, reach, name).await;
+        self.end(transaction, deleted).await
+    }
+}
 
 /// Stores a mapping; `false`: in place of one of its owner's with its name. `None`: it would be a new
 /// one beyond `most`.

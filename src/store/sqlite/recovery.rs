@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use sqlx::SqliteConnection;
 
-use crate::store::rows::gave_up;
+use crate::store::queue::gave_up;
 use crate::store::{EndedRow, LONGEST_WAIT, MAX_ATTEMPTS, Recovered};
 
 use crate::store::decode::millis;

@@ -32,10 +32,12 @@ mod keys;
 mod lists;
 mod operations;
 mod plans;
+mod problems;
 mod quotas;
 mod rules;
 mod scopes;
 mod sessions;
+mod uploads;
 
 /// Bytes that an upload may have here.
 const LIMIT: usize = 10_000;
@@ -215,111 +217,6 @@ fn problem(answer: Response<Body>, status: u16) -> Value {
 
 fn string(value: &Value, member: &str) -> String {
     value[member].as_str().unwrap_or_else(|| panic!("no text `{member}` in {value}")).to_owned()
-}
-
-#[test]
-fn a_measurement_shows_what_is_in_it() {
-    let server = Server::start();
-    let headers = [("content-type", "text/csv; charset=utf-8")];
-    let answer = server.post("/v1/measurements?name=axis%20x", &headers, b"any");
-    let location = header(&answer, "location").to_owned();
-    let added = json_of(answer, 201);
-    assert_eq!(json_of(server.get(&location), 200), added);
-    assert_eq!(added["name"], "axis x");
-    assert_eq!(added["machine"], "press 4");
-    assert_eq!(added["labels"]["site"], "north");
-    assert_eq!(added["omega_range_rad_s"], json!([2.0, 20.0]));
-    assert_eq!(added["notes"][0], "column `colour` is unknown and was not used");
-}
-
-#[test]
-fn an_upload_that_cannot_be_read_says_where_and_is_not_stored() {
-    let server = Server::start();
-    let answer = server.post("/v1/measurements?name=run1", &[("content-type", "text/csv")], b"bad");
-    let problem = problem(answer, 422);
-    assert_eq!(problem["file"], "run1.csv");
-    assert_eq!((&problem["line"], &problem["column"]), (&json!(3), &json!("gain")));
-    assert!(string(&problem, "detail").contains("not a number"));
-    assert_eq!(json_of(server.get("/v1/measurements"), 200), json!({"items": [], "next": null}));
-}
-
-#[test]
-fn several_files_of_a_form_are_one_measurement() {
-    let server = Server::start();
-    let form = |second: &str| {
-        format!(
-            "--X\r\ncontent-disposition: form-data; name=\"a\"; filename=\"a.csv\"\r\n\r\nany\r\n\
-             --X\r\ncontent-disposition: form-data; name=\"b\"; filename=\"b.csv\"\r\n\r\n{second}\
-             \r\n--X--\r\n"
-        )
-    };
-    let headers = [("content-type", "multipart/form-data; boundary=X")];
-    json_of(server.post("/v1/measurements", &headers, form("any").as_bytes()), 201);
-    let answer = server.post("/v1/measurements", &headers, form("bad").as_bytes());
-    assert_eq!(problem(answer, 422)["file"], "b.csv");
-    problem(server.post("/v1/measurements", &headers, b"--X--\r\n"), 400);
-}
-
-#[test]
-fn malformed_json_is_refused_with_line_and_column() {
-    let server = Server::start();
-    let headers = [("content-type", "application/json")];
-    let answer = problem(server.post("/v1/jobs", &headers, b"{\n  \"kind\": oops}"), 400);
-    assert_eq!((&answer["line"], &answer["column"]), (&json!(2), &json!(11)));
-    problem(server.post("/v1/jobs", &headers, b""), 400);
-    problem(server.post("/v1/jobs", &headers, b"{} {}"), 400);
-    for body in [&b"[\"a\", \"identify\", null, null, null, null]"[..], b"\"a\"", b"null"] {
-        let answer = problem(server.post("/v1/jobs", &headers, body), 422);
-        assert!(string(&answer, "detail").contains("not an object"), "{answer}");
-    }
-    problem(server.post("/v1/jobs", &[("content-type", "text/plain")], b"{}"), 415);
-    for path in ["/v1/measurements", "/v1/jobs"] {
-        let answer = problem(server.post(path, &[], b"any"), 415);
-        assert!(string(&answer, "detail").contains("`Content-Type`"), "{answer}");
-    }
-    let headers = [("content-type", "text/csv"), ("content-encoding", "br")];
-    let answer = problem(server.post("/v1/measurements", &headers, b"any"), 415);
-    assert!(string(&answer, "detail").contains("only gzip"), "{answer}");
-}
-
-#[test]
-fn every_other_error_is_a_problem_document_too() {
-    let server = Server::start();
-    assert!(string(&problem(server.get("/v2"), 404), "detail").contains("/openapi.json"));
-    let not_allowed = server.post("/livez", &[], b"");
-    assert_eq!(header(&not_allowed, "allow"), "GET,HEAD");
-    assert!(string(&problem(not_allowed, 405), "detail").contains("does not answer POST"));
-    problem(server.get("/v1/jobs/nobody"), 404);
-    problem(server.get("/v1/jobs/nobody/result"), 404);
-    problem(server.get("/v1/jobs/nobody/convergence.csv"), 404);
-    problem(server.get("/v1/measurements/nobody"), 404);
-    problem(server.post("/v1/jobs/nobody/cancel", &[], b""), 404);
-    problem(server.get("/v1/jobs?colour=red"), 400);
-    problem(server.get("/v1/jobs?status=tired"), 400);
-    for (query, member) in [("limit=0", "limit"), ("cursor=there", "cursor")] {
-        let answer = problem(server.get(&format!("/v1/jobs?{query}")), 422);
-        assert_eq!(string(&answer, "member"), member);
-    }
-    let long_key = "k".repeat(256);
-    let headers = [("content-type", "text/csv"), ("idempotency-key", long_key.as_str())];
-    problem(server.post("/v1/measurements", &headers, b"any"), 400);
-}
-
-#[test]
-fn a_repeated_key_gives_the_same_resource_and_never_another() {
-    let server = Server::start();
-    let csv = [("content-type", "text/csv"), ("idempotency-key", "k")];
-    let first = json_of(server.post("/v1/measurements", &csv, b"any"), 201);
-    assert_eq!(json_of(server.post("/v1/measurements", &csv, b"any"), 201), first);
-    problem(server.post("/v1/measurements", &csv, b"other"), 422);
-    assert_eq!(json_of(server.get("/v1/measurements"), 200)["items"].as_array().unwrap().len(), 1);
-
-    let headers = [("content-type", "application/json"), ("idempotency-key", "k")];
-    let body = |seed: u64| json!({"measurement_id": first["id"], "kind": "identify", "options": {"seed": seed}});
-    let post = |body: &Value| server.post("/v1/jobs", &headers, body.to_string().as_bytes());
-    let job = json_of(post(&body(SUCCEED)), 202);
-    assert_eq!(json_of(post(&body(SUCCEED)), 202)["id"], job["id"]);
-    problem(post(&body(UNUSABLE)), 422);
 }
 
 #[test]

@@ -1,25 +1,21 @@
 //! An example of every request and every answer, made by the types that make the real ones.
 
-use std::collections::BTreeMap;
+mod jobs;
+mod measurements;
 
 use serde::Serialize;
 use serde_json::{Value, json};
-use servoscope_core::answers::{
-    ConvergenceRow, Detectability, DetectableEffect, EffectSize, HistoryRow, IdentifyOptions,
-    Inspection, JobKind, Method, NoiseSource, PlantRequest, Progress, ResultRow, SizedParameter,
-    Verdict, sample,
-};
+use servoscope_core::answers::sample;
 
 use crate::http::mappings::MappingView;
-use crate::http::previews::PreviewView;
 use crate::http::views::{Axis, Convergence, JobView, MeasurementView};
-use crate::service::{
-    ColumnLook, FileLook, Job, JobRequest, Look, Mapping, Measured, Preview, Quantities, Quantity,
-    TableLook,
-};
-use crate::store::{AxisRow, JobRow, MeasurementRow, Priority, Status};
+use crate::store::Status;
 
 use super::{batches, keys, webhooks};
+use jobs::{axis, convergence, history, job, result};
+use measurements::{inspection, mapping, measured, preview};
+
+pub(super) use jobs::asked;
 
 pub(super) const MEASUREMENT: &str = "019a9c1e-7d20-7c55-9f3a-5e0d3b1c2a44";
 pub(super) const JOB: &str = "019a9c1e-8b31-7d06-8a4e-2f9c6d7e1b55";
@@ -154,213 +150,4 @@ fn identified() -> Value {
 /// The JSON of a view. Numbers and text only: it cannot fail.
 pub(super) fn shown(view: impl Serialize) -> Value {
     serde_json::to_value(view).unwrap_or_default()
-}
-
-fn measured() -> Measured {
-    let row = MeasurementRow {
-        id: MEASUREMENT.into(),
-        created_at_ms: AT_MS,
-        name: Some("stepped sine".into()),
-        machine: Some("press 4".into()),
-        axis: Some("Y".into()),
-        operator: Some("Ada".into()),
-        measured_at: Some(AT.into()),
-        labels: String::new(),
-        sha256: "9acce10255ee0080c236607c559852ad2a5a72352215e8641117972aeba3b441".into(),
-        experiments: 27,
-        highest_harmonic: 5,
-        magnitude_min: 1.0,
-        magnitude_max: 3.0,
-        omega_min_rad_s: 1.0,
-        omega_max_rad_s: 100.0,
-        notes: String::new(),
-        quantities: None,
-        files: String::new(),
-        simulation_s: None,
-        diagnosis_s: None,
-    };
-    let quantity = |name: &str, unit: &str| Quantity { name: name.into(), unit: unit.into() };
-    let quantities = Quantities {
-        input: quantity("current", "A"),
-        response: quantity("velocity", "rad/s"),
-        response_kind: "velocity".into(),
-        r#loop: Some("open".into()),
-    };
-    let labels = BTreeMap::from([("site".to_owned(), "north".to_owned())]);
-    let notes = vec!["column temperature is unknown and not used".to_owned()];
-    let files = vec!["press-4-y.csv".to_owned()];
-    Measured { row, labels, quantities: Some(quantities), notes, files }
-}
-
-fn mapping() -> Mapping {
-    Mapping {
-        name: "rig 7".into(),
-        settings: [("column_names".to_owned(), COLUMN_NAMES.to_owned())].into(),
-        layout: Some(LAYOUT.into()),
-        updated_at_ms: AT_MS,
-    }
-}
-
-fn preview() -> Value {
-    let column = |name: &str, quantity, unit: &str, used_as| ColumnLook {
-        name: name.into(),
-        quantity: Some(quantity),
-        unit: unit.into(),
-        used_as: Some(used_as),
-    };
-    let table = TableLook {
-        delimiter: Some("semicolons"),
-        decimal: Some("comma"),
-        preamble: vec!["Rig 7".into()],
-        line: Some(2),
-        columns: vec![
-            column("tick", "time", "ms", "time_s"),
-            column("chan a", "current", "A", "input"),
-        ],
-        rows: vec![vec!["0".into(), "1,0".into()]],
-        sheets: Vec::new(),
-    };
-    let file = FileLook {
-        name: "rig.txt".into(),
-        format: "text in columns",
-        encoding: None,
-        table: Some(table),
-    };
-    let preview = Preview {
-        look: Look { files: vec![file], layout: Some(LAYOUT.into()) },
-        given: mapping().settings,
-        mapping: Some("rig 7".into()),
-        read: Ok(measured()),
-    };
-    shown(PreviewView::from(preview))
-}
-
-fn inspection() -> Inspection {
-    let size = |value: f64| EffectSize {
-        parameters: [("fs_plus".to_owned(), SizedParameter { value, unit: "A".into() })]
-            .into_iter()
-            .collect(),
-        set_by: vec!["fs_plus".into()],
-        change: 0.004,
-    };
-    let effect = DetectableEffect {
-        effect: "static_friction".into(),
-        title: "static friction".into(),
-        detected_from: Some(size(0.52)),
-        named_from: Some(size(0.55)),
-        closest_imitator: Some("stribeck".into()),
-        reason: None,
-    };
-    let detectability = Detectability {
-        noise: NoiseSource::Given,
-        nrmse: 0.0007,
-        chi2_per_dof: Some(1.01),
-        least_excess: 20.0,
-        effects: vec![effect],
-    };
-    Inspection { doubts: Vec::new(), detectability: Some(detectability), obstacle: None }
-}
-
-/// What a job asks for.
-pub(super) fn asked() -> JobRequest {
-    JobRequest {
-        kind: JobKind::Diagnose,
-        plant: Some(PlantRequest { actuator_order: 0 }),
-        method: Method::AbcAnn,
-        options: IdentifyOptions::default(),
-        validation_measurement_id: None,
-        priority: Priority::Normal,
-        estimated_s: Some(4.5),
-    }
-}
-
-fn job(status: Status) -> Job {
-    let row = JobRow {
-        id: JOB.into(),
-        measurement_id: MEASUREMENT.into(),
-        kind: "diagnose".into(),
-        request: String::new(),
-        status,
-        progress: None,
-        attempt: i64::from(status != Status::Queued),
-        cancel_requested: status == Status::Cancelled,
-        created_at_ms: AT_MS,
-        started_at_ms: (status != Status::Queued).then_some(AT_MS + 12),
-        finished_at_ms: status.is_final().then_some(AT_MS + 4200),
-        failure: None,
-        batch_id: None,
-    };
-    let progress = (status == Status::Running).then(|| Progress {
-        stage: "searching".into(),
-        done: 120,
-        total: 400,
-        fraction: 0.3,
-        remaining_s: Some(2.5),
-    });
-    Job { row, request: asked(), progress, failure: None }
-}
-
-fn convergence() -> ConvergenceRow {
-    ConvergenceRow {
-        stage: "colony".into(),
-        cycle: 1,
-        evaluations: 40,
-        best: 1520.5,
-        mean: Some(2210.25),
-        elapsed_s: 0.8,
-    }
-}
-
-fn result() -> ResultRow {
-    ResultRow {
-        at: AT.into(),
-        job_id: JOB.into(),
-        measurement_id: MEASUREMENT.into(),
-        name: None,
-        machine: Some("press 4".into()),
-        axis: Some("Y".into()),
-        kind: JobKind::Diagnose,
-        verdict: Some(Verdict::Explained),
-        causes: Some("static_friction".into()),
-        confidence: Some(0.99),
-        ratio: Some(31.5),
-        ratio_low95: Some(28.2),
-        ratio_high95: Some(35.1),
-        base_nrmse: 0.021,
-        nrmse: 0.0007,
-        chi2_per_dof: Some(1.01),
-        adequate: Some(true),
-        tested: Some(true),
-    }
-}
-
-fn history() -> HistoryRow {
-    HistoryRow {
-        at: AT.into(),
-        parameter: "pole".into(),
-        name: "Pole".into(),
-        value: -10.02,
-        std: Some(0.031),
-        low95: Some(-10.08),
-        high95: Some(-9.96),
-        unit: "rad/s".into(),
-        change: None,
-        changed: false,
-        causes: None,
-        machine: Some("press 4".into()),
-        axis: Some("Y".into()),
-        measurement_id: MEASUREMENT.into(),
-        job_id: JOB.into(),
-    }
-}
-
-fn axis() -> AxisRow {
-    AxisRow {
-        machine: "press 4".into(),
-        axis: "Y".into(),
-        measurements: 3,
-        results: 2,
-        first_ms: AT_MS,
-        last_ms: AT_MS + 1_209_600_000,
-    }
 }

@@ -2,6 +2,8 @@
 
 mod axis;
 mod bench;
+mod design;
+mod scatter;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -12,17 +14,9 @@ use servoscope_core::measurement::formats::{MAX_ROWS, write_harmonic_csv};
 
 use super::{Failure, target, terminal};
 use axis::Axis;
-use bench::{Bench, Noise};
-
-/// Magnitudes where none are given, as multiples of the highest friction level:
-/// the lowest moves the axis well, the highest all but hides the friction.
-const MAGNITUDES: [f64; 3] = [2.0, 4.0, 8.0];
-
-/// Frequencies where none are given: from and to as multiples of a, and how many.
-const FREQUENCIES: (f64, f64, usize) = (0.1, 10.0, 13);
-
-/// Highest harmonic that makes sense: its size has fallen far below any noise.
-const MAX_HARMONIC: usize = 1000;
+use bench::Bench;
+use design::Design;
+use scatter::Scatter;
 
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -55,47 +49,6 @@ pub(super) struct Args {
     output: Option<PathBuf>,
 }
 
-/// At which magnitudes and frequencies is measured.
-#[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Design")]
-struct Design {
-    /// Magnitudes of the cosine input [default: 2, 4 and 8 times the highest friction level].
-    #[arg(long, value_name = "M,…", value_delimiter = ',')]
-    magnitudes: Vec<f64>,
-    /// Frequencies, each measured at every magnitude, rad/s [default: as --frequency-range].
-    #[arg(long, value_name = "W,…", value_delimiter = ',')]
-    frequencies_rad_s: Vec<f64>,
-    /// COUNT frequencies from LOW to HIGH, rad/s, evenly spaced on a logarithmic axis [default: 13
-    /// from a tenth of the pole to ten times the pole].
-    #[arg(long, value_name = "LOW:HIGH:COUNT", conflicts_with = "frequencies_rad_s")]
-    #[arg(value_parser = frequency_range)]
-    frequency_range: Option<Range>,
-    /// Highest harmonic measured.
-    #[arg(long, value_name = "H", default_value_t = 7)]
-    harmonics: usize,
-}
-
-/// How noisy the measurement is.
-#[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Noise")]
-struct Scatter {
-    /// Standard deviation of the real and imaginary parts of every harmonic, in decibels below the
-    /// median of the fundamentals [default: no noise].
-    #[arg(long, value_name = "N", conflicts_with = "noise_std", allow_negative_numbers = true)]
-    noise_db: Option<f64>,
-    /// Standard deviation of the real and imaginary parts of every harmonic, response units
-    /// [default: no noise].
-    #[arg(long, value_name = "S")]
-    noise_std: Option<f64>,
-    /// Writes this many repeats of each point, whose mean has that deviation, instead of a column
-    /// `std`.
-    #[arg(long, value_name = "M")]
-    repeats: Option<usize>,
-    /// Seed of the noise.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, clap::ValueEnum)]
 enum Kind {
     Velocity,
@@ -110,22 +63,6 @@ impl From<Kind> for ResponseKind {
             Kind::Position => ResponseKind::Position,
             Kind::Acceleration => ResponseKind::Acceleration,
         }
-    }
-}
-
-/// Frequencies from `low` to `high`, rad/s.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Range {
-    low_rad_s: f64,
-    high_rad_s: f64,
-    count: usize,
-}
-
-impl Range {
-    fn frequencies_rad_s(self) -> Vec<f64> {
-        let last = (self.count - 1).max(1) as f64;
-        let ratio = self.high_rad_s / self.low_rad_s;
-        (0..self.count).map(|i| self.low_rad_s * ratio.powf(i as f64 / last)).collect()
     }
 }
 
@@ -147,28 +84,9 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
 
 fn bench(args: &Args) -> Result<Bench, Failure> {
     let plant = args.axis.plant()?;
-    let Design { harmonics, .. } = args.design;
-    if !(1..=MAX_HARMONIC).contains(&harmonics) {
-        let reason = format!("--harmonics: {harmonics} is outside 1 to {MAX_HARMONIC}");
-        return Err(Failure::Input(reason));
-    }
-    let friction = plant.friction;
-    let level = match friction.fs_plus.max(friction.fs_minus) {
-        0.0 => 1.0,
-        level => level,
-    };
-    let magnitudes = match args.design.magnitudes.as_slice() {
-        [] => MAGNITUDES.map(|factor| factor * level).to_vec(),
-        given => positive("--magnitudes", given)?,
-    };
-    let (from, to, count) = FREQUENCIES;
-    let a = plant.viscous_rate_rad_s;
-    let usual = Range { low_rad_s: from * a, high_rad_s: to * a, count };
-    let frequencies_rad_s = match args.design.frequencies_rad_s.as_slice() {
-        [] => args.design.frequency_range.unwrap_or(usual).frequencies_rad_s(),
-        given => positive("--frequencies-rad-s", given)?,
-    };
-    let (noise, repeats) = scatter(&args.scatter)?;
+    let harmonics = args.design.harmonics()?;
+    let (magnitudes, frequencies_rad_s) = args.design.points(&plant)?;
+    let (noise, repeats) = args.scatter.noise()?;
     let experiments = magnitudes.len().saturating_mul(frequencies_rad_s.len());
     let rows = experiments.saturating_mul(harmonics + 1).saturating_mul(repeats.unwrap_or(1));
     if rows > MAX_ROWS {
@@ -190,28 +108,6 @@ fn bench(args: &Args) -> Result<Bench, Failure> {
         repeats,
         seed: args.scatter.seed,
     })
-}
-
-fn scatter(asked: &Scatter) -> Result<(Noise, Option<usize>), Failure> {
-    let noise = match (asked.noise_db, asked.noise_std) {
-        (Some(decibels), _) if !decibels.is_finite() => {
-            let reason = format!("--noise-db: {decibels} is not a finite number");
-            return Err(Failure::Input(reason));
-        }
-        (Some(decibels), _) => Noise::Decibels(decibels),
-        (None, Some(std)) => Noise::Std(positive("--noise-std", &[std])?[0]),
-        (None, None) => Noise::None,
-    };
-    match asked.repeats {
-        Some(0 | 1) => {
-            Err(Failure::Input("--repeats: at least 2 are needed to tell the scatter".into()))
-        }
-        Some(_) if noise == Noise::None => Err(Failure::Input(
-            "--repeats: without noise all repeats are the same; add --noise-db or --noise-std"
-                .into(),
-        )),
-        repeats => Ok((noise, repeats)),
-    }
 }
 
 fn positive(flag: &str, values: &[f64]) -> Result<Vec<f64>, Failure> {
@@ -239,25 +135,12 @@ fn effect(text: &str) -> Result<ActiveEffect, String> {
     ActiveEffect::from_names(id.trim(), &parameters).map_err(|error| error.to_string())
 }
 
-fn frequency_range(text: &str) -> Result<Range, String> {
-    let reason = || "LOW:HIGH:COUNT is needed, such as 1:100:16 (rad/s)".to_owned();
-    let [low, high, count] = text.split(':').collect::<Vec<_>>()[..] else { return Err(reason()) };
-    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| reason());
-    let (low_rad_s, high_rad_s) = (number(low)?, number(high)?);
-    let count = count.trim().parse::<usize>().map_err(|_| reason())?;
-    if !(low_rad_s > 0.0 && high_rad_s > low_rad_s && high_rad_s.is_finite()) {
-        return Err(format!("{low} and {high} are not two positive frequencies, the lower first"));
-    }
-    if !(2..=MAX_ROWS).contains(&count) {
-        return Err(format!("{count} frequencies do not span a range; give at least 2"));
-    }
-    Ok(Range { low_rad_s, high_rad_s, count })
-}
-
 #[cfg(test)]
 mod tests {
     use clap::Parser;
 
+    use super::bench::Noise;
+    use super::design::MAGNITUDES;
     use super::*;
 
     #[derive(Parser)]

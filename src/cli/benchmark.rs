@@ -1,24 +1,16 @@
 //! `servoscope benchmark`
 
 mod ablation;
+mod draws;
+mod watch;
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use indicatif::{ProgressBar, ProgressStyle};
-use serde::Serialize;
 use servoscope_bench::naming::effect_draws::ids;
-use servoscope_bench::naming::{
-    Case, Kind, Outcome, Plan, SettingChange, Settings, Sizing, Summary, Unmade, case_text,
-    known_effect, misses_text, run_all, run_case, summary_text,
-};
-use servoscope_core::observer::Observer;
-
-use crate::report;
+use servoscope_bench::naming::{Case, Kind, Plan, SettingChange, Settings, Sizing, known_effect};
 
 use super::choice::one_of;
-use super::{Failure, interrupt, terminal};
+use super::{Failure, terminal};
 
 /// Arguments of `benchmark`.
 #[derive(Debug, clap::Args)]
@@ -114,16 +106,6 @@ pub(super) struct Args {
     case: Option<Case>,
 }
 
-/// What is written with `--json`.
-#[derive(Serialize)]
-struct File<'a> {
-    software_version: &'static str,
-    command: String,
-    summary: &'a Summary,
-    draws: &'a [Outcome],
-    unmade: &'a [Unmade],
-}
-
 impl Args {
     fn plan(&self) -> Plan {
         let or_all = |given: &[&'static str]| if given.is_empty() { ids() } else { given.to_vec() };
@@ -170,7 +152,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         return terminal::print_raw(text.as_bytes());
     }
     if let Some(case) = &args.case {
-        return one(case, args);
+        return draws::one(case, args);
     }
     let cases = args.plan().cases();
     if cases.is_empty() {
@@ -179,99 +161,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(names) = &args.ablation {
         return ablation::run(&cases, args, names);
     }
-    let watch = Watch::new(cases.len());
-    let done = |case: &Case, result: &Result<Outcome, Unmade>| watch.done(case, result);
-    let results = run_all(&cases, &args.settings(), &watch, &done).map_err(Failure::other)?;
-    watch.bar.finish_and_clear();
-    let begun = results.len();
-    let (mut outcomes, mut unmade) = (Vec::new(), Vec::new());
-    for result in results {
-        match result {
-            Ok(outcome) => outcomes.push(outcome),
-            Err(reason) => unmade.push(reason),
-        }
-    }
-    let summary = Summary::of(&outcomes);
-    let command = args.command();
-    let mut text = format!("{} draws of {}, seed {}\n\n", outcomes.len(), cases.len(), args.seed);
-    text.push_str(&summary_text(&summary));
-    text.push_str(&misses_text(&outcomes, &unmade, &command));
-    terminal::print_raw(text.as_bytes())?;
-    if let Some(path) = &args.json {
-        let software_version = env!("CARGO_PKG_VERSION");
-        let (draws, unmade) = (&outcomes, &unmade);
-        let file = File { software_version, command, summary: &summary, draws, unmade };
-        let json = serde_json::to_string_pretty(&file).map_err(Failure::other)?;
-        let failed = |error| Failure::Other(format!("{}: {error}", path.display()));
-        std::fs::write(path, json + "\n").map_err(failed)?;
-    }
-    if begun < cases.len() {
-        return Err(Failure::Other(format!("interrupted after {begun} of {} draws", cases.len())));
-    }
-    Ok(())
-}
-
-/// One draw in full.
-fn one(case: &Case, args: &Args) -> Result<(), Failure> {
-    let watch = Watch::new(1);
-    let run = run_case(case, &args.settings(), &watch);
-    watch.bar.finish_and_clear();
-    let run = run.map_err(|unmade| Failure::Other(format!("{}: {}", unmade.key, unmade.reason)))?;
-    let mut text = case_text(&run.outcome);
-    let right = if run.outcome.is_right() { "right" } else { "missed" };
-    let seconds = run.outcome.seconds;
-    text.push_str(&format!(
-        "\n  {right}; {:.2} s to make, {:.2} s to diagnose\n\n",
-        seconds.data, seconds.job
-    ));
-    if let Some(diagnosis) = &run.diagnosis {
-        text.push_str(&report::diagnosis(diagnosis));
-        if let Some(path) = &args.json {
-            let json = serde_json::to_string_pretty(diagnosis).map_err(Failure::other)?;
-            let failed = |error| Failure::Other(format!("{}: {error}", path.display()));
-            std::fs::write(path, json + "\n").map_err(failed)?;
-        }
-    }
-    terminal::print_raw(text.as_bytes())
-}
-
-/// Shows progress and stops on an interrupt.
-struct Watch {
-    interrupted: Arc<AtomicBool>,
-    bar: ProgressBar,
-    total: usize,
-    done: AtomicUsize,
-    missed: AtomicUsize,
-}
-
-impl Watch {
-    fn new(total: usize) -> Self {
-        let style = ProgressStyle::with_template("[{bar:40}] {pos}/{len} {elapsed} of {eta} {msg}");
-        let bar = ProgressBar::new(total as u64);
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        let (done, missed) = Default::default();
-        Self { interrupted: interrupt::flag(), bar, total, done, missed }
-    }
-
-    fn done(&self, case: &Case, result: &Result<Outcome, Unmade>) {
-        let right = result.as_ref().is_ok_and(Outcome::is_right);
-        let missed = self.missed.fetch_add(usize::from(!right), Ordering::Relaxed);
-        let missed = missed + usize::from(!right);
-        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        self.bar.inc(1);
-        self.bar.set_message(format!("{missed} missed; {case}"));
-        // The bar draws on terminals only.
-        let stride = (self.total / 50).max(1);
-        if self.bar.is_hidden() && (done.is_multiple_of(stride) || done == self.total) {
-            eprintln!("{done} of {} draws, {missed} missed; {case}", self.total);
-        }
-    }
-}
-
-impl Observer for Watch {
-    fn cancelled(&self) -> bool {
-        self.interrupted.load(Ordering::Relaxed)
-    }
+    draws::all(&cases, args)
 }
 
 #[cfg(test)]

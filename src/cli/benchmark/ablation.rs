@@ -7,7 +7,8 @@ use servoscope_bench::naming::{
 };
 use servoscope_core::identify::SearchSettings;
 
-use super::{Args, Watch};
+use super::Args;
+use super::watch::Watch;
 use crate::cli::Failure;
 use crate::cli::terminal;
 

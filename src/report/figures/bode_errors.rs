@@ -7,7 +7,8 @@ use servoscope_core::answers::Comparison;
 
 use super::bands::{self, invalid, shade};
 use super::bode::curves::{Curve, Point, curves};
-use super::bode::{FEW_POINTS, FREQUENCY, Model, gain_name, ranges, resting, says, trace};
+use super::bode::points::{resting, trace};
+use super::bode::{FEW_POINTS, FREQUENCY, Model, gain_name, ranges, says};
 use super::canvas::{Canvas, Marker, NOTE, Trace};
 use super::panel::{Key, Look, Naming, Panel, legend};
 use super::scale::{DECIMAL, DEGREES, Scale, range};

@@ -1,7 +1,8 @@
 //! What holds for every figure, whatever it is drawn of.
 
+mod causes;
+
 use roxmltree::{Document, Node};
-use servoscope_core::answers::ComparedExperiment;
 use servoscope_core::answers::sample;
 
 use super::fixtures::{Known, diagnosed, extended, extremes, record, stepped};
@@ -9,19 +10,6 @@ use super::{Subject, Theme, available, draw, names, text};
 
 /// The largest file, bytes: what a page of several figures may weigh.
 const MOST_BYTES: usize = 300_000;
-
-#[test]
-fn the_model_with_its_causes_is_the_line_and_the_base_model_a_thin_one_beside_it() {
-    let lines = |svg: &str, class: &str| svg.matches(&format!("class=\"{class}\"")).count();
-    let [before, after] = [diagnosed(), extended()].map(|known| known.draw("bode"));
-    assert_eq!(lines(&before, "thin"), 0);
-    // At each of three magnitudes gain and phase, and in the legend.
-    assert_eq!(lines(&after, "thin"), 3 * 2 + 1);
-    assert_eq!(lines(&after, "line"), lines(&before, "line"));
-    let says = "Simulated with static_friction and actuator_saturation: median error";
-    assert!(after.contains(says), "{after}");
-    assert!(before.contains("Simulated: median error of the gain"), "{before}");
-}
 
 /// Calls `check` with every figure that can be drawn of every extreme.
 fn every_figure(check: impl Fn(&str, &str, &Document<'_>)) {
@@ -215,23 +203,6 @@ fn static_levels_and_a_mean_level_are_shown_where_they_are_known() {
 }
 
 #[test]
-fn what_is_drawn_after_is_the_model_with_the_causes() {
-    let known = extended();
-    let Some(extended) = known.extended.clone() else { panic!("it is extended") };
-    for name in ["spectrum", "residuals", "friction"] {
-        let after = known.draw(&format!("{name}-after"));
-        // Its title alone says which model it is of.
-        let unnamed = after.replace(": with static_friction and actuator_saturation", "");
-        assert_eq!(unnamed, Known::of(extended.clone()).draw(name));
-        assert!(unnamed != after || name == "friction", "{name}");
-    }
-    assert_ne!(known.draw("residuals-after"), known.draw("residuals"));
-    let without = Known::of(sample::comparison());
-    let error = draw("friction-after", &without.subject(), Theme::Auto).unwrap_err();
-    assert!(error.to_string().contains("a model with causes"), "{error}");
-}
-
-#[test]
 fn what_moves_with_axes_lies_in_a_panel_that_says_what_they_are() {
     let mut panels = 0;
     for known in [extended(), diagnosed()] {
@@ -266,43 +237,4 @@ fn what_moves_with_axes_lies_in_a_panel_that_says_what_they_are() {
         }
     }
     assert!(panels > 10, "{panels}");
-}
-
-#[test]
-fn errors_are_drawn_before_and_after_with_the_noise_and_the_bands_that_are_not_valid() {
-    let mut known = extended();
-    let svg = known.draw("bode-errors");
-    for part in ["error before", "error after", "noise, ± 2σ", "class=\"noise\""] {
-        assert!(svg.contains(part), "{part}");
-    }
-    assert!(!svg.contains("model not valid"), "{svg}");
-    known.valid_band = sample::diagnosis().valid_band;
-    let svg = known.draw("bode-errors");
-    // In both columns, the response and its error.
-    assert_eq!(svg.matches("class=\"invalid\"").count(), 1 + 4, "{svg}");
-    assert!(svg.contains("model not valid"));
-    // The first point of the first magnitude, as the figure has it and as it is.
-    let mut experiments: Vec<&ComparedExperiment> = known.comparison.experiments.iter().collect();
-    experiments.sort_by(|a, b| {
-        a.magnitude.total_cmp(&b.magnitude).then(a.omega_rad_s.total_cmp(&b.omega_rad_s))
-    });
-    let first = experiments[0].harmonics.iter().find(|harmonic| harmonic.order == 1).unwrap();
-    let size = |[re, im]: [f64; 2]| re.hypot(im);
-    let expected = 20.0 * (size(first.measured) / size(first.simulated)).log10();
-    let document = Document::parse(&svg).unwrap();
-    let before =
-        document.descendants().find(|node| node.attribute("data-name") == Some("error before"));
-    let path = before.unwrap().first_element_child().unwrap().attribute("d").unwrap();
-    let panel = before.unwrap().attribute("data-in").unwrap();
-    let grid = document.descendants().find(|node| node.attribute("data-panel") == Some(panel));
-    let scale: Vec<f64> = grid.unwrap().attribute("data-y").unwrap()["linear ".len()..]
-        .split(' ')
-        .map(|number| number.parse().unwrap())
-        .collect();
-    let first: f64 = path[1..].split(['L', ' ']).nth(1).unwrap().parse().unwrap();
-    let share = (first - scale[2]) / (scale[3] - scale[2]);
-    let decibels = scale[0] + share * (scale[1] - scale[0]);
-    // A tenth of a pixel of 132 for the whole axis.
-    let pixel = (scale[1] - scale[0]) / 1320.0;
-    assert!((decibels - expected).abs() < pixel, "{decibels} dB, not {expected} dB");
 }

@@ -6,72 +6,11 @@
 
 use std::f64::consts::TAU;
 
-use rustfft::FftPlanner;
-
+use super::input::{Input, Stretch, first_change};
 use super::parts::Parts;
+use super::shape::Shape;
 use super::slew::slew_limited;
 use crate::measurement::Complex;
-
-/// Bisection steps that locate an instant to the rounding error of the time.
-const HALVINGS: usize = 50;
-/// Number of instants per period of the highest input line between which crossings of a level are
-/// searched. If the input crosses a level twice between two instants, it is missed; it then exceeds
-/// the level by no more than (2π/1024)²/8 = 5e-6 of the amplitude.
-const INTERVALS_PER_PERIOD: usize = 1024;
-
-/// A stretch of time in which the command is offset + gain·u(t) + slope·(t − from).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Stretch {
-    pub(super) from_s: f64,
-    pub(super) to_s: f64,
-    pub(super) offset: f64,
-    pub(super) gain: f64,
-    pub(super) slope: f64,
-}
-
-/// A periodic input.
-pub(super) struct Input {
-    lines: Vec<Complex>,
-    omega_rad_s: f64,
-}
-
-impl Input {
-    /// u(t) at any time.
-    pub(super) fn at(&self, time_s: f64) -> f64 {
-        self.value_and_rate(time_s).0
-    }
-
-    /// u(t) and u'(t).
-    pub(super) fn value_and_rate(&self, time_s: f64) -> (f64, f64) {
-        let turn = Complex::from_polar(1.0, self.omega_rad_s * time_s);
-        let mut phasor = Complex::new(1.0, 0.0);
-        let (mut value, mut rate) = (0.0, 0.0);
-        for (k, line) in self.lines.iter().enumerate() {
-            let turned = line * phasor;
-            value += turned.re;
-            rate -= k as f64 * self.omega_rad_s * turned.im;
-            phasor *= turn;
-        }
-        (value, rate)
-    }
-
-    pub(super) fn period_s(&self) -> f64 {
-        TAU / self.omega_rad_s
-    }
-
-    /// Length of the intervals in which events are searched, s.
-    pub(super) fn search_interval_s(&self) -> f64 {
-        self.period_s() / (INTERVALS_PER_PERIOD * self.lines.len().saturating_sub(1).max(1)) as f64
-    }
-
-    /// u(t) at `count` instants of the period, by one inverse FFT.
-    fn sampled(&self, count: usize) -> Vec<f64> {
-        let mut values = vec![Complex::new(0.0, 0.0); count];
-        values.iter_mut().zip(&self.lines).for_each(|(value, line)| *value = *line);
-        FftPlanner::new().plan_fft_inverse(count).process(&mut values);
-        values.iter().map(|value| value.re).collect()
-    }
-}
 
 /// The command to the actuator, over one period.
 pub(super) struct Command {
@@ -175,99 +114,6 @@ impl Command {
     }
 }
 
-/// The static nonlinearity: dead zone, gain asymmetry and saturation in series, or quantisation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Shape {
-    half_width: f64,
-    gamma: f64,
-    limit: f64,
-    /// Step of the quantisation, which replaces the other three.
-    step: Option<f64>,
-}
-
-impl Shape {
-    fn of(parts: &Parts) -> Self {
-        Self {
-            half_width: parts.dead_zone,
-            gamma: parts.gain_asymmetry,
-            limit: parts.limit,
-            step: parts.quantum,
-        }
-    }
-
-    /// Offset and gain of the linear piece at input u.
-    fn line(&self, u: f64) -> (f64, f64) {
-        if let Some(step) = self.step {
-            return (step * (u / step).round(), 0.0);
-        }
-        if self.half_width > 0.0 && u.abs() <= self.half_width {
-            return (0.0, 0.0);
-        }
-        let side = u.signum();
-        let gain = 1.0 + side * self.gamma;
-        let offset = -side * self.half_width * gain;
-        if (offset + gain * u).abs() > self.limit {
-            (side * self.limit, 0.0)
-        } else {
-            (offset, gain)
-        }
-    }
-
-    /// Values of u at which the linear piece changes; those of a quantisation up to |u| =
-    /// `largest`.
-    fn levels(&self, largest: f64) -> Vec<f64> {
-        if let Some(step) = self.step {
-            let most = (largest / step).floor() as i64;
-            return (-most - 1..=most).map(|n| (n as f64 + 0.5) * step).collect();
-        }
-        let mut levels = Vec::new();
-        if self.half_width > 0.0 {
-            levels.extend([-self.half_width, self.half_width]);
-        } else if self.gamma != 0.0 {
-            levels.push(0.0);
-        }
-        if self.limit.is_finite() {
-            let level =
-                |side: f64| side * (self.limit / (1.0 + side * self.gamma) + self.half_width);
-            levels.extend([level(-1.0), level(1.0)]);
-        }
-        levels
-    }
-
-    fn stretches(&self, input: &Input) -> Vec<Stretch> {
-        let period_s = input.period_s();
-        let levels = self.levels(input.lines.iter().map(|line| line.norm()).sum());
-        let mut bounds_s = vec![0.0];
-        if !levels.is_empty() {
-            let interval_count = (period_s / input.search_interval_s()).round() as usize;
-            let time_s = |i: usize| period_s * i as f64 / interval_count as f64;
-            let values: Vec<f64> = (0..=interval_count).map(|i| input.at(time_s(i))).collect();
-            for (i, pair) in values.windows(2).enumerate() {
-                let mut crossed: Vec<f64> = levels
-                    .iter()
-                    .filter(|level| (pair[0] > **level) != (pair[1] > **level))
-                    .map(|level| {
-                        let changed = |t: f64| (input.at(t) > *level) != (pair[0] > *level);
-                        first_change(time_s(i), time_s(i + 1), changed)
-                    })
-                    .collect();
-                crossed.sort_by(f64::total_cmp);
-                bounds_s.extend(crossed);
-            }
-        }
-        bounds_s.push(period_s);
-        bounds_s.dedup_by(|later, earlier| *later - *earlier < 1e-13 * period_s);
-        if let Some(last) = bounds_s.last_mut() {
-            *last = period_s;
-        }
-        let stretch = |bounds: &[f64]| {
-            let (offset, gain) = self.line(input.at(0.5 * (bounds[0] + bounds[1])));
-            Stretch { from_s: bounds[0], to_s: bounds[1], offset, gain, slope: 0.0 }
-        };
-        bounds_s.windows(2).map(stretch).collect()
-    }
-}
-
 /// Appends the output of a rate limiter for a linear input x on one interval, starting at output
 /// w; updates w to the output at the end.
 fn push_rate_limited(
@@ -304,18 +150,4 @@ fn push_rate_limited(
     if meets_s < to_s {
         push_rate_limited(out, x, [meets_s, to_s], rate, w);
     }
-}
-
-/// The instant at which `changed` becomes true, by bisection; it must be true at `to_s`.
-pub(super) fn first_change(from_s: f64, to_s: f64, changed: impl Fn(f64) -> bool) -> f64 {
-    let (mut before, mut after) = (from_s, to_s);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (before + after);
-        if changed(middle) {
-            after = middle;
-        } else {
-            before = middle;
-        }
-    }
-    after
 }

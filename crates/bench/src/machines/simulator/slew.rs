@@ -2,7 +2,7 @@
 //!
 //! w is the output of the limiter and x its input, which the stretches describe.
 
-use super::chain::{Input, Stretch, first_change};
+use super::input::{Input, Stretch, first_change};
 
 /// Mode of the limiter.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,5 +1,8 @@
 //! Tests of the effects against closed-form results.
 
+mod chain;
+mod cogging;
+
 use crate::machines::simulator::parts::Parts;
 use crate::machines::simulator::*;
 use crate::plant::Friction;
@@ -88,114 +91,6 @@ fn without_friction_linear_effects_are_their_transfer_functions() {
     }
 }
 
-// The fundamental of a clipped cosine is m/π·(2φ + sin 2φ) with φ = arcsin(limit/m) (describing
-// function of a saturation). Its third harmonic is integrated by the midpoint rule.
-#[test]
-fn without_friction_a_saturated_input_drives_the_mechanics_by_its_harmonics() {
-    let (magnitude, limit, omega) = (2.0, 1.2, 7.0);
-    let effects = [Effect::new("actuator_saturation", [("limit", limit)])];
-    let found = with(&effects, plant(0.0, 0.0), omega, &cosine(magnitude));
-    let angle = (limit / magnitude).asin();
-    let first = magnitude / std::f64::consts::PI * (2.0 * angle + (2.0 * angle).sin());
-    let count = 100_000;
-    let third: f64 = (0..count)
-        .map(|i| {
-            let x = TAU * (f64::from(i) + 0.5) / f64::from(count);
-            (magnitude * x.cos()).clamp(-limit, limit) * (3.0 * x).cos()
-        })
-        .sum::<f64>()
-        * 2.0
-        / f64::from(count);
-    for (k, line) in [(1, first), (2, 0.0), (3, third)] {
-        let expected = plant(0.0, 0.0).mechanics_response(k as f64 * omega) * line;
-        assert!((found[k] - expected).norm() < 3e-9, "harmonic {k}");
-    }
-}
-
-#[test]
-fn a_dead_zone_an_asymmetric_gain_and_a_limit_act_in_this_order() {
-    let (half_width, gamma, limit, omega, magnitude) = (0.2, 0.3, 0.8, 5.0, 1.0);
-    let effects = [
-        Effect::new("actuator_saturation", [("limit", limit)]),
-        Effect::new("gain_asymmetry", [("gamma", gamma)]),
-        Effect::new("actuator_dead_zone", [("half_width", half_width)]),
-    ];
-    let found = with(&effects, plant(0.0, 0.0), omega, &cosine(magnitude));
-    let shaped = |u: f64| {
-        let beyond = u - u.clamp(-half_width, half_width);
-        let gain = if beyond > 0.0 { 1.0 + gamma } else { 1.0 - gamma };
-        (gain * beyond).clamp(-limit, limit)
-    };
-    let count = 100_000;
-    for (k, found) in found.iter().enumerate().take(4) {
-        let integrand = |i: i32| {
-            let x = TAU * (f64::from(i) + 0.5) / f64::from(count);
-            shaped(magnitude * x.cos()) * Complex::from_polar(1.0, -(k as f64) * x)
-        };
-        let factor = if k == 0 { 1.0 } else { 2.0 };
-        let line = (0..count).map(integrand).sum::<Complex>() * factor / f64::from(count);
-        let expected = plant(0.0, 0.0).mechanics_response(k as f64 * omega) * line;
-        // The midpoint rule has an error of (2π/count)² at each kink.
-        assert!((found - expected).norm() < 5e-9, "harmonic {k}");
-    }
-}
-
-#[test]
-fn a_slew_limit_never_met_makes_a_triangle_whatever_the_magnitude() {
-    let (rate, omega) = (1.0, 10.0);
-    let amplitude = rate * TAU / omega / 4.0;
-    for magnitude in [1.0, 30.0] {
-        let effects = [Effect::new("slew_limit", [("rate", rate)])];
-        let found = with(&effects, plant(0.0, 0.0), omega, &cosine(magnitude));
-        for k in [0, 1, 2, 3, 5] {
-            let line = if k % 2 == 1 {
-                8.0 * amplitude / (std::f64::consts::PI * k as f64).powi(2)
-            } else {
-                0.0
-            };
-            let expected = plant(0.0, 0.0).mechanics_response(k as f64 * omega).norm() * line;
-            assert!((found[k].norm() - expected).abs() < 3e-9, "harmonic {k} at {magnitude}");
-        }
-    }
-}
-
-#[test]
-fn a_slew_limit_above_every_slope_and_a_limit_above_every_value_change_nothing() {
-    let input = [Complex::new(0.1, 0.0), Complex::new(1.0, 0.3), Complex::new(0.2, -0.4)];
-    let base = with(&[], plant(0.3, 0.2), 6.0, &input);
-    for effect in [
-        Effect::new("slew_limit", [("rate", 100.0)]),
-        Effect::new("actuator_saturation", [("limit", 10.0)]),
-        Effect::new(
-            "backlash",
-            [("load_inertia_fraction", 1e-9), ("stiffness", 1e-9), ("damping", 0.0), ("gap", 1.0)],
-        ),
-        Effect::new("stribeck", [("fs_over_fc", 1.0), ("stribeck_velocity", 0.1)]),
-    ] {
-        let found = with(&[effect], plant(0.3, 0.2), 6.0, &input);
-        // The tolerance for transients, and a load of a billionth of the inertia.
-        assert!(worst(&base, &found) < 3e-9, "{effect:?}: {:e}", worst(&base, &found));
-    }
-}
-
-#[test]
-fn a_general_input_and_its_cosine_agree_through_the_chain() {
-    let effects = [
-        Effect::new("transport_delay", [("delay", 0.01)]),
-        Effect::new("actuator_dead_zone", [("half_width", 0.1)]),
-        Effect::new("slew_limit", [("rate", 25.0)]),
-    ];
-    let omega = 12.0;
-    let plain = with(&effects, plant(0.5, 0.4), omega, &cosine(3.0));
-    // The same cosine, as the second line of half the fundamental and a quarter period earlier.
-    let input = [ZERO, ZERO, Complex::new(0.0, 3.0)];
-    let doubled = with(&effects, plant(0.5, 0.4), omega / 2.0, &input);
-    for k in 0..4 {
-        let turned = plain[k] * Complex::from_polar(1.0, k as f64 * TAU / 4.0);
-        assert!((doubled[2 * k] - turned).norm() < 1e-8, "harmonic {k}");
-    }
-}
-
 #[test]
 fn drift_scales_every_level_by_the_place_in_the_run() {
     let effects = [
@@ -208,58 +103,6 @@ fn drift_scales_every_level_by_the_place_in_the_run() {
     let scaled = with(&[], Plant { friction, ..plant(0.4, 0.32) }, 3.0, &cosine(1.0));
     assert!(worst(&half, &scaled) < 1e-12);
     assert!(worst(&half, &with(&effects, plant(0.5, 0.4), 3.0, &cosine(1.0))) > 1e-3);
-}
-
-#[test]
-fn cogging_holds_the_means_of_velocity_and_position_at_zero() {
-    let cogging = [
-        Effect::new("cogging", [("amplitude", 0.2), ("cycles_per_unit", 9.0), ("phase", 0.7)]),
-        Effect::new("stribeck", [("fs_over_fc", 1.3), ("stribeck_velocity", 0.1)]),
-    ];
-    let (plant, omega, settings) = (plant(0.5, 0.4), 4.0, Settings::default());
-    let mechanics = Mechanics::of(&plant, &Parts::of(&cogging), 0.0);
-    let command = Command::periodic(&Parts::of(&cogging), omega, &cosine(1.5));
-    let drive = Drive::periodic(&plant.actuator, &command, command.period_s() / 2048.0);
-    let found = cogging_state::<2>(&mechanics, &drive, &settings).unwrap().unwrap();
-    let mechanics = mechanics.with_cogging(found.constant_torque, 1.0);
-    let mut series = [FourierSeries::new(1, omega), FourierSeries::new(1, omega)];
-    let mut axis = Axis::new(&mechanics, &drive, found.state);
-    axis.run_period(&mut |piece| {
-        series[0].add(piece, 0, |v| v);
-        series[1].add(piece, 1, |v| v);
-    });
-    let [velocity, position] = series.map(|series| series.harmonics());
-    // A few times the tolerance for transients.
-    assert!(worst(&[axis.state()[0].into()], &[found.state[0].into()]) < 1e-8);
-    assert!(velocity[0].norm() < 1e-8 && position[0].norm() < 1e-8);
-    assert!((velocity[1] - position[1] * Complex::new(0.0, omega)).norm() < 1e-8);
-    assert!(velocity[1].norm() > 0.1 && found.constant_torque.abs() > 1e-3);
-}
-
-// For small θ, T·sin(Nθ + φ) ≈ T·sin φ + T·N·cos φ·θ. The constant torque b balances the first
-// term, and the second is a spring.
-#[test]
-fn without_friction_cogging_of_a_small_motion_is_a_spring() {
-    let (amplitude, cycles_per_unit, phase, omega) = (0.5, 4.0, 0.6_f64, 5.0);
-    let cogging = [Effect::new(
-        "cogging",
-        [("amplitude", amplitude), ("cycles_per_unit", cycles_per_unit), ("phase", phase)],
-    )];
-    let found = with(&cogging, plant(0.0, 0.0), omega, &cosine(1e-5));
-    let spring =
-        [Effect::new("spring", [("stiffness", amplitude * cycles_per_unit * phase.cos())])];
-    let expected = with(&spring, plant(0.0, 0.0), omega, &cosine(1e-5));
-    // θ is about 1e-6, and the next term of the sine is Nθ/2 times that of the spring.
-    assert!(worst(&found, &expected) < 1e-5 * expected[1].norm());
-}
-
-#[test]
-fn cogging_leaves_an_axis_stuck_whose_torque_spans_less_than_its_static_levels() {
-    let cogging =
-        [Effect::new("cogging", [("amplitude", 0.2), ("cycles_per_unit", 9.0), ("phase", 0.0)])];
-    let found = with(&cogging, plant(0.5, 0.4), 2.0, &cosine(0.4499));
-    assert_eq!(found, vec![ZERO; 8]);
-    assert!(with(&cogging, plant(0.5, 0.4), 2.0, &cosine(0.46))[1].norm() > 1e-6);
 }
 
 // Well below breakaway the bristle is a spring of stiffness σ.

@@ -3,6 +3,7 @@
 use super::as_written::{AsWritten, Network};
 use super::chart::Chart;
 use super::figure_of_merit::{ALONE, EXACT_TOLERANCE, REFINED, SIGMAS, median};
+use super::markdown::{markdown, percent};
 use super::runs::Reproduction;
 use super::system::{FREQUENCIES, HARMONICS, MAGNITUDES};
 use super::tables;
@@ -88,7 +89,7 @@ fn experiment() -> String {
          measurement, the network's 800 for training included. *Search* is everything before \
          refinement.\n",
         bands.join(" and from "),
-        tables::percent(EXACT_TOLERANCE),
+        percent(EXACT_TOLERANCE),
     )
 }
 
@@ -107,11 +108,11 @@ pub fn as_written_text(written: &AsWritten) -> String {
             system.name().to_owned(),
             objective.name().to_owned(),
             colonies.first().map_or(0, |colony| colony.evaluations).to_string(),
-            tables::percent(median(&errors)),
-            tables::percent(worst),
+            percent(median(&errors)),
+            percent(worst),
         ]
     });
-    text += &tables::markdown(&header.map(str::to_owned), &rows.collect::<Vec<_>>());
+    text += &markdown(&header.map(str::to_owned), &rows.collect::<Vec<_>>());
     text += "\nAs printed the objective has no absolute value, and so no least value: the colony \
              goes to a corner of whatever range it is given (here 0 to twice the target; the paper \
              gives none). The limit of abandonment and the fitness behind the onlookers' \
@@ -134,10 +135,10 @@ pub fn as_written_text(written: &AsWritten) -> String {
             counted(|network| network.converged),
             counted(|network| network.overflowed),
             of(|network| network.steps as f64).to_string(),
-            if error.is_finite() { tables::percent(error) } else { "–".into() },
+            if error.is_finite() { percent(error) } else { "–".into() },
         ]
     });
-    text += &tables::markdown(&header.map(str::to_owned), &rows.collect::<Vec<_>>());
+    text += &markdown(&header.map(str::to_owned), &rows.collect::<Vec<_>>());
     let topology = &written.topology;
     let alone = &topology.alone;
     text += &format!(

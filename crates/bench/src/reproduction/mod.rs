@@ -5,8 +5,8 @@
 //! - `runs`: every method on every system, noise level and seed;
 //! - `figure_of_merit`: medians, worst cases, success;
 //! - `as_written`: the paper's own equations, implemented as literally as possible;
-//! - `chart`, `tables`, `document`, `record`: output as figures, Markdown and CSV; the figures are
-//!   drawn by `servoscope reproduce`.
+//! - `chart`, `markdown`, `tables`, `document`, `record`: output as figures, Markdown and CSV; the
+//!   figures are drawn by `servoscope reproduce`.
 //!
 //! The data comes from [`crate::machines::simulator`], which shares no code with the methods that
 //! fit it. The methods are called through the public interface.
@@ -15,6 +15,7 @@ mod as_written;
 mod chart;
 mod document;
 pub mod figure_of_merit;
+mod markdown;
 pub mod published;
 mod record;
 mod runs;

@@ -1,44 +1,18 @@
 //! Tables II and III and the times of Figure 14 as Markdown, with the paper's columns next to ours.
 
+mod closeness;
+#[cfg(test)]
+mod fixtures;
+
 use servoscope_core::answers::Method;
-use servoscope_core::measurement::Complex;
 
 use super::figure_of_merit::{ALONE, ANSWER, REFINED, Which, each, median, median_and_worst};
-use super::published::{COLUMNS, Printed, Row, seconds, table};
+use super::markdown::{markdown, percent, written};
+use super::published::{COLUMNS, Row, seconds, table};
 use super::runs::{Reproduction, Run};
 use super::system::System;
-
-/// A Markdown table with aligned columns; the first is left-aligned, the others right-aligned.
-pub(super) fn markdown(header: &[String], rows: &[Vec<String>]) -> String {
-    let width = |column: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(column)).chain(header.get(column));
-        cells.map(|cell| cell.chars().count()).max().unwrap_or(0).max(3)
-    };
-    let widths: Vec<usize> = (0..header.len()).map(width).collect();
-    let line = |cells: &[String]| {
-        let padded = cells.iter().zip(&widths).enumerate().map(|(i, (cell, width))| match i {
-            0 => format!("{cell:<width$}"),
-            _ => format!("{cell:>width$}"),
-        });
-        format!("| {} |\n", padded.collect::<Vec<_>>().join(" | "))
-    };
-    let rule = widths.iter().enumerate().map(|(i, width)| match i {
-        0 => "-".repeat(*width),
-        _ => format!("{}:", "-".repeat(width - 1)),
-    });
-    let rule = format!("| {} |\n", rule.collect::<Vec<_>>().join(" | "));
-    line(header) + &rule + &rows.iter().map(|row| line(row)).collect::<String>()
-}
-
-/// A value in the notation of the paper, with the given number of decimals.
-pub(super) fn written(value: Complex, decimals: usize, complex: bool) -> String {
-    // Avoid printing −0.0.
-    let re = if value.re.abs() < 0.5 * 10.0_f64.powi(-(decimals as i32)) { 0.0 } else { value.re };
-    match complex {
-        true => format!("{re:.decimals$}{:+.decimals$}i", value.im),
-        false => format!("{re:.decimals$}"),
-    }
-}
+pub use closeness::as_close_as_published;
+pub(super) use closeness::closeness_table;
 
 /// Number of meaningful decimals at a noise level.
 fn decimals(level: Option<u32>) -> usize {
@@ -179,18 +153,6 @@ pub(super) fn effort_table(
     markdown(&header.map(str::to_owned), &lines.collect::<Vec<_>>())
 }
 
-/// A share in percent; small values have more decimals, very small ones an exponent.
-pub(super) fn percent(share: f64) -> String {
-    let value = 100.0 * share;
-    match value {
-        _ if value.is_nan() => "–".into(),
-        _ if value == 0.0 => "0 %".into(),
-        _ if value < 0.001 => format!("{value:.1e} %"),
-        _ if value < 1.0 => format!("{value:.4} %"),
-        _ => format!("{value:.2} %"),
-    }
-}
-
 fn commonest(runs: &[&Run]) -> String {
     let count = |reason: &str| runs.iter().filter(|run| run.stop_reason == reason).count();
     let reasons = runs.iter().map(|run| run.stop_reason.as_str());
@@ -224,81 +186,10 @@ pub(super) fn times_table(reproduction: &Reproduction) -> String {
     markdown(&header.map(str::to_owned), &lines)
 }
 
-/// For each published column, the number of runs whose answer, rounded to the digits of that
-/// column, is at least as close to the computed target as the column in every row.
-pub fn as_close_as_published(system: System, runs: &[&Run]) -> [usize; 5] {
-    let targets = system.targets();
-    std::array::from_fn(|column| {
-        let close = |run: &&&Run| {
-            ANSWER(run).is_some_and(|outcome| {
-                table(system).iter().zip(&targets).zip(&outcome.rows).all(
-                    |((row, target), ours)| {
-                        let printed = Printed::read(row.columns[column]);
-                        let distance = |value: Complex| (value - target).norm();
-                        // The same decimal number may differ in the last bit if read from text or
-                        // rounded.
-                        distance(printed.round(*ours)) <= distance(printed.value) + 1e-12
-                    },
-                )
-            })
-        };
-        runs.iter().filter(close).count()
-    })
-}
-
-/// The counts of [`as_close_as_published`] as a table.
-pub(super) fn closeness_table(reproduction: &Reproduction) -> String {
-    let mut header = vec!["abc-ann at least as close as".to_owned()];
-    header.extend(COLUMNS.map(|(name, _)| name.to_owned()));
-    let lines = reproduction.plan.systems.iter().map(|system| {
-        let runs = reproduction.of(*system, None, Method::AbcAnn);
-        let counts = as_close_as_published(*system, &runs);
-        let cells = counts.map(|count| format!("{count} of {}", runs.len()));
-        std::iter::once(system.name().to_owned()).chain(cells).collect()
-    });
-    markdown(&header, &lines.collect::<Vec<Vec<String>>>())
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::runs::Outcome;
-    use super::super::system::reported;
+    use super::fixtures::run;
     use super::*;
-
-    fn run(system: System, rows: Vec<Complex>) -> Run {
-        let outcome = Outcome {
-            error: super::super::largest_error(system, &rows),
-            rows,
-            values: reported(&system.plant()),
-            evaluations: 1000,
-            seconds: 0.5,
-            success: true,
-        };
-        Run {
-            system,
-            level: None,
-            method: Method::AbcAnn,
-            seed: 1,
-            alone: Some(outcome.clone()),
-            refined: Some(outcome),
-            budget: Some(1010),
-            stop_reason: "every cycle ended".into(),
-            history: Vec::new(),
-        }
-    }
-
-    #[test]
-    fn the_target_itself_is_as_close_as_every_column_and_a_worse_pole_is_not() {
-        for system in System::ALL {
-            let exact = run(system, system.targets());
-            assert_eq!(as_close_as_published(system, &[&exact]), [1; 5]);
-        }
-        // −10.0006 is closer than the printed −10.1 and −10.2, but not closer than −10.0004.
-        let mut rows = System::G1.targets();
-        rows[0].re = -10.0006;
-        let off = run(System::G1, rows);
-        assert_eq!(as_close_as_published(System::G1, &[&off]), [1, 1, 0, 1, 0]);
-    }
 
     #[test]
     fn a_table_keeps_the_misprints_and_says_what_they_are() {
@@ -312,11 +203,5 @@ mod tests {
         assert!(times.contains("62.852") && times.contains("126"), "{times}");
         let widths: Vec<usize> = times.lines().map(|line| line.chars().count()).collect();
         assert!(widths.windows(2).all(|pair| pair[0] == pair[1]), "{times}");
-    }
-
-    #[test]
-    fn shares_are_written_with_digits_that_say_something() {
-        let shares = [f64::NAN, 0.0, 1.2e-8, 4e-5, 0.123];
-        assert_eq!(shares.map(percent), ["–", "0 %", "1.2e-6 %", "0.0040 %", "12.30 %"]);
     }
 }

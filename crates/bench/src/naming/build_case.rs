@@ -1,16 +1,13 @@
 //! Makes a draw: its machine, the effects hidden in it, and its measurement.
 
-use indexmap::IndexMap;
+mod acceptance;
+mod made;
+
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use serde::Serialize;
-use servoscope_core::diagnose::DiagnoseError;
-use servoscope_core::measurement::Measurement;
 use servoscope_core::observer::Observer;
-use servoscope_core::plant::{Actuator, Plant};
 
 use super::case::{Case, Kind};
-use super::dominance::Dominance;
 use super::effect_draws::{draw_effect, two};
 use super::excess::{DETECTABLE, exact, excess_in, scaled_to_excess};
 use super::instrument::Instrument;
@@ -18,11 +15,12 @@ use super::mismeasurement::{Mistake, Sort};
 use super::mixed_case::{dominant, mixed, recorded};
 use super::mixture::{CHI2_PER_DOF, Mixing};
 use super::outsiders;
-use super::rivals::{Nearest, Rivals};
 use super::sizing::Sizing;
 use crate::machines::draw::{Draw, DrawError, draw, log_uniform};
-use crate::machines::noise::NoiseLaw;
 use crate::machines::simulator::{Effect, Settings};
+use acceptance::accepted;
+pub(super) use made::truth;
+pub use made::{Hidden, Made, MakeError};
 
 /// Most machines and effects tried for a draw.
 const MOST_ATTEMPTS: usize = 24;
@@ -30,102 +28,10 @@ const MOST_ATTEMPTS: usize = 24;
 /// attempts keep an excess that is hard to reach from becoming rare. A new excess is needed because
 /// some cannot be reached at all (e.g. with a bristle softer than can be simulated).
 const ATTEMPTS_WITH_FIRST_TARGET: usize = 6;
-/// Smallest excess χ² of an outsider, with the effect of the library that imitates it best.
-const MIN_OUTSIDER_EXCESS: f64 = 60.0;
 /// Excess χ² from which an effect has to be named.
 const MUST_BE_NAMED: f64 = 300.0;
 /// Smallest and largest excess χ² of an effect in an analyser's table.
 const ANALYSER_EXCESS: [f64; 2] = [MUST_BE_NAMED, 30_000.0];
-
-/// An effect hidden in a machine.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Hidden {
-    /// Id of the effect or outsider.
-    pub effect: &'static str,
-    /// Its parameters by name.
-    pub parameters: IndexMap<&'static str, f64>,
-    /// Excess of the base model; in a pair, excess of the best fit with the other effect alone. In a
-    /// machine with small effects, excess of the base model if the effect were alone in it.
-    pub excess: f64,
-    /// Whether it is one of the small effects beside dominant ones.
-    pub small: bool,
-}
-
-impl Hidden {
-    pub(super) fn of(effect: &Effect, excess: f64) -> Self {
-        let parameters = effect.parameters().into_iter().collect();
-        Self { effect: effect.id(), parameters, excess, small: false }
-    }
-}
-
-/// A draw with its measurement and its true values.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Made {
-    /// The hidden effects; empty for a clean draw.
-    pub hidden: Vec<Hidden>,
-    /// Excess of the base model of the true order; 0 if nothing is hidden.
-    pub excess: f64,
-    /// What the dominant effects make and leave of it, if there are small ones beside them.
-    pub dominance: Option<Dominance>,
-    /// True parameters of the plant by the names used in answers.
-    pub plant: IndexMap<&'static str, f64>,
-    /// The machine and the design of its measurement.
-    pub machine: Draw,
-    /// How it is measured.
-    pub instrument: Instrument,
-    /// The law of its noise.
-    pub noise: NoiseLaw,
-    /// The measurement for the diagnosis.
-    pub measurement: Measurement,
-    /// The fault of that measurement, if it has one.
-    pub mistake: Option<Mistake>,
-    /// Number of attempts, including this one.
-    pub attempts: usize,
-}
-
-impl Made {
-    /// Whether an effect is hidden in the machine.
-    pub fn hides(&self, effect: &str) -> bool {
-        self.hidden.iter().any(|hidden| hidden.effect == effect)
-    }
-
-    /// The effect of the library that alone imitates the single hidden one best; `None` unless
-    /// exactly one effect is hidden.
-    ///
-    /// # Errors
-    /// See [`MakeError`].
-    pub fn nearest_rival(&self) -> Result<Option<Nearest>, MakeError> {
-        let [hidden] = self.hidden.as_slice() else { return Ok(None) };
-        let responses = self.instrument.responses(&self.machine, &Settings::default())?;
-        let exact = responses.stating(&self.noise)?;
-        let rivals = Rivals::ask(&exact, self.machine.plant.actuator.order())?;
-        Ok(rivals.nearest_to(hidden.effect))
-    }
-}
-
-/// Why a draw cannot be made.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum MakeError {
-    /// The observer asked to stop.
-    #[error("cancelled")]
-    Cancelled,
-    /// No attempt met the conditions.
-    #[error("none of {MOST_ATTEMPTS} machines and shapes has the wanted excess")]
-    Unreachable,
-    /// The candidate needed to judge whether an effect is detectable, or an outsider imitated, is
-    /// missing.
-    #[error("the diagnosis of the noise-free response has no candidate `{effect}` to judge it by")]
-    Unjudged {
-        /// The missing candidate.
-        effect: String,
-    },
-    /// The diagnosis of the noise-free response failed.
-    #[error(transparent)]
-    Diagnose(#[from] DiagnoseError),
-    /// The machine has no measurement.
-    #[error(transparent)]
-    Draw(#[from] DrawError),
-}
 
 /// Makes a draw. `base_seed` and the key of the case determine all random numbers. `sizing` says
 /// how hidden effects are scaled to their excess. The observer can cancel before every attempt.
@@ -263,68 +169,6 @@ fn effects(
         // The effects of a machine with small ones are mixed, not drawn here.
         _ => Some(Vec::new()),
     }
-}
-
-/// The hidden effects with their excess, judged by the noise-free measurement; `None` if one effect of
-/// a pair is not detectable, or an effect of the library imitates an outsider.
-fn accepted(
-    case: &Case,
-    machine: &Draw,
-    exact: impl Fn() -> Result<Measurement, DrawError>,
-    excess: f64,
-) -> Result<Option<Vec<Hidden>>, MakeError> {
-    let rivals = || -> Result<Rivals, MakeError> { Ok(Rivals::ask(&exact()?, case.order)?) };
-    let excesses = match case.kind {
-        Kind::Pair => {
-            let ids = [machine.effects[0].id(), machine.effects[1].id()];
-            detectable_beside(&rivals()?, ids)?.map(Vec::from)
-        }
-        Kind::Outsider => is_outside(&rivals()?, machine)?.then(|| vec![excess]),
-        _ => Some(vec![excess]),
-    };
-    let hidden = |(effect, excess): (&Effect, f64)| Hidden::of(effect, excess);
-    Ok(excesses.map(|excesses| machine.effects.iter().zip(excesses).map(hidden).collect()))
-}
-
-/// Excess of each of two effects if only the other is in the model; `None` if one of them is not
-/// detectable.
-fn detectable_beside(rivals: &Rivals, ids: [&str; 2]) -> Result<Option<[f64; 2]>, MakeError> {
-    let without = |other: &str| {
-        let unjudged = || MakeError::Unjudged { effect: other.to_owned() };
-        rivals.excess_with(other).ok_or_else(unjudged)
-    };
-    let excesses = [without(ids[1])?, without(ids[0])?];
-    Ok(excesses.iter().all(|excess| *excess >= DETECTABLE).then_some(excesses))
-}
-
-/// Whether no effect of the library imitates the outsider.
-fn is_outside(rivals: &Rivals, machine: &Draw) -> Result<bool, MakeError> {
-    let unjudged = || MakeError::Unjudged { effect: "any".to_owned() };
-    Ok(rivals.nearest_to(machine.effects[0].id()).ok_or_else(unjudged)?.excess
-        >= MIN_OUTSIDER_EXCESS)
-}
-
-/// Parameters of a plant by the names used in answers.
-pub(super) fn truth(plant: &Plant) -> IndexMap<&'static str, f64> {
-    let (a, k) = (plant.viscous_rate_rad_s, plant.constant);
-    let mut truth = IndexMap::from([
-        ("pole", -a),
-        ("constant", k),
-        ("dc_gain", k / a),
-        ("fc_plus", plant.friction.fc_plus),
-        ("fc_minus", plant.friction.fc_minus),
-    ]);
-    match plant.actuator {
-        Actuator::Direct => {}
-        Actuator::FirstOrder { corner_rad_s } => {
-            truth.insert("actuator_pole", -corner_rad_s);
-        }
-        Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
-            truth.insert("natural_frequency", natural_frequency_rad_s);
-            truth.insert("damping_ratio", damping_ratio);
-        }
-    }
-    truth
 }
 
 #[cfg(test)]

@@ -1,11 +1,14 @@
 //! Summary of a run of the benchmark: rates, confusion tables, calibration and times.
 
 mod calibration;
+mod confusion;
+mod effects;
+#[cfg(test)]
+mod fixtures;
 mod lines;
 mod machines;
 mod mismeasured;
-
-use std::collections::BTreeMap;
+mod times;
 
 use serde::Serialize;
 
@@ -14,12 +17,13 @@ use super::judge::Outcome;
 use super::rate::Rate;
 pub use calibration::ConfidenceBin;
 use calibration::calibration;
+use confusion::confusion;
+pub use confusion::{Confusion, NONE};
+pub use effects::EffectRates;
+use effects::effects;
 pub use mismeasured::{FaultLine, FaultRates, Faults};
-
-/// Bounds of the bins of the excess.
-const EXCESS_BOUNDS: [f64; 4] = [120.0, 1_200.0, 12_000.0, 120_000.0];
-/// Row of clean draws, and column of draws in which nothing is named, in a confusion table.
-pub const NONE: &str = "none";
+pub use times::Times;
+use times::times;
 
 /// The target of a rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -63,48 +67,6 @@ pub struct Line {
     pub wanted: Wanted,
 }
 
-/// How often a hidden effect is named first, by the size of its excess.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EffectRates {
-    /// Kind of draw: single, analyser, or machine, of which the dominant effect counts.
-    pub kind: Kind,
-    /// The effect.
-    pub effect: &'static str,
-    /// Noise, dB.
-    pub level_db: u32,
-    /// Rate over all draws.
-    pub all: Rate,
-    /// Rates by decade of the excess, from 120 upwards.
-    pub by_decade: [Rate; 3],
-}
-
-/// Confusion table at one noise level: hidden effects (rows; in a machine the dominant one) against
-/// first named causes (columns).
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Confusion {
-    /// Noise, dB.
-    pub level_db: u32,
-    /// (hidden, first named) → number of draws.
-    #[serde(serialize_with = "as_rows")]
-    pub counts: BTreeMap<(String, String), u32>,
-}
-
-fn as_rows<S: serde::Serializer>(
-    counts: &BTreeMap<(String, String), u32>,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(counts.iter().map(|((hidden, named), count)| (hidden, named, count)))
-}
-
-/// Median and 95th percentile, s.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Times {
-    /// Median.
-    pub median: f64,
-    /// 95th percentile.
-    pub p95: f64,
-}
-
 /// Summary of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
@@ -143,110 +105,14 @@ impl Summary {
     }
 }
 
-fn effects(outcomes: &[Outcome], levels: &[u32]) -> Vec<EffectRates> {
-    let mut rates: Vec<EffectRates> = Vec::new();
-    for level_db in levels {
-        let of_one = |o: &&Outcome| {
-            let of_one = matches!(o.kind, Kind::Single | Kind::Analyser | Kind::AnalyserRecord)
-                || o.kind.dominant() == 1;
-            of_one && o.level_db == *level_db
-        };
-        for outcome in outcomes.iter().filter(of_one) {
-            let Some(hidden) = outcome.dominant().next() else { continue };
-            let row = (outcome.kind, hidden.effect, *level_db);
-            let same = |r: &EffectRates| (r.kind, r.effect, r.level_db) == row;
-            let place = rates.iter().position(same).unwrap_or_else(|| {
-                let (all, by_decade) = Default::default();
-                let (kind, effect, level_db) = row;
-                rates.push(EffectRates { kind, effect, level_db, all, by_decade });
-                rates.len() - 1
-            });
-            let right = outcome.named_first();
-            rates[place].all.add(right);
-            // An excess may exceed its target by 10 %, so the last bin has no upper bound.
-            let decade =
-                EXCESS_BOUNDS[1..3].iter().filter(|bound| outcome.excess >= **bound).count();
-            rates[place].by_decade[decade].add(right);
-        }
-    }
-    rates
-}
-
-fn confusion(outcomes: &[Outcome], level_db: u32) -> Confusion {
-    let mut counts = BTreeMap::new();
-    let of_one = |o: &&Outcome| {
-        o.level_db == level_db && o.dominant().count() < 2 && o.kind != Kind::Mismeasured
-    };
-    for outcome in outcomes.iter().filter(of_one) {
-        let hidden = outcome.dominant().next().map_or(NONE, |hidden| hidden.effect);
-        let named = outcome.causes().first().map_or(NONE, |first| &first.effect);
-        *counts.entry((hidden.to_owned(), named.to_owned())).or_insert(0) += 1;
-    }
-    Confusion { level_db, counts }
-}
-
-fn times(seconds: impl Iterator<Item = f64>) -> Times {
-    let mut sorted: Vec<f64> = seconds.collect();
-    sorted.sort_by(f64::total_cmp);
-    // The smallest value that is at least as large as `percent` percent of the values.
-    let percentile = |percent: usize| {
-        let rank = (percent * sorted.len()).div_ceil(100).max(1);
-        sorted.get(rank - 1).copied().unwrap_or_default()
-    };
-    Times { median: percentile(50), p95: percentile(95) }
-}
-
 #[cfg(test)]
 mod tests {
     use servoscope_core::answers::Verdict;
 
-    use super::super::fixtures::{machine, outcome};
+    use super::super::fixtures::outcome;
+    use super::fixtures::{machines, outcomes};
     use super::*;
     use crate::naming::rivals::Nearest;
-
-    fn outcomes() -> Vec<Outcome> {
-        let explained = Verdict::Explained;
-        vec![
-            outcome("single-60-spring-o0-0", &["spring"], &[("spring", 0.995, &[])], explained),
-            outcome("single-60-spring-o0-1", &["spring"], &[("cogging", 0.85, &[])], explained),
-            outcome("single-40-spring-o0-0", &["spring"], &[], Verdict::Unexplained),
-            outcome("clean-60-o0-0", &[], &[], Verdict::Adequate),
-            outcome("clean-60-o1-1", &[], &[("stribeck", 0.85, &[])], Verdict::Improved),
-            outcome(
-                "pair-60-o0-0",
-                &["spring", "stribeck"],
-                &[("spring", 1.0, &[]), ("stribeck", 0.85, &[])],
-                explained,
-            ),
-            outcome("outsider-60-o0-0", &["cubic_drag"], &[("spring", 0.95, &[])], explained),
-            outcome("analyser-70-o0-0", &[], &[], Verdict::Unexplained),
-            outcome("analyser-70-o1-1", &[], &[], Verdict::Adequate),
-            outcome(
-                "analyser-70-spring-o0-0",
-                &["spring"],
-                &[("hardening_spring", 0.4, &["spring"])],
-                explained,
-            ),
-            outcome("analyser-70-spring-o1-1", &["spring"], &[("cogging", 0.4, &[])], explained),
-            outcome("analyser-70-spring-o2-2", &["spring"], &[], Verdict::Unexplained),
-        ]
-    }
-
-    /// Machines with small effects.
-    fn machines() -> Vec<Outcome> {
-        let hidden = ["spring", "stribeck", "cubic_drag", "cogging"];
-        let of_one = |key: &str, causes| machine(key, 1, &hidden, causes);
-        vec![
-            of_one("machine-60-spring-o0-0", &[("spring", 0.9, &[]), ("stribeck", 0.6, &[])]),
-            of_one("machine-50-spring-o0-0", &[("backlash", 0.85, &[]), ("spring", 0.4, &[])]),
-            machine(
-                "machine-2-60-o0-0",
-                2,
-                &hidden,
-                &[("stribeck", 0.9, &[]), ("spring", 0.3, &[])],
-            ),
-        ]
-    }
 
     fn line(summary: &Summary, kind: Kind, level_db: Option<u32>, what: &str) -> Line {
         let same = |l: &&Line| (l.kind, l.level_db, l.what) == (kind, level_db, what);
@@ -337,20 +203,6 @@ mod tests {
     }
 
     #[test]
-    fn confusions_have_a_row_and_a_column_for_nothing() {
-        let summary = Summary::of(&outcomes());
-        let [_, loud, quiet] = &summary.confusions[..] else { panic!("three levels") };
-        assert_eq!((loud.level_db, quiet.level_db), (60, 40));
-        let count = |of: &Confusion, hidden: &str, named: &str| {
-            of.counts.get(&(hidden.to_owned(), named.to_owned())).copied().unwrap_or_default()
-        };
-        assert_eq!(count(loud, "spring", "cogging"), 1);
-        assert_eq!(count(loud, "none", "stribeck"), 1);
-        assert_eq!(count(quiet, "spring", "none"), 1);
-        assert_eq!(loud.counts.values().sum::<u32>(), 5, "pairs have no single row");
-    }
-
-    #[test]
     fn a_fault_of_the_measurement_leaves_the_tables_of_other_kinds_as_they_are() {
         let mut drawn = outcomes();
         let before = Summary::of(&drawn);
@@ -359,28 +211,5 @@ mod tests {
             drawn.push(outcome(key, &["spring"], &causes, Verdict::Improved));
         }
         assert_eq!(Summary::of(&drawn), before);
-    }
-
-    #[test]
-    fn rates_of_an_effect_fall_into_decades_of_excess() {
-        let mut drawn = outcomes();
-        drawn[0].excess = 50_000.0;
-        drawn[1].excess = 120.0;
-        let effects = Summary::of(&drawn).effects;
-        let [analysers, springs, ..] = &effects[..] else { panic!("two rows") };
-        let row = |rates: &EffectRates| (rates.kind, rates.effect, rates.level_db);
-        assert_eq!(row(springs), (Kind::Single, "spring", 60));
-        assert_eq!(row(analysers), (Kind::Analyser, "spring", 70));
-        assert_eq!(analysers.all, Rate { hits: 0, of: 3 });
-        let hits = springs.by_decade.map(|rate| (rate.hits, rate.of));
-        assert_eq!(hits, [(0, 1), (0, 0), (1, 1)]);
-    }
-
-    #[test]
-    fn percentiles_are_values_that_occurred() {
-        let hundred = (1..=100).map(f64::from);
-        assert_eq!(times(hundred), Times { median: 50.0, p95: 95.0 });
-        assert_eq!(times([3.0].into_iter()), Times { median: 3.0, p95: 3.0 });
-        assert_eq!(times(std::iter::empty()), Times::default());
     }
 }

@@ -157,6 +157,9 @@ mod tests {
         assert!(bodies(227).unwrap_err().to_string().contains("227 is outside 228 to"));
         let most = Settings { max_upload_mib: Some(4096), ..settings("127.0.0.1:0") };
         assert!(ServeConfig::check(most).is_ok(), "the default follows");
+        let absurd = Settings { max_unpacked_mib: Some(usize::MAX / 2), ..settings("127.0.0.1:0") };
+        let refused = ServeConfig::check(absurd).unwrap_err().to_string();
+        assert!(refused.contains("max_unpacked_mib"), "{refused}");
     }
 
     #[test]

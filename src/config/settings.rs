@@ -76,8 +76,8 @@ settings! {
     /// refused with 503 and `Retry-After` [default: 512, or four times the largest upload once unpacked where that is
     /// more].
     #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_BODIES_MIB")]
-    max_bodies_mib: usize = |given| (4 * given.max_unpacked_mib
-        .or(given.max_upload_mib).unwrap_or(UPLOAD_MIB)).max(512), in 1..=MAX_BODIES_MIB;
+    max_bodies_mib: usize = |given| given.max_unpacked_mib
+        .or(given.max_upload_mib).unwrap_or(UPLOAD_MIB).saturating_mul(4).max(512), in 1..=MAX_BODIES_MIB;
 
     /// Largest database, mebibytes [default: as the disk has room].
     #[arg(long, value_name = "MIB", env = "SERVOSCOPE_MAX_STORE_MIB")]

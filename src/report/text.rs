@@ -137,7 +137,7 @@ fn stage_lines(answer: &Identification) -> Vec<String> {
     let (of_chosen, others) = stages(answer);
     let mut lines = lines(&tables::stages(&of_chosen, &answer.fit));
     if !others.is_empty() {
-        let evaluations: u64 = others.iter().map(|stage| stage.evaluations).sum();
+        let evaluations = Stage::evaluations_of(others.iter().copied());
         let seconds: f64 = others.iter().map(|stage| stage.seconds).sum();
         lines.push(format!("the other orders: {evaluations} evaluations, {seconds:.2} s"));
     }

@@ -1,6 +1,6 @@
 //! Running jobs: what the worker asks of the service.
 
-use servoscope_core::answers::Answer;
+use servoscope_core::answers::{Answer, Stage};
 use servoscope_core::diagnose::{DiagnoseError, ValidateError};
 use servoscope_core::identify::IdentifyError;
 use servoscope_core::measurement::formats::ParseError;
@@ -109,6 +109,5 @@ impl From<DiagnoseError> for RunError {
 /// Simulations of the whole measurement that an answer took.
 fn evaluations(answer: &Answer) -> u64 {
     let models = [Some(answer.base()), answer.extended()];
-    let stages = models.into_iter().flatten().flat_map(|model| &model.stages);
-    stages.map(|stage| stage.evaluations).sum()
+    Stage::evaluations_of(models.into_iter().flatten().flat_map(|model| &model.stages))
 }

@@ -1,6 +1,6 @@
 //! How the identification converged, stage by stage.
 
-use servoscope_core::answers::ConvergenceRow;
+use servoscope_core::answers::{self, ConvergenceRow};
 
 use super::canvas::{self, Canvas, MARGIN, Marker, WIDTH};
 use super::panel::{Key, Look, Naming, Panel, legend};
@@ -245,7 +245,7 @@ fn says(subject: &Subject<'_>) -> String {
     let Some(answer) = subject.identification else {
         return "Best cost so far in each stage; the stages follow each other.".to_owned();
     };
-    let evaluations: u64 = answer.stages.iter().map(|stage| stage.evaluations).sum();
+    let evaluations = answers::Stage::evaluations_of(&answer.stages);
     let seconds: f64 = answer.stages.iter().map(|stage| stage.seconds).sum();
     let order = answer.order_choice.as_ref();
     let taken = order

@@ -1,7 +1,7 @@
 //! The model: transfer function, parameters, and how they were computed.
 
 use maud::{Markup, html};
-use servoscope_core::answers::{Identification, OrderChoice};
+use servoscope_core::answers::{Identification, OrderChoice, Stage};
 
 use crate::report::size::with_interval;
 use crate::report::tables;
@@ -92,7 +92,7 @@ fn polynomial(coefficients: &[f64], digits: usize) -> Markup {
 pub(super) fn computed(content: &Content<'_>) -> Option<Section> {
     let model = content.answer.model();
     let (of_model, others) = stages(model);
-    let evaluations: u64 = others.iter().map(|stage| stage.evaluations).sum();
+    let evaluations = Stage::evaluations_of(others.iter().copied());
     let seconds: f64 = others.iter().map(|stage| stage.seconds).sum();
     let subject = content.subject("");
     let body = html! {
@@ -105,7 +105,7 @@ pub(super) fn computed(content: &Content<'_>) -> Option<Section> {
         }
         (figure("convergence", &subject, "", "How the cost of the base model fell, stage by stage."))
     };
-    let all: u64 = evaluations + of_model.iter().map(|(_, stage)| stage.evaluations).sum::<u64>();
+    let all = Stage::evaluations_of(others.into_iter().chain(of_model.iter().map(|(_, own)| *own)));
     let order = model.order_choice.as_ref().map(|choice| choice.actuator_order);
     let order = order.map_or(String::new(), |order| format!(", actuator of order {order}"));
     let short = format!("{all} simulations of the model{order}");

@@ -127,6 +127,14 @@ pub struct Stage {
     pub stop_reason: String,
 }
 
+impl Stage {
+    /// Simulations of some stages together, at most `u64::MAX`: a result that is read from a file may
+    /// state any numbers.
+    pub fn evaluations_of<'a>(stages: impl IntoIterator<Item = &'a Self>) -> u64 {
+        stages.into_iter().fold(0, |sum, stage| sum.saturating_add(stage.evaluations))
+    }
+}
+
 /// Correlations of the estimated parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
@@ -209,4 +217,17 @@ pub struct Identification {
     pub limitations: Vec<String>,
     /// What is needed to reproduce the answer.
     pub provenance: Provenance,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answers::sample;
+
+    #[test]
+    fn the_sum_of_absurd_numbers_of_simulations_is_the_largest_number() {
+        let of = |evaluations| sample::stage("refinement", evaluations, 0.1, 1.0);
+        assert_eq!(Stage::evaluations_of(&[of(2), of(3)]), 5);
+        assert_eq!(Stage::evaluations_of(&[of(u64::MAX), of(3)]), u64::MAX);
+    }
 }

@@ -1,16 +1,20 @@
 //! Whether faults are still needed beside the effects that are named in the end.
 //!
 //! A fault is found beside one effect at most. Where a second one is found in the mended measurement,
-//! it may explain what was taken for a fault. So the final model is fitted to the measurement with
-//! the faults: if it leaves only noise there, they are none.
+//! it may explain what was taken for a fault. And in a wrong local minimum a right effect may leave rows
+//! unexplained. So the final model is fitted to the measurement with the faults, from several starts:
+//! if it leaves only noise there, they are none.
 
 use crate::answers::{Diagnosis, MeasurementFault, PlantRequest};
 use crate::effects;
-use crate::identify::{FitAccuracy, FitSession, IdentifyRequest, Intervals};
+use crate::identify::{FitAccuracy, FitSession, IdentifyRequest, Intervals, Model};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
+use crate::diagnose::progress::Part;
 use crate::diagnose::residuals::discrepancy;
+use crate::diagnose::search::fitter::Fitter;
+use crate::diagnose::selection::evidence::NoiseScale;
 
 use super::mending;
 
@@ -47,8 +51,18 @@ fn is_noise(
     }
     let model = session.at_reported(&model, answer.extended.as_ref()?)?;
     let model = session.refine(&model, FitAccuracy::Settle);
-    let fit = session.judge(&model, Intervals::Curvature).ok()?;
-    Some(discrepancy::is_noise(&fit, request.options.seed, observer))
+    let is_noise = |model: &Model| {
+        let fit = session.judge(model, Intervals::Curvature);
+        fit.is_ok_and(|fit| discrepancy::is_noise(&fit, request.options.seed, observer))
+    };
+    if is_noise(&model) {
+        return Some(true);
+    }
+    // The model may be in a local minimum that only the data without the faults speak for.
+    let (part, noise_scale) = (Part::of(observer), NoiseScale::of(&session));
+    let fitter = Fitter { session: &session, part, noise_scale, starts: 1, followed: 1 };
+    let begin = &mut |restarts| part.stage("further starts", restarts);
+    fitter.leave_local_minimum(&model, &is_noise, begin).map(|found| is_noise(&found))
 }
 
 fn order(answer: &Diagnosis) -> u8 {

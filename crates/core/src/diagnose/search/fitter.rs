@@ -117,33 +117,37 @@ impl Fitter<'_> {
         let again: Vec<Model> = fits.par_iter().filter_map(again).collect();
         fits.extend(again);
         let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).cloned();
-        fits.extend(best.and_then(|best| {
-            let most = restart_remainder * self.noise_scale.beyond(from.cost);
-            self.leave_local_minimum(&best, most, &mut |restarts| {
-                further.take(RESTART_SHARE).stage(&starts, restarts)
-            })
+        // A fit that leaves little may have the right effect in a wrong local minimum.
+        let most = restart_remainder * self.noise_scale.beyond(from.cost);
+        let is_near = |best: &Model| self.noise_scale.beyond(best.cost) < most;
+        fits.extend(best.filter(is_near).and_then(|best| {
+            self.leave_local_minimum(
+                &best,
+                &|model| self.noise_scale.explains(model.cost),
+                &mut |restarts| further.take(RESTART_SHARE).stage(&starts, restarts),
+            )
         }));
         fits
     }
 
-    /// The best fit reached by repeated restarts from displaced parameters. It applies to fits that
-    /// leave less than `most` of excess misfit but do not explain the data: they may have the right
-    /// effect in a wrong local minimum. `begin` begins a stage of so many steps for each round.
-    fn leave_local_minimum<'p>(
+    /// The best fit reached by repeated restarts from displaced parameters, until one is `sufficient`
+    /// or a round gains little; `None` if none is better. `begin` begins a stage of so many steps for
+    /// each round.
+    pub fn leave_local_minimum<'p>(
         &self,
         fit: &Model,
-        most: f64,
+        sufficient: &dyn Fn(&Model) -> bool,
         begin: &mut dyn FnMut(usize) -> Stage<'p>,
     ) -> Option<Model> {
         let beyond = |model: &Model| self.noise_scale.beyond(model.cost);
-        if beyond(fit) >= most || self.noise_scale.explains(fit.cost) {
+        if sufficient(fit) {
             return None;
         }
         let next = self.refit_displaced(fit, begin).filter(|next| next.cost < fit.cost)?;
         let least = self.session.search().restart_improvement;
         let is_lower = beyond(&next) < (1.0 - least) * beyond(fit);
-        let further = is_lower.then(|| self.leave_local_minimum(&next, most, begin)).flatten();
-        Some(further.unwrap_or(next))
+        let further = is_lower.then(|| self.leave_local_minimum(&next, sufficient, begin));
+        Some(further.flatten().unwrap_or(next))
     }
 
     /// Restarts a fit with one or two parameters of its last effect displaced. Impacts and limits
@@ -281,23 +285,20 @@ mod tests {
     }
 
     #[test]
-    fn what_leaves_most_or_explains_the_data_is_not_tried_from_aside() {
+    fn a_fit_is_tried_from_aside_until_it_is_sufficient() {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
         let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
         let part = Part::of(&Silent);
-        let fitter = |dof: f64| {
-            let noise_scale = NoiseScale { known: true, rounding: 0.0, dof };
-            Fitter { session, part, noise_scale, starts: 1, followed: 1 }
-        };
+        let noise_scale = NoiseScale { known: true, rounding: 0.0, dof: 1.0 };
+        let fitter = Fitter { session, part, noise_scale, starts: 1, followed: 1 };
         let lag = session.extend(session.base(), find("sensor_lag").unwrap());
-        let lag = fitter(1.0).refine(&lag, FitAccuracy::Glance);
+        let lag = fitter.refine(&lag, FitAccuracy::Glance);
         let begin = &mut |steps| part.stage("one effect: further starts", steps);
-        assert!(fitter(1.0).leave_local_minimum(&lag, 0.5 * lag.cost, begin).is_none());
-        assert!(fitter(lag.cost).leave_local_minimum(&lag, 2.0 * lag.cost, begin).is_none());
+        assert!(fitter.leave_local_minimum(&lag, &|_| true, begin).is_none());
         let mut astray = lag.clone();
         astray.set(lag.parameters_of(0).start, 5.0 * lag.value(lag.parameters_of(0).start));
         astray.cost = 10.0 * lag.cost;
-        let found = fitter(1.0).leave_local_minimum(&astray, f64::INFINITY, begin).unwrap();
+        let found = fitter.leave_local_minimum(&astray, &|_| false, begin).unwrap();
         assert!(found.cost < 1.01 * lag.cost, "{} {}", found.cost, lag.cost);
     }
 }

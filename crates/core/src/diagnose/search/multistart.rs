@@ -1,5 +1,6 @@
 //! Multistart for the chosen model: its effects that gain little, and those easily confused with them,
-//! are fitted again from further starting points, and the lowest minimum is kept.
+//! are fitted again from further starting points, and the lowest minimum is kept. A model that leaves
+//! no more than noise would, but with a structure, is started again from displaced parameters.
 
 use crate::effects;
 use crate::effects::Effect;
@@ -10,6 +11,7 @@ use super::linearization::Linearization;
 use super::score_tests::Probed;
 use crate::diagnose::progress::{Part, Remaining};
 use crate::diagnose::selection::models::Key;
+use crate::identify::Model;
 
 impl Search<'_> {
     /// Fits effects of a model again, from the starting points that were not used yet, if they gain
@@ -45,6 +47,17 @@ impl Search<'_> {
             let fits = fitter.fit(&linearization.model, &probed, |_| true);
             self.keep(fits);
         }
+    }
+
+    /// Starts the fit of a model again from displaced parameters of its last effect until it is
+    /// `sufficient`.
+    pub fn restart(&mut self, chosen: &Key, part: Part<'_>, sufficient: impl Fn(&Model) -> bool) {
+        let Some(model) = self.models.get(chosen) else { return };
+        let mut part = Remaining(part);
+        let fitter = self.fitter(part.0, chosen.len().saturating_sub(1));
+        let begin = &mut |restarts| part.take(0.5).stage("further starts", restarts);
+        let found = fitter.leave_local_minimum(model, &sufficient, begin);
+        self.keep(found.into_iter().collect());
     }
 }
 

@@ -61,7 +61,23 @@ impl<'a> OrderStudy<'a> {
         let mut this =
             Self { session, fit, discrepancy, search, seed, combined: false, chosen, fits };
         this.choose(part)?;
+        this.leave_local_minimum(part)?;
         Ok(this)
+    }
+
+    /// Where the chosen effect leaves no more than noise would, but with a structure, it may be in a
+    /// wrong local minimum: then it is started again. Else a few rows that speak against that minimum
+    /// would be taken for faults of the measurement.
+    fn leave_local_minimum(&mut self, part: Part<'_>) -> Result<(), DiagnoseError> {
+        let Self { session, search, seed, chosen, .. } = self;
+        let noise_scale = search.models.noise_scale;
+        let explains = |model: &Model| noise_scale.explains(model.cost);
+        if self.fits || chosen.is_empty() || !search.models.get(chosen).is_some_and(explains) {
+            return Ok(());
+        }
+        let sufficient = |model: &Model| noise_like(session, noise_scale, model, *seed);
+        search.restart(chosen, part.part([1.0, 1.0]), sufficient);
+        self.choose(part)
     }
 
     /// Fits several effects together, up to `most`, if one is not enough. On time records, where

@@ -1,5 +1,8 @@
-//! The pages under `docs`: each has its place in the table of contents, and every link leads
-//! somewhere.
+//! The pages under `docs`: each has its place in the table of contents, every link leads
+//! somewhere, and their commands are run.
+
+mod commands;
+mod listed;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -7,6 +7,7 @@ mod benchmark_simulator;
 mod bias;
 mod book;
 mod caps;
+mod certificates;
 mod circles;
 mod cli;
 mod compose;

@@ -1,5 +1,7 @@
 //! Events on a real broker: Mosquitto.
 
+mod tls;
+
 use std::fs::File;
 use std::net::{SocketAddr, TcpStream};
 use std::path::{Path, PathBuf};
@@ -33,6 +35,11 @@ struct Mosquitto {
 impl Mosquitto {
     /// One that knows a single user; `None` where there is no Mosquitto.
     fn new(folder: &Path) -> Option<Self> {
+        Self::with(folder, "")
+    }
+
+    /// The same with settings of its listener, each with a line of its own.
+    fn with(folder: &Path, of_listener: &str) -> Option<Self> {
         let password_file = folder.join("passwords");
         let made = Command::new("mosquitto_passwd")
             .args(["-b", "-c"])
@@ -49,7 +56,7 @@ impl Mosquitto {
         }
         let address = free_address();
         let settings = format!(
-            "listener {} 127.0.0.1\nallow_anonymous false\npassword_file {}\n\
+            "listener {} 127.0.0.1\n{of_listener}allow_anonymous false\npassword_file {}\n\
              persistence true\npersistence_location {}/\n{}",
             address.port(),
             password_file.display(),
@@ -118,6 +125,16 @@ fn program() -> &'static str {
     if Path::new("/usr/sbin/mosquitto").exists() { "/usr/sbin/mosquitto" } else { "mosquitto" }
 }
 
+/// Waits until a server could not publish a message.
+fn until_an_attempt_failed(server: &Server) {
+    let failed = "servoscope_messages_total{to=\"mqtt\",outcome=\"failed\"} 1\n";
+    let began = Instant::now();
+    while !server.get("/metrics").text.contains(failed) {
+        assert!(began.elapsed() < PATIENCE);
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
 #[test]
 fn the_end_of_a_job_is_published_though_the_broker_was_down_and_no_log_has_the_password() {
     let directory = tempfile::tempdir().unwrap();
@@ -132,12 +149,7 @@ fn the_end_of_a_job_is_published_though_the_broker_was_down_and_no_log_has_the_p
     let server = Server::start_logging(&directory.path().join("data"), &arguments, &log);
     let job = submit(&server, &endless());
     assert_eq!(server.post(&format!("{job}/cancel"), "text/plain", b"").status, 202);
-    let failed = "servoscope_messages_total{to=\"mqtt\",outcome=\"failed\"} 1\n";
-    let began = Instant::now();
-    while !server.get("/metrics").text.contains(failed) {
-        assert!(began.elapsed() < PATIENCE);
-        std::thread::sleep(Duration::from_millis(50));
-    }
+    until_an_attempt_failed(&server);
     broker.start();
     let received = broker.subscriber(&["-C", "1"]);
     let (topic, body) = received.trim().split_once(' ').expect("a topic and a message");

@@ -33,6 +33,14 @@ pub fn command() -> Command {
     command
 }
 
+/// What serves on a free port.
+fn serve(data_dir: &Path, arguments: &[&str]) -> Command {
+    let mut command = command();
+    command.args(["serve", "--listen", "127.0.0.1:0", "--data-dir"]);
+    command.arg(data_dir).args(arguments);
+    command
+}
+
 /// A file of the repository.
 pub fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
@@ -53,6 +61,18 @@ impl Server {
     /// The same with its log in a file.
     pub fn start_logging(data_dir: &Path, arguments: &[&str], log: &Path) -> Self {
         Self::spawn(data_dir, arguments, File::create(log).unwrap().into()).0
+    }
+
+    /// The same, trusting what the authority of this certificate signed and nothing else.
+    pub fn start_trusting(
+        data_dir: &Path,
+        arguments: &[&str],
+        authority: &Path,
+        log: &Path,
+    ) -> Self {
+        let mut command = serve(data_dir, arguments);
+        command.env("SSL_CERT_FILE", authority).env_remove("SSL_CERT_DIR");
+        Self::started(command, File::create(log).unwrap().into()).0
     }
 
     /// One that may have so many files open.
@@ -89,10 +109,7 @@ impl Server {
     }
 
     fn spawn(data_dir: &Path, arguments: &[&str], log: Stdio) -> (Self, BufReader<ChildStdout>) {
-        let mut command = command();
-        command.args(["serve", "--listen", "127.0.0.1:0", "--data-dir"]);
-        command.arg(data_dir).args(arguments);
-        Self::started(command, log)
+        Self::started(serve(data_dir, arguments), log)
     }
 
     fn started(mut command: Command, log: Stdio) -> (Self, BufReader<ChildStdout>) {

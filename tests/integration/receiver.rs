@@ -2,12 +2,18 @@
 
 use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{SocketAddr, TcpListener};
 use std::sync::atomic::{AtomicU16, Ordering};
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
+use rustls::crypto::ring::default_provider;
+use rustls::pki_types::pem::PemObject;
+use rustls::pki_types::{CertificateDer, PrivateKeyDer};
+use rustls::{ServerConfig, ServerConnection, StreamOwned};
 use serde_json::Value;
+
+use crate::certificates::Certificate;
 
 /// Far more than anything here takes: it ends a test that hangs.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -32,21 +38,29 @@ impl Received {
 /// Answers each request with the next of its answers, and the last for ever.
 pub struct Receiver {
     address: SocketAddr,
+    scheme: &'static str,
     received: mpsc::Receiver<Received>,
 }
 
 impl Receiver {
     /// `answers`: status lines and headers, as in `204 No Content`.
     pub fn start(answers: &[&str]) -> Self {
-        Self::listening(TcpListener::bind("127.0.0.1:0").unwrap(), answers)
+        Self::listening(TcpListener::bind("127.0.0.1:0").unwrap(), None, answers)
+    }
+
+    /// The same over TLS.
+    pub fn start_tls(certificate: &Certificate, answers: &[&str]) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        Self::listening(listener, Some(tls(certificate)), answers)
     }
 
     /// The same on an address where nobody listens.
     pub fn start_at(address: SocketAddr, answers: &[&str]) -> Self {
-        Self::listening(TcpListener::bind(address).unwrap(), answers)
+        Self::listening(TcpListener::bind(address).unwrap(), None, answers)
     }
 
-    fn listening(listener: TcpListener, answers: &[&str]) -> Self {
+    fn listening(listener: TcpListener, tls: Option<Arc<ServerConfig>>, answers: &[&str]) -> Self {
+        let scheme = if tls.is_some() { "https" } else { "http" };
         let address = listener.local_addr().unwrap();
         let (sender, received) = mpsc::channel();
         let answers: Vec<String> = answers.iter().map(|answer| (*answer).to_owned()).collect();
@@ -54,7 +68,14 @@ impl Receiver {
             for (index, stream) in listener.incoming().enumerate() {
                 let answer = answers.get(index).or(answers.last()).unwrap();
                 // A connection that breaks is no request.
-                let Some(request) = stream.ok().and_then(|stream| answered(stream, answer)) else {
+                let request = stream.ok().and_then(|stream| match &tls {
+                    None => answered(stream, answer),
+                    Some(config) => {
+                        let session = ServerConnection::new(Arc::clone(config)).unwrap();
+                        answered(StreamOwned::new(session, stream), answer)
+                    }
+                });
+                let Some(request) = request else {
                     continue;
                 };
                 if sender.send(request).is_err() {
@@ -62,11 +83,11 @@ impl Receiver {
                 }
             }
         });
-        Self { address, received }
+        Self { address, scheme, received }
     }
 
     pub fn url(&self) -> String {
-        format!("http://{}/hook", self.address)
+        format!("{}://{}/hook", self.scheme, self.address)
     }
 
     /// The next request.
@@ -92,8 +113,19 @@ pub fn free_address() -> SocketAddr {
     }
 }
 
-fn answered(mut stream: TcpStream, answer: &str) -> Option<Received> {
-    let mut reader = BufReader::new(stream.try_clone().ok()?);
+fn tls(certificate: &Certificate) -> Arc<ServerConfig> {
+    let chain = vec![CertificateDer::from_pem_file(&certificate.file).unwrap()];
+    let key = PrivateKeyDer::from_pem_file(&certificate.key).unwrap();
+    let config = ServerConfig::builder_with_provider(Arc::new(default_provider()))
+        .with_safe_default_protocol_versions()
+        .unwrap()
+        .with_no_client_auth()
+        .with_single_cert(chain, key);
+    Arc::new(config.unwrap())
+}
+
+fn answered<S: Read + Write>(stream: S, answer: &str) -> Option<Received> {
+    let mut reader = BufReader::new(stream);
     let mut headers = HashMap::new();
     let mut line = String::new();
     reader.read_line(&mut line).ok()?;
@@ -107,6 +139,8 @@ fn answered(mut stream: TcpStream, answer: &str) -> Option<Received> {
     let mut body = vec![0; length];
     reader.read_exact(&mut body).ok()?;
     let answer = format!("HTTP/1.1 {answer}\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
+    let stream = reader.get_mut();
     stream.write_all(answer.as_bytes()).ok()?;
+    stream.flush().ok()?;
     Some(Received { headers, body: String::from_utf8(body).ok()? })
 }

@@ -1,6 +1,7 @@
 //! Others are told what happened: signed, until they take it, and nowhere they must not be.
 
 mod page;
+mod tls;
 
 use std::time::{Duration, Instant};
 

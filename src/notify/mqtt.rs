@@ -140,6 +140,7 @@ impl Broker {
 fn failure(error: &ConnectionError) -> SendError {
     match error {
         ConnectionError::Io(error) => SendError::Connection(error.to_string()),
+        ConnectionError::Tls(error) => SendError::Connection(error.to_string()),
         ConnectionError::ConnectionRefused(code) => SendError::Broker(format!("{code:?}")),
         other => SendError::Broker(other.to_string()),
     }

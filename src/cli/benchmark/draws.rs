@@ -23,6 +23,7 @@ struct File<'a> {
 
 /// All draws, and their summary.
 pub(super) fn all(cases: &[Case], args: &Args) -> Result<(), Failure> {
+    args.json.as_deref().map_or(Ok(()), target::file)?;
     let watch = Watch::new(cases.len());
     let done = |case: &Case, result: &Result<Outcome, Unmade>| watch.done(case, result);
     let results = run_all(cases, &args.settings(), &watch, &done).map_err(Failure::other)?;
@@ -57,6 +58,7 @@ pub(super) fn all(cases: &[Case], args: &Args) -> Result<(), Failure> {
 
 /// One draw in full.
 pub(super) fn one(case: &Case, args: &Args) -> Result<(), Failure> {
+    args.json.as_deref().map_or(Ok(()), target::file)?;
     let watch = Watch::new(1);
     let run = run_case(case, &args.settings(), &watch);
     watch.bar.finish_and_clear();

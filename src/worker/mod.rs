@@ -13,6 +13,7 @@
 
 mod attempt;
 mod messages;
+mod refused;
 mod relay;
 mod retention;
 #[cfg(test)]

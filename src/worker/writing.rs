@@ -4,12 +4,12 @@
 use std::pin::pin;
 use std::sync::Arc;
 
-use tracing::{info, warn};
+use tracing::{error, info, warn};
 
 use crate::store::{Beat, ConvergencePoint, Outcome, Reach, StoreError};
 
 use super::attempt::Attempt;
-use super::within;
+use super::{refused, within};
 
 impl Attempt {
     /// Renews the lease and stores what the computation has reported; what could not be stored is
@@ -24,6 +24,11 @@ impl Attempt {
         let told = !self.unsent.is_empty() || self.unsent_progress.is_some();
         let beat = match self.renew(json.as_deref(), &self.unsent).await {
             Err(error @ StoreError::Full(_)) if told => return self.keep(error).await,
+            // Stored later it would be refused again, and the lease lost.
+            Err(error) if told && error.is_permanent() => {
+                warn!(%error, "the database refuses what a computation reports; it is left out");
+                self.renew(None, &[]).await?
+            }
             beat => beat?,
         };
         self.unsent.clear();
@@ -57,10 +62,11 @@ impl Attempt {
     }
 
     /// Stores how the job ended, however long that takes, as long as the lease is this worker's and
-    /// the process does not stop.
-    pub(super) async fn finish(mut self, outcome: Outcome) {
+    /// the process does not stop. Where the database refuses it for good, the job ends as failed.
+    pub(super) async fn finish(mut self, mut outcome: Outcome) {
         let shared = Arc::clone(&self.shared);
         let mut stopped = pin!(shared.signals.stopped());
+        let mut refused = false;
         loop {
             match self.store(&outcome).await {
                 Ok(true) => {
@@ -71,6 +77,14 @@ impl Attempt {
                     return shared.signals.job_ended();
                 }
                 Ok(false) => return warn!("lease lost; its result is given up"),
+                Err(error) if error.is_permanent() && refused => {
+                    return error!(%error, "the database refuses every outcome; the lease expires");
+                }
+                Err(error) if error.is_permanent() => {
+                    outcome = refused::instead(&error);
+                    refused = true;
+                    continue;
+                }
                 Err(error) => warn!(%error, "the outcome cannot be stored"),
             }
             tokio::select! {
@@ -81,7 +95,7 @@ impl Attempt {
     }
 
     /// Stores the outcome. `false`: the lease is lost, and the outcome was not stored before.
-    async fn store(&mut self, outcome: &Outcome) -> Result<bool, StoreError> {
+    pub(super) async fn store(&mut self, outcome: &Outcome) -> Result<bool, StoreError> {
         let held = self.beat().await? != Beat::Lost;
         if held {
             let finished = self.shared.answer(self.shared.store.finish(&self.lease, outcome)).await;

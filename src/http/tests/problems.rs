@@ -1,6 +1,12 @@
 //! Requests that are refused, each with a problem document.
 
+use axum::http::header::RETRY_AFTER;
+use axum::response::IntoResponse as _;
+
 use super::*;
+use crate::http::problem::Problem;
+use crate::service::ServiceError;
+use crate::store::StoreError;
 
 #[test]
 fn malformed_json_is_refused_with_line_and_column() {
@@ -45,4 +51,12 @@ fn every_other_error_is_a_problem_document_too() {
     let long_key = "k".repeat(256);
     let headers = [("content-type", "text/csv"), ("idempotency-key", long_key.as_str())];
     problem(server.post("/v1/measurements", &headers, b"any"), 400);
+}
+
+#[test]
+fn a_request_that_the_database_does_not_answer_in_time_may_be_sent_again() {
+    let silent: Box<Problem> = ServiceError::Store(StoreError::Silent).into();
+    let answer = silent.into_response();
+    assert_eq!(answer.status(), 503);
+    assert_eq!(answer.headers()[RETRY_AFTER], "5");
 }

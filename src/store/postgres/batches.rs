@@ -8,10 +8,10 @@ use crate::store::{
     MemberRow, NewBatchRow, Page, Reach, Standing, Status, StoreError, TallyRow, Wake,
 };
 
-use super::{Postgres, idempotency, locks};
+use super::{Engine, idempotency, locks};
 
 #[async_trait]
-impl Batches for Postgres {
+impl Batches for Engine {
     async fn measurements_of(
         &self,
         reach: &Reach,

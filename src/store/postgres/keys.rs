@@ -8,10 +8,10 @@ use sqlx::PgConnection;
 use crate::store::decode::millis;
 use crate::store::{KeyRow, Keyring, Millis, StoreError, Usage};
 
-use super::Postgres;
+use super::Engine;
 
 #[async_trait]
-impl Keyring for Postgres {
+impl Keyring for Engine {
     async fn insert_key(&self, row: &KeyRow) -> Result<bool, StoreError> {
         let done = sqlx::query(
             "INSERT INTO keys (id, name, scopes, sha256, created_at_ms, expires_at_ms, quotas)

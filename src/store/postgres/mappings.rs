@@ -6,10 +6,10 @@ use sqlx::PgPool;
 
 use crate::store::{MappingRow, Mappings, Reach, StoreError};
 
-use super::{Postgres, locks};
+use super::{Engine, locks};
 
 #[async_trait]
-impl Mappings for Postgres {
+impl Mappings for Engine {
     async fn put_mapping(
         &self,
         reach: &Reach,

@@ -3,7 +3,8 @@
 //! Writes run side by side. Each waits for the rows that it changes and decides on what it then
 //! finds; what no row stands for has a lock of its own in `locks`. A process that is cut off or
 //! stopped in the midst of a transaction must not hold up the others: the database ends such a
-//! transaction after [`IDLE`].
+//! transaction after [`IDLE`]. Nor does a database that says nothing hold up a process: `limited` gives
+//! up a call that it does not answer.
 
 mod batches;
 mod connections;
@@ -11,6 +12,7 @@ mod history;
 mod idempotency;
 mod jobs;
 mod keys;
+mod limited;
 mod locks;
 mod mappings;
 mod measurements;
@@ -27,6 +29,8 @@ mod store;
 mod upgrade;
 mod wakes;
 
+use std::time::Duration;
+
 use sqlx::PgPool;
 use sqlx::postgres::PgConnectOptions;
 
@@ -41,9 +45,41 @@ const CONNECTIONS: u32 = 9;
 /// another transaction.
 const IDLE: &str = "30s";
 
-/// Store on one Postgres database, which any number of processes share.
+/// Store on one Postgres database, which any number of processes share. A call that the database does not
+/// answer for long ends with [`StoreError::Silent`].
 #[derive(Debug)]
 pub struct Postgres {
+    engine: Engine,
+    /// How long a call may take.
+    limit: Duration,
+}
+
+impl Postgres {
+    /// Connects to the database of an address as in `postgres://user:password@host/database` and
+    /// brings its tables to the form this version needs.
+    ///
+    /// # Errors
+    /// When the address cannot be used, or the database not be reached or migrated.
+    pub async fn open(address: &str) -> Result<Self, StoreError> {
+        let engine = Engine::connect(address).await?;
+        migrations::run(&engine.pool).await?;
+        Ok(Self { engine, limit: limited::LIMIT })
+    }
+
+    /// Connects to a database as it is.
+    ///
+    /// # Errors
+    /// When the address cannot be used, the database not be reached, or it is not of this version.
+    pub async fn open_existing(address: &str) -> Result<Self, StoreError> {
+        let engine = Engine::connect(address).await?;
+        migrations::check(&engine.pool).await?;
+        Ok(Self { engine, limit: limited::LIMIT })
+    }
+}
+
+/// The same without a limit to a call.
+#[derive(Debug)]
+struct Engine {
     pool: PgPool,
     speaker: Speaker,
     /// Looks at the whole queue.
@@ -54,28 +90,7 @@ pub struct Postgres {
     events: Lowest,
 }
 
-impl Postgres {
-    /// Connects to the database of an address as in `postgres://user:password@host/database` and
-    /// brings its tables to the form this version needs.
-    ///
-    /// # Errors
-    /// When the address cannot be used, or the database not be reached or migrated.
-    pub async fn open(address: &str) -> Result<Self, StoreError> {
-        let store = Self::connect(address).await?;
-        migrations::run(&store.pool).await?;
-        Ok(store)
-    }
-
-    /// Connects to a database as it is.
-    ///
-    /// # Errors
-    /// When the address cannot be used, the database not be reached, or it is not of this version.
-    pub async fn open_existing(address: &str) -> Result<Self, StoreError> {
-        let store = Self::connect(address).await?;
-        migrations::check(&store.pool).await?;
-        Ok(store)
-    }
-
+impl Engine {
     async fn connect(address: &str) -> Result<Self, StoreError> {
         let options: PgConnectOptions = address.parse()?;
         let options = options.application_name("servoscope").options([

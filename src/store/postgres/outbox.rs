@@ -11,7 +11,7 @@ use crate::store::outbox::{
 };
 use crate::store::{Reach, StoreError};
 
-use super::{Postgres, locks};
+use super::{Engine, locks};
 
 /// Deliveries that may be tried now. There is one at a time to a receiver: one that is slow
 /// holds up nobody else, and one that is fast is told in order.
@@ -25,7 +25,7 @@ const DUE: &str = "SELECT id FROM deliveries AS due
      ORDER BY due_ms, id LIMIT 1";
 
 #[async_trait]
-impl Outbox for Postgres {
+impl Outbox for Engine {
     async fn insert_webhook(
         &self,
         reach: &Reach,

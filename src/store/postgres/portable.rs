@@ -6,7 +6,7 @@ use sqlx::{AssertSqlSafe, PgConnection};
 
 use crate::store::backup::{BackupError, Cell, Portable, Reader, Section, TABLES, Writer, cells};
 
-use super::Postgres;
+use super::Engine;
 use super::measurements::measured_at_ms;
 
 /// Bytes that are sent together.
@@ -16,7 +16,7 @@ const BYTES: usize = 1 << 16;
 const ONE_MOMENT: &str = "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
 
 #[async_trait]
-impl Portable for Postgres {
+impl Portable for Engine {
     async fn back_up(&self, into: &mut Writer<'_>) -> Result<(), BackupError> {
         let mut transaction = self.pool.begin_with(ONE_MOMENT).await?;
         back_up(&mut transaction, into).await?;

@@ -11,10 +11,10 @@ use crate::store::{
     StoredResult, Wake,
 };
 
-use super::{Postgres, history, jobs, measurements, queue, recovery, results, retention, wakes};
+use super::{Engine, history, jobs, measurements, queue, recovery, results, retention, wakes};
 
 #[async_trait]
-impl Store for Postgres {
+impl Store for Engine {
     async fn ping(&self) -> Result<(), StoreError> {
         sqlx::query(
             "INSERT INTO probe (id, at_ms) VALUES (1, (SELECT now_ms FROM clock))

@@ -94,14 +94,15 @@ mod tests {
     #[tokio::test]
     async fn what_a_computation_reports_and_the_database_refuses_for_good_is_left_out() {
         let bench = Bench::new().await;
-        bench.submit(SUCCEED).await;
+        let id = bench.submit(SUCCEED).await;
         let mut attempt = bench.attempt(LONG).await;
-        // SQLite takes it for NULL, which the column does not hold.
-        let (stage, best, elapsed_s) = ("colony".to_owned(), f64::NAN, 0.5);
+        // SQLite takes what is no number for NULL, which the column does not hold.
+        let (stage, best, elapsed_s) = ("colony".to_owned(), 0.5, f64::NAN);
         let row = ConvergenceRow { stage, cycle: 1, evaluations: 2, best, mean: None, elapsed_s };
         attempt.watch.row(row);
         let kept = attempt.beat().await.unwrap();
         assert_eq!(kept, Beat::Renewed { cancel_requested: false });
-        assert_eq!(attempt.unsent.len(), 0);
+        assert_eq!(attempt.unsent.len(), 0, "it is not stored later");
+        assert_eq!(bench.service.convergence(&id).await.unwrap().len(), 0);
     }
 }

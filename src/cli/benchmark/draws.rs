@@ -5,7 +5,7 @@ use servoscope_bench::naming::{
     Case, Outcome, Summary, Unmade, case_text, misses_text, run_all, run_case, summary_text,
 };
 
-use crate::cli::{Failure, terminal};
+use crate::cli::{Failure, target, terminal};
 use crate::report;
 
 use super::Args;

@@ -65,21 +65,17 @@ impl<'a> OrderStudy<'a> {
         Ok(this)
     }
 
-    /// Where the chosen effect leaves no more than noise would, but with a structure or without a
-    /// response to some experiment, it may be in a wrong local minimum: then it is started again. Else
-    /// what speaks against that minimum would be left out, or taken for a fault of the measurement.
+    /// Where the chosen effect leaves no more than noise would, but with a structure, it may be in a
+    /// wrong local minimum: then it is started again. Else a few rows that speak against that minimum
+    /// would be taken for faults of the measurement.
     fn leave_local_minimum(&mut self, part: Part<'_>) -> Result<(), DiagnoseError> {
-        let Self { session, search, seed, chosen, fits, .. } = self;
+        let Self { session, search, seed, chosen, .. } = self;
         let noise_scale = search.models.noise_scale;
-        let Some(model) = search.models.get(chosen).filter(|_| !chosen.is_empty()) else {
-            return Ok(());
-        };
-        if !noise_scale.explains(model.cost) || (*fits && session.is_answered(model)) {
+        let explains = |model: &Model| noise_scale.explains(model.cost);
+        if self.fits || chosen.is_empty() || !search.models.get(chosen).is_some_and(explains) {
             return Ok(());
         }
-        let sufficient = |model: &Model| {
-            session.is_answered(model) && noise_like(session, noise_scale, model, *seed)
-        };
+        let sufficient = |model: &Model| noise_like(session, noise_scale, model, *seed);
         search.restart(chosen, part.part([1.0, 1.0]), sufficient);
         self.choose(part)
     }

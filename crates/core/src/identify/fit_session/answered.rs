@@ -38,11 +38,6 @@ impl FitSession<'_> {
         self.descend_by(&misfit, &model, self.patience(FitAccuracy::Settle), on_step)
     }
 
-    /// Whether a model has a response from rest in every experiment.
-    pub fn is_answered(&self, model: &Model) -> bool {
-        self.unanswered(model).is_empty()
-    }
-
     /// Indices of the experiments in which a model has no response from rest.
     fn unanswered(&self, model: &Model) -> Vec<usize> {
         if model.effects().is_empty() {

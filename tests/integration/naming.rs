@@ -204,9 +204,17 @@ mod long {
     // back there.
     #[test]
     #[ignore = "slow: 1 diagnosis"]
-    fn a_fit_leaves_a_valley_that_two_parameters_hold_it_in() {
+    fn a_fit_leaves_a_valley_that_two_parameters_hold_it_in_and_no_row_is_left_out_for_it() {
         let settings = Settings { seed: 41041, sizing: Sizing::Character, ..settings() };
-        are_explained(settings, &["single-60-backlash-o1-7"]);
+        let key = "single-60-backlash-o1-7";
+        let outcome = run_case(&case(key), &settings, &Silent).unwrap().outcome;
+        assert!(outcome.named_first(), "{:?}", outcome.causes());
+        assert_eq!(outcome.verdict(), Some(Verdict::Explained));
+        let answer = outcome.answer.unwrap();
+        assert_eq!(answer.faults, []);
+        for parameter in &answer.effect_parameters {
+            assert!(nearly_held(parameter), "{parameter:?}");
+        }
     }
 
     // Both swing far above the band. What shows of it is much like a light load's that swings in it.

@@ -7,7 +7,7 @@
 
 use crate::answers::{Diagnosis, MeasurementFault, PlantRequest};
 use crate::effects;
-use crate::identify::{FitAccuracy, FitSession, IdentifyRequest, Intervals, Model};
+use crate::identify::{FitAccuracy, FitSession, IdentifyRequest, Model};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
@@ -51,10 +51,7 @@ fn is_noise(
     }
     let model = session.at_reported(&model, answer.extended.as_ref()?)?;
     let model = session.refine(&model, FitAccuracy::Settle);
-    let is_noise = |model: &Model| {
-        let fit = session.judge(model, Intervals::Curvature);
-        fit.is_ok_and(|fit| discrepancy::is_noise(&fit, request.options.seed, observer))
-    };
+    let is_noise = |model: &Model| discrepancy::leaves_noise(&session, model, request.options.seed);
     if is_noise(&model) {
         return Some(true);
     }

@@ -1,7 +1,7 @@
 //! The report on where a base model departs from its data: tests, patterns, groups, a sentence.
 
 use crate::answers::{Discrepancy, NoiseSource, Pattern, ResidualTest};
-use crate::identify::ModelFit;
+use crate::identify::{FitSession, Intervals, Model, ModelFit};
 use crate::measurement::after_number;
 use crate::observer::Observer;
 
@@ -59,6 +59,13 @@ pub(crate) fn of(fit: &ModelFit, seed: u64, observer: &dyn Observer) -> Discrepa
         by_harmonic: groups::by_harmonic(&residuals),
         by_run: groups::by_run(&residuals),
     }
+}
+
+/// Whether a model leaves only noise of a session's data, as far as it has a response to them; at random
+/// once the observer cancels.
+pub(crate) fn leaves_noise(session: &FitSession<'_>, model: &Model, seed: u64) -> bool {
+    let fit = session.judge(model, Intervals::Curvature);
+    fit.is_ok_and(|fit| is_noise(&fit, seed, session.observer()))
 }
 
 /// Whether the residuals of an extended model are noise; at random once the observer cancels.

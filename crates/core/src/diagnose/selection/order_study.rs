@@ -208,6 +208,5 @@ impl<'a> OrderStudy<'a> {
 /// Whether a model leaves only noise.
 fn noise_like(session: &FitSession<'_>, noise_scale: NoiseScale, model: &Model, seed: u64) -> bool {
     let exact = !noise_scale.known && noise_scale.explains(model.cost);
-    let fit = || session.judge(model, Intervals::Curvature);
-    exact || fit().is_ok_and(|fit| discrepancy::is_noise(&fit, seed, session.observer()))
+    exact || discrepancy::leaves_noise(session, model, seed)
 }

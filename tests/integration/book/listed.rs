@@ -91,7 +91,7 @@ const NOT_RUN: [(&str, &str, &str); 20] = [
     ("docs/load.md", "cargo bench --bench queue", BENCH),
     ("docs/load.md", "createdb load", BENCH),
     ("docs/operating.md", "docker build", DOCKER),
-    ("docs/operating.md", "createdb servoscope", "it names the database of somebody"),
+    ("docs/operating.md", "createdb servoscope", "it names somebody's database"),
     ("docs/operating.md", "cd deploy", DOCKER),
     ("docs/peers.md", "benches/peers/run.sh", "it downloads and builds other programs"),
     ("docs/performance.md", "cargo build --release", BUILDS),

@@ -8,7 +8,9 @@ use super::fault::Fault;
 use super::format::Format;
 use super::given::Given;
 use super::header::Header;
-use super::json_table::{element, note_unknown, number, object, of_columns, of_rows};
+use super::json_table::{
+    element, note_unknown, number, object, of_columns, of_rows, parse, scalar,
+};
 use super::limits::{MAX_EXPERIMENTS, too_many_experiments};
 use super::part::Part;
 use super::table::{Table, join_path};
@@ -37,9 +39,7 @@ pub(super) const FORMAT: Format = Format {
 
 /// Reads a whole upload.
 fn read(text: &str, given: &Given) -> Result<Part, Fault> {
-    let value: Value = serde_json::from_str(text).map_err(|error| {
-        Fault::new(format!("the text is not JSON: {error}")).at_line(Some(error.line() as u64))
-    })?;
+    let value = parse(text)?;
     let mut notes = IndexSet::new();
     let upload = match &value {
         Value::Array(rows) => {
@@ -245,16 +245,6 @@ fn set(
         note_unknown(path, notes);
     }
     Ok(())
-}
-
-/// The text of a string or a number.
-fn scalar(value: &Value, path: &str) -> Result<String, Fault> {
-    match value {
-        Value::String(text) => Ok(text.clone()),
-        Value::Number(number) => Ok(number.to_string()),
-        other => Err(Fault::new(format!("a string or a number is needed, not {}", kind(other)))
-            .in_column(path)),
-    }
 }
 
 fn array<'a>(value: &'a Value, path: &str) -> Result<&'a Vec<Value>, Fault> {

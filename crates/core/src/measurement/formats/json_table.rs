@@ -1,4 +1,5 @@
-//! Converts JSON rows (an array of objects) and columns (an object of arrays) into a [`Table`].
+//! Converts JSON rows (an array of objects) and columns (an object of arrays) into a [`Table`], and
+//! reads values of JSON.
 
 use indexmap::IndexSet;
 use serde_json::{Map, Value};
@@ -83,6 +84,23 @@ pub(super) fn of_columns(
     Ok(table)
 }
 
+/// The value that a text is.
+pub(super) fn parse(text: &str) -> Result<Value, Fault> {
+    serde_json::from_str(text).map_err(|error| {
+        Fault::new(format!("the text is not JSON: {error}")).at_line(Some(error.line() as u64))
+    })
+}
+
+/// The text of a string or a number.
+pub(super) fn scalar(value: &Value, path: &str) -> Result<String, Fault> {
+    match value {
+        Value::String(text) => Ok(text.clone()),
+        Value::Number(number) => Ok(number.to_string()),
+        other => Err(Fault::new(format!("a string or a number is needed, not {}", kind(other)))
+            .in_column(path)),
+    }
+}
+
 /// Path of an element of an array.
 pub(super) fn element(path: &str, index: usize) -> String {
     format!("{path}[{index}]")
@@ -111,7 +129,8 @@ pub(super) fn number(value: &Value) -> Result<Option<f64>, String> {
     }
 }
 
-fn check_count(count: usize, path: &str) -> Result<(), Fault> {
+/// Refuses more rows than are read.
+pub(super) fn check_count(count: usize, path: &str) -> Result<(), Fault> {
     if count > MAX_ROWS {
         return Err(Fault::new(format!("more than {MAX_ROWS} rows")).in_column(path));
     }

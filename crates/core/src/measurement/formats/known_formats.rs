@@ -5,7 +5,7 @@ use super::format::{Content, Format};
 use super::given::Given;
 use super::part::Part;
 use super::sight::Sight;
-use super::{delimited, json, matlab, sysid, tdms, twincat_scope, universal, xlsx};
+use super::{bam, delimited, json, matlab, sysid, tdms, twincat_scope, universal, xlsx};
 
 /// All formats. The first that a file looks like reads it; the last reads whatever is left.
 const FORMATS: &[Format] = &[
@@ -15,6 +15,7 @@ const FORMATS: &[Format] = &[
     tdms::FORMAT,
     twincat_scope::FORMAT,
     sysid::FORMAT,
+    bam::FORMAT,
     json::FORMAT,
     delimited::FORMAT,
 ];

@@ -55,6 +55,7 @@
 //! `initial_position`, `settle_s` and `run`. One with harmonics has `magnitude`, `omega_rad_s` or
 //! `frequency_hz`, `averages` and `run` next to `harmonics`.
 
+mod bam;
 mod bode_100;
 mod by_vocabulary;
 mod column_table;

@@ -8,6 +8,7 @@ use super::fault::Fault;
 use super::format::Format;
 use super::given::Given;
 use super::header::Header;
+use super::json_table::parse;
 use super::lack;
 use super::limits::MAX_ROWS;
 use super::part::Part;
@@ -31,9 +32,7 @@ pub(super) const FORMAT: Format = Format {
 const TESTS: [&str; 4] = ["slow-forward", "slow-backward", "fast-forward", "fast-backward"];
 
 fn read(text: &str, given: &Given) -> Result<Part, Fault> {
-    let log: Value = serde_json::from_str(text).map_err(|error| {
-        Fault::new(format!("the text is not JSON: {error}")).at_line(Some(error.line() as u64))
-    })?;
+    let log = parse(text)?;
     let mut header = Header::default();
     let mut notes = vec!["the file is a log of WPILib SysId".to_owned()];
     header.take(given, &mut notes)?;

@@ -7,7 +7,7 @@ use proptest::sample::select;
 use proptest::test_runner::{Config, RngAlgorithm, TestError, TestRng, TestRunner};
 use rayon::prelude::*;
 
-use super::super::{matlab, sysid, tdms, twincat_scope};
+use super::super::{bam, matlab, sysid, tdms, twincat_scope};
 use super::mutation::{Mutation, NUMBERS, mutation};
 use super::universal::response;
 use super::workbooks::{book, rows};
@@ -105,6 +105,7 @@ fn valid() -> Vec<Valid> {
         plain("TDMS", tdms::tests::readable()),
         plain("TwinCAT", twincat_scope::tests::export("\t", true, ",")),
         plain("SysId", sysid::tests::log(4)),
+        plain("BAM", bam::tests::readable()),
         plain("Digilent", digilent),
         plain("Bode 100", bode),
         plain("NF FRA", nf),

@@ -72,11 +72,9 @@ pub(in crate::report) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
             Mark::Open,
             "There are too few data to test whether the simulation is wrong.".into(),
         ),
-        Verdict::Adequate => (
-            "Adequate",
-            Mark::Good,
-            "This measurement shows no error in the simulation.".into(),
-        ),
+        Verdict::Adequate => {
+            ("Adequate", Mark::Good, "This measurement shows no error in the simulation.".into())
+        }
         Verdict::Explained => (
             "Explained",
             Mark::Good,

@@ -139,7 +139,7 @@ class Diagnosis(Result):
             and something remains. ``"unexplained"``: the base model is wrong, and no effect of
             the library improves it by more than chance.
         causes: Effects that the base model lacks, strongest first.
-        gain: What all causes together gain; None where none is named.
+        gain: Improvement by all causes together; None where none is named.
         base: The base model.
         extended: The model with the causes; None where none is named.
         faults: Faults of the measurement. All else is of the measurement without them.

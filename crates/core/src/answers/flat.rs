@@ -28,7 +28,7 @@ pub struct ResultRow {
     pub causes: Option<String>,
     /// Confidence of the strongest cause.
     pub confidence: Option<f64>,
-    /// Gain of the causes on held-out data: error without them divided by error with them.
+    /// Improvement: residual on held-out data without the causes divided by that with them.
     pub ratio: Option<f64>,
     /// Lower end of the 95 % interval of `ratio`.
     pub ratio_low95: Option<f64>,

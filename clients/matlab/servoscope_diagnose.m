@@ -7,7 +7,7 @@ function job = servoscope_diagnose(measurement, varargin)
 %     actuator_order   0, 1 or 2; left out: chosen from the data
 %     method           how parameters are estimated
 %     options          struct, such as struct('seed', 2)
-%     validation       a second measurement, on which the gain is measured
+%     validation       a second measurement, on which the improvement is measured
 %
 %   Example:
 %     R = servoscope_wait(servoscope_diagnose(M, 'actuator_order', 0));

@@ -84,8 +84,8 @@ def digits: if . == null then "unknown" else . as $x
     | (if $e > 4 then 0 else 4 - $e end) as $places
     | pow(10; $places) as $scale | ($x * $scale | round) / $scale | tostring end end;
 def interval: if . == null then "" else "   95 % from \(.[0] | digits) to \(.[1] | digits)" end;
-def change: if .ratio >= 1 then "\(.ratio | digits) times smaller\(.interval95 | interval)"
-    else "\(1 / .ratio | digits) times larger\(.interval95 | map(1 / .) | sort | interval)" end;
+def change: if .ratio >= 1 then "residual ÷ \(.ratio | digits)\(.interval95 | interval)"
+    else "residual × \(1 / .ratio | digits)\(.interval95 | map(1 / .) | sort | interval)" end;
 def parameter: "     \(.key)  \(.value.value | digits) \(.value.unit)\(.value.interval95 | interval)";
 def confidence: if . > 0.999 then "above 99.9 %" else "\(. * 100 | round) %" end;
 def model: (.parameters | to_entries[] | parameter);
@@ -96,7 +96,7 @@ if .verdict then
         "  \(.key + 1). \(.value.effect), confidence \(.value.confidence | confidence)",
         (.value.parameters | to_entries[] | parameter),
         (.value | select(.equivalents != []) | "     cannot be told from \(.equivalents | join(", "))")),
-    (.gain // empty | "Residual on held-out data: \(change)"),
+    (.gain // empty | "Improvement on held-out data: \(change)"),
     (if .extended then "The model with the causes", (.extended | model)
         else "The base model", (.base | model) end)
 else

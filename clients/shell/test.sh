@@ -31,7 +31,7 @@ sed '5s/,[^,]*$/,x/' one.csv >wrong.csv
 expect 0 'static_friction, confidence above 99.9 %' \
     "$script" --actuator-order 0 --set "input=current A" --set "machine=@press; 4" "$hostile"
 expect 0 '^EXPLAINED: The simulation lacks static friction' "$script" --actuator-order 0 "$hostile"
-expect 0 '^Residual on held-out data: [0-9.]+ times smaller   95 % from' "$script" --actuator-order 0 "$hostile"
+expect 0 '^Improvement on held-out data: residual ÷ [0-9.]+   95 % from' "$script" --actuator-order 0 "$hostile"
 expect 0 'pole  -(9\.9|10)[0-9.]* rad/s   95 % from' "$script" --identify --actuator-order 0 one.csv two.csv
 expect 0 '"parameters"' env SERVOSCOPE_KEY='a "key"' "$script" --identify --actuator-order 0 --json two.csv
 expect 2 'Unreadable measurement: wrong.csv, line 5' "$script" wrong.csv

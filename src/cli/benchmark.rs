@@ -47,7 +47,7 @@ pub(super) struct Args {
     /// measurements are diagnosed without the fault, too.
     #[arg(long, value_name = "N", default_value_t = Plan::default().mismeasured)]
     mismeasured: u32,
-    /// Noise levels: 60, 50 or 40 dB; not of `analyser`.
+    /// Noise, dB below the median response: 60, 50 or 40; not of `analyser`.
     #[arg(long, value_name = "DB,…", value_delimiter = ',', default_values_t = [60, 50, 40])]
     #[arg(value_parser = clap::value_parser!(u32).range(20..=100))]
     levels: Vec<u32>,

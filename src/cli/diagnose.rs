@@ -7,7 +7,7 @@ use super::{Failure, computation};
 /// Arguments of `diagnose`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A second measurement of the same axis, on which the gain is measured; repeat it for a
+    /// A second measurement of the same axis, on which the improvement is measured; repeat it for a
     /// measurement of several files [default: parts of the first that a fit leaves out].
     #[arg(long, value_name = "FILE")]
     validate: Vec<PathBuf>,

@@ -23,7 +23,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = 20)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: u64,
-    /// Noise levels, dB; 0: no noise.
+    /// Noise, dB below the median response; 0: no noise.
     #[arg(long, value_name = "DB,…", value_delimiter = ',', default_values_t = [0, 60, 40])]
     #[arg(value_parser = clap::value_parser!(u32).range(0..=120))]
     levels: Vec<u32>,

@@ -45,7 +45,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         eprintln!("note: computed by servoscope {software_version}, this is {version}");
     }
     let measurement = computation::measurement(&args.files, &args.given)?;
-    is_the_data(&measurement, &data_sha256, "the files")?;
+    is_the_data(&measurement, &data_sha256, "these")?;
     let second = second(&answer, args)?;
     let kind = match &answer {
         Answer::Identification(_) => JobKind::Identify,
@@ -87,7 +87,8 @@ fn is_the_data(measurement: &Measurement, sha256: &str, what: &str) -> Result<()
         return Ok(());
     }
     Err(Failure::Input(format!(
-        "{what} are not those of the result: its data has the SHA-256 {sha256}, this {}",
+        "{what} are not the files that the result was computed from (SHA-256 {sha256}, these have \
+         {}). Give the same files with the same options for reading them",
         measurement.sha256()
     )))
 }
@@ -106,7 +107,7 @@ fn second(answer: &Answer, args: &Args) -> Result<Option<Measurement>, Failure> 
         ))),
         (Some(validation), false) => {
             let second = computation::measurement(files, &args.given)?;
-            is_the_data(&second, &validation.data_sha256, "the files of --validate")?;
+            is_the_data(&second, &validation.data_sha256, "those of --validate")?;
             Ok(Some(second))
         }
     }

@@ -34,8 +34,8 @@ pub(super) struct ResultsQuery {
     axis: Option<String>,
     /// Only of this measurement.
     measurement_id: Option<String>,
-    /// Only those measured at this time or later, RFC 3339; stored, where the upload
-    /// does not say when it was measured.
+    /// Only measurements made at this time or later (RFC 3339). If an upload does not state its
+    /// time, the time of upload counts.
     #[param(format = DateTime)]
     from: Option<String>,
     /// Only those measured before this time.
@@ -126,8 +126,8 @@ pub(super) struct AxisQuery {
     parameter: Option<String>,
     /// Only values that changed (`true`), or that did not.
     changed: Option<bool>,
-    /// Only what was measured at this time or later, RFC 3339; stored, where the
-    /// upload does not say when it was measured.
+    /// Only measurements made at this time or later (RFC 3339). If an upload does not state its
+    /// time, the time of upload counts.
     #[param(format = DateTime)]
     from: Option<String>,
     /// Only what was measured before this time.
@@ -195,7 +195,7 @@ pub(super) struct FigureQuery {
     axis: String,
     /// Only this parameter.
     parameter: Option<String>,
-    /// Only what was measured at this time or later, RFC 3339.
+    /// Only measurements made at this time or later (RFC 3339).
     #[param(format = DateTime)]
     from: Option<String>,
     /// Only what was measured before this time.

@@ -48,7 +48,7 @@ fn labels() -> Schema {
     labels.additional_properties(Some(text)).max_properties(Some(100)).build().into()
 }
 
-/// Changes what a measurement says of itself.
+/// Changes the details of a measurement.
 ///
 /// Units, response and loop stay as they were read. `PUT /v1/measurements/{id}/reading` reads the
 /// files again, until there is a job on the measurement.

@@ -59,7 +59,8 @@ fn last_event(headers: &HeaderMap) -> Result<i64, Box<Problem>> {
     let Some(value) = headers.get("last-event-id") else { return Ok(0) };
     let number = value.to_str().ok().and_then(|text| text.trim().parse::<u32>().ok());
     number.map(i64::from).ok_or_else(|| {
-        let detail = "the Last-Event-ID is not the number of an event";
+        let detail = "`Last-Event-ID` must be the `id` of an event of this job, a whole number; leave it \
+                      out to start from the first event";
         Problem::of_status(StatusCode::BAD_REQUEST, detail)
     })
 }

@@ -12,7 +12,7 @@ use super::problem::Problem;
 pub(super) fn csv(columns: &[&str], rows: &[impl Serialize]) -> Result<Response, Box<Problem>> {
     let internal = |error: &dyn std::fmt::Display| {
         let status = StatusCode::INTERNAL_SERVER_ERROR;
-        Problem::internal(status, "this cannot be written as a table", error)
+        Problem::internal(status, "this answer cannot be written as CSV; ask for it as JSON", error)
     };
     // The header by hand: there may be no row to take it from.
     let plain = || csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());

@@ -167,7 +167,9 @@ impl Gate {
         };
         let who = Who::Key(key.id.clone());
         let Err(wait_s) = self.rates.take(who, most, Instant::now()) else { return Ok(()) };
-        let reason = format!("may ask {most} times a minute ({by}) and has; wait {wait_s} s");
+        let requests = if most == 1 { "request" } else { "requests" };
+        let reason =
+            format!("has used its {most} {requests} a minute ({by}); send it again in {wait_s} s");
         let (name, wait_s) = (key.name.clone(), Some(wait_s));
         Err(ServiceError::OverQuota { name, reason, wait_s }.into())
     }
@@ -178,7 +180,7 @@ impl Gate {
         let taken = self.rates.take(Who::at(*address), SIGN_INS, Instant::now());
         taken.map_err(|wait_s| {
             let detail = format!(
-                "your address may sign in {SIGN_INS} times a minute and has; wait {wait_s} s"
+                "your address has used its {SIGN_INS} sign-ins a minute; try again in {wait_s} s"
             );
             Box::new(Problem::over_quota(detail, Some(wait_s)))
         })

@@ -125,7 +125,8 @@ async fn room(request: Request, next: Next) -> Response {
     let mut response = if watched {
         next.run(request).await
     } else {
-        let detail = "as many connections are busy as the server may keep; send it again later";
+        let detail = "all connections of the server are in use; send the request again in some seconds \
+                      (the operator can raise `max_connections`)";
         Problem::of_status(StatusCode::SERVICE_UNAVAILABLE, detail).into_response()
     };
     let close = HeaderValue::from_static("close");

@@ -64,7 +64,7 @@ pub(super) async fn add(
     Ok((StatusCode::CREATED, location, Json(view)).into_response())
 }
 
-/// One measurement: what it says of itself and what is in it.
+/// One measurement: its details and contents.
 #[utoipa::path(
     get, path = "/v1/measurements/{id}", tag = "measurements", operation_id = "get_measurement",
     params(("id" = String, Path, description = "Id of the measurement")),
@@ -114,7 +114,8 @@ pub(super) struct ListQuery {
     /// Only those with this text in the name, machine, axis, operator, a label or the name of a
     /// file; upper and lower case do not matter.
     text: Option<String>,
-    /// Only those of this data: what has the digest of another was uploaded before.
+    /// Only measurements with this SHA-256. Two measurements with the same SHA-256 contain the same
+    /// data.
     sha256: Option<String>,
 }
 

@@ -15,7 +15,7 @@ use super::plots::{PlotQuery, PlotTheme};
 use super::problem::Problem;
 use super::query::Query;
 
-/// What is to be planned: for an axis that is given, or for that of a first result.
+/// The axis to plan for: given directly, or taken from an earlier result.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct AskForPlan {
@@ -67,7 +67,7 @@ pub(super) struct PlanFigureQuery {
     input_unit: Option<String>,
 }
 
-/// Plans experiments: where to measure, in which order, and which effects that can name.
+/// Plans experiments: where to measure, in which order, and which effects a diagnosis could then identify.
 ///
 /// It takes a few seconds and stores nothing: the same question has the same answer.
 #[utoipa::path(

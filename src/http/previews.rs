@@ -118,7 +118,7 @@ pub(super) struct Refusal {
     line: Option<u64>,
     /// Column that is wrong.
     column: Option<String>,
-    /// What would mend it if it were given; empty where the file itself is wrong.
+    /// What to give so that the file can be read; empty where the file itself is wrong.
     missing: Vec<Missing>,
 }
 

@@ -110,7 +110,10 @@ impl Problem {
     ) -> Box<Self> {
         let reference = uuid::Uuid::now_v7().to_string();
         error!(reference, error = %log, "request failed");
-        let detail = format!("{detail}; the log says more under the reference");
+        let detail = format!(
+            "{detail}; tell the operator of the server the `reference` of this answer, which finds \
+             the cause in the log"
+        );
         let problem = Self::new(status, "internal", "Internal error", detail);
         Box::new(Self { reference: Some(reference), ..problem })
     }

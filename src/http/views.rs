@@ -38,7 +38,8 @@ pub(super) struct Axis {
     measurements: i64,
     /// Those of them with a result.
     results: i64,
-    /// When it was first measured, RFC 3339; stored, where the upload does not say.
+    /// When it was first measured (RFC 3339). If an upload does not state its time, the time of
+    /// upload counts.
     first_at: Option<String>,
     /// When it was last measured.
     last_at: Option<String>,

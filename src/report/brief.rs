@@ -87,9 +87,11 @@ pub(super) fn factor(gain: &Gain) -> (String, bool) {
     (text, is_sure)
 }
 
-/// The interval of a gain.
+/// The interval of that factor.
 pub(super) fn interval(gain: &Gain) -> String {
-    let [low, high] = gain.interval95.map(|end| typeset(&significant(end, 3)));
+    let [low, high] = gain.interval95;
+    let ends = if gain.ratio < 1.0 { [1.0 / high, 1.0 / low] } else { [low, high] };
+    let [low, high] = ends.map(|end| typeset(&significant(end, 3)));
     format!("95\u{a0}% interval {low} to {high}")
 }
 
@@ -114,6 +116,7 @@ mod tests {
         assert_eq!(factor(&exact), ("residual ÷ more than 1000".into(), true));
         let worse = Gain { ratio: 0.9, interval95: [0.7, 1.1], ..gain };
         assert_eq!(factor(&worse), ("residual × 1.11".into(), false));
+        assert_eq!(interval(&worse), "95\u{a0}% interval 0.909 to 1.43");
     }
 
     #[test]

@@ -208,7 +208,7 @@ mod tests {
                 "NOT ADEQUATE: The residual of the model is larger than the noise",
             ),
             (Some(false), Some(0.5), "NOT ADEQUATE: The residual is larger than the simulated"),
-            (None, None, "ADEQUACY UNKNOWN: Whether"),
+            (None, None, "NOT TESTED: There are too few data to test this model."),
         ] {
             (answer.fit.adequate, answer.fit.p_value) = (adequate, p_value);
             assert!(identification(&answer).starts_with(begin));

@@ -195,9 +195,9 @@ pub struct EndedRow {
 /// JSON of why a job failed whose workers died too often.
 pub(super) fn gave_up() -> String {
     let reason = format!(
-        "gave up after {MAX_ATTEMPTS} attempts: each time the worker process ended while it ran this \
-         job alone, or lost only this job, as happens when it is killed or runs out of memory; try a \
-         smaller measurement or search, or ask whoever operates the server"
+        "stopped after {MAX_ATTEMPTS} attempts: each time the worker process ended while it computed \
+         this job, most likely because it ran out of memory or was killed. Try fewer experiments or \
+         harmonics, or ask whoever operates the server"
     );
     serde_json::json!({ "reason": reason, "reference": null }).to_string()
 }

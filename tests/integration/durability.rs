@@ -52,7 +52,7 @@ fn a_job_that_kills_its_server_three_times_fails_with_the_reason_and_frees_its_p
     let failed = server.ended(&deadly);
     assert_eq!(failed["status"], "failed", "{failed}");
     let reason = failed["failure"]["reason"].as_str().unwrap();
-    assert!(reason.contains("gave up after 3 attempts"), "{reason}");
+    assert!(reason.contains("stopped after 3 attempts"), "{reason}");
     let counted = "servoscope_jobs_ended_total{kind=\"identify\",outcome=\"failed\"} 1\n";
     let metrics = server.get("/metrics").text;
     assert!(metrics.contains(counted), "{metrics}");

@@ -60,8 +60,8 @@ def test_pages_escape_what_comes_from_files(
     assert "&lt;b&gt;" in page
     assert "static_friction" in page
     assert "<h3>EXPLAINED: The simulation lacks static friction" in page
-    assert "<p>Residual on held-out data: " in page
-    assert " times smaller (95 % interval " in page
+    assert "<p>Improvement on held-out data: residual ÷ " in page
+    assert " (95 % interval " in page
     measurement = client.upload(sticky, name="<script>alert(1)</script>", machine="<img src=x>")
     page = measurement._repr_html_()
     assert "&lt;script&gt;" in page
@@ -117,9 +117,9 @@ def test_what_moves_an_axis_follows_from_its_units() -> None:
 def test_a_residual_that_grows_is_not_called_smaller() -> None:
     raw = {"heldout_nrmse_before": 0.02, "heldout_nrmse_after": 0.01, "heldout": "lines"}
     better = Gain.of({**raw, "ratio": 4.2, "interval95": [3.5, 5.0]})
-    assert change(better) == "4.2 times smaller (95 % interval 3.5 to 5)"
+    assert change(better) == "residual ÷ 4.2 (95 % interval 3.5 to 5)"
     worse = Gain.of({**raw, "ratio": 0.5, "interval95": [0.4, 0.8]})
-    assert change(worse) == "2 times larger (95 % interval 1.25 to 2.5)"
+    assert change(worse) == "residual × 2 (95 % interval 1.25 to 2.5)"
 
 
 def test_magnitudes_that_were_measured_form_levels() -> None:

@@ -11,7 +11,7 @@ pub(super) struct Axis {
     /// Pole −a of the mechanics, rad/s.
     #[arg(long, value_name = "-A", default_value_t = -10.0, allow_negative_numbers = true)]
     pole: f64,
-    /// Constant K of the mechanics, response units per input unit and second.
+    /// Constant K: gain of the mechanics K/(s + a), in velocity units per input unit and second.
     #[arg(long, value_name = "K", default_value_t = 10.0, allow_negative_numbers = true)]
     constant: f64,
     /// Friction while the velocity is positive, input units.

@@ -142,25 +142,29 @@ const INTERNAL: Kind = kind(
     500,
     "internal",
     "Internal error",
-    "an internal error stopped the request; the log says more under the reference",
+    "an internal error stopped the request; tell the operator of the server the `reference` of \
+     this answer, which finds the cause in the log",
 );
 const NO_DATABASE: Kind = kind(
     503,
     "internal",
     "Internal error",
-    "the database does not answer as it should; the log says more under the reference",
+    "the database does not answer as it should; tell the operator of the server the `reference` of \
+     this answer, which finds the cause in the log",
 );
 const BUSY: Kind = kind(
     503,
     "",
     "Service Unavailable",
-    "as many connections are busy as the server may keep; send it again later",
+    "all connections of the server are in use; send the request again in some seconds (the operator can \
+     raise `max_connections`)",
 );
 const NO_ROOM: Kind = kind(
     507,
     "internal",
     "Internal error",
-    "the disk is full, or the database as large as it may be; the log says more under the reference",
+    "the disk is full, or the database as large as it may be; tell the operator of the server the `reference` of \
+     this answer, which finds the cause in the log",
 );
 
 /// The problems of single operations.

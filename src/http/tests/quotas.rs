@@ -127,7 +127,7 @@ fn a_key_asks_so_often_and_another_is_not_kept_waiting() {
     let refused = ask(&one);
     let wait_s: u64 = header(&refused, "retry-after").parse().unwrap();
     assert!((1..=20).contains(&wait_s), "a token comes back in 20 s: {wait_s}");
-    assert!(detail(refused).contains("3 times a minute"));
+    assert!(detail(refused).contains("3 requests a minute"));
     json_of(ask(&other), 200);
 }
 
@@ -138,7 +138,7 @@ fn what_a_key_may_not_do_counts_as_asked_too() {
     for _ in 0..3 {
         problem(upload(&server, &key, "a", b"any"), 403);
     }
-    assert!(detail(upload(&server, &key, "a", b"any")).contains("3 times a minute"));
+    assert!(detail(upload(&server, &key, "a", b"any")).contains("3 requests a minute"));
 }
 
 #[test]
@@ -177,7 +177,7 @@ fn a_key_has_quotas_of_its_own_from_its_start_and_later() {
     assert!(text.contains("1 job that waits or runs (set for this key)"), "{text}");
     json_of(send("PUT", &path, &json!({"requests_per_minute": 1})), 200);
     upload(&server, &key, "a", b"any");
-    assert!(detail(upload(&server, &key, "a", b"any")).contains("1 times a minute (set for"));
+    assert!(detail(upload(&server, &key, "a", b"any")).contains("1 request a minute (set for"));
     assert_eq!(json_of(send("PUT", &path, &json!({})), 200)["quotas"], none);
     json_of(upload(&server, &key, "a", b"any"), 201);
 

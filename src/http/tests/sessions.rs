@@ -150,7 +150,7 @@ fn a_browser_signs_in_with_a_small_body_and_not_all_the_time() {
     let wait_s: u64 = header(&refused, "retry-after").parse().unwrap();
     assert_eq!(wait_s, 1);
     let text = string(&problem(refused, 429), "detail");
-    assert!(text.contains("sign in 60 times a minute"), "{text}");
+    assert!(text.contains("60 sign-ins a minute"), "{text}");
     // The large one was counted, too.
     assert!(answered >= 59, "{answered}");
 }

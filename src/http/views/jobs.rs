@@ -108,7 +108,7 @@ pub(in crate::http) struct JobView {
     plant: Option<PlantRequest>,
     /// The method in effect.
     method: Method,
-    /// The measurement on which a diagnosis measures its gain; null: none.
+    /// The measurement on which a diagnosis measures its improvement; null: none.
     validation_measurement_id: Option<String>,
     /// Which jobs of the same key it goes before.
     priority: PriorityView,
@@ -170,7 +170,7 @@ pub(in crate::http) struct SubmitJob {
     #[schema(value_type = Option<Method>)]
     pub(in crate::http) method: Option<String>,
     /// A second measurement of the same axis, on which a `diagnose` job measures
-    /// what its causes gain.
+    /// the improvement by its causes.
     pub(in crate::http) validation_measurement_id: Option<String>,
     /// Which waiting jobs of the same key it goes before; left out: `normal`. Keys take turns
     /// whatever the priorities of their jobs.

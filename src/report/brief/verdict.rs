@@ -4,7 +4,7 @@ use servoscope_core::answers::{Answer, Cause, Diagnosis, Identification, NoiseSo
 
 use crate::report::words::{a, joined, probability};
 
-/// Confidence below which a cause is a candidate: it is more likely to be absent than present.
+/// Confidence below which a cause is called a candidate.
 const CANDIDATE: f64 = 0.5;
 
 /// How good an answer is.
@@ -55,14 +55,9 @@ pub(in crate::report) fn of_fit(answer: &Identification) -> Judgement {
         None if answer.noise == NoiseSource::Estimated => (
             "Adequacy unknown",
             Mark::Open,
-            "Whether the model explains the measurement cannot be told: its noise is not known.",
+            "The noise is not known, so this fit cannot be judged.",
         ),
-        None => (
-            "Adequacy unknown",
-            Mark::Open,
-            "Whether the model explains the measurement cannot be told: too few data for the \
-             number of parameters.",
-        ),
+        None => ("Not tested", Mark::Open, "There are too few data to test this model."),
     };
     Judgement { word, mark, text: text.to_owned() }
 }
@@ -77,11 +72,9 @@ pub(in crate::report) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
             Mark::Open,
             "There are too few data to test whether the simulation is wrong.".into(),
         ),
-        Verdict::Adequate => (
-            "Adequate",
-            Mark::Good,
-            "Nothing in this measurement speaks against the simulation.".into(),
-        ),
+        Verdict::Adequate => {
+            ("Adequate", Mark::Good, "This measurement shows no error in the simulation.".into())
+        }
         Verdict::Explained => (
             "Explained",
             Mark::Good,
@@ -94,7 +87,18 @@ pub(in crate::report) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
         Verdict::Unexplained => (
             "Unexplained",
             Mark::Bad,
-            "The simulation is wrong, and no known effect is the cause.".into(),
+            match answer.causes.is_empty() {
+                true => {
+                    "The simulation is wrong. No effect of the library improves it by more than \
+                     chance."
+                }
+                // Of the verdict that a second measurement has lowered.
+                false => {
+                    "The simulation is wrong. With the effects that were named, it predicts the \
+                     second measurement worse."
+                }
+            }
+            .into(),
         ),
     };
     let (mark, text) = match answer.rival_faults.is_empty() {
@@ -110,7 +114,7 @@ pub(in crate::report) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
     let text = match (answer.measurement.len(), answer.verdict) {
         (0, _) => text,
         (1, Verdict::Adequate) => {
-            "The measurement has a fault; with that corrected, nothing speaks against the simulation."
+            "The measurement has a fault. With that corrected, it shows no error in the simulation."
                 .into()
         }
         (1, _) => format!("The measurement has a fault, corrected here. {text}"),
@@ -119,7 +123,7 @@ pub(in crate::report) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
     Judgement { word, mark, text }
 }
 
-/// Whether a cause is probably not there.
+/// Whether a cause is named at so low a confidence that it has to be checked first.
 pub(in crate::report) fn is_candidate(cause: &Cause) -> bool {
     cause.confidence < CANDIDATE
 }
@@ -147,14 +151,14 @@ fn improved(causes: &[Cause]) -> String {
     let lacks = match (sure.len(), unsure.len()) {
         (0, 1) => {
             return format!(
-                "Something is missing from the simulation. The nearest candidate is {doubted}, \
-                 probably not the real cause."
+                "Something is missing from the simulation. The nearest candidate is {doubted}; \
+                 check it on the machine before you rely on it."
             );
         }
         (0, _) => {
             return format!(
-                "Something is missing from the simulation. The nearest candidates are {doubted}, \
-                 probably not the real causes."
+                "Something is missing from the simulation. The nearest candidates are {doubted}; \
+                 check them on the machine before you rely on them."
             );
         }
         (_, 0) => named,
@@ -189,13 +193,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_probably_absent_is_a_candidate_and_nothing_that_the_simulation_lacks() {
+    fn what_has_a_low_confidence_is_a_candidate_and_nothing_that_the_simulation_lacks() {
         let said = |confidences: &[f64]| {
             of_diagnosis(&with_confidences(Verdict::Improved, confidences)).text
         };
         assert!(said(&[0.85]).starts_with("The simulation seems to lack static friction; with it"));
         assert!(said(&[0.19]).contains(
-            "nearest candidate is static friction (confidence 19 %), probably not the real cause"
+            "nearest candidate is static friction (confidence 19 %); check it on the machine"
         ));
         assert!(said(&[0.9, 0.17]).contains("and perhaps a spring (confidence 17 %); with them"));
         assert!(said(&[0.3, 0.2]).contains("nearest candidates are static friction"));

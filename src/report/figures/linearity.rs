@@ -29,7 +29,7 @@ const KINDS: [(&str, &str, &str); 3] = [
 pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let nothing = || NothingToDraw("the data alone tell nothing of noise or distortion".into());
     let Linearity { levels, sentence, .. } = subject.linearity.ok_or_else(nothing)?;
-    let title = "Response, distortion and noise before any model";
+    let title = "Response, distortion and noise (from the data alone)";
     let mut canvas = Canvas::new("linearity", title, sentence, KINDS.len());
     let mut keys: Vec<Key> = KINDS
         .iter()

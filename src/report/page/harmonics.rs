@@ -6,6 +6,9 @@ use super::figure::figure;
 use super::words::sentence;
 use super::{Content, Section};
 
+/// How the sentence begins, now and in answers of earlier versions.
+const BEGINS: [&str; 2] = ["from the data alone, without a model: ", "before any model: "];
+
 pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let linearity = content.answer.diagnosis().and_then(|answer| answer.linearity.as_ref());
     let subject = content.subject("");
@@ -28,7 +31,9 @@ pub(super) fn section(content: &Content<'_>) -> Option<Section> {
     let short = linearity.map_or_else(
         || "measured and simulated spectra".to_owned(),
         |found| {
-            let said = found.sentence.trim_start_matches("before any model: ");
+            let said = BEGINS
+                .iter()
+                .fold(&*found.sentence, |said, begin| said.strip_prefix(begin).unwrap_or(said));
             sentence(said).trim_end_matches('.').to_owned()
         },
     );

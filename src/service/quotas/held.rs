@@ -85,8 +85,8 @@ impl Held {
         let unit = if most == 1 { "minute" } else { "minutes" };
         Some((
             format!(
-                "may compute {most} {unit} in 24 hours ({by}), and its jobs have run for {minutes}; \
-                 wait until those of a day ago no longer count"
+                "may compute {most} {unit} in 24 hours ({by}) and has used {minutes}; wait until some \
+                 of that is more than 24 hours ago"
             ),
             Some(COMPUTE_WAIT_S),
         ))

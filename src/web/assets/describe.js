@@ -14,7 +14,7 @@ export function editor(measurement, done) {
   const labels = Object.entries(measurement.labels).map(([name, value]) => `${name}: ${value}`);
   const lines = h("textarea", { name: "labels", rows: Math.max(2, labels.length + 1) });
   lines.value = labels.join("\n");
-  const form = h("form", { novalidate: true, "aria-label": "What it says of itself" },
+  const form = h("form", { novalidate: true, "aria-label": "Measurement details" },
     h("h2", {}, "Edit measurement"),
     h("div", { class: "fields" },
       FIELDS.map(([name, title, hint]) => input(name, title, { value: measurement[name] ?? "" }, hint)),

@@ -21,7 +21,7 @@ export function planned(plan, asked, units, signal) {
       h("h2", { id: "experiments" }, "Experiments in their order"),
       experiments(plan, units.input)),
     h("section", { "aria-labelledby": "names" },
-      h("h2", { id: "names" }, "What it could identify, and how surely"),
+      h("h2", { id: "names" }, "Effects it can identify, with probability"),
       h("p", {}, "The percentages are approximate: use them to compare plans, not as a promise."),
       effects(plan, units),
       figure(asked, units, signal)),
@@ -36,8 +36,8 @@ export function planned(plan, asked, units, signal) {
 
 function sentence({ experiments, duration_s, request, nameable, effects, sweeps }) {
   const best = Math.max(0, ...sweeps.map((sweep) => sweep.nameable));
-  const same = best === nameable ? `${best}, too: for these sizes the plan is no better` : `${best}`;
-  const swept = sweeps.length > 0 ? `${sweeps.length > 1 ? "The better" : "A"} logarithmic sweep of the same duration should identify ${same}` : "No logarithmic sweep fits into that time";
+  const same = best === nameable ? `${best} as well, so at these sizes the plan has no advantage` : `${best}`;
+  const swept = sweeps.length > 0 ? `${sweeps.length > 1 ? "The better of two logarithmic sweeps" : "A logarithmic sweep"} of the same duration should identify ${same}` : "No logarithmic sweep fits into that time";
   return `${experiments.length} experiments in ${seconds(duration_s)} of ${seconds(request.budget_s)} should identify ${nameable} of ${effects.length} effects `
     + `of typical size, with a probability of 90 % or more. ${swept}.`;
 }

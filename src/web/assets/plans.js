@@ -25,7 +25,7 @@ export async function show({ query, signal }) {
   const button = h("button", { class: "primary" }, "Plan it");
   const answer = h("div", { role: "status" });
   const given = h("p", { class: "small", role: "status" });
-  const form = h("form", { class: "plan", novalidate: true, "aria-label": "What is to be planned for" },
+  const form = h("form", { class: "plan", novalidate: true, "aria-label": "Axis and limits" },
     h("div", { class: "fields" },
       results.length > 0 && select("job", "Start from a result", [["", "no result: enter values"], ...results.map((result) => [result.job_id, name(result)])],
         query.get("job") ?? "", "Fills in the values below. Change any that you know better."),

@@ -5,10 +5,10 @@ import { capital, named, number, percent } from "./format.js";
 
 /// What each verdict means.
 export const MEANING = {
-  adequate: "the simulation fits",
-  explained: "cause named",
-  improved: "partly explained",
-  unexplained: "no cause found",
+  adequate: "no error found in the simulation",
+  explained: "causes named, only noise remains",
+  improved: "causes named, something remains",
+  unexplained: "wrong, no cause found",
 };
 /// Ratio above which another digit says nothing.
 const LARGEST = 1000;

@@ -150,7 +150,7 @@ class Cause:
         parameters: Its parameters by name.
         explanation: What it means for the machine.
         equivalents: Ids of effects that this data cannot tell from it.
-        gain: What this cause alone gains; None if that cannot be measured.
+        gain: Improvement by this cause alone; None if that cannot be measured.
     """
 
     effect: str
@@ -177,12 +177,12 @@ class Cause:
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault of the measurement. The answer is that to the measurement without it.
+    """A fault of the measurement. The answer is for the measurement with it corrected.
 
     Attributes:
         fault: Its kind.
         sentence: Where it is, and how large.
-        remedy: What mends it.
+        remedy: How to correct it.
     """
 
     fault: str

@@ -95,7 +95,7 @@ class Client:
             options: Options such as ``{"seed": 2, "noise_std": 0.01}``.
             priority: ``"low"``, ``"normal"`` or ``"high"``: which waiting jobs of the same key it
                 goes before; None: normal.
-            validation: A second measurement of the axis, on which the gain is measured.
+            validation: A second measurement of the axis, on which the improvement is measured.
             idempotency_key: The same key with the same request gives the same job. By default
                 each call makes one.
 

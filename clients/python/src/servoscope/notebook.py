@@ -28,27 +28,22 @@ def page(result: Result) -> str:
             if cause.equivalents:
                 parts.append(paragraph(f"Cannot be told from {', '.join(cause.equivalents)}."))
         if gain := result.gain:
-            parts.append(paragraph(f"Residual on held-out data: {change(gain)}."))
+            parts.append(paragraph(f"Improvement on held-out data: {change(gain)}."))
         if following := result.next_experiment:
-            parts.append(
-                paragraph(
-                    f"Measure next at magnitude {following.magnitude:.4g} and "
-                    f"{following.omega_rad_s:.4g} rad/s: {following.reason}"
-                )
-            )
+            parts.append(paragraph(_sentence(following.reason)))
     parts.append(_parameters(result.model.parameters.values()))
     return "".join(parts)
 
 
 def change(gain: Gain) -> str:
-    """Write how much smaller or larger the causes make the residual, with its 95 % interval."""
+    """Write by what the causes divide or multiply the residual, with its 95 % interval."""
     is_smaller = gain.ratio >= 1
     ratio, *interval = (
         value if is_smaller else 1 / value for value in (gain.ratio, *gain.interval95)
     )
     low, high = sorted(interval)
-    word = "smaller" if is_smaller else "larger"
-    return f"{ratio:.3g} times {word} (95 % interval {low:.3g} to {high:.3g})"
+    sign = "÷" if is_smaller else "×"
+    return f"residual {sign} {ratio:.3g} (95 % interval {low:.3g} to {high:.3g})"
 
 
 def percent(confidence: float) -> str:

@@ -134,11 +134,12 @@ class Diagnosis(Result):
     """Where the base model is wrong, and why.
 
     Attributes:
-        verdict: ``"adequate"``: nothing speaks against the base model. ``"explained"``: with the
-            causes only noise is left. ``"improved"``: the causes help, and something remains.
-            ``"unexplained"``: the base model is wrong, and no known effect is the cause.
+        verdict: ``"adequate"``: the measurement shows no error in the base model.
+            ``"explained"``: with the causes only noise is left. ``"improved"``: the causes help,
+            and something remains. ``"unexplained"``: the base model is wrong, and no effect of
+            the library improves it by more than chance.
         causes: Effects that the base model lacks, strongest first.
-        gain: What all causes together gain; None where none is named.
+        gain: Improvement by all causes together; None where none is named.
         base: The base model.
         extended: The model with the causes; None where none is named.
         faults: Faults of the measurement. All else is of the measurement without them.

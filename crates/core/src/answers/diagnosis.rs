@@ -66,13 +66,14 @@ pub struct Cause {
     pub parameters: IndexMap<String, ParameterEstimate>,
     /// Probability that this effect is really present, as opposed to any rival effect or none.
     pub confidence: f64,
-    /// By which factor the best model without this effect and its closest imitators leaves more,
-    /// beyond the noise, than the model with all causes. Null if the answer is older than this figure.
+    /// How much larger the sum of squares of the residuals becomes, as a factor, when this effect and
+    /// the effects most like it are left out of the model; noise is subtracted first. Null if the
+    /// answer is older than this figure.
     #[serde(default)]
     pub margin: Option<f64>,
     /// What it means for the machine.
     pub explanation: String,
-    /// Gain of this effect alone; null if it cannot be measured.
+    /// Improvement by this effect alone; null if it cannot be measured.
     pub gain: Option<Gain>,
     /// Ids of effects that this data cannot distinguish from it.
     pub equivalents: Vec<String>,
@@ -120,15 +121,15 @@ pub struct Diagnosis {
     /// the answer is older than this figure.
     #[serde(default)]
     pub linearity: Option<Linearity>,
-    /// Faults of the measurement that were found. Everything else in this answer is of the
-    /// measurement with these mended.
+    /// Faults of the measurement that were found. Everything else in this answer is for the
+    /// measurement with these corrected.
     #[serde(default)]
     pub measurement: Vec<MeasurementFault>,
     /// The answer to the measurement with its faults; null if it has none.
     #[serde(default)]
     pub as_measured: Option<AsMeasured>,
     /// Faults of the measurement that would explain it about as well in the place of the causes.
-    /// They are not mended.
+    /// They are not corrected.
     #[serde(default)]
     pub rival_faults: Vec<MeasurementFault>,
     /// Where the base model is wrong.
@@ -137,7 +138,7 @@ pub struct Diagnosis {
     pub causes: Vec<Cause>,
     /// Every effect that was tried.
     pub candidates: Vec<Candidate>,
-    /// Gain of all causes together; null if no cause is named.
+    /// Improvement by all causes together; null if no cause is named.
     pub gain: Option<Gain>,
     /// The base model, fitted to all data.
     pub base: Identification,

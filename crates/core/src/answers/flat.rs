@@ -28,7 +28,7 @@ pub struct ResultRow {
     pub causes: Option<String>,
     /// Confidence of the strongest cause.
     pub confidence: Option<f64>,
-    /// Gain of the causes on held-out data: error without them divided by error with them.
+    /// Improvement: residual on held-out data without the causes divided by that with them.
     pub ratio: Option<f64>,
     /// Lower end of the 95 % interval of `ratio`.
     pub ratio_low95: Option<f64>,
@@ -42,8 +42,8 @@ pub struct ResultRow {
     pub chi2_per_dof: Option<f64>,
     /// Whether the best model explains the data to within its noise; null if the noise is unknown.
     pub adequate: Option<bool>,
-    /// Whether the data were enough to test the base model, without which `adequate` as a verdict
-    /// says only that nothing speaks against it; null for an identification.
+    /// Whether the data were enough to test the base model; if not, `adequate` as a verdict says
+    /// only that no error was found. Null for an identification.
     pub tested: Option<bool>,
 }
 

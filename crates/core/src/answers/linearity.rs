@@ -10,16 +10,16 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Linearity {
-    /// Levels of the input, the smallest first.
+    /// Magnitudes of the input, the smallest first.
     pub levels: Vec<LinearityLevel>,
-    /// Change of the gain from the smallest to the largest level, relative to the gain at the
-    /// largest (rms over the lines that both excite); null if there is one level.
+    /// Change of the gain from the smallest to the largest magnitude, relative to the gain at the
+    /// largest (rms over the lines that both excite); null if there is one magnitude.
     pub change_with_level: Option<Share>,
     /// All of it in one sentence.
     pub sentence: String,
 }
 
-/// The response at one level of the input.
+/// The response at one magnitude of the input.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct LinearityLevel {

@@ -95,7 +95,7 @@ pub struct LeftOutRow {
     pub sigmas: f64,
 }
 
-/// A fault of the measurement. The answer is that to the measurement with this mended.
+/// A fault of the measurement. The answer is for the measurement with this corrected.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct MeasurementFault {
@@ -103,11 +103,11 @@ pub struct MeasurementFault {
     pub fault: FaultKind,
     /// One sentence that says where and by how much.
     pub sentence: String,
-    /// What mends it: the line, flag or column.
+    /// How to correct it: the line, flag or column.
     pub remedy: String,
     /// The rows that were left out; empty for other faults.
     pub left_out: Vec<LeftOutRow>,
-    /// The magnitude concerned, input units; null if it is not one level.
+    /// The magnitude concerned, input units; null if it is not one magnitude.
     pub magnitude: Option<f64>,
     /// Index of the experiment concerned, from 0; null if it is not one.
     pub experiment: Option<usize>,

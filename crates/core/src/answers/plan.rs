@@ -208,11 +208,11 @@ pub struct PlannedSweep {
     pub repeats: usize,
     /// Its duration, s.
     pub duration_s: f64,
-    /// As [`Plan::score`].
+    /// Mean probability over all effects, at sizes up to the typical one.
     pub score: f64,
-    /// As [`Plan::nameable`].
+    /// Number of effects with a probability of 0.9 or more at their typical size.
     pub nameable: usize,
-    /// Probability of each effect, as [`PlannedEffect::probability`], by id.
+    /// Probability that each effect is noticed and told apart, by id.
     pub probabilities: IndexMap<String, f64>,
     /// The experiments in their order, so that the sweep can be made.
     pub experiments: Vec<PlannedExperiment>,

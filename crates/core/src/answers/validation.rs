@@ -33,13 +33,13 @@ pub struct ValidatedModels {
     pub extended: Option<ValidatedModel>,
 }
 
-/// Gain of one named cause on the measurement.
+/// Improvement by one named cause on the measurement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct ValidatedCause {
     /// Id of the effect.
     pub effect: String,
-    /// Gain of the effect alone; null if the answer has no model with this effect alone.
+    /// Improvement by the effect alone; null if the answer has no model with this effect alone.
     pub gain: Option<Gain>,
 }
 
@@ -102,13 +102,13 @@ pub struct Validation {
     pub response_unit: String,
     /// How well each model predicts the measurement.
     pub models: ValidatedModels,
-    /// Gain of all causes together; null if no cause is named, or if there is too little data for
-    /// an interval of the ratio.
+    /// Improvement by all causes together; null if no cause is named, or if there is too little data
+    /// for an interval of the ratio.
     pub gain: Option<Gain>,
     /// How motions that do not repeat were compared; empty for periodic data.
     #[serde(default)]
     pub motions: Vec<ValidatedMotion>,
-    /// Gain of each named cause, in the order of the diagnosis.
+    /// Improvement by each named cause, in the order of the diagnosis.
     pub causes: Vec<ValidatedCause>,
     /// The verdict of the diagnosis. It is lowered by one step (explained, improved, unexplained)
     /// if the causes make the prediction worse here, i.e. the whole interval of the ratio is below

@@ -36,7 +36,7 @@ const PARAMETERS: [Parameter; 3] = [
     },
     Parameter {
         name: "cycles_per_unit",
-        title: "spatial frequency of the cogging",
+        title: "angular spatial frequency of the cogging",
         symbol: ["N", ""],
         dimension: Dimension::NONE.per(Dimension::POSITION),
         domain: Domain::Positive,
@@ -113,7 +113,8 @@ const DESCRIPTOR: Descriptor = Descriptor {
     id: "cogging",
     title: "cogging",
     with_article: "cogging",
-    equation: "g += T·sin(N·θ + φ), with the constant that makes the mean of v zero; θ has zero mean",
+    equation: "g += T·sin(N·θ + φ), with the constant that makes the mean of v zero; θ has zero mean; \
+         N is 2π divided by the distance after which the cogging repeats",
     meaning: "a torque ripples with the position: cogging of the motor, teeth of a gear, an \
          eccentric",
     signature: "harmonics, even ones too, that come and go as the travel covers one tooth more; \

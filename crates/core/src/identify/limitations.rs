@@ -29,8 +29,9 @@ pub(super) fn of(
     }
     let mut say = |sentence: String| sentences.push(sentence);
     if method == Method::TwoMagnitude {
-        say("the closed form fits nothing: its parameters may be wrong by several per cent, more \
-             with noise or near breakaway, and their intervals do not say so; other methods refine"
+        say("the method two-magnitude does not fit the data: its parameters may be wrong by several \
+             per cent, more with noise or near breakaway, and the intervals do not include this \
+             error. Use another method, such as abc-ann"
             .into());
     }
     if problem.tied_friction {

@@ -56,8 +56,9 @@ impl Beginning {
             )),
             Self::Changing(share) => Some(format!(
                 "from the first of the {count} periods to the last the response changes smoothly \
-                 by {:.1} % of its root mean square: it has not settled, or drifts; parameters and \
-                 verdict suffer from it; give more settle_periods, or record for longer",
+                 by {:.1} % of its root mean square: it has not settled, or it drifts. The \
+                 parameters and the verdict may then be wrong: give more settle_periods, or record \
+                 for longer",
                 100.0 * share
             )),
         }

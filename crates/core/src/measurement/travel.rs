@@ -67,13 +67,13 @@ impl Travel {
         match self {
             Self::None => None,
             Self::Steady(distance) => Some(format!(
-                "the position moves on by {distance:.4} in every period: this uniform motion is taken \
-                 out, and serves as the mean velocity"
+                "the position drifts by {distance:.4} response units in every period; this steady \
+                 drift is removed and used as the mean velocity"
             )),
             Self::Once(distance) => Some(format!(
-                "the position ends the period {distance:.4} from where it began: this is taken out as \
-                 a uniform motion; record several periods to see whether the axis moves on or has \
-                 not settled"
+                "at the end of the period the position is {distance:.4} response units away from where \
+                 it began; this is removed as a steady drift. Record several periods to see whether \
+                 the axis drifts or has not settled"
             )),
         }
     }

@@ -7,10 +7,10 @@ use super::*;
 #[test]
 fn every_verdict_is_one_plain_sentence() {
     let sentences = [
-        "Nothing in this measurement speaks against the simulation.",
+        "This measurement shows no error in the simulation.",
         "The simulation lacks static friction; with it added, it matches the measurement",
         "but something remains unexplained.",
-        "The simulation is wrong, and no known effect is the cause.",
+        "The simulation is wrong. No effect of the library improves it by more than chance.",
     ];
     for (answer, sentence) in diagnoses().iter().zip(sentences) {
         let text = read(&of(answer));

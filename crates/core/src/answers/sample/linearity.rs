@@ -33,9 +33,9 @@ pub fn linearity() -> Linearity {
     Linearity {
         levels: vec![level(1.0, 0.11), level(2.0, 0.06)],
         change_with_level: Some(Share { value: 0.21, detectable: Some(0.002) }),
-        sentence: "before any model: noise is 0.3 % of the response; odd distortion is 6 to 11 %; \
-                   there is no even distortion above 0.2 %; from the smallest to the largest \
-                   magnitude the gain changes by 21 %"
+        sentence: "from the data alone, without a model: noise is 0.3 % of the response; odd \
+                   distortion is 6 to 11 %; there is no even distortion above 0.2 %; from the \
+                   smallest to the largest magnitude the gain changes by 21 %"
             .into(),
     }
 }

@@ -1,4 +1,4 @@
-//! What the data tell before any model, in one sentence.
+//! What the data tell without a model, in one sentence.
 
 use crate::answers::{LinearityLevel, Share};
 use crate::diagnose::residuals::sentence::short;
@@ -44,7 +44,7 @@ pub(super) fn of(
                 .into(),
         );
     }
-    format!("before any model: {}", said.join("; "))
+    format!("from the data alone, without a model: {}", said.join("; "))
 }
 
 /// A part at all levels: its range and what it may be of, or that there is none; nothing if it was

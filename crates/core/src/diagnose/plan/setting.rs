@@ -214,7 +214,8 @@ fn magnitudes(plant: &Plant, largest: Option<f64>) -> Result<[f64; 2], PlanError
     let least = LEAST_OVER_FRICTION * level;
     if largest < LEAST_SPAN * least {
         let reason = format!(
-            "{largest} hardly moves an axis whose friction is {level}; give at least {:.3}",
+            "a largest magnitude of {largest} hardly moves an axis with {level} of friction, both in \
+             units of the input; give at least {:.3}",
             LEAST_SPAN * least
         );
         return Err(PlanError::Invalid { field: "options.largest_magnitude", reason });

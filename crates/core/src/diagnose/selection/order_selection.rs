@@ -125,7 +125,8 @@ pub(crate) fn diagnose(
     let best = studies.remove(0);
     if best.order() < suited {
         said.push(format!(
-            "without any effect an actuator of order {suited} fits best; {} fits better",
+            "without effects, an actuator of order {suited} fits best; {} fits better still and was \
+             chosen",
             described(&best)
         ));
     }

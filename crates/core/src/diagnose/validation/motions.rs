@@ -100,7 +100,7 @@ pub(crate) fn tried(
         },
         gain,
         noise_known: false,
-        remarks: remarks::of_motions(&motions, metadata.response_kind, extended.is_some()),
+        remarks: remarks::of_motions(&motions, metadata, extended.is_some()),
         motions,
     })
 }

@@ -1,18 +1,21 @@
 //! Sentences that report the results of a validation.
 
+mod motions;
+
 use std::f64::consts::TAU;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::answers::{
-    Answer, BeginningValue, Cause, ComparedExperiment, Comparison, Gain, ValidatedModel,
-    ValidatedModels, ValidatedMotion, Verdict,
+    Answer, Cause, ComparedExperiment, Comparison, Gain, ValidatedModel, ValidatedModels, Verdict,
 };
 use crate::diagnose::residuals::sentence::rounded;
 use crate::identify::UnitCompatibility;
-use crate::measurement::{Measurement, ResponseKind, after_number};
+use crate::measurement::{Measurement, after_number};
 
 use super::hurts;
+
+pub(crate) use motions::of_motions;
 
 /// p-value of χ² below which a model leaves more than noise. It is small because parameters that
 /// were fitted to other data err a little, which is no fault of the model. Tuned.
@@ -89,18 +92,21 @@ impl Tried<'_> {
         );
         let Some(gain) = gain else {
             return format!(
-                "whether {names} help{s} here cannot be told: {left}, but there is too little to \
-                 give the ratio an interval (one frequency and one magnitude, or a residual of \
-                 nothing)"
+                "it is not known whether {names} help{s} here: {left}. The ratio has no interval, \
+                 because there is only one frequency and one magnitude, or the residual is zero"
             );
         };
-        let [ratio, low, high] =
-            [gain.ratio, gain.interval95[0], gain.interval95[1]].map(|value| rounded(value, 3));
-        let ratio = format!("ratio {ratio}, 95 % interval {low} to {high}");
+        let [low, high] = gain.interval95;
+        let (sign, [ratio, low, high]) = match gain.ratio < 1.0 {
+            true => ('×', [gain.ratio, high, low].map(|value| 1.0 / value)),
+            false => ('÷', [gain.ratio, low, high]),
+        };
+        let [ratio, low, high] = [ratio, low, high].map(|value| rounded(value, 3));
+        let ratio = format!("residual {sign} {ratio}, 95 % interval {low} to {high}");
         if !hurts(gain) {
             return match gain.interval95[0] > 1.0 {
                 true => format!("{names} help{s} here, too: {left} ({ratio})"),
-                false => format!("whether {names} help{s} here cannot be told: {left} ({ratio})"),
+                false => format!("it is not known whether {names} help{s} here: {left} ({ratio})"),
             };
         }
         let text = format!(
@@ -163,66 +169,6 @@ pub(crate) fn of_data(
                 .into(),
         });
     }
-    said
-}
-
-/// Says what is implausible in an estimated initial state, if anything is.
-fn implausible(number: usize, model: &str, values: &[BeginningValue]) -> Option<String> {
-    let unlikely = |begun: &BeginningValue| {
-        let why = begun.implausible.as_ref()?;
-        Some(format!("{} {:.4} ({why})", begun.quantity, begun.value))
-    };
-    let all: Vec<String> = values.iter().filter_map(unlikely).collect();
-    (!all.is_empty()).then(|| {
-        format!(
-            "motion {number}: the estimated initial state of the {model} is implausible: {}; it \
-             compensates for something that the model lacks; state how the motion begins, as in \
-             the line `# initial_velocity: 0`",
-            all.join("; ")
-        )
-    })
-}
-
-/// How motions that do not repeat were compared, with an extended model or without.
-pub(crate) fn of_motions(
-    motions: &[ValidatedMotion],
-    kind: ResponseKind,
-    extended: bool,
-) -> Vec<String> {
-    let mut said = Vec::new();
-    for motion in motions {
-        let number = motion.experiment + 1;
-        let begins = |model: &str, values: &[BeginningValue]| match values {
-            [] => format!("{model}: at rest"),
-            values => {
-                let each = values.iter().map(|v| format!("{} {:.4}", v.quantity, v.value));
-                format!("{model}: {}", each.collect::<Vec<_>>().join(", "))
-            }
-        };
-        if motion.beginning_given {
-            said.push(format!("motion {number} begins with the stated velocity"));
-        } else if motion.unscored_s > 0.0 {
-            let mut models = begins("base model", &motion.base);
-            if extended {
-                models = format!("{models}; {}", begins("model with the causes", &motion.extended));
-            }
-            said.push(format!(
-                "motion {number}: the initial state is estimated from the first {:.4} s, which are \
-                 not compared ({models})",
-                motion.unscored_s,
-            ));
-            said.extend(implausible(number, "base model", &motion.base));
-            said.extend(implausible(number, "model with the causes", &motion.extended));
-        } else {
-            said.push(format!("motion {number} is assumed to begin at rest"));
-        }
-    }
-    let response = match kind {
-        ResponseKind::Velocity => return said,
-        ResponseKind::Position => "position",
-        ResponseKind::Acceleration => "acceleration",
-    };
-    said.push(format!("the {response} is compared without its mean, measured and simulated"));
     said
 }
 

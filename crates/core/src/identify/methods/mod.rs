@@ -42,7 +42,11 @@ impl Methods {
         let found = known.find(|(known, _)| *known == method);
         found.map(|(_, steps)| steps).ok_or_else(|| InvalidOptions {
             option: "method",
-            reason: format!("`{}` is not built into this program", method.name()),
+            reason: format!(
+                "the method `{}` is not part of this program; leave out `method` to use {}",
+                method.name(),
+                Method::default().name()
+            ),
         })
     }
 

@@ -99,8 +99,8 @@ impl Run<'_> {
         }
         if found.starts.is_empty() {
             return Err(unusable(
-                "the closed form finds no axis of this order in the describing functions; leave \
-                 the order to the data or take another method",
+                "the method two-magnitude finds no axis with this actuator order; leave out the \
+                 order or use another method",
             ));
         }
         Ok(())

@@ -103,7 +103,7 @@ fn a_position_that_moves_on_is_used_without_that_uniform_motion() {
     let experiment = &moving.experiments()[0];
     assert!((experiment.mean_velocity - 3.0).abs() < 0.02, "{}", experiment.mean_velocity);
     assert!((y(&moving, 0, 1) - Complex::new(1.0, 0.0)).norm() < 0.01);
-    assert!(moving.notes().iter().any(|note| note.contains("moves on by 0.3")));
+    assert!(moving.notes().iter().any(|note| note.contains("drifts by 0.3")));
     // A table with the mean of the input would say that the position returns.
     let mut table = Vec::new();
     write_harmonic_csv(&moving, &mut table).unwrap();

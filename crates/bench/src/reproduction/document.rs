@@ -32,8 +32,9 @@ pub fn document(
     let count = plan.seeds.clone().count();
     let mut text = format!(
         "# The paper's experiments, run again\n\nThis file is written by `{command} --output docs`; \
-         every number in it is measured by that command, and [reproduction.csv](reproduction.csv) \
-         has every run. Times: {conditions}; one run at a time.\n\n{}\n",
+         every number in its tables is measured by that command, and \
+         [reproduction.csv](reproduction.csv) has every run. Numbers in square brackets are \
+         references of that paper. Times: {conditions}; one run at a time.\n\n{}\n",
         experiment()
     );
     text += &format!("## Times (Figure 14)\n\n{}\n", tables::times_table(reproduction));

@@ -58,7 +58,7 @@ pub struct SearchSettings {
     ///
     /// Halved: same causes, same time. Doubled: same causes, same time.
     pub grid_points: usize,
-    /// Step of the scan over spatial frequencies of a torque ripple, as the change of its angle
+    /// Step of the scan over spatial frequencies of cogging, as the change of its angle
     /// over half the longest travel from end to end, radians.
     ///
     /// Halved: not measured. Doubled: same causes, −14 % time.
@@ -83,7 +83,7 @@ pub struct SearchSettings {
     /// Halved: same causes, same time. Doubled: same causes, same time.
     pub different_direction: f64,
     /// Score from which on an effect is fitted from several starting points, as a share of the
-    /// familywise threshold.
+    /// family-wise threshold.
     ///
     /// Halved: same causes, +104 % time. Doubled: same causes, −11 % time.
     pub promising_share: f64,
@@ -108,8 +108,8 @@ pub struct SearchSettings {
     /// The best effect is started again from displaced parameters if it leaves less than this
     /// share of the excess misfit: it may be the right effect in a wrong local minimum.
     ///
-    /// Halved: same causes, same time. Doubled: same causes, same time. Without restarts the play of
-    /// `single-60-backlash-o1-7` (seed 41041, by character) is not explained.
+    /// Halved: same causes, same time. Doubled: same causes, same time. Without restarts the
+    /// backlash of `single-60-backlash-o1-7` (seed 41041, by character) is not explained.
     pub restart_remainder: f64,
     /// That displacement, in prior standard deviations of the effect's parameters.
     ///
@@ -123,7 +123,7 @@ pub struct SearchSettings {
     ///
     /// Halved: same causes, same time. Doubled: same causes, same time.
     pub restart_improvement: f64,
-    /// A chosen effect that gains more than this multiple of the familywise threshold is not
+    /// A chosen effect that gains more than this multiple of the family-wise threshold is not
     /// fitted again from further starting points.
     ///
     /// Halved: same causes, same time. Doubled: same causes, same time.

@@ -116,8 +116,8 @@ fn named(number: usize, cause: &Cause, units: Units<'_>) -> Vec<String> {
 pub(super) fn without(margin: Option<f64>) -> Option<String> {
     let margin = margin.filter(|margin| *margin > 1.0)?;
     Some(format!(
-        "when it and the effects most like it are left out of the model, the sum of squares of the \
-         residuals, less the noise, becomes {} times as large",
+        "the best model without it and the effects most like it leaves {} times as much χ² beyond \
+         the noise",
         significant(margin, 2)
     ))
 }

@@ -10,7 +10,8 @@ use super::{Cell, Table};
 
 /// How to read the table of effects that were tried.
 pub(in crate::report) const TRIED_SAYS: &str = "Each effect was fitted together with the whole base model. Δχ²: how much it alone lowers χ². \
-     Criterion: χ² plus a penalty for each parameter; the smallest is best.";
+     Criterion: −2 ln of the probability of the data under the model, up to a constant; the \
+     smallest is best.";
 
 /// Residuals of models on data that neither a fit nor the choice of the causes has seen.
 pub(in crate::report) fn gains(gains: &[(String, &Gain)]) -> Table {

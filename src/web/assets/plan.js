@@ -78,7 +78,7 @@ function effects({ effects, sweeps }, units) {
     one.named_from ? size(one, one.named_from, units) : "never",
     one.closest_imitator ? effect(one.closest_imitator) : "",
   ]));
-  return scrolled("Effects", "Probability that an effect of typical size is noticed and told apart from every other one.",
+  return scrolled("Effects", "Probability that an effect of typical size is detected (√Δχ² above √30) and told apart from every other one.",
     ["Effect", n("as planned"), n(sweep ? "by a sweep" : ""), "Smallest size noticed", "Smallest size told apart", "Most similar effect"], rows);
 }
 

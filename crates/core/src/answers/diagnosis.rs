@@ -66,16 +66,16 @@ pub struct Cause {
     pub parameters: IndexMap<String, ParameterEstimate>,
     /// Probability that this effect is really present, as opposed to any rival effect or none.
     pub confidence: f64,
-    /// How much larger the sum of squares of the residuals becomes, as a factor, when this effect and
-    /// the effects most like it are left out of the model; noise is subtracted first. Null if the
-    /// answer is older than this figure.
+    /// χ² beyond the noise that the best model without this effect and the effects most like it
+    /// leaves, over that of the model with all causes. Null if the answer is older than this
+    /// figure.
     #[serde(default)]
     pub margin: Option<f64>,
     /// What it means for the machine.
     pub explanation: String,
     /// Improvement by this effect alone; null if it cannot be measured.
     pub gain: Option<Gain>,
-    /// Ids of effects that this data cannot distinguish from it.
+    /// Ids of effects that these data cannot distinguish from it.
     pub equivalents: Vec<String>,
 }
 

@@ -16,7 +16,9 @@ pub enum NoiseSource {
     Repeats,
     /// Scatter from period to period of a record.
     Periods,
-    /// Unknown: uniform weights, with the noise level estimated from the residual.
+    /// Unknown. The weights follow from a law of the noise that is fitted to the scatter of the
+    /// residuals, or are uniform where there is none; the size of the noise is estimated from the
+    /// residual.
     Estimated,
 }
 
@@ -24,7 +26,7 @@ pub enum NoiseSource {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct ParameterEstimate {
-    /// Best estimate, in `unit`; null if the data contains no information about it.
+    /// Best estimate, in `unit`; null if the data contain no information about it.
     pub value: Option<f64>,
     /// Standard deviation; null if the parameter is not identifiable.
     pub std: Option<f64>,
@@ -213,7 +215,7 @@ pub struct Identification {
     /// What looks wrong with the measurement, from the data alone.
     #[serde(default)]
     pub doubts: Vec<ReadingDoubt>,
-    /// What this data cannot determine, and what was left out, in sentences.
+    /// What these data cannot determine, and what was left out, in sentences.
     pub limitations: Vec<String>,
     /// What is needed to reproduce the answer.
     pub provenance: Provenance,

@@ -190,7 +190,8 @@ pub struct PlannedEffect {
     pub named_from: Option<EffectSize>,
     /// The effect that resembles it most in these experiments.
     pub closest_imitator: Option<String>,
-    /// Probability that an effect of typical size is noticed and told from every other one.
+    /// Probability that an effect of typical size is detected (√Δχ² above √30) and told from every
+    /// other one.
     pub probability: f64,
     /// Mean of that probability over sizes log-uniform from a thirtieth of the typical size up to it.
     pub score: f64,

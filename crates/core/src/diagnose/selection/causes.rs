@@ -1,5 +1,4 @@
 //! Turns the chosen model into named causes, each with its confidence and its equivalents.
-//!
 
 use indexmap::IndexMap;
 

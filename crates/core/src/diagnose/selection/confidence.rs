@@ -3,9 +3,10 @@
 //! Where one effect leaves only noise, the confidence is its posterior probability among the fitted
 //! models (Bayesian model averaging). Where more is left, that is not noise but effects that no
 //! model has; where several effects are needed, they may imitate another. Posterior probabilities
-//! are then far too sure, and the confidence follows from how far the effect stands out: by which
-//! factor the best model without it leaves more than the chosen one. Two effects that are each other's closest
-//! imitators stand out together, and share the confidence by what either leaves.
+//! are then far too sure, and the confidence follows from how far the effect stands out: by the
+//! ratio of the χ² beyond the noise that the best model without it and the chosen one leave. Two
+//! effects that are each other's closest imitators stand out together, and share the confidence by
+//! what either leaves.
 //!
 //! The logistic function was fitted to draws of the benchmark; docs/decisions.md says how.
 

@@ -1,8 +1,9 @@
 //! Slew limit: the rate of change of the amplifier's output is limited.
 //!
 //! A rate limiter before A(s), with output w: w' = ±rate until w meets u again, w = u while
-//! |u'| ≤ rate, in the limiter's own periodic steady state. If w never meets u, it is a triangle of
-//! amplitude rate·T/4 and zero mean at any magnitude, where T is the period.
+//! |u'| ≤ rate, in the limiter's own periodic steady state. If w never follows u (w ≠ u except at
+//! single instants), it is a triangle that turns where it meets u, of amplitude rate·T/4 and zero
+//! mean at any magnitude, where T is the period.
 
 use super::axis::{Axis, Wide};
 use super::descriptor::Descriptor;

@@ -23,9 +23,9 @@ const ROUNDING_SHARE: f64 = 1e-6;
 /// the law itself, which is near.
 const REDRAWN_STEPS: usize = 3;
 
-/// Differences from neighbours share residuals. Second differences in equal steps have correlations
-/// of −2/3 and 1/6 with the next and the second next, and their squares those numbers squared: so
-/// many tell as much as one that shares none, 1 + 2·(4/9 + 1/36).
+/// Number of differences from neighbours that tell as much as one that shares no residual with
+/// others: 1 + 2·(4/9 + 1/36). Second differences in equal steps have correlations of −2/3 and 1/6
+/// with the next and the second next; the correlations of their squares are the squares of these.
 const SHARED: f64 = 1.94;
 
 /// A law, and the data that it was estimated from.

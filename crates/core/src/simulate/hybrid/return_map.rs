@@ -1,5 +1,6 @@
 //! The periodic motion as a fixed point of the return map (the state after a period as a function
-//! of the state before it), by Newton's method in dual numbers.
+//! of the state before it), by Newton's method. The derivatives that it needs are carried along
+//! with the integration (`sensitivity`).
 //!
 //! `one_period` integrates a period. `periodic_orbit` searches for the motion reached from rest with a loose tolerance,
 //! `continuation` for that of a balanced axis. [`Periodic::velocity`] then finishes Newton's method

@@ -1,7 +1,7 @@
 //! A rate limiter with input u and output w, in its own periodic steady state.
 //!
-//! w = u while |u'| ≤ rate; otherwise w' = ±rate until w meets u again. If w never follows u, w is
-//! a triangle that turns where it meets u.
+//! w = u while |u'| ≤ rate; otherwise w' = ±rate until w meets u again. If w never follows u
+//! (w ≠ u except at single instants), it is a triangle that turns where it meets u.
 
 use crate::plant::Scalar;
 

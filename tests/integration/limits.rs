@@ -89,7 +89,7 @@ fn one_moving_fundamental_and_its_mean_determine_nothing_and_the_answer_says_so(
     for (name, estimate) in &answer.parameters {
         assert!(!estimate.identifiable && estimate.interval95.is_none(), "{name}: {estimate:?}");
     }
-    assert!(says(&answer, "does not determine pole, constant, dc_gain, fc_plus, fc_minus"));
+    assert!(says(&answer, "do not determine pole, constant, dc_gain, fc_plus, fc_minus"));
 }
 
 #[test]

@@ -55,8 +55,8 @@ pub(in crate::report) fn next(answer: &Answer, units: Units<'_>) -> Vec<String> 
         }
         (None, Verdict::Adequate) => String::new(),
         (None, Verdict::Explained) => format!(
-            "Add {named} to your model. The data decide against every other effect, so no further \
-             experiment is needed."
+            "Add {named} to your model. No other effect of the library explains the data nearly as \
+             well, so no further experiment is asked for."
         ),
         (None, Verdict::Improved) => format!(
             "Check {named} on the machine. Something else is wrong, too, and may have been \

@@ -106,8 +106,8 @@ pub(in crate::report) fn of_diagnosis(answer: &Diagnosis) -> Judgement {
         false => (
             Mark::Open,
             format!(
-                "The simulation lacks {causes}, or the measurement is wrong: this data does not tell \
-                 which."
+                "The simulation lacks {causes}, or the measurement is wrong: these data do not \
+                 tell which."
             ),
         ),
     };

@@ -35,10 +35,10 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     let missing = |what: &str| NothingToDraw(what.to_owned());
     let answer = subject.identification.ok_or_else(|| missing("there is no identified model"))?;
     let viscous =
-        viscous(answer).ok_or_else(|| missing("the data does not determine pole and constant"))?;
+        viscous(answer).ok_or_else(|| missing("the data do not determine pole and constant"))?;
     let sides: Vec<Side> = [1.0, -1.0].into_iter().filter_map(|sign| side(answer, sign)).collect();
     if sides.is_empty() {
-        return Err(missing("the data does not determine the friction levels"));
+        return Err(missing("the data do not determine the friction levels"));
     }
     let comparison = subject.comparison;
     let groups = comparison.map(by_magnitude).unwrap_or_default();
@@ -107,7 +107,7 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
         extents(&mut canvas, &panel, &groups, &ranges, comparison, &velocity);
     }
     if sides.iter().any(|side| side.key == "fc_mean") {
-        canvas.note("The data tells only the mean of the levels of both directions.");
+        canvas.note("The data tell only the mean of the levels of both directions.");
     }
     Ok(canvas)
 }

@@ -149,8 +149,8 @@ class Cause:
         confidence: Probability that it is really present, 0 to 1.
         parameters: Its parameters by name.
         explanation: What it means for the machine.
-        equivalents: Ids of effects that this data cannot tell from it.
-        gain: Improvement by this cause alone; None if that cannot be measured.
+        equivalents: Ids of effects that these data cannot tell from it.
+        gain: What this cause alone gains; None if that cannot be measured.
     """
 
     effect: str

@@ -93,7 +93,7 @@ class Identification(Result):
         fit: How well it explains the data.
         noise: Where the weights come from: ``"given"``, ``"repeats"``, ``"periods"`` or
             ``"estimated"``.
-        limitations: What this data cannot determine, in sentences.
+        limitations: What these data cannot determine, in sentences.
     """
 
     parameters: dict[str, Parameter]

@@ -96,7 +96,7 @@ pub(super) fn of(
         names.retain(|name| !name.starts_with("fc_"));
     }
     if !names.is_empty() {
-        say(format!("this data does not determine {}", names.join(", ")));
+        say(format!("these data do not determine {}", names.join(", ")));
     }
     sentences
 }

@@ -214,7 +214,7 @@ impl Record {
         } else if !input_scatters && !output_scatters {
             remarks.push("the periods are copies and say nothing of the noise".into());
         }
-        remarks.push(format!("{highest} output harmonics above the noise are used"));
+        remarks.push(format!("harmonics of the response up to {highest} are used"));
         let repeats = input_deviations
             .into_iter()
             .zip(output_deviations)

@@ -59,7 +59,7 @@ def torque(model: Identification, sign: int, speed: Floats) -> Floats:
 def _slope(model: Identification) -> float:
     pole, constant = _value(model, "pole"), _value(model, "constant")
     if pole is None or not constant:
-        raise ServoscopeError("the data does not determine the viscous friction")
+        raise ServoscopeError("the data do not determine the viscous friction")
     return -pole / constant
 
 
@@ -67,7 +67,7 @@ def _level(model: Identification, sign: int) -> float:
     for name in ("fc_plus" if sign > 0 else "fc_minus", "fc_mean"):
         if (value := _value(model, name)) is not None:
             return value
-    raise ServoscopeError("the data does not determine the friction levels")
+    raise ServoscopeError("the data do not determine the friction levels")
 
 
 def _static(model: Identification, sign: int) -> float | None:

@@ -182,7 +182,7 @@ impl CrossValidation {
         let mut what = self.what.clone();
         if !others.is_empty() {
             what.push_str(&format!(
-                "; with {} of these parts held out, another choice was made: {}",
+                "; when {} of these parts were held out, other causes were chosen: {}",
                 others.len(),
                 others.join(", ")
             ));

@@ -47,7 +47,9 @@ pub(crate) fn gain(
     let both: Vec<Row> = before.keys().filter(|row| after.contains_key(row)).copied().collect();
     let lost = before.len() - both.len();
     if lost > 0 {
-        heldout.push_str(&format!("; {lost} harmonics left out that are not simulated"));
+        heldout.push_str(&format!(
+            "; {lost} harmonics are left out because one of the models does not predict them"
+        ));
     }
     let mut by_group: BTreeMap<usize, [ResidualSums; 2]> = BTreeMap::new();
     for row in &both {
@@ -140,7 +142,8 @@ mod tests {
         after.retain(|row, _| row.0 < 2);
         let gain = gain(&before, &after, &groups, false, "lines".into()).unwrap();
         assert!((gain.ratio - 3.0).abs() < 1e-12);
-        assert_eq!(gain.heldout, "lines; 2 harmonics left out that are not simulated");
+        let left_out = "2 harmonics are left out because one of the models does not predict them";
+        assert_eq!(gain.heldout, format!("lines; {left_out}"));
         assert_eq!(gain.chi2_per_dof_before, None);
     }
 

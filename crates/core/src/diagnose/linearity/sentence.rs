@@ -54,7 +54,7 @@ fn part(shares: &[Share], name: &str, of: &str) -> Option<String> {
     let largest = values.iter().copied().reduce(f64::max)?;
     let limits = shares.iter().map(|share| share.detectable);
     Some(match limits.collect::<Option<Vec<f64>>>() {
-        None => format!("{name} with the noise is {}", range(&values)),
+        None => format!("{name}, noise included, is {}", range(&values)),
         Some(limits) if largest == 0.0 => {
             let least = limits.iter().copied().fold(0.0, f64::max);
             format!("there is no {name} above {}", percent(least))

@@ -130,7 +130,7 @@ fn the_distortion_of_cosines_is_their_total_harmonic_distortion() {
     let found = found(experiments);
     let share = found.levels[0].odd.unwrap();
     assert!((share.value / expected - 1.0).abs() < 1e-12 && share.detectable.is_none());
-    assert!(found.sentence.contains("odd distortion with the noise is"), "{}", found.sentence);
+    assert!(found.sentence.contains("odd distortion, noise included, is"), "{}", found.sentence);
 }
 
 #[test]

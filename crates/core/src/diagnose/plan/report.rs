@@ -186,8 +186,8 @@ impl Report<'_> {
     fn notes(&self) -> Vec<String> {
         let request = &self.setting.request;
         let mut notes = vec![format!(
-            "the plan allows for an error of ± {} in each parameter of the axis ({} random \
-             variants were tried)",
+            "the plan allows for a standard deviation of {} in each parameter of the axis ({} \
+             variants were drawn)",
             per_cent(request.options.uncertainty),
             self.scenarios.len() - 1
         )];

@@ -170,8 +170,8 @@ fn adequate_sentence(residuals: &Residuals, judgement: &Judgement) -> String {
             );
         }
         sentence += &format!(
-            "; an error of {} % of the {what} (rms) at magnitude {}{unit} would have been noticed, \
-             and a smaller one at any other magnitude",
+            "; an error of {} % of the {what} (rms) at magnitude {}{unit} is the smallest that the \
+             test notices on average; at any other magnitude a smaller one",
             sentence::short(100.0 * share),
             sentence::span(span)
         );

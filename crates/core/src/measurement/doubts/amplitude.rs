@@ -24,8 +24,7 @@ pub(super) fn check(measurement: &Measurement) -> Option<Finding> {
         RATIOS.into_iter().find(|(exact, _, _)| (ratio / exact - 1.0).abs() < TOLERANCE)?;
     Some(Finding {
         sentence: format!(
-            "the measured input (`u_re`, `u_im`) is {text} of the stated magnitude: {meaning}, or the \
-             other way round"
+            "the measured input (`u_re`, `u_im`) is {text} of the stated magnitude: {meaning}"
         ),
         remedy: "bring both to one convention, and state it: `--amplitude rms` or the line `# \
                  amplitude: rms`; where they differ, leave the magnitude out"

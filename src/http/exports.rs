@@ -64,7 +64,7 @@ export! {
     id: "Id of the measurement",
     service: measurement_csv -> CSV,
     body: String as "text/csv",
-    unchanged: "The data is what `If-None-Match` names"
+    unchanged: "The data are what `If-None-Match` names"
 }
 
 export! {
@@ -76,7 +76,7 @@ export! {
     id: "Id of the measurement",
     service: measurement_json -> JSON,
     body: Object as "application/json",
-    unchanged: "The data is what `If-None-Match` names"
+    unchanged: "The data are what `If-None-Match` names"
 }
 
 export! {

@@ -107,7 +107,7 @@ fn named(number: usize, cause: &Cause, units: Units<'_>) -> Vec<String> {
     }
     if !equivalents.is_empty() {
         let others = equivalents.join(" or ");
-        lines.push(format!("   cannot be told from {others} by this data"));
+        lines.push(format!("   cannot be told from {others} by these data"));
     }
     lines
 }
@@ -152,7 +152,7 @@ mod tests {
         assert_eq!(words("fs_minus")[1..4], ["unknown", "A", "not"]);
         assert_eq!(
             line(&text, "cannot"),
-            "cannot be told from stribeck or presliding by this data"
+            "cannot be told from stribeck or presliding by these data"
         );
     }
 

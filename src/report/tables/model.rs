@@ -117,8 +117,8 @@ pub(in crate::report) fn flags(estimate: &ParameterEstimate) -> &'static str {
     match (estimate.identifiable, estimate.at_bound) {
         (true, false) => "",
         (true, true) => "at the limit of the search range",
-        (false, false) => "not determined by this data",
-        (false, true) => "not determined by this data, at the limit of the search range",
+        (false, false) => "not determined by these data",
+        (false, true) => "not determined by these data, at the limit of the search range",
     }
 }
 

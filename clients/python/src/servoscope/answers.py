@@ -16,11 +16,11 @@ class Parameter:
 
     Attributes:
         name: Its name.
-        value: Best estimate, in ``unit``; None if the data says nothing about it.
-        std: Standard deviation; None if the data does not determine it.
-        interval95: 95 % interval; None if the data does not determine it.
+        value: Best estimate, in ``unit``; None if the data say nothing about it.
+        std: Standard deviation; None if the data do not determine it.
+        interval95: 95 % interval; None if the data do not determine it.
         unit: Its unit.
-        identifiable: Whether the data determines it.
+        identifiable: Whether the data determine it.
         at_bound: Whether the value lies at a bound of what is physically possible.
     """
 
@@ -150,7 +150,7 @@ class Cause:
         parameters: Its parameters by name.
         explanation: What it means for the machine.
         equivalents: Ids of effects that these data cannot tell from it.
-        gain: What this cause alone gains; None if that cannot be measured.
+        gain: Improvement by this cause alone; None if that cannot be measured.
     """
 
     effect: str

@@ -62,7 +62,7 @@ class Client:
                 ``FrequencyResponse``.
             idempotency_key: The same key with the same data gives the same measurement. By
                 default each call makes one.
-            **said: What the data does not say, such as ``input="current A"``,
+            **said: What the data do not say, such as ``input="current A"``,
                 ``response="velocity rad/s"``, ``period_s=0.5``: see ``UploadSettings``.
 
         Raises:

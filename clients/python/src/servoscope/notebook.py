@@ -56,7 +56,7 @@ def _parameters(parameters: Iterable[Parameter]) -> str:
     for parameter in parameters:
         low, high = parameter.interval95 or (None, None)
         cells = [parameter.name, *map(_number, (parameter.value, low, high)), parameter.unit]
-        rows.append([*cells, "" if parameter.identifiable else "not determined by this data"])
+        rows.append([*cells, "" if parameter.identifiable else "not determined by these data"])
     return table(("parameter", "value", "95 % from", "to", "unit", ""), rows)
 
 

@@ -80,7 +80,7 @@ fn experiment() -> String {
         "The paper states neither magnitudes nor frequencies. Here: **m₁ = {high}** and \
          **m₂ = {low}** input units, at **{FREQUENCIES} frequencies**, log-spaced from {}, \
          harmonics 0 to {HARMONICS}, Fc⁺ = 0.5, Fc⁻ = 0.4, friction on the mechanics behind the \
-         actuator. The data is made by a simulator that shares no code with what fits it. N dB \
+         actuator. The data are made by a simulator that shares no code with what fits it. N dB \
          means a standard deviation of median|Y₁|·10^(−N/20) on re and im of every harmonic. A seed \
          is that of the method and of the noise. The methods are told the order of the actuator, \
          as in the paper, and no other thing.\n\nAn *error* is the largest relative deviation of \

@@ -213,7 +213,7 @@ pub struct PlannedSweep {
     pub score: f64,
     /// Number of effects with a probability of 0.9 or more at their typical size.
     pub nameable: usize,
-    /// Probability that each effect is noticed and told apart, by id.
+    /// Probability that each effect is detected and told apart, by id.
     pub probabilities: IndexMap<String, f64>,
     /// The experiments in their order, so that the sweep can be made.
     pub experiments: Vec<PlannedExperiment>,

@@ -1,6 +1,7 @@
 //! Frequency response before and after, and beneath it what each model leaves: gain in dB and phase
 //! in degrees, against the noise.
 
+mod layout;
 mod reach;
 
 use servoscope_core::answers::Comparison;
@@ -15,10 +16,9 @@ use super::scale::{DECIMAL, DEGREES, Scale, range};
 use super::series::{left_out, spread};
 use super::text;
 use super::{NothingToDraw, Subject, comparison};
+use layout::{Layout, TELEPHONE, WIDE};
 use reach::{Column, DB_PER_SHARE, NOISE_BAND, beyond, size};
 
-/// Left and right side of each of the two columns: gain, phase.
-const COLUMNS: [[f64; 2]; 2] = [[56.0, 390.0], [452.0, 786.0]];
 const RESPONSE_HEIGHT: f64 = 212.0;
 const ERROR_HEIGHT: f64 = 132.0;
 
@@ -26,6 +26,15 @@ const ERROR_HEIGHT: f64 = 132.0;
 const MOST_KEYS: usize = 8;
 
 pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
+    drawn(subject, &WIDE)
+}
+
+/// The same for a telephone: the phase beneath the gain.
+pub(super) fn draw_narrow(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
+    drawn(subject, &TELEPHONE)
+}
+
+fn drawn(subject: &Subject<'_>, layout: &Layout) -> Result<Canvas, NothingToDraw> {
     let comparison = comparison(subject)?;
     let extended = subject.extended;
     let curves = curves(comparison, extended.map(|extended| extended.comparison));
@@ -33,7 +42,8 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
         return Err(NothingToDraw("no line of the response is a line of the input".into()));
     }
     let title = format!("Measured and simulated {}", comparison.response_quantity);
-    let mut canvas = Canvas::new("bode-errors", &title, &says(&curves, extended), curves.len());
+    let says = says(&curves, extended);
+    let mut canvas = Canvas::of_width(layout.width, "bode-errors", &title, &says, curves.len());
     let bands = invalid(subject.valid_band);
     let mut keys = models(subject, !bands.is_empty(), is_noise_known(&curves));
     if curves.iter().flat_map(|curve| &curve.points).any(|point| point.measured.is_none()) {
@@ -45,7 +55,7 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
         canvas.y -= 4.0;
         legend(&mut canvas, &magnitudes(&curves));
     }
-    columns(&mut canvas, comparison, &curves, &bands);
+    columns(&mut canvas, layout, comparison, &curves, &bands);
     if let Some(sentence) = left_out(comparison) {
         canvas.note(&sentence);
     }
@@ -85,11 +95,17 @@ fn is_noise_known(curves: &[Curve]) -> bool {
     curves.iter().flat_map(|curve| &curve.points).any(|point| point.noise.is_some())
 }
 
-fn columns(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], bands: &[[f64; 2]]) {
+fn columns(
+    canvas: &mut Canvas,
+    layout: &Layout,
+    comparison: &Comparison,
+    curves: &[Curve],
+    bands: &[[f64; 2]],
+) {
     let every = || curves.iter().flat_map(|curve| &curve.points);
     let [low, high] = range(every().map(|point| point.frequency_hz));
     let [gain_range, phase_range] = ranges(curves);
-    let [gain_left, gain_right] = COLUMNS[0];
+    let [gain_left, gain_right] = layout.columns[0];
     let gain = text::shorten(&gain_name(comparison), 11.5, gain_right - gain_left);
     let columns = [
         Column {
@@ -112,10 +128,11 @@ fn columns(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], bands
         },
     ];
     let few = every().count() <= FEW_POINTS;
-    let top = canvas.y + 22.0;
-    let middle = top + RESPONSE_HEIGHT;
-    let [error_top, error_bottom] = [middle + 28.0, middle + 28.0 + ERROR_HEIGHT];
-    for (index, (column, [left, right])) in columns.iter().zip(COLUMNS).enumerate() {
+    let above = canvas.y;
+    for (index, (column, [left, right])) in columns.iter().zip(layout.columns).enumerate() {
+        let top = 22.0 + if layout.stacked { canvas.y } else { above };
+        let middle = top + RESPONSE_HEIGHT;
+        let [error_top, error_bottom] = [middle + 28.0, middle + 28.0 + ERROR_HEIGHT];
         let x = Scale::log([low / 1.12, high * 1.12], [left, right]);
         let y = Scale::linear(column.range, [middle, top]);
         let response = Panel { x, y, left, top, right, bottom: middle };
@@ -134,8 +151,8 @@ fn columns(canvas: &mut Canvas, comparison: &Comparison, curves: &[Curve], bands
         panel.draw(canvas, &y.vertical_ticks(DECIMAL), naming);
         errors(canvas, &panel, column, curves, few);
         beyond(canvas, &panel, column, curves, size);
+        canvas.y = error_bottom + 40.0;
     }
-    canvas.y = error_bottom + 40.0;
 }
 
 fn errors(canvas: &mut Canvas, panel: &Panel, column: &Column<'_>, curves: &[Curve], few: bool) {

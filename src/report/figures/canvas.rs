@@ -11,8 +11,11 @@ use super::theme::{self, Format};
 pub(super) use groups::Trace;
 pub(super) use shapes::Marker;
 
-/// Width of every figure, pixels.
+/// Width of a figure, pixels.
 pub(super) const WIDTH: f64 = 800.0;
+
+/// Width of a figure for a telephone, pixels.
+pub(super) const NARROW: f64 = 400.0;
 
 /// Space left of the content and right of it.
 pub(super) const MARGIN: f64 = 24.0;
@@ -64,6 +67,8 @@ pub(super) struct Canvas {
     /// Ordered colours in use.
     series: usize,
     clips: usize,
+    /// Its width, pixels.
+    pub width: f64,
     /// Where the next thing below begins.
     pub y: f64,
 }
@@ -96,6 +101,17 @@ pub(super) fn escape(text: &str) -> String {
 impl Canvas {
     /// A figure with its title and what it says in a line or two.
     pub fn new(name: &'static str, title: &str, subtitle: &str, series: usize) -> Self {
+        Self::of_width(WIDTH, name, title, subtitle, series)
+    }
+
+    /// The same of another width.
+    pub fn of_width(
+        width: f64,
+        name: &'static str,
+        title: &str,
+        subtitle: &str,
+        series: usize,
+    ) -> Self {
         let mut canvas = Self {
             name,
             title: title.to_owned(),
@@ -103,11 +119,13 @@ impl Canvas {
             body: String::new(),
             series,
             clips: 0,
+            width,
             y: 54.0,
         };
-        let room = WIDTH - 2.0 * MARGIN;
+        let room = width - 2.0 * MARGIN;
+        let lines = (2.0 * WIDTH / width) as usize;
         canvas.text(MARGIN, 32.0, TITLE, Anchor::Start, &text::shorten(title, TITLE.size, room));
-        for line in text::wrap(subtitle, SUBTITLE.size, room, 2) {
+        for line in text::wrap(subtitle, SUBTITLE.size, room, lines) {
             canvas.text(MARGIN, canvas.y, SUBTITLE, Anchor::Start, &line);
             canvas.y += 18.0;
         }
@@ -141,7 +159,7 @@ impl Canvas {
 
     /// Sentences below what is drawn.
     pub fn note(&mut self, sentence: &str) {
-        for line in text::wrap(sentence, NOTE.size, WIDTH - 2.0 * MARGIN, 3) {
+        for line in text::wrap(sentence, NOTE.size, self.width - 2.0 * MARGIN, 3) {
             self.text(MARGIN, self.y + 12.0, NOTE, Anchor::Start, &line);
             self.y += NOTE_LINE;
         }
@@ -151,8 +169,8 @@ impl Canvas {
     /// and `suffix`, so that figures stand side by side in one page.
     pub fn finish(self, format: Format, suffix: &str) -> String {
         let id = format!("servoscope-{}{suffix}", self.name);
-        let height = (self.y + 14.0).ceil();
-        let [shown_width, shown_height] = format.size([WIDTH, height]).map(px);
+        let (width, height) = (self.width, (self.y + 14.0).ceil());
+        let [shown_width, shown_height] = format.size([width, height]).map(px);
         let height = px(height);
         let style = theme::stylesheet(format.theme, &id, self.series);
         let (title, description) = (escape(&self.title), escape(&self.description));
@@ -160,9 +178,9 @@ impl Canvas {
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" id=\"{id}\" role=\"img\" \
              aria-labelledby=\"{id}-title {id}-desc\" width=\"{shown_width}\" \
-             height=\"{shown_height}\" viewBox=\"0 0 {WIDTH} {height}\">\n<title id=\"{id}-title\">{title}</title>\n\
+             height=\"{shown_height}\" viewBox=\"0 0 {width} {height}\">\n<title id=\"{id}-title\">{title}</title>\n\
              <desc id=\"{id}-desc\">{description}</desc>\n<style>\n{style}</style>\n\
-             <rect class=\"bg\" width=\"{WIDTH}\" height=\"{height}\"/>\n{body}\n</svg>\n"
+             <rect class=\"bg\" width=\"{width}\" height=\"{height}\"/>\n{body}\n</svg>\n"
         )
     }
 }

@@ -199,6 +199,17 @@ pub(super) fn draw_beside(
     Ok(draw(subject)?.finish(format, suffix))
 }
 
+/// The response before and after and its errors, for a telephone; its id ends in `-telephone`.
+///
+/// # Errors
+/// As for [`draw`].
+pub(super) fn draw_for_telephone(
+    subject: &Subject<'_>,
+    format: Format,
+) -> Result<String, NothingToDraw> {
+    Ok(bode_errors::draw_narrow(subject)?.finish(format, "-telephone"))
+}
+
 /// The comparison of a subject, which several figures need.
 fn comparison<'a>(subject: &Subject<'a>) -> Result<&'a Comparison, NothingToDraw> {
     let comparison = subject.comparison.filter(|comparison| !comparison.experiments.is_empty());

@@ -132,7 +132,7 @@ impl Key {
 pub(super) fn legend(canvas: &mut Canvas, keys: &[Key]) {
     const SAMPLE: f64 = 22.0;
     const FONT: Font = NOTE;
-    let (mut x, right) = (MARGIN, super::canvas::WIDTH - MARGIN);
+    let (mut x, right) = (MARGIN, canvas.width - MARGIN);
     let mut y = canvas.y + 8.0;
     for key in keys {
         let width = SAMPLE + 6.0 + text::width(&key.text, FONT.size);

@@ -6,7 +6,7 @@ use roxmltree::{Document, Node};
 use servoscope_core::answers::sample;
 
 use super::fixtures::{Known, diagnosed, extended, extremes, record, stepped};
-use super::{Subject, Theme, available, draw, names, text};
+use super::{Subject, Theme, available, draw, draw_for_telephone, names, text};
 
 /// The largest file, bytes: what a page of several figures may weigh.
 const MOST_BYTES: usize = 300_000;
@@ -18,6 +18,9 @@ fn every_figure(check: impl Fn(&str, &str, &Document<'_>)) {
             let svg = known.draw(name);
             let parsed = Document::parse(&svg);
             check(case, &svg, &parsed.unwrap_or_else(|error| panic!("{case}, {name}: {error}")));
+        }
+        if let Ok(svg) = draw_for_telephone(&known.subject(), Theme::Auto.into()) {
+            check(case, &svg, &Document::parse(&svg).unwrap());
         }
     }
 }
@@ -72,11 +75,12 @@ fn no_text_meets_another_or_leaves_the_figure() {
     let wrong = std::cell::RefCell::new(Vec::new());
     every_figure(|case, _, document| {
         let name = document.root_element().attribute("id").unwrap();
-        let height = number(&document.root_element(), "height");
+        let [width, height] =
+            ["width", "height"].map(|side| number(&document.root_element(), side));
         let boxes: Vec<([f64; 4], &str)> =
             texts(document).map(|node| (text_box(&node), node.text().unwrap_or(""))).collect();
         for (i, ([left, top, right, bottom], text)) in boxes.iter().enumerate() {
-            let inside = *left >= 0.0 && *top >= 0.0 && *right <= 800.0 && *bottom <= height;
+            let inside = *left >= 0.0 && *top >= 0.0 && *right <= width && *bottom <= height;
             if !inside {
                 wrong.borrow_mut().push(format!("{case}, {name}: `{text}` leaves the figure"));
             }

@@ -74,7 +74,8 @@ article+article{margin-top:2.25rem;padding-top:.25rem;border-top:1px solid var(-
   margin-top:.75rem}
 .screen:not(:has(.first)){grid-template-columns:minmax(0,44rem)}
 .screen .first{margin:0}
-.screen .first .scroll{margin:-.5rem 0 0 -1.4rem}
+.screen .first .scroll,.screen .telephone .scroll{margin:-.5rem 0 0 -1.4rem}
+.screen .telephone{display:none;margin:0}
 .cards{display:flex;flex-direction:column;gap:.85rem}
 .card{padding:0 0 .85rem;border-bottom:1px solid var(--grid)}
 .card:last-child{border-bottom:0}
@@ -168,6 +169,10 @@ figcaption{margin-top:.25rem;max-width:44rem}
   figure .scroll::after{content:"›";position:sticky;right:0;flex:none;display:grid;place-items:center;
     width:1rem;color:var(--muted);background:var(--back);border-left:1px solid var(--grid)}
   figure .scroll{margin:0 -1rem}
+  .screen .first{display:none}
+  .screen .telephone{display:block}
+  .telephone .scroll svg{width:100%}
+  .telephone .scroll::after{content:none}
   .w{min-width:14rem}
 }
 "#;

@@ -55,6 +55,7 @@ mod receiver;
 mod reference;
 mod report;
 mod reproduction;
+mod restarts;
 mod scaling;
 mod search;
 mod service;

@@ -26,6 +26,7 @@ mod grafana;
 mod identification;
 mod inspection;
 mod keys;
+mod large_batches;
 mod layers;
 mod limits;
 mod lost_answers;

@@ -70,7 +70,8 @@ impl Cluster {
         self.folder.join("data")
     }
 
-    fn program(&self, name: &str) -> Command {
+    /// One of the programs of Postgres, as the user that the cluster belongs to.
+    pub fn program(&self, name: &str) -> Command {
         unprivileged(self.programs.join(name).as_os_str())
     }
 
@@ -143,7 +144,8 @@ fn unprivileged(program: &OsStr) -> Command {
     command
 }
 
-fn run(command: &mut Command) {
+/// Runs a program, which must succeed.
+pub fn run(command: &mut Command) {
     let output = command.stdin(Stdio::null()).output().unwrap();
     assert!(output.status.success(), "{command:?}: {output:?}");
 }

@@ -18,6 +18,7 @@ mod queue;
 mod recovery;
 mod restarts;
 mod retention;
+mod standby;
 mod usage;
 
 use std::time::Duration;

@@ -42,7 +42,7 @@ fn batch(server: &Server, count: usize, options: &Value) -> String {
 }
 
 /// Waits until a batch says what is wanted of it.
-fn until(server: &Server, batch: &str, wanted: impl Fn(&Value) -> bool) -> Value {
+pub fn until(server: &Server, batch: &str, wanted: impl Fn(&Value) -> bool) -> Value {
     let began = Instant::now();
     loop {
         let now = server.get(batch).json();
@@ -54,7 +54,7 @@ fn until(server: &Server, batch: &str, wanted: impl Fn(&Value) -> bool) -> Value
     }
 }
 
-fn count(batch: &Value, state: &str) -> usize {
+pub fn count(batch: &Value, state: &str) -> usize {
     usize::try_from(batch["counts"][state].as_i64().unwrap()).unwrap()
 }
 
@@ -63,7 +63,7 @@ fn is_in_the_middle(batch: &Value) -> bool {
     count(batch, "succeeded") >= 3 && count(batch, "queued") >= 3
 }
 
-fn has_ended(batch: &Value) -> bool {
+pub fn has_ended(batch: &Value) -> bool {
     batch["state"] == "ended"
 }
 

@@ -10,10 +10,10 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use crate::durability::{is_running, until};
+use crate::durability::{count, is_running, until};
 use crate::postgres_cluster::Cluster;
-use crate::process::command;
-use crate::service::{endless, submit};
+use crate::process::{command, simulated};
+use crate::service::{endless, problem, submit};
 use crate::worker_process::{Worker, server};
 
 /// What a worker is heard of within.
@@ -49,7 +49,12 @@ impl Link {
         Self { address, made, silent }
     }
 
-    /// Loses from now on what is sent on the connections that there are.
+    /// Loses from now on what is sent, also on new connections.
+    fn die(&self) {
+        self.silent.store(usize::MAX, Ordering::SeqCst);
+    }
+
+    /// Loses from now on what is sent on the connections that there are, and on no others.
     fn fall_silent(&self) {
         self.silent.store(self.made.load(Ordering::SeqCst), Ordering::SeqCst);
     }
@@ -100,4 +105,33 @@ fn a_worker_whose_connections_fall_silent_makes_new_ones_and_keeps_its_job() {
     assert_eq!(server.post(&format!("{job}/cancel"), "text/plain", b"").status, 202);
     let ended = server.get(&format!("{job}?wait=20")).json();
     assert_eq!((&ended["status"], &ended["attempt"]), (&json!("cancelled"), &json!(1)));
+}
+
+#[test]
+fn an_upload_over_a_dead_link_is_answered_with_503_and_stored_once_when_it_is_repeated() {
+    let Some(cluster) = Cluster::shared() else { return };
+    let (database, folder) = (cluster.database(), tempfile::tempdir().unwrap());
+    let link = Link::to(&database);
+    let server = server(folder.path(), &link.address);
+    let table = simulated(&[]);
+    let upload = || {
+        let headers = [("content-type", "text/csv"), ("idempotency-key", "upload")];
+        server.post_with("/v1/measurements", &headers, &table)
+    };
+    link.die();
+    // A connection that was used just now would be used again without being asked whether it is there.
+    std::thread::sleep(Duration::from_secs(1));
+    problem(&upload(), 503);
+    assert_eq!(server.get("/livez").status, 200);
+    assert_eq!(server.get("/readyz").status, 503);
+
+    link.fall_silent();
+    let answers = std::iter::repeat_with(upload).inspect(|answer| {
+        // What was begun over the dead link may hold the connections for a while.
+        assert!([200, 201, 503].contains(&answer.status), "{}", answer.text);
+    });
+    let stored = answers.take(30).find(|answer| answer.status != 503);
+    let id = stored.expect("new connections are made").json()["id"].clone();
+    assert_eq!(upload().json()["id"], id);
+    assert_eq!(count(&server), 1);
 }

@@ -3,8 +3,11 @@
 //! Rows are written in the words of the version whose step is the last one done. A step that renames
 //! or makes tables anew must take them along.
 
+use std::path::Path;
+
 use sqlx::postgres::PgPoolOptions;
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
+use sqlx::{PgPool, SqlitePool};
 
 use super::cluster::Cluster;
 use super::*;
@@ -90,20 +93,34 @@ async fn holds(store: &dyn Store, sqlite_steps: usize) {
     assert_eq!(status(store, "waits").await, Status::Succeeded);
 }
 
+/// A file on which so many steps were done, with rows of each.
+async fn file_of(folder: &Path, steps: usize) -> SqlitePool {
+    let path = folder.join(sqlite::FILE_NAME);
+    let options = SqliteConnectOptions::new().filename(path).create_if_missing(true);
+    let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.unwrap();
+    for step in 1..=steps {
+        sqlite::migrations::first(step).run(&pool).await.unwrap();
+        if let Some(rows) = OF_SQLITE.get(step - 1) {
+            sqlx::raw_sql(*rows).execute(&pool).await.unwrap();
+        }
+    }
+    pool
+}
+
+/// The same of a database of Postgres.
+async fn database_of(address: &str, steps: usize) -> PgPool {
+    let pool = PgPoolOptions::new().max_connections(1).connect(address).await.unwrap();
+    postgres::migrations::first(1).run(&pool).await.unwrap();
+    sqlx::raw_sql(OF_POSTGRES).execute(&pool).await.unwrap();
+    postgres::migrations::first(steps).run(&pool).await.unwrap();
+    pool
+}
+
 #[tokio::test]
 async fn a_file_of_every_earlier_version_keeps_what_it_holds() {
     for before in 1..=sqlite::migrations::COUNT {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join(sqlite::FILE_NAME);
-        let options = SqliteConnectOptions::new().filename(path).create_if_missing(true);
-        let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.unwrap();
-        for step in 1..=before {
-            sqlite::migrations::first(step).run(&pool).await.unwrap();
-            if let Some(rows) = OF_SQLITE.get(step - 1) {
-                sqlx::raw_sql(*rows).execute(&pool).await.unwrap();
-            }
-        }
-        pool.close().await;
+        file_of(folder.path(), before).await.close().await;
         holds(&Sqlite::open(folder.path()).await.unwrap(), before).await;
     }
 }
@@ -113,11 +130,28 @@ async fn a_postgres_of_every_earlier_version_keeps_what_it_holds() {
     let Some(cluster) = Cluster::shared() else { return };
     for before in 1..=postgres::migrations::COUNT {
         let address = cluster.database();
-        let pool = PgPoolOptions::new().max_connections(1).connect(&address).await.unwrap();
-        postgres::migrations::first(1).run(&pool).await.unwrap();
-        sqlx::raw_sql(OF_POSTGRES).execute(&pool).await.unwrap();
-        postgres::migrations::first(before).run(&pool).await.unwrap();
-        pool.close().await;
+        database_of(&address, before).await.close().await;
         holds(&Postgres::open(&address).await.unwrap(), OF_SQLITE.len()).await;
     }
+}
+
+#[tokio::test]
+async fn a_file_that_has_the_quotas_of_keys_under_another_number_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let pool = file_of(folder.path(), 8).await;
+    let other = "UPDATE _sqlx_migrations SET version = 9 WHERE version = 8";
+    assert_eq!(sqlx::query(other).execute(&pool).await.unwrap().rows_affected(), 1);
+    pool.close().await;
+    holds(&Sqlite::open(folder.path()).await.unwrap(), 8).await;
+}
+
+#[tokio::test]
+async fn a_postgres_that_has_the_quotas_of_keys_under_another_number_goes_on() {
+    let Some(cluster) = Cluster::shared() else { return };
+    let address = cluster.database();
+    let pool = database_of(&address, 4).await;
+    let other = "UPDATE _sqlx_migrations SET version = 5 WHERE version = 4";
+    assert_eq!(sqlx::query(other).execute(&pool).await.unwrap().rows_affected(), 1);
+    pool.close().await;
+    holds(&Postgres::open(&address).await.unwrap(), OF_SQLITE.len()).await;
 }

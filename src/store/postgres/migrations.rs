@@ -27,6 +27,13 @@ const STEPS: &[(i64, &str, &str)] = &[
     (7, "queue", include_str!("../../../migrations/postgres/0007_queue.sql")),
 ];
 
+/// Whether any step was done.
+const ANY: &str = "SELECT to_regclass('_sqlx_migrations') IS NOT NULL";
+
+/// There are databases that have this step, with the same statements, under another number.
+const RENUMBERED: &str =
+    "UPDATE _sqlx_migrations SET version = 4 WHERE version = 5 AND description = 'quotas of a key'";
+
 /// How long a statement of a step waits for others, and they for it: less than any lease.
 const PATIENCE: &str = "SET lock_timeout = '2s'";
 
@@ -42,6 +49,9 @@ pub(super) async fn run(pool: &PgPool) -> Result<(), StoreError> {
     // Of its own: the lock and what is set here go with it, however this ends.
     let mut connection = PgConnection::connect_with(&pool.connect_options()).await?;
     alone(&mut connection).await?;
+    if sqlx::query_scalar(ANY).fetch_one(&mut connection).await? {
+        sqlx::query(RENUMBERED).execute(&mut connection).await?;
+    }
     sqlx::query(PATIENCE).execute(&mut connection).await?;
     let mut steps = all();
     steps.set_locking(false);
@@ -101,8 +111,7 @@ async fn report(connection: &mut PgConnection, error: &MigrateError) -> Result<(
 
 /// Whether a database is of this version.
 pub(super) async fn check(pool: &PgPool) -> Result<(), StoreError> {
-    let any = "SELECT to_regclass('_sqlx_migrations') IS NOT NULL";
-    let done = if sqlx::query_scalar(any).fetch_one(pool).await? {
+    let done = if sqlx::query_scalar(ANY).fetch_one(pool).await? {
         let done = "SELECT version FROM _sqlx_migrations WHERE success";
         sqlx::query_scalar(done).fetch_all(pool).await?
     } else {

@@ -2,7 +2,8 @@
 //!
 //! A lease that was last renewed before Postgres started is good for its whole length once more:
 //! meanwhile a worker that lives renews it. Where none does, that proves nothing against the job: the
-//! worker may have stopped with the database.
+//! worker may have stopped with the database. Nor does the end of a lease that was last renewed before a
+//! standby took over: nobody could renew it while no database took writes.
 
 use std::time::Duration;
 
@@ -94,11 +95,15 @@ async fn judged(
 ) -> sqlx::Result<Vec<(String, bool)>> {
     // A sibling that was heard of after the lease had expired lives. One that was not, but whose
     // own lease is good for a little longer, must be waited for: it may have died at the same time.
-    // A lease that is good for longer than it says was last heard of before Postgres started.
+    // A lease that is good for longer than it says was last heard of before Postgres started. One that
+    // is no younger than the last transaction of another server was last heard of before this one took
+    // over; where it never was a standby there is no such transaction.
     sqlx::query_as(
         "SELECT id, (lives OR NOT siblings) AND heard
          FROM (SELECT id,
-                      lease_ends_ms(lease_until_ms, renewed_at_ms) = lease_until_ms AS heard,
+                      lease_ends_ms(lease_until_ms, renewed_at_ms) = lease_until_ms
+                          AND COALESCE(renewed_at_ms > floor(1000 * extract(
+                                  epoch FROM pg_last_xact_replay_timestamp())), TRUE) AS heard,
                       EXISTS (SELECT 1 FROM queue AS sibling
                               WHERE sibling.running AND sibling.worker = jobs.worker
                                 AND sibling.job_id <> jobs.id) AS siblings,

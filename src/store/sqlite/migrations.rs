@@ -37,10 +37,20 @@ const STEPS: &[Step] = &[
     (11, "keys by age", include_str!("../../../migrations/0011_keys_by_age.sql")),
 ];
 
+/// Whether any step was done.
+const ANY: &str = "SELECT EXISTS (SELECT 1 FROM sqlite_master WHERE name = '_sqlx_migrations')";
+
+/// There are databases that have this step, with the same statements, under another number.
+const RENUMBERED: &str =
+    "UPDATE _sqlx_migrations SET version = 8 WHERE version = 9 AND description = 'quotas of a key'";
+
 /// Brings a database of any earlier version to this one. Of several processes that start together
 /// one does so, and the others wait.
 pub(super) async fn run(writer: &SqlitePool) -> Result<(), StoreError> {
     let mut transaction = writer.begin_with("BEGIN IMMEDIATE").await?;
+    if sqlx::query_scalar(ANY).fetch_one(&mut *transaction).await? {
+        sqlx::query(RENUMBERED).execute(&mut *transaction).await?;
+    }
     all().run_direct(None, &mut *transaction, false).await?;
     transaction.commit().await?;
     Ok(())
@@ -48,8 +58,7 @@ pub(super) async fn run(writer: &SqlitePool) -> Result<(), StoreError> {
 
 /// Whether a database is of this version.
 pub(super) async fn check(readers: &SqlitePool) -> Result<(), StoreError> {
-    let any = "SELECT EXISTS (SELECT 1 FROM sqlite_master WHERE name = '_sqlx_migrations')";
-    let done = if sqlx::query_scalar(any).fetch_one(readers).await? {
+    let done = if sqlx::query_scalar(ANY).fetch_one(readers).await? {
         let done = "SELECT version FROM _sqlx_migrations WHERE success";
         sqlx::query_scalar(done).fetch_all(readers).await?
     } else {

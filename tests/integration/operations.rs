@@ -73,7 +73,11 @@ fn a_result_is_computed_again_to_the_bit_and_never_from_other_data() {
 
     let refused = servoscope(&["rerun", &result, &other]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(text(&refused.stderr).contains("not those of the result"), "{}", text(&refused.stderr));
+    assert!(
+        text(&refused.stderr).contains("not the files that the result was computed from"),
+        "{}",
+        text(&refused.stderr)
+    );
 
     let mut value: Value = serde_json::from_slice(&std::fs::read(&result).unwrap()).unwrap();
     value["provenance"]["software_version"] = "0.0.9".into();

@@ -137,7 +137,7 @@ fn every_flag_and_subcommand_is_one_of_the_program() {
 #[test]
 fn every_setting_of_the_server_has_its_row_and_no_row_has_another() {
     let text = readme();
-    let table = text.split("\n| setting | meaning |\n").nth(1).unwrap();
+    let table = text.split("\n| setting | meaning | default |\n").nth(1).unwrap();
     let rows = table.lines().skip(1).take_while(|line| line.starts_with("| "));
     let cells = rows.map(|row| row.split('|').nth(1).unwrap().trim());
     let listed: BTreeSet<&str> =

@@ -22,8 +22,9 @@ fn check(page: &str) {
     let named = |name: &str| document.descendants().filter(|n| n.has_tag_name(name)).count();
     // The page's own, which asks nobody for anything.
     assert_eq!(named("script"), 1);
-    // Bode, residuals and spectrum before and after, friction, linearity, convergence.
-    assert_eq!(named("figure"), 8);
+    // Bode (and once more for a telephone), residuals and spectrum before and after, friction, linearity,
+    // convergence.
+    assert_eq!(named("figure"), 9);
     assert_eq!(named("details"), 8);
     let title = document.descendants().find(|node| node.has_tag_name("h1")).unwrap();
     assert_eq!(title.text(), Some(format!("Diagnosis of {MACHINE}, axis C").as_str()));

@@ -211,7 +211,7 @@ fn every_benchmark_of_the_pages_is_one_that_the_program_takes() {
         let typed = typed(&page);
         let benchmarks = typed.iter().filter_map(|line| line.strip_prefix("benchmark "));
         for line in benchmarks.filter(|line| !line.contains("KIND,…")) {
-            let line = line.replace("<id>", "spring");
+            let line = line.replace("--effects ID", "--effects spring");
             let words = line.split_whitespace().filter(|word| !word.contains(['…', '[']));
             let words = words.filter(|word| *word != "--settings");
             // All of them are read before the settings are printed, and nothing is computed.

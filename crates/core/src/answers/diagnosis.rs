@@ -66,9 +66,9 @@ pub struct Cause {
     pub parameters: IndexMap<String, ParameterEstimate>,
     /// Probability that this effect is really present, as opposed to any rival effect or none.
     pub confidence: f64,
-    /// χ² beyond the noise that the best model without this effect and the effects most like it
-    /// leaves, over that of the model with all causes. Null if the answer is older than this
-    /// figure.
+    /// Ratio of two amounts of χ² beyond the noise: what is left by the best model that has neither
+    /// this effect nor the effects most like it, over what is left by the model with all causes.
+    /// Null if the answer is older than this figure.
     #[serde(default)]
     pub margin: Option<f64>,
     /// What it means for the machine.

@@ -71,7 +71,7 @@ pub(super) async fn submit(
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct ListQuery {
-    /// At most so many items; 50 if left out.
+    /// Largest number of items; 50 if left out.
     #[param(minimum = 1, maximum = 200)]
     limit: Option<u32>,
     /// `next` of the page before.
@@ -117,13 +117,13 @@ pub(super) async fn get(
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct ResultsQuery {
-    /// At most so many items; 50 if left out.
+    /// Largest number of items; 50 if left out.
     #[param(minimum = 1, maximum = 200)]
     limit: Option<u32>,
     /// `next` of the page before.
     #[param(format = "uuid")]
     cursor: Option<String>,
-    /// Only those whose job stands there.
+    /// Only those whose job is in this state.
     #[param(inline)]
     state: Option<BatchJobState>,
 }

@@ -17,7 +17,7 @@ use super::body;
 use super::problem::Problem;
 use super::views::MeasurementView;
 
-/// What is changed; what is left out stays. An empty text takes away what was said.
+/// What is changed; what is left out stays. An empty text removes a value.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DescribeMeasurement {

@@ -48,7 +48,7 @@ pub(super) struct MappingView {
     name: String,
     /// What is given beside a file.
     settings: BTreeMap<String, String>,
-    /// Layout of the files that are read with it by itself; null: it is used by its name alone.
+    /// Layout of the files that it is used for automatically; null: it is used by its name alone.
     layout: Option<String>,
     /// When it was last stored, RFC 3339.
     updated_at: Option<String>,

@@ -15,7 +15,7 @@ use super::body;
 use super::problem::Problem;
 use super::views::{List, rfc3339};
 
-/// What a webhook is told of.
+/// An event that a webhook can get.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize, ToSchema)]
 #[schema(as = EventType)]
 pub(super) enum EventName {
@@ -54,7 +54,7 @@ pub(super) struct AddWebhook {
     /// that the operator allows.
     #[schema(max_length = 2000)]
     url: String,
-    /// What it is told of; left out: everything.
+    /// The events that it gets; left out: all.
     #[schema(min_items = 1)]
     events: Option<Vec<EventName>>,
     /// What messages are signed with: `whsec_` and 24 to 64 bytes in base64; left out: a new one.
@@ -64,7 +64,7 @@ pub(super) struct AddWebhook {
     secret: Option<String>,
 }
 
-/// Somebody who is told what happens.
+/// A registered webhook.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Webhook)]
 pub(super) struct WebhookView {
@@ -74,9 +74,9 @@ pub(super) struct WebhookView {
     created_at: Option<String>,
     /// Where messages go.
     url: String,
-    /// What it is told of.
+    /// The events that it gets.
     events: Vec<EventName>,
-    /// Why it is told nothing more; null while it is.
+    /// Why it gets no more messages; null if it still gets them.
     disabled: Option<String>,
 }
 
@@ -96,7 +96,7 @@ pub(super) struct AddedWebhook {
     secret: String,
 }
 
-/// Where a message stands.
+/// State of a message.
 #[derive(Debug, Serialize, ToSchema)]
 pub(super) struct Delivery {
     /// Its id: the header `webhook-id`, the same at every attempt.

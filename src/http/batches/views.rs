@@ -35,7 +35,7 @@ pub(super) struct SubmitBatch {
     pub(super) options: Option<IdentifyOptions>,
 }
 
-/// Where a batch stands.
+/// State of a batch.
 #[derive(Debug, Serialize, ToSchema)]
 #[serde(rename_all = "lowercase")]
 #[schema(as = BatchState)]
@@ -85,7 +85,7 @@ pub(in crate::http) struct BatchView {
     name: Option<String>,
     /// Kind of its jobs.
     kind: JobKind,
-    /// Where it stands.
+    /// Its state.
     #[schema(inline)]
     state: StateView,
     /// How many jobs it had at first.
@@ -145,7 +145,7 @@ impl From<Batch> for BatchView {
     }
 }
 
-/// Where a job of a batch stands.
+/// State of a job of a batch.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum BatchJobState {
@@ -199,7 +199,7 @@ pub(in crate::http) struct BatchJobView {
     file: Option<String>,
     /// The job.
     job_id: String,
-    /// Where the job stands.
+    /// State of the job.
     #[schema(inline)]
     state: BatchJobState,
     /// Verdict of a diagnosis; null for an identification, and where there is no result.

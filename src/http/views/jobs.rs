@@ -11,7 +11,7 @@ use crate::store::{Priority, Status};
 
 use super::rfc3339;
 
-/// Where a job stands.
+/// State of a job.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "lowercase")]
 pub(in crate::http) enum JobStatus {
@@ -92,11 +92,11 @@ pub(in crate::http) struct JobView {
     pub(in crate::http) id: String,
     /// The measurement it works on.
     measurement_id: String,
-    /// The batch it is of; null: it was made by itself.
+    /// The batch that it belongs to; null: it was submitted on its own.
     batch_id: Option<String>,
     /// Kind of job.
     kind: JobKind,
-    /// Where it stands.
+    /// Its state.
     status: JobStatus,
     /// How far it has come; null before it begins.
     progress: Option<Progress>,

@@ -29,8 +29,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = Plan::default().outsiders)]
     outsiders: u32,
     /// Tables of analysers with each effect: bare Bode tables or few harmonics, with noise in
-    /// proportion to the value and a floor 60 to 80 dB down, of which nothing, repeats or a
-    /// coherence tell; as many records of `analyser-record`.
+    /// proportion to the value and a floor 60 to 80 dB down, not stated, or stated by repeats or a
+    /// coherence; as many records of `analyser-record`.
     #[arg(long, value_name = "N", default_value_t = Plan::default().analysers)]
     analyser: u32,
     /// Machines with one dominant effect and 3 to 6 small ones, of each effect at each level above

@@ -41,7 +41,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Standard deviation of the noise in the real and imaginary parts of every harmonic, response
-    /// units, for data that carries neither deviations nor repeats [default: estimated from what
+    /// units, for data that carry neither deviations nor repeats [default: estimated from what
     /// the fit leaves].
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     noise_std: Option<f64>,

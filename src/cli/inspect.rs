@@ -24,7 +24,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", value_parser = one_of::<u8>(["0", "1", "2"]))]
     actuator_order: Option<u8>,
     /// Standard deviation of the noise in the real and imaginary parts of every harmonic, response
-    /// units, for data that carries neither deviations nor repeats [default: estimated from what
+    /// units, for data that carry neither deviations nor repeats [default: estimated from what
     /// the fit leaves].
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     noise_std: Option<f64>,

@@ -220,7 +220,7 @@ fn measured(args: &Args) -> Result<(RoughAxis, String), Failure> {
     })?;
     let axis = RoughAxis::of(answer.base()).map_err(|name| {
         Failure::Input(format!(
-            "the measurement does not tell `{name}`; give the axis instead: --pole, --constant, --fc-plus"
+            "the measurement does not determine `{name}`; give the axis instead: --pole, --constant, --fc-plus"
         ))
     })?;
     Ok((axis, measurement.metadata().input.unit.clone()))

@@ -116,7 +116,7 @@ fn named(number: usize, cause: &Cause, units: Units<'_>) -> Vec<String> {
 pub(super) fn without(margin: Option<f64>) -> Option<String> {
     let margin = margin.filter(|margin| *margin > 1.0)?;
     Some(format!(
-        "the best model without it and the effects most like it leaves {} times as much χ² beyond \
+        "without it and the effects most like it, the best model leaves {} times as much χ² beyond \
          the noise",
         significant(margin, 2)
     ))

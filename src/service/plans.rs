@@ -90,7 +90,7 @@ impl Service {
                 Ok(axis) => Ok(axis),
                 Err(name) => wrong(
                     "job_id",
-                    format!("its measurement does not tell `{name}`; give `axis` instead"),
+                    format!("its measurement does not determine `{name}`; give `axis` instead"),
                 ),
             },
             (Some(_), Some(_)) => wrong("axis", "give `axis` or `job_id`, not both".into()),

@@ -86,7 +86,7 @@ test("the same file is recognised, and an identification that leaves too much is
 test("an unknown address shows a page that says so", async () => {
   const page = await visit("/no/such/page", { viewport: { width: 390, height: 844 } });
   await page.getByRole("heading", { name: "Not found" }).waitFor();
-  await page.getByText("/no/such/page is no page of this server").waitFor();
+  await page.getByText("/no/such/page is not a page of this server").waitFor();
   assert.ok(!await overflows(page));
   page.wrong = page.wrong.filter((text) => !text.includes("404"));
   await page.getByRole("link", { name: "Go to the overview" }).click();

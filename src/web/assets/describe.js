@@ -18,7 +18,7 @@ export function editor(measurement, done) {
     h("h2", {}, "Edit measurement"),
     h("div", { class: "fields" },
       FIELDS.map(([name, title, hint]) => input(name, title, { value: measurement[name] ?? "" }, hint)),
-      h("label", {}, h("span", {}, "Labels"), lines, h("span", { class: "small" }, "One a line, as in site: north"))),
+      h("label", {}, h("span", {}, "Labels"), lines, h("span", { class: "small" }, "One per line, for example site: north"))),
     h("p", { class: "small" }, "Units, kind of the response and columns: “Read it again …” on the page of the measurement."),
     h("p", { class: "actions" }, h("button", { class: "primary" }, "Save"), h("button", { type: "button", onclick: () => dialog.close() }, "Cancel")),
     h("p", { class: "wrong", role: "alert" }));

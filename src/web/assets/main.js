@@ -50,7 +50,7 @@ async function show() {
     const here = link.pathname === location.pathname;
     here ? link.setAttribute("aria-current", "page") : link.removeAttribute("aria-current");
   }
-  if (!view) return fail(signal, Object.assign(new Error(`${location.pathname} is no page of this server`), { unknown: true }));
+  if (!view) return fail(signal, Object.assign(new Error(`${location.pathname} is not a page of this server`), { unknown: true }));
   const waiting = setTimeout(() => main.replaceChildren(h("p", { class: "state" }, "Loading …")), 300);
   try {
     const argument = decodeURIComponent(location.pathname.match(pattern)[1] ?? "");
@@ -80,7 +80,7 @@ function fail(signal, error) {
   const gone = error.unknown || (error instanceof Problem && error.status === 404);
   main.replaceChildren(h("section", { class: "state" },
     h("h1", {}, away ? "Waiting for the server" : gone ? "Not found" : "That did not work"),
-    h("p", {}, away ? "It does not answer. This page goes on by itself as soon as it does." : `${capital(error.message)}.`),
+    h("p", {}, away ? "It does not answer. This page continues automatically as soon as it does." : `${capital(error.message)}.`),
     h("p", { class: "actions" },
       h("a", { class: "button", href: "/" }, "Go to the overview"),
       !gone && h("button", { onclick: again }, "Try again"))));

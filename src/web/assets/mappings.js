@@ -31,7 +31,7 @@ export function keep(made) {
     const { layout, settings } = made();
     await send(path(name), { layout, settings }, { method: "PUT" });
     outcome.className = "small";
-    outcome.replaceChildren("Saved as ", toml(name), layout ? "; used by itself for the next file of this layout." : "; files of this kind cannot be recognised, so name the mapping when you upload one.");
+    outcome.replaceChildren("Saved as ", toml(name), layout ? "; used automatically for the next file of this layout." : "; files of this kind cannot be recognised, so name the mapping when you upload one.");
     announce(`The mapping ${name} is saved.`);
   }
   return { node, store };

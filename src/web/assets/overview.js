@@ -103,7 +103,7 @@ function welcome(go) {
     h("h2", {}, "Nothing has been measured yet"),
     h("p", {}, "Drop a file above with either time, input and response, or frequency, gain and phase: CSV, Excel, MATLAB, TDMS ",
       "or universal files. servoscope fits a model with friction to it, and says where the model is wrong and which effect is missing."),
-    h("p", { class: "actions" }, button, h("span", { class: "small" }, "A simulated axis with static friction; takes some seconds.")));
+    h("p", { class: "actions" }, button, h("span", { class: "small" }, "A simulated axis with static friction; takes a few seconds.")));
 }
 
 /// Ticks of two jobs that are to stand side by side.

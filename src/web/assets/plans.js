@@ -37,7 +37,7 @@ export async function show({ query, signal }) {
       field("actuator_pole", "Pole of the actuator, rad/s", { placeholder: "−300" }),
       field("natural_frequency", "Natural frequency, rad/s", { placeholder: "300" }),
       field("damping_ratio", "Damping ratio", { placeholder: "0.7" }),
-      field("budget_s", "Time for all experiments, s", { placeholder: "120" }, "With the time to settle.")),
+      field("budget_s", "Time for all experiments, s", { placeholder: "120" }, "Including the time to settle.")),
     given,
     h("details", { open: Object.keys(OPTIONS).some((member) => query.has(member)) }, h("summary", {}, "More: limits and noise"),
       h("div", { class: "fields" },
@@ -150,7 +150,7 @@ function unitsOf({ fc_plus, dc_gain }) {
 function waiting() {
   return h("section", { class: "live", "aria-label": "Progress" },
     h("p", { class: "lead" }, "Planning …"), h("progress", { "aria-label": "Progress" }),
-    h("p", { class: "small" }, "It simulates the axis at many points, and some axes around it: from a few seconds to a minute."));
+    h("p", { class: "small" }, "This simulates the axis and several similar ones at many points. It takes from a few seconds to a minute."));
 }
 
 function title(field) {

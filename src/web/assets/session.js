@@ -13,7 +13,7 @@ export function form(entered) {
   const button = h("button", { class: "primary" }, "Sign in");
   const node = h("form", { class: "state sign-in" },
     h("h1", {}, "This server asks for a key"),
-    h("p", {}, "Whoever operates it makes one. This browser then stays signed in for 12 hours; it does not keep the key itself."),
+    h("p", {}, "Ask whoever operates it for one. This browser then stays signed in for 12 hours; it does not keep the key itself."),
     h("div", { class: "fields" }, h("label", {}, h("span", {}, "Key"), field)),
     h("p", { class: "actions" }, button),
     wrong);

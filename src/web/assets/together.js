@@ -71,7 +71,7 @@ export async function show({ query, signal }) {
     h("section", { "aria-label": "What came of each" }, ids.length > 0 && part),
     refused.length > 0 && h("section", { "aria-labelledby": "refused" },
       h("h2", { id: "refused" }, "Not read"),
-      h("p", {}, "Drop one of these files on the overview on its own: the form there asks for what is missing. For files of one layout once is enough: save the settings under a name there, and drop the other files again, all at once. The mapping is used by itself."),
+      h("p", {}, "Drop one of these files on the overview on its own: the form there asks for what is missing. If the files have the same layout, you need to do this only once: save the settings under a name there, then drop all the other files again. The mapping is used automatically."),
       h("ul", {}, refused.map((text) => h("li", {}, text)))));
   await refresh();
   if (ids.length > 0) repeatedly(signal, refresh);

@@ -77,8 +77,8 @@ pub(super) fn of(
     if let Some(factor) = excessive_std(fitted.weights.source, &summary.fit) {
         say(format!(
             "the residual is {factor:.3} times the stated noise: std is probably {:.1} times too \
-             large, which hides what the model lacks; correct it, or remove it and let the \
-             residuals tell the noise",
+             large, which hides what the model lacks; correct it, or remove it to have the noise \
+             estimated from the residual",
             1.0 / factor
         ));
     }

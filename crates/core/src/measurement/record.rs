@@ -95,12 +95,12 @@ impl Record {
             let unsettled = settling::unsettled_periods(&outputs);
             if unsettled > 0 {
                 let periods = match unsettled {
-                    1 => "period".to_owned(),
-                    more => format!("{more} periods"),
+                    1 => "period is".to_owned(),
+                    more => format!("{more} periods are"),
                 };
                 remarks.push(format!(
-                    "in the first {periods} the response has not settled: left out; state \
-                     settle_periods to choose for yourself"
+                    "the first {periods} left out, since the response has not settled; state \
+                     settle_periods to choose how many"
                 ));
             }
             outputs = outputs.split_off(unsettled);

@@ -61,7 +61,10 @@ impl Transient {
     pub(super) fn check(&self) -> Result<(), String> {
         let count = self.input.len();
         if self.output.len() != count {
-            return Err(format!("{count} samples of the input and {} others", self.output.len()));
+            return Err(format!(
+                "{count} samples of the input and {} of the response",
+                self.output.len()
+            ));
         }
         if count < FEWEST {
             return Err(format!(

@@ -170,8 +170,8 @@ fn adequate_sentence(residuals: &Residuals, judgement: &Judgement) -> String {
             );
         }
         sentence += &format!(
-            "; an error of {} % of the {what} (rms) at magnitude {}{unit} is the smallest that the \
-             test notices on average; at any other magnitude a smaller one",
+            "; the smallest error that the test notices on average is {} % of the {what} (rms) at \
+             magnitude {}{unit}, and less at every other magnitude",
             sentence::short(100.0 * share),
             sentence::span(span)
         );

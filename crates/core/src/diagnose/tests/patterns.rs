@@ -24,7 +24,12 @@ fn noise_is_adequate_and_the_sentence_says_what_would_have_been_noticed() {
         assert!(discrepancy.noise_like, "{:?}", discrepancy.tests);
         assert!(discrepancy.patterns.is_empty());
         let sentence = &discrepancy.sentence;
-        assert!(sentence.contains("to within its noise; an error of 0."), "{sentence}");
+        assert!(
+            sentence.contains(
+                "to within its noise; the smallest error that the test notices on average is 0."
+            ),
+            "{sentence}"
+        );
     }
 }
 

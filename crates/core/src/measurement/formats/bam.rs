@@ -140,7 +140,7 @@ fn may(driving: &[&str]) -> String {
         name => format!("`{name}`"),
     };
     match driving {
-        [] => "no column that may changes".into(),
+        [] => "none of the columns that could drive it changes".into(),
         names => format!("it may be {}", names.iter().map(name).collect::<Vec<_>>().join(" or ")),
     }
 }

@@ -138,7 +138,7 @@ fn check_units(metadata: &Metadata, header: &Header, file: &str) -> Result<(), P
 /// earlier value and adds a note.
 fn merge(metadata: &mut Metadata, here: Metadata, file: &str, notes: &mut Vec<String>) {
     let mut differs = |key: &str| {
-        notes.push(format!("{file}: {key} differs from that of the files before, which holds"));
+        notes.push(format!("{file}: {key} differs from the files before and is not used"));
     };
     fn fill<T: PartialEq>(open: &mut Option<T>, here: Option<T>) -> bool {
         let contradicts = open.is_some() && here.is_some() && *open != here;

@@ -21,7 +21,7 @@ fn notes(text: &str) -> String {
 #[test]
 fn periods_that_have_not_settled_are_left_out_unless_their_number_is_stated() {
     let text = settling(6, 0.03);
-    assert!(notes(&text).contains("in the first period the response"), "{}", notes(&text));
+    assert!(notes(&text).contains("the first period is left out"), "{}", notes(&text));
     assert_eq!(ok(&text).experiments()[0].repeats.len(), 5);
     let stated = format!("# settle_periods: 0\n{text}");
     assert!(notes(&stated).contains("has not settled; give more settle_periods"));

@@ -4,8 +4,8 @@ function server = servoscope_server(url, api_key)
 %   http://127.0.0.1:8080.
 %
 %   servoscope_server(URL, KEY) also sends KEY as "Authorization: Bearer", for
-%   a server that asks for one. Without KEY it is that of the environment
-%   variable SERVOSCOPE_KEY, if there is one.
+%   a server that asks for one. Without KEY, the key in the environment
+%   variable SERVOSCOPE_KEY is sent, if there is one.
 %
 %   S = servoscope_server() gives the present URL in S.url.
 %

@@ -7,13 +7,13 @@ function measurement = servoscope_upload(source, varargin)
 %     time_s, input, output             a record over time
 %     magnitude, frequency_hz, re, im   a harmonic table
 %
-%   M = servoscope_upload(..., 'Name', VALUE, ...) says what the data does not
-%   say, and holds before what a file says:
+%   M = servoscope_upload(..., 'Name', VALUE, ...) says what the data do not
+%   say, and takes precedence over what a file says:
 %     input        name and unit of the input, 'current A'
 %     response     kind and unit of the response, 'velocity rad/s',
 %                  'position mm' or 'acceleration m/s^2'
 %     period_s     period of a record, seconds, or 'none'
-%     magnitude    peak amplitude of the input, for a table without it
+%     magnitude    amplitude of the input, for a table without such a column
 %   and name, machine, axis, loop, amplitude, and the others of docs/files.md.
 %
 %   M.id is the id of the measurement, M.notes how the server understood it.

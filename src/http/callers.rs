@@ -49,7 +49,7 @@ impl Callers {
 
     fn refusal(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Option<Box<Problem>> {
         let Ok(host) = host(uri, headers) else {
-            let detail = "the header `Host` is no host";
+            let detail = "the header `Host` is neither a host name nor an address";
             return Some(Problem::of_status(StatusCode::BAD_REQUEST, detail));
         };
         let name = host.as_ref().map(Authority::host);

@@ -182,7 +182,9 @@ async fn form(mut upload: Upload, request: Request) -> Result<Upload, Response> 
     }
     if upload.files.is_empty() {
         let status = StatusCode::BAD_REQUEST;
-        return Err(Problem::of_status(status, "the form has no file").into_response());
+        return Err(
+            Problem::of_status(status, "the form has no file; add at least one").into_response()
+        );
     }
     Ok(upload)
 }

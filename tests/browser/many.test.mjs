@@ -74,7 +74,7 @@ test("the same file is recognised, and an identification that leaves too much is
   const page = await visit("/");
   await drop(page, "again.csv", simulated(STICKY, { machine: "press 4", axis: "Y" }));
   await page.getByRole("heading", { name: "Start a job" }).waitFor();
-  await page.getByText("The same data was uploaded").waitFor();
+  await page.getByText("The same data were uploaded").waitFor();
   await page.getByRole("radio", { name: /Identification/ }).check();
   await page.getByRole("button", { name: "Start", exact: true }).click();
   await page.getByRole("button", { name: "Diagnose this" }).click({ timeout: PATIENCE });

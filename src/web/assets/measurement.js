@@ -54,7 +54,7 @@ function duplicates({ id, sha256 }, signal) {
     const others = items.filter((item) => item.id !== id);
     if (others.length === 0) return;
     const links = others.map((other) => h("a", { href: `/measurements/${other.id}` }, `on ${time(other.created_at)}`));
-    node.append(h("strong", {}, "The same data was uploaded "), ...links.flatMap((link, i) => (i > 0 ? [", ", link] : [link])), ".");
+    node.append(h("strong", {}, "The same data were uploaded "), ...links.flatMap((link, i) => (i > 0 ? [", ", link] : [link])), ".");
     node.hidden = false;
   }).catch(() => {});
   return node;

@@ -30,10 +30,10 @@ class Client:
     Args:
         base_url: Where the server is.
         api_key: Key that is sent as ``Authorization: Bearer``, for a server that asks for one;
-            None: that of the environment variable ``SERVOSCOPE_KEY``, if there is one.
+            None: the key in the environment variable ``SERVOSCOPE_KEY``, if there is one.
         timeout_s: Seconds that the server may take to answer a request.
-        give_up_after_s: Seconds for which a request is repeated while the server is not
-            reachable or busy. No repetition makes a second measurement or job.
+        give_up_after_s: Seconds for which a request is repeated while the server is busy or
+            cannot be reached. No repetition makes a second measurement or job.
     """
 
     def __init__(

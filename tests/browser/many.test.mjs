@@ -22,7 +22,7 @@ test("several files are diagnosed in one go, and a bad one keeps no other from i
   await picture(page, "60-several-files");
   await page.getByRole("button", { name: "Diagnose each by itself" }).click();
   await page.getByRole("heading", { name: "Several files diagnosed" }).waitFor({ timeout: PATIENCE });
-  assert.match(await page.locator("section", { has: page.locator("#refused") }).textContent(), /files of one layout once is enough.*bad\.csv.*two/);
+  assert.match(await page.locator("section", { has: page.locator("#refused") }).textContent(), /you need to do this only once.*bad\.csv.*two/);
   await page.getByText("2 of 2 finished.").waitFor({ timeout: PATIENCE });
   assert.match(await page.getByRole("row", { name: /^north/ }).textContent(), /explained.*static friction/);
   assert.match(await page.getByRole("row", { name: /^south/ }).textContent(), /adequate/);

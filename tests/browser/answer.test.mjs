@@ -202,7 +202,7 @@ test("the page of a job is small as it is sent", async () => {
 
 test("two fingers zoom a figure, and one tap shows values", async () => {
   const page = await visit(report, { viewport: { width: 390, height: 844 }, hasTouch: true });
-  const svg = page.locator(".telephone svg");
+  const svg = page.locator(".phone svg");
   await svg.scrollIntoViewIfNeeded();
   const box = await svg.boundingBox();
   const at = { x: box.x + 0.25 * box.width, y: box.y + 0.35 * box.height };

@@ -54,7 +54,7 @@ test("the answer to a real machine is on the first screen", { skip }, async () =
 
   await page.setViewportSize({ width: 390, height: 844 });
   assert.ok(!await overflows(page), "too wide on a phone");
-  const figure = page.locator(".telephone server-figure");
+  const figure = page.locator(".phone server-figure");
   const { width } = await figure.boundingBox();
   assert.ok(width <= 390, `the figure is ${width} pixels wide on a phone`);
   assert.ok(!await page.locator(".first server-figure").isVisible(), "two figures of the same");

@@ -172,27 +172,6 @@ fn the_late_result_of_a_worker_that_was_stopped_is_refused() {
 }
 
 #[test]
-fn nothing_that_was_accepted_is_lost_when_the_database_restarts() {
-    let Some(cluster) = Cluster::alone() else { return };
-    let (database, folder) = (cluster.database(), tempfile::tempdir().unwrap());
-    let place = ["--database", database.as_str()];
-    let server = server(folder.path(), &database);
-    let workers = [Worker::start(&place), Worker::start(&place)];
-    let before: Vec<_> = (0..12).map(|seed| submit(&server, &json!({ "seed": seed }))).collect();
-    cluster.stop();
-    assert_eq!(server.get("/livez").status, 200);
-    cluster.start_again();
-    let after: Vec<_> = (12..16).map(|seed| submit(&server, &json!({ "seed": seed }))).collect();
-    for job in before.iter().chain(&after) {
-        succeeded(&server, job);
-        assert_eq!(server.get(&format!("{job}/result")).status, 200);
-    }
-    for worker in workers {
-        assert_eq!(worker.terminate(), Some(0));
-    }
-}
-
-#[test]
 fn a_worker_takes_jobs_of_a_server_on_the_same_folder() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(folder.path(), &["--workers", "0"]);

@@ -4,12 +4,10 @@ use serde_json::{Value, json};
 
 use crate::batches::{count, has_ended, until};
 use crate::process::{Server, simulated};
+use crate::service::items;
 use crate::worker_process::QUICK;
 
 const JOBS: usize = 1000;
-
-/// Most rows of a page.
-const PAGE: usize = 200;
 
 fn start(folder: &std::path::Path, workers: &str) -> Server {
     Server::start(folder, &[&["--workers", workers], &QUICK[..]].concat())
@@ -35,15 +33,9 @@ fn batch(server: &Server) -> String {
     format!("/v1/batches/{}", made.json()["id"].as_str().unwrap())
 }
 
-/// All rows of its table, page by page.
+/// All rows of its table.
 fn rows(server: &Server, batch: &str) -> Vec<Value> {
-    let (mut rows, mut cursor) = (Vec::new(), String::new());
-    loop {
-        let page = server.get(&format!("{batch}/results?limit={PAGE}{cursor}")).json();
-        rows.extend(page["items"].as_array().unwrap().iter().cloned());
-        let Some(next) = page["next"].as_str() else { return rows };
-        cursor = format!("&cursor={next}");
-    }
+    items(server, &format!("{batch}/results"))
 }
 
 #[test]

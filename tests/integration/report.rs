@@ -22,7 +22,7 @@ fn check(page: &str) {
     let named = |name: &str| document.descendants().filter(|n| n.has_tag_name(name)).count();
     // The page's own, which asks nobody for anything.
     assert_eq!(named("script"), 1);
-    // Bode (and once more for a telephone), residuals and spectrum before and after, friction, linearity,
+    // Bode (and once more for a phone), residuals and spectrum before and after, friction, linearity,
     // convergence.
     assert_eq!(named("figure"), 9);
     assert_eq!(named("details"), 8);

@@ -6,13 +6,13 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use serde_json::{Value, json};
+use serde_json::json;
 use sqlx::Connection as _;
 
 use crate::postgres_cluster::Cluster;
 use crate::process::{Server, command, simulated};
 use crate::receiver::Receiver;
-use crate::service::problem;
+use crate::service::{items, problem};
 use crate::worker_process::{Worker, server};
 
 /// Ends a test that hangs; far more than anything here takes.
@@ -75,17 +75,6 @@ fn call(server: &Server, caller: usize, going: &AtomicBool, done: &Mutex<Vec<[St
     }
 }
 
-/// All items of a list.
-fn listed(server: &Server, list: &str) -> Vec<Value> {
-    let (mut items, mut cursor) = (Vec::new(), String::new());
-    loop {
-        let page = server.get(&format!("{list}?limit=200{cursor}")).json();
-        items.extend(page["items"].as_array().unwrap().iter().cloned());
-        let Some(next) = page["next"].as_str() else { return items };
-        cursor = format!("&cursor={next}");
-    }
-}
-
 /// How many jobs have ended, where the database is there to say so.
 fn ended(server: &Server) -> usize {
     let answer = server.get("/v1/jobs?status=succeeded&limit=200");
@@ -143,6 +132,7 @@ fn callers_and_workers_go_on_through_restarts_of_postgres_and_each_job_ends_once
         let went_on = (0..3).all(|restart| {
             if restart > 0 {
                 cluster.stop();
+                assert_eq!(server.get("/livez").status, 200);
                 // Long enough for each caller to have met a database that is away.
                 std::thread::sleep(2 * PAUSE);
                 cluster.start_again();
@@ -160,7 +150,7 @@ fn callers_and_workers_go_on_through_restarts_of_postgres_and_each_job_ends_once
         assert_eq!(server.get(&format!("/v1/jobs/{job}/result")).status, 200);
     }
     for (list, place) in [("/v1/measurements", 0), ("/v1/jobs", 1)] {
-        let stored = listed(&server, list);
+        let stored = items(&server, list);
         assert_eq!(stored.len(), done.len(), "each is stored once");
         let stored: BTreeSet<&str> =
             stored.iter().map(|item| item["id"].as_str().unwrap()).collect();

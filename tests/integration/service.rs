@@ -13,6 +13,17 @@ pub fn problem(answer: &Answer, status: u16) -> Value {
     answer.json()
 }
 
+/// All items of a list, page by page.
+pub fn items(server: &Server, list: &str) -> Vec<Value> {
+    let (mut items, mut cursor) = (Vec::new(), String::new());
+    loop {
+        let page = server.get(&format!("{list}?limit=200{cursor}")).json();
+        items.extend(page["items"].as_array().unwrap().iter().cloned());
+        let Some(next) = page["next"].as_str() else { return items };
+        cursor = format!("&cursor={next}");
+    }
+}
+
 /// Uploads the first system of the paper and queues a job, whose path it returns.
 pub fn submit(server: &Server, options: &Value) -> String {
     let measurement = server.post("/v1/measurements?name=g1", "text/csv", &simulated(&[]));

@@ -16,7 +16,7 @@ use super::scale::{DECIMAL, DEGREES, Scale, range};
 use super::series::{left_out, spread};
 use super::text;
 use super::{NothingToDraw, Subject, comparison};
-use layout::{Layout, TELEPHONE, WIDE};
+use layout::{Layout, PHONE, WIDE};
 use reach::{Column, DB_PER_SHARE, NOISE_BAND, beyond, size};
 
 const RESPONSE_HEIGHT: f64 = 212.0;
@@ -29,9 +29,9 @@ pub(super) fn draw(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
     drawn(subject, &WIDE)
 }
 
-/// The same for a telephone: the phase beneath the gain.
-pub(super) fn draw_narrow(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
-    drawn(subject, &TELEPHONE)
+/// The same for a phone: the phase beneath the gain.
+pub(super) fn draw_for_phone(subject: &Subject<'_>) -> Result<Canvas, NothingToDraw> {
+    drawn(subject, &PHONE)
 }
 
 fn drawn(subject: &Subject<'_>, layout: &Layout) -> Result<Canvas, NothingToDraw> {

@@ -14,8 +14,8 @@ pub(super) use shapes::Marker;
 /// Width of a figure, pixels.
 pub(super) const WIDTH: f64 = 800.0;
 
-/// Width of a figure for a telephone, pixels.
-pub(super) const NARROW: f64 = 400.0;
+/// Width of a figure for a phone, pixels.
+pub(super) const PHONE_WIDTH: f64 = 400.0;
 
 /// Space left of the content and right of it.
 pub(super) const MARGIN: f64 = 24.0;

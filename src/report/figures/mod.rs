@@ -199,15 +199,15 @@ pub(super) fn draw_beside(
     Ok(draw(subject)?.finish(format, suffix))
 }
 
-/// The response before and after and its errors, for a telephone; its id ends in `-telephone`.
+/// The response before and after and its errors, for a phone; its id ends in `-phone`.
 ///
 /// # Errors
 /// As for [`draw`].
-pub(super) fn draw_for_telephone(
+pub(super) fn draw_for_phone(
     subject: &Subject<'_>,
     format: Format,
 ) -> Result<String, NothingToDraw> {
-    Ok(bode_errors::draw_narrow(subject)?.finish(format, "-telephone"))
+    Ok(bode_errors::draw_for_phone(subject)?.finish(format, "-phone"))
 }
 
 /// The comparison of a subject, which several figures need.

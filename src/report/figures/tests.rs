@@ -6,7 +6,7 @@ use roxmltree::{Document, Node};
 use servoscope_core::answers::sample;
 
 use super::fixtures::{Known, diagnosed, extended, extremes, record, stepped};
-use super::{Subject, Theme, available, draw, draw_for_telephone, names, text};
+use super::{Subject, Theme, available, draw, draw_for_phone, names, text};
 
 /// The largest file, bytes: what a page of several figures may weigh.
 const MOST_BYTES: usize = 300_000;
@@ -19,7 +19,7 @@ fn every_figure(check: impl Fn(&str, &str, &Document<'_>)) {
             let parsed = Document::parse(&svg);
             check(case, &svg, &parsed.unwrap_or_else(|error| panic!("{case}, {name}: {error}")));
         }
-        if let Ok(svg) = draw_for_telephone(&known.subject(), Theme::Auto.into()) {
+        if let Ok(svg) = draw_for_phone(&known.subject(), Theme::Auto.into()) {
             check(case, &svg, &Document::parse(&svg).unwrap());
         }
     }

@@ -21,16 +21,16 @@ pub(super) fn figure(name: &str, subject: &Subject<'_>, suffix: &str, caption: &
 }
 
 /// The figure of the first screen: the response before and after, and its errors; and the same for a
-/// telephone, of which the style sheet shows one. Nothing where there is nothing to draw.
+/// phone, of which the style sheet shows one. Nothing where there is nothing to draw.
 pub(super) fn first(content: &Content<'_>) -> Markup {
     let name = with_causes(content.answer.causes());
     let subject = content.subject(&name);
     let wide = figures::draw_beside("bode-errors", &subject, Format::default(), "");
-    let telephone = figures::draw_for_telephone(&subject, Format::default());
+    let phone = figures::draw_for_phone(&subject, Format::default());
     html! {
-        @if let (Ok(wide), Ok(telephone)) = (wide, telephone) {
+        @if let (Ok(wide), Ok(phone)) = (wide, phone) {
             figure.first { div.scroll { (PreEscaped(wide)) } }
-            figure.telephone { div.scroll { (PreEscaped(telephone)) } }
+            figure.phone { div.scroll { (PreEscaped(phone)) } }
         }
     }
 }

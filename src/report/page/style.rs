@@ -74,8 +74,8 @@ article+article{margin-top:2.25rem;padding-top:.25rem;border-top:1px solid var(-
   margin-top:.75rem}
 .screen:not(:has(.first)){grid-template-columns:minmax(0,44rem)}
 .screen .first{margin:0}
-.screen .first .scroll,.screen .telephone .scroll{margin:-.5rem 0 0 -1.4rem}
-.screen .telephone{display:none;margin:0}
+.screen .first .scroll,.screen .phone .scroll{margin:-.5rem 0 0 -1.4rem}
+.screen .phone{display:none;margin:0}
 .cards{display:flex;flex-direction:column;gap:.85rem}
 .card{padding:0 0 .85rem;border-bottom:1px solid var(--grid)}
 .card:last-child{border-bottom:0}
@@ -170,9 +170,9 @@ figcaption{margin-top:.25rem;max-width:44rem}
     width:1rem;color:var(--muted);background:var(--back);border-left:1px solid var(--grid)}
   figure .scroll{margin:0 -1rem}
   .screen .first{display:none}
-  .screen .telephone{display:block}
-  .telephone .scroll svg{width:100%}
-  .telephone .scroll::after{content:none}
+  .screen .phone{display:block}
+  .phone .scroll svg{width:100%}
+  .phone .scroll::after{content:none}
   .w{min-width:14rem}
 }
 "#;

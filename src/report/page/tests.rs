@@ -139,7 +139,7 @@ fn a_page_with_everything_has_every_section_in_the_order_in_which_it_is_asked_fo
     let ids =
         ["sure", "rivals", "departure", "friction", "harmonics", "computed", "model", "provenance"];
     assert_eq!(sections(&page), ids);
-    // Bode twice (once for a telephone), friction, linearity, and spectrum and residuals before and after.
+    // Bode twice (once for a phone), friction, linearity, and spectrum and residuals before and after.
     assert_eq!(page.matches("<figure").count(), 8, "{page}");
     assert!(page.contains("servoscope-residuals-after"));
 }

@@ -18,7 +18,7 @@ export function answer(html, trial) {
     const { node, figure: host } = frame(figure.querySelector("figcaption")?.textContent, title);
     node.className = figure.className;
     host.show(svg, styles[i + 1]);
-    if (!figure.classList.contains("telephone")) figures.push(svg.id.replace("servoscope-", ""));
+    if (!figure.classList.contains("phone")) figures.push(svg.id.replace("servoscope-", ""));
     figure.replaceWith(node);
   }
   for (const wide of report.querySelectorAll(".scroll:not(figure .scroll)")) {

@@ -1,8 +1,8 @@
 //! Where gain and phase stand.
 
-use super::super::canvas::{NARROW, WIDTH};
+use super::super::canvas::{PHONE_WIDTH, WIDTH};
 
-/// Gain and phase beside each other or, on a telephone, beneath each other.
+/// Gain and phase beside each other or, on a phone, beneath each other.
 pub(super) struct Layout {
     /// Width of the figure, pixels.
     pub(super) width: f64,
@@ -15,5 +15,5 @@ pub(super) struct Layout {
 pub(super) const WIDE: Layout =
     Layout { width: WIDTH, columns: [[56.0, 390.0], [452.0, 786.0]], stacked: false };
 
-pub(super) const TELEPHONE: Layout =
-    Layout { width: NARROW, columns: [[56.0, 386.0]; 2], stacked: true };
+pub(super) const PHONE: Layout =
+    Layout { width: PHONE_WIDTH, columns: [[56.0, 386.0]; 2], stacked: true };

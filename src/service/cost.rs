@@ -68,6 +68,7 @@ pub(super) struct Cost {
 impl Cost {
     /// What a measurement costs that was just read.
     pub(super) fn of(measurement: &Measurement) -> Self {
+        let measurement = measurement.repeated();
         let experiments = measurement.experiments().iter().map(of_experiment);
         experiments.fold(Self { simulation_s: 0.0, diagnosis_s: 0.0 }, |sum, one| Self {
             simulation_s: sum.simulation_s + one.simulation_s,

@@ -27,6 +27,29 @@ fn record(header: &str) -> String {
     format!("{header}time_s,input,output\n{}", rows.collect::<String>())
 }
 
+/// A sweep of the same axis without static friction, between two rests.
+fn sweep() -> String {
+    let plant = Plant {
+        viscous_rate_rad_s: 10.0,
+        constant: 10.0,
+        actuator: Actuator::Direct,
+        friction: Friction::coulomb(0.5, 0.4),
+    };
+    let at = |t: f64| match t {
+        0.5..8.5 => 2.0 * (t - 0.5).min(8.5 - t).min(1.0) * (t * (2.0 + t)).sin(),
+        _ => 0.0,
+    };
+    let values: Vec<f64> = (0..2500).map(|n| at(f64::from(n) * 4e-3)).collect();
+    let samples = Samples { step_s: 4e-3, values: &values, hold: false };
+    let machine = Machine { plant, effects: &[] };
+    let motion = follow(&machine, 0.0, &samples, &Start::default(), &Settings::default()).unwrap();
+    let noise = |n: usize| 2e-3 * (n as f64 * n as f64 * 0.37).sin();
+    let rows = values.iter().zip(&motion.velocity).enumerate();
+    let rows =
+        rows.map(|(n, (u, v))| format!("{:.3},{u:.7},{:.7}\n", n as f64 * 4e-3, v + noise(n)));
+    format!("time_s,input,output\n{}", rows.collect::<String>())
+}
+
 fn quickly() -> Value {
     json!({"network": {"enabled": false}, "colony": {"enabled": false}})
 }
@@ -112,4 +135,23 @@ fn a_server_takes_a_record_that_does_not_repeat_for_a_validation_alone() {
     let validation = answer.json();
     assert_eq!(validation["motions"][0]["beginning_given"], false, "{validation}");
     assert!(validation["models"]["base"]["nrmse"].as_f64().unwrap() > 0.02, "{validation}");
+}
+
+// The tolerance is ten of the deviations that the noise, 0.1 % of the motion, leaves in 2500 samples.
+#[test]
+fn an_axis_is_identified_from_a_sweep_that_begins_and_ends_at_rest() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("sweep.csv");
+    std::fs::write(&path, sweep()).unwrap();
+    let path = path.to_str().unwrap();
+    let options = quickly().to_string();
+    let arguments = ["identify", path, "--actuator-order", "0", "--options", &options, "--json"];
+    let result: Value = serde_json::from_str(&printed(&arguments)).unwrap();
+    let truth = [("pole", -10.0), ("constant", 10.0), ("fc_plus", 0.5), ("fc_minus", 0.4)];
+    for (name, value) in truth {
+        let found = result["parameters"][name]["value"].as_f64().unwrap();
+        assert!((found / value - 1.0_f64).abs() < 0.01, "{name}: {found}");
+    }
+    let said = result["limitations"].to_string();
+    assert!(said.contains("begins and ends at rest"), "{said}");
 }

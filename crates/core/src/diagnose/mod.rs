@@ -93,6 +93,6 @@ fn diagnose_part(
     request: &IdentifyRequest,
     part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let diagnosis = faults::diagnose(measurement, request, part);
+    let diagnosis = faults::diagnose(&measurement.repeated(), request, part);
     identify::unless_cancelled(&part, diagnosis)
 }

@@ -88,6 +88,7 @@ pub fn identify(
 ) -> Result<Identification, IdentifyError> {
     let observer = &Steady::new(observer);
     observer.rest_is_certain();
+    let measurement = &*measurement.repeated();
     let problem = Problem::new(measurement)?;
     let Solved { chosen, order_choice, .. } =
         solve(measurement, &problem, request, (None, &[]), observer)?;

@@ -55,7 +55,8 @@ pub fn fit_base(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Result<ModelFit, IdentifyError> {
-    let session = FitSession::new(measurement, request, observer)?;
+    let measurement = measurement.repeated();
+    let session = FitSession::new(&measurement, request, observer)?;
     session.judge(session.base(), Intervals::Profile)
 }
 

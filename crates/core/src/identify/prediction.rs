@@ -30,6 +30,7 @@ pub fn compare(
     measurement: &Measurement,
     answer: &Identification,
 ) -> Result<Comparison, IdentifyError> {
+    let measurement = &*measurement.repeated();
     let left_out: Vec<usize> = answer.fit.unanswered.iter().map(|lost| lost.experiment).collect();
     let whole = Problem::new(measurement)?;
     let problem = whole.only(&whole.subset(|e, _| !left_out.contains(&e)));

@@ -58,9 +58,10 @@ impl Problem {
         let unusable = |reason: &str| IdentifyError::Unusable { reason: reason.into() };
         if !measurement.transients().is_empty() {
             return Err(unusable(
-                "the record does not repeat, and a fit needs whole periods: record at least two \
-                 periods of a periodic input; if it does repeat, give its period (period_s); as it \
-                 is, it can be used to validate a result",
+                "the record does not repeat, and a fit needs whole periods, or a motion that begins \
+                 and ends at rest under the same input: record at least two periods of a periodic \
+                 input, or begin before the axis moves and end after it has stopped; if it does \
+                 repeat, give its period (period_s); as it is, it can be used to validate a result",
             ));
         }
         let largest_input = experiments.iter().map(peak_input).fold(0.0, f64::max);

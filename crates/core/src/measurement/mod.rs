@@ -19,6 +19,7 @@ mod record;
 mod record_error;
 mod repetition;
 mod resolution;
+mod rest_to_rest;
 mod sampling;
 mod scatter;
 mod settling;
@@ -121,8 +122,8 @@ impl Measurement {
         })
     }
 
-    /// Makes a measurement of motions that do not repeat. Models can be validated on it but not
-    /// fitted to it.
+    /// Makes a measurement of motions that do not repeat. Models can be validated on it; fitted are they
+    /// only to motions that begin and end at rest.
     ///
     /// # Errors
     /// If there is no motion, or one has a value that is not finite, too few samples, or no

@@ -71,7 +71,7 @@ impl Record {
         &self,
         stated: RecordStatement,
     ) -> Result<(Experiment, Vec<String>), RecordError> {
-        let RecordStatement { kind, feedback, intersample, settle_periods, .. } = stated;
+        let settle_periods = stated.settle_periods;
         let mut remarks = Vec::new();
         let step_s = self.step_s()?;
         let duration_s = step_s * self.time_s.len() as f64;
@@ -105,6 +105,33 @@ impl Record {
             }
             outputs = outputs.split_off(unsettled);
         }
+        remarks.push(format!("the last {} whole periods of {period_s} s are used", outputs.len()));
+        let experiment = self.of_periods(outputs, (samples, period_s), stated, &mut remarks);
+        Ok((experiment, remarks))
+    }
+
+    /// The whole record as one period, and remarks on it.
+    pub(super) fn one_period(
+        &self,
+        stated: RecordStatement,
+        period_s: f64,
+    ) -> (Experiment, Vec<String>) {
+        let samples = self.time_s.len() as f64;
+        let outputs = spectrum::of_periods(&self.output, Periods { samples, count: 1 });
+        let mut remarks = Vec::new();
+        let experiment = self.of_periods(outputs, (samples, period_s), stated, &mut remarks);
+        (experiment, remarks)
+    }
+
+    /// Mean harmonics of the last periods, of as many samples and seconds each, whose responses are given.
+    fn of_periods(
+        &self,
+        mut outputs: Vec<Vec<Complex>>,
+        (samples, period_s): (f64, f64),
+        stated: RecordStatement,
+        remarks: &mut Vec<String>,
+    ) -> Experiment {
+        let RecordStatement { kind, feedback, intersample, .. } = stated;
         let count = outputs.len();
         let periods = Periods { samples, count };
         // A closed loop holds the position.
@@ -121,17 +148,16 @@ impl Record {
                 *line *= intersample.factor(k, samples);
             }
         }
-        remarks.push(format!("the last {count} whole periods of {period_s} s are used"));
         remarks.extend(travel.remark(&returning));
         let beginning = settling::Beginning::of(&outputs, &returning, samples);
         let experiment = Experiment {
             mean_velocity: travel.distance() / period_s,
             rounding_std: self.rounding_std(&outputs, samples),
             open_samples: intersample.is_none().then_some(samples),
-            ..self.joined(period_s, &inputs, &outputs, &mut remarks)
+            ..self.joined(period_s, &inputs, &outputs, remarks)
         };
         remarks.extend(beginning.remark(count));
-        Ok((experiment, remarks))
+        experiment
     }
 
     /// The period of the input, in samples and in seconds.

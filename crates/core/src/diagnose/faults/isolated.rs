@@ -37,11 +37,13 @@ const LARGEST_SHARE: f64 = 0.1;
 const WITHIN: f64 = 3.03;
 
 /// One row of a comparison.
-struct Row {
-    experiment: usize,
-    order: usize,
+pub(super) struct Row {
+    /// Index of the experiment.
+    pub experiment: usize,
+    /// Harmonic.
+    pub order: usize,
     /// What is left, in deviations.
-    left: Complex,
+    pub left: Complex,
     /// Size of what is expected, in deviations.
     expected: f64,
 }
@@ -100,13 +102,13 @@ pub(super) fn belonging(
 }
 
 /// The whole measurement beside the best model of an answer.
-fn compared(answer: &Diagnosis, measurement: &Measurement) -> Option<Comparison> {
+pub(super) fn compared(answer: &Diagnosis, measurement: &Measurement) -> Option<Comparison> {
     let best: &Identification = answer.extended.as_ref().unwrap_or(&answer.base);
     identify::compare(measurement, best).ok()
 }
 
 /// The rows of a comparison, with their magnitude and frequency.
-fn each(comparison: &Comparison) -> impl Iterator<Item = ((f64, f64), Row)> {
+pub(super) fn each(comparison: &Comparison) -> impl Iterator<Item = ((f64, f64), Row)> {
     comparison.experiments.iter().flat_map(|experiment| {
         experiment.harmonics.iter().map(|harmonic| {
             let complex = |[re, im]: [f64; 2]| Complex::new(re, im) / harmonic.std;

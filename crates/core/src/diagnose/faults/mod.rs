@@ -10,8 +10,9 @@
 //! [`readings`] tries other ways to read the whole file, [`repeats`] compares repeats with each
 //! other, [`one_level_out`] fits without one magnitude, which [`wrong_gain`] does before anything else
 //! where a table is far from its noise, [`course`] tries how an input runs between its samples, and
-//! [`isolated`] finds rows that stand out where nothing explains the measurement. [`retest`] asks
-//! whether faults are still needed beside the effects that are named in the end. Faults of one row,
+//! [`isolated`] finds rows that stand out where nothing explains the measurement. Before faults are
+//! accepted, [`together`] asks whether rows that were left out form regions, as what a model lacks does,
+//! and [`retest`] whether faults are still needed beside the effects that are named in the end. Faults of one row,
 //! level or experiment are looked for in tables only.
 
 mod candidates;
@@ -30,6 +31,7 @@ mod scan;
 pub(super) mod suspects;
 #[cfg(test)]
 mod tests;
+mod together;
 pub(super) mod words;
 pub(super) mod wrong_gain;
 
@@ -99,6 +101,9 @@ pub(super) fn diagnose(
                     restored = true;
                     faults = fewer;
                     continue;
+                }
+                if together::form_regions(&answer, measurement, &faults) {
+                    break;
                 }
                 // What another effect might explain. The size of the noise it cannot.
                 let (asked, kept): (Vec<_>, Vec<_>) = faults

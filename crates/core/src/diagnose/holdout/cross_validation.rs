@@ -5,7 +5,10 @@
 //! anew, and their predictions of the part are kept. A model is penalised as it is with all data.
 //! The errors of models that are certainly not chosen are computed to first order, without a refit.
 
+mod alike;
 mod backward_elimination;
+#[cfg(test)]
+mod fixtures;
 
 use std::collections::BTreeMap;
 
@@ -21,6 +24,7 @@ use crate::diagnose::progress::{Part, Stage};
 use crate::diagnose::selection::evidence::NoiseScale;
 use crate::diagnose::selection::models::{Key, Models, ScoredModel};
 use crate::observer::Observer as _;
+use alike::differs_by_one;
 pub(crate) use backward_elimination::Dropped;
 
 /// Models whose −2 ln evidence exceeds the best by more than this are not refitted: no part of the
@@ -45,7 +49,8 @@ pub(crate) struct CrossValidation {
     base: Predicted,
     /// Predictions of the models chosen without the part.
     chosen: Predicted,
-    /// Predictions of each effect alone, and of subsets of the effects chosen with all data.
+    /// Predictions of each effect alone, of subsets of the effects chosen with all data, and of
+    /// models with another effect in place of one of these.
     by_effects: BTreeMap<Key, Predicted>,
     /// NRMSE of each effect alone; to first order where it was not refitted.
     errors: BTreeMap<&'static str, f64>,
@@ -153,7 +158,9 @@ impl CrossValidation {
             all
         };
         let is_part = |key: &Key| key.iter().all(|id| chosen.contains(id));
-        let wanted = |key: &Key| key.len() < 2 || *key == choice || is_part(key);
+        let wanted = |key: &Key| {
+            key.len() < 2 || *key == choice || is_part(key) || differs_by_one(key, chosen)
+        };
         let all: Vec<(&Key, &Model)> = fitted.all().filter(|(key, _)| wanted(key)).collect();
         let all: Vec<(&Key, Predicted)> =
             all.into_par_iter().map(|(key, model)| (key, predict_held_out(model))).collect();

@@ -27,6 +27,7 @@ pub fn inspect(
 ) -> Result<Inspection, DiagnoseError> {
     let steady = Steady::new(observer);
     steady.rest_is_certain();
+    let measurement = &*measurement.repeated();
     let doubts = measurement.doubts();
     let found = detectability::of(measurement, request, Part::of(&steady));
     let (detectability, obstacle) = match unless_cancelled(&steady, found) {

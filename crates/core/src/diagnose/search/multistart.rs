@@ -49,6 +49,31 @@ impl Search<'_> {
         }
     }
 
+    /// Fits the models with the closest imitator of an effect in its place, where the search has not: only
+    /// beside the same other effects can the two be compared.
+    pub fn exchange_imitators(&mut self, chosen: &Key, part: Part<'_>) {
+        for id in chosen {
+            let rest: Key = chosen.iter().copied().filter(|other| other != id).collect();
+            let (Some(effect), Some(model)) = (self.models.effect(id), self.models.get(&rest))
+            else {
+                continue;
+            };
+            let is_missing = |other: &dyn Effect| {
+                let mut with: Key = rest.iter().copied().chain([other.id()]).collect();
+                with.sort_unstable();
+                effects::are_closest_imitators(effect, other) && self.models.get(&with).is_none()
+            };
+            if !self.session.library().iter().any(|other| is_missing(*other)) {
+                continue;
+            }
+            let Some(linearization) = Linearization::new(self.session, model) else { continue };
+            let mut probed = self.probe(&linearization, part);
+            probed.retain(|probed| is_missing(probed.effect));
+            let fits = self.fitter(part, rest.len()).fit(&linearization.model, &probed, |_| true);
+            self.keep(fits);
+        }
+    }
+
     /// Starts the fit of a model again from displaced parameters of its last effect until it is
     /// `sufficient`.
     pub fn restart(&mut self, chosen: &Key, part: Part<'_>, sufficient: impl Fn(&Model) -> bool) {
@@ -86,5 +111,27 @@ mod tests {
         search.deepen(&key, PART);
         let found = search.models.get(&key).unwrap();
         assert!(found.cost < session.base().cost, "{}", found.cost);
+    }
+
+    // The pair was found without a lag ever being tried beside the drag.
+    #[test]
+    fn the_closest_imitator_of_an_effect_of_a_pair_is_fitted_in_its_place() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
+        let mut search = nothing_fitted(session);
+        let extended = |ids: &[&str]| {
+            let effects = ids.iter().map(|id| find(id).unwrap());
+            effects.fold(session.base().clone(), |model, effect| session.extend(&model, effect))
+        };
+        let (drag, pair) =
+            (extended(&["quadratic_drag"]), extended(&["quadratic_drag", "transport_delay"]));
+        let chosen = key(&pair);
+        search.keep(vec![drag, extended(&["transport_delay"]), pair]);
+        search.changes =
+            search.changes(&Linearization::new(session, session.base()).unwrap(), PART);
+        search.exchange_imitators(&chosen, PART);
+        let fitted: Vec<_> = search.models.ranked(2);
+        assert_eq!(fitted.len(), 2, "{fitted:?}");
+        assert!(fitted.contains(&vec!["quadratic_drag", "sensor_lag"]), "{fitted:?}");
     }
 }

@@ -86,7 +86,8 @@ fn explanation(effect: &Descriptor, Metadata { input, response, .. }: &Metadata)
 }
 
 /// Effects that explain the data as well as `id` does, in its place beside the other effects of
-/// `chosen`. The best comes first; each comes with its model.
+/// `chosen`: by the evidence, or by their predictions of held-out data
+/// ([`Models::predict_alike`]). The best comes first; each comes with its model.
 pub(crate) fn rivals<'s>(
     models: &'s Models,
     chosen: &Key,
@@ -100,9 +101,10 @@ pub(crate) fn rivals<'s>(
         .filter(|(key, _)| rest.iter().all(|other| key.contains(other)))
         .filter_map(|(key, model)| {
             let other = key.iter().find(|other| !rest.contains(other))?;
-            Some((models.criterion(key) - own, *other, model))
+            let difference = models.criterion(key) - own;
+            let is_alike = difference < EQUIVALENCE_MARGIN || models.predict_alike.contains(key);
+            is_alike.then_some((difference, *other, model))
         })
-        .filter(|(difference, ..)| *difference < EQUIVALENCE_MARGIN)
         .collect();
     rivals.sort_by(|a, b| a.0.total_cmp(&b.0));
     rivals.into_iter().take(MOST_EQUIVALENTS).map(|(_, id, model)| (id, model)).collect()
@@ -219,15 +221,18 @@ mod tests {
 
     #[test]
     fn rivals_fit_as_well_in_the_same_place_and_the_best_comes_first() {
-        let models = fitted_to(&[
+        let mut models = fitted_to(&[
             (&["sensor_lag"], 101.0),
             (&["transport_delay"], 100.0),
             (&["friction_drift"], 150.0),
             (&["sensor_lag", "spring"], 99.0),
         ]);
-        let chosen = key(&["transport_delay"]);
-        let ids: Vec<&str> =
-            rivals(&models, &chosen, "transport_delay").into_iter().map(|rival| rival.0).collect();
-        assert_eq!(ids, ["sensor_lag"]);
+        let ids = |models: &Models| -> Vec<&str> {
+            let found = rivals(models, &key(&["transport_delay"]), "transport_delay");
+            found.into_iter().map(|rival| rival.0).collect()
+        };
+        assert_eq!(ids(&models), ["sensor_lag"]);
+        models.predict_alike.insert(key(&["friction_drift"]));
+        assert_eq!(ids(&models), ["sensor_lag", "friction_drift"]);
     }
 }

@@ -54,6 +54,9 @@ pub(crate) struct Models {
     pub noise_scale: NoiseScale,
     /// By how much each effect must lower χ² beside the base model.
     pub family: Option<FamilywiseThreshold>,
+    /// Models that predict held-out data about as well as the chosen one, where that leaves more
+    /// than noise.
+    pub predict_alike: BTreeSet<Key>,
     scored: BTreeMap<Key, ScoredModel>,
     noise_left: Remainder,
 }
@@ -75,7 +78,7 @@ impl Models {
             false => Remainder { expected: 0.0, least: noise_scale.rounding },
         };
         let scored = BTreeMap::from([(Key::new(), base)]);
-        Self { noise_scale, family: None, scored, noise_left }
+        Self { noise_scale, family: None, predict_alike: BTreeSet::new(), scored, noise_left }
     }
 
     /// The model with these effects.

@@ -4,6 +4,7 @@
 //! a lag acts much like an actuator pole. If the user did not give the order, every lower order is
 //! therefore studied as well, and the orders are compared by their criteria.
 
+use std::cmp::Ordering;
 use std::iter;
 
 use crate::answers::{Diagnosis, MeasurementFault, PlantRequest};
@@ -56,7 +57,8 @@ impl Spans {
 /// Diagnoses with the actuator order that was requested. If none was, the order is that of
 /// `first`, which suits the base model without any effect, unless a lower order is better by more
 /// than [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, lower ones if its base
-/// model is no axis, and a higher one if that is better by as much beside the effects that are found.
+/// model is no axis, and beside the effects that are found a higher one, or a lower one where the actuator
+/// is beyond the excited band, if it is better by as much.
 ///
 /// # Errors
 /// See [`crate::diagnose::DiagnoseError`]; and the faults of the measurement, if it is doubted and
@@ -76,19 +78,25 @@ pub(crate) fn diagnose(
     };
     let (is_open, of_cosines) = (request.plant.is_none(), first.has_cosines_alone());
     let tries_lower = is_open && (of_cosines || is_degenerate(first));
-    let tries_higher = is_open && !of_cosines;
     let lower: Vec<IdentifyRequest> = (0..suited).filter(|_| tries_lower).map(of_order).collect();
-    let higher: Vec<IdentifyRequest> =
-        (suited + 1..=HIGHEST_ORDER).filter(|_| tries_higher).map(of_order).collect();
+    let may_be_better = |order: &u8| match order.cmp(&suited) {
+        Ordering::Less => !tries_lower && first.actuator_is_fast(),
+        Ordering::Equal => false,
+        Ordering::Greater => true,
+    };
+    let others: Vec<IdentifyRequest> = (0..=HIGHEST_ORDER)
+        .filter(|order| is_open && !of_cosines && may_be_better(order))
+        .map(of_order)
+        .collect();
     let quietly = Quiet(&part);
-    let mut others = Vec::with_capacity(lower.len());
+    let mut lower_sessions = Vec::with_capacity(lower.len());
     for request in &lower {
-        others.push(first.beside(request, &quietly)?);
+        lower_sessions.push(first.beside(request, &quietly)?);
     }
-    let sessions: Vec<&FitSession<'_>> = iter::once(first).chain(&others).collect();
+    let sessions: Vec<&FitSession<'_>> = iter::once(first).chain(&lower_sessions).collect();
     let better;
     let each = 1.0 / sessions.len() as f64;
-    let spans = Spans::of(sessions.len(), !higher.is_empty());
+    let spans = Spans::of(sessions.len(), !others.is_empty());
     let mut studies = Vec::with_capacity(sessions.len());
     for (i, session) in sessions.iter().enumerate() {
         let own = part.part(spans.singles).part([i, i + 1].map(|end| end as f64 * each));
@@ -98,7 +106,7 @@ pub(crate) fn diagnose(
         criterion(study) - if study.order() == suited { EQUIVALENCE_MARGIN } else { 0.0 }
     };
     studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
-    if let Some(session) = better_order(&studies[0], &higher, first, &quietly)? {
+    if let Some(session) = better_order(&studies[0], &others, first, &quietly)? {
         better = session;
         studies = vec![OrderStudy::new(&better, part.part(spans.again), seed)?];
     }
@@ -245,27 +253,28 @@ mod tests {
     use crate::observer::Silent;
     use crate::plant::{Actuator, Plant};
 
-    /// The order that is better beside what is found at order 0, on a record with an asymmetric gain.
-    fn better_than_0(actuator: Actuator) -> Option<u8> {
+    /// Whether another order is better beside what is found at one, on a record with an asymmetric gain.
+    fn better([order, other]: [u8; 2], actuator: Actuator) -> bool {
         let effects = [Effect::new("gain_asymmetry", [("gamma", 0.15)])];
         let record = multisine_record(Plant { actuator, ..plant() }, &effects, None, 5);
         let of_order = |actuator_order| IdentifyRequest {
             plant: Some(PlantRequest { actuator_order }),
             ..IdentifyRequest::default()
         };
-        let (order_0, others) = (of_order(0), [of_order(1)]);
-        let first = FitSession::new(&record, &order_0, &Silent).unwrap();
+        let (request, others) = (of_order(order), [of_order(other)]);
+        let first = FitSession::new(&record, &request, &Silent).unwrap();
         let part = Part::of(&Silent);
         let study = OrderStudy::new(&first, part, 1).unwrap();
         assert_eq!(study.chosen, ["gain_asymmetry"]);
         let observer = Quiet(&part);
-        better_order(&study, &others, &first, &observer).unwrap().map(|better| better.order())
+        better_order(&study, &others, &first, &observer).unwrap().is_some()
     }
 
     #[test]
     fn the_order_is_chosen_again_beside_the_effect_that_is_found() {
-        assert_eq!(better_than_0(Actuator::FirstOrder { corner_rad_s: 400.0 }), Some(1));
-        assert_eq!(better_than_0(Actuator::Direct), None);
+        let lagging = Actuator::FirstOrder { corner_rad_s: 400.0 };
+        assert_eq!([[0, 1], [1, 0]].map(|orders| better(orders, lagging)), [true, false]);
+        assert_eq!([[0, 1], [1, 0]].map(|orders| better(orders, Actuator::Direct)), [false, true]);
     }
 
     // Of 120 rad/s, a pole at 20 000 turns the phase by a third of a degree.

@@ -108,7 +108,12 @@ impl<'a> OrderStudy<'a> {
         self.combined = true;
         self.choose(part)?;
         self.search.deepen(&self.chosen, part.part(MULTISTART_SPAN));
-        self.choose(part)
+        self.choose(part)?;
+        if self.fits {
+            self.search.exchange_imitators(&self.chosen, part.part([1.0, 1.0]));
+            self.choose(part)?;
+        }
+        Ok(())
     }
 
     /// Chooses the best supported model among those fitted so far.

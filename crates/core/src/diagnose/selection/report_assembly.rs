@@ -66,16 +66,21 @@ impl ReportAssembly<'_> {
             }
         };
         // If the model leaves only noise, every cause is significant, and none is dropped.
+        let first_choice = self.chosen.clone();
         let prune = |cross_validation: &CrossValidation| {
-            cross_validation.prune(&self.models, &mut self.chosen)
+            let dropped = cross_validation.prune(&self.models, &mut self.chosen);
+            cross_validation.simplify(&self.models, &mut self.chosen);
+            self.models.predict_alike = cross_validation.alike(&self.models, &self.chosen);
+            dropped
         };
         let dropped =
             cross_validation.as_ref().filter(|_| !self.fits).map(prune).unwrap_or_default();
-        let mut gain =
-            cross_validation.as_ref().and_then(|cross_validation| match dropped.is_empty() {
+        let mut gain = cross_validation.as_ref().and_then(|cross_validation| {
+            match self.chosen == first_choice {
                 true => cross_validation.gain(&self.chosen),
                 false => cross_validation.gain_of(&self.chosen),
-            });
+            }
+        });
         limitations.extend(dropped.iter().map(dropped_sentence));
         let mut withdrawn = Key::new();
         if let Some(failed) = gain.take_if(|gain| self.fails_held_out(gain)) {

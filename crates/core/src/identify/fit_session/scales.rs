@@ -7,6 +7,11 @@ use crate::answers::SizedParameter;
 use crate::effects::{Effect, MachineScales};
 use crate::identify::problem::Scales;
 use crate::identify::units::Units;
+use crate::plant::Actuator;
+
+/// Ratio of the corner of an actuator to the highest excited frequency from which it is fast. A first
+/// order then turns the phase there by 27°, and a second order changes the gain by a third. Set by hand.
+const FAST_ACTUATOR: f64 = 2.0;
 
 impl FitSession<'_> {
     /// Scales of the fitted machine and of the experiments on it, in the problem's units.
@@ -25,6 +30,18 @@ impl FitSession<'_> {
             highest: scope.largest_level,
             fastest_rad_s: scope.omega_high,
         }
+    }
+
+    /// Whether the base model has an actuator that is faster than the excited band by more than
+    /// [`FAST_ACTUATOR`]: then the data hardly show it.
+    pub fn actuator_is_fast(&self) -> bool {
+        let scope = self.scope();
+        let rate = match scope.plant.actuator {
+            Actuator::Direct => return false,
+            Actuator::FirstOrder { corner_rad_s } => corner_rad_s,
+            Actuator::SecondOrder { natural_frequency_rad_s, .. } => natural_frequency_rad_s,
+        };
+        rate > FAST_ACTUATOR * scope.omega_high
     }
 
     /// The parameters of an effect by name, from the problem's units to those of the measurement.

@@ -74,11 +74,18 @@ fn read_segment(table: &Table, segment: &Segment, header: &Header) -> Result<Rea
     let motion = |remark: &str| match record
         .transient(header.intersample.unwrap_or_default(), header.beginning)
     {
-        Ok(content) => Ok(Read::Motion(Remarked { content, remarks: vec![remark.into()] })),
+        Ok(content) => {
+            let taken = match content.rests(&header.metadata) {
+                true => "it begins and ends at rest, so that a fit takes it as one whole period",
+                false => "a validation takes it, a fit does not",
+            };
+            let remarks = vec![format!("{remark}; {taken}")];
+            Ok(Read::Motion(Remarked { content, remarks }))
+        }
         Err(error) => Err(fault(table, segment, error)),
     };
     if header.aperiodic {
-        return motion("one motion that does not repeat: a validation takes it, a fit does not");
+        return motion("one motion that does not repeat");
     }
     let moves = record.output.iter().any(|value| *value != record.output[0]);
     let stated = RecordStatement {
@@ -91,8 +98,8 @@ fn read_segment(table: &Table, segment: &Segment, header: &Header) -> Result<Rea
     match record.experiment(stated) {
         Ok((content, remarks)) => Ok(Read::Periods(Remarked { content, remarks })),
         Err(RecordError::NoPeriodFound { .. }) if record.time_s.len() >= FEWEST && moves => motion(
-            "no period is found in the input: it is taken as one motion that does not repeat, \
-             which a validation takes and a fit does not; where it repeats, give period_s",
+            "no period is found in the input: it is taken as one motion that does not repeat; where \
+             it repeats, give period_s",
         ),
         Err(error) => Err(fault(table, segment, error)),
     }

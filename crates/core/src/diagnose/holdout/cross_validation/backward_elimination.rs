@@ -47,39 +47,9 @@ impl CrossValidation {
 
 #[cfg(test)]
 mod tests {
-
-    use std::collections::BTreeMap;
-
-    use super::*;
-    use crate::answers::ComparedHarmonic;
-    use crate::diagnose::holdout::heldout_predictions::Predicted;
+    use super::super::fixtures::cross_validation;
     use crate::diagnose::selection::familywise_threshold::FamilywiseThreshold;
     use crate::diagnose::tests::fitted_to;
-
-    /// Predictions of twelve groups of one row each, wrong by about `by`.
-    fn off(by: f64) -> Predicted {
-        let harmonic = |group: usize| ComparedHarmonic {
-            order: 1,
-            input: [1.0, 0.0],
-            measured: [1.0, 0.0],
-            simulated: [1.0 - by * (1.0 + 0.05 * (group as f64).sin()), 0.0],
-            std: 0.1,
-        };
-        (0..12).map(|group| ((group, 1), harmonic(group))).collect()
-    }
-
-    fn cross_validation(by_effects: &[(&[&'static str], f64)]) -> CrossValidation {
-        CrossValidation {
-            base: off(0.5),
-            chosen: Predicted::new(),
-            by_effects: by_effects.iter().map(|(key, by)| (key.to_vec(), off(*by))).collect(),
-            errors: BTreeMap::new(),
-            choices: Vec::new(),
-            groups: (0..12).map(|group| ((group, 1), group)).collect(),
-            noise_known: false,
-            what: String::new(),
-        }
-    }
 
     #[test]
     fn an_effect_that_adds_nothing_to_the_others_is_dropped() {

@@ -9,7 +9,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{CrossValidation, Predicted};
+use super::{CrossValidation, Predicted, gain};
 use crate::diagnose::selection::models::{Key, Models};
 
 /// Whether a model has as many effects as another, and all of them but one.
@@ -19,10 +19,16 @@ pub(super) fn differs_by_one(key: &Key, other: &Key) -> bool {
 }
 
 impl CrossValidation {
-    /// Puts in place of `chosen` the model of fewest parameters among those with one other effect that
-    /// it does not certainly surpass in predicting held-out data. Of as many parameters the one of
-    /// more evidence stays.
+    /// Puts a simpler model in place of `chosen`, if there is one:
+    ///
+    /// - the one that predicts held-out data best among those with fewer effects that predict them at
+    ///   least as well;
+    /// - the one of fewest parameters among those with one other effect that it does not certainly
+    ///   surpass. Of as many parameters the one of more evidence stays.
     pub fn simplify(&self, models: &Models, chosen: &mut Key) {
+        if let Some(fewer) = self.with_fewer_effects(models, chosen) {
+            *chosen = fewer;
+        }
         let size = |key: &Key| models.get(key).map_or(usize::MAX, |model| model.parameters());
         let alike = self.alike(models, chosen).into_iter().filter(|key| size(key) < size(chosen));
         let order = |a: &Key, b: &Key| {
@@ -32,6 +38,18 @@ impl CrossValidation {
         if let Some(simplest) = alike.min_by(order) {
             *chosen = simplest;
         }
+    }
+
+    /// The supported model that predicts best among those with fewer effects that predict at least as
+    /// well.
+    fn with_fewer_effects(&self, models: &Models, chosen: &Key) -> Option<Key> {
+        let own = gain::error(self.by_effects.get(chosen)?)?;
+        let fewer = self.by_effects.iter().filter(|(key, _)| key.len() < chosen.len());
+        let errors = fewer
+            .filter(|(key, _)| models.supported(key))
+            .filter_map(|(key, predicted)| Some((gain::error(predicted)?, key)));
+        let best = errors.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.filter(|(error, _)| *error <= own).map(|(_, key)| key.clone())
     }
 
     /// The supported models with another effect in place of one of `chosen`, which does not
@@ -80,6 +98,17 @@ mod tests {
         assert_eq!(chosen, ["spring"]);
         cross_validation.simplify(&models, &mut chosen);
         assert_eq!(chosen, ["spring"], "backlash has more parameters");
+    }
+
+    #[test]
+    fn a_single_effect_that_predicts_at_least_as_well_takes_the_place_of_two() {
+        let (mut cross_validation, models) = of_four();
+        let pair = key(&["cogging", "viscous_asymmetry"]);
+        for (error, simpler) in [(0.099, false), (0.1, true)] {
+            cross_validation.by_effects.insert(pair.clone(), off(error, 0.05));
+            let found = cross_validation.with_fewer_effects(&models, &pair);
+            assert_eq!(found, simpler.then(|| key(&["backlash"])));
+        }
     }
 
     #[test]

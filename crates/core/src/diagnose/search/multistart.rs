@@ -93,7 +93,7 @@ mod tests {
     use crate::diagnose::selection::models::key;
     use crate::diagnose::tests::{exact, noisy, request};
     use crate::effects::find;
-    use crate::identify::FitSession;
+    use crate::identify::{FitAccuracy, FitSession};
     use crate::machines::draw::NoiseStatement;
     use crate::observer::Silent;
 
@@ -119,19 +119,19 @@ mod tests {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
         let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
         let mut search = nothing_fitted(session);
-        let extended = |ids: &[&str]| {
+        let fitted = |ids: &[&str]| {
             let effects = ids.iter().map(|id| find(id).unwrap());
-            effects.fold(session.base().clone(), |model, effect| session.extend(&model, effect))
+            let extend = |model, effect| session.extend(&model, effect);
+            session.refine(&effects.fold(session.base().clone(), extend), FitAccuracy::Glance)
         };
-        let (drag, pair) =
-            (extended(&["quadratic_drag"]), extended(&["quadratic_drag", "transport_delay"]));
+        let pair = fitted(&["quadratic_drag", "transport_delay"]);
         let chosen = key(&pair);
-        search.keep(vec![drag, extended(&["transport_delay"]), pair]);
+        search.keep(vec![fitted(&["quadratic_drag"]), fitted(&["transport_delay"]), pair]);
         search.changes =
             search.changes(&Linearization::new(session, session.base()).unwrap(), PART);
         search.exchange_imitators(&chosen, PART);
-        let fitted: Vec<_> = search.models.ranked(2);
-        assert_eq!(fitted.len(), 2, "{fitted:?}");
-        assert!(fitted.contains(&vec!["quadratic_drag", "sensor_lag"]), "{fitted:?}");
+        let pairs = search.models.ranked(2);
+        assert_eq!(pairs.len(), 2, "{pairs:?}");
+        assert!(pairs.contains(&vec!["quadratic_drag", "sensor_lag"]), "{pairs:?}");
     }
 }

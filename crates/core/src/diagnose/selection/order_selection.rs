@@ -10,6 +10,7 @@ use std::iter;
 use crate::answers::{Diagnosis, MeasurementFault, PlantRequest};
 use crate::identify::{FitSession, IdentifyRequest, Intervals};
 
+use super::better_order::better_order;
 use super::causes::EQUIVALENCE_MARGIN;
 use super::evidence::ACTUATOR_ORDER_COST;
 use super::order_study::OrderStudy;
@@ -57,8 +58,8 @@ impl Spans {
 /// Diagnoses with the actuator order that was requested. If none was, the order is that of
 /// `first`, which suits the base model without any effect, unless a lower order is better by more
 /// than [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, lower ones if its base
-/// model is no axis, and beside the effects that are found a higher one, or a lower one where the actuator
-/// is beyond the excited band, if it is better by as much.
+/// model is no axis, and beside the effects that are found a higher one if it is better by as much, or a
+/// lower one if it is better and the actuator is beyond the excited band.
 ///
 /// # Errors
 /// See [`crate::diagnose::DiagnoseError`]; and the faults of the measurement, if it is doubted and
@@ -165,32 +166,6 @@ fn is_degenerate(session: &FitSession<'_>) -> bool {
     fit.is_ok_and(|fit| fit.identification.parameters.get("pole").is_some_and(|pole| pole.at_bound))
 }
 
-/// The session of that one of other orders which is best, and better than the order of a study beside
-/// the effects that were chosen there. The base model of a machine with a large effect is so wrong
-/// that its own order means little.
-fn better_order<'a>(
-    study: &OrderStudy<'_>,
-    others: &'a [IdentifyRequest],
-    first: &FitSession<'a>,
-    observer: &'a Quiet<'a>,
-) -> Result<Option<FitSession<'a>>, Halt> {
-    if study.chosen.is_empty() {
-        return Ok(None);
-    }
-    let mut least = criterion(study) - EQUIVALENCE_MARGIN;
-    let mut best = None;
-    for request in others {
-        let session = first.beside(request, observer)?;
-        let cost = ACTUATOR_ORDER_COST * f64::from(session.order());
-        if let Some(criterion) = study.criterion_beside(&session).map(|own| own + cost)
-            && criterion < least
-        {
-            (least, best) = (criterion, Some(session));
-        }
-    }
-    Ok(best)
-}
-
 /// Faults of the measurement that explain it about as well as effects of the machine do.
 struct Alternative {
     faults: Vec<MeasurementFault>,
@@ -234,7 +209,7 @@ fn doubt(
 }
 
 /// −2 ln evidence of an order with its causes.
-fn criterion(study: &OrderStudy<'_>) -> f64 {
+pub(super) fn criterion(study: &OrderStudy<'_>) -> f64 {
     study.criterion() + ACTUATOR_ORDER_COST * f64::from(study.order())
 }
 
@@ -249,33 +224,8 @@ fn described(study: &OrderStudy<'_>) -> String {
 mod tests {
     use super::*;
     use crate::diagnose::fixtures::{multisine_record, plant};
-    use crate::machines::simulator::Effect;
     use crate::observer::Silent;
-    use crate::plant::{Actuator, Plant};
-
-    /// Whether another order is better beside what is found at one, on a record with an asymmetric gain.
-    fn better([order, other]: [u8; 2], actuator: Actuator) -> bool {
-        let effects = [Effect::new("gain_asymmetry", [("gamma", 0.15)])];
-        let record = multisine_record(Plant { actuator, ..plant() }, &effects, None, 5);
-        let of_order = |actuator_order| IdentifyRequest {
-            plant: Some(PlantRequest { actuator_order }),
-            ..IdentifyRequest::default()
-        };
-        let (request, others) = (of_order(order), [of_order(other)]);
-        let first = FitSession::new(&record, &request, &Silent).unwrap();
-        let part = Part::of(&Silent);
-        let study = OrderStudy::new(&first, part, 1).unwrap();
-        assert_eq!(study.chosen, ["gain_asymmetry"]);
-        let observer = Quiet(&part);
-        better_order(&study, &others, &first, &observer).unwrap().is_some()
-    }
-
-    #[test]
-    fn the_order_is_chosen_again_beside_the_effect_that_is_found() {
-        let lagging = Actuator::FirstOrder { corner_rad_s: 400.0 };
-        assert_eq!([[0, 1], [1, 0]].map(|orders| better(orders, lagging)), [true, false]);
-        assert_eq!([[0, 1], [1, 0]].map(|orders| better(orders, Actuator::Direct)), [false, true]);
-    }
+    use crate::plant::Plant;
 
     // Of 120 rad/s, a pole at 20 000 turns the phase by a third of a degree.
     #[test]

@@ -106,3 +106,39 @@ pub(super) fn left_out(cell: &Cell, values: &DVector<f64>, scale: f64) -> LeftOu
         sigmas: off / scale,
     }
 }
+
+/// Most faults that are accepted together, all rows counted as one. With prior odds of one in twenty each,
+/// three at once are less likely than an effect that the library lacks, which many faults beside effects
+/// of the library can follow to within noise.
+const MOST: usize = 2;
+
+/// Whether a fault is found without a model of the machine, or whatever that is.
+pub(super) fn is_certain(fault: &MeasurementFault) -> bool {
+    use FaultKind::{BadRows, Conjugated, ResponseKind, ReversedSign, SineReference};
+    match fault.fault {
+        Conjugated | ReversedSign | SineReference | ResponseKind => true,
+        BadRows => fault.left_out.iter().all(|row| row.repeat.is_some()),
+        _ => false,
+    }
+}
+
+/// Whether there are more faults than [`MOST`] beside those that are certain.
+pub(super) fn are_too_many(faults: &[MeasurementFault]) -> bool {
+    faults.iter().filter(|fault| !is_certain(fault)).count() > MOST
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_faults_are_too_many_unless_one_of_them_is_certain() {
+        let of = |kinds: &[FaultKind]| -> Vec<MeasurementFault> {
+            kinds.iter().map(|kind| MeasurementFault::of(*kind)).collect()
+        };
+        let [gain, phase] = [FaultKind::LevelGain, FaultKind::LevelPhase];
+        assert!(!are_too_many(&of(&[gain, phase])));
+        assert!(are_too_many(&of(&[gain, phase, FaultKind::StdFactor])));
+        assert!(!are_too_many(&of(&[gain, phase, FaultKind::Conjugated])));
+    }
+}

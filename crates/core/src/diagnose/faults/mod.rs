@@ -49,6 +49,7 @@ use super::error::DiagnoseError;
 use super::progress::{Part, Quiet};
 use super::selection::order_selection::CLEARLY_BETTER;
 use super::selection::weighting_choice;
+use fault::{are_too_many, is_certain};
 
 pub use mending::as_understood;
 
@@ -102,7 +103,7 @@ pub(super) fn diagnose(
                     faults = fewer;
                     continue;
                 }
-                if together::form_regions(&answer, measurement, &faults) {
+                if are_too_many(&faults) || together::form_regions(&answer, measurement, &faults) {
                     break;
                 }
                 // What another effect might explain. The size of the noise it cannot.
@@ -165,16 +166,6 @@ fn undoubted(
         Ok(answer) => Ok(answer),
         Err(Halt::Error(error)) => Err(error),
         Err(Halt::Faults(_)) => unreachable!("no fault is looked for"),
-    }
-}
-
-/// Whether a fault is found without a model of the machine, or whatever that is.
-fn is_certain(fault: &MeasurementFault) -> bool {
-    use FaultKind::{BadRows, Conjugated, ResponseKind, ReversedSign, SineReference};
-    match fault.fault {
-        Conjugated | ReversedSign | SineReference | ResponseKind => true,
-        BadRows => fault.left_out.iter().all(|row| row.repeat.is_some()),
-        _ => false,
     }
 }
 

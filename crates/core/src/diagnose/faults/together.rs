@@ -23,6 +23,10 @@ const ALIKE_BY_CHANCE: f64 = 0.25;
 /// Probability below which so many neighbours are no chance.
 const LEVEL: f64 = 1e-3;
 
+/// Rows of one magnitude and harmonic by ascending frequency: what is left of each, in deviations, and
+/// whether it was left out.
+type Series = Vec<(Complex, bool)>;
+
 /// Whether the rows that these faults leave out are neighbours that depart alike more often than chance
 /// would have it: then they are no outliers, but something that the model of the answer lacks.
 pub(super) fn form_regions(
@@ -37,21 +41,19 @@ pub(super) fn form_regions(
         faults.iter().filter(|fault| fault.fault != FaultKind::BadRows).cloned().collect();
     let Ok(mended) = mending::mended(measurement, &others) else { return false };
     let Some(comparison) = compared(answer, &mended.measurement) else { return false };
-    let mut series: BTreeMap<(u64, usize), Vec<(f64, Complex, bool)>> = BTreeMap::new();
-    for ((magnitude, omega_rad_s), row) in each(&comparison) {
+    let mut series: BTreeMap<(u64, usize), Series> = BTreeMap::new();
+    let mut rows: Vec<_> = each(&comparison).collect();
+    rows.sort_by(|((_, one), _), ((_, other), _)| one.total_cmp(other));
+    for ((magnitude, _), row) in rows {
         let is_out = out.contains(&(row.experiment, row.order));
-        let of_series = series.entry((magnitude.to_bits(), row.order)).or_default();
-        of_series.push((omega_rad_s, row.left, is_out));
+        let own = series.entry((magnitude.to_bits(), row.order)).or_default();
+        own.push((row.left, is_out));
     }
-    let series = series.into_values().map(|mut rows| {
-        rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-        rows.into_iter().map(|(_, left, is_out)| (left, is_out)).collect()
-    });
-    is_no_chance(&series.collect::<Vec<_>>())
+    is_no_chance(&series.into_values().collect::<Vec<_>>())
 }
 
-/// The same of rows by series of neighbours: their residuals, and whether they were left out.
-fn is_no_chance(series: &[Vec<(Complex, bool)>]) -> bool {
+/// The same of rows by series of neighbours.
+fn is_no_chance(series: &[Series]) -> bool {
     let all = series.iter().map(Vec::len).sum::<usize>() as f64;
     let out = series.iter().flatten().filter(|(_, is_out)| *is_out).count() as f64;
     let pairs = || series.iter().flat_map(|rows| rows.windows(2));
@@ -73,7 +75,7 @@ mod tests {
     use super::*;
 
     /// Three series of sixteen rows, of which those at some places are left out, and depart by `left`.
-    fn rows(out: &[(usize, usize)], left: impl Fn(usize) -> Complex) -> Vec<Vec<(Complex, bool)>> {
+    fn rows(out: &[(usize, usize)], left: impl Fn(usize) -> Complex) -> Vec<Series> {
         let row = |place: (usize, usize)| match out.contains(&place) {
             true => (left(place.1), true),
             false => (Complex::new(0.3, -0.4), false),

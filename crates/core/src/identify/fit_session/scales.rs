@@ -32,8 +32,8 @@ impl FitSession<'_> {
         }
     }
 
-    /// Whether the base model has an actuator that is faster than the excited band by more than
-    /// [`FAST_ACTUATOR`]: then the data hardly show it.
+    /// Whether the base model has an actuator whose corner is more than twice the highest excited
+    /// frequency: then the data hardly show it.
     pub fn actuator_is_fast(&self) -> bool {
         let scope = self.scope();
         let rate = match scope.plant.actuator {

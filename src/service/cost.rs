@@ -242,6 +242,21 @@ mod tests {
         assert!(cost.of_job(JobKind::Identify, false, &IdentifyOptions::default()) > 2.0 * usual);
     }
 
+    #[test]
+    fn a_motion_between_two_rests_costs_what_a_period_does() {
+        let at =
+            |n: i32| if (20..380).contains(&n) { (f64::from(n * n) * 1e-3).sin() } else { 0.0 };
+        let rows: String = (0..400).map(|n| format!("{n},{},{}\n", at(n), at(n))).collect();
+        let read = |period: &str| {
+            let text = format!("# period_s: {period}\ntime_s,input,output\n{rows}");
+            formats::read(&[Source { name: "a.csv", bytes: text.as_bytes() }]).unwrap()
+        };
+        let [motion, period] = ["none", "400"].map(read);
+        assert_eq!((motion.transients().len(), period.experiments().len()), (1, 1));
+        assert_eq!(Cost::of(&motion), Cost::of(&period));
+        assert!(Cost::of(&motion).diagnosis_s > 0.0);
+    }
+
     // As `servoscope plan --pole -10 --constant 10 --fc-plus 0.5 --budget-s …` took.
     #[test]
     fn a_plan_costs_more_the_longer_it_is_but_never_much_more() {

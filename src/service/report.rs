@@ -60,6 +60,7 @@ pub fn measured(measurement: Option<&Measurement>, sources: &[Source<'_>]) -> Me
     let Some(measurement) = measurement else {
         return Measured { files, ..Measured::default() };
     };
+    let measurement = measurement.repeated();
     let metadata = measurement.metadata();
     let experiments = measurement.experiments();
     let orders = || experiments.iter().flat_map(|e| e.response.iter().map(|h| h.order));

@@ -8,40 +8,38 @@ use crate::process::{Server, servoscope, simulated};
 
 const AXIS: [&str; 6] = ["--fs-plus", "0.8", "--fs-minus", "0.7", "--noise-db", "60"];
 
-/// A swelling chirp of the axis that `servoscope simulate` measures by default, from rest.
-fn record(header: &str) -> String {
-    let plant = Plant {
+/// The axis that `servoscope simulate` measures by default.
+fn plant() -> Plant {
+    Plant {
         viscous_rate_rad_s: 10.0,
         constant: 10.0,
         actuator: Actuator::Direct,
         friction: Friction::coulomb(0.5, 0.4),
-    };
+    }
+}
+
+/// A swelling chirp of the axis with static friction, from rest.
+fn record(header: &str) -> String {
     let effects = [Effect::new("static_friction", [("fs_plus", 0.8), ("fs_minus", 0.7)])];
     let at = |t: f64| (0.4 + (0.8 * t).sin().powi(2)) * (t * (3.0 + t)).sin();
     let values: Vec<f64> = (0..=2500).map(|n| at(f64::from(n) * 4e-3)).collect();
     let samples = Samples { step_s: 4e-3, values: &values, hold: false };
-    let machine = Machine { plant, effects: &effects };
+    let machine = Machine { plant: plant(), effects: &effects };
     let motion = follow(&machine, 0.0, &samples, &Start::default(), &Settings::default()).unwrap();
     let rows = values.iter().zip(&motion.velocity).enumerate();
     let rows = rows.map(|(n, (u, v))| format!("{:.3},{u:.7},{v:.7}\n", n as f64 * 4e-3));
     format!("{header}time_s,input,output\n{}", rows.collect::<String>())
 }
 
-/// A sweep of the same axis without static friction, between two rests.
+/// A sweep of the axis between two rests.
 fn sweep() -> String {
-    let plant = Plant {
-        viscous_rate_rad_s: 10.0,
-        constant: 10.0,
-        actuator: Actuator::Direct,
-        friction: Friction::coulomb(0.5, 0.4),
-    };
     let at = |t: f64| match t {
         0.5..8.5 => 2.0 * (t - 0.5).min(8.5 - t).min(1.0) * (t * (2.0 + t)).sin(),
         _ => 0.0,
     };
     let values: Vec<f64> = (0..2500).map(|n| at(f64::from(n) * 4e-3)).collect();
     let samples = Samples { step_s: 4e-3, values: &values, hold: false };
-    let machine = Machine { plant, effects: &[] };
+    let machine = Machine { plant: plant(), effects: &[] };
     let motion = follow(&machine, 0.0, &samples, &Start::default(), &Settings::default()).unwrap();
     let noise = |n: usize| 2e-3 * (n as f64 * n as f64 * 0.37).sin();
     let rows = values.iter().zip(&motion.velocity).enumerate();

@@ -122,8 +122,8 @@ impl Measurement {
         })
     }
 
-    /// Makes a measurement of motions that do not repeat. Models can be validated on it; fitted are they
-    /// only to motions that begin and end at rest.
+    /// Makes a measurement of motions that do not repeat. Models can be validated on it. A fit takes
+    /// only motions that begin and end at rest: see [`Measurement::repeated`].
     ///
     /// # Errors
     /// If there is no motion, or one has a value that is not finite, too few samples, or no

@@ -123,7 +123,7 @@ impl Record {
         (experiment, remarks)
     }
 
-    /// Mean harmonics of the last periods, of as many samples and seconds each, whose responses are given.
+    /// Mean harmonics of the last periods, of so many samples and seconds each, from their responses.
     fn of_periods(
         &self,
         mut outputs: Vec<Vec<Complex>>,

@@ -1,24 +1,24 @@
 //! A motion that begins and ends at rest, as one period of a periodic one.
 //!
-//! If such a motion were repeated, every repeat would begin in the state in which the first one did, and be
-//! the same. So its harmonics are those of a periodic motion whose period is the whole record, and models
-//! can be fitted to it.
+//! If such a motion were repeated, every repeat would begin in the state in which the first one did, and
+//! be the same. So its harmonics are those of a periodic motion whose period is the whole record, and
+//! models can be fitted to it.
 
 use std::borrow::Cow;
 
 use super::record::{Record, RecordStatement};
 use super::{Intersample, Loop, Measurement, Metadata, ResponseKind, Transient};
 
-/// Blocks at the end of a motion in which the axis must rest, and their length as a share of the motion:
-/// 2 % in all.
+/// Blocks at the end of a motion in which the axis must rest, and their length as a share of the
+/// motion: 2 % in all.
 const RESTING_BLOCKS: usize = 4;
 const BLOCK_SHARE: f64 = 0.005;
 
 /// Fewest samples of a block.
 const FEWEST_IN_BLOCK: usize = 4;
 
-/// Largest velocity at rest, and largest change of the input or of a position that is held between the ends
-/// of a motion, as shares of their largest values in it. Set by hand.
+/// Largest velocity at rest, as a share of the largest, and largest change between the ends of a motion
+/// of the input, and of a position that is held, as a share of its range. Set by hand.
 const AT_REST: f64 = 0.02;
 const RETURNED: f64 = 0.01;
 
@@ -26,8 +26,8 @@ const RETURNED: f64 = 0.01;
 const NOISE_DEVIATIONS: f64 = 4.0;
 
 impl Transient {
-    /// Whether the axis rests at both ends, under the same input. A position that a controller holds must
-    /// also be the same.
+    /// Whether the axis rests at both ends, under the same input. A position that a controller holds
+    /// must also be the same. An acceleration does not tell rest from steady motion.
     pub(super) fn rests(&self, metadata: &Metadata) -> bool {
         let count = self.output.len();
         let block = ((BLOCK_SHARE * count as f64) as usize).max(FEWEST_IN_BLOCK);
@@ -103,9 +103,12 @@ impl Blocks {
 }
 
 impl Measurement {
-    /// The measurement as a fit takes it: motions that begin and end at rest as one period each. Others are
-    /// left out, with a remark; where no motion rests, nothing is changed.
+    /// The measurement as a fit takes it: motions that begin and end at rest as one period each. Other
+    /// motions are left out, with a remark; where none rests, nothing is changed.
     pub fn repeated(&self) -> Cow<'_, Self> {
+        if self.transients().is_empty() {
+            return Cow::Borrowed(self);
+        }
         let metadata = self.metadata();
         let (mut experiments, mut notes) = (Vec::new(), self.notes().to_vec());
         for (index, motion) in self.transients().iter().enumerate() {
@@ -117,23 +120,18 @@ impl Measurement {
                 intersample: Some(motion.intersample).filter(|way| *way == Intersample::Hold),
                 ..RecordStatement::default()
             };
-            let period = |motion: &Transient| motion.record().one_period(stated, duration_s);
-            match Some(motion).filter(|motion| motion.rests(metadata)).map(period) {
-                Some((experiment, remarks)) => {
-                    experiments.push(experiment);
-                    notes
-                        .extend(remarks.into_iter().map(|text| format!("motion {number}: {text}")));
-                }
-                None => notes.push(format!(
-                    "motion {number} does not begin and end at rest: it is left out"
-                )),
+            if !motion.rests(metadata) {
+                let left_out = "does not begin and end at rest: it is left out";
+                notes.push(format!("motion {number} {left_out}"));
+                continue;
             }
+            let (experiment, remarks) = motion.record().one_period(stated, duration_s);
+            experiments.push(experiment);
+            notes.extend(remarks.into_iter().map(|text| format!("motion {number}: {text}")));
         }
         let sha256 = self.sha256().to_owned();
-        match Self::new(metadata.clone(), experiments, notes, sha256) {
-            Ok(repeated) if !self.transients().is_empty() => Cow::Owned(repeated),
-            _ => Cow::Borrowed(self),
-        }
+        let repeated = Self::new(metadata.clone(), experiments, notes, sha256);
+        repeated.map_or(Cow::Borrowed(self), Cow::Owned)
     }
 }
 
@@ -141,8 +139,8 @@ impl Measurement {
 mod tests {
     use super::*;
 
-    /// 4000 samples: a sweep between two rests, of which the last is as long as `rest` samples; the axis
-    /// ends at `end`.
+    /// 4000 samples: a sweep between two rests, of which the last is as long as `rest` samples; the
+    /// axis ends at `end`.
     fn motion(rest: usize, end: f64) -> Transient {
         let moving = 200..4000 - rest;
         let share = |i: usize| (i - moving.start) as f64 / moving.len() as f64;

@@ -107,10 +107,10 @@ pub(super) fn left_out(cell: &Cell, values: &DVector<f64>, scale: f64) -> LeftOu
     }
 }
 
-/// Most faults that are accepted together, all rows counted as one. With prior odds of one in twenty each,
-/// three at once are less likely than an effect that the library lacks, which many faults beside effects
-/// of the library can follow to within noise.
-const MOST: usize = 2;
+/// Most faults that are accepted together, all rows counted as one. With prior odds of one in twenty
+/// each, three at once are less likely than an effect that the library lacks, which many faults
+/// beside effects of the library can follow to within noise.
+const MOST_ACCEPTED: usize = 2;
 
 /// Whether a fault is found without a model of the machine, or whatever that is.
 pub(super) fn is_certain(fault: &MeasurementFault) -> bool {
@@ -122,9 +122,9 @@ pub(super) fn is_certain(fault: &MeasurementFault) -> bool {
     }
 }
 
-/// Whether there are more faults than [`MOST`] beside those that are certain.
+/// Whether there are more faults than [`MOST_ACCEPTED`] beside those that are certain.
 pub(super) fn are_too_many(faults: &[MeasurementFault]) -> bool {
-    faults.iter().filter(|fault| !is_certain(fault)).count() > MOST
+    faults.iter().filter(|fault| !is_certain(fault)).count() > MOST_ACCEPTED
 }
 
 #[cfg(test)]

@@ -232,11 +232,12 @@ pub fn as_understood<'m>(
     if faults.is_empty() {
         return Ok(Cow::Borrowed(measurement));
     }
+    let measurement = measurement.repeated();
     let shown: Vec<MeasurementFault> = faults
         .iter()
         .map(|fault| MeasurementFault { left_out: Vec::new(), ..fault.clone() })
         .collect();
-    Ok(Cow::Owned(mended(measurement, &shown)?.measurement))
+    Ok(Cow::Owned(mended(&measurement, &shown)?.measurement))
 }
 
 fn named_kind(name: &str) -> Option<ResponseKind> {

@@ -11,9 +11,9 @@
 //! other, [`one_level_out`] fits without one magnitude, which [`wrong_gain`] does before anything else
 //! where a table is far from its noise, [`course`] tries how an input runs between its samples, and
 //! [`isolated`] finds rows that stand out where nothing explains the measurement. Before faults are
-//! accepted, [`together`] asks whether rows that were left out form regions, as what a model lacks does,
-//! and [`retest`] whether faults are still needed beside the effects that are named in the end. Faults of one row,
-//! level or experiment are looked for in tables only.
+//! accepted, [`retest`] asks whether they are still needed beside the effects that are named in the
+//! end, and [`row_regions`] whether rows that were left out form regions, as what a model lacks does.
+//! Faults of one row, level or experiment are looked for in tables only.
 
 mod candidates;
 mod course;
@@ -27,11 +27,11 @@ mod projection;
 pub(super) mod readings;
 mod repeats;
 mod retest;
+mod row_regions;
 mod scan;
 pub(super) mod suspects;
 #[cfg(test)]
 mod tests;
-mod together;
 pub(super) mod words;
 pub(super) mod wrong_gain;
 
@@ -103,9 +103,6 @@ pub(super) fn diagnose(
                     faults = fewer;
                     continue;
                 }
-                if are_too_many(&faults) || together::form_regions(&answer, measurement, &faults) {
-                    break;
-                }
                 // What another effect might explain. The size of the noise it cannot.
                 let (asked, kept): (Vec<_>, Vec<_>) = faults
                     .iter()
@@ -120,6 +117,10 @@ pub(super) fn diagnose(
                     }
                     faults = kept;
                     continue;
+                }
+                if are_too_many(&faults) || row_regions::form_regions(&answer, measurement, &faults)
+                {
+                    break;
                 }
                 let as_measured = match as_measured {
                     Some(known) => Some(known),

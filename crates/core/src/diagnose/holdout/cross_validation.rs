@@ -5,10 +5,10 @@
 //! anew, and their predictions of the part are kept. A model is penalised as it is with all data.
 //! The errors of models that are certainly not chosen are computed to first order, without a refit.
 
-mod alike;
 mod backward_elimination;
 #[cfg(test)]
 mod fixtures;
+mod parsimony;
 
 use std::collections::BTreeMap;
 
@@ -24,8 +24,8 @@ use crate::diagnose::progress::{Part, Stage};
 use crate::diagnose::selection::evidence::NoiseScale;
 use crate::diagnose::selection::models::{Key, Models, ScoredModel};
 use crate::observer::Observer as _;
-use alike::differs_by_one;
 pub(crate) use backward_elimination::Dropped;
+use parsimony::differs_by_one;
 
 /// Models whose −2 ln evidence exceeds the best by more than this are not refitted: no part of the
 /// data makes up for it. Tuned.

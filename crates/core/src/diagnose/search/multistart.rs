@@ -49,9 +49,10 @@ impl Search<'_> {
         }
     }
 
-    /// Fits the models with the closest imitator of an effect in its place, where the search has not: only
-    /// beside the same other effects can the two be compared.
+    /// Fits the models with the closest imitator of an effect in its place, where the search has not:
+    /// only beside the same other effects can the two be compared.
     pub fn exchange_imitators(&mut self, chosen: &Key, part: Part<'_>) {
+        let mut part = Remaining(part);
         for id in chosen {
             let rest: Key = chosen.iter().copied().filter(|other| other != id).collect();
             let (Some(effect), Some(model)) = (self.models.effect(id), self.models.get(&rest))
@@ -67,9 +68,11 @@ impl Search<'_> {
                 continue;
             }
             let Some(linearization) = Linearization::new(self.session, model) else { continue };
-            let mut probed = self.probe(&linearization, part);
+            let mut probed = self.probe(&linearization, part.0);
             probed.retain(|probed| is_missing(probed.effect));
-            let fits = self.fitter(part, rest.len()).fit(&linearization.model, &probed, |_| true);
+            let fits =
+                self.fitter(part.take(0.5), rest.len())
+                    .fit(&linearization.model, &probed, |_| true);
             self.keep(fits);
         }
     }

@@ -47,7 +47,8 @@ mod tests {
     use crate::observer::Silent;
     use crate::plant::{Actuator, Plant};
 
-    /// Whether another order is better beside what is found at one, on a record with an asymmetric gain.
+    /// Whether another order is better beside what is found at one, on a record with an asymmetric
+    /// gain.
     fn better([order, other]: [u8; 2], actuator: Actuator) -> bool {
         let effects = [Effect::new("gain_asymmetry", [("gamma", 0.15)])];
         let record = multisine_record(Plant { actuator, ..plant() }, &effects, None, 5);

@@ -147,6 +147,9 @@ fn rejection(models: &Models, chosen: &Key, withdrawn: &Key, id: &'static str) -
     if chosen.is_empty() && withdrawn.is_empty() {
         return "the improvement does not justify its parameters".into();
     }
+    if models.predict_alike.contains(&single) {
+        return format!("it predicts held-out data no better than {}", chosen.join(" with "));
+    }
     let mut with: Key = chosen.iter().copied().chain([id]).collect();
     with.sort_unstable();
     match models.get(&with).is_some() && !chosen.is_empty() {
@@ -217,6 +220,11 @@ mod tests {
         assert_eq!(said(&["spring"], "transport_delay"), "spring explains the data better");
         assert_eq!(said(&[], "spring"), "the improvement does not justify its parameters");
         assert!(said(&[], "cogging").contains("may be chance"));
+        models.predict_alike.insert(key(&["transport_delay"]));
+        assert_eq!(
+            rejection(&models, &key(&["spring"]), &Key::new(), "transport_delay"),
+            "it predicts held-out data no better than spring"
+        );
     }
 
     #[test]

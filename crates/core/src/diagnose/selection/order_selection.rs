@@ -57,9 +57,9 @@ impl Spans {
 
 /// Diagnoses with the actuator order that was requested. If none was, the order is that of
 /// `first`, which suits the base model without any effect, unless a lower order is better by more
-/// than [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, lower ones if its base
-/// model is no axis, and beside the effects that are found a higher one if it is better by as much, or a
-/// lower one if it is better and the actuator is beyond the excited band.
+/// than [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, and lower ones if its
+/// base model is no axis. Then, beside the effects that are found, a higher order is taken if it is
+/// better by as much, or a lower one if it is better and the actuator is beyond the excited band.
 ///
 /// # Errors
 /// See [`crate::diagnose::DiagnoseError`]; and the faults of the measurement, if it is doubted and

@@ -20,10 +20,11 @@ use crate::diagnose::search::Search;
 const RESIDUALS_SPAN: [f64; 2] = [0.0, 0.05];
 const SINGLES_SPAN: [f64; 2] = [0.05, 1.0];
 
-/// Shares of the progress of [`OrderStudy::combine`]: fitting several effects together, and
-/// refitting the chosen ones from more starting points, if that is done.
-const COMBINING_SPAN: [f64; 2] = [0.0, 0.8];
-const MULTISTART_SPAN: [f64; 2] = [0.8, 1.0];
+/// Shares of the progress of [`OrderStudy::combine`]: fitting several effects together, refitting the
+/// chosen ones from more starting points, if that is done, and their imitators.
+const COMBINING_SPAN: [f64; 2] = [0.0, 0.75];
+const MULTISTART_SPAN: [f64; 2] = [0.75, 0.9];
+const IMITATORS_SPAN: [f64; 2] = [0.9, 1.0];
 
 /// A base model of one actuator order, where it is wrong, and the effects found to be missing.
 pub(crate) struct OrderStudy<'a> {
@@ -103,14 +104,14 @@ impl<'a> OrderStudy<'a> {
             let errors = [without, with].map(error);
             matches!(errors, [Some(without), Some(with)] if with < without)
         };
-        let combining = if search.deepens() { COMBINING_SPAN } else { [0.0, 1.0] };
+        let combining = if search.deepens() { COMBINING_SPAN } else { [0.0, 0.9] };
         search.combine(part.part(combining), most, sufficient, adds);
         self.combined = true;
         self.choose(part)?;
         self.search.deepen(&self.chosen, part.part(MULTISTART_SPAN));
         self.choose(part)?;
         if self.fits {
-            self.search.exchange_imitators(&self.chosen, part.part([1.0, 1.0]));
+            self.search.exchange_imitators(&self.chosen, part.part(IMITATORS_SPAN));
             self.choose(part)?;
         }
         Ok(())

@@ -9,8 +9,8 @@ use crate::identify::problem::Scales;
 use crate::identify::units::Units;
 use crate::plant::Actuator;
 
-/// Ratio of the corner of an actuator to the highest excited frequency from which it is fast. A first
-/// order then turns the phase there by 27°, and a second order changes the gain by a third. Set by hand.
+/// Ratio of the corner of an actuator to the highest excited frequency from which it is fast. There a
+/// first order turns the phase by 27°, and a second order changes the gain by a third. Set by hand.
 const FAST_ACTUATOR: f64 = 2.0;
 
 impl FitSession<'_> {

@@ -6,8 +6,8 @@ use super::CrossValidation;
 use crate::answers::ComparedHarmonic;
 use crate::diagnose::holdout::heldout_predictions::Predicted;
 
-/// Predictions of twelve groups of one row each, wrong by about `by`, and by `spread` of it more or less
-/// from group to group.
+/// Predictions of twelve groups of one row each, wrong by about `by`, and by `spread` of it more or
+/// less from group to group.
 pub(super) fn off(by: f64, spread: f64) -> Predicted {
     let harmonic = |group: usize| ComparedHarmonic {
         order: 1,

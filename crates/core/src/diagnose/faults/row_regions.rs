@@ -1,9 +1,9 @@
 //! Whether rows that were left out form regions.
 //!
-//! What a model lacks varies smoothly with the frequency, so that the rows that speak most against a wrong
-//! model are neighbours, and depart from it in the same direction. Rows that are wrong by themselves are
-//! spread over the measurement. So neighbours that depart alike are counted, and compared with what rows
-//! drawn at random would give.
+//! What a model lacks varies smoothly with the frequency, so that the rows that speak most against a
+//! wrong model are neighbours, and depart from it in the same direction. Rows that are wrong by
+//! themselves are spread over the measurement. So neighbours that depart alike are counted, and
+//! compared with what rows drawn at random would give.
 
 use std::collections::{BTreeMap, BTreeSet};
 

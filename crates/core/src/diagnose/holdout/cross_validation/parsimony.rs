@@ -74,8 +74,8 @@ mod tests {
 
     const IDS: [&str; 4] = ["backlash", "cogging", "spring", "viscous_asymmetry"];
 
-    /// Backlash is off by 0.1 and fits best; a spring predicts about as well, in some groups better and
-    /// in others worse; viscous asymmetry predicts certainly worse; cogging is as good but may be chance.
+    /// Backlash is off by 0.1 and fits best; a spring predicts about as well, in some groups better
+    /// and in others worse; viscous asymmetry predicts certainly worse; cogging is as good but may be chance.
     fn of_four() -> (CrossValidation, Models) {
         let ids = IDS.map(|id| [id]);
         let errors = ids.each_ref().map(|id| (id.as_slice(), 0.1));

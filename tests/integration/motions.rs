@@ -135,7 +135,8 @@ fn a_server_takes_a_record_that_does_not_repeat_for_a_validation_alone() {
     assert!(validation["models"]["base"]["nrmse"].as_f64().unwrap() > 0.02, "{validation}");
 }
 
-// The tolerance is ten of the deviations that the noise, 0.1 % of the motion, leaves in 2500 samples.
+// The tolerance is more than six of the standard deviations that the answer states: 0.045 % of the
+// friction, less of the others.
 #[test]
 fn an_axis_is_identified_from_a_sweep_that_begins_and_ends_at_rest() {
     let directory = tempfile::tempdir().unwrap();
@@ -148,7 +149,7 @@ fn an_axis_is_identified_from_a_sweep_that_begins_and_ends_at_rest() {
     let truth = [("pole", -10.0), ("constant", 10.0), ("fc_plus", 0.5), ("fc_minus", 0.4)];
     for (name, value) in truth {
         let found = result["parameters"][name]["value"].as_f64().unwrap();
-        assert!((found / value - 1.0_f64).abs() < 0.01, "{name}: {found}");
+        assert!((found / value - 1.0_f64).abs() < 3e-3, "{name}: {found}");
     }
     let said = result["limitations"].to_string();
     assert!(said.contains("begins and ends at rest"), "{said}");

@@ -34,7 +34,8 @@ const LARGEST_UNCERTAINTY: f64 = 1.0;
 const SETTLING_TIME_CONSTANTS: f64 = 7.0;
 /// A repeat is at least this many of the slowest time constant long.
 const REPEAT_TIME_CONSTANTS: f64 = 5.0;
-/// Longest ratio of highest to lowest frequency, and of the budget to 1/a.
+/// Largest ratio of highest to lowest frequency, of the budget to 1/a, and of the time to settle to the
+/// shortest period.
 const LARGEST_RATIO: f64 = 1e6;
 
 /// A checked request.
@@ -101,6 +102,16 @@ impl Setting {
             );
             return Err(PlanError::Invalid { field: "budget_s", reason });
         }
+        let settle_s = SETTLING_TIME_CONSTANTS / slowest;
+        let settle_periods = settle_s * band_rad_s[1] / std::f64::consts::TAU;
+        if settle_periods.is_nan() || settle_periods > LARGEST_RATIO {
+            let reason = format!(
+                "the axis takes {settle_s:.3e} s to settle, more than a million periods of the highest \
+                 frequency, {:.3e} rad/s; give lower frequencies, or an axis that is damped more",
+                band_rad_s[1]
+            );
+            return Err(PlanError::Invalid { field: "options.highest_rad_s", reason });
+        }
         let noise_std =
             request.options.noise_std.unwrap_or_else(|| default_noise(&plant, magnitudes));
         let options = PlanOptions {
@@ -117,7 +128,7 @@ impl Setting {
             magnitudes,
             band_rad_s,
             noise_std,
-            settle_s: SETTLING_TIME_CONSTANTS / slowest,
+            settle_s,
             repeat_s: REPEAT_TIME_CONSTANTS / slowest,
         })
     }

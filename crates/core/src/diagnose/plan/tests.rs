@@ -155,6 +155,8 @@ fn what_makes_no_sense_is_refused_with_what_to_do() {
         (|r| r.options.noise_std = Some(-1.0), "options.noise_std"),
         (|r| r.options.largest_magnitude = Some(0.5), "give at least 1.05"),
         (|r| r.options.highest_rad_s = Some(2.0), "2 to 1 000 000 times the lowest"),
+        (|r| r.options.lowest_rad_s = Some(3e307), "more than a million periods"),
+        (|r| r.options.lowest_rad_s = Some(1e308), "more than a million periods"),
     ] {
         let found = refused(change);
         assert!(found.contains(words), "{words}: {found}");

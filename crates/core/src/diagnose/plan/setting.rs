@@ -104,10 +104,10 @@ impl Setting {
         }
         let settle_s = SETTLING_TIME_CONSTANTS / slowest;
         let settle_periods = settle_s * band_rad_s[1] / std::f64::consts::TAU;
-        if settle_periods.is_nan() || settle_periods > LARGEST_RATIO {
+        if settle_periods > LARGEST_RATIO {
             let reason = format!(
-                "the axis takes {settle_s:.3e} s to settle, more than a million periods of the highest \
-                 frequency, {:.3e} rad/s; give lower frequencies, or an axis that is damped more",
+                "the axis takes more than a million periods of the highest frequency, {:.3e} rad/s, to \
+                 settle; give lower frequencies, or an axis that is damped more",
                 band_rad_s[1]
             );
             return Err(PlanError::Invalid { field: "options.highest_rad_s", reason });

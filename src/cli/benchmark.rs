@@ -43,8 +43,9 @@ pub(super) struct Args {
     machine_pairs: u32,
     /// Measurements with a fault of each sort (bad rows, a wrong gain or phase of a level or an
     /// experiment, a wrong sign, unit, reference, quantity or timing) of clean machines at each
-    /// level above 40 dB; as many of machines with an effect, the effects taken in turn. The same
-    /// measurements are diagnosed without the fault, too.
+    /// level above 40 dB; as many of machines with an effect, the effects taken in turn; as many
+    /// records with each fault that they may have. The same measurements are diagnosed without the
+    /// fault, too.
     #[arg(long, value_name = "N", default_value_t = Plan::default().mismeasured)]
     mismeasured: u32,
     /// Noise, dB below the median response: 60, 50 or 40; not of `analyser`.
@@ -204,8 +205,12 @@ mod tests {
         let line = "--kinds mismeasured --effects spring,stribeck --mismeasured 1 --levels 60,40";
         let keys = asked(line).unwrap().plan().cases().into_iter().map(|case| case.to_string());
         let keys: Vec<String> = keys.collect();
-        assert_eq!((keys.len(), keys[12].as_str()), (2 * 13, "mismeasured-60-o0-12"));
-        assert_eq!(keys[14], "mismeasured-60-stribeck-o1-1");
+        assert_eq!((keys.len(), keys[12].as_str()), (2 * 14, "mismeasured-60-o0-12"));
+        assert_eq!(keys[15], "mismeasured-60-stribeck-o1-1");
+        let line = "--kinds mismeasured-record --effects spring --mismeasured 1 --levels 60,50";
+        let keys = asked(line).unwrap().plan().cases().into_iter().map(|case| case.to_string());
+        let keys: Vec<String> = keys.collect();
+        assert_eq!((keys.len(), keys[3].as_str()), (2 * 2, "mismeasured-record-60-spring-o2-1"));
         assert!(asked("--effects sprng").unwrap_err().contains("hardening_spring"));
         assert!(asked("--kinds none").unwrap_err().contains("outsider"));
         assert!(asked("--orders 3").is_err() && asked("--case spring").is_err());

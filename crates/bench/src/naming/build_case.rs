@@ -73,10 +73,8 @@ pub fn build_case(
         machine.effects = effects;
         if let Some(recording) = instrument.recording {
             let made = recorded(case, &machine, instrument, recording, wanted[0], rng);
-            match made {
-                Some(made) => return Ok(Made { attempts: attempt, ..made }),
-                None => continue,
-            }
+            let Some(made) = made else { continue };
+            return mismade(case, Made { attempts: attempt, ..made }, rng);
         }
         let responses = instrument.responses(&machine, &Settings::default())?;
         let excess = if machine.effects.is_empty() {
@@ -95,14 +93,7 @@ pub fn build_case(
         let Some(hidden) = hidden else { continue };
         let noise = instrument.law(&responses)?;
         let sound = responses.noisy(&instrument.noise, instrument.said.statement(), rng)?;
-        let (mistake, measurement) = match Sort::of(case) {
-            Some(sort) => {
-                let made = Mistake::make(sort, sound, &noise, rng).map_err(DrawError::from)?;
-                (Some(made.0), made.1)
-            }
-            None => (None, sound),
-        };
-        return Ok(Made {
+        let made = Made {
             hidden,
             excess,
             dominance,
@@ -110,12 +101,22 @@ pub fn build_case(
             instrument,
             noise,
             machine,
-            measurement,
-            mistake,
+            measurement: sound,
+            mistake: None,
             attempts: attempt,
-        });
+        };
+        return mismade(case, made, rng);
     }
     Err(MakeError::Unreachable)
+}
+
+/// The draw with the fault of its measurement, if it shall have one.
+fn mismade(case: &Case, sound: Made, rng: &mut ChaCha8Rng) -> Result<Made, MakeError> {
+    let Some(sort) = Sort::of(case) else { return Ok(sound) };
+    let Made { measurement, noise, .. } = sound;
+    let (mistake, measurement) =
+        Mistake::make(sort, measurement, &noise, rng).map_err(DrawError::from)?;
+    Ok(Made { mistake: Some(mistake), measurement, noise, ..sound })
 }
 
 /// Smallest and largest target of a draw: of its excess, in a machine with small effects of the χ²
@@ -123,7 +124,7 @@ pub fn build_case(
 fn target_range(case: &Case) -> [f64; 2] {
     match case.kind {
         Kind::Analyser | Kind::AnalyserRecord => ANALYSER_EXCESS,
-        Kind::Mismeasured => [MUST_BE_NAMED, most_excess(case.level_db)],
+        Kind::Mismeasured | Kind::MismeasuredRecord => [MUST_BE_NAMED, most_excess(case.level_db)],
         _ if case.kind.dominant() > 0 => CHI2_PER_DOF,
         _ => [DETECTABLE, most_excess(case.level_db)],
     }
@@ -149,12 +150,14 @@ fn effects(
     rng: &mut ChaCha8Rng,
 ) -> Option<Vec<Effect>> {
     match case.kind {
-        Kind::Single | Kind::Analyser | Kind::AnalyserRecord | Kind::Mismeasured => {
-            match case.effect {
-                Some(id) => Some(vec![sized(draw_effect(id, machine, rng), targets[0])?]),
-                None => Some(Vec::new()),
-            }
-        }
+        Kind::Single
+        | Kind::Analyser
+        | Kind::AnalyserRecord
+        | Kind::Mismeasured
+        | Kind::MismeasuredRecord => match case.effect {
+            Some(id) => Some(vec![sized(draw_effect(id, machine, rng), targets[0])?]),
+            None => Some(Vec::new()),
+        },
         Kind::Pair => {
             let ids = two(rng)?;
             let shapes = [draw_effect(ids[0], machine, rng), draw_effect(ids[1], machine, rng)];

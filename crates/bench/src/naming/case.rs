@@ -41,11 +41,14 @@ pub enum Kind {
     MachinePairRecord,
     /// One effect or nothing, in a measurement that has a fault itself.
     Mismeasured,
+    /// As [`Kind::Mismeasured`], but recorded.
+    #[serde(rename = "mismeasured-record")]
+    MismeasuredRecord,
 }
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Single,
         Self::Clean,
         Self::Pair,
@@ -57,6 +60,7 @@ impl Kind {
         Self::MachineRecord,
         Self::MachinePairRecord,
         Self::Mismeasured,
+        Self::MismeasuredRecord,
     ];
 
     /// The name used in keys and on the command line.
@@ -73,6 +77,7 @@ impl Kind {
             Self::MachineRecord => "machine-record",
             Self::MachinePairRecord => "machine-2-record",
             Self::Mismeasured => "mismeasured",
+            Self::MismeasuredRecord => "mismeasured-record",
         }
     }
 
@@ -85,7 +90,8 @@ impl Kind {
             | Self::Outsider
             | Self::Analyser
             | Self::AnalyserRecord
-            | Self::Mismeasured => 0,
+            | Self::Mismeasured
+            | Self::MismeasuredRecord => 0,
             Self::Machine | Self::MachineRecord => 1,
             Self::MachinePair | Self::MachinePairRecord => 2,
         }
@@ -93,7 +99,18 @@ impl Kind {
 
     /// Whether the machine is recorded, instead of measured as a table.
     pub fn is_recorded(self) -> bool {
-        matches!(self, Self::AnalyserRecord | Self::MachineRecord | Self::MachinePairRecord)
+        matches!(
+            self,
+            Self::AnalyserRecord
+                | Self::MachineRecord
+                | Self::MachinePairRecord
+                | Self::MismeasuredRecord
+        )
+    }
+
+    /// Whether the measurement has a fault itself.
+    pub fn is_mismeasured(self) -> bool {
+        matches!(self, Self::Mismeasured | Self::MismeasuredRecord)
     }
 
     /// The kind with which a key begins, and the rest of the key.
@@ -124,12 +141,12 @@ pub struct Case {
     /// record follows from what the dominant effects shall leave.
     pub level_db: u32,
     /// Id of the effect; always for [`Kind::Single`] and, the dominant one, for [`Kind::Machine`];
-    /// for [`Kind::Analyser`], [`Kind::AnalyserRecord`] and [`Kind::Mismeasured`] if they hide one.
+    /// for analysers and measurements with a fault, recorded or not, if they hide one.
     pub effect: Option<&'static str>,
     /// Order of the actuator, 0 to 2.
     pub order: u8,
-    /// Number of the draw among those that are otherwise equal. It says which fault a
-    /// [`Kind::Mismeasured`] has.
+    /// Number of the draw among those that are otherwise equal. It says which fault a measurement
+    /// that has one has.
     pub index: u32,
 }
 
@@ -179,7 +196,9 @@ impl FromStr for Case {
         };
         let is_whole = match kind {
             Kind::Single | Kind::Machine | Kind::MachineRecord => effect.is_some(),
-            Kind::Analyser | Kind::AnalyserRecord | Kind::Mismeasured => true,
+            Kind::Analyser | Kind::AnalyserRecord | Kind::Mismeasured | Kind::MismeasuredRecord => {
+                true
+            }
             Kind::Clean
             | Kind::Pair
             | Kind::Outsider
@@ -234,6 +253,8 @@ mod tests {
             (Kind::AnalyserRecord, "analyser-record-70-o1-4", None),
             (Kind::Mismeasured, "mismeasured-70-spring-o1-4", Some("spring")),
             (Kind::Mismeasured, "mismeasured-70-o1-4", None),
+            (Kind::MismeasuredRecord, "mismeasured-record-70-spring-o1-4", Some("spring")),
+            (Kind::MismeasuredRecord, "mismeasured-record-70-o1-4", None),
         ] {
             let case = Case { kind, level_db: 70, effect, order: 1, index: 4 };
             assert_eq!((key.parse(), case.to_string()), (Ok(case), key.to_owned()));

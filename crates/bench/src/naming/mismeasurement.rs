@@ -66,6 +66,8 @@ pub enum Mismeasurement {
     PositionCalledVelocity,
     /// Harmonics from the first on are rms values, but are called peak values.
     RmsCalledPeak,
+    /// Harmonics from the first on are peak-to-peak values, but are called peak values.
+    PeakToPeakCalledPeak,
     /// The response is ahead of the input by a constant time.
     ChannelSkew {
         /// The time, s.
@@ -129,6 +131,7 @@ impl fmt::Display for Mismeasurement {
             Self::ReversedSign => f.write_str("a response with the wrong sign"),
             Self::PositionCalledVelocity => f.write_str("a position called velocity"),
             Self::RmsCalledPeak => f.write_str("rms values called peak values"),
+            Self::PeakToPeakCalledPeak => f.write_str("peak-to-peak values called peak values"),
             Self::ChannelSkew { seconds } => write!(f, "a response ahead by {seconds:.3e} s"),
         }
     }

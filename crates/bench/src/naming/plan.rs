@@ -35,12 +35,12 @@ pub struct Plan {
     /// The same of machines with two dominant effects.
     pub machine_pairs: u32,
     /// Number of measurements with a fault of each sort at each level above 40 dB, and as many that
-    /// hide an effect, too.
+    /// hide an effect, too; records with a fault only at the level with the least noise.
     pub mismeasured: u32,
 }
 
-/// All kinds but [`Kind::Analyser`], its records, the machines with small effects and [`Kind::Mismeasured`],
-/// which would make the run several times as long.
+/// All kinds but [`Kind::Analyser`], its records, the machines with small effects and the measurements with a
+/// fault, which would make the run several times as long.
 impl Default for Plan {
     fn default() -> Self {
         Self {
@@ -132,21 +132,31 @@ impl Plan {
                     .map(|(effect, index)| case(level_db, effect, index))
                     .collect()
             }
-            Kind::Mismeasured => {
+            Kind::Mismeasured | Kind::MismeasuredRecord => {
                 // The index says which sort of fault it is.
-                let count = Sort::ALL.len() as u32 * self.mismeasured;
+                let sorts = Sort::all_of(kind).len();
+                let count = sorts as u32 * self.mismeasured;
                 let levels: Vec<u32> = levels.filter(|level| *level > 40).collect();
                 let draws = levels.iter().flat_map(|level| (0..count).map(move |i| (*level, i)));
-                let order = |place: usize, number: usize| {
-                    // The orders change from one effect to the next and from one turn to the next.
-                    self.orders[(place + number / self.effects.len()) % self.orders.len()]
+                let order = |place: usize| self.orders[place % self.orders.len()];
+                // Where there are few sorts, each gets every order.
+                let place = |index: u32| match kind {
+                    Kind::Mismeasured => index as usize,
+                    _ => index as usize % sorts + index as usize / sorts,
                 };
-                let clean = draws.clone().map(|(level, index)| case(level, None, index));
+                let clean = draws.clone().map(|(level, index)| {
+                    Case { order: order(place(index)), ..case(level, None, index) }
+                });
                 let effects = self.effects.iter().copied().enumerate().cycle();
                 let hidden = draws.zip(effects).enumerate();
-                let hidden = hidden.map(|(number, ((level, index), (place, effect)))| Case {
-                    order: order(place, number),
-                    ..case(level, Some(effect), index)
+                let hidden = hidden.map(|(number, ((level, index), (effect_place, effect)))| {
+                    // The orders change from one effect to the next and from one turn to the next.
+                    let first = match kind {
+                        Kind::Mismeasured => effect_place,
+                        _ => place(index),
+                    };
+                    let order = order(first + number / self.effects.len());
+                    Case { order, ..case(level, Some(effect), index) }
                 });
                 clean.chain(hidden).collect()
             }
@@ -165,7 +175,7 @@ mod tests {
         let plan = Plan::default();
         let cases = plan.cases();
         let count = |kind: Kind| cases.iter().filter(|case| case.kind == kind).count();
-        assert_eq!(Kind::ALL.map(count), [3 * 17 * 10, 300, 2 * 60, 45, 0, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(Kind::ALL.map(count), [3 * 17 * 10, 300, 2 * 60, 45, 0, 0, 0, 0, 0, 0, 0, 0]);
         let keys: HashSet<String> = cases.iter().map(Case::to_string).collect();
         assert_eq!(keys.len(), cases.len());
         for case in &cases {
@@ -200,7 +210,7 @@ mod tests {
         assert!(!Plan::default().kinds.contains(&Kind::Mismeasured));
         let kinds = vec![Kind::Mismeasured];
         let cases = Plan { kinds, mismeasured: 3, ..Plan::default() }.cases();
-        let count = 2 * 3 * Sort::ALL.len();
+        let count = 2 * 3 * Sort::all_of(Kind::Mismeasured).len();
         assert_eq!(cases.len(), 2 * count);
         assert!(cases.iter().all(|case| case.level_db > 40));
         let (clean, hidden) = cases.split_at(count);
@@ -220,6 +230,16 @@ mod tests {
         for case in cases {
             assert_eq!(case.to_string().parse(), Ok(case));
         }
+    }
+
+    #[test]
+    fn each_fault_of_a_record_is_drawn_with_every_order_clean_and_with_an_effect() {
+        let kinds = vec![Kind::MismeasuredRecord];
+        let cases = Plan { kinds, mismeasured: 3, ..Plan::default() }.cases();
+        assert!(cases.iter().all(|case| case.level_db == 60) && cases.len() == 2 * 2 * 3);
+        let drawn = cases.iter().map(|case| (Sort::of(case), case.order, case.effect.is_some()));
+        let different: HashSet<_> = drawn.collect();
+        assert_eq!(different.len(), cases.len());
     }
 
     #[test]

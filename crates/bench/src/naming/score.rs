@@ -134,7 +134,7 @@ impl Outcome {
                 Kind::MachinePair | Kind::MachinePairRecord => {
                     self.dominant_named_at(0.0) && !self.names_another_at(SURE)
                 }
-                Kind::Mismeasured => self.is_right_despite_fault(),
+                Kind::Mismeasured | Kind::MismeasuredRecord => self.is_right_despite_fault(),
             }
     }
 }

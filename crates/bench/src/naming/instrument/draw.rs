@@ -41,8 +41,7 @@ impl Instrument {
                 harmonics: Harmonics::UpTo(7),
                 noise: RelativeNoise::decibels(level_db),
                 said: if has_repeats { NoiseSaid::Repeats(REPEATS) } else { NoiseSaid::Std },
-                recording: is_recorded
-                    .then(|| Recording::ALL[rng.random_range(0..Recording::ALL.len())]),
+                recording: is_recorded.then(|| recording(case, rng)),
             };
         }
         let points = [rng.random_range(1..=3), rng.random_range(10..=60)];
@@ -64,8 +63,18 @@ impl Instrument {
     }
 }
 
+/// Any recording. A held input is a fault itself, so that one with another fault is not held.
+fn recording(case: &Case, rng: &mut ChaCha8Rng) -> Recording {
+    let has_fault = Sort::of(case).is_some();
+    let fits = |recording: &Recording| !has_fault || *recording != Recording::Held;
+    let all: Vec<Recording> = Recording::ALL.into_iter().filter(fits).collect();
+    all[rng.random_range(0..all.len())]
+}
+
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
     use crate::naming::Plan;
 
@@ -76,6 +85,18 @@ mod tests {
 
     fn analysers() -> Vec<Instrument> {
         (0..400).map(|index| instrument(&format!("analyser-70-o0-{index}"))).collect()
+    }
+
+    #[test]
+    fn a_record_with_a_fault_is_of_any_kind_but_held() {
+        let of = |kind: &str| {
+            let recording = |index: u32| instrument(&format!("{kind}-60-o0-{index}")).recording;
+            let all: HashSet<String> =
+                (0..100).map(|index| recording(index).unwrap().to_string()).collect();
+            (all.len(), all.contains(&Recording::Held.to_string()))
+        };
+        assert_eq!(of("mismeasured-record"), (Recording::ALL.len() - 1, false));
+        assert_eq!(of("analyser-record"), (Recording::ALL.len(), true));
     }
 
     #[test]

@@ -10,8 +10,8 @@ impl Made {
     /// Excess χ² that the machine's own model, the base model with its hidden effect, leaves of the
     /// response with the fault and without noise, everything refitted. Where it is small, other
     /// parameters predict what was measured, and no diagnosis can tell the fault. `None` without such
-    /// a fault, of one that moves single rows or none, and of a machine with several effects;
-    /// infinite if the model is so far off that its errors are not counted in noise.
+    /// a fault, of one that moves single rows or none, and of a machine with several effects, or of
+    /// a record; infinite if the model is so far off that its errors are not counted in noise.
     ///
     /// # Errors
     /// See [`MakeError`].
@@ -19,7 +19,7 @@ impl Made {
         let Some(mistake) = &self.mistake else { return Ok(None) };
         let moves_all =
             !matches!(mistake.fault, Mismeasurement::BadRows(_) | Mismeasurement::StdFactor { .. });
-        if !moves_all || self.hidden.len() > 1 {
+        if !moves_all || self.hidden.len() > 1 || self.instrument.recording.is_some() {
             return Ok(None);
         }
         let responses = self.instrument.responses(&self.machine, &Settings::default())?;

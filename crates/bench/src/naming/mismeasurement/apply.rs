@@ -109,6 +109,7 @@ impl Mismeasurement {
                 Complex::new(0.0, -1.0 / (k * experiment.omega_rad_s))
             }
             Self::RmsCalledPeak if order > 0 => FRAC_1_SQRT_2.into(),
+            Self::PeakToPeakCalledPeak if order > 0 => 2.0.into(),
             Self::ChannelSkew { seconds } => turned(k * experiment.omega_rad_s * seconds),
             _ => Complex::new(1.0, 0.0),
         }
@@ -193,7 +194,13 @@ mod tests {
     }
 
     #[test]
-    fn rms_values_lack_a_factor_except_for_the_mean_and_a_skew_grows_with_frequency() {
+    fn other_conventions_change_all_but_the_mean_and_a_skew_grows_with_frequency() {
+        check(
+            &Mismeasurement::PeakToPeakCalledPeak,
+            |_, _, k| {
+                if k == 0 { ONE } else { 2.0.into() }
+            },
+        );
         check(&Mismeasurement::RmsCalledPeak, |_, _, k| {
             if k == 0 { ONE } else { (1.0 / 2.0_f64.sqrt()).into() }
         });

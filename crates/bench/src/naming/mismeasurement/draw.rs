@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
-use servoscope_core::measurement::Measurement;
+use servoscope_core::measurement::{Experiment, Measurement};
 
 use super::{BadRow, Mismeasurement, Sort};
 use crate::machines::draw::log_uniform;
@@ -18,8 +18,10 @@ const LEVEL_GAIN: [f64; 2] = [0.02, 0.5];
 const RUN_GAIN: [f64; 2] = [0.02, 0.2];
 /// Smallest and largest error of a phase, degrees.
 const PHASE_DEGREES: [f64; 2] = [2.0, 10.0];
-/// Smallest and largest phase of a skew at the highest fundamental, degrees.
+/// Smallest and largest phase of a skew at the highest frequency that an input has, degrees.
 const SKEW_DEGREES: [f64; 2] = [2.0, 20.0];
+/// Lines of an input that are smaller than this share of the largest are noise.
+const EXCITED_SHARE: f64 = 0.02;
 
 impl Mismeasurement {
     /// Draws a fault of this sort in a measurement whose noise has this law. Sizes are log-uniform
@@ -59,8 +61,9 @@ impl Mismeasurement {
             Sort::ReversedSign => Self::ReversedSign,
             Sort::PositionCalledVelocity => Self::PositionCalledVelocity,
             Sort::RmsCalledPeak => Self::RmsCalledPeak,
+            Sort::PeakToPeakCalledPeak => Self::PeakToPeakCalledPeak,
             Sort::ChannelSkew => {
-                let frequencies = sound.experiments().iter().map(|one| one.omega_rad_s);
+                let frequencies = sound.experiments().iter().map(fastest_rad_s);
                 let degrees = log_uniform(SKEW_DEGREES[0], SKEW_DEGREES[1], rng);
                 Self::ChannelSkew {
                     seconds: degrees.to_radians() / frequencies.fold(0.0, f64::max),
@@ -68,6 +71,13 @@ impl Mismeasurement {
             }
         }
     }
+}
+
+/// The highest frequency that an input has: of its lines that are no noise, rad/s.
+fn fastest_rad_s(experiment: &Experiment) -> f64 {
+    let largest = experiment.input.iter().skip(1).map(|line| line.norm()).fold(0.0, f64::max);
+    let excited = experiment.input.iter().rposition(|line| line.norm() > EXCITED_SHARE * largest);
+    excited.unwrap_or(1) as f64 * experiment.omega_rad_s
 }
 
 /// A log-uniform size with either sign.

@@ -6,7 +6,7 @@ use servoscope_core::answers::FaultKind;
 use crate::naming::case::{Case, Kind};
 
 /// A sort of fault that is drawn: its kind and, of bad rows, how many there are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sort {
     /// One row in a hundred is bad, at least one.
@@ -35,11 +35,31 @@ pub enum Sort {
     RmsCalledPeak,
     /// The response is ahead by a constant time.
     ChannelSkew,
+    /// Peak-to-peak values are called peak values.
+    PeakToPeakCalledPeak,
 }
 
 impl Sort {
     /// Every sort.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
+        Self::OneBadRowInAHundred,
+        Self::FiveBadRowsInAHundred,
+        Self::StdFactor,
+        Self::LevelGain,
+        Self::LevelPhase,
+        Self::RunGain,
+        Self::RunPhase,
+        Self::Conjugated,
+        Self::SineReference,
+        Self::ReversedSign,
+        Self::PositionCalledVelocity,
+        Self::RmsCalledPeak,
+        Self::ChannelSkew,
+        Self::PeakToPeakCalledPeak,
+    ];
+
+    /// Those that are drawn in tables, in turn. Rms values and peak-to-peak values alternate in one place.
+    const OF_TABLES: [Self; 13] = [
         Self::OneBadRowInAHundred,
         Self::FiveBadRowsInAHundred,
         Self::StdFactor,
@@ -55,10 +75,30 @@ impl Sort {
         Self::ChannelSkew,
     ];
 
+    /// Those that are drawn in records. Their lines are computed from the samples, so that a convention
+    /// of harmonics is none of them. A position that is called a velocity would move on where the axis
+    /// is not symmetric, which lines cannot show.
+    const OF_RECORDS: [Self; 2] = [Self::ReversedSign, Self::ChannelSkew];
+
+    /// The sorts of a kind of draw, in turn; none if its measurements are sound.
+    pub(in crate::naming) fn all_of(kind: Kind) -> &'static [Self] {
+        match kind {
+            Kind::Mismeasured => &Self::OF_TABLES,
+            Kind::MismeasuredRecord => &Self::OF_RECORDS,
+            _ => &[],
+        }
+    }
+
     /// That of a draw, from its index; `None` if its measurement is sound.
     pub(in crate::naming) fn of(case: &Case) -> Option<Self> {
-        let place = case.index as usize % Self::ALL.len();
-        (case.kind == Kind::Mismeasured).then_some(Self::ALL[place])
+        let sorts = Self::all_of(case.kind);
+        let index = case.index as usize;
+        let sort = *sorts.get(index % sorts.len().max(1))?;
+        let is_second = index / sorts.len() % 2 == 1;
+        Some(match sort {
+            Self::RmsCalledPeak if is_second => Self::PeakToPeakCalledPeak,
+            sort => sort,
+        })
     }
 
     /// The kind of fault that an answer should name.
@@ -74,7 +114,7 @@ impl Sort {
             Self::SineReference => FaultKind::SineReference,
             Self::ReversedSign => FaultKind::ReversedSign,
             Self::PositionCalledVelocity => FaultKind::ResponseKind,
-            Self::RmsCalledPeak => FaultKind::AmplitudeConvention,
+            Self::RmsCalledPeak | Self::PeakToPeakCalledPeak => FaultKind::AmplitudeConvention,
             Self::ChannelSkew => FaultKind::ChannelSkew,
         }
     }
@@ -84,6 +124,8 @@ impl Sort {
         match self {
             Self::OneBadRowInAHundred => "bad_rows, 1 in 100",
             Self::FiveBadRowsInAHundred => "bad_rows, 5 in 100",
+            Self::RmsCalledPeak => "amplitude_convention, rms",
+            Self::PeakToPeakCalledPeak => "amplitude_convention, peak-to-peak",
             sort => sort.kind().name(),
         }
     }
@@ -97,15 +139,19 @@ mod tests {
     use crate::naming::Plan;
 
     #[test]
-    fn every_sort_is_drawn_equally_often_clean_and_with_an_effect_at_both_levels() {
-        let plan = Plan { kinds: vec![Kind::Mismeasured], mismeasured: 3, ..Plan::default() };
+    fn every_kind_of_fault_is_drawn_equally_often_clean_and_with_an_effect_at_both_levels() {
+        let plan = Plan { kinds: vec![Kind::Mismeasured], mismeasured: 4, ..Plan::default() };
         let mut counts: BTreeMap<(u32, bool, Sort), u32> = BTreeMap::new();
         for case in plan.cases() {
             let sort = Sort::of(&case).unwrap();
             *counts.entry((case.level_db, case.effect.is_some(), sort)).or_default() += 1;
         }
         assert_eq!(counts.len(), 2 * 2 * Sort::ALL.len());
-        assert!(counts.values().all(|count| *count == 3), "{counts:?}");
+        let amplitudes = [Sort::RmsCalledPeak, Sort::PeakToPeakCalledPeak];
+        for ((.., sort), count) in counts {
+            let share = if amplitudes.contains(&sort) { 2 } else { 1 };
+            assert_eq!(count * share, 4, "{sort:?}");
+        }
     }
 
     #[test]

@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::Wanted;
-use crate::naming::case::Kind;
 use crate::naming::judge::Outcome;
 use crate::naming::rate::Rate;
 
@@ -40,7 +39,7 @@ pub(super) fn calibration(outcomes: &[Outcome]) -> Vec<ConfidenceBin> {
         let within = |p: f64| p >= from && (p < to || (to >= 1.0 && p <= 1.0));
         let mut right = Rate::default();
         let mut sum = 0.0;
-        for outcome in outcomes.iter().filter(|outcome| outcome.kind != Kind::Mismeasured) {
+        for outcome in outcomes.iter().filter(|outcome| !outcome.kind.is_mismeasured()) {
             for cause in outcome.causes().iter().filter(|cause| within(cause.confidence)) {
                 right.add(outcome.is_hidden(&cause.effect));
                 sum += cause.confidence;

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::naming::case::Kind;
 use crate::naming::judge::Outcome;
 
 /// Row of clean draws, and column of draws in which nothing is named, in a confusion table.
@@ -32,7 +31,7 @@ fn as_rows<S: serde::Serializer>(
 pub(super) fn confusion(outcomes: &[Outcome], level_db: u32) -> Confusion {
     let mut counts = BTreeMap::new();
     let of_one = |o: &&Outcome| {
-        o.level_db == level_db && o.dominant().count() < 2 && o.kind != Kind::Mismeasured
+        o.level_db == level_db && o.dominant().count() < 2 && !o.kind.is_mismeasured()
     };
     for outcome in outcomes.iter().filter(of_one) {
         let hidden = outcome.dominant().next().map_or(NONE, |hidden| hidden.effect);

@@ -4,7 +4,6 @@ use serde::Serialize;
 use servoscope_core::answers::Verdict;
 
 use super::Wanted;
-use crate::naming::case::Kind;
 use crate::naming::judge::{Answer, Outcome};
 use crate::naming::mismeasured::{Mismeasured, RowCounts};
 use crate::naming::mismeasurement::Sort;
@@ -94,7 +93,7 @@ fn lines(outcomes: &[Outcome], drawn: &[Drawn<'_>]) -> Vec<FaultLine> {
     let behind =
         drawn.iter().filter(|(o, _)| !o.hidden.is_empty() && o.first_in_sound_twin() == Some(true));
     let twins = drawn.iter().filter_map(|(o, _)| o.sound.as_ref()?.as_ref().ok());
-    let others = outcomes.iter().filter(|o| o.kind != Kind::Mismeasured && o.answer.is_ok());
+    let others = outcomes.iter().filter(|o| !o.kind.is_mismeasured() && o.answer.is_ok());
     let is_held = |o: &&Outcome| o.instrument.recording == Some(Recording::Held);
     let (held, sound): (Vec<&Outcome>, Vec<&Outcome>) = others.partition(is_held);
     let rows = |count: fn(&RowCounts) -> u32, of: fn(&RowCounts) -> u32| Rate {

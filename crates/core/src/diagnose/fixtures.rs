@@ -29,6 +29,17 @@ pub(super) fn multisine_record(
     course: Option<Intersample>,
     seed: u64,
 ) -> Measurement {
+    multisine_record_of(ResponseKind::Velocity, plant, effects, course, seed)
+}
+
+/// The same of another response.
+pub(super) fn multisine_record_of(
+    kind: ResponseKind,
+    plant: Plant,
+    effects: &[Effect],
+    course: Option<Intersample>,
+    seed: u64,
+) -> Measurement {
     let rng = &mut ChaCha8Rng::seed_from_u64(seed);
     let (omega_rad_s, input) = (2.0, multisine(60, 2.0, rng));
     let samples = SAMPLING.samples as f64;
@@ -38,6 +49,6 @@ pub(super) fn multisine_record(
     let response = respond(&machine, 0.0, omega_rad_s, &driven, 120, &settings).unwrap();
     let motion = PeriodicMotion { omega_rad_s, input, response, mean_velocity: 0.0 };
     let noise = RecordNoise { input: 0.0, response: 5e-3 * motion.response_rms(), step: 0.0 };
-    let experiment = motion.recorded(ResponseKind::Velocity, &noise, SAMPLING, 0.0, rng).unwrap();
+    let experiment = motion.recorded(kind, &noise, SAMPLING, 0.0, rng).unwrap();
     Measurement::new(Metadata::default(), vec![experiment], Vec::new(), String::new()).unwrap()
 }

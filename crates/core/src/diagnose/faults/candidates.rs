@@ -12,12 +12,12 @@ use crate::measurement::Complex;
 use crate::diagnose::residuals::layout::{Cell, Layout};
 
 /// −2 ln of the prior odds of a fault of one kind, as that of an effect.
-const FAULT_COST: f64 = 6.0;
+pub(super) const FAULT_COST: f64 = 6.0;
 
 /// Prior standard deviations: of a gain, relative; of a phase, rad; of the logarithm of a factor
 /// between the mean and the harmonics.
 const GAIN_DEVIATION: f64 = 0.1;
-const PHASE_DEVIATION: f64 = 0.1;
+pub(super) const PHASE_DEVIATION: f64 = 0.1;
 const MEAN_DEVIATION: f64 = LN_2;
 
 /// Fewest experiments of a level that can be told from the others, and fewest rows of one
@@ -179,7 +179,8 @@ fn turned(cell: &Cell, share: f64) -> Complex {
     Complex::new(0.0, cell.order as f64 * share) * cell.simulated
 }
 
-fn column(cells: &[&Cell], of: impl Fn(&Cell) -> Complex) -> Column {
+/// How the data, in standard deviations, change by this of each cell.
+pub(super) fn column(cells: &[&Cell], of: impl Fn(&Cell) -> Complex) -> Column {
     let mut column = Column::new();
     for cell in cells {
         let value = of(cell) / cell.std;

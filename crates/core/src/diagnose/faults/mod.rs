@@ -9,7 +9,7 @@
 //!
 //! [`readings`] tries other ways to read the whole file, [`repeats`] compares repeats with each
 //! other, [`one_level_out`] fits without one magnitude, which [`wrong_gain`] does before anything else
-//! where a table is far from its noise, [`course`] tries how an input runs between its samples, and
+//! where a table is far from its noise, [`of_records`] tries the faults of records, and
 //! [`isolated`] finds rows that stand out where nothing explains the measurement. Before faults are
 //! accepted, [`retest`] asks whether they are still needed beside the effects that are named in the
 //! end, and [`row_regions`] whether rows that were left out form regions, as what a model lacks does.
@@ -22,6 +22,7 @@ mod fault;
 mod isolated;
 mod mending;
 mod noise_size;
+mod of_records;
 mod one_level_out;
 mod projection;
 pub(super) mod readings;
@@ -29,6 +30,7 @@ mod repeats;
 mod retest;
 mod row_regions;
 mod scan;
+mod skew;
 pub(super) mod suspects;
 #[cfg(test)]
 mod tests;

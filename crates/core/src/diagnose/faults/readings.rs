@@ -26,6 +26,9 @@ const FEWEST_DATA: usize = 30;
 
 /// Other readings are diagnosed if the best model leaves more than this.
 const LEAST_LEFT_UNEXPLAINED: f64 = 0.02;
+/// Other readings of a record are tried if the best model leaves more than this. A diagnosis of each
+/// would take too long, so that the base model alone must tell which is right.
+const LEAST_LEFT_UNEXPLAINED_OF_RECORD: f64 = 0.5;
 
 /// Another reading is right if it leaves less than this share of what the stated one leaves (rms).
 const CLEARLY_LESS: f64 = 0.3;
@@ -73,8 +76,8 @@ fn read_as(
 }
 
 /// The reading of a measurement of which nothing explained what the best model leaves, if one effect
-/// explains it in another reading. Only readings of which the base model leaves less are tried;
-/// `diagnosed` answers without doubting the measurement.
+/// explains it in another reading; or, of a record, if the base model leaves far less. Only readings of
+/// which the base model leaves less are tried; `diagnosed` answers without doubting the measurement.
 pub(super) fn explained(
     answer: &Diagnosis,
     measurement: &Measurement,
@@ -84,8 +87,12 @@ pub(super) fn explained(
 ) -> Option<MeasurementFault> {
     let best = |answer: &Diagnosis| answer.extended.as_ref().unwrap_or(&answer.base).fit.nrmse;
     let is_table = measurement.experiments().iter().all(|e| e.pure_cosine().is_some());
-    if !is_table || best(answer) <= LEAST_LEFT_UNEXPLAINED {
+    let least = if is_table { LEAST_LEFT_UNEXPLAINED } else { LEAST_LEFT_UNEXPLAINED_OF_RECORD };
+    if best(answer) <= least {
         return None;
+    }
+    if !is_table {
+        return clearly_better(best(answer), measurement, request, observer);
     }
     let options = IdentifyOptions { most_effects: 1, ..request.options };
     let alone = IdentifyRequest { options, ..*request };
@@ -115,6 +122,17 @@ fn better(
     if as_stated <= least {
         return None;
     }
+    clearly_better(as_stated, measurement, request, observer)
+}
+
+/// The reading of which the base model leaves least, if that is far less than what is left of the
+/// stated one.
+fn clearly_better(
+    as_stated: f64,
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    observer: &dyn Observer,
+) -> Option<MeasurementFault> {
     let others = others(measurement).into_iter();
     let read = others.filter_map(|reading| {
         let (left, _) = read_as(&reading, measurement, request, observer)?;
@@ -145,4 +163,34 @@ pub(in crate::diagnose) fn misread(
     let reading = better(session, measurement, request, &Quiet(part))?;
     let as_measured = as_measured(session)?;
     Some(Halt::Faults(Box::new(Suspicion { faults: vec![reading], as_measured })))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::answers::{FaultKind, Verdict};
+    use crate::diagnose::fixtures::{multisine_record_of, plant};
+    use crate::identify::IdentifyRequest;
+    use crate::measurement::{Measurement, ResponseKind};
+    use crate::observer::Silent;
+
+    // The base model leaves less of a position than of a velocity: large lines are few.
+    #[test]
+    fn a_record_of_the_wrong_sign_is_told_by_what_it_is() {
+        for kind in [ResponseKind::Velocity, ResponseKind::Position] {
+            let sound = multisine_record_of(kind, plant(), &[], None, 5);
+            let mut experiments = sound.experiments().to_vec();
+            for experiment in &mut experiments {
+                experiment.response.iter_mut().for_each(|line| line.value = -line.value);
+                let repeats = experiment.repeats.iter_mut();
+                repeats.flat_map(|one| &mut one.response).for_each(|value| *value = -*value);
+            }
+            let (metadata, hash) = (sound.metadata().clone(), sound.sha256().to_owned());
+            let wrong = Measurement::new(metadata, experiments, Vec::new(), hash).unwrap();
+            let request = IdentifyRequest::default();
+            let answer = crate::diagnose::diagnose(&wrong, &request, &Silent).unwrap();
+            let faults: Vec<FaultKind> = answer.measurement.iter().map(|f| f.fault).collect();
+            assert_eq!(faults, [FaultKind::ReversedSign], "{kind:?}");
+            assert_eq!(answer.verdict, Verdict::Adequate, "{kind:?}");
+        }
+    }
 }

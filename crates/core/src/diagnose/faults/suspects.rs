@@ -8,10 +8,10 @@ use crate::diagnose::residuals::layout::Layout;
 use crate::diagnose::residuals::residual::Residuals;
 use crate::diagnose::selection::models::{Key, Models};
 
-use super::course;
 use super::family::Family;
 use super::fault;
 use super::mending;
+use super::of_records;
 use super::one_level_out;
 use super::scan::{FAR_SMALLER, Scan};
 
@@ -71,13 +71,13 @@ pub(crate) struct Suspects<'a> {
 
 impl Suspects<'_> {
     /// The best model with faults, if it leaves only noise and is better than every model without
-    /// any; `wanted` says which models are tried. Of records the only fault is that of [`course`].
+    /// any; `wanted` says which models are tried. Of records only those faults are tried that [`of_records`] knows.
     pub fn best(&self, wanted: impl Fn(&Key) -> bool) -> Option<Suspected> {
         if self.dof() < FEWEST_DOF {
             return None;
         }
         if !self.session.has_cosines_alone() {
-            return course::best(self, wanted);
+            return of_records::best(self, wanted);
         }
         let family = self.family();
         let fitted = self.models.all().filter(|(key, _)| wanted(key));
@@ -173,6 +173,13 @@ impl Suspects<'_> {
 
     pub(super) fn size_known(&self) -> bool {
         self.models.noise_scale.known
+    }
+
+    /// −2 ln likelihood of a cost where the noise is as large as stated or larger, whichever is
+    /// likelier.
+    pub(super) fn misfit_of_noise(&self, cost: f64) -> f64 {
+        let dof = self.dof();
+        misfit(cost, dof, self.size_known() && cost <= dof)
     }
 
     fn scan<'f>(&self, fit: &'f ModelFit, cost: f64) -> Scan<'f> {

@@ -124,6 +124,8 @@ impl Bench {
                     mean_velocity: 0.0,
                     rounding_std: 0.0,
                     open_samples: None,
+                    clipping: None,
+                    range: None,
                     response,
                     run: Some(point.run as f64),
                     repeats,

@@ -132,6 +132,8 @@ impl Responses {
                 mean_velocity: 0.0,
                 rounding_std: 0.0,
                 open_samples: None,
+                clipping: None,
+                range: None,
                 response,
                 run: Some(point.run as f64),
                 repeats,

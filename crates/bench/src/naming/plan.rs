@@ -144,8 +144,9 @@ impl Plan {
                     Kind::Mismeasured => index as usize,
                     _ => index as usize % sorts + index as usize / sorts,
                 };
-                let clean = draws.clone().map(|(level, index)| {
-                    Case { order: order(place(index)), ..case(level, None, index) }
+                let clean = draws.clone().map(|(level, index)| Case {
+                    order: order(place(index)),
+                    ..case(level, None, index)
                 });
                 let effects = self.effects.iter().copied().enumerate().cycle();
                 let hidden = draws.zip(effects).enumerate();

@@ -35,11 +35,15 @@ pub enum FaultKind {
     HeldInput,
     /// Between its samples the input of a record runs straight.
     StraightInput,
+    /// What the channel of the input of a record reads is cut off at the end of its range.
+    ClippedInput,
+    /// The same of the response.
+    ClippedResponse,
 }
 
 impl FaultKind {
     /// Every kind.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 16] = [
         Self::BadRows,
         Self::StdFactor,
         Self::LevelGain,
@@ -54,6 +58,8 @@ impl FaultKind {
         Self::ChannelSkew,
         Self::HeldInput,
         Self::StraightInput,
+        Self::ClippedInput,
+        Self::ClippedResponse,
     ];
 
     /// The name used on the wire.
@@ -73,6 +79,8 @@ impl FaultKind {
             Self::ChannelSkew => "channel_skew",
             Self::HeldInput => "held_input",
             Self::StraightInput => "straight_input",
+            Self::ClippedInput => "clipped_input",
+            Self::ClippedResponse => "clipped_response",
         }
     }
 }
@@ -112,7 +120,8 @@ pub struct MeasurementFault {
     /// Index of the experiment concerned, from 0; null if it is not one.
     pub experiment: Option<usize>,
     /// Its size: a factor (of the stated standard deviation, the gain or the amplitudes), an angle
-    /// of the fundamental in degrees, or a time in seconds; null if it has none.
+    /// of the fundamental in degrees, a time in seconds, or the share of the samples that are cut
+    /// off; null if it has none.
     pub value: Option<f64>,
     /// 95 % interval of `value`.
     pub interval95: Option<[f64; 2]>,

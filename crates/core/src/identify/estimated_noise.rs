@@ -9,7 +9,7 @@ use nalgebra::DVector;
 use crate::effects::ActiveEffect;
 use crate::measurement::Complex;
 use crate::plant::Plant;
-use crate::simulate;
+use crate::simulate::Counts;
 
 use super::local_scatter::LocalScatter;
 use super::problem::Problem;
@@ -47,8 +47,7 @@ impl EstimatedLaw {
         let scatter = LocalScatter::of(problem);
         let (mut sizes, mut residuals) = (Vec::new(), Vec::new());
         for experiment in &problem.experiments {
-            let response =
-                simulate::respond(plant, effects, &experiment.excitation, experiment.highest);
+            let response = experiment.respond(Counts::FromRest, plant, effects);
             for target in &experiment.targets {
                 // Where the model has no response, the measured one says how large it is.
                 let simulated = response

@@ -66,12 +66,11 @@ impl<'a> Misfit<'a> {
         let plant = self.coordinates.plant(point);
         let effects = self.coordinates.effects_at(point);
         let predict = |e: usize, experiment: &Prepared| {
-            let Prepared { excitation, highest, targets, .. } = experiment;
+            let targets = &experiment.targets;
             if targets.is_empty() {
                 return Ok(Vec::new());
             }
-            let velocity =
-                simulate::respond_if(self.counts_of(e), &plant, &effects, excitation, *highest)?;
+            let velocity = experiment.respond(self.counts_of(e), &plant, &effects)?;
             Ok(targets.iter().map(|t| velocity[t.order] * t.per_velocity).collect())
         };
         self.map_experiments(predict, |e| self.stand_in.map(|values| values[e].clone()))
@@ -155,18 +154,10 @@ impl<'a> Misfit<'a> {
         let effects = self.coordinates.effects_at(point);
         let (base, columns) = (self.coordinates.base_len(), self.coordinates.len());
         let respond = |e: usize, experiment: &Prepared| {
-            let Prepared { excitation, highest, targets, .. } = experiment;
-            if targets.is_empty() {
+            if experiment.targets.is_empty() {
                 return Ok(Response { velocity: Vec::new(), sensitivities: Vec::new() });
             }
-            simulate::respond_with_sensitivities(
-                self.counts_of(e),
-                &plant,
-                base,
-                &effects,
-                excitation,
-                *highest,
-            )
+            experiment.respond_with_sensitivities(self.counts_of(e), (&plant, base), &effects)
         };
         let responses = self.map_experiments(respond, |e| {
             let targets = &self.problem.experiments[e].targets;

@@ -9,7 +9,7 @@ use crate::effects;
 use crate::effects::{ActiveEffect, Effect, Parameter};
 use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};
 use crate::plant::{Actuator, Friction, Plant};
-use crate::simulate;
+use crate::simulate::{Counts, NoResponse};
 
 use super::noise;
 use super::noise::{Beside, Weights};
@@ -68,11 +68,11 @@ pub(super) fn beside(
     wanted: impl Fn(usize) -> bool,
 ) -> Comparison {
     let all = problem.experiments.iter().enumerate();
-    let simulated: Vec<(usize, Result<Vec<Complex>, simulate::NoResponse>)> = all
+    let simulated: Vec<(usize, Result<Vec<Complex>, NoResponse>)> = all
         .filter(|(index, _)| wanted(*index))
         .collect::<Vec<_>>()
         .into_par_iter()
-        .map(|(i, e)| (i, simulate::respond(plant, effects, &e.excitation, e.highest)))
+        .map(|(i, e)| (i, e.respond(Counts::FromRest, plant, effects)))
         .collect();
     let mut experiments = Vec::new();
     let mut unanswered = Vec::new();

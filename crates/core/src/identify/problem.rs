@@ -8,6 +8,7 @@
 mod coarser;
 mod levels;
 mod prepared;
+mod read_out;
 mod scales;
 mod subset;
 

@@ -25,6 +25,30 @@ pub struct Repeat {
     pub response: Vec<Complex>,
 }
 
+/// The range of a channel that cuts off what lies beyond.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChannelRange {
+    /// Smallest value that it reads, response units; −∞ if it does not cut off there.
+    pub lowest: f64,
+    /// Largest value that it reads; ∞ if it does not cut off there.
+    pub highest: f64,
+    /// Samples of a period.
+    pub samples: usize,
+}
+
+/// What seems to be cut off in a record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clipping {
+    /// The experiment with an input of which what was cut off is filled in, if it seems to clip.
+    pub filled: Option<Experiment>,
+    /// Share of the samples of the input that was cut off.
+    pub input_share: f64,
+    /// The range of the channel of the response, if it seems to clip.
+    pub range: Option<ChannelRange>,
+    /// Share of the samples of the response that was cut off.
+    pub response_share: f64,
+}
+
 /// One periodic input, its measured response, and its repeats.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
@@ -46,6 +70,10 @@ pub struct Experiment {
     /// Samples of a period of the input, if it was sampled and nothing says how it runs between its
     /// samples. `input` are then the lines of the smoothest course through them.
     pub open_samples: Option<f64>,
+    /// What a channel of the record seems to cut off.
+    pub clipping: Option<Box<Clipping>>,
+    /// The range of the channel of the response, if it cuts off what a model predicts beyond.
+    pub range: Option<ChannelRange>,
     /// Yₖ, mean over the repeats, in ascending order of k without duplicates.
     pub response: Vec<Harmonic>,
     /// Position in the order of acquisition, if known.

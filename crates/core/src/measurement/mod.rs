@@ -4,6 +4,7 @@
 //! [`formats`] parses files into a [`Measurement`]. A `Measurement` is always valid: its fields
 //! are private, and its constructors check them.
 
+mod clipping;
 mod convolution;
 mod doubts;
 mod experiment;
@@ -36,7 +37,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub(crate) use doubts::per_cent;
-pub use experiment::{Experiment, Harmonic, Repeat};
+pub use experiment::{ChannelRange, Clipping, Experiment, Harmonic, Repeat};
 pub(crate) use metadata::after_number;
 pub use metadata::{Loop, Metadata, Quantity, ResponseKind};
 pub use record::{Record, RecordStatement};

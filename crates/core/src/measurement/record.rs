@@ -106,7 +106,9 @@ impl Record {
             outputs = outputs.split_off(unsettled);
         }
         remarks.push(format!("the last {} whole periods of {period_s} s are used", outputs.len()));
-        let experiment = self.of_periods(outputs, (samples, period_s), stated, &mut remarks);
+        let periods = Periods { samples, count: outputs.len() };
+        let mut experiment = self.of_periods(outputs, (samples, period_s), stated, &mut remarks);
+        experiment.clipping = self.clipping(periods, period_s, stated);
         Ok((experiment, remarks))
     }
 
@@ -124,7 +126,7 @@ impl Record {
     }
 
     /// Mean harmonics of the last periods, of so many samples and seconds each, from their responses.
-    fn of_periods(
+    pub(super) fn of_periods(
         &self,
         mut outputs: Vec<Vec<Complex>>,
         (samples, period_s): (f64, f64),
@@ -258,6 +260,8 @@ impl Record {
             mean_velocity: 0.0,
             rounding_std: 0.0,
             open_samples: None,
+            clipping: None,
+            range: None,
             response: output[..=highest]
                 .iter()
                 .enumerate()

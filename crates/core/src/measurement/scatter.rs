@@ -79,6 +79,8 @@ mod tests {
             mean_velocity: 0.0,
             rounding_std: 0.0,
             open_samples: None,
+            clipping: None,
+            range: None,
             response: (1..=harmonics).map(harmonic).collect(),
             run: None,
             repeats: deviations.into_iter().map(repeat).collect(),

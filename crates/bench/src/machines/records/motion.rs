@@ -85,6 +85,8 @@ impl PeriodicMotion {
             mean_velocity: self.mean_velocity,
             rounding_std: 0.0,
             open_samples: None,
+            clipping: None,
+            range: None,
             response: response.map(harmonic).collect(),
             run: Some(run),
             repeats: Vec::new(),

@@ -31,6 +31,8 @@ pub(super) fn table(repeats: usize) -> Measurement {
                 mean_velocity: 0.0,
                 rounding_std: 0.0,
                 open_samples: None,
+                clipping: None,
+                range: None,
                 response,
                 run: None,
                 repeats,

@@ -9,6 +9,8 @@ use crate::measurement::{
     ResponseKind,
 };
 
+use super::clipping;
+
 /// Two magnitudes are the same if they differ by less than this, relative.
 const SAME_MAGNITUDE: f64 = 1e-9;
 
@@ -132,6 +134,8 @@ fn mended_experiment(
     experiment: &Experiment,
     faults: &[MeasurementFault],
 ) -> Option<Experiment> {
+    let clipped = clipping::mended(experiment, faults);
+    let experiment = clipped.as_ref().unwrap_or(experiment);
     let mut mended = without_repeats(index, experiment, faults);
     for fault in faults.iter().filter(|fault| concerns(fault, index, experiment)) {
         let orders: Vec<usize> = mended.response.iter().map(|harmonic| harmonic.order).collect();

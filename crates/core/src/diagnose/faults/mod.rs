@@ -16,13 +16,14 @@
 //! Faults of one row, level or experiment are looked for in tables only.
 
 mod candidates;
+mod clipping;
 mod course;
 mod family;
 mod fault;
 mod isolated;
 mod mending;
 mod noise_size;
-mod of_records;
+pub(super) mod of_records;
 mod one_level_out;
 mod projection;
 pub(super) mod readings;
@@ -49,9 +50,9 @@ use crate::observer::Observer;
 use super::doubt::{Data, Halt};
 use super::error::DiagnoseError;
 use super::progress::{Part, Quiet};
-use super::selection::order_selection::CLEARLY_BETTER;
 use super::selection::weighting_choice;
 use fault::{are_too_many, is_certain};
+use suspects::CLEARLY_BETTER;
 
 pub use mending::as_understood;
 

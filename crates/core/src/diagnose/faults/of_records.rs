@@ -1,28 +1,35 @@
-//! Faults that a whole record may have: another [`course`] of its input between the samples, or a
-//! response that is ahead of it ([`skew`]).
+//! Faults that a whole record may have: another [`course`] of its input between the samples, a
+//! response that is ahead of it ([`skew`]), or a channel that clips ([`clipping`]).
 //!
-//! One is found in two cases: with it a model leaves only noise; or more than noise remains whatever
-//! is tried, and one effect of the best model is not needed with it. A machine with small effects
-//! beside its large ones is of the second kind. Where the size of the noise is known, a skew that is far
-//! better is found, too: an effect behind it may be none of those that fit best without it.
+//! One is found where a model with it leaves only noise. Where more than noise remains whatever is
+//! tried, as of a machine with small effects beside its large ones, another course is found if one effect
+//! of the best model is not needed with it, and another fault if it is far better. That is enough at any
+//! time where the noise was measured: an effect behind the fault may be none of those that fit
+//! best without it.
 
-use crate::answers::MeasurementFault;
+use crate::answers::{FaultKind, MeasurementFault};
 use crate::diagnose::residuals::discrepancy;
 use crate::diagnose::selection::evidence;
 use crate::diagnose::selection::models::Key;
-use crate::diagnose::selection::order_selection::CLEARLY_BETTER;
 use crate::identify::{FitAccuracy, FitSession, Intervals, Model};
+use crate::measurement::Complex;
 
+use super::candidates::FAULT_COST;
+use super::clipping;
 use super::course;
 use super::skew;
-use super::suspects::{Suspected, Suspects};
+use super::suspects::{CLEARLY_BETTER, Suspected, Suspects};
 
 /// Models that are tried with each fault where the best leaves only noise: those of most evidence,
 /// and all that are parts of the best.
 const MOST_TRIED: usize = 4;
 
-/// The best model with one of these faults, if it is better than every model without.
-pub(super) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Option<Suspected> {
+/// The best model of a record with one of these faults, if it is better than every model without;
+/// `wanted` says which models are tried.
+pub(crate) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Option<Suspected> {
+    if !suspects.are_enough() {
+        return None;
+    }
     let mut search = Search::of(suspects, wanted)?;
     for kind in course::COURSES {
         let Some(session) = course::with(suspects, kind) else { continue };
@@ -33,17 +40,49 @@ pub(super) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
             let model = session.refine(&start, FitAccuracy::Settle);
             let saves = model.effects().len() < search.effects;
             let price = course::ONE_OF_THREE + if saves { 0.0 } else { course::SAVES_NONE };
-            search.consider(&session, &model, &MeasurementFault::of(kind), price);
+            search.consider(&session, &model, &[MeasurementFault::of(kind)], price);
         }
     }
     for start in search.starts.clone() {
         let complexity =
             evidence::complexity(suspects.session, &start, &suspects.models.noise_scale);
         if let Some(found) = skew::beside(suspects, &start, search.least - complexity) {
-            search.consider(&found.session, &found.model, &found.fault, found.price);
+            search.consider(&found.session, &found.model, &[found.fault], found.price);
+        }
+    }
+    let faults = clipping::faults(suspects.session.measurement().experiments());
+    if let Some(session) = clipped(suspects, &faults) {
+        let price = FAULT_COST * faults.len() as f64;
+        let (base, best) = (suspects.session.base().clone(), search.best_model.clone());
+        for start in search.starts.clone().into_iter().chain([base, best]) {
+            let model = session.refine(&start, FitAccuracy::Settle);
+            search.consider(&session, &model, &faults, price);
         }
     }
     search.best
+}
+
+/// The data with the channels of these faults clipping; `None` if there are none.
+fn clipped<'a>(suspects: &Suspects<'a>, faults: &[MeasurementFault]) -> Option<FitSession<'a>> {
+    let experiments = suspects.session.measurement().experiments();
+    let has = |kind: FaultKind| faults.iter().any(|fault| fault.fault == kind);
+    let clipping = |index: usize| experiments[index].clipping.as_deref();
+    let response = has(FaultKind::ClippedResponse);
+    let input = has(FaultKind::ClippedInput);
+    let range = |index: usize| clipping(index)?.range;
+    let filled = |index: usize, k: usize| {
+        let before = experiments[index].input[k];
+        let filled = clipping(index).and_then(|clipping| clipping.filled.as_ref());
+        let after = filled.and_then(|filled| filled.input.get(k));
+        let ratio = after.filter(|_| before != Complex::ZERO).map(|after| after / before);
+        ratio.unwrap_or(Complex::ONE)
+    };
+    match (response, input) {
+        (false, false) => None,
+        (true, false) => suspects.session.with_range(range),
+        (false, true) => suspects.session.with_input(filled),
+        (true, true) => suspects.session.with_range(range)?.with_input(filled),
+    }
 }
 
 /// Models without a fault, and the best with one so far.
@@ -51,7 +90,8 @@ struct Search<'a> {
     suspects: &'a Suspects<'a>,
     /// Models that are tried with a fault.
     starts: Vec<Model>,
-    /// Number of effects of the best model without a fault.
+    /// The best model without a fault, and the number of its effects.
+    best_model: Model,
     effects: usize,
     /// Whether more than noise remains whatever was tried.
     more_is_left: bool,
@@ -84,8 +124,14 @@ impl<'a> Search<'a> {
             starts.extend(wanted.filter(|(key, _)| is_part(key)));
             starts.into_iter().map(|(_, model)| model.clone()).collect()
         };
-        let (least, best) = (without, None);
-        Some(Self { suspects, starts, effects, more_is_left, without, least, best })
+        let (least, best, best_model) = (without, None, best_model.clone());
+        Some(Self { suspects, starts, best_model, effects, more_is_left, without, least, best })
+    }
+
+    /// Whether the noise is known beside the model, whatever the weights are.
+    fn noise_is_measured(&self) -> bool {
+        let experiments = self.suspects.session.measurement().experiments();
+        experiments.iter().all(|experiment| experiment.has_repeats() || experiment.std_given())
     }
 
     /// Whether a course of the input may bring a model down to the noise.
@@ -100,7 +146,7 @@ impl<'a> Search<'a> {
         &mut self,
         session: &FitSession<'_>,
         fitted: &Model,
-        fault: &MeasurementFault,
+        faults: &[MeasurementFault],
         price: f64,
     ) {
         let suspects = self.suspects;
@@ -116,15 +162,16 @@ impl<'a> Search<'a> {
         }
         let Ok(fit) = session.judge(&model, Intervals::Curvature) else { return };
         let observer = session.observer();
-        let is_clear = || {
-            let is_course = course::COURSES.contains(&fault.fault);
-            !is_course && suspects.size_known() && self.without - criterion > CLEARLY_BETTER
+        let is_course = faults.iter().any(|one| course::COURSES.contains(&one.fault));
+        let is_clear = self.without - criterion > CLEARLY_BETTER;
+        let enough = match is_course {
+            true => self.more_is_left,
+            false => is_clear && (self.more_is_left || self.noise_is_measured()),
         };
-        let leaves_noise = || discrepancy::is_noise(&fit, suspects.seed, observer);
-        if self.more_is_left || is_clear() || leaves_noise() {
+        if enough || discrepancy::is_noise(&fit, suspects.seed, observer) {
             self.least = criterion;
             self.best = Some(Suspected {
-                faults: vec![fault.clone()],
+                faults: faults.to_vec(),
                 criterion: suspects.best_without() - (self.without - criterion),
                 price,
                 effects: fitted.effects().len(),

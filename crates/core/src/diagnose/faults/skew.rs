@@ -168,8 +168,8 @@ mod tests {
 
     #[test]
     fn an_effect_behind_a_response_that_is_ahead_is_named() {
-        let found = answer(&[Effect::new("gain_asymmetry", [("gamma", 0.15)])], 1e-2);
-        assert!(only_fault(&found, 1e-2), "{:?}", found.measurement);
+        let found = answer(&[Effect::new("gain_asymmetry", [("gamma", 0.15)])], 3e-3);
+        assert!(only_fault(&found, 3e-3), "{:?}", found.measurement);
         assert_eq!(found.causes[0].effect, "gain_asymmetry");
     }
 

@@ -11,12 +11,16 @@ use crate::diagnose::selection::models::{Key, Models};
 use super::family::Family;
 use super::fault;
 use super::mending;
-use super::of_records;
 use super::one_level_out;
 use super::scan::{FAR_SMALLER, Scan};
 
 /// Fewest degrees of freedom that tell a fault from a model.
 const FEWEST_DOF: f64 = 20.0;
+
+/// Where faults of the measurement beside one effect at most are better by this, −2 ln evidence, no
+/// combination of effects is tried: it could explain no more than noise, and a second effect of
+/// this size that shows just as a fault does is unlikely. Tuned.
+pub(crate) const CLEARLY_BETTER: f64 = 200.0;
 
 /// Models for which faults are estimated together with the model: those that a linearisation finds
 /// best.
@@ -70,14 +74,16 @@ pub(crate) struct Suspects<'a> {
 }
 
 impl Suspects<'_> {
-    /// The best model with faults, if it leaves only noise and is better than every model without
-    /// any; `wanted` says which models are tried. Of records only those faults are tried that [`of_records`] knows.
+    /// Whether there are enough data to tell a fault from a model.
+    pub fn are_enough(&self) -> bool {
+        self.dof() >= FEWEST_DOF
+    }
+
+    /// The best model of a table with faults, if it leaves only noise and is better than every model
+    /// without any; `wanted` says which models are tried.
     pub fn best(&self, wanted: impl Fn(&Key) -> bool) -> Option<Suspected> {
-        if self.dof() < FEWEST_DOF {
+        if !self.are_enough() {
             return None;
-        }
-        if !self.session.has_cosines_alone() {
-            return of_records::best(self, wanted);
         }
         let family = self.family();
         let fitted = self.models.all().filter(|(key, _)| wanted(key));

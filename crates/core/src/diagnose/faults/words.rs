@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::answers::{FaultKind, LeftOutRow, MeasurementFault};
-use crate::measurement::Measurement;
+use crate::measurement::{Measurement, per_cent};
 
 use crate::diagnose::residuals::sentence::short;
 
@@ -117,6 +117,20 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
         FaultKind::StraightInput => {
             ("between its samples the input is interpolated linearly".into(), "; treated as such")
         }
+        FaultKind::ClippedInput => (
+            format!(
+                "the channel of the input clips: {} of its samples are cut off",
+                per_cent(value)
+            ),
+            "; corrected: filled in by what its other samples say of them",
+        ),
+        FaultKind::ClippedResponse => (
+            format!(
+                "the channel of the response clips: {} of its samples are cut off",
+                per_cent(value)
+            ),
+            "; corrected: what is simulated is cut off as well",
+        ),
         FaultKind::ChannelSkew => {
             let ends = fault.interval95.map(|ends| ends.map(|end| 1e3 * end));
             let interval = ends.map(|both| both.map(|end| rounded(end, ends)));
@@ -226,6 +240,9 @@ fn remedy(fault: &MeasurementFault) -> &'static str {
         }
         FaultKind::HeldInput => "add the line `# intersample: hold` above the header",
         FaultKind::StraightInput => "add the line `# intersample: linear` above the header",
+        FaultKind::ClippedInput | FaultKind::ClippedResponse => {
+            "measure again with a larger range of this channel, or with a smaller input"
+        }
         FaultKind::ChannelSkew => "correct the delay between the channels of the instrument",
     }
 }

@@ -15,14 +15,9 @@ use super::causes::EQUIVALENCE_MARGIN;
 use super::evidence::ACTUATOR_ORDER_COST;
 use super::order_study::OrderStudy;
 use crate::diagnose::doubt::{Data, Halt, Suspicion};
-use crate::diagnose::faults::suspects::Suspected;
+use crate::diagnose::faults::suspects::{CLEARLY_BETTER, Suspected};
 use crate::diagnose::faults::words;
 use crate::diagnose::progress::{Part, Quiet};
-
-/// Where faults of the measurement beside one effect at most are better by this, −2 ln evidence, no
-/// combination of effects is tried: it could explain no more than noise, and a second effect of
-/// this size that shows just as a fault does is unlikely. Tuned.
-pub(crate) const CLEARLY_BETTER: f64 = 200.0;
 
 /// What faults beside an effect may cost at most for that: about two rows. A second effect may show
 /// in a few rows alone. Tuned.
@@ -113,7 +108,7 @@ pub(crate) fn diagnose(
     }
     if data.doubted && !studies[0].explained() {
         let is_clear = |found: &Suspected| found.effects == 0 || found.price < LARGEST_CLEAR_PRICE;
-        // The only fault of a record is how its input runs, which costs more than chance gains.
+        // A fault of a record costs more than chance gains.
         let margin = if first.has_cosines_alone() { CLEARLY_BETTER } else { 0.0 };
         doubt(&studies, margin, &is_clear)?;
     }

@@ -10,6 +10,7 @@ use super::evidence::NoiseScale;
 use super::models::Key;
 use super::report_assembly::ReportAssembly;
 use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::faults::of_records;
 use crate::diagnose::faults::suspects::{Suspected, Suspects, misfit};
 use crate::diagnose::holdout::cv_splits::CvSplits;
 use crate::diagnose::progress::Part;
@@ -137,7 +138,11 @@ impl<'a> OrderStudy<'a> {
     /// model with other effects and a fault cannot be more likely.
     pub fn suspected(&self) -> Option<Suspected> {
         let is_part = |key: &Key| key.iter().all(|id| self.chosen.contains(id));
-        self.suspects().best(|key| !self.explained() || is_part(key))
+        let wanted = |key: &Key| !self.explained() || is_part(key);
+        match self.session.has_cosines_alone() {
+            true => self.suspects().best(wanted),
+            false => of_records::best(&self.suspects(), wanted),
+        }
     }
 
     /// −2 ln evidence of the best model without faults, comparable with that of [`Self::suspected`].

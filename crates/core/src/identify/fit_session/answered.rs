@@ -133,6 +133,8 @@ mod tests {
                 mean_velocity: 0.0,
                 rounding_std: 0.0,
                 open_samples: None,
+                clipping: None,
+                range: None,
                 response: velocity.ok()?.into_iter().enumerate().map(harmonic).collect(),
                 run: None,
                 repeats: Vec::new(),

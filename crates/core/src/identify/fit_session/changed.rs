@@ -2,7 +2,7 @@
 
 use super::FitSession;
 use crate::identify::problem::Problem;
-use crate::measurement::Complex;
+use crate::measurement::{ChannelRange, Complex};
 use crate::simulate::Excitation;
 
 /// How a datum is changed.
@@ -45,6 +45,24 @@ impl<'a> FitSession<'a> {
             experiment.excitation =
                 Excitation::new(before.omega_rad_s(), input).at_run_share(before.run_share());
         }
+        self.with_responses_of(problem)
+    }
+
+    /// The same session with the channel of the response cutting off at a range, response units, given
+    /// the experiment. Nothing is fitted again, and models of this session are models of the result.
+    /// `None` if the base model has no response, or once the observer cancels.
+    pub fn with_range(
+        &self,
+        range: impl Fn(usize) -> Option<ChannelRange>,
+    ) -> Option<FitSession<'a>> {
+        let mut problem = self.problem.clone();
+        for (index, experiment) in problem.experiments.iter_mut().enumerate() {
+            experiment.range = range(index).map(|r| r.scaled(1.0 / problem.response_scale));
+        }
+        self.with_responses_of(problem)
+    }
+
+    fn with_responses_of(&self, problem: Problem) -> Option<FitSession<'a>> {
         let mut changed = self.of_problem(problem);
         changed.stand_in = changed.misfit(&self.base).predict(&self.base.point).ok()?;
         changed.coarse = changed.coarsened();

@@ -1,7 +1,7 @@
 //! An experiment prepared for simulation, with its data in scale.
 
 use super::scales::Scales;
-use crate::measurement::{Complex, Experiment, Loop, Metadata, ResponseKind};
+use crate::measurement::{ChannelRange, Complex, Experiment, Loop, Metadata, ResponseKind};
 use crate::simulate::Excitation;
 
 /// One datum: a harmonic of the response.
@@ -29,6 +29,8 @@ pub(in super::super) struct Prepared {
     pub highest: usize,
     /// The harmonics that are compared.
     pub targets: Vec<Target>,
+    /// The range of the channel of the response, if it cuts off, in scale.
+    pub range: Option<ChannelRange>,
     /// Whether it is not known exactly how far a position ends its period from where it began.
     pub unknown_jump: bool,
 }
@@ -74,7 +76,8 @@ pub(super) fn prepare(
     }
     let highest = targets.last().map_or(0, |target| target.order);
     let excitation = Excitation::new(omega, input).at_run_share(run_share);
-    Prepared { excitation, highest, targets, unknown_jump: false }
+    let range = experiment.range.map(|range| range.scaled(1.0 / response_scale));
+    Prepared { excitation, highest, targets, range, unknown_jump: false }
 }
 
 /// Whether a single period of a position was recorded of an axis that no loop holds.

@@ -29,7 +29,10 @@ impl Problem {
         let mut rest = self.clone();
         for (e, experiment) in rest.experiments.iter_mut().enumerate() {
             experiment.targets = subset.of(e, &experiment.targets);
-            experiment.highest = experiment.targets.last().map_or(0, |target| target.order);
+            // What a channel cuts off depends on all harmonics.
+            if experiment.range.is_none() {
+                experiment.highest = experiment.targets.last().map_or(0, |target| target.order);
+            }
         }
         rest
     }

@@ -4,6 +4,7 @@
 //! line in [`CHECKS`].
 
 mod amplitude;
+mod clipping;
 mod closed_loop;
 mod finding;
 mod one_direction;
@@ -27,6 +28,7 @@ const CHECKS: &[(&str, Check)] = &[
     ("rising_phase", rising_phase::check),
     ("position_as_velocity", position_as_velocity::check),
     ("closed_loop", closed_loop::check),
+    ("clipping", clipping::check),
     ("amplitude", amplitude::check),
 ];
 

@@ -101,6 +101,8 @@ pub(super) fn experiment(
             mean_velocity: 0.0,
             rounding_std: 0.0,
             open_samples: None,
+            clipping: None,
+            range: None,
             response,
             run: run(&repeats, &mut remarks),
             repeats: repeats_of_mean,

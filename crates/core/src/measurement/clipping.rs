@@ -1,0 +1,207 @@
+//! Samples that a channel cut off at its range.
+//!
+//! A channel that clips repeats its largest or smallest value exactly, in a row and often, and hardly
+//! any sample lies just inside. So does a machine that stands still, or an input that is held: a
+//! diagnosis decides which it is.
+
+mod fill;
+
+use super::record::{Record, RecordStatement};
+use super::spectrum::{self, Periods};
+use super::{ChannelRange, Clipping, ResponseKind, resolution};
+use fill::Fill;
+
+/// Fewest samples at a limit, and fewest of them in a row somewhere.
+const FEWEST: usize = 8;
+const FEWEST_IN_A_ROW: usize = 3;
+
+/// A channel clips if the samples at its limit are more than this many times those that lie inside by
+/// less than [`NEAR_SHARE`] of its range. Of a sine that is rounded to 256 steps they are 2.4 times as
+/// many.
+const MORE_THAN_NEAR: usize = 4;
+const NEAR_SHARE: f64 = 0.005;
+
+/// Largest share of samples that can be filled in.
+const MOST_SHARE: f64 = 0.5;
+
+impl Record {
+    /// What the channels seem to cut off in the last periods, of this length in seconds; `None` if
+    /// nothing. Of responses only velocities are looked at: a position stands still, too.
+    pub(super) fn clipping(
+        &self,
+        periods: Periods,
+        period_s: f64,
+        stated: RecordStatement,
+    ) -> Option<Box<Clipping>> {
+        let used = |channel: &[f64]| {
+            let length = periods.samples as usize;
+            let is_whole = periods.samples.fract() == 0.0;
+            let begin = channel.len().checked_sub(length * periods.count)?;
+            Some(begin).filter(|_| is_whole)
+        };
+        let begin = used(&self.input)?;
+        let input = CutOff::of(&self.input[begin..]);
+        let is_velocity = stated.kind == ResponseKind::Velocity;
+        let response =
+            if is_velocity { CutOff::of(&self.output[begin..]) } else { CutOff::default() };
+        if input.share.max(response.share) == 0.0 {
+            return None;
+        }
+        let filled = (input.share > 0.0).then(|| {
+            let mut record = Self { time_s: Vec::new(), ..self.clone() };
+            input.fill(&mut record.input[begin..], periods.samples as usize);
+            let outputs = spectrum::of_periods(&record.output, periods);
+            record.of_periods(outputs, (periods.samples, period_s), stated, &mut Vec::new())
+        });
+        let [lowest, highest] = response.limits;
+        let range = (response.share > 0.0).then(|| ChannelRange {
+            lowest: lowest.unwrap_or(f64::NEG_INFINITY),
+            highest: highest.unwrap_or(f64::INFINITY),
+            samples: periods.samples as usize,
+        });
+        let (input_share, response_share) = (input.share, response.share);
+        Some(Box::new(Clipping { filled, input_share, range, response_share }))
+    }
+}
+
+/// What a channel cuts off.
+#[derive(Debug, Default)]
+struct CutOff {
+    limits: [Option<f64>; 2],
+    /// Share of the samples.
+    share: f64,
+}
+
+impl CutOff {
+    /// Nothing is cut off if too little would be left. A range is mostly symmetric: of its other end one
+    /// sample is enough.
+    fn of(samples: &[f64]) -> Self {
+        let limits = match limits(samples) {
+            [None, Some(end)] | [Some(end), None] if samples.contains(&-end) => {
+                [Some(-end.abs()), Some(end.abs())]
+            }
+            limits => limits,
+        };
+        let cut = Self { limits, share: 0.0 };
+        let count = samples.iter().filter(|value| cut.is_cut(**value)).count();
+        let share = count as f64 / samples.len().max(1) as f64;
+        if share > MOST_SHARE { Self::default() } else { Self { share, ..cut } }
+    }
+
+    fn is_cut(&self, value: f64) -> bool {
+        self.limits.contains(&Some(value))
+    }
+
+    /// Fills in what was cut off of periods of so many samples; it lies beyond the limits.
+    fn fill(&self, samples: &mut [f64], length: usize) {
+        let before = samples.to_vec();
+        let cut: Vec<Vec<usize>> = samples
+            .chunks_exact(length)
+            .map(|period| (0..length).filter(|i| self.is_cut(period[*i])).collect())
+            .collect();
+        Fill::of(length).fill(samples, &cut);
+        let [lowest, highest] = self.limits;
+        for (before, after) in before.iter().zip(samples) {
+            if Some(*before) == highest {
+                *after = after.max(*before);
+            } else if Some(*before) == lowest {
+                *after = after.min(*before);
+            }
+        }
+    }
+}
+
+/// The lowest and the highest value of a channel, where it clips.
+fn limits(samples: &[f64]) -> [Option<f64>; 2] {
+    [-1.0, 1.0].map(|sign| {
+        let toward = |value: &f64| sign * value;
+        let highest = samples.iter().map(toward).fold(f64::NEG_INFINITY, f64::max);
+        let lowest = samples.iter().map(toward).fold(f64::INFINITY, f64::min);
+        let is_at = |value: &f64| toward(value) == highest;
+        let longest = samples.chunk_by(|a, b| is_at(a) == is_at(b));
+        let longest = longest.filter(|run| is_at(&run[0])).map(<[f64]>::len).max()?;
+        let at = samples.iter().filter(|value| is_at(value)).count();
+        // At 0 a machine stands still that moves in one direction.
+        let is_possible = highest != 0.0 && highest > lowest;
+        if at < FEWEST || longest < FEWEST_IN_A_ROW || !is_possible {
+            return None;
+        }
+        let width = (NEAR_SHARE * (highest - lowest)).max(1.5 * resolution::step(samples));
+        let is_near = |value: &&f64| !is_at(value) && toward(value) > highest - width;
+        let near = samples.iter().filter(is_near).count();
+        (at > MORE_THAN_NEAR * near).then_some(sign * highest)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+
+    const LENGTH: usize = 400;
+
+    /// Four periods of 12 lines with noise of 60 dB.
+    fn signal() -> Vec<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut value = |n: usize| {
+            let noise: f64 = StandardNormal.sample(&mut rng);
+            let line =
+                |k: i32| (f64::from(k) * (TAU * n as f64 / LENGTH as f64) + f64::from(k * k)).cos();
+            (1..=12).map(line).sum::<f64>() + 1e-3 * noise * 6.0_f64.sqrt()
+        };
+        (0..4 * LENGTH).map(&mut value).collect()
+    }
+
+    fn clipped(signal: &[f64], low: f64, high: f64) -> Vec<f64> {
+        signal.iter().map(|value| value.clamp(low, high)).collect()
+    }
+
+    #[test]
+    fn what_was_cut_off_is_filled_in_to_the_noise() {
+        let whole = signal();
+        let mut samples = clipped(&whole, -2.5, 4.0);
+        let cut = CutOff::of(&samples);
+        assert!((0.05..0.3).contains(&cut.share), "{}", cut.share);
+        cut.fill(&mut samples, LENGTH);
+        let squares = whole.iter().zip(&samples).map(|(a, b)| (a - b).powi(2));
+        let rms = (squares.sum::<f64>() / whole.len() as f64).sqrt();
+        // The noise itself is 2.4e-3; a tenth of the samples is filled in.
+        assert!(rms < 2.5e-3, "{rms}");
+    }
+
+    #[test]
+    fn a_channel_clips_only_where_it_repeats_its_limit() {
+        let whole = signal();
+        assert_eq!(limits(&whole), [None, None]);
+        assert_eq!(limits(&clipped(&whole, -2.5, 40.0)), [Some(-2.5), None]);
+        assert_eq!(limits(&clipped(&whole, -25.0, 4.0)), [None, Some(4.0)]);
+        // Rounded to 256 steps.
+        let rounded = |n: u32| (128.0 * (f64::from(n) * 0.01).cos()).round();
+        assert_eq!(limits(&(0..2000).map(rounded).collect::<Vec<_>>()), [None, None]);
+    }
+
+    #[test]
+    fn one_sample_at_the_other_end_of_a_symmetric_range_is_cut_off_as_well() {
+        let mut samples = clipped(&signal(), -50.0, 4.0);
+        assert_eq!(CutOff::of(&samples).limits, [None, Some(4.0)]);
+        let lowest = samples.iter().position(|value| *value < -4.0).unwrap();
+        samples.iter_mut().for_each(|value| *value = value.max(-3.9));
+        samples[lowest] = -4.0;
+        assert_eq!(CutOff::of(&samples).limits, [Some(-4.0), Some(4.0)]);
+    }
+
+    #[test]
+    fn a_machine_that_stands_still_does_not_clip() {
+        assert_eq!(limits(&clipped(&signal(), 0.0, 40.0)), [None, None]);
+    }
+
+    #[test]
+    fn most_of_a_period_cannot_be_filled_in() {
+        assert_eq!(CutOff::of(&clipped(&signal(), -0.1, 0.1)).share, 0.0);
+    }
+}
